@@ -157,10 +157,10 @@ async function showEnd(sheet: Sheet, names: readonly string[]): Promise<void> {
   await sheet.waitForFunction((wanted) => {
     const watch = window.__rafcon.page.active.value?.run.value;
     if (!watch?.isCaughtUp.value) return false;
-    const { journal, moment } = watch;
+    const { journal, playhead } = watch;
     for (let index = 0; index < journal.length; index += 1) {
       if (journal.outcome(index) && journal.pathOf(journal.pathNumber(index)) === wanted) {
-        moment.value = journal.sequence(index);
+        playhead.value = journal.sequence(index);
         return true;
       }
     }
@@ -168,7 +168,7 @@ async function showEnd(sheet: Sheet, names: readonly string[]): Promise<void> {
   }, path);
   await sheet.waitForFunction(() => {
     const watch = window.__rafcon.page.active.value?.run.value;
-    return watch?.seen.value?.picture.sequence === watch?.moment.value;
+    return watch?.playheadSnapshot.value?.picture.sequence === watch?.playhead.value;
   });
 }
 

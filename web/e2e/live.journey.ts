@@ -109,7 +109,7 @@ journey(
     const list = await panel(app);
     await app.press("f");
     await app.press(",");
-    await app.until(({ tab }) => tab?.run.value?.moment.value != null, null);
+    await app.until(({ tab }) => tab?.run.value?.playhead.value != null, null);
     await app.press(",");
     await ringed(app, PACKER, "running");
     await list.getByRole("button").first().waitFor();

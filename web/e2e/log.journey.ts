@@ -115,11 +115,11 @@ journey(
     await app.selected(`state:${await app.path("Turn")}`);
     expect(await momentOf(app)).toBe(null);
     await sheet.getByRole("button", { name: "Show this moment" }).click();
-    await app.until(({ tab }) => tab?.run.value?.moment.value != null, null);
-    const moment = await momentShown(app);
+    await app.until(({ tab }) => tab?.run.value?.playhead.value != null, null);
+    const playhead = await momentShown(app);
     const active = await sheet.evaluate(
       () =>
-        window.__rafcon.page.active.value?.run.value?.seen.value?.picture.active.map(
+        window.__rafcon.page.active.value?.run.value?.playheadSnapshot.value?.picture.active.map(
           ({ path }) => path,
         ) ?? [],
     );
@@ -129,9 +129,9 @@ journey(
     expect(await log(app).locator(".log-later", { hasText: "hello" }).count()).toBe(0);
     await log(app).getByText("hello").dblclick();
     await app.until(({ tab }, before) => {
-      const now = tab?.run.value?.moment.value;
+      const now = tab?.run.value?.playhead.value;
       return now != null && before !== null && now < before;
-    }, moment);
+    }, playhead);
     await endRun(server, run);
   },
 );
@@ -160,6 +160,6 @@ journey(
 
 async function momentOf(app: App): Promise<number | null> {
   return app.sheet.evaluate(
-    () => window.__rafcon.page.active.value?.run.value?.moment.value ?? null,
+    () => window.__rafcon.page.active.value?.run.value?.playhead.value ?? null,
   );
 }

@@ -29,9 +29,9 @@ async function scrub(app: App, at: (moment: number) => Promise<void>): Promise<v
   await mouse.down();
   for (const tenth of [...TENTHS].reverse()) {
     await mouse.move(x + (width * tenth) / 10, y, { steps: 3 });
-    const moment = await momentShown(app);
-    if (moment === null) throw new Error(`at ${tenth} tenths the page shows what is now`);
-    await at(moment);
+    const playhead = await momentShown(app);
+    if (playhead === null) throw new Error(`at ${tenth} tenths the page shows what is now`);
+    await at(playhead);
   }
   await mouse.up();
 }
@@ -131,9 +131,9 @@ journey(
     await app.sheet.getByRole("button", { name: "Zoom to the selected state" }).click();
     await app.click({ x: middle, y: rows.y + 30 });
     await app.selected("state:SEARCH/ORTIME");
-    const moment = await momentShown(app);
-    if (moment === null) throw new Error("the page shows what is now");
-    await samePicture(app, server, run, moment);
+    const playhead = await momentShown(app);
+    if (playhead === null) throw new Error("the page shows what is now");
+    await samePicture(app, server, run, playhead);
     expect(await activeShown(app)).toContain("SEARCH/ORTIME");
     const fold = app.sheet.getByRole("button", { name: "One row of Look around" });
     await fold.click();
@@ -246,7 +246,7 @@ journey(
     const second = entries()[1]?.sequence ?? 0;
     await app.sheet.evaluate((sequence) => {
       const watch = window.__rafcon.page.active.value?.run.value;
-      if (watch) watch.moment.value = sequence;
+      if (watch) watch.playhead.value = sequence;
     }, second);
     await app.sheet.getByRole("button", { name: "Start from here" }).click();
     await app.until(({ tab }, sequence) => {

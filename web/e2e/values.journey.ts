@@ -80,7 +80,7 @@ journey(
     await inRun(app, "Inputs")
       .getByRole("button", { name: "Show the moment when count came" })
       .click();
-    await app.until(({ tab }) => (tab?.run.value?.moment.value ?? null) !== null, null);
+    await app.until(({ tab }) => (tab?.run.value?.playhead.value ?? null) !== null, null);
     await app.sheet.getByText("Outputs of its last end").waitFor();
     await value(app, "Outputs", "count", "5").waitFor();
     await value(app, "Outputs", "0", "5").waitFor();
@@ -136,13 +136,13 @@ journey("an expression is watched, plotted, and leads to its moments", slow, asy
   await panel.getByRole("button", { name: "Show the value of pose before" }).click();
   await now("175");
   const moment = () =>
-    app.sheet.evaluate(() => window.__rafcon.page.active.value?.run.value?.moment.value ?? null);
+    app.sheet.evaluate(() => window.__rafcon.page.active.value?.run.value?.playhead.value ?? null);
   const before = await moment();
   const plot = await panel.locator(".u-over").boundingBox();
   if (!plot || before === null) throw new Error("there is no plot, or no moment is shown");
   await app.sheet.mouse.move(plot.x + 3, plot.y + 20);
   await app.click({ x: plot.x + 2, y: plot.y + 20 });
-  await app.until(({ tab }, late) => (tab?.run.value?.moment.value ?? late) < late, before);
+  await app.until(({ tab }, late) => (tab?.run.value?.playhead.value ?? late) < late, before);
   await now("25");
 
   await app.sheet.reload();

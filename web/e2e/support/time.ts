@@ -66,11 +66,11 @@ export async function shown(app: App, run: string): Promise<void> {
 export async function momentShown(app: App): Promise<number | null> {
   await app.until(({ tab }) => {
     const watch = tab?.run.value;
-    const moment = watch?.moment.value;
-    return moment == null || watch?.seen.value?.picture.sequence === moment;
+    const moment = watch?.playhead.value;
+    return moment == null || watch?.playheadSnapshot.value?.picture.sequence === moment;
   }, null);
   return app.sheet.evaluate(
-    () => window.__rafcon.page.active.value?.run.value?.moment.value ?? null,
+    () => window.__rafcon.page.active.value?.run.value?.playhead.value ?? null,
   );
 }
 
@@ -83,7 +83,7 @@ export async function showsMoment(app: App, moment: number | null | undefined): 
 export async function activeShown(app: App): Promise<readonly string[]> {
   return app.sheet.evaluate(
     () =>
-      window.__rafcon.page.active.value?.run.value?.seen.value?.picture.active.map(
+      window.__rafcon.page.active.value?.run.value?.playheadSnapshot.value?.picture.active.map(
         ({ path }) => path,
       ) ?? [],
   );

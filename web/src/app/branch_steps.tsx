@@ -40,7 +40,7 @@ export function BranchSteps({ tab, watch, picture }: Props) {
 
 /** The branches of concurrency states that are held, while what is shown is live. */
 function heldLanes(watch: Watch): readonly Active[] {
-  if (watch.moment.value !== null) return [];
+  if (watch.playhead.value !== null) return [];
   return lanes(activeStates(watch)).filter(
     ({ phase, branch }) => phase === "held" && branch !== "",
   );

@@ -13,7 +13,7 @@ const SHADES = Array.from({ length: HEAT_LEVELS + 1 }, (_, level) => level);
 export function HeatLegend({ tab }: { readonly tab: OpenTab }) {
   const mode = useSignal(tab.view.heat);
   const most = useDerived(() => heatNow(tab)?.most ?? null, [tab]);
-  const isPast = useDerived(() => (tab.run.value?.moment.value ?? null) !== null, [tab]);
+  const isPast = useDerived(() => (tab.run.value?.playhead.value ?? null) !== null, [tab]);
   if (mode === "off" || most === null) return null;
   const [what, least, much] =
     mode === "count"

@@ -28,15 +28,15 @@ function OfRun({ tab, watch }: OfRunProps) {
   const { page } = useSession();
   // From now on it is known when the page was not told, whether or not the time line shows it.
   useEffect(() => void gapsOf(page, watch), [page, watch]);
-  const moment = useSignal(watch.moment);
-  return moment === null ? null : <OfMoment tab={tab} watch={watch} moment={moment} />;
+  const playhead = useSignal(watch.playhead);
+  return playhead === null ? null : <OfMoment tab={tab} watch={watch} playhead={playhead} />;
 }
 
-function OfMoment({ tab, watch, moment }: OfRunProps & { readonly moment: number }) {
+function OfMoment({ tab, watch, playhead }: OfRunProps & { readonly playhead: number }) {
   const { commands, context } = useSession();
   const { index, when, what } = useMoment(tab, watch);
-  const seen = useSignal(watch.seen);
-  const isHere = seen?.picture.sequence === moment;
+  const snapshot = useSignal(watch.playheadSnapshot);
+  const isHere = snapshot?.picture.sequence === playhead;
   const run = (id: string) => commands.run(id, context());
   const isOver = useSignal(watch.now)?.link === "over";
   return (
@@ -46,7 +46,7 @@ function OfMoment({ tab, watch, moment }: OfRunProps & { readonly moment: number
         <strong className="moment-when">{when}</strong>
         <span className="moment-what">{what}</span>
         <span className="moment-soft">
-          event {moment} of {watch.journal.sequence(watch.journal.length - 1)}
+          event {playhead} of {watch.journal.sequence(watch.journal.length - 1)}
           <Ago watch={watch} index={index} />
           {!isHere && ", its values are on their way"}
         </span>
@@ -69,12 +69,12 @@ function OfMoment({ tab, watch, moment }: OfRunProps & { readonly moment: number
 function Ago({ watch, index }: { readonly watch: Watch; readonly index: number }) {
   const { page } = useSession();
   const now = useSignal(watch.now);
-  const seen = useSignal(watch.seen);
+  const snapshot = useSignal(watch.playheadSnapshot);
   const t_ms = watch.journal.t_ns(index) / 1e6;
   const come_ms = useDerived(() => timelineOf(page, watch).end_ns / 1e6, [page, watch]);
   const before = duration(Math.max(0, come_ms - t_ms));
   const at =
-    now && (seen?.picture.life ?? 1) <= 1 ? `, ${clockTime(now.run.started_ms + t_ms)}` : "";
+    now && (snapshot?.picture.life ?? 1) <= 1 ? `, ${clockTime(now.run.started_ms + t_ms)}` : "";
   return `${at}, ${before} ${now?.link === "over" ? "before the end" : "ago"}`;
 }
 
@@ -82,7 +82,7 @@ function useRefusal(id: string, { tab, watch }: OfRunProps): string | null {
   const { commands, context } = useSession();
   return useDerived(() => {
     watch.grown.value;
-    watch.moment.value;
+    watch.playhead.value;
     watch.now.value;
     tab.view.selection.value;
     const command = commands.get(id);

@@ -76,8 +76,8 @@ export function heatNow({ run, view }: OpenTab) {
 }
 
 /** What states did until the moment that is shown; while live, all that they did. */
-function countsShown({ journal, grown, moment }: Watch): Iterable<CountUntil> {
-  const until = moment.value;
+function countsShown({ journal, grown, playhead }: Watch): Iterable<CountUntil> {
+  const until = playhead.value;
   if (until !== null) return countsUntil(journal, journal.indexOf(until + 1)).all();
   grown.value;
   return journal.counts.all();
@@ -87,7 +87,7 @@ function valuesOf({ run, view, session }: OpenTab): ReadonlySignal<ReadonlyMap<s
   return computed(() => {
     const watch = run.value;
     if (!watch || !view.modes.value.values) return NO_VALUES;
-    const picture = watch.seen.value?.picture;
+    const picture = watch.playheadSnapshot.value?.picture;
     session.version.value;
     if (!picture) return NO_VALUES;
     return new Map(

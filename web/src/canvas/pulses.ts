@@ -70,8 +70,8 @@ export function pulsesOver(
 }
 
 /** Whether what is told of a run was before one looked: it is still told what was, or it is over and none of its moments is shown. */
-function isPast({ isCaughtUp, moment, now }: Watch): boolean {
-  return !isCaughtUp.value || (moment.value === null && now.value?.link === "over");
+function isPast({ isCaughtUp, playhead, now }: Watch): boolean {
+  return !isCaughtUp.value || (playhead.value === null && now.value?.link === "over");
 }
 
 /** Which transitions were taken since the last look. */

@@ -15,7 +15,7 @@ function controlled(
 ): Stand {
   const context = stand(`R "Root" hierarchy outcome done`, { answers });
   const all = { holder: "anna", since_ms: 0, heard_ms: 0, silence_ms: 0, requests: [], ...control };
-  const watch = { id: "r", now: signal({ control: all }), moment: signal(null) };
+  const watch = { id: "r", now: signal({ control: all }), playhead: signal(null) };
   context.tab.run.value = watch as unknown as Watch;
   Object.assign(context.page.server, { pulse: signal({ ahead_ms }) });
   return context;

@@ -46,7 +46,7 @@ function running(options: Options = {}): Stand & { readonly commands: RunCommand
   const watch = {
     id: "r",
     now: signal(now),
-    moment: signal(null),
+    playhead: signal(null),
     command: (runCommand: RunCommand) => {
       commands.push(runCommand);
       return Promise.resolve({ answer: options.answer ?? { answer: "applied" } });

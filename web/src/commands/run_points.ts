@@ -161,7 +161,7 @@ async function editBreakpoint(context: Context, argument: unknown): Promise<void
 
 function active({ tab }: Context): readonly Active[] {
   const watch = tab?.run.value;
-  return watch && watch.moment.value === null ? activeStates(watch) : [];
+  return watch && watch.playhead.value === null ? activeStates(watch) : [];
 }
 
 /** The selected state, if somebody may choose its outcome. */

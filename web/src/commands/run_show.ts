@@ -65,11 +65,11 @@ export const RUN_SHOW: readonly Command[] = [
     refusal: ({ page }) => {
       const watch = runOf(page);
       if (!watch) return NONE;
-      return watch.moment.value === null ? "now is what is shown" : null;
+      return watch.playhead.value === null ? "now is what is shown" : null;
     },
     run: ({ page }) => {
       const watch = runOf(page);
-      if (watch) watch.moment.value = null;
+      if (watch) watch.playhead.value = null;
     },
   },
   {
@@ -159,7 +159,7 @@ async function startFromHistory(context: Context, argument: unknown): Promise<vo
     const runCommand = { type: "start_from_history", sequence } as const;
     if (!(await sendCommand(context, "Start from this moment", runCommand))) return;
   } else await watch.resume("restart", sequence);
-  watch.moment.value = null;
+  watch.playhead.value = null;
 }
 
 function compare({ page, shell }: Context, argument: unknown): void {

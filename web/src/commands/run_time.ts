@@ -1,6 +1,6 @@
 /** Ways through the time of a run: event by event, from entry to entry of a state, to its begin. */
 
-import { entryOf, shownIndex, stepMoment, toEnd, toEntry } from "../store/moments.ts";
+import { entryOf, shownIndex, stepPlayhead, toEnd, toEntry } from "../store/moments.ts";
 import { runOf } from "../store/page.ts";
 import type { Watch } from "../store/run.ts";
 import { selectedStates } from "../store/view.ts";
@@ -31,7 +31,7 @@ export const RUN_TIME: readonly Command[] = [
     refusal: ({ page }) => {
       const watch = runOf(page);
       if (!watch) return NO_RUN;
-      return watch.moment.value === null ? "now is what is shown" : null;
+      return watch.playhead.value === null ? "now is what is shown" : null;
     },
     run: ({ page }) => stepIn(runOf(page), 1),
   },
@@ -64,7 +64,7 @@ export const RUN_TIME: readonly Command[] = [
 ];
 
 function stepIn(watch: Watch | null, by: number): void {
-  if (watch) stepMoment(watch, by);
+  if (watch) stepPlayhead(watch, by);
 }
 
 function refusedEntry({ page, tab }: Context, way: "before" | "after"): string | null {

@@ -2,19 +2,19 @@ import { signal } from "@preact/signals-core";
 import { expect, test } from "vitest";
 import type { ActiveState, Hold, Phase, Picture, RunNow } from "../model/generated/protocol.ts";
 import { type Active, activeStates, heldBefore, isHolding, lanes, placeOfLane } from "./active.ts";
-import type { Seen, Watch } from "./run.ts";
+import type { RunSnapshot, Watch } from "./run.ts";
 
 /** A watch of which only what is shown counts. */
 function watching(now: readonly ActiveState[], picture?: Partial<Picture>): Watch {
-  const shown = { now: signal<RunNow | null>(null), moment: signal<number | null>(null) };
+  const shown = { now: signal<RunNow | null>(null), playhead: signal<number | null>(null) };
   const run = { phase: "live" };
   shown.now.value = { run, snapshot: { active: now, questions: [] } } as unknown as RunNow;
-  const seen = signal<Seen | null>(null);
+  const snapshot = signal<RunSnapshot | null>(null);
   if (picture) {
     const whole = { held: [], waiting: {}, questions: [], active: [], t_ns: 0, ...picture };
-    seen.value = { picture: whole as unknown as Picture, at_ms: 0 };
+    snapshot.value = { picture: whole as unknown as Picture, at_ms: 0 };
   }
-  return { ...shown, seen } as unknown as Watch;
+  return { ...shown, playheadSnapshot: snapshot } as unknown as Watch;
 }
 
 function state(
@@ -66,7 +66,7 @@ test("at a moment its picture is what is active, with branches where states part
     waiting: { "R/X": "a start state" },
   });
   expect(told(lanes(activeStates(watch)))).toBe(": running R");
-  watch.moment.value = 7;
+  watch.playhead.value = 7;
   expect(told(lanes(activeStates(watch)))).toBe("R/X: waiting R/X\nR/Y: held R/Y/A");
   expect(activeStates(watch)[1]?.since_ms).toBe(8);
 });

@@ -42,8 +42,8 @@ export function activeStates(watch: Watch): readonly Active[] {
 }
 
 function found(watch: Watch): readonly Active[] {
-  if (watch.moment.value === null) return ofNow(watch.now.value);
-  const picture = watch.seen.value?.picture;
+  if (watch.playhead.value === null) return ofNow(watch.now.value);
+  const picture = watch.playheadSnapshot.value?.picture;
   return picture ? ofPicture(picture) : [];
 }
 

@@ -18,7 +18,7 @@ interface Given {
   readonly server_ms?: number;
   readonly old_ms?: number;
   readonly ahead_ms?: number;
-  readonly moment?: number;
+  readonly playhead?: number;
   readonly isHeard?: boolean;
 }
 
@@ -41,7 +41,7 @@ function age(given: Given) {
     now: signal(now),
     proven_ms: signal(NOW_MS + ahead_ms - 7_000),
     isHeard: signal(given.isHeard ?? true),
-    moment: signal(given.moment ?? null),
+    playhead: signal(given.playhead ?? null),
     grown: signal(3),
     journal,
   } as unknown as Watch;
@@ -101,6 +101,10 @@ describe("what is shown of a run", () => {
   });
 
   it("is a moment of the past if that was asked for, and not greyed", () => {
-    expect(age({ moment: 1, link: DOWN })).toEqual({ age_ms: 2_000, isOld: false, why: "moment" });
+    expect(age({ playhead: 1, link: DOWN })).toEqual({
+      age_ms: 2_000,
+      isOld: false,
+      why: "moment",
+    });
   });
 });

@@ -22,7 +22,7 @@ const FRESH: RunAge = { age_ms: 0, isOld: false, why: null };
 
 /** Reads signals: an effect or computed value is told when it may be another. */
 export function runAge(page: Pick<Page, "server">, watch: Watch, now_ms: number): RunAge {
-  if (watch.moment.value !== null) return momentAge(watch);
+  if (watch.playhead.value !== null) return momentAge(watch);
   return truthAge(page, watch, now_ms);
 }
 
@@ -62,6 +62,6 @@ function momentAge(watch: Watch): RunAge {
   const { journal } = watch;
   watch.grown.value;
   const end_ns = journal.length === 0 ? 0 : journal.t_ns(journal.length - 1);
-  const t_ns = journal.t_ns(journal.indexOf(watch.moment.value ?? 0));
+  const t_ns = journal.t_ns(journal.indexOf(watch.playhead.value ?? 0));
   return { age_ms: Math.max(0, (end_ns - t_ns) / 1e6), isOld: false, why: "moment" };
 }

@@ -11,13 +11,13 @@ const NOW_MS = 100_000;
 
 interface Given {
   readonly phase?: "live" | "finished";
-  readonly moment?: number;
+  readonly playhead?: number;
   /** When the server was heard last. */
   readonly heard_ms?: number;
 }
 
 /** Its runner spoke last five seconds ago, when it had gone on for two; its last event is older. */
-function come({ phase = "live", moment, heard_ms = NOW_MS }: Given): number {
+function come({ phase = "live", playhead, heard_ms = NOW_MS }: Given): number {
   const journal = new Journal();
   journal.add(events("> R\n > R/A"), 3);
   const now = {
@@ -30,7 +30,7 @@ function come({ phase = "live", moment, heard_ms = NOW_MS }: Given): number {
     now: signal(now as RunNow),
     proven_ms: signal(heard_ms),
     isHeard: signal(true),
-    moment: signal(moment ?? null),
+    playhead: signal(playhead ?? null),
     journal,
   };
   const server = {
@@ -42,7 +42,7 @@ function come({ phase = "live", moment, heard_ms = NOW_MS }: Given): number {
 
 test("a run that goes on comes farther also while nothing happens, whatever moment is shown", () => {
   expect(come({})).toBe(7_000);
-  expect(come({ moment: 1 })).toBe(7_000);
+  expect(come({ playhead: 1 })).toBe(7_000);
 });
 
 test("it has come as far as it was heard, and one that is over to its last event", () => {

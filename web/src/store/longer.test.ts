@@ -19,7 +19,7 @@ function longer(times: number, since_ms: number, phase: Phase = "running", link 
   const watch = {
     id: "r",
     now: signal(now as unknown as RunNow),
-    moment: signal(null),
+    playhead: signal(null),
     isHeard: signal(true),
     proven_ms: signal(0),
     journal: { counts },

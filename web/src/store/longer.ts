@@ -16,7 +16,7 @@ export interface Longer {
 /** Of a run that is heard, and shown as it is now. A signal's reader, told once a second. */
 export function longerThanEver(page: Page, watch: Watch): readonly Longer[] {
   const now = watch.now.value;
-  if (now?.run.phase !== "live" || now.link !== "up" || watch.moment.value !== null) return [];
+  if (now?.run.phase !== "live" || now.link !== "up" || watch.playhead.value !== null) return [];
   const later_ms = laterBy(page, watch);
   const past = pastUsual(page, earlierRuns(page, watch)[0]?.id ?? null).value;
   return lanes(activeStates(watch)).flatMap((lane) => {

@@ -118,8 +118,8 @@ function following(watch: Watch, session: MachineSession): ReadonlySignal<RunMar
 
 /** The event after which everything is shown; null while live. */
 function shownUntil(watch: Watch): number | null {
-  if (watch.moment.value === null) return null;
-  return watch.seen.value?.picture.sequence ?? watch.moment.value;
+  if (watch.playhead.value === null) return null;
+  return watch.playheadSnapshot.value?.picture.sequence ?? watch.playhead.value;
 }
 
 /** The states that failed up to an event, from where it began to where it was taken care of. */

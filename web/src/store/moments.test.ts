@@ -2,7 +2,7 @@ import { signal } from "@preact/signals-core";
 import { expect, test } from "vitest";
 import { Found } from "./found.ts";
 import { Journal } from "./journal.ts";
-import { entryToStartFrom, shownIndex, showTime, stepMoment, toEnd, toEntry } from "./moments.ts";
+import { entryToStartFrom, shownIndex, showTime, stepPlayhead, toEnd, toEntry } from "./moments.ts";
 import { Notes } from "./notes.ts";
 import type { Watch } from "./run.ts";
 import { events } from "./testing/events.ts";
@@ -21,46 +21,46 @@ function watched(text = TOLD): Watch {
   const journal = new Journal();
   const told = events(text);
   journal.add(told, told.length + 1);
-  return { journal, moment: signal<number | null>(null) } as unknown as Watch;
+  return { journal, playhead: signal<number | null>(null) } as unknown as Watch;
 }
 
 test("one goes event by event, and beyond the last one is live", () => {
   const watch = watched();
-  stepMoment(watch, 1);
-  expect(watch.moment.value).toBeNull();
-  stepMoment(watch, -1);
-  expect(watch.moment.value).toBe(8);
-  stepMoment(watch, -20);
-  expect(watch.moment.value).toBe(1);
-  stepMoment(watch, 1);
-  expect([watch.moment.value, shownIndex(watch)]).toEqual([2, 1]);
-  stepMoment(watch, 20);
-  expect(watch.moment.value).toBeNull();
+  stepPlayhead(watch, 1);
+  expect(watch.playhead.value).toBeNull();
+  stepPlayhead(watch, -1);
+  expect(watch.playhead.value).toBe(8);
+  stepPlayhead(watch, -20);
+  expect(watch.playhead.value).toBe(1);
+  stepPlayhead(watch, 1);
+  expect([watch.playhead.value, shownIndex(watch)]).toEqual([2, 1]);
+  stepPlayhead(watch, 20);
+  expect(watch.playhead.value).toBeNull();
   toEnd(watch, "first");
-  expect(watch.moment.value).toBe(1);
+  expect(watch.playhead.value).toBe(1);
 });
 
 test("one goes from entry to entry of a state, and to times", () => {
   const watch = watched();
   expect(toEntry(watch, "R/A", "after")).toBe(false);
   expect(toEntry(watch, "R/A", "before")).toBe(true);
-  expect(watch.moment.value).toBe(8);
+  expect(watch.playhead.value).toBe(8);
   toEntry(watch, "R/A", "before");
-  expect(watch.moment.value).toBe(2);
+  expect(watch.playhead.value).toBe(2);
   expect(toEntry(watch, "R/A", "before")).toBe(false);
   toEntry(watch, "R/A", "after");
-  expect(watch.moment.value).toBe(8);
+  expect(watch.playhead.value).toBe(8);
   showTime(watch, 4.5e6);
-  expect(watch.moment.value).toBe(4);
+  expect(watch.playhead.value).toBe(4);
 });
 
 test("a run goes on from a moment by the next entry, else by what ran then", () => {
   const watch = watched();
-  watch.moment.value = 4;
+  watch.playhead.value = 4;
   expect(entryToStartFrom(watch)).toBe(5);
-  watch.moment.value = 2;
+  watch.playhead.value = 2;
   expect(entryToStartFrom(watch)).toBe(2);
-  watch.moment.value = null;
+  watch.playhead.value = null;
   expect(entryToStartFrom(watch)).toBe(1);
 });
 

@@ -8,28 +8,28 @@ import type { Watch } from "./run.ts";
 const NEAR = 1_000;
 
 /** The index in the journal of the event after which everything is shown; -1 before the first. */
-export function shownIndex({ moment, journal }: Watch): number {
-  const sequence = moment.value;
+export function shownIndex({ playhead, journal }: Watch): number {
+  const sequence = playhead.value;
   return sequence === null ? journal.length - 1 : journal.indexOf(sequence + 1) - 1;
 }
 
 /** Shows the moment after an event of the journal; beyond the last one what is now. */
 export function showIndex(watch: Watch, index: number): void {
-  const { journal, moment } = watch;
-  if (index >= journal.length) moment.value = null;
-  else if (journal.length > 0) moment.value = journal.sequence(Math.max(0, index));
+  const { journal, playhead } = watch;
+  if (index >= journal.length) playhead.value = null;
+  else if (journal.length > 0) playhead.value = journal.sequence(Math.max(0, index));
 }
 
 /** Goes so many events forward, or back. Forward from the last one is live. */
-export function stepMoment(watch: Watch, by: number): void {
-  if (watch.moment.peek() === null && by > 0) return;
+export function stepPlayhead(watch: Watch, by: number): void {
+  if (watch.playhead.peek() === null && by > 0) return;
   showIndex(watch, shownIndex(watch) + by);
 }
 
 /** The first or last event that one can go to. */
 export function toEnd(watch: Watch, end: "first" | "last"): void {
   if (end === "first") showIndex(watch, 0);
-  else watch.moment.value = null;
+  else watch.playhead.value = null;
 }
 
 /** The event by which a state was entered before the moment that is shown, or after it; null if it was not. */
@@ -40,7 +40,7 @@ export function entryOf(watch: Watch, path: string, way: "before" | "after"): nu
   const found =
     way === "before"
       ? begins.findLast((begin) => begin < now)
-      : watch.moment.value === null
+      : watch.playhead.value === null
         ? undefined
         : begins.find((begin) => begin > now);
   return found ?? null;

@@ -15,7 +15,7 @@ function question(id: number, timeout_ms: number | null): Question {
 }
 
 /** A run of 20 s whose questions were asked after 10 s. */
-function asking(questions: readonly Question[], moment: number | null = null) {
+function asking(questions: readonly Question[], playhead: number | null = null) {
   const journal = new Journal();
   const entries = questions.map((each, at) => ({
     sequence: at + 1,
@@ -25,14 +25,14 @@ function asking(questions: readonly Question[], moment: number | null = null) {
   journal.add(entries, entries.length + 1);
   const run = { phase: "live", length_ms: 0 };
   const now = { run, snapshot: { elapsed_ms: 20_000 }, snapshot_ms: SAID_MS };
-  const shown = { now: signal(now as unknown as RunNow), moment: signal(moment) };
+  const shown = { now: signal(now as unknown as RunNow), playhead: signal(playhead) };
   return { ...shown, journal, grown: signal(entries.length) };
 }
 
 test("the time that is left for an answer is that of now, also while an earlier moment is shown", () => {
   const asked = question(1, 30_000);
-  const left = (moment: number | null) =>
-    timeLeft(page, asking([asked], moment), asked, SAID_MS + 5_000);
+  const left = (playhead: number | null) =>
+    timeLeft(page, asking([asked], playhead), asked, SAID_MS + 5_000);
   expect(left(null)).toBe(15_000);
   expect(left(1)).toBe(15_000);
 });

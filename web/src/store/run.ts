@@ -29,7 +29,7 @@ export interface SentCommand {
 }
 
 /** How the run stood after an event, with values; of a run that goes on also the newest one that was asked for. */
-export interface Seen {
+export interface RunSnapshot {
   readonly picture: Picture;
   /** When it came: ms since 1970 by this browser's clock. */
   readonly at_ms: number;
@@ -52,11 +52,11 @@ export interface Watch {
   readonly isCaughtUp: ReadonlySignal<boolean>;
   /** Why the history cannot be told, while it cannot. */
   readonly lack: ReadonlySignal<string | null>;
-  /** The event whose moment the page shows; null: live, at the end. */
-  readonly moment: Signal<number | null>;
+  /** The playhead: the event whose moment the page shows; null: live, at the end. */
+  readonly playhead: Signal<number | null>;
   /** The moment with its values; null while it is on its way, but for a wink the moment before. While live it is a second old at
    * most, if anybody wants it, and null if nobody does. */
-  readonly seen: ReadonlySignal<Seen | null>;
+  readonly playheadSnapshot: ReadonlySignal<RunSnapshot | null>;
   /** Says that values are wanted while live; returns the way to stop. */
   readonly wantValues: () => () => void;
   /** Commands of this page: those under way and the last ones that were answered, the oldest first. */

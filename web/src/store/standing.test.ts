@@ -2,7 +2,7 @@ import { signal } from "@preact/signals-core";
 import { expect, test } from "vitest";
 import type { HistoryEntry, Picture } from "../model/generated/protocol.ts";
 import { Journal } from "./journal.ts";
-import type { Seen, Watch } from "./run.ts";
+import type { RunSnapshot, Watch } from "./run.ts";
 import { standingOf } from "./standing.ts";
 
 const END = { id: 0, name: "success" };
@@ -52,15 +52,15 @@ const PICTURE = {
   questions: [],
 } as unknown as Picture;
 
-function watchAt(moment: number | null): Watch {
+function watchAt(playhead: number | null): Watch {
   const journal = new Journal();
   journal.add(EVENTS, 6);
-  const seen: Seen = { picture: PICTURE, at_ms: 0 };
+  const snapshot: RunSnapshot = { picture: PICTURE, at_ms: 0 };
   return {
     journal,
     grown: signal(5),
-    moment: signal(moment),
-    seen: signal(seen),
+    playhead: signal(playhead),
+    playheadSnapshot: signal(snapshot),
     now: signal(null),
   } as unknown as Watch;
 }

@@ -40,7 +40,7 @@ export interface Standing {
 /** Reads signals: an effect or computed value is told when it may be another. */
 export function standingOf(watch: Watch, path: string): Standing {
   watch.grown.value;
-  const until = watch.moment.value;
+  const until = watch.playhead.value;
   const visits = visitsOf(watch);
   const entered = turn(watch, visits, path, until);
   const left = end(watch, visits, path, until);
@@ -64,9 +64,9 @@ export function standingOf(watch: Watch, path: string): Standing {
 
 /** The picture with values of the moment that is shown; while live the newest one. */
 export function pictureOf(watch: Watch): Picture | null {
-  const picture = watch.seen.value?.picture ?? null;
-  const moment = watch.moment.value;
-  return moment === null || picture?.sequence === moment ? picture : null;
+  const picture = watch.playheadSnapshot.value?.picture ?? null;
+  const playhead = watch.playhead.value;
+  return playhead === null || picture?.sequence === playhead ? picture : null;
 }
 
 function turn(watch: Watch, visits: Visits, path: string, until: number | null): Turn | null {

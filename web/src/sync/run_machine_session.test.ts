@@ -75,13 +75,13 @@ describe("the machine of a run", () => {
     goBy("h2");
     server.first().answer(LATER);
     await settle();
-    watch.moment.value = 1;
+    watch.playhead.value = 1;
     server.first().answer({ sequence: 1, root: "h1" } as Picture);
     await settle();
     server.first().answer(FIRST);
     await settle();
     expect(children()).toBe("R/A");
-    watch.moment.value = null;
+    watch.playhead.value = null;
     expect(server.first().path).toBe("/runs/r/machine?root=h2");
     server.first().answer(LATER);
     await settle();

@@ -108,10 +108,10 @@ export class RunMachineSession implements MachineSession {
   }
 
   /** Of the moment, or of the end; null while that is not known. */
-  #wanted({ moment, seen, journal, grown }: Watch): string | null {
+  #wanted({ playhead, playheadSnapshot: snapshot, journal, grown }: Watch): string | null {
     grown.value;
-    const picture = seen.value?.picture ?? null;
-    if (moment.value !== null) return picture?.root ?? null;
+    const picture = snapshot.value?.picture ?? null;
+    if (playhead.value !== null) return picture?.root ?? null;
     for (; this.#read < journal.length; this.#read += 1) {
       const event = journal.kind(this.#read) === OTHER ? journal.other(this.#read) : undefined;
       if (event?.type === "root") this.#last = event.hash;

@@ -278,13 +278,13 @@ describe("a command", () => {
 
 describe("a moment", () => {
   const picture = (sequence: number) => ({ sequence }) as Picture;
-  const seen = (watch: RunWatch) => watch.seen.value?.picture.sequence ?? null;
+  const seen = (watch: RunWatch) => watch.playheadSnapshot.value?.picture.sequence ?? null;
 
   it("that is wanted last is shown, whatever answers come late", async () => {
     const { server, watch } = setUp();
-    watch.moment.value = 5;
-    watch.moment.value = 6;
-    watch.moment.value = 7;
+    watch.playhead.value = 5;
+    watch.playhead.value = 6;
+    watch.playhead.value = 7;
     expect(server.asked).toEqual(["GET /runs/r/moments/5"]);
     server.first().answer(picture(5));
     await settle();
@@ -293,8 +293,8 @@ describe("a moment", () => {
 
   it("is asked for when the one before has come", async () => {
     const { server, clock, watch } = setUp();
-    watch.moment.value = 5;
-    watch.moment.value = 7;
+    watch.playhead.value = 5;
+    watch.playhead.value = 7;
     server.first().answer(picture(5));
     await settle();
     clock.pass(0);
@@ -308,33 +308,33 @@ describe("a moment", () => {
 
   it("stays for a wink while the next one comes, and no longer", async () => {
     const { server, clock, watch } = setUp();
-    watch.moment.value = 5;
+    watch.playhead.value = 5;
     server.first().answer(picture(5));
     await settle();
-    watch.moment.value = 7;
+    watch.playhead.value = 7;
     expect(seen(watch)).toBe(5);
     clock.pass(300);
     expect(seen(watch)).toBe(null);
-    watch.moment.value = null;
+    watch.playhead.value = null;
     expect(seen(watch)).toBe(null);
   });
 
   it("is asked for again while the server is not there, and given up if there is none", async () => {
     const { server, clock, watch } = setUp();
-    watch.moment.value = 5;
+    watch.playhead.value = 5;
     server.first().refuse(503);
     await settle();
-    expect(watch.moment.value).toBe(5);
+    expect(watch.playhead.value).toBe(5);
     clock.pass(500);
     server.first().refuse(404);
     await settle();
-    expect(watch.moment.value).toBe(null);
+    expect(watch.playhead.value).toBe(null);
   });
 
   it("is gone when the page goes live, however late its picture comes", async () => {
     const { server, watch } = setUp();
-    watch.moment.value = 5;
-    watch.moment.value = null;
+    watch.playhead.value = 5;
+    watch.playhead.value = null;
     server.first().answer(picture(5));
     await settle();
     expect(seen(watch)).toBe(null);

@@ -11,12 +11,12 @@ import type {
   ToClient,
 } from "../model/generated/protocol.ts";
 import { Journal } from "../store/journal.ts";
-import type { Seen, SentCommand, Watch } from "../store/run.ts";
+import type { RunSnapshot, SentCommand, Watch } from "../store/run.ts";
 import { REPEATED, type Server } from "../store/server.ts";
 import type { Clock } from "./clock.ts";
 import { CommandOutbox } from "./command_outbox.ts";
-import { Looking } from "./looking.ts";
 import { requestUntilAnswered } from "./request_until_answered.ts";
+import { SnapshotLoader } from "./snapshot_loader.ts";
 
 export interface WatchPorts {
   readonly server: Server;
@@ -39,13 +39,13 @@ export class RunWatch implements Watch {
   readonly grown = signal(0);
   readonly isCaughtUp = signal(false);
   readonly lack = signal<string | null>(null);
-  readonly moment: Signal<number | null>;
-  readonly seen: Signal<Seen | null>;
+  readonly playhead: Signal<number | null>;
+  readonly playheadSnapshot: Signal<RunSnapshot | null>;
   readonly sent: Signal<readonly SentCommand[]>;
   readonly id: string;
   readonly #ports: WatchPorts;
   readonly #outbox: CommandOutbox;
-  readonly #looking: Looking;
+  readonly #snapshots: SnapshotLoader;
   #unfollowHistory: () => void = () => {};
   #unfollowStatus: () => void = () => {};
   /** Whether nothing more of the history will come by itself. */
@@ -63,7 +63,7 @@ export class RunWatch implements Watch {
       path: this.#path("commands"),
       decidedOn: () => this.journal.next - 1,
     });
-    this.#looking = new Looking({
+    this.#snapshots = new SnapshotLoader({
       clock,
       ask: (at) => {
         const path = this.#path(at === null ? "moments" : `moments/${at}`);
@@ -72,15 +72,15 @@ export class RunWatch implements Watch {
       newest: () => Math.max(this.journal.next - 1, this.#written()),
     });
     this.sent = this.#outbox.sent;
-    this.moment = this.#looking.moment;
-    this.seen = this.#looking.seen;
+    this.playhead = this.#snapshots.playhead;
+    this.playheadSnapshot = this.#snapshots.snapshot;
     // In this order: how it stands comes before all that happened.
     this.#followStatus();
     this.#followHistory();
   }
 
   wantValues(): () => void {
-    return this.#looking.want();
+    return this.#snapshots.want();
   }
 
   command(command: Command, patience_ms?: number): Promise<SentCommand> {
@@ -101,7 +101,7 @@ export class RunWatch implements Watch {
     this.#unfollowHistory();
     this.#unfollowStatus();
     this.#outbox.close();
-    this.#looking.close();
+    this.#snapshots.close();
     for (const call of this.#followers.splice(0)) call();
   }
 

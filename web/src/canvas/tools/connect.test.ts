@@ -1,6 +1,6 @@
 import { expect, test } from "vitest";
 import { driver } from "../testing/driver.ts";
-import { nearerTo, type SeenPort } from "./targets.ts";
+import { nearerTo, type VisiblePort } from "./targets.ts";
 
 test("a transition is drawn from port to port, and says where it may end", () => {
   const canvas = driver().press("A.lost").by(50, 50);
@@ -126,7 +126,7 @@ test("without a state or port there is nothing to begin at", () => {
 
 test("of two targets none comes both before and after the other", () => {
   const port = (path: string, x: number) =>
-    ({ element: { kind: "income", path }, at: { x, y: 0 } }) as unknown as SeenPort;
+    ({ element: { kind: "income", path }, at: { x, y: 0 } }) as unknown as VisiblePort;
   const ports = [port("R/A", 1), port("R/B", 5), port("R/B", 5), port("R/A", 9)];
   const order = nearerTo({ x: 0, y: 0 }, "R/A");
   for (const one of ports) {

@@ -28,8 +28,8 @@ import {
   isLegal,
   nearerTo,
   nearestPort,
-  type SeenPort,
-  seenPorts,
+  type VisiblePort,
+  visiblePorts,
 } from "./targets.ts";
 
 /** So near, in CSS pixels, a line snaps to a port. */
@@ -42,13 +42,13 @@ interface Drawing {
   readonly isSticky: boolean;
   readonly through: readonly Point[];
   /** What the ports on the screen come to, as of this camera and machine. */
-  readonly seen: Seen;
+  readonly visible: ConnectPorts;
 }
 
-interface Seen {
+interface ConnectPorts {
   readonly camera: ToolContext["camera"];
   readonly version: number;
-  readonly ports: readonly SeenPort[];
+  readonly ports: readonly VisiblePort[];
   readonly legal: ReadonlyMap<ElementKey, Ends>;
 }
 
@@ -63,15 +63,15 @@ export function connecting(
   const box = visibleBox(context.camera, context.size);
   const at = place?.at ?? { x: box.x, y: box.y };
   const data = isData(from);
-  const drawing = { from, at, data, isSticky, through: [], seen: look(from, data, context) };
+  const drawing = { from, at, data, isSticky, through: [], visible: look(from, data, context) };
   const start = pointer ?? { ...screenFromWorld(context.camera, at), ...NO_KEYS };
   return pointer === null ? chosen(drawing, 0, start, context) : next(drawing, start, context);
 }
 
 const NO_KEYS = { shift: false, ctrl: false, alt: false };
 
-function look(from: PortRef, data: boolean, context: ToolContext): Seen {
-  const ports = seenPorts(context, data);
+function look(from: PortRef, data: boolean, context: ToolContext): ConnectPorts {
+  const ports = visiblePorts(context, data);
   const legal = new Map<ElementKey, Ends>();
   for (const { element } of ports) {
     const ends = endsBetween(context.machine, from, element);
@@ -82,9 +82,9 @@ function look(from: PortRef, data: boolean, context: ToolContext): Seen {
 
 /** Zooming and other people's edits go on while a line is drawn. */
 function current(drawing: Drawing, context: ToolContext): Drawing {
-  const { seen, from, data } = drawing;
-  const isSame = seen.camera === context.camera && seen.version === context.machine.version;
-  return isSame ? drawing : { ...drawing, seen: look(from, data, context) };
+  const { visible, from, data } = drawing;
+  const isSame = visible.camera === context.camera && visible.version === context.machine.version;
+  return isSame ? drawing : { ...drawing, visible: look(from, data, context) };
 }
 
 interface Aim {
@@ -126,9 +126,9 @@ function shown(
   };
 }
 
-function overlayOf({ at, data, through, seen }: Drawing, aim: Aim, pointer: Point): Overlay {
+function overlayOf({ at, data, through, visible }: Drawing, aim: Aim, pointer: Point): Overlay {
   const targets = new Map<ElementKey, boolean>();
-  for (const key of seen.legal.keys()) targets.set(key, true);
+  for (const key of visible.legal.keys()) targets.set(key, true);
   if (aim.target !== null) targets.set(aim.target, aim.legal === true);
   const message =
     aim.message === null ? null : { at: pointer, text: aim.message, bad: aim.legal === false };
@@ -142,11 +142,11 @@ function overlayOf({ at, data, through, seen }: Drawing, aim: Aim, pointer: Poin
 
 /** What the pointer is at: a port that fits, one that does not, a state, or nothing. */
 function aimAt(drawing: Drawing, pointer: Pointer, context: ToolContext): Aim {
-  const { seen, from } = drawing;
-  const fitting = seen.ports.filter(({ element }) => seen.legal.has(keyOf(element)));
+  const { visible, from } = drawing;
+  const fitting = visible.ports.filter(({ element }) => visible.legal.has(keyOf(element)));
   const near = nearestPort(fitting, pointer, context, SNAP);
-  if (near) return atPort(seen, near, context);
-  const others = seen.ports.filter(({ element }) => keyOf(element) !== keyOf(from));
+  if (near) return atPort(visible, near, context);
+  const others = visible.ports.filter(({ element }) => keyOf(element) !== keyOf(from));
   const wrong = nearestPort(others, pointer, context, SNAP / 2);
   if (wrong) return atWrong(drawing, wrong, context);
   return atState(drawing, pointer, context) ?? nowhere(worldOf(pointer, context));
@@ -156,9 +156,9 @@ function nowhere(to: Point): Aim {
   return { to, legal: null, target: null, message: null, plan: () => null };
 }
 
-function atPort(seen: Seen, port: SeenPort, context: ToolContext): Aim {
+function atPort(visible: ConnectPorts, port: VisiblePort, context: ToolContext): Aim {
   const key = keyOf(port.element);
-  const ends = seen.legal.get(key);
+  const ends = visible.legal.get(key);
   return {
     to: port.at,
     legal: true,
@@ -168,7 +168,7 @@ function atPort(seen: Seen, port: SeenPort, context: ToolContext): Aim {
   };
 }
 
-function atWrong({ from }: Drawing, port: SeenPort, { machine }: ToolContext): Aim {
+function atWrong({ from }: Drawing, port: VisiblePort, { machine }: ToolContext): Aim {
   const ends = endsBetween(machine, from, port.element);
   const message = isLegal(ends) ? null : ends.refused;
   const plan = () => (isLegal(ends) ? null : ends);
@@ -213,9 +213,9 @@ function said(plan: Plan, name: string): string {
 /** The target of that number, as the keyboard walks them: the nearest first, the own state last. */
 function chosen(before: Drawing, number: number, pointer: Pointer, context: ToolContext): Gesture {
   const drawing = current(before, context);
-  const { seen, at, from } = drawing;
-  const fitting = seen.ports
-    .filter(({ element }) => seen.legal.has(keyOf(element)))
+  const { visible, at, from } = drawing;
+  const fitting = visible.ports
+    .filter(({ element }) => visible.legal.has(keyOf(element)))
     .sort(nearerTo(at, from.path));
   const index = fitting.length === 0 ? 0 : (number + fitting.length) % fitting.length;
   const port = fitting[index];
@@ -231,13 +231,13 @@ function chosen(before: Drawing, number: number, pointer: Pointer, context: Tool
   const there = screenFromWorld(context.camera, port.at);
   const owner = context.machine.state(port.element.path)?.name ?? port.element.path;
   const message = `To ${port.name} of “${owner}”: Enter connects, arrows choose another`;
-  const aim = { ...atPort(seen, port, context), message };
+  const aim = { ...atPort(visible, port, context), message };
   return shown(drawing, aim, { ...pointer, ...there }, context, index);
 }
 
 /** Why the keyboard finds no target: what is said of the nearest port of another state. */
-function whyNone({ from, seen, at }: Drawing, { machine }: ToolContext): string {
-  const [nearest] = seen.ports
+function whyNone({ from, visible, at }: Drawing, { machine }: ToolContext): string {
+  const [nearest] = visible.ports
     .filter(({ element }) => element.path !== from.path)
     .sort((one, other) => square(one.at, at) - square(other.at, at));
   const ends = nearest && endsBetween(machine, from, nearest.element);

@@ -8,7 +8,7 @@ import { routeOf } from "../hit/hit.ts";
 import type { LineRef } from "../hit/look.ts";
 import { NO_OVERLAY, type Overlay } from "../overlay.ts";
 import { type Gesture, type Pointer, type ToolContext, worldOf } from "./gesture.ts";
-import { nearestPort, type SeenPort, seenPorts } from "./targets.ts";
+import { nearestPort, type VisiblePort, visiblePorts } from "./targets.ts";
 
 const SNAP = 18;
 
@@ -17,13 +17,13 @@ interface Leading {
   readonly end: "from" | "to";
   /** The end that stays. */
   readonly fixed: Point;
-  readonly seen: Seen;
+  readonly visible: ReconnectPorts;
 }
 
-interface Seen {
+interface ReconnectPorts {
   readonly camera: ToolContext["camera"];
   readonly version: number;
-  readonly ports: readonly SeenPort[];
+  readonly ports: readonly VisiblePort[];
   readonly plans: ReadonlyMap<ElementKey, Planned>;
 }
 
@@ -36,11 +36,11 @@ export function reconnecting(
 ): Gesture {
   const points = routeOf(context.places, line)?.points ?? [];
   const fixed = (end === "from" ? points.at(-1) : points[0]) ?? worldOf(pointer, context);
-  return next({ line, end, fixed, seen: look(line, end, context) }, pointer, context);
+  return next({ line, end, fixed, visible: look(line, end, context) }, pointer, context);
 }
 
-function look(line: LineRef, end: "from" | "to", context: ToolContext): Seen {
-  const ports = seenPorts(context, line.kind === "data_flow");
+function look(line: LineRef, end: "from" | "to", context: ToolContext): ReconnectPorts {
+  const ports = visiblePorts(context, line.kind === "data_flow");
   const plans = new Map(
     ports.map(({ element }) => [keyOf(element), reconnect(context.machine, line, end, element)]),
   );
@@ -48,9 +48,9 @@ function look(line: LineRef, end: "from" | "to", context: ToolContext): Seen {
 }
 
 function next(before: Leading, pointer: Pointer, context: ToolContext): Gesture {
-  const { seen, line, end } = before;
-  const isSame = seen.camera === context.camera && seen.version === context.machine.version;
-  const leading = isSame ? before : { ...before, seen: look(line, end, context) };
+  const { visible, line, end } = before;
+  const isSame = visible.camera === context.camera && visible.version === context.machine.version;
+  const leading = isSame ? before : { ...before, visible: look(line, end, context) };
   const aim = aimAt(leading, pointer, context);
   return {
     name: "reconnect",
@@ -68,24 +68,29 @@ interface Aim {
   readonly plan: Planned | null;
 }
 
-function aimAt({ seen }: Leading, pointer: Pointer, context: ToolContext): Aim {
-  const legal = seen.ports.filter(({ element }) => isFine(seen, keyOf(element)));
+function aimAt({ visible }: Leading, pointer: Pointer, context: ToolContext): Aim {
+  const legal = visible.ports.filter(({ element }) => isFine(visible, keyOf(element)));
   const port =
     nearestPort(legal, pointer, context, SNAP) ??
-    nearestPort(seen.ports, pointer, context, SNAP / 2);
+    nearestPort(visible.ports, pointer, context, SNAP / 2);
   if (!port) return { to: worldOf(pointer, context), legal: null, target: null, plan: null };
   const target = keyOf(port.element);
-  return { to: port.at, legal: isFine(seen, target), target, plan: seen.plans.get(target) ?? null };
+  return {
+    to: port.at,
+    legal: isFine(visible, target),
+    target,
+    plan: visible.plans.get(target) ?? null,
+  };
 }
 
-function isFine({ plans }: Seen, key: ElementKey): boolean {
+function isFine({ plans }: ReconnectPorts, key: ElementKey): boolean {
   const plan = plans.get(key);
   return plan !== undefined && !isRefused(plan);
 }
 
-function overlayOf({ line, end, fixed, seen }: Leading, aim: Aim, pointer: Point): Overlay {
+function overlayOf({ line, end, fixed, visible }: Leading, aim: Aim, pointer: Point): Overlay {
   const targets = new Map<ElementKey, boolean>();
-  for (const [key, plan] of seen.plans) if (!isRefused(plan)) targets.set(key, true);
+  for (const [key, plan] of visible.plans) if (!isRefused(plan)) targets.set(key, true);
   if (aim.target !== null) targets.set(aim.target, aim.legal === true);
   const [from, to] = end === "to" ? [fixed, aim.to] : [aim.to, fixed];
   const { legal } = aim;

@@ -13,7 +13,7 @@ import { DETAIL } from "../scene/detail.ts";
 import { stickyFrame } from "../scene/sticky.ts";
 import type { ToolContext } from "./gesture.ts";
 
-export interface SeenPort {
+export interface VisiblePort {
   readonly element: PortRef;
   readonly name: string;
   /** In the root's coordinates. */
@@ -28,8 +28,8 @@ export function isData(element: ElementRef): boolean {
 }
 
 /** All ports of one sort that are on the screen, outer ones first. */
-export function seenPorts(context: ToolContext, data: boolean): readonly SeenPort[] {
-  const found: SeenPort[] = [];
+export function visiblePorts(context: ToolContext, data: boolean): readonly VisiblePort[] {
+  const found: VisiblePort[] = [];
   collect(context.machine.root, data, context, found);
   const { places, camera, size } = context;
   const stuck = stickyFrame(places, camera, size);
@@ -38,7 +38,7 @@ export function seenPorts(context: ToolContext, data: boolean): readonly SeenPor
   return found.map((port) => ({ ...port, at: frame.get(keyOf(port.element)) ?? port.at }));
 }
 
-function collect(path: string, data: boolean, context: ToolContext, found: SeenPort[]): void {
+function collect(path: string, data: boolean, context: ToolContext, found: VisiblePort[]): void {
   const { places, camera, size } = context;
   const box = places.box(path);
   if (!box || extentOn(camera, box) < DETAIL.ports) return;
@@ -55,9 +55,9 @@ function collect(path: string, data: boolean, context: ToolContext, found: SeenP
 
 /** From where to where a connection between two ports leads: people draw both ways. */
 /** The order in which the keyboard walks targets: the nearest first, those of the state where it begins last. */
-export function nearerTo(at: Point, own: string): (one: SeenPort, other: SeenPort) => number {
-  const away = ({ at: there }: SeenPort) => (there.x - at.x) ** 2 + (there.y - at.y) ** 2;
-  const isOwn = ({ element }: SeenPort) => (element.path === own ? 1 : 0);
+export function nearerTo(at: Point, own: string): (one: VisiblePort, other: VisiblePort) => number {
+  const away = ({ at: there }: VisiblePort) => (there.x - at.x) ** 2 + (there.y - at.y) ** 2;
+  const isOwn = ({ element }: VisiblePort) => (element.path === own ? 1 : 0);
   return (one, other) => isOwn(one) - isOwn(other) || away(one) - away(other);
 }
 
@@ -79,12 +79,12 @@ export function endsBetween(machine: Machine, one: PortRef, other: PortRef): End
 
 /** The port nearest to the pointer, within reach. */
 export function nearestPort(
-  ports: readonly SeenPort[],
+  ports: readonly VisiblePort[],
   pointer: Point,
   context: ToolContext,
   reach: number,
-): SeenPort | null {
-  let best: SeenPort | null = null;
+): VisiblePort | null {
+  let best: VisiblePort | null = null;
   let least = reach;
   for (const port of ports) {
     const away = distance(screenFromWorld(context.camera, port.at), pointer);

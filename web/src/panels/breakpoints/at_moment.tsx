@@ -13,14 +13,14 @@ export interface AtMomentProps {
 }
 
 export function AtMoment({ tab, watch }: AtMomentProps) {
-  const moment = useSignal(watch.moment);
-  const seen = useSignal(watch.seen);
-  if (moment === null) return null;
-  const isHere = seen?.picture.sequence === moment;
-  const all = isHere ? seen.picture.breakpoints : [];
+  const playhead = useSignal(watch.playhead);
+  const snapshot = useSignal(watch.playheadSnapshot);
+  if (playhead === null) return null;
+  const isHere = snapshot?.picture.sequence === playhead;
+  const all = isHere ? snapshot.picture.breakpoints : [];
   const nameOf = namesOf(tab.session);
   return (
-    <Section title={`At event ${moment}`} count={isHere ? all.length : undefined}>
+    <Section title={`At event ${playhead}`} count={isHere ? all.length : undefined}>
       {!isHere && <p className="breakpoints-whose">On their way.</p>}
       {isHere && all.length === 0 && <p className="breakpoints-whose">There were none then.</p>}
       <ul className="breakpoints-then">

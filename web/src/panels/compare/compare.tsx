@@ -166,14 +166,14 @@ function Found({ tab, watch, other, comparison }: FoundProps) {
   const { page } = useHost().context();
   const show: Show = async (side, sequence) => {
     if (side === "one") {
-      watch.moment.value = sequence;
+      watch.playhead.value = sequence;
       return;
     }
     const theirs = page.runs.watch(other);
     comparedRun(theirs).value = watch.id;
     comparedOf(theirs).value = null;
     await page.showRun(other);
-    theirs.moment.value = sequence;
+    theirs.playhead.value = sequence;
   };
   const { alike, parted, branches_parted, changed, timing } = comparison;
   const [branch, setBranch] = useState<string | null>(null);
@@ -181,8 +181,8 @@ function Found({ tab, watch, other, comparison }: FoundProps) {
   const choose = (parting: Parting) => {
     setBranch(parting.branch);
     const { one, other: theirs } = parting;
-    if (one) watch.moment.value = one.sequence;
-    if (theirs) page.runs.watch(other).moment.value = theirs.sequence;
+    if (one) watch.playhead.value = one.sequence;
+    if (theirs) page.runs.watch(other).playhead.value = theirs.sequence;
   };
   return (
     <div className="compare-body">

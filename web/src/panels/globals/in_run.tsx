@@ -14,16 +14,17 @@ export interface InRunProps {
 
 export function InRun({ watch, query }: InRunProps) {
   useEffect(() => watch.wantValues(), [watch]);
-  const seen = useSignal(watch.seen);
-  const moment = useSignal(watch.moment);
+  const snapshot = useSignal(watch.playheadSnapshot);
+  const playhead = useSignal(watch.playhead);
   const wanted = query.trim().toLowerCase();
-  const all = Object.entries(seen?.picture.globals ?? {})
+  const all = Object.entries(snapshot?.picture.globals ?? {})
     .filter(([name]) => name.toLowerCase().includes(wanted))
     .sort(([one], [other]) => one.localeCompare(other));
-  const isOnItsWay = seen === null || (moment !== null && seen.picture.sequence !== moment);
+  const isOnItsWay =
+    snapshot === null || (playhead !== null && snapshot.picture.sequence !== playhead);
   return (
     <Section
-      title={moment === null ? "In the run" : `In the run, at event ${moment}`}
+      title={playhead === null ? "In the run" : `In the run, at event ${playhead}`}
       count={all.length}
     >
       <div className="globals-run shows-run" aria-busy={isOnItsWay}>

@@ -115,9 +115,9 @@ function CallTree({ tab, watch, show, onMenu }: ListProps) {
   const nodes = useMemo(() => new Nodes(calls), [calls]);
   const [expanded, setExpanded] = useState<ReadonlySet<string>>(() => new Set(["c0"]));
   const [chosen, setChosen] = useState<Node | null>(null);
-  const moment = useSignal(watch.moment);
+  const playhead = useSignal(watch.playhead);
   const grown = calls.read;
-  const shown = moment === null ? NONE : callAbout(calls, shownIndex(watch));
+  const shown = playhead === null ? NONE : callAbout(calls, shownIndex(watch));
   // What was chosen here shows already: a loop is not opened because its first call is shown.
   const isHere = chosen !== null && ends(chosen).first === shown;
   useEffect(() => {

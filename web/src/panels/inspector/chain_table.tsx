@@ -5,11 +5,11 @@ import { type Hop, nameOf } from "../../model/ends.ts";
 import { namesTo } from "../../model/machine.ts";
 import { type Column, Table } from "../../ui/table.tsx";
 import { Fold } from "./fold.tsx";
+import type { InspectorContext } from "./inspector_context.ts";
 import { PORT_TITLES } from "./ports.tsx";
-import type { Seen } from "./seen.ts";
 
 export interface ChainTableProps {
-  readonly seen: Seen;
+  readonly context: InspectorContext;
   readonly title: string;
   readonly hops: readonly Hop[];
   /** What is said if there are none. */
@@ -18,8 +18,8 @@ export interface ChainTableProps {
 
 const ROWS_MAX = 12;
 
-export function ChainTable({ seen, title, hops, none }: ChainTableProps) {
-  const { machine, show, hover } = seen;
+export function ChainTable({ context, title, hops, none }: ChainTableProps) {
+  const { machine, show, hover } = context;
   const columns: readonly Column<Hop>[] = [
     {
       key: "port",

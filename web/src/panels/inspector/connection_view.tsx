@@ -11,16 +11,16 @@ import { Button } from "../../ui/button.tsx";
 import { ChainTable } from "./chain_table.tsx";
 import { EndSelect } from "./end_select.tsx";
 import { Fold } from "./fold.tsx";
+import type { InspectedState } from "./inspector_context.ts";
 import { Refusal, useRefusal } from "./refusal.tsx";
-import type { SeenState } from "./seen.ts";
 
 export interface ConnectionViewProps {
-  readonly seen: SeenState;
+  readonly inspected: InspectedState;
   readonly connection: ConnectionRef;
 }
 
-export function ConnectionView({ seen, connection }: ConnectionViewProps) {
-  const { machine, state, readOnly, edit } = seen;
+export function ConnectionView({ inspected, connection }: ConnectionViewProps) {
+  const { machine, state, readOnly, edit } = inspected;
   const [refusal, run] = useRefusal();
   const { kind, path, id } = connection;
   const element = { kind, path, id };
@@ -73,7 +73,7 @@ export function ConnectionView({ seen, connection }: ConnectionViewProps) {
       {ends && isPort(ends.from) && isPort(ends.to) && (
         <>
           <ChainTable
-            seen={seen}
+            context={inspected}
             title="The value comes from"
             hops={[
               { port: ends.from, steps: 0, flow: null },
@@ -81,7 +81,7 @@ export function ConnectionView({ seen, connection }: ConnectionViewProps) {
             ]}
           />
           <ChainTable
-            seen={seen}
+            context={inspected}
             title="The value goes to"
             hops={[{ port: ends.to, steps: 0, flow: null }, ...chain(machine, ends.to, "forwards")]}
           />

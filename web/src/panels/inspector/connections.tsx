@@ -18,9 +18,9 @@ import { Button, IconButton } from "../../ui/button.tsx";
 import { type Column, Table } from "../../ui/table.tsx";
 import { EndSelect } from "./end_select.tsx";
 import { Fold } from "./fold.tsx";
+import type { InspectedState, Made } from "./inspector_context.ts";
 import { Refusal, useRefusal } from "./refusal.tsx";
 import { ROW_BUTTONS_WIDTH, RowButtons } from "./row_buttons.tsx";
-import type { Made, SeenState } from "./seen.ts";
 
 const WORDS = {
   transition: { many: "Transitions", one: "transition" },
@@ -30,12 +30,12 @@ const WORDS = {
 const ROWS_MAX = 12;
 
 export interface ConnectionsProps {
-  readonly seen: SeenState;
+  readonly inspected: InspectedState;
   readonly kind: ConnectionRef["kind"];
 }
 
-export function Connections({ seen, kind }: ConnectionsProps) {
-  const { path, state, machine } = seen;
+export function Connections({ inspected, kind }: ConnectionsProps) {
+  const { path, state, machine } = inspected;
   const parent = parentOf(path);
   const around = connectionsOf(machine, path, kind).filter(
     ({ element }) => element.path === parent,
@@ -47,7 +47,7 @@ export function Connections({ seen, kind }: ConnectionsProps) {
     <Fold title={WORDS[kind].many} count={count} openAtFirst={count > 0}>
       {parent !== null && machine.state(parent)?.kind !== "library" && (
         <Group
-          seen={seen}
+          inspected={inspected}
           kind={kind}
           container={parent}
           rows={around}
@@ -55,7 +55,7 @@ export function Connections({ seen, kind }: ConnectionsProps) {
         />
       )}
       {hasInside && (
-        <Group seen={seen} kind={kind} container={path} rows={inside} title="Inside it" />
+        <Group inspected={inspected} kind={kind} container={path} rows={inside} title="Inside it" />
       )}
     </Fold>
   );
@@ -67,8 +67,8 @@ interface GroupProps extends ConnectionsProps {
   readonly title: string | null;
 }
 
-function Group({ seen, kind, container, rows, title }: GroupProps) {
-  const { machine, readOnly, edit } = seen;
+function Group({ inspected, kind, container, rows, title }: GroupProps) {
+  const { machine, readOnly, edit } = inspected;
   const [refusal, run] = useRefusal();
   const [isAdding, setAdding] = useState(false);
   const { one } = WORDS[kind];
@@ -93,20 +93,20 @@ function Group({ seen, kind, container, rows, title }: GroupProps) {
       ) : (
         <Table
           label={`${WORDS[kind].many} in ${place}`}
-          columns={columnsOf(seen, run, remove)}
+          columns={columnsOf(inspected, run, remove)}
           rows={rows}
           id={({ element }) => keyOf(element)}
           rowsMax={ROWS_MAX}
           hideHead
-          onOpen={({ element }) => seen.show(element)}
-          onHover={(row) => seen.hover(row?.element ?? null)}
+          onOpen={({ element }) => inspected.show(element)}
+          onHover={(row) => inspected.hover(row?.element ?? null)}
           onDelete={readOnly ? undefined : remove}
         />
       )}
       {isAdding && (
         <Adding
           key={container}
-          seen={seen}
+          inspected={inspected}
           kind={kind}
           container={container}
           run={run}
@@ -121,7 +121,7 @@ function Group({ seen, kind, container, rows, title }: GroupProps) {
 type Run = (made: Made) => void;
 
 function columnsOf(
-  { path, machine, readOnly, edit, show }: SeenState,
+  { path, machine, readOnly, edit, show }: InspectedState,
   run: Run,
   remove: (row: Connection) => void,
 ): readonly Column<Connection>[] {
@@ -173,7 +173,7 @@ interface AddingProps extends ConnectionsProps {
   readonly onClose: () => void;
 }
 
-function Adding({ seen: { machine, edit }, kind, container, run, onClose }: AddingProps) {
+function Adding({ inspected: { machine, edit }, kind, container, run, onClose }: AddingProps) {
   const [from, setFrom] = useState<ElementRef | null>(null);
   const [to, setTo] = useState<ElementRef | null>(null);
   const add = async () => {

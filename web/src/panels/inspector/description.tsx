@@ -7,12 +7,12 @@ import { type DraftPlace, drafts } from "../../store/drafts.ts";
 import { Button, IconButton } from "../../ui/button.tsx";
 import { useSignal } from "../../ui/signals.ts";
 import { Fold } from "./fold.tsx";
+import type { InspectedState } from "./inspector_context.ts";
 import { safeHtml } from "./markdown.ts";
 import { Refusal, useRefusal } from "./refusal.tsx";
-import type { SeenState } from "./seen.ts";
 
-export function Description({ seen }: { seen: SeenState }) {
-  const { path, state, tab, readOnly } = seen;
+export function Description({ inspected }: { inspected: InspectedState }) {
+  const { path, state, tab, readOnly } = inspected;
   const text = state.description ?? "";
   const place: DraftPlace = { machine: tab.session.id, path, field: "description" };
   useSignal(drafts.all);
@@ -31,7 +31,7 @@ export function Description({ seen }: { seen: SeenState }) {
   return (
     <Fold title="Description" openAtFirst={!isEmpty} actions={readOnly || isEmpty ? null : pencil}>
       {writes ? (
-        <Writing seen={seen} place={place} onDone={() => setWriting(false)} />
+        <Writing inspected={inspected} place={place} onDone={() => setWriting(false)} />
       ) : isEmpty ? (
         <Nothing readOnly={readOnly} onWrite={() => setWriting(true)} />
       ) : (
@@ -51,13 +51,13 @@ function Nothing({ readOnly, onWrite }: { readOnly: boolean; onWrite: () => void
 }
 
 interface WritingProps {
-  readonly seen: SeenState;
+  readonly inspected: InspectedState;
   readonly place: DraftPlace;
   readonly onDone: () => void;
 }
 
 /** Kept as a draft at each key, applied with Ctrl+Enter and on leaving, given up with Escape. */
-function Writing({ seen: { path, state, edit }, place, onDone }: WritingProps) {
+function Writing({ inspected: { path, state, edit }, place, onDone }: WritingProps) {
   const id = useId();
   const [refusal, run] = useRefusal();
   const base = state.description ?? "";

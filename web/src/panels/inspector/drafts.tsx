@@ -5,33 +5,33 @@ import { type Draft, draftKey, drafts } from "../../store/drafts.ts";
 import { IconButton } from "../../ui/button.tsx";
 import { useSignal } from "../../ui/signals.ts";
 import { Fold } from "./fold.tsx";
-import type { Seen } from "./seen.ts";
+import type { InspectorContext } from "./inspector_context.ts";
 
-export function Drafts({ seen }: { seen: Seen }) {
+export function Drafts({ context }: { context: InspectorContext }) {
   const all = useSignal(drafts.all);
-  const own = [...all.values()].filter(({ machine }) => machine === seen.tab.session.id);
+  const own = [...all.values()].filter(({ machine }) => machine === context.tab.session.id);
   if (own.length === 0) return null;
   return (
     <Fold title="Not applied yet" count={own.length}>
       <ul className="inspector-list">
         {own.map((draft) => (
-          <Row key={draftKey(draft)} seen={seen} draft={draft} />
+          <Row key={draftKey(draft)} context={context} draft={draft} />
         ))}
       </ul>
     </Fold>
   );
 }
 
-function Row({ seen, draft }: { seen: Seen; draft: Draft }) {
+function Row({ context, draft }: { context: InspectorContext; draft: Draft }) {
   const { path, field, text } = draft;
-  const state = seen.machine.state(path);
+  const state = context.machine.state(path);
   return (
     <li className="inspector-draft">
       {state ? (
         <button
           type="button"
           className="inspector-link"
-          onClick={() => seen.show({ kind: "state", path })}
+          onClick={() => context.show({ kind: "state", path })}
         >
           {field} of {state.name}
         </button>

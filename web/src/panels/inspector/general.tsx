@@ -13,11 +13,11 @@ import { Button } from "../../ui/button.tsx";
 import { Checkbox, Select, TextField } from "../../ui/field.tsx";
 import { useSignal } from "../../ui/signals.ts";
 import { Fold } from "./fold.tsx";
+import type { InspectedState, Made } from "./inspector_context.ts";
 import { Refusal, useRefusal } from "./refusal.tsx";
-import type { Made, SeenState } from "./seen.ts";
 
-export function General({ seen }: { seen: SeenState }) {
-  const { path, state, readOnly, edit } = seen;
+export function General({ inspected }: { inspected: InspectedState }) {
+  const { path, state, readOnly, edit } = inspected;
   const [refusal, run] = useRefusal();
   return (
     <Fold title="General">
@@ -35,11 +35,11 @@ export function General({ seen }: { seen: SeenState }) {
           mono
           value={idOf(path)}
           readOnly={readOnly || state.kind === "decider"}
-          onCommit={(text) => changeId(seen, text)}
+          onCommit={(text) => changeId(inspected, text)}
         />
-        <Kind seen={seen} run={run} />
-        <Start seen={seen} run={run} />
-        {state.library && <LibraryOf seen={seen} run={run} />}
+        <Kind inspected={inspected} run={run} />
+        <Start inspected={inspected} run={run} />
+        {state.library && <LibraryOf inspected={inspected} run={run} />}
       </div>
       <Refusal text={refusal} />
     </Fold>
@@ -47,7 +47,7 @@ export function General({ seen }: { seen: SeenState }) {
 }
 
 /** The selection goes with the state to its new path. */
-async function changeId({ path, tab, edit }: SeenState, text: string): Promise<string | null> {
+async function changeId({ path, tab, edit }: InspectedState, text: string): Promise<string | null> {
   const parent = parentOf(path);
   const now = parent === null ? text.trim() : `${parent}/${text.trim()}`;
   const refusal = await edit((machine) => setId(machine, path, text));
@@ -57,13 +57,13 @@ async function changeId({ path, tab, edit }: SeenState, text: string): Promise<s
 }
 
 interface PartProps {
-  readonly seen: SeenState;
+  readonly inspected: InspectedState;
   readonly run: (made: Made) => void;
 }
 
 const KINDS: readonly StateKind[] = ["execution", "hierarchy", "barrier", "preemptive"];
 
-function Kind({ seen: { path, state, readOnly, edit }, run }: PartProps) {
+function Kind({ inspected: { path, state, readOnly, edit }, run }: PartProps) {
   const isFixed = !KINDS.includes(state.kind);
   const kinds = isFixed ? [state.kind] : KINDS;
   return (
@@ -77,7 +77,7 @@ function Kind({ seen: { path, state, readOnly, edit }, run }: PartProps) {
   );
 }
 
-function Start({ seen: { path, state, machine, readOnly, edit }, run }: PartProps) {
+function Start({ inspected: { path, state, machine, readOnly, edit }, run }: PartProps) {
   const parent = parentOf(path);
   const around = parent === null ? undefined : machine.state(parent);
   if (parent === null || !around || around.kind === "library") return null;
@@ -95,8 +95,8 @@ function Start({ seen: { path, state, machine, readOnly, edit }, run }: PartProp
   );
 }
 
-function LibraryOf({ seen, run }: PartProps) {
-  const { path, state, tab, readOnly, edit } = seen;
+function LibraryOf({ inspected, run }: PartProps) {
+  const { path, state, tab, readOnly, edit } = inspected;
   const contents = useSignal(tab.view.contents);
   const { library } = state;
   if (!library) return null;
@@ -107,7 +107,7 @@ function LibraryOf({ seen, run }: PartProps) {
   };
   const open = () => {
     select(tab.view, [{ kind: "state", path }]);
-    seen.run("file.open-library");
+    inspected.run("file.open-library");
   };
   return (
     <>

@@ -6,10 +6,10 @@ import type { OutcomeDocument } from "../../model/generated/protocol.ts";
 import { connect, reconnect } from "../../plan/connect.ts";
 import { removeElements } from "../../plan/states.ts";
 import { EndSelect } from "./end_select.tsx";
-import type { Made, SeenState } from "./seen.ts";
+import type { InspectedState, Made } from "./inspector_context.ts";
 
 export interface GoalProps {
-  readonly seen: SeenState;
+  readonly inspected: InspectedState;
   readonly container: string;
   readonly outcome: OutcomeDocument;
   readonly label: string;
@@ -17,8 +17,8 @@ export interface GoalProps {
   readonly run: (made: Made) => void;
 }
 
-export function Goal({ seen, container, outcome: { id }, label, hideLabel, run }: GoalProps) {
-  const { path, machine, readOnly, edit } = seen;
+export function Goal({ inspected, container, outcome: { id }, label, hideLabel, run }: GoalProps) {
+  const { path, machine, readOnly, edit } = inspected;
   if (machine.state(container)?.kind === "library") return null;
   const from = { kind: "outcome", path, id } as const;
   const key = keyOf(from);

@@ -15,7 +15,7 @@ import { useDetail } from "../parts/value/use_detail.ts";
 import { Fold } from "./fold.tsx";
 import { RunError } from "./in_run_error.tsx";
 import { GlobalValues, RunValues } from "./in_run_values.tsx";
-import type { SeenState } from "./seen.ts";
+import type { InspectedState } from "./inspector_context.ts";
 import "./in_run.css";
 
 /** Numbers that run are read no faster. */
@@ -29,25 +29,25 @@ const PHASE_WORDS: Readonly<Record<Phase, string>> = {
   preempted: "is asked to end",
 };
 
-export function InRun({ seen }: { seen: SeenState }) {
-  const watch = useSignal(seen.tab.run);
+export function InRun({ inspected }: { inspected: InspectedState }) {
+  const watch = useSignal(inspected.tab.run);
   if (!watch) return null;
   return (
     <Fold title="In the run">
       <div className="shows-run">
-        <OfRun key={`${watch.id} ${seen.path}`} seen={seen} watch={watch} />
+        <OfRun key={`${watch.id} ${inspected.path}`} inspected={inspected} watch={watch} />
       </div>
     </Fold>
   );
 }
 
 /** Global variables at the moment that is shown. */
-export function GlobalsInRun({ seen }: { seen: SeenState }) {
-  const watch = useSignal(seen.tab.run);
-  return watch && <Globals seen={seen} watch={watch} />;
+export function GlobalsInRun({ inspected }: { inspected: InspectedState }) {
+  const watch = useSignal(inspected.tab.run);
+  return watch && <Globals inspected={inspected} watch={watch} />;
 }
 
-function Globals({ seen, watch }: { seen: SeenState; watch: Watch }) {
+function Globals({ inspected, watch }: { inspected: InspectedState; watch: Watch }) {
   useEffect(() => watch.wantValues(), [watch]);
   const signal = useMemo(() => computed(() => pictureOf(watch)?.globals ?? null), [watch]);
   const globals = usePaced(signal, PACE_MS);
@@ -56,19 +56,19 @@ function Globals({ seen, watch }: { seen: SeenState; watch: Watch }) {
   return (
     <Fold title="Global variables in the run" count={count}>
       <div className="shows-run">
-        <GlobalValues seen={seen} watch={watch} values={globals} />
+        <GlobalValues inspected={inspected} watch={watch} values={globals} />
       </div>
     </Fold>
   );
 }
 
-function OfRun({ seen, watch }: { seen: SeenState; watch: Watch }) {
-  const { path } = seen;
+function OfRun({ inspected, watch }: { inspected: InspectedState; watch: Watch }) {
+  const { path } = inspected;
   useEffect(() => watch.wantValues(), [watch]);
   const signal = useMemo(() => computed(() => standingOf(watch, path)), [watch, path]);
   const standing = usePaced(signal, PACE_MS);
   const { entered, left } = standing;
-  const { runs } = seen.page;
+  const { runs } = inspected.page;
   const entry = useDetail(runs, watch.id, wanted(entered?.sequence, standing.inputs));
   const isAborted = left?.outcome?.id === ABORTED;
   const end = useDetail(runs, watch.id, wanted(left?.sequence, standing.outputs, isAborted));
@@ -78,8 +78,8 @@ function OfRun({ seen, watch }: { seen: SeenState; watch: Watch }) {
   return (
     <div className="shows-run">
       <Facts watch={watch} standing={standing} />
-      {left && <RunError seen={seen} watch={watch} left={left} detail={end.detail} />}
-      <RunValues seen={seen} watch={watch} standing={standing} entry={entry} end={end} />
+      {left && <RunError inspected={inspected} watch={watch} left={left} detail={end.detail} />}
+      <RunValues inspected={inspected} watch={watch} standing={standing} entry={entry} end={end} />
     </div>
   );
 }

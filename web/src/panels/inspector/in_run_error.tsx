@@ -10,10 +10,10 @@ import { wantedLine } from "../../store/script_line.ts";
 import type { End } from "../../store/standing.ts";
 import { visitsOf } from "../../store/visits.ts";
 import { Button } from "../../ui/button.tsx";
-import type { SeenState } from "./seen.ts";
+import type { InspectedState } from "./inspector_context.ts";
 
 export interface RunErrorProps {
-  readonly seen: SeenState;
+  readonly inspected: InspectedState;
   readonly watch: Watch;
   readonly left: End;
   /** The end with its values, once it is here. */
@@ -22,8 +22,8 @@ export interface RunErrorProps {
 
 const MESSAGE_MAX = 1_000;
 
-export function RunError({ seen, watch, left, detail }: RunErrorProps) {
-  const { path } = seen;
+export function RunError({ inspected, watch, left, detail }: RunErrorProps) {
+  const { path } = inspected;
   const failure = useMemo(() => failureOf(watch, path, left.sequence), [watch, path, left]);
   const event = detail?.sequence === left.sequence ? detail.event : null;
   const error = event?.type === "left" ? event.error : null;
@@ -36,7 +36,7 @@ export function RunError({ seen, watch, left, detail }: RunErrorProps) {
         <strong>Ended with an error</strong>
         {said ? `: ${said}` : ""}
       </p>
-      {failure && <Place seen={seen} failure={failure} />}
+      {failure && <Place inspected={inspected} failure={failure} />}
     </div>
   );
 }
@@ -50,18 +50,18 @@ function failureOf(watch: Watch, path: string, left: number): Failure | null {
 
 /** The script's own frame first; the others when asked. */
 function Place({
-  seen,
+  inspected,
   failure: { traceback, text, path },
 }: {
-  seen: SeenState;
+  inspected: InspectedState;
   failure: Failure;
 }) {
   const [isWhole, setWhole] = useState(false);
   const { own, frames } = traceback;
-  const name = seen.machine.state(path)?.name ?? path;
+  const name = inspected.machine.state(path)?.name ?? path;
   const show = () => {
     if (!own) return;
-    seen.show({ kind: "state", path });
+    inspected.show({ kind: "state", path });
     wantedLine.value = { path, line: own.line };
   };
   return (

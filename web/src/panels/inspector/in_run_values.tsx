@@ -22,11 +22,11 @@ import { sinceStart } from "../parts/duration.ts";
 import { dragValue } from "../parts/value/dragged_value.ts";
 import type { Detailed } from "../parts/value/use_detail.ts";
 import { ValueView } from "../parts/value/value_view.tsx";
+import type { InspectedState } from "./inspector_context.ts";
 import { type RunGroup, runGroups } from "./run_groups.ts";
-import type { SeenState } from "./seen.ts";
 
 export interface RunValuesProps {
-  readonly seen: SeenState;
+  readonly inspected: InspectedState;
   readonly watch: Watch;
   readonly standing: Standing;
   /** The last entry and the last end with their values, where the moment does not have them. */
@@ -34,25 +34,25 @@ export interface RunValuesProps {
   readonly end: Detailed;
 }
 
-export function RunValues({ seen, watch, standing, entry, end }: RunValuesProps) {
+export function RunValues({ inspected, watch, standing, entry, end }: RunValuesProps) {
   return runGroups(standing, entry, end).map((group) => (
-    <Group key={group.kind} seen={seen} watch={watch} {...group} />
+    <Group key={group.kind} inspected={inspected} watch={watch} {...group} />
   ));
 }
 
 export interface GlobalValuesProps {
-  readonly seen: SeenState;
+  readonly inspected: InspectedState;
   readonly watch: Watch;
   readonly values: Values;
 }
 
-export function GlobalValues({ seen, watch, values }: GlobalValuesProps) {
+export function GlobalValues({ inspected, watch, values }: GlobalValuesProps) {
   return Object.keys(values)
     .sort()
     .map((name) => (
       <Line
         key={name}
-        seen={seen}
+        inspected={inspected}
         watch={watch}
         target={{ kind: "global", path: "", name }}
         value={values[name]}
@@ -62,11 +62,11 @@ export function GlobalValues({ seen, watch, values }: GlobalValuesProps) {
 }
 
 interface GroupProps extends RunGroup {
-  readonly seen: SeenState;
+  readonly inspected: InspectedState;
   readonly watch: Watch;
 }
 
-function Group({ seen, watch, until, kind, title, values, refusal }: GroupProps) {
+function Group({ inspected, watch, until, kind, title, values, refusal }: GroupProps) {
   if (values === undefined) {
     return refusal === null ? null : (
       <p className="inspector-none">
@@ -78,21 +78,21 @@ function Group({ seen, watch, until, kind, title, values, refusal }: GroupProps)
   const names = Object.keys(values);
   const [first] = names;
   if (first === undefined) return null;
-  const origins = names.map((name) => originAt(seen, watch, kind, name, until));
+  const origins = names.map((name) => originAt(inspected, watch, kind, name, until));
   const shared = isOne(origins) ? origins[0] : null;
   const what = names.length === 1 ? first : title.toLowerCase();
   return (
     <section className="in-run-group" aria-label={`${title} in the run`}>
       <div className="in-run-head">
         <h4>{title}</h4>
-        {shared && <From seen={seen} watch={watch} what={what} origin={shared} />}
+        {shared && <From inspected={inspected} watch={watch} what={what} origin={shared} />}
       </div>
       {names.map((name, index) => (
         <Line
           key={name}
-          seen={seen}
+          inspected={inspected}
           watch={watch}
-          target={{ kind, path: seen.path, name }}
+          target={{ kind, path: inspected.path, name }}
           value={values[name]}
           origin={shared ? null : (origins[index] ?? null)}
         />
@@ -107,7 +107,7 @@ function isOne([first, ...others]: readonly (Origin | null)[]): boolean {
 }
 
 function originAt(
-  { machine, path, state }: SeenState,
+  { machine, path, state }: InspectedState,
   watch: Watch,
   kind: PortKind,
   name: string,
@@ -118,14 +118,14 @@ function originAt(
 }
 
 interface LineProps {
-  readonly seen: SeenState;
+  readonly inspected: InspectedState;
   readonly watch: Watch;
   readonly target: Target;
   readonly value: unknown;
   readonly origin: Origin | null;
 }
 
-function Line({ seen, watch, target, value, origin }: LineProps) {
+function Line({ inspected, watch, target, value, origin }: LineProps) {
   return (
     // biome-ignore lint/a11y/noStaticElementInteractions: dragging does what the button beside it does
     <div className="in-run-value" draggable onDragStart={(event) => dragValue(event, target)}>
@@ -133,11 +133,11 @@ function Line({ seen, watch, target, value, origin }: LineProps) {
         name={target.name}
         value={value}
         keep={`${target.path} ${target.kind} ${target.name}`}
-        actions={<WatchButton seen={seen} target={target} />}
+        actions={<WatchButton inspected={inspected} target={target} />}
       />
       {origin && (
         <div className="in-run-origin">
-          <From seen={seen} watch={watch} what={target.name} origin={origin} />
+          <From inspected={inspected} watch={watch} what={target.name} origin={origin} />
         </div>
       )}
     </div>
@@ -145,8 +145,8 @@ function Line({ seen, watch, target, value, origin }: LineProps) {
 }
 
 /** Puts the value among those that are watched, or takes it away. */
-function WatchButton({ seen, target }: { seen: SeenState; target: Target }) {
-  const { tab, page } = seen;
+function WatchButton({ inspected, target }: { inspected: InspectedState; target: Target }) {
+  const { tab, page } = inspected;
   const all = useSignal(useMemo(() => computed(() => watchedOf(tab).value), [tab]));
   const here = all.filter((each) => isSameTarget(each.target, target));
   const toggle = () => {
@@ -168,18 +168,18 @@ function WatchButton({ seen, target }: { seen: SeenState; target: Target }) {
   );
 }
 
-interface FromProps extends Pick<LineProps, "seen" | "watch"> {
+interface FromProps extends Pick<LineProps, "inspected" | "watch"> {
   /** Of what it is told. */
   readonly what: string;
   readonly origin: Origin;
 }
 
 /** The event by which something came there, when that was, and which state gave it. */
-function From({ seen, watch, what, origin }: FromProps) {
+function From({ inspected, watch, what, origin }: FromProps) {
   const { journal } = watch;
   const at_ms = journal.t_ns(journal.indexOf(origin.sequence)) / 1e6;
-  const name = seen.machine.state(origin.path)?.name ?? origin.path;
-  const isOwn = origin.path === seen.path;
+  const name = inspected.machine.state(origin.path)?.name ?? origin.path;
+  const isOwn = origin.path === inspected.path;
   return (
     <>
       <span className="in-run-when">
@@ -189,7 +189,7 @@ function From({ seen, watch, what, origin }: FromProps) {
           <button
             type="button"
             className="inspector-link"
-            onClick={() => seen.show({ kind: "state", path: origin.path })}
+            onClick={() => inspected.show({ kind: "state", path: origin.path })}
           >
             {name}
           </button>
@@ -200,7 +200,7 @@ function From({ seen, watch, what, origin }: FromProps) {
         label={`Show the moment when ${what} came`}
         icon={<Clock size={13} />}
         onClick={() => {
-          watch.moment.value = origin.seen;
+          watch.playhead.value = origin.seen;
         }}
       />
     </>

@@ -13,11 +13,16 @@ import { Empty } from "../../ui/empty.tsx";
 import { useSignal } from "../../ui/signals.ts";
 import { useActiveTab, useCommand, useHost } from "../context.tsx";
 import { ConnectionView } from "./connection_view.tsx";
+import {
+  type InspectedState,
+  type InspectorContext,
+  inspectedState,
+  makeEdit,
+} from "./inspector_context.ts";
 import { counted, ELEMENT_ICONS, KIND_ICONS } from "./kinds.ts";
 import { MachineView } from "./machine_view.tsx";
 import { OutcomeView } from "./outcome_view.tsx";
 import { PortView } from "./port_view.tsx";
-import { makeEdit, type Seen, type SeenState, seenState } from "./seen.ts";
 import { SeveralView } from "./several_view.tsx";
 import { StateView } from "./state_view.tsx";
 import { pathOf, type Subject, subjectOf } from "./subject.ts";
@@ -70,17 +75,17 @@ interface ShownProps extends OfTabProps {
 }
 
 const Shown = memo(function Shown({ tab, pinned, onPin, elements }: ShownProps) {
-  const seen = useSeen(tab);
-  const subject = subjectOf(seen.machine, elements);
-  const state = seenState(seen, pathOf(seen.machine, subject));
+  const context = useInspectorContext(tab);
+  const subject = subjectOf(context.machine, elements);
+  const state = inspectedState(context, pathOf(context.machine, subject));
   if (!state) return null;
   const pin = () => onPin(pinned ? null : { tab, elements });
   return (
     <div className="inspector">
-      <Head seen={state} subject={subject} isPinned={pinned !== null} onPin={pin} />
+      <Head inspected={state} subject={subject} isPinned={pinned !== null} onPin={pin} />
       <div className="inspector-column">
-        {seen.machine.isInLibrary(state.path) && <InLibrary seen={state} />}
-        <View seen={state} subject={subject} isSelected={pinned === null} />
+        {context.machine.isInLibrary(state.path) && <InLibrary inspected={state} />}
+        <View inspected={state} subject={subject} isSelected={pinned === null} />
       </div>
     </div>
   );
@@ -91,7 +96,7 @@ function elementsOf(selection: ReadonlySet<ElementKey>): readonly ElementRef[] {
 }
 
 /** The machine as it is now, and the ways from here to it. */
-function useSeen(tab: OpenTab): Seen {
+function useInspectorContext(tab: OpenTab): InspectorContext {
   const host = useHost();
   const run = useCommand();
   const { page } = host.context();
@@ -114,37 +119,39 @@ function useSeen(tab: OpenTab): Seen {
 }
 
 interface ViewProps {
-  readonly seen: SeenState;
+  readonly inspected: InspectedState;
   readonly subject: Subject;
   readonly isSelected: boolean;
 }
 
-function View({ seen, subject, isSelected }: ViewProps) {
+function View({ inspected, subject, isSelected }: ViewProps) {
   switch (subject.kind) {
     case "machine":
-      return <MachineView seen={seen} />;
+      return <MachineView inspected={inspected} />;
     case "state":
-      return <StateView seen={seen} />;
+      return <StateView inspected={inspected} />;
     case "port":
-      return <PortView seen={seen} port={subject.port} />;
+      return <PortView inspected={inspected} port={subject.port} />;
     case "outcome":
-      return <OutcomeView seen={seen} id={subject.id} />;
+      return <OutcomeView inspected={inspected} id={subject.id} />;
     case "connection":
-      return <ConnectionView seen={seen} connection={subject.connection} />;
+      return <ConnectionView inspected={inspected} connection={subject.connection} />;
     case "several":
-      return <SeveralView seen={seen} elements={subject.elements} isSelected={isSelected} />;
+      return (
+        <SeveralView context={inspected} elements={subject.elements} isSelected={isSelected} />
+      );
   }
 }
 
 interface HeadProps {
-  readonly seen: SeenState;
+  readonly inspected: InspectedState;
   readonly subject: Subject;
   readonly isPinned: boolean;
   readonly onPin: () => void;
 }
 
-function Head({ seen, subject, isPinned, onPin }: HeadProps) {
-  const { state } = seen;
+function Head({ inspected, subject, isPinned, onPin }: HeadProps) {
+  const { state } = inspected;
   const element = elementIn(subject);
   const kind = element?.kind ?? "state";
   const Icon = kind === "state" || kind === "income" ? KIND_ICONS[state.kind] : ELEMENT_ICONS[kind];
@@ -152,12 +159,12 @@ function Head({ seen, subject, isPinned, onPin }: HeadProps) {
     <div className="inspector-head">
       <div className="inspector-title">
         <Icon size={16} aria-hidden />
-        <h2 title={titleOf(seen, subject)}>{titleOf(seen, subject)}</h2>
+        <h2 title={titleOf(inspected, subject)}>{titleOf(inspected, subject)}</h2>
         {element && (
           <IconButton
             label="Show on the canvas"
             icon={<LocateFixed size={15} />}
-            onClick={() => seen.show(element)}
+            onClick={() => inspected.show(element)}
           />
         )}
         <IconButton
@@ -167,12 +174,14 @@ function Head({ seen, subject, isPinned, onPin }: HeadProps) {
           onClick={onPin}
         />
       </div>
-      {subject.kind !== "machine" && <Way seen={seen} isOfState={subject.kind === "state"} />}
+      {subject.kind !== "machine" && (
+        <Way inspected={inspected} isOfState={subject.kind === "state"} />
+      )}
     </div>
   );
 }
 
-function titleOf({ machine, state }: SeenState, subject: Subject): string {
+function titleOf({ machine, state }: InspectedState, subject: Subject): string {
   if (subject.kind === "several") return counted(subject.elements.length, "element");
   const element = elementIn(subject);
   return element ? nameOf(machine, element) : state.name;
@@ -195,8 +204,8 @@ function elementIn(subject: Subject): ElementRef | null {
 }
 
 /** The states around it, each a way there. */
-function Way({ seen, isOfState }: { seen: SeenState; isOfState: boolean }) {
-  const { path, state, machine } = seen;
+function Way({ inspected, isOfState }: { inspected: InspectedState; isOfState: boolean }) {
+  const { path, state, machine } = inspected;
   const around = lineage(path).slice(0, isOfState ? -1 : undefined);
   return (
     <nav className="inspector-way" aria-label="States around it">
@@ -205,7 +214,7 @@ function Way({ seen, isOfState }: { seen: SeenState; isOfState: boolean }) {
           key={each}
           type="button"
           className="inspector-link"
-          onClick={() => seen.show({ kind: "state", path: each })}
+          onClick={() => inspected.show({ kind: "state", path: each })}
         >
           {machine.state(each)?.name ?? each}
         </button>
@@ -216,13 +225,13 @@ function Way({ seen, isOfState }: { seen: SeenState; isOfState: boolean }) {
 }
 
 /** Content of a library is only looked at; the library itself is near. */
-function InLibrary({ seen }: { seen: SeenState }) {
-  const { path, machine, tab } = seen;
-  const library = nearestLibrary(seen);
+function InLibrary({ inspected }: { inspected: InspectedState }) {
+  const { path, machine, tab } = inspected;
+  const library = nearestLibrary(inspected);
   if (library === null) return null;
   const open = () => {
     select(tab.view, [{ kind: "state", path: library }]);
-    seen.run("file.open-library");
+    inspected.run("file.open-library");
   };
   return (
     <div className="inspector-note" role="note">
@@ -238,7 +247,7 @@ function InLibrary({ seen }: { seen: SeenState }) {
 }
 
 /** The library state that the state is content of: the nearest one around it. */
-function nearestLibrary({ path, machine }: SeenState): string | null {
+function nearestLibrary({ path, machine }: InspectedState): string | null {
   for (let outer = parentOf(path); outer !== null; outer = parentOf(outer))
     if (machine.state(outer)?.kind === "library") return outer;
   return null;

@@ -12,19 +12,19 @@ import { Description } from "./description.tsx";
 import { Drafts } from "./drafts.tsx";
 import { Fold } from "./fold.tsx";
 import { GlobalsInRun, InRun } from "./in_run.tsx";
+import type { InspectedState } from "./inspector_context.ts";
 import { Outcomes } from "./outcomes.tsx";
 import { Ports } from "./ports.tsx";
-import type { SeenState } from "./seen.ts";
 
-export function MachineView({ seen }: { seen: SeenState }) {
-  const { machine, tab, readOnly, edit } = seen;
+export function MachineView({ inspected }: { inspected: InspectedState }) {
+  const { machine, tab, readOnly, edit } = inspected;
   const status = useSignal(tab.session.status);
   const { header } = machine;
   const file = status?.summary.file;
   return (
     <>
-      <InRun seen={seen} />
-      <GlobalsInRun seen={seen} />
+      <InRun inspected={inspected} />
+      <GlobalsInRun inspected={inspected} />
       <Fold title="Machine">
         <div className="inspector-fields">
           <TextField
@@ -54,12 +54,12 @@ export function MachineView({ seen }: { seen: SeenState }) {
           />
         </div>
       </Fold>
-      <Drafts seen={seen} />
+      <Drafts context={inspected} />
       <Counts tab={tab} />
-      <Description key={`description ${tab.session.id}`} seen={seen} />
-      <Ports seen={seen} kind="input" />
-      <Ports seen={seen} kind="output" />
-      <Outcomes seen={seen} />
+      <Description key={`description ${tab.session.id}`} inspected={inspected} />
+      <Ports inspected={inspected} kind="input" />
+      <Ports inspected={inspected} kind="output" />
+      <Outcomes inspected={inspected} />
     </>
   );
 }

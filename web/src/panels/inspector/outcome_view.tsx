@@ -7,14 +7,14 @@ import { parentOf } from "../../model/path.ts";
 import { TextField } from "../../ui/field.tsx";
 import { Fold } from "./fold.tsx";
 import { Goal } from "./goal.tsx";
+import type { InspectedState } from "./inspector_context.ts";
 import { Refusal, useRefusal } from "./refusal.tsx";
 import { useRenaming } from "./renaming.tsx";
-import type { SeenState } from "./seen.ts";
 
-export function OutcomeView({ seen, id }: { seen: SeenState; id: number }) {
-  const { path, state, machine, readOnly } = seen;
+export function OutcomeView({ inspected, id }: { inspected: InspectedState; id: number }) {
+  const { path, state, machine, readOnly } = inspected;
   const [refusal, run] = useRefusal();
-  const [rename, asking] = useRenaming(seen);
+  const [rename, asking] = useRenaming(inspected);
   const element = { kind: "outcome", path, id } as const;
   const outcome = outcomesOf(state).find((each) => each.id === id);
   if (!outcome) return null;
@@ -36,7 +36,13 @@ export function OutcomeView({ seen, id }: { seen: SeenState; id: number }) {
           />
           <TextField label="Id" mono readOnly value={String(id)} />
           {container !== null && (
-            <Goal seen={seen} container={container} outcome={outcome} label="Leads to" run={run} />
+            <Goal
+              inspected={inspected}
+              container={container}
+              outcome={outcome}
+              label="Leads to"
+              run={run}
+            />
           )}
         </div>
         <Refusal text={refusal} />
@@ -44,20 +50,20 @@ export function OutcomeView({ seen, id }: { seen: SeenState; id: number }) {
       </Fold>
       {leading.length > 0 && (
         <Fold title="Reached from inside by" count={leading.length}>
-          <Leading seen={seen} rows={leading} />
+          <Leading inspected={inspected} rows={leading} />
         </Fold>
       )}
     </>
   );
 }
 
-function Leading({ seen, rows }: { seen: SeenState; rows: readonly Connection[] }) {
+function Leading({ inspected, rows }: { inspected: InspectedState; rows: readonly Connection[] }) {
   return (
     <ul className="inspector-list">
       {rows.map(({ element }) => (
         <li key={keyOf(element)}>
-          <button type="button" className="inspector-link" onClick={() => seen.show(element)}>
-            {connectionInWords(seen.machine, element)}
+          <button type="button" className="inspector-link" onClick={() => inspected.show(element)}>
+            {connectionInWords(inspected.machine, element)}
           </button>
         </li>
       ))}

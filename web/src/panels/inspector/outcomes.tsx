@@ -10,16 +10,16 @@ import { IconButton } from "../../ui/button.tsx";
 import type { Column } from "../../ui/table.tsx";
 import { Fold } from "./fold.tsx";
 import { Goal } from "./goal.tsx";
+import type { InspectedState } from "./inspector_context.ts";
 import { PartTable, PasteButton, useAdded } from "./part_table.tsx";
 import { Refusal, useRefusal } from "./refusal.tsx";
 import { useRenaming } from "./renaming.tsx";
 import { ROW_BUTTONS_WIDTH, RowButtons } from "./row_buttons.tsx";
-import type { SeenState } from "./seen.ts";
 
-export function Outcomes({ seen }: { seen: SeenState }) {
-  const { path, state, machine, readOnly, edit } = seen;
+export function Outcomes({ inspected }: { inspected: InspectedState }) {
+  const { path, state, machine, readOnly, edit } = inspected;
   const [refusal, run] = useRefusal();
-  const [rename, asking] = useRenaming(seen);
+  const [rename, asking] = useRenaming(inspected);
   const outcomes = outcomesOf(state).toSorted(asPeopleRead);
   const [added, adding] = useAdded(outcomes);
   const canChange = !readOnly && !state.library;
@@ -33,7 +33,7 @@ export function Outcomes({ seen }: { seen: SeenState }) {
     width: "minmax(0, 1.4fr)",
     cell: (outcome) => (
       <Goal
-        seen={seen}
+        inspected={inspected}
         container={around}
         outcome={outcome}
         label={`Where ${outcome.name} leads`}
@@ -64,7 +64,7 @@ export function Outcomes({ seen }: { seen: SeenState }) {
       cell: (outcome) => (
         <RowButtons
           what={`outcome ${outcome.name}`}
-          onShow={() => seen.show(refOf(outcome))}
+          onShow={() => inspected.show(refOf(outcome))}
           onRemove={canChange && outcome.id >= 0 ? () => remove(outcome) : undefined}
         />
       ),
@@ -72,7 +72,7 @@ export function Outcomes({ seen }: { seen: SeenState }) {
   ];
   const add = (
     <>
-      <PasteButton seen={seen} kind="outcome" run={run} words="outcome" />
+      <PasteButton inspected={inspected} kind="outcome" run={run} words="outcome" />
       <IconButton
         label="Add outcome"
         icon={<Plus size={15} />}
@@ -87,7 +87,7 @@ export function Outcomes({ seen }: { seen: SeenState }) {
     <Fold title="Outcomes" count={outcomes.length} actions={canChange ? add : null}>
       <PartTable
         key={path}
-        seen={seen}
+        inspected={inspected}
         kind="outcome"
         run={run}
         label={`Outcomes of ${state.name}`}

@@ -12,10 +12,10 @@ import { IconButton } from "../../ui/button.tsx";
 import { useChosenRows } from "../../ui/chosen_rows.ts";
 import { ContextMenu, type MenuItem } from "../../ui/menu.tsx";
 import { type Column, Table } from "../../ui/table.tsx";
-import type { Made, SeenState } from "./seen.ts";
+import type { InspectedState, Made } from "./inspector_context.ts";
 
 interface PartsOf {
-  readonly seen: SeenState;
+  readonly inspected: InspectedState;
   readonly kind: PartKind;
   readonly run: (made: Made) => void;
 }
@@ -38,16 +38,17 @@ interface MenuAt<T> {
 }
 
 export function PartTable<T extends { readonly id: number }>(props: PartTableProps<T>) {
-  const { seen, kind, run, label, rows, columns, canChange } = props;
+  const { inspected, kind, run, label, rows, columns, canChange } = props;
   const chosen = useChosenRows(rows, idOf);
   const [menu, setMenu] = useState<MenuAt<T> | null>(null);
-  const refsOf = (parts: readonly T[]) => parts.map(({ id }) => ({ kind, path: seen.path, id }));
+  const refsOf = (parts: readonly T[]) =>
+    parts.map(({ id }) => ({ kind, path: inspected.path, id }));
   const remove = (parts: readonly T[]) =>
-    run(seen.edit((now) => removeElements(now, refsOf(parts))));
+    run(inspected.edit((now) => removeElements(now, refsOf(parts))));
   const copy = (parts: readonly T[], transfer: TextTransfer | null) =>
-    copyElements(seen.machine, refsOf(parts), transfer);
+    copyElements(inspected.machine, refsOf(parts), transfer);
   const cut = async (parts: readonly T[], transfer: TextTransfer | null) =>
-    (await copy(parts, transfer)) ?? seen.edit((now) => removeElements(now, refsOf(parts)));
+    (await copy(parts, transfer)) ?? inspected.edit((now) => removeElements(now, refsOf(parts)));
   const happened = (event: ClipboardEvent) => {
     if (event.target instanceof HTMLInputElement) return;
     const parts = chosen.with();
@@ -94,7 +95,7 @@ export function PartTable<T extends { readonly id: number }>(props: PartTablePro
         newRow={props.added === undefined ? undefined : String(props.added)}
         selected={chosen.ids}
         onSelect={chosen.choose}
-        onHover={(part) => seen.hover(part && refOf(props, part))}
+        onHover={(part) => inspected.hover(part && refOf(props, part))}
         onDelete={canChange ? (part) => remove(chosen.with(part)) : undefined}
         onMenu={(part, at) => setMenu({ at, rows: chosen.with(part) })}
       />
@@ -126,18 +127,18 @@ function idOf({ id }: { readonly id: number }): string {
   return String(id);
 }
 
-function refOf({ seen, kind }: PartsOf, { id }: { readonly id: number }): ElementRef {
-  return { kind, path: seen.path, id };
+function refOf({ inspected, kind }: PartsOf, { id }: { readonly id: number }): ElementRef {
+  return { kind, path: inspected.path, id };
 }
 
 /** Pastes what is on the clipboard as rows of this table. */
 async function pasteInto(
-  { seen, kind }: PartsOf,
+  { inspected, kind }: PartsOf,
   transfer: TextTransfer | null,
 ): Promise<string | null> {
   const clip = await read(transfer);
   if (!clip) return NOTHING_COPIED;
-  return seen.edit((now) => pasteParts(now, seen.path, partsIn(clip), kind));
+  return inspected.edit((now) => pasteParts(now, inspected.path, partsIn(clip), kind));
 }
 
 /** The way to paste into a table that has no rows yet. */

@@ -10,11 +10,11 @@ import { refused } from "../../plan/plan.ts";
 import { Checkbox, TextField } from "../../ui/field.tsx";
 import { Colour } from "./colour.tsx";
 import { Fold } from "./fold.tsx";
+import type { InspectedState } from "./inspector_context.ts";
 import { Refusal, useRefusal } from "./refusal.tsx";
-import type { SeenState } from "./seen.ts";
 
-export function Place({ seen }: { seen: SeenState }) {
-  const { path, state, machine, readOnly, edit } = seen;
+export function Place({ inspected }: { inspected: InspectedState }) {
+  const { path, state, machine, readOnly, edit } = inspected;
   const [refusal, run] = useRefusal();
   const [withContent, setWithContent] = useState(false);
   const box = boxIn(machine, path);

@@ -10,25 +10,25 @@ import { setPortDefault, setPortType, setRuntimeValue } from "../../plan/ports.t
 import { TextField } from "../../ui/field.tsx";
 import { ChainTable } from "./chain_table.tsx";
 import { Fold } from "./fold.tsx";
+import type { InspectedState } from "./inspector_context.ts";
 import { PORT_TITLES, read, typesIn } from "./ports.tsx";
 import { useRenaming } from "./renaming.tsx";
-import type { SeenState } from "./seen.ts";
 
-export function PortView({ seen, port: ref }: { seen: SeenState; port: PortRef }) {
-  const { machine, state } = seen;
+export function PortView({ inspected, port: ref }: { inspected: InspectedState; port: PortRef }) {
+  const { machine, state } = inspected;
   const port = portsOf(state, ref.kind).find(({ id }) => id === ref.id);
   if (!port) return null;
   return (
     <>
-      <Fields key={keyOf(ref)} seen={seen} element={ref} port={port} />
+      <Fields key={keyOf(ref)} inspected={inspected} element={ref} port={port} />
       <ChainTable
-        seen={seen}
+        context={inspected}
         title="Fed by"
         hops={chain(machine, ref, "backwards")}
         none="Nothing feeds it: it has its default."
       />
       <ChainTable
-        seen={seen}
+        context={inspected}
         title="Feeds"
         hops={chain(machine, ref, "forwards")}
         none="It feeds nothing."
@@ -38,14 +38,14 @@ export function PortView({ seen, port: ref }: { seen: SeenState; port: PortRef }
 }
 
 interface FieldsProps {
-  readonly seen: SeenState;
+  readonly inspected: InspectedState;
   readonly element: PortRef;
   readonly port: PortDocument;
 }
 
-function Fields({ seen, element, port }: FieldsProps) {
-  const { state, machine, readOnly, edit } = seen;
-  const [rename, asking] = useRenaming(seen);
+function Fields({ inspected, element, port }: FieldsProps) {
+  const { state, machine, readOnly, edit } = inspected;
+  const [rename, asking] = useRenaming(inspected);
   const isLibrary = state.library != null;
   const canChange = !readOnly && !isLibrary;
   const list = element.kind === "input" ? state.library?.inputs : state.library?.outputs;

@@ -19,11 +19,11 @@ import { IconButton } from "../../ui/button.tsx";
 import { Checkbox, type Commit } from "../../ui/field.tsx";
 import type { Column } from "../../ui/table.tsx";
 import { Fold } from "./fold.tsx";
+import type { InspectedState, Made } from "./inspector_context.ts";
 import { PartTable, PasteButton, useAdded } from "./part_table.tsx";
 import { Refusal, useRefusal } from "./refusal.tsx";
 import { useRenaming } from "./renaming.tsx";
 import { ROW_BUTTONS_WIDTH, RowButtons } from "./row_buttons.tsx";
-import type { Made, SeenState } from "./seen.ts";
 
 export const PORT_TITLES = {
   input: { many: "Inputs", single: "Input", one: "input", value: "Default" },
@@ -36,10 +36,10 @@ export const PORT_TITLES = {
   },
 } as const;
 
-export function Ports({ seen, kind }: { seen: SeenState; kind: PortKind }) {
-  const { path, state, readOnly, edit } = seen;
+export function Ports({ inspected, kind }: { inspected: InspectedState; kind: PortKind }) {
+  const { path, state, readOnly, edit } = inspected;
   const [refusal, run] = useRefusal();
-  const [rename, asking] = useRenaming(seen);
+  const [rename, asking] = useRenaming(inspected);
   const ports = portsOf(state, kind);
   const [added, adding] = useAdded(ports);
   const { many, one } = PORT_TITLES[kind];
@@ -55,17 +55,17 @@ export function Ports({ seen, kind }: { seen: SeenState; kind: PortKind }) {
     cell: (port) => (
       <RowButtons
         what={`${one} ${port.name}`}
-        onShow={() => seen.show(refOf(port))}
+        onShow={() => inspected.show(refOf(port))}
         onRemove={canChange ? () => remove(port) : undefined}
       />
     ),
   };
   const columns = isLibrary
-    ? libraryColumns(seen, kind, run)
-    : ownColumns(seen, kind, canChange, rename);
+    ? libraryColumns(inspected, kind, run)
+    : ownColumns(inspected, kind, canChange, rename);
   const add = (
     <>
-      <PasteButton seen={seen} kind={kind} run={run} words={one} />
+      <PasteButton inspected={inspected} kind={kind} run={run} words={one} />
       <IconButton
         label={`Add ${one}`}
         icon={<Plus size={15} />}
@@ -88,7 +88,7 @@ export function Ports({ seen, kind }: { seen: SeenState; kind: PortKind }) {
       ) : (
         <PartTable
           key={path}
-          seen={seen}
+          inspected={inspected}
           kind={kind}
           run={run}
           label={`${many} of ${state.name}`}
@@ -105,7 +105,7 @@ export function Ports({ seen, kind }: { seen: SeenState; kind: PortKind }) {
 }
 
 function ownColumns(
-  { path, machine, edit }: SeenState,
+  { path, machine, edit }: InspectedState,
   kind: PortKind,
   canChange: boolean,
   rename: (element: PortRef, name: string) => Commit,
@@ -166,7 +166,7 @@ export function read(
 
 /** A library state has the library's defaults, and may use values of its own instead. */
 function libraryColumns(
-  { path, state, readOnly, edit }: SeenState,
+  { path, state, readOnly, edit }: InspectedState,
   kind: PortKind,
   run: (made: Made) => void,
 ): readonly Column<PortDocument>[] {

@@ -1,7 +1,7 @@
 /** Why what was just asked for was refused, at its place. */
 
 import { useCallback, useState } from "react";
-import type { Made } from "./seen.ts";
+import type { Made } from "./inspector_context.ts";
 
 /** The last refusal, and the way to wait for what may be refused. */
 export function useRefusal(): readonly [string | null, (made: Made) => void] {

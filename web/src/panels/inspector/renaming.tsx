@@ -9,7 +9,7 @@ import { type Draft, drafts } from "../../store/drafts.ts";
 import { Button } from "../../ui/button.tsx";
 import { Dialog } from "../../ui/dialog.tsx";
 import type { Asked } from "../../ui/field.tsx";
-import type { Made, SeenState } from "./seen.ts";
+import type { InspectedState, Made } from "./inspector_context.ts";
 
 type Choice = "script" | "name" | "nothing";
 
@@ -23,7 +23,7 @@ interface Question {
 
 /** The way to rename a port or outcome, and the dialog that asks, to be put somewhere. */
 export function useRenaming(
-  seen: SeenState,
+  inspected: InspectedState,
 ): readonly [(element: ElementRef, name: string) => Made | Asked, ReactNode] {
   const [question, setQuestion] = useState<Question | null>(null);
   const asked = useRef<Asked | null>(null);
@@ -36,19 +36,19 @@ export function useRenaming(
       setQuestion({ from, to, script, uses, answer });
     });
   const afterAsking = async (element: ElementRef, name: string, from: string) => {
-    const { script, uses } = calls(seen, element, from);
+    const { script, uses } = calls(inspected, element, from);
     const choice = await ask(from, name, script, uses);
     if (choice === "nothing") return null;
     const inScript = choice === "script";
-    const refusal = await seen.edit((now) => renameElement(now, element, name, inScript));
-    if (refusal === null && inScript) renameInDraft(seen, element, from, name);
+    const refusal = await inspected.edit((now) => renameElement(now, element, name, inScript));
+    if (refusal === null && inScript) renameInDraft(inspected, element, from, name);
     return refusal;
   };
   const rename = (element: ElementRef, text: string) => {
     const name = text.trim();
-    const from = nameOf(seen.machine, element);
-    const isPlain = name === "" || calls(seen, element, from).uses.length === 0;
-    if (isPlain) return seen.edit((now) => renameElement(now, element, name, false));
+    const from = nameOf(inspected.machine, element);
+    const isPlain = name === "" || calls(inspected, element, from).uses.length === 0;
+    if (isPlain) return inspected.edit((now) => renameElement(now, element, name, false));
     // Leaving the cell for the dialog commits once more: that is the same question.
     asked.current ??= {
       asked: afterAsking(element, name, from).finally(() => {
@@ -60,22 +60,27 @@ export function useRenaming(
   return [rename, question && <Asking {...question} />];
 }
 
-function draftOf({ tab, path }: SeenState): Draft | undefined {
+function draftOf({ tab, path }: InspectedState): Draft | undefined {
   return drafts.get({ machine: tab.session.id, path, field: "script" });
 }
 
 /** The places in the script as the user sees it. */
-function calls(seen: SeenState, element: ElementRef, name: string) {
-  const script = draftOf(seen)?.text ?? seen.state.script ?? "";
+function calls(inspected: InspectedState, element: ElementRef, name: string) {
+  const script = draftOf(inspected)?.text ?? inspected.state.script ?? "";
   const uses = scriptUses(script).filter((use) => use.of === element.kind && use.name === name);
   return { script, uses };
 }
 
-function renameInDraft(seen: SeenState, element: ElementRef, from: string, to: string): void {
-  const draft = draftOf(seen);
+function renameInDraft(
+  inspected: InspectedState,
+  element: ElementRef,
+  from: string,
+  to: string,
+): void {
+  const draft = draftOf(inspected);
   if (!draft) return;
-  const { uses } = calls(seen, element, from);
-  const base = seen.tab.session.machine.state(seen.path)?.script ?? "";
+  const { uses } = calls(inspected, element, from);
+  const base = inspected.tab.session.machine.state(inspected.path)?.script ?? "";
   drafts.keep({ ...draft, base, text: renameInScript(draft.text, uses, to) });
 }
 

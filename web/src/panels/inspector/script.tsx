@@ -12,13 +12,13 @@ import { useSignal } from "../../ui/signals.ts";
 import type { ScriptNames } from "./code/complete.ts";
 import { type ScriptEditor, scriptEditor } from "./code/script_editor.ts";
 import { Fold } from "./fold.tsx";
+import type { InspectedState } from "./inspector_context.ts";
 import { Refusal, useRefusal } from "./refusal.tsx";
 import { checkScript } from "./script_check.ts";
 import { ScriptConflict } from "./script_conflict.tsx";
-import type { SeenState } from "./seen.ts";
 
-export function Script({ seen }: { seen: SeenState }) {
-  const { path, state, tab, readOnly, edit } = seen;
+export function Script({ inspected }: { inspected: InspectedState }) {
+  const { path, state, tab, readOnly, edit } = inspected;
   const [refusal, run] = useRefusal();
   useSignal(drafts.all);
   const base = state.script ?? "";
@@ -40,7 +40,13 @@ export function Script({ seen }: { seen: SeenState }) {
   };
   return (
     <Fold title="Script">
-      <Code key={path} seen={seen} text={text} onType={type} onApply={() => run(apply())} />
+      <Code
+        key={path}
+        inspected={inspected}
+        text={text}
+        onType={type}
+        onApply={() => run(apply())}
+      />
       {draft && (
         <div className="inspector-bar">
           <span className="inspector-unapplied">Not applied yet</span>
@@ -73,19 +79,19 @@ export function Script({ seen }: { seen: SeenState }) {
 }
 
 interface CodeProps {
-  readonly seen: SeenState;
+  readonly inspected: InspectedState;
   readonly text: string;
   readonly onType: (text: string) => void;
   readonly onApply: () => void;
 }
 
 /** The editor lives as long as the same state is shown; what comes from outside is put in. */
-function Code({ seen, text, onType, onApply }: CodeProps) {
+function Code({ inspected, text, onType, onApply }: CodeProps) {
   const place = useRef<HTMLDivElement>(null);
   const editor = useRef<ScriptEditor | null>(null);
-  const latest = useRef({ seen, onType, onApply, text });
-  latest.current = { seen, onType, onApply, text };
-  const { page, path, tab } = seen;
+  const latest = useRef({ inspected, onType, onApply, text });
+  latest.current = { inspected, onType, onApply, text };
+  const { page, path, tab } = inspected;
   const check = useMemo(() => {
     const state = tab.session.fixed === null ? { machine: tab.session.id, path } : null;
     return checkScript(page, state);
@@ -94,12 +100,12 @@ function Code({ seen, text, onType, onApply }: CodeProps) {
     if (!place.current) return;
     const made = scriptEditor(place.current, {
       text: latest.current.text,
-      readOnly: latest.current.seen.readOnly,
-      label: `Script of ${latest.current.seen.state.name}`,
-      names: () => namesOf(latest.current.seen),
+      readOnly: latest.current.inspected.readOnly,
+      label: `Script of ${latest.current.inspected.state.name}`,
+      names: () => namesOf(latest.current.inspected),
       check,
       onRepair: async ({ name, edit }) => {
-        await latest.current.seen.tab.session.edit(name, edit);
+        await latest.current.inspected.tab.session.edit(name, edit);
       },
       onType: (typed) => latest.current.onType(typed),
       onApply: () => latest.current.onApply(),
@@ -108,13 +114,13 @@ function Code({ seen, text, onType, onApply }: CodeProps) {
     return () => made.view.destroy();
   }, [check]);
   useEffect(() => editor.current?.put(text), [text]);
-  useEffect(() => editor.current?.setReadOnly(seen.readOnly), [seen.readOnly]);
+  useEffect(() => editor.current?.setReadOnly(inspected.readOnly), [inspected.readOnly]);
   const wanted = useSignal(wantedLine);
   useEffect(() => {
-    if (wanted?.path !== seen.path) return;
+    if (wanted?.path !== inspected.path) return;
     editor.current?.goTo(wanted.line);
     wantedLine.value = null;
-  }, [wanted, seen.path]);
+  }, [wanted, inspected.path]);
   const height = useRef(heightOf(text));
   return <div ref={place} className="inspector-code" style={{ height: height.current }} />;
 }
@@ -128,7 +134,7 @@ function heightOf(text: string): number {
   return Math.min(TALL_PX, Math.max(SHORT_PX, lines * LINE_PX));
 }
 
-function namesOf({ state, machine }: SeenState): ScriptNames {
+function namesOf({ state, machine }: InspectedState): ScriptNames {
   const ports = (kind: "input" | "output") =>
     portsOf(state, kind).map(({ name, data_type }) => ({ name, detail: data_type }));
   return {

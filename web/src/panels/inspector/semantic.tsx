@@ -19,21 +19,21 @@ import { IconButton } from "../../ui/button.tsx";
 import { TextField } from "../../ui/field.tsx";
 import { type Column, Table } from "../../ui/table.tsx";
 import { Fold } from "./fold.tsx";
+import type { InspectedState, Made } from "./inspector_context.ts";
 import { Refusal, useRefusal } from "./refusal.tsx";
-import type { Made, SeenState } from "./seen.ts";
 
 const ROWS_MAX = 16;
 
 import { ROW_BUTTONS_WIDTH } from "./row_buttons.tsx";
 
-export function Semantic({ seen }: { seen: SeenState }) {
-  const { state, readOnly } = seen;
+export function Semantic({ inspected }: { inspected: InspectedState }) {
+  const { state, readOnly } = inspected;
   const [asText, setAsText] = useState(false);
   const [folded, setFolded] = useState<ReadonlySet<string>>(new Set());
   const [refusal, run] = useRefusal();
   const data = state.semantic_data;
   const rows = semanticRows(data, folded);
-  const put = (next: JsonValue) => putData(seen, next);
+  const put = (next: JsonValue) => putData(inspected, next);
   const add = (value: JsonValue) => run(put(withNewKey(data, [], value).data));
   const buttons = (
     <>
@@ -62,13 +62,13 @@ export function Semantic({ seen }: { seen: SeenState }) {
   return (
     <Fold title="Semantic data" count={rows.length} openAtFirst={rows.length > 0} actions={buttons}>
       {asText ? (
-        <AsText seen={seen} />
+        <AsText inspected={inspected} />
       ) : rows.length === 0 ? (
         <p className="inspector-none">No semantic data: notes for planners, tools and people.</p>
       ) : (
         <Table
           label={`Semantic data of ${state.name}`}
-          columns={columnsOf(seen, folded, setFolded, run)}
+          columns={columnsOf(inspected, folded, setFolded, run)}
           rows={rows}
           id={({ keys }) => rowKey(keys)}
           rowsMax={ROWS_MAX}
@@ -81,7 +81,7 @@ export function Semantic({ seen }: { seen: SeenState }) {
   );
 }
 
-function putData({ path, edit }: SeenState, data: JsonValue): Made {
+function putData({ path, edit }: InspectedState, data: JsonValue): Made {
   return edit((now) => setSemanticData(now, path, data));
 }
 
@@ -92,14 +92,14 @@ function toggled(set: ReadonlySet<string>, key: string): ReadonlySet<string> {
 }
 
 function columnsOf(
-  seen: SeenState,
+  inspected: InspectedState,
   folded: ReadonlySet<string>,
   setFolded: (folded: ReadonlySet<string>) => void,
   run: (made: Made) => void,
 ): readonly Column<SemanticRow>[] {
-  const { path, state, readOnly, edit } = seen;
+  const { path, state, readOnly, edit } = inspected;
   const data = state.semantic_data;
-  const put = (next: JsonValue) => putData(seen, next);
+  const put = (next: JsonValue) => putData(inspected, next);
   const rename = ({ keys }: SemanticRow, name: string) =>
     edit((now) => {
       const next = withKey(data, keys, name);
@@ -205,8 +205,8 @@ function Buttons({ row: { keys, text }, onAdd, onRemove }: ButtonsProps) {
   );
 }
 
-function AsText({ seen }: { seen: SeenState }) {
-  const { path, state, readOnly, edit } = seen;
+function AsText({ inspected }: { inspected: InspectedState }) {
+  const { path, state, readOnly, edit } = inspected;
   const commit = (text: string) =>
     edit((now) => {
       const data = parsed(text);

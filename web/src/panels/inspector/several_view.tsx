@@ -11,39 +11,45 @@ import { type Column, Table } from "../../ui/table.tsx";
 import { useHost } from "../context.tsx";
 import { type Bytes, Colour } from "./colour.tsx";
 import { Fold } from "./fold.tsx";
+import type { InspectorContext } from "./inspector_context.ts";
 import { counted, ELEMENT_WORDS } from "./kinds.ts";
 import { Refusal, useRefusal } from "./refusal.tsx";
-import type { Seen } from "./seen.ts";
 
 export interface SeveralViewProps {
-  readonly seen: Seen;
+  readonly context: InspectorContext;
   readonly elements: readonly ElementRef[];
   /** Whether they are what is selected: commands act on the selection. */
   readonly isSelected: boolean;
 }
 
-export function SeveralView({ seen, elements, isSelected }: SeveralViewProps) {
+export function SeveralView({ context, elements, isSelected }: SeveralViewProps) {
   const paths = elements.flatMap((each) => (each.kind === "state" ? [each.path] : []));
-  const editable = paths.filter((path) => !seen.machine.isInLibrary(path));
+  const editable = paths.filter((path) => !context.machine.isInLibrary(path));
   return (
     <>
       <Fold title="Selected" count={elements.length}>
-        <Chosen seen={seen} elements={elements} />
+        <Chosen context={context} elements={elements} />
       </Fold>
-      {isSelected && <Actions run={seen.run} />}
-      {editable.length > 0 && <Background seen={seen} paths={editable} />}
+      {isSelected && <Actions run={context.run} />}
+      {editable.length > 0 && <Background context={context} paths={editable} />}
     </>
   );
 }
 
 const ROWS_MAX = 10;
 
-function Chosen({ seen, elements }: { seen: Seen; elements: readonly ElementRef[] }) {
+function Chosen({
+  context,
+  elements,
+}: {
+  context: InspectorContext;
+  elements: readonly ElementRef[];
+}) {
   const counts = new Map<string, number>();
   for (const { kind } of elements)
     counts.set(ELEMENT_WORDS[kind], (counts.get(ELEMENT_WORDS[kind]) ?? 0) + 1);
   const columns: readonly Column<ElementRef>[] = [
-    { key: "name", title: "Name", cell: (element) => nameOf(seen.machine, element) },
+    { key: "name", title: "Name", cell: (element) => nameOf(context.machine, element) },
     {
       key: "kind",
       title: "Kind",
@@ -63,15 +69,15 @@ function Chosen({ seen, elements }: { seen: Seen; elements: readonly ElementRef[
         id={keyOf}
         rowsMax={ROWS_MAX}
         hideHead
-        onHover={seen.hover}
-        onOpen={seen.show}
+        onHover={context.hover}
+        onOpen={context.show}
       />
     </>
   );
 }
 
 /** What the menus Edit and Arrange can do with several elements now. */
-function Actions({ run }: { run: Seen["run"] }) {
+function Actions({ run }: { run: InspectorContext["run"] }) {
   const { commands, context } = useHost();
   const now = context();
   const offered = commands.all().filter((command) => isOffered(command, now));
@@ -93,17 +99,17 @@ function isOffered({ id, menu, choices, enabled }: Command, now: Context): boole
   return isFitting && !choices && enabled?.(now) !== false;
 }
 
-function Background({ seen, paths }: { seen: Seen; paths: readonly string[] }) {
+function Background({ context, paths }: { context: InspectorContext; paths: readonly string[] }) {
   const [refusal, run] = useRefusal();
   const colours = new Set(
     paths.map((path) => {
-      const state = seen.machine.state(path);
+      const state = context.machine.state(path);
       return state ? (layoutOf(state).background ?? null) : null;
     }),
   );
   const [only = null] = colours;
   const paint = (colour: Bytes | null) =>
-    seen.edit((now): Planned => {
+    context.edit((now): Planned => {
       const planned = paths.map((path) => setBackground(now, path, colour));
       const bad = planned.find(isRefused);
       if (bad) return refused(bad.refused);

@@ -5,30 +5,32 @@ import { Connections } from "./connections.tsx";
 import { Description } from "./description.tsx";
 import { General } from "./general.tsx";
 import { InRun } from "./in_run.tsx";
+import type { InspectedState } from "./inspector_context.ts";
 import { Outcomes } from "./outcomes.tsx";
 import { Place } from "./place.tsx";
 import { Ports } from "./ports.tsx";
 import { Script } from "./script.tsx";
-import type { SeenState } from "./seen.ts";
 import { Semantic } from "./semantic.tsx";
 
-export function StateView({ seen }: { seen: SeenState }) {
-  const { path, state } = seen;
+export function StateView({ inspected }: { inspected: InspectedState }) {
+  const { path, state } = inspected;
   const hasScript = state.kind === "execution" || state.kind === "decider";
   return (
     <>
-      <InRun seen={seen} />
-      <General seen={seen} />
-      <Description key={`description ${path}`} seen={seen} />
-      {hasScript && <Script key={`script ${path}`} seen={seen} />}
-      <Ports key={`inputs ${path}`} seen={seen} kind="input" />
-      <Ports key={`outputs ${path}`} seen={seen} kind="output" />
-      {isContainer(state) && <Ports key={`scoped ${path}`} seen={seen} kind="scoped_variable" />}
-      <Outcomes key={`outcomes ${path}`} seen={seen} />
-      <Connections key={`transitions ${path}`} seen={seen} kind="transition" />
-      <Connections key={`flows ${path}`} seen={seen} kind="data_flow" />
-      <Semantic key={`semantic ${path}`} seen={seen} />
-      <Place key={`place ${path}`} seen={seen} />
+      <InRun inspected={inspected} />
+      <General inspected={inspected} />
+      <Description key={`description ${path}`} inspected={inspected} />
+      {hasScript && <Script key={`script ${path}`} inspected={inspected} />}
+      <Ports key={`inputs ${path}`} inspected={inspected} kind="input" />
+      <Ports key={`outputs ${path}`} inspected={inspected} kind="output" />
+      {isContainer(state) && (
+        <Ports key={`scoped ${path}`} inspected={inspected} kind="scoped_variable" />
+      )}
+      <Outcomes key={`outcomes ${path}`} inspected={inspected} />
+      <Connections key={`transitions ${path}`} inspected={inspected} kind="transition" />
+      <Connections key={`flows ${path}`} inspected={inspected} kind="data_flow" />
+      <Semantic key={`semantic ${path}`} inspected={inspected} />
+      <Place key={`place ${path}`} inspected={inspected} />
     </>
   );
 }

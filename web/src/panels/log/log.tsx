@@ -36,7 +36,7 @@ export function Log() {
   const [, setCame] = useState(0);
   const wanted = useWanted(tab, filter);
   const { rows, nameOf } = useRows(page, tab, watch, watch ? filter.source : "page", wanted);
-  const shown = useSignal(watch?.moment ?? LIVE);
+  const shown = useSignal(watch?.playhead ?? LIVE);
   const here = shown === null ? undefined : hereOf(rows, shown);
   const columns = useMemo(() => columnsOf(watch !== null, nameOf), [watch, nameOf]);
   const entry = rows.find(({ id }) => id === chosen);
@@ -48,7 +48,7 @@ export function Log() {
     show(host, tab, next);
   };
   const showMoment = (next: Entry) => {
-    if (watch && next.line) watch.moment.value = next.line.sequence;
+    if (watch && next.line) watch.playhead.value = next.line.sequence;
   };
   return (
     <div className="log">

@@ -44,7 +44,7 @@ export function Branches({ watch }: { readonly watch: Watch }) {
     () => pastUsual(page, earlierRuns(page, watch)[0]?.id ?? null).value,
     [page, watch],
   );
-  const isPast = useComputed(() => watch.moment.value !== null, [watch]);
+  const isPast = useComputed(() => watch.playhead.value !== null, [watch]);
   if (shown.length === 0) return <Nothing watch={watch} />;
   return (
     <section className="mission-part" aria-label={isPast ? "What ran then" : "What runs now"}>

@@ -37,5 +37,5 @@ export function useCalmLanes(page: Page, watch: Watch): CalmLanes {
 /** In which phase each branch is, and at which moment: another text is told at once. */
 function phasesOf(watch: Watch): string {
   const all = lanes(activeStates(watch)).map(({ branch, phase }) => `${branch} ${phase}`);
-  return [watch.moment.value, ...all.sort()].join("\n");
+  return [watch.playhead.value, ...all.sort()].join("\n");
 }

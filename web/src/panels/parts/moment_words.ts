@@ -18,7 +18,7 @@ export interface MomentWords {
 
 export function useMoment(tab: OpenTab, watch: Watch): MomentWords {
   useSignal(watch.grown);
-  useSignal(watch.moment);
+  useSignal(watch.playhead);
   useSignal(tab.session.version);
   const index = shownIndex(watch);
   const happening = watch.journal.at(index);

@@ -50,14 +50,14 @@ export function Running() {
 
 function OfRun({ tab, watch }: { readonly tab: OpenTab; readonly watch: Watch }) {
   const shown = useComputed(() => inOrder(lanes(activeStates(watch))), [watch]);
-  const moment = useSignal(watch.moment);
+  const playhead = useSignal(watch.playhead);
   const later_ms = useLater(watch);
   if (shown.length === 0) return <Nothing watch={watch} />;
   return (
     <div className="running shows-run">
       <p className="running-count" role="status">
         {shown.length === 1 ? "1 branch" : `${shown.length} branches`}
-        {moment === null ? "" : ` at event ${moment.toLocaleString("en")}`}
+        {playhead === null ? "" : ` at event ${playhead.toLocaleString("en")}`}
       </p>
       <ul className="running-rows" aria-label="What runs now">
         {shown.slice(0, ROWS_MAX).map((lane) => (
@@ -67,7 +67,7 @@ function OfRun({ tab, watch }: { readonly tab: OpenTab; readonly watch: Watch })
             watch={watch}
             lane={lane}
             later_ms={later_ms}
-            isLive={moment === null}
+            isLive={playhead === null}
           />
         ))}
       </ul>

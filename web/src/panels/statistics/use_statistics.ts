@@ -58,8 +58,8 @@ export function useStatistics(
 }
 
 /** What had happened until the moment that is shown; null while live. */
-export function useStatisticsUntil(tab: OpenTab, { journal, moment }: Watch): Counted | null {
-  const sequence = useSignal(moment);
+export function useStatisticsUntil(tab: OpenTab, { journal, playhead }: Watch): Counted | null {
+  const sequence = useSignal(playhead);
   const version = useSignal(tab.session.version);
   // biome-ignore lint/correctness/useExhaustiveDependencies: names change with the machine only
   const nameOf = useMemo(() => namesOf(tab.session), [tab.session, version]);

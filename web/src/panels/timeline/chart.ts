@@ -79,7 +79,7 @@ class Chart {
     gaps();
     model.watch.grown.value;
     model.end_ns;
-    model.watch.moment.value;
+    model.watch.playhead.value;
     model.wanted.value;
     model.folded.value;
     model.isOnlyInSight.value;
@@ -119,7 +119,7 @@ class Chart {
       scale: this.#scale,
       top: scroller.scrollTop,
       height: scroller.clientHeight,
-      moment: model.shown,
+      playhead: model.shown,
       hit: model.hit.peek(),
       selected: new Set(selectedStates(tab.view)),
       hovered: model.pointed.peek()?.call ?? null,
@@ -198,7 +198,7 @@ class Chart {
   #showAt(x: number): void {
     const { model } = this.#options;
     const t_ns = timeAt(this.#scale, x);
-    if (t_ns >= model.told_ns) model.watch.moment.value = null;
+    if (t_ns >= model.told_ns) model.watch.playhead.value = null;
     else showTime(model.watch, t_ns);
   }
 

@@ -1,7 +1,7 @@
 /** What keys do on the time line: arrows go event by event, with Ctrl from entry to entry of the selected state, Home and End to the
  * ends. */
 
-import { stepMoment, toEnd, toEntry } from "../../store/moments.ts";
+import { stepPlayhead, toEnd, toEntry } from "../../store/moments.ts";
 import type { TimelineModel } from "./model.ts";
 
 export interface Key {
@@ -36,7 +36,7 @@ const STEPS: Readonly<Record<string, number>> = {
 function alone(key: string, model: TimelineModel, state: string | undefined): boolean {
   const step = STEPS[key];
   if (step !== undefined) {
-    stepMoment(model.watch, step);
+    stepPlayhead(model.watch, step);
     return true;
   }
   switch (key) {

@@ -68,7 +68,7 @@ export class TimelineModel {
 
   /** The index of the event that is shown; null: live. */
   get shown(): number | null {
-    return this.watch.moment.value === null ? null : shownIndex(this.watch);
+    return this.watch.playhead.value === null ? null : shownIndex(this.watch);
   }
 
   /** Where lanes and rows stand. */

@@ -22,7 +22,7 @@ export interface Scene {
   readonly top: number;
   readonly height: number;
   /** The index of the event that is shown; null: live. */
-  readonly moment: number | null;
+  readonly playhead: number | null;
   /** The hit that one stands at. */
   readonly hit: number | null;
   readonly selected: ReadonlySet<string>;
@@ -65,7 +65,7 @@ export function paintRows(context: CanvasRenderingContext2D, scene: Scene): void
     context.fillRect(0, laneY + laneHeight - top + 2.5, scale.width, 1);
   }
   paintGaps(context, scene, 0, height);
-  paintMoment(context, scene, height);
+  paintPlayhead(context, scene, height);
 }
 
 const HATCH_PX = 7;
@@ -191,20 +191,20 @@ function cut(context: CanvasRenderingContext2D, text: string, room: number): str
 }
 
 /** What is later than the moment that is shown is drawn back; a line stands at the moment. */
-function paintMoment(context: CanvasRenderingContext2D, scene: Scene, height: number): void {
-  const { calls, scale, moment, inks, parted_ns } = scene;
+function paintPlayhead(context: CanvasRenderingContext2D, scene: Scene, height: number): void {
+  const { calls, scale, playhead, inks, parted_ns } = scene;
   if (parted_ns !== null) {
     context.fillStyle = inks("--changed");
     for (let y = 0; y < height; y += 7) {
       context.fillRect(Math.round(xOf(scale, parted_ns)) - 1, y, 2, 4);
     }
   }
-  if (moment === null) {
+  if (playhead === null) {
     context.fillStyle = inks("--running");
     context.fillRect(Math.round(xOf(scale, scale.end_ns)), 0, 1, height);
     return;
   }
-  const x = Math.round(xOf(scale, calls.journal.t_ns(moment)));
+  const x = Math.round(xOf(scale, calls.journal.t_ns(playhead)));
   context.fillStyle = inks("--sunken");
   context.globalAlpha = 0.4;
   context.fillRect(x, 0, Math.max(0, scale.width - x), height);
@@ -300,9 +300,12 @@ function paintNotes(context: CanvasRenderingContext2D, { calls, notes, scale, in
   context.textAlign = "start";
 }
 
-function paintFlag(context: CanvasRenderingContext2D, { calls, scale, moment, inks }: Scene): void {
-  const t_ns = moment === null ? scale.end_ns : calls.journal.t_ns(moment);
-  context.fillStyle = inks(moment === null ? "--running" : "--accent");
+function paintFlag(
+  context: CanvasRenderingContext2D,
+  { calls, scale, playhead, inks }: Scene,
+): void {
+  const t_ns = playhead === null ? scale.end_ns : calls.journal.t_ns(playhead);
+  context.fillStyle = inks(playhead === null ? "--running" : "--accent");
   triangle(context, xOf(scale, t_ns), RULER_PX - 2, 7);
 }
 

@@ -75,7 +75,7 @@ function liveTitle(isLive: boolean, isOld: boolean): string {
 }
 
 function Bar({ tab, watch, model }: OfRunProps) {
-  const isLive = useSignal(watch.moment) === null;
+  const isLive = useSignal(watch.playhead) === null;
   const isOver = useSignal(watch.now)?.link === "over";
   const { page } = useHost().context();
   const { isOld, age_ms } = useRunAge(page, watch);

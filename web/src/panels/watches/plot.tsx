@@ -16,12 +16,12 @@ export function Plot({ watched }: { watched: WatchedValue }) {
   const { history, watch, name } = watched;
   const points = history.series.points;
   const changed = useSignal(history.changed);
-  const moment = useSignal(watch.moment);
+  const playhead = useSignal(watch.playhead);
   const grown = useSignal(watch.grown);
   const plot = useRef<uPlot | null>(null);
   const [isMissing, setMissing] = useState(false);
-  const latest = useRef({ watched, moment });
-  latest.current = { watched, moment };
+  const latest = useRef({ watched, playhead });
+  latest.current = { watched, playhead };
   useEffect(() => {
     const home = place.current;
     if (!home) return;
@@ -45,7 +45,7 @@ export function Plot({ watched }: { watched: WatchedValue }) {
   // biome-ignore lint/correctness/useExhaustiveDependencies: the series stays the same object; `changed` and `grown` tell of it
   useEffect(() => plot.current?.setData(dataOf(watched)), [watched, changed, grown]);
   // biome-ignore lint/correctness/useExhaustiveDependencies: the line of the moment is read when it is drawn
-  useEffect(() => plot.current?.redraw(false), [moment]);
+  useEffect(() => plot.current?.redraw(false), [playhead]);
   if (isMissing) {
     return <p className="watches-refusal">The plot could not be loaded: reload the page.</p>;
   }
@@ -61,7 +61,7 @@ export function Plot({ watched }: { watched: WatchedValue }) {
 
 interface Latest {
   readonly watched: WatchedValue;
-  readonly moment: number | null;
+  readonly playhead: number | null;
 }
 
 /** The plot itself comes when it is first needed. */
@@ -101,7 +101,7 @@ async function draw(home: HTMLElement, latest: () => Latest): Promise<uPlot> {
         },
       ],
       hooks: {
-        draw: [(plot) => drawMoment(plot, latest(), colour("--data")())],
+        draw: [(plot) => drawPlayhead(plot, latest(), colour("--data")())],
         setCursor: [(plot) => tell(home, plot, latest())],
       },
     },
@@ -120,7 +120,7 @@ function tell(home: HTMLElement, plot: uPlot, { watched }: Latest): void {
 
 function show(plot: uPlot, { watched }: Latest): void {
   const point = pointAt(plot, watched.history.series.points);
-  if (point) watched.watch.moment.value = point.sequence;
+  if (point) watched.watch.playhead.value = point.sequence;
 }
 
 /** The last point up to the cursor. */
@@ -148,10 +148,10 @@ function dataOf({ history, watch }: WatchedValue): uPlot.AlignedData {
   return [times, values];
 }
 
-function drawMoment(plot: uPlot, { watched, moment }: Latest, colour: string): void {
-  if (moment === null) return;
+function drawPlayhead(plot: uPlot, { watched, playhead }: Latest, colour: string): void {
+  if (playhead === null) return;
   const { journal } = watched.watch;
-  const x = plot.valToPos(journal.t_ns(journal.indexOf(moment)) / 1e9, "x", true);
+  const x = plot.valToPos(journal.t_ns(journal.indexOf(playhead)) / 1e9, "x", true);
   const { left, top, width, height } = plot.bbox;
   if (x < left || x > left + width) return;
   const { ctx } = plot;

@@ -165,12 +165,12 @@ function Over({ watched }: { watched: WatchedValue }) {
 
 /** From point to point by keyboard: what a click into the plot does. */
 function Steps({ watched: { name, watch, history } }: { watched: WatchedValue }) {
-  const moment = useSignal(watch.moment);
+  const playhead = useSignal(watch.playhead);
   const { series } = history;
-  const at = moment ?? Number.POSITIVE_INFINITY;
+  const at = playhead ?? Number.POSITIVE_INFINITY;
   const [before, after] = [series.beside(at, "before"), series.beside(at, "after")];
   const show = (sequence: number | undefined) => {
-    if (sequence !== undefined) watch.moment.value = sequence;
+    if (sequence !== undefined) watch.playhead.value = sequence;
   };
   return (
     <div className="watches-steps">
@@ -200,8 +200,8 @@ const CHANGES_SHOWN = 20;
 const CHANGE_MAX = 60;
 
 function Changes({ changes, watch }: { changes: readonly ChangeOfValue[]; watch: Watch }) {
-  const moment = useSignal(watch.moment);
-  const here = changes.findLast(({ sequence }) => moment !== null && sequence <= moment);
+  const playhead = useSignal(watch.playhead);
+  const here = changes.findLast(({ sequence }) => playhead !== null && sequence <= playhead);
   return (
     <ol className="watches-changes" aria-label="Last changes, the newest first">
       {changes
@@ -211,13 +211,13 @@ function Changes({ changes, watch }: { changes: readonly ChangeOfValue[]; watch:
           <li
             key={sequence}
             aria-current={sequence === here?.sequence ? "true" : undefined}
-            className={moment !== null && sequence > moment ? "watches-later" : undefined}
+            className={playhead !== null && sequence > playhead ? "watches-later" : undefined}
           >
             <button
               type="button"
               className="watches-link"
               onClick={() => {
-                watch.moment.value = sequence;
+                watch.playhead.value = sequence;
               }}
             >
               {sinceStart(t_ns / 1e6, 1)}

@@ -37,8 +37,8 @@ export function watched(run: RunSummary, more: Partial<RunNow> = {}): Watched {
     grown,
     isCaughtUp: signal(true),
     lack: signal<string | null>(null),
-    moment: signal<number | null>(null),
-    seen: signal(null),
+    playhead: signal<number | null>(null),
+    playheadSnapshot: signal(null),
     sent: signal<readonly SentCommand[]>([]),
     whenClosed: () => {},
   } as unknown as Watch;

@@ -73,5 +73,5 @@ function writtenAt({ session }: OpenTab, watch: Watch, { path, name }: Target): 
   const port = state && portsOf(state, "scoped_variable").find((each) => each.name === name);
   if (!port) return null;
   const ref = { kind: "scoped_variable", path, id: port.id } as const;
-  return originOf(session.machine, visitsOf(watch), ref, watch.moment.value)?.sequence ?? null;
+  return originOf(session.machine, visitsOf(watch), ref, watch.playhead.value)?.sequence ?? null;
 }

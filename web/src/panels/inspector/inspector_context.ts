@@ -12,7 +12,7 @@ import { mayEdit, whyFixed } from "../../store/rights.ts";
 export type Made = string | Promise<string | null>;
 
 /** A machine in the inspector. */
-export interface Seen {
+export interface InspectorContext {
   readonly page: Page;
   readonly tab: OpenTab;
   readonly machine: Machine;
@@ -25,7 +25,7 @@ export interface Seen {
 }
 
 /** A state in the inspector. */
-export interface SeenState extends Seen {
+export interface InspectedState extends InspectorContext {
   readonly path: string;
   readonly state: StateDocument;
   /** Whether nothing of it may be changed here. */
@@ -43,9 +43,9 @@ export function makeEdit(page: Page, tab: OpenTab, plan: (machine: Machine) => P
     .then((answer) => (wasRefused(answer) ? answer.refused : null));
 }
 
-export function seenState(seen: Seen, path: string): SeenState | null {
-  const state = seen.machine.state(path);
+export function inspectedState(context: InspectorContext, path: string): InspectedState | null {
+  const state = context.machine.state(path);
   if (!state) return null;
-  const isFixed = seen.tab.session.fixed !== null || !mayEdit(seen.page);
-  return { ...seen, path, state, readOnly: isFixed || seen.machine.isInLibrary(path) };
+  const isFixed = context.tab.session.fixed !== null || !mayEdit(context.page);
+  return { ...context, path, state, readOnly: isFixed || context.machine.isInLibrary(path) };
 }

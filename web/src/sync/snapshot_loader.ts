@@ -1,16 +1,16 @@
-/** The moment of a run that is looked at, with its values: the newest wish wins, and live values are asked for again and again only
+/** Loads the moment of a run that the playhead stands at, with its values: the newest wish wins, and live values are asked for again and again only
  * while somebody wants them. */
 
 import { effect, type Signal, signal, untracked } from "@preact/signals-core";
 import type { Picture } from "../model/generated/protocol.ts";
-import type { Seen } from "../store/run.ts";
+import type { RunSnapshot } from "../store/run.ts";
 import { RefusalError } from "../store/server.ts";
 import type { Clock } from "./clock.ts";
 
-export interface LookingPorts {
+export interface SnapshotLoaderPorts {
   readonly clock: Clock;
   /** Asks for a moment; null: the newest there is. */
-  readonly ask: (moment: number | null) => Promise<Picture>;
+  readonly ask: (playhead: number | null) => Promise<Picture>;
   /** The last event that the page knows of. */
   readonly newest: () => number;
 }
@@ -22,12 +22,12 @@ const VALUES_MS = 1_000;
 /** So long another moment may stay in sight while the wanted one is on its way. */
 const PASSING_MS = 300;
 
-export class Looking {
-  readonly moment = signal<number | null>(null);
-  readonly seen: Signal<Seen | null> = signal<Seen | null>(null);
-  readonly #ports: LookingPorts;
+export class SnapshotLoader {
+  readonly playhead = signal<number | null>(null);
+  readonly snapshot: Signal<RunSnapshot | null> = signal<RunSnapshot | null>(null);
+  readonly #ports: SnapshotLoaderPorts;
   readonly #unwatch: () => void;
-  /** Which moment `seen` shows; undefined: none. */
+  /** Which moment `snapshot` shows; undefined: none. */
   #shown: number | null | undefined;
   #wanted = 0;
   #isAsking = false;
@@ -35,25 +35,25 @@ export class Looking {
   #later: () => void = () => {};
   #passing: () => void = () => {};
 
-  constructor(ports: LookingPorts) {
+  constructor(ports: SnapshotLoaderPorts) {
     this.#ports = ports;
     this.#unwatch = effect(() => {
-      const moment = this.moment.value;
-      untracked(() => this.#turn(moment));
+      const playhead = this.playhead.value;
+      untracked(() => this.#turn(playhead));
     });
   }
 
   /** Says that live values are wanted; returns the way to stop. */
   want(): () => void {
     this.#wanted += 1;
-    if (this.#wanted === 1 && this.moment.peek() === null) this.#look();
+    if (this.#wanted === 1 && this.playhead.peek() === null) this.#look();
     let isDone = false;
     return () => {
       if (isDone) return;
       isDone = true;
       this.#wanted -= 1;
       // Nobody keeps them fresh from here on.
-      if (this.#wanted === 0 && this.moment.peek() === null) this.#forget();
+      if (this.#wanted === 0 && this.playhead.peek() === null) this.#forget();
     };
   }
 
@@ -64,22 +64,22 @@ export class Looking {
     this.#passing();
   }
 
-  #turn(moment: number | null): void {
+  #turn(playhead: number | null): void {
     this.#passing();
-    if (moment === this.#shown) return;
-    if (moment === null || typeof this.#shown !== "number") this.#forget();
+    if (playhead === this.#shown) return;
+    if (playhead === null || typeof this.#shown !== "number") this.#forget();
     else this.#passing = this.#ports.clock.after(PASSING_MS, () => this.#forget());
     this.#look();
   }
 
   #forget(): void {
     this.#shown = undefined;
-    this.seen.value = null;
+    this.snapshot.value = null;
   }
 
   #isWanted(): boolean {
-    const moment = this.moment.peek();
-    if (moment !== null) return this.#shown !== moment;
+    const playhead = this.playhead.peek();
+    if (playhead !== null) return this.#shown !== playhead;
     return this.#wanted > 0;
   }
 
@@ -93,34 +93,35 @@ export class Looking {
   }
 
   async #ask(): Promise<void> {
-    const moment = this.moment.peek();
-    let wait_ms = moment === null ? VALUES_MS : 0;
+    const playhead = this.playhead.peek();
+    let wait_ms = playhead === null ? VALUES_MS : 0;
     try {
-      this.#take(moment, await this.#ports.ask(moment));
+      this.#take(playhead, await this.#ports.ask(playhead));
     } catch (error) {
       if (!(error instanceof RefusalError)) throw error;
       const isForNow = error.status === 0 || error.status === 429 || error.status >= 500;
       // There is no such moment: the end is what there is to see.
-      if (moment !== null && !isForNow && this.moment.peek() === moment) this.moment.value = null;
-      wait_ms = moment === this.moment.peek() ? AGAIN_MS : 0;
+      if (playhead !== null && !isForNow && this.playhead.peek() === playhead)
+        this.playhead.value = null;
+      wait_ms = playhead === this.playhead.peek() ? AGAIN_MS : 0;
     }
-    this.#lookAgain(this.moment.peek() === moment ? wait_ms : 0);
+    this.#lookAgain(this.playhead.peek() === playhead ? wait_ms : 0);
   }
 
-  #take(moment: number | null, picture: Picture): void {
-    if (this.moment.peek() !== moment || this.#isOver) return;
-    if (moment === null && this.#wanted === 0) return;
+  #take(playhead: number | null, picture: Picture): void {
+    if (this.playhead.peek() !== playhead || this.#isOver) return;
+    if (playhead === null && this.#wanted === 0) return;
     this.#passing();
-    this.#shown = moment;
-    this.seen.value = { picture, at_ms: this.#ports.clock.now() };
+    this.#shown = playhead;
+    this.snapshot.value = { picture, at_ms: this.#ports.clock.now() };
   }
 
   #lookAgain(wait_ms: number): void {
     if (this.#isOver || !this.#isWanted()) return;
     this.#later();
     this.#later = this.#ports.clock.after(wait_ms, () => {
-      const isShown = this.moment.peek() === null && this.#shown === null;
-      const last = this.seen.peek()?.picture.sequence ?? 0;
+      const isShown = this.playhead.peek() === null && this.#shown === null;
+      const last = this.snapshot.peek()?.picture.sequence ?? 0;
       if (isShown && last >= this.#ports.newest()) this.#lookAgain(VALUES_MS);
       else this.#look();
     });
