@@ -4,9 +4,9 @@
 import type { Page as Sheet } from "playwright-core";
 import { vi } from "vitest";
 import type { Commands, Context } from "../../src/commands/command.ts";
-import { childBox, portPlaces, rootSize } from "../../src/model/drawing.ts";
 import type { StateDocument } from "../../src/model/generated/protocol.ts";
 import type { Box, Point } from "../../src/model/geometry.ts";
+import { childBox, portPlaces, rootSize } from "../../src/model/layout_reader.ts";
 import { lineage } from "../../src/model/path.ts";
 import type { Page } from "../../src/store/page.ts";
 import type { Camera } from "../../src/store/view.ts";

@@ -103,7 +103,7 @@ const LEAST = 24;
 
 function boxOnScreen({ view }: OpenTab, picture: Picture, path: string): Box | null {
   for (let at: string | null = path; at !== null; at = parentOf(at)) {
-    const box = picture.places().box(at);
+    const box = picture.layout().box(at);
     const on = box && screenBox(view.camera.peek(), box);
     if (on && Math.min(on.width, on.height) >= LEAST) return on;
   }

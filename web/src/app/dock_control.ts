@@ -5,7 +5,7 @@ import type { DockviewApi, DockviewGroupPanel, SerializedDockview } from "dockvi
 import type { Layouts, Side } from "../commands/command.ts";
 import { MISSION_PANEL } from "../commands/mission.ts";
 import { kept, type Shed } from "../store/shed.ts";
-import { type Layout, SHIPPED, sizeOn, withPanels } from "./layouts.ts";
+import { type PanelLayout, SHIPPED, sizeOn, withPanels } from "./layouts.ts";
 import { placeMission, sizeMission } from "./mission_place.ts";
 import { PANELS, panelOf } from "./panels.tsx";
 import type { DockPort } from "./session.ts";
@@ -191,10 +191,10 @@ export class DockControl implements DockPort {
     });
   }
 
-  #build(wanted: Layout): void {
+  #build(wanted: PanelLayout): void {
     const known = withPanels(wanted, (id) => panelOf(id) !== undefined);
     const { bottom: _, ...stacked } = known;
-    const layout: Layout = this.#isNarrow && known.left?.isTall ? stacked : known;
+    const layout: PanelLayout = this.#isNarrow && known.left?.isTall ? stacked : known;
     this.#api.clear();
     const canvas = this.#api.addPanel({ id: CANVAS, component: CANVAS, renderer: "always" });
     for (const side of SIDES) {
@@ -207,7 +207,7 @@ export class DockControl implements DockPort {
   }
 
   /** Sides come one after the other, and each takes some room from those before it: so they are measured at last. */
-  #size(layout: Layout): void {
+  #size(layout: PanelLayout): void {
     for (const side of SIDES) {
       const wanted = layout[side];
       const group = this.#api.getPanel(wanted?.groups[0]?.[0] ?? "")?.group;
@@ -217,7 +217,7 @@ export class DockControl implements DockPort {
     }
   }
 
-  #buildSide(side: Side, wanted: Layout[Side], centre: DockviewGroupPanel): void {
+  #buildSide(side: Side, wanted: PanelLayout[Side], centre: DockviewGroupPanel): void {
     let before: DockviewGroupPanel | undefined;
     for (const [first = "", ...others] of wanted?.groups ?? []) {
       const size = wanted?.size ?? 280;

@@ -11,9 +11,9 @@ export interface LayoutSide {
   readonly isTall?: boolean;
 }
 
-export type Layout = Partial<Readonly<Record<Side, LayoutSide>>>;
+export type PanelLayout = Partial<Readonly<Record<Side, LayoutSide>>>;
 
-export const SHIPPED: Readonly<Record<string, Layout>> = {
+export const SHIPPED: Readonly<Record<string, PanelLayout>> = {
   Edit: {
     left: {
       size: 264,
@@ -61,7 +61,7 @@ export function sizeOn(
 }
 
 /** The layout with the panels that there are, without what would be empty. */
-export function withPanels(layout: Layout, isPanel: (id: string) => boolean): Layout {
+export function withPanels(layout: PanelLayout, isPanel: (id: string) => boolean): PanelLayout {
   const sides = Object.entries(layout).flatMap(([side, { groups, ...more }]) => {
     const kept = groups.map((group) => group.filter(isPanel)).filter((group) => group.length > 0);
     return kept.length === 0 ? [] : [[side, { ...more, groups: kept }] as const];

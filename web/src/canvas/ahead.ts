@@ -1,16 +1,16 @@
 /** Finds the ways of lines that will be needed soon, while the browser has nothing else to do. */
 
-import type { PlacedState } from "./tree.ts";
+import type { LayoutNode } from "./layout_node.ts";
 
 /** Less time than this is left to others. */
 const LEAST_MS = 6;
 
 export class Ahead {
-  #open: PlacedState[] = [];
+  #open: LayoutNode[] = [];
   #asked = 0;
 
   /** These will be needed next, and no others. */
-  look(states: readonly PlacedState[]): void {
+  look(states: readonly LayoutNode[]): void {
     this.#open = [...states];
     if (this.#open.length > 0 && this.#asked === 0) this.#ask();
   }

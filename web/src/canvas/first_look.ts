@@ -19,7 +19,7 @@ export function firstLook(
 ): () => void {
   const { view, session } = tab;
   const key = `rafcon.camera.${session.id}`;
-  const box = () => controller.places().box(session.machine.root) ?? null;
+  const box = () => controller.layout().box(session.machine.root) ?? null;
   const sized = () => {
     const size = { width: root.clientWidth, height: root.clientHeight };
     if (size.width === 0 || size.height === 0) return;

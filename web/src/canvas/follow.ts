@@ -11,9 +11,9 @@ import type { Camera } from "../store/view.ts";
 import { screenBox } from "./camera.ts";
 import type { Flight } from "./flight.ts";
 import { extentOn } from "./hit/shown.ts";
+import type { Layout } from "./layout.ts";
 import { filling } from "./looks.ts";
 import type { Picture } from "./picture.ts";
-import type { Places } from "./places.ts";
 
 /** What runs is to be seen in this size, in CSS pixels, and no smaller than this. */
 const GOOD = 56;
@@ -28,11 +28,11 @@ const REST_MS = 900;
 const RESIZED_MS = 150;
 
 /** Where to look so that all these places can be seen: at what is around them all, or closer if they would be too small. */
-export function lookAtAll(places: Places, paths: readonly string[], size: Size): Camera | null {
-  const shown = paths.flatMap((path) => innermost(places, path) ?? []);
+export function lookAtAll(layout: Layout, paths: readonly string[], size: Size): Camera | null {
+  const shown = paths.flatMap((path) => innermost(layout, path) ?? []);
   const boxes = shown.map(({ box }) => box);
   const around = commonPath(shown.map(({ path }) => parentOf(path) ?? path));
-  const outer = around === null ? undefined : places.box(around);
+  const outer = around === null ? undefined : layout.box(around);
   const wide = outer && filling([outer], size);
   if (wide && boxes.every((box) => extentOn(wide, box) >= GOOD)) return wide;
   const close = filling(boxes.map(withRoom), size);
@@ -46,16 +46,16 @@ function withRoom({ x, y, width, height }: Box): Box {
 
 /** Where to go if a place is out of sight, or too small while it could be much larger; null if the camera is fine. */
 export function findAgain(
-  places: Places,
+  layout: Layout,
   paths: readonly string[],
   camera: Camera,
   size: Size,
 ): Camera | null {
-  const boxes = paths.flatMap((path) => innermost(places, path)?.box ?? []);
+  const boxes = paths.flatMap((path) => innermost(layout, path)?.box ?? []);
   const isOut = boxes.some((box) => !isInSight(box, camera, size));
   const isTiny = boxes.some((box) => extentOn(camera, box) < LEAST);
   if (!isOut && !isTiny) return null;
-  const wanted = lookAtAll(places, paths, size);
+  const wanted = lookAtAll(layout, paths, size);
   const isWorthIt = wanted !== null && (isOut || wanted.scale > camera.scale * LARGER);
   return isWorthIt ? wanted : null;
 }
@@ -74,9 +74,9 @@ function isWithin(start: number, length: number, whole: number): boolean {
 }
 
 /** The state, or the innermost one around it that is shown. */
-function innermost(places: Places, path: string): { path: string; box: Box } | null {
+function innermost(layout: Layout, path: string): { path: string; box: Box } | null {
   for (let at: string | null = path; at !== null; at = parentOf(at)) {
-    const box = places.box(at);
+    const box = layout.box(at);
     if (box) return { path: at, box };
   }
   return null;
@@ -100,11 +100,11 @@ export function followRun(
     const watch = run.peek();
     if (!watch || !follows.peek()) return;
     const paths = lanes(activeStates(watch)).map(placeOfLane);
-    const places = picture.places();
+    const layout = picture.layout();
     const at = picture.size();
     const wanted = isFirst
-      ? lookAtAll(places, paths, at)
-      : findAgain(places, paths, flight.goal, at);
+      ? lookAtAll(layout, paths, at)
+      : findAgain(layout, paths, flight.goal, at);
     if (!wanted) return;
     isFirst = false;
     goal = wanted;

@@ -17,9 +17,9 @@ import { hitAt, routeOf, statesAt } from "./hit/hit.ts";
 import type { Hit } from "./hit/look.ts";
 import { extentOn } from "./hit/shown.ts";
 import { isNudge, type Key, keyed } from "./keyed.ts";
+import { type LayoutTree, layoutTreeOf } from "./layout_tree.ts";
 import { filling, revealing } from "./looks.ts";
 import { NO_OVERLAY, type Overlay } from "./overlay.ts";
-import { type Placed, placesOf } from "./placed.ts";
 import { DETAIL } from "./scene/detail.ts";
 import { connecting } from "./tools/connect.ts";
 import { bringing } from "./tools/drop.ts";
@@ -86,7 +86,7 @@ export class InteractionController {
   #pointer: Pointer | null = null;
   #touches: readonly Touch[] = [];
   #pinch: { readonly camera: Camera; readonly from: Fingers } | null = null;
-  #kept: { readonly key: readonly unknown[]; readonly places: Placed } | null = null;
+  #kept: { readonly key: readonly unknown[]; readonly layout: LayoutTree } | null = null;
   /** Whether the overlay stays until the server has answered. */
   #settling = 0;
 
@@ -137,22 +137,22 @@ export class InteractionController {
   }
 
   /** Where everything is without the gesture. */
-  places(): Placed {
+  layout(): LayoutTree {
     const { session, view } = this.#host.tab;
     const [modes, contents] = [view.modes.peek(), view.contents.peek()];
     const key = [session.machine.version, modes, contents];
     if (!this.#kept || this.#kept.key.some((part, index) => part !== key[index])) {
-      const places = placesOf(session.machine, { modes, contents }, NO_OVERLAY);
-      this.#kept = { key, places };
+      const layout = layoutTreeOf(session.machine, { modes, contents }, NO_OVERLAY);
+      this.#kept = { key, layout };
     }
-    return this.#kept.places;
+    return this.#kept.layout;
   }
 
   toolContext(): ToolContext {
     const { session, view } = this.#host.tab;
     return {
       machine: session.machine,
-      places: this.places(),
+      layout: this.layout(),
       camera: view.camera.peek(),
       size: this.#host.size(),
       look: {
@@ -166,8 +166,8 @@ export class InteractionController {
 
   /** What is under a point of the view. */
   at(point: Point, tolerance: number = MOUSE_TOLERANCE): Hit | null {
-    const { machine, places, look, camera } = this.toolContext();
-    return hitAt(places, machine, look, camera, point, tolerance);
+    const { machine, layout, look, camera } = this.toolContext();
+    return hitAt(layout, machine, look, camera, point, tolerance);
   }
 
   /** The button, or a finger, goes down. */
@@ -259,7 +259,7 @@ export class InteractionController {
   /** Goes to a state so that it fills the view; a library shows what is inside. */
   drill(path: string): void {
     const { session, view } = this.#host.tab;
-    const isClosed = this.places().children(path).length === 0;
+    const isClosed = this.layout().children(path).length === 0;
     if (isClosed && session.machine.state(path)?.kind === "library") {
       view.contents.value = new Map(view.contents.peek()).set(path, true);
       void session.loadLibrary(path);
@@ -270,10 +270,10 @@ export class InteractionController {
   /** Whether a name is not in the way of what one would drill into: that of a closed container fills it. */
   #isOnlyName(path: string): boolean {
     const state = this.#host.tab.session.machine.state(path);
-    const box = this.places().box(path);
+    const box = this.layout().box(path);
     if (!state || !box) return false;
     if (!isContainer(state) && state.kind !== "library") return true;
-    const isOpen = this.places().children(path).length > 0;
+    const isOpen = this.layout().children(path).length > 0;
     return isOpen && extentOn(this.#host.tab.view.camera.peek(), box) >= DETAIL.content;
   }
 
@@ -336,7 +336,7 @@ export class InteractionController {
   /** Begins to change the name of a state, in place; brings it into sight if it is not. */
   rename(path: string): void {
     const { session, view } = this.#host.tab;
-    const [state, box] = [session.machine.state(path), this.places().box(path)];
+    const [state, box] = [session.machine.state(path), this.layout().box(path)];
     if (!state || !box) return;
     const same = renamePlan(session.machine, path, state.name);
     const isInner = isRefused(same) && session.machine.isInLibrary(path);
@@ -375,7 +375,7 @@ export class InteractionController {
   fit(paths: readonly string[]): void {
     const { machine } = this.#host.tab.session;
     const wanted = paths.length === 0 ? [machine.root] : paths;
-    const boxes = wanted.flatMap((path) => this.places().box(path) ?? []);
+    const boxes = wanted.flatMap((path) => this.layout().box(path) ?? []);
     const camera = filling(boxes, this.#host.size());
     if (camera) this.#host.fly(camera);
   }
@@ -390,12 +390,12 @@ export class InteractionController {
 
   /** Where an element is to be seen: ports with their state, connections as they are drawn. */
   #shown(element: ElementRef): Box | null {
-    const places = this.places();
+    const layout = this.layout();
     if (element.kind === "transition" || element.kind === "data_flow") {
-      const route = routeOf(places, { ...element, kind: element.kind });
+      const route = routeOf(layout, { ...element, kind: element.kind });
       return boundsOf((route?.points ?? []).map((at) => ({ ...at, width: 0, height: 0 })));
     }
-    return places.box(element.path) ?? null;
+    return layout.box(element.path) ?? null;
   }
 
   zoom(factor: number): void {
@@ -407,14 +407,14 @@ export class InteractionController {
   /** The container under the pointer, and where in it; null if the pointer is not over the canvas. */
   pointer(): { readonly path: string; readonly at: Point } | null {
     if (!this.#pointer) return null;
-    const { machine, places, camera } = this.toolContext();
-    const path = statesAt(places, machine, camera, this.#pointer).at(-1);
+    const { machine, layout, camera } = this.toolContext();
+    const path = statesAt(layout, machine, camera, this.#pointer).at(-1);
     if (path === undefined) return null;
     const world = {
       x: this.#pointer.x / camera.scale + camera.x,
       y: this.#pointer.y / camera.scale + camera.y,
     };
-    return { path, at: inState(places, path, world) };
+    return { path, at: inState(layout, path, world) };
   }
 
   #become(wanted: Gesture): void {

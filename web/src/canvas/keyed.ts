@@ -60,7 +60,7 @@ function leaveLevel(controller: InteractionController, host: InteractionHost): b
 function farther(controller: InteractionController, host: InteractionHost): string | null {
   const camera = host.heading();
   let outer = parentOf(filledBy({ ...controller.toolContext(), camera }));
-  while (outer !== null && !isFarther(controller.places().box(outer), host))
+  while (outer !== null && !isFarther(controller.layout().box(outer), host))
     outer = parentOf(outer);
   return outer;
 }
@@ -74,7 +74,7 @@ function enter(controller: InteractionController, { tab }: InteractionHost): boo
   const [path] = selectedStates(tab.view);
   if (path === undefined) return false;
   controller.drill(path);
-  const inside = entrance(tab.session.machine, controller.places(), path);
+  const inside = entrance(tab.session.machine, controller.layout(), path);
   if (inside) select(tab.view, [inside]);
   return true;
 }
@@ -85,7 +85,7 @@ function portStep(
   by: 1 | -1,
 ): boolean {
   const [from] = selected(tab.view);
-  const to = from && portWalk(controller.places(), from, by);
+  const to = from && portWalk(controller.layout(), from, by);
   if (!to) return false;
   select(tab.view, [to]);
   return true;
@@ -101,8 +101,8 @@ function walk(
   const from = selected(tab.view).at(-1);
   const stage: ElementRef = { kind: "state", path: controller.stage.peek() };
   const to = from
-    ? walked(machine, controller.places(), from, direction)
-    : (entrance(machine, controller.places(), stage.path) ?? stage);
+    ? walked(machine, controller.layout(), from, direction)
+    : (entrance(machine, controller.layout(), stage.path) ?? stage);
   if (to) {
     select(tab.view, [to]);
     controller.reveal(to);
@@ -119,9 +119,9 @@ function nudge(
 ): boolean {
   const paths = selectedStates(tab.view);
   const parent = paths[0] === undefined ? null : parentOf(paths[0]);
-  const box = parent === null ? undefined : controller.places().box(parent);
+  const box = parent === null ? undefined : controller.layout().box(parent);
   if (!box || parent === null) return false;
-  const whole = Math.min(box.width, box.height) / controller.places().unit(parent);
+  const whole = Math.min(box.width, box.height) / controller.layout().unit(parent);
   const step = whole / (isFine ? 500 : 50);
   controller.nudge(paths, { x: by.x * step, y: by.y * step });
   return true;

@@ -1,6 +1,5 @@
 /** The connections of one container, in its coordinates: which ports they join, and as lines by which way. */
 
-import { type PortPlace, waypointsOf } from "../model/drawing.ts";
 import { type ElementKey, keyOf } from "../model/element.ts";
 import type {
   DataFlowDocument,
@@ -8,10 +7,11 @@ import type {
   TransitionDocument,
 } from "../model/generated/protocol.ts";
 import { type Point, type Size, sideOf } from "../model/geometry.ts";
+import { type PortPlace, waypointsOf } from "../model/layout_reader.ts";
 import { dataFlowsOf, transitionsOf } from "../model/machine.ts";
 import { childPath, idOf } from "../model/path.ts";
+import type { LayoutNode } from "./layout_node.ts";
 import type { End, Routed, Wanted } from "./route.ts";
-import type { PlacedState } from "./tree.ts";
 
 /** What the machine says of a connection. */
 export interface Source {
@@ -39,10 +39,10 @@ export interface Joined extends Wanted, Source {
 export interface Line extends Joined, Routed {}
 
 /** Lines that somebody holds: their waypoints as the gesture has them. */
-export type Held = ReadonlyMap<ElementKey, readonly Point[]>;
+export type HeldRoutes = ReadonlyMap<ElementKey, readonly Point[]>;
 
 /** How far data flows go out of their way. */
-export function reachOf({ size, children }: PlacedState): number {
+export function reachOf({ size, children }: LayoutNode): number {
   const sides = children.map(({ box }) => Math.min(box.width, box.height));
   return Math.min(
     0.15 * Math.min(size.width, size.height),
@@ -59,10 +59,10 @@ interface Joint {
 
 /** The states that connections of a container can join, by their ids. */
 export class Ends {
-  readonly #container: PlacedState;
+  readonly #container: LayoutNode;
   readonly #own: string;
 
-  constructor(container: PlacedState) {
+  constructor(container: LayoutNode) {
     this.#container = container;
     this.#own = idOf(container.path);
   }
@@ -85,7 +85,7 @@ export class Ends {
 }
 
 /** A point of a child in the coordinates of its container. */
-function inContainer(child: PlacedState, at: Point): Point {
+function inContainer(child: LayoutNode, at: Point): Point {
   return { x: child.box.x + at.x * child.scale, y: child.box.y + at.y * child.scale };
 }
 
@@ -112,10 +112,10 @@ export function sourcesOf(state: StateDocument): readonly Source[] {
 
 /** The connection with its ends; undefined if one of them is not there. */
 export function joined(
-  container: PlacedState,
+  container: LayoutNode,
   ends: Ends,
   source: Source,
-  held: Held,
+  held: HeldRoutes,
 ): Joined | undefined {
   const [from, to] = jointsOf(ends, source);
   if (!from || !to) return undefined;

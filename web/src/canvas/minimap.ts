@@ -168,8 +168,8 @@ function mapCamera(root: Box): Camera {
 }
 
 function rootBox(picture: Picture): Box | undefined {
-  const places = picture.places();
-  return places.root ? places.box(places.root.path) : undefined;
+  const layout = picture.layout();
+  return layout.root ? layout.box(layout.root.path) : undefined;
 }
 
 function lookAt({ view }: OpenTab, picture: Picture, at: Point): void {
@@ -197,7 +197,7 @@ function paintWhole(whole: HTMLCanvasElement, { view }: OpenTab, picture: Pictur
   context.fillRect(0, 0, size.width, size.height);
   const list = scene({
     ...PLAIN,
-    placed: picture.places(),
+    layout: picture.layout(),
     camera: fitted(root, size, MARGIN * FINER),
     view: size,
     modes: { ...view.modes.peek(), ...QUIET },

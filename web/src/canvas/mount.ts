@@ -178,7 +178,7 @@ function placeOfSelection(
   picture: Picture,
 ): Point {
   const element = selected(view).at(-1);
-  const box = element && controller.places().box(element.path);
+  const box = element && controller.layout().box(element.path);
   const { width, height } = picture.size();
   if (!box) return { x: width / 2, y: height / 2 };
   const on = screenBox(view.camera.peek(), box);
@@ -196,10 +196,10 @@ function openField(
   { session, view }: OpenTab,
   path: string,
 ): () => void {
-  const [state, box] = [session.machine.state(path), controller.places().box(path)];
+  const [state, box] = [session.machine.state(path), controller.layout().box(path)];
   if (!state || !box) return () => {};
   const camera = view.camera.peek();
-  const isOpen = controller.places().children(path).length > 0;
+  const isOpen = controller.layout().children(path).length > 0;
   const field = renameField({
     place,
     box: nameArea(screenBox(camera, box), extentOn(camera, box), isOpen),
@@ -256,8 +256,8 @@ function keepReading(
   };
   const show = () => {
     frame = 0;
-    const [places, stage] = [controller.places(), controller.stage.peek()];
-    reader.show(treeLines(session.machine, places, stage, selected(view), signsOf));
+    const [layout, stage] = [controller.layout(), controller.stage.peek()];
+    reader.show(treeLines(session.machine, layout, stage, selected(view), signsOf));
     tell();
   };
   const showRun = () => {

@@ -8,11 +8,11 @@ import type { Size } from "../model/geometry.ts";
 import type { MachineSession } from "../store/machine_session.ts";
 import type { OpenTab } from "../store/page.ts";
 import { Ahead } from "./ahead.ts";
+import { type LayoutTree, layoutTreeOf } from "./layout_tree.ts";
 import type { Overlay } from "./overlay.ts";
 import { type Colours, coloursOf } from "./paint/colours.ts";
 import { measureWith } from "./paint/measure.ts";
 import { paint } from "./paint/paint.ts";
-import { type Placed, placesOf } from "./placed.ts";
 import { type Difference, type Onlooker, PLAIN, type SceneInput } from "./scene/input.ts";
 import type { DrawList } from "./scene/list.ts";
 import { scene } from "./scene/scene.ts";
@@ -41,7 +41,7 @@ export interface Picture {
   readonly canvas: HTMLCanvasElement;
   /** In CSS pixels. */
   readonly size: () => Size;
-  readonly places: () => Placed;
+  readonly layout: () => LayoutTree;
   /** What states do in the run; a signal's reader. */
   readonly runs: () => SceneInput["runs"];
   /** States with breakpoints; a signal's reader. */
@@ -88,15 +88,15 @@ export function pictureIn(place: HTMLElement, options: PictureOptions): Picture 
   const listeners = new Set<() => void>();
   const ahead = new Ahead();
 
-  const places = () => {
+  const layout = () => {
     const shown = { modes: view.modes.peek(), contents: view.contents.peek() };
-    return placesOf(session.machine, shown, options.overlay());
+    return layoutTreeOf(session.machine, shown, options.overlay());
   };
   const draw = () => {
     if (!context || !measure || size.width === 0 || size.height === 0) return;
     const from = performance.now();
     const routing = routingTime(FRAME_MS - lasted);
-    list = scene(inputOf(options, places(), size, measure, routing.mayGoOn));
+    list = scene(inputOf(options, layout(), size, measure, routing.mayGoOn));
     const ratio = backed(canvas, size);
     context.setTransform(ratio, 0, 0, ratio, 0, 0);
     context.fillStyle = colours["ground"] ?? "";
@@ -146,7 +146,7 @@ export function pictureIn(place: HTMLElement, options: PictureOptions): Picture 
   return {
     canvas,
     size: () => size,
-    places,
+    layout,
     runs: () => options.extras?.().runs ?? PLAIN.runs,
     breakpoints: () => options.extras?.().breakpoints ?? PLAIN.breakpoints,
     taken: () => options.extras?.().taken ?? PLAIN.taken,
@@ -233,7 +233,7 @@ function follow({ tab, overlay, extras }: PictureOptions): void {
 
 function inputOf(
   { tab, overlay, extras }: PictureOptions,
-  placed: Placed,
+  layout: LayoutTree,
   size: Size,
   measure: SceneInput["measure"],
   mayRoute: () => boolean,
@@ -241,7 +241,7 @@ function inputOf(
   const { session, view } = tab;
   return {
     ...PLAIN,
-    placed,
+    layout,
     camera: view.camera.peek(),
     view: size,
     modes: view.modes.peek(),

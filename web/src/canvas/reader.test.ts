@@ -8,7 +8,7 @@ function lines(canvas: ReturnType<typeof driver>, ...keys: readonly string[]): r
   const selection = keys.flatMap((key) => elementOf(key) ?? []);
   return treeLines(
     canvas.session.machine,
-    canvas.controller.places(),
+    canvas.controller.layout(),
     canvas.controller.stage.value,
     selection,
     () => ({}),

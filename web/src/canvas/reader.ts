@@ -5,7 +5,7 @@ import { type ElementRef, keyOf } from "../model/element.ts";
 import type { Machine } from "../model/machine.ts";
 import { parentOf } from "../model/path.ts";
 import { described, type Signs } from "./describe.ts";
-import type { Places } from "./places.ts";
+import type { Layout } from "./layout.ts";
 
 /** One line of the tree. */
 export interface TreeLine {
@@ -23,13 +23,13 @@ const AROUND_MAX = 40;
 /** The tree of a level: the container, its children near the selection, and the selected part of one of them. */
 export function treeLines(
   machine: Machine,
-  places: Places,
+  layout: Layout,
   stage: string,
   selection: readonly ElementRef[],
   signsOf: (path: string) => Signs,
 ): readonly TreeLine[] {
   const active = selection.at(-1);
-  const container = levelOf(places, stage, active);
+  const container = levelOf(layout, stage, active);
   const chosen = new Set(selection.map(keyOf));
   const line = (
     element: ElementRef,
@@ -45,7 +45,7 @@ export function treeLines(
     count,
   });
   const lines = [line({ kind: "state", path: container }, 1, 1, 1)];
-  const paths = places.children(container);
+  const paths = layout.children(container);
   const at = Math.max(0, active ? paths.indexOf(active.path) : 0);
   const first = Math.max(0, at - AROUND_MAX);
   const part = active && active.kind !== "state" ? active : null;
@@ -58,8 +58,8 @@ export function treeLines(
 }
 
 /** The container of what is selected, or else the one that fills the view. */
-function levelOf(places: Places, stage: string, active: ElementRef | undefined): string {
-  if (!active || !places.box(active.path)) return stage;
+function levelOf(layout: Layout, stage: string, active: ElementRef | undefined): string {
+  if (!active || !layout.box(active.path)) return stage;
   if (active.kind === "transition" || active.kind === "data_flow") return active.path;
   return parentOf(active.path) ?? active.path;
 }

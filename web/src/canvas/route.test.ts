@@ -2,14 +2,14 @@ import { describe, expect, test } from "vitest";
 import { machineOf } from "../model/plain.ts";
 import { sketch } from "../model/sketch.ts";
 import { MODES } from "../store/view.ts";
+import { layoutTreeOf } from "./layout_tree.ts";
 import type { Line } from "./lines.ts";
 import { NO_OVERLAY } from "./overlay.ts";
-import { placesOf } from "./placed.ts";
 
 function linesOf(text: string): readonly Line[] {
   const machine = machineOf(sketch(text));
-  const placed = placesOf(machine, { modes: MODES, contents: new Map() }, NO_OVERLAY);
-  return placed.root?.lines ?? [];
+  const layout = layoutTreeOf(machine, { modes: MODES, contents: new Map() }, NO_OVERLAY);
+  return layout.root?.lines ?? [];
 }
 
 const corners = ({ points }: Line) => points.map(({ x, y }) => `${Math.round(x)},${Math.round(y)}`);
@@ -17,13 +17,13 @@ const corners = ({ points }: Line) => points.map(({ x, y }) => `${Math.round(x)}
 /** How far the lines run through boxes that are not theirs. */
 function through(text: string): number {
   const machine = machineOf(sketch(text));
-  const placed = placesOf(machine, { modes: MODES, contents: new Map() }, NO_OVERLAY);
+  const layout = layoutTreeOf(machine, { modes: MODES, contents: new Map() }, NO_OVERLAY);
   let length = 0;
-  for (const { points } of placed.root?.lines ?? []) {
+  for (const { points } of layout.root?.lines ?? []) {
     for (let index = 0; index + 1 < points.length; index++) {
       const [one, other] = [points[index], points[index + 1]];
       if (!one || !other) continue;
-      for (const { box } of placed.root?.children ?? []) {
+      for (const { box } of layout.root?.children ?? []) {
         const wide =
           Math.min(Math.max(one.x, other.x), box.x + box.width) -
           Math.max(Math.min(one.x, other.x), box.x);
@@ -120,8 +120,8 @@ describe("transitions", () => {
       transition0: { gui: { editor_gaphas: { waypoints: [[150, 150]] } } },
     };
     const machine = machineOf({ ...document, states: [{ ...root, layout }, ...states] });
-    const placed = placesOf(machine, { modes: MODES, contents: new Map() }, NO_OVERLAY);
-    const [route] = placed.routes("R");
+    const layoutTree = layoutTreeOf(machine, { modes: MODES, contents: new Map() }, NO_OVERLAY);
+    const [route] = layoutTree.routes("R");
     expect(route?.waypoints).toEqual([2]);
     expect(route?.points[2]).toEqual({ x: 150, y: 150 });
   });

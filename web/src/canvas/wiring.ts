@@ -1,15 +1,16 @@
 /** The lines of a container in the making: a little at a time, and upon those that it had. What joins the same ports, with nothing
  * new or gone beside its way, stays as it was. */
 
-import { type PortPlace, waypointsOf } from "../model/drawing.ts";
 import { type Box, boundsOf, type Point } from "../model/geometry.ts";
+import { type PortPlace, waypointsOf } from "../model/layout_reader.ts";
 import { dataFlowsOf, transitionsOf } from "../model/machine.ts";
 import { curve } from "./curve.ts";
 import { Grid, same, touches } from "./grid.ts";
 import { Lanes, paceOf } from "./lanes.ts";
+import type { LayoutNode } from "./layout_node.ts";
 import {
   Ends,
-  type Held,
+  type HeldRoutes,
   type Joined,
   joined,
   type Line,
@@ -18,7 +19,6 @@ import {
   sourcesOf,
 } from "./lines.ts";
 import { nearFirst, routed } from "./route.ts";
-import type { PlacedState } from "./tree.ts";
 
 export class Wiring {
   /** Lines that are found by now, and in the end all in the machine's order. */
@@ -27,7 +27,7 @@ export class Wiring {
   hasSameEnds = false;
   readonly #work: Iterator<undefined, void>;
 
-  constructor(container: PlacedState, held: Held, before: PlacedState | null) {
+  constructor(container: LayoutNode, held: HeldRoutes, before: LayoutNode | null) {
     this.#work = this.#wire(container, held, before && new Past(before, container, held));
   }
 
@@ -37,7 +37,7 @@ export class Wiring {
     return false;
   }
 
-  *#wire(container: PlacedState, held: Held, past: Past | null): Generator<undefined, void> {
+  *#wire(container: LayoutNode, held: HeldRoutes, past: Past | null): Generator<undefined, void> {
     const ends = new Ends(container);
     const reach = reachOf(container);
     const all: (Line | null)[] = [];
@@ -65,7 +65,7 @@ export class Wiring {
   *#route(
     all: (Line | null)[],
     open: readonly Open[],
-    { childGrid, size }: PlacedState,
+    { childGrid, size }: LayoutNode,
   ): Generator<undefined, void> {
     if (open.length > 0) {
       const ready = all.filter((line) => line !== null);
@@ -109,9 +109,9 @@ class Past {
   readonly lines: readonly Line[];
   /** What is to be joined, if that is the same as before. */
   readonly sources: readonly Source[] | null;
-  readonly #container: PlacedState;
+  readonly #container: LayoutNode;
   readonly #sameLayout: boolean;
-  readonly #held: Held;
+  readonly #held: HeldRoutes;
   /** States whose ports are not where they were. */
   readonly #moved = new Set<string>();
   /** Where something stands now, or no longer. */
@@ -121,7 +121,7 @@ class Past {
   #next = 0;
   #byDocument: ReadonlyMap<object, Line> | null = null;
 
-  constructor(before: PlacedState, container: PlacedState, held: Held) {
+  constructor(before: LayoutNode, container: LayoutNode, held: HeldRoutes) {
     this.lines = before.lines;
     this.sources = isWhole(before, container) ? before.lines : null;
     this.#container = container;
@@ -146,7 +146,7 @@ class Past {
     }
   }
 
-  #compare(was: PlacedState | undefined, is: PlacedState, pace: number): void {
+  #compare(was: LayoutNode | undefined, is: LayoutNode, pace: number): void {
     if (was && same(was.box, is.box) && was.scale === is.scale) {
       if (!samePorts(was, is)) this.#moved.add(is.path);
       return;
@@ -204,7 +204,7 @@ class Past {
 }
 
 /** Whether the machine says the same of all connections, and each of them was a line. */
-function isWhole({ state, lines }: PlacedState, now: PlacedState): boolean {
+function isWhole({ state, lines }: LayoutNode, now: LayoutNode): boolean {
   const [transitions, flows] = [transitionsOf(state), dataFlowsOf(state)];
   return (
     transitions === transitionsOf(now.state) &&
@@ -229,12 +229,12 @@ function samePoints(some: readonly Point[], others: readonly Point[]): boolean {
   );
 }
 
-function samePorts(one: PlacedState, other: PlacedState): boolean {
+function samePorts(one: LayoutNode, other: LayoutNode): boolean {
   return one.ports === other.ports || (sameSize(one, other) && samePlaces(one.ports, other.ports));
 }
 
 /** The side of a border that a port is on depends on it. */
-function sameSize(one: PlacedState, other: PlacedState): boolean {
+function sameSize(one: LayoutNode, other: LayoutNode): boolean {
   return one.size.width === other.size.width && one.size.height === other.size.height;
 }
 

@@ -1,7 +1,7 @@
 /** What the Arrange menu does: states are put together, replaced, lined up, laid out and coloured. */
 
-import { layoutOf } from "../model/drawing.ts";
 import type { StateKind } from "../model/generated/protocol.ts";
+import { readLayout } from "../model/layout_reader.ts";
 import { isContainer, type Machine, startOf } from "../model/machine.ts";
 import { idOf, parentOf } from "../model/path.ts";
 import { arrange } from "../plan/arrange.ts";
@@ -316,7 +316,7 @@ const LOOKS: readonly Command[] = [
     run: async (context) => {
       const state = machineOf(context)?.state(onlyState(context) ?? "");
       if (!state) return;
-      const before = rgbOfCss(layoutOf(state).background);
+      const before = rgbOfCss(readLayout(state).background);
       const chosen = await context.shell.dialog("colour", before);
       if (chosen) await onState(context, (m, path) => setBackground(m, path, chosen.rgb));
     },
@@ -329,12 +329,12 @@ const LOOKS: readonly Command[] = [
     enabled: (context) => canEdit(context) && kindOfOnly(context) === "library",
     checked: (context) => {
       const state = machineOf(context)?.state(onlyState(context) ?? "");
-      return state !== undefined && layoutOf(state).showsContent;
+      return state !== undefined && readLayout(state).showsContent;
     },
     run: (context) =>
       onState(context, (m, path) => {
         const state = m.state(path);
-        return showContent(m, path, !(state && layoutOf(state).showsContent));
+        return showContent(m, path, !(state && readLayout(state).showsContent));
       }),
   },
 ];

@@ -1,6 +1,6 @@
 /** What the View menu does: where to look, what shows, how the panels stand. Nothing here changes a machine. */
 
-import { layoutOf } from "../model/drawing.ts";
+import { readLayout } from "../model/layout_reader.ts";
 import type { Settings } from "../store/page.ts";
 import type { FlowMode, HeatMode, ViewModes } from "../store/view.ts";
 import { selected, selectedStates } from "../store/view.ts";
@@ -166,7 +166,9 @@ const MODES: readonly Command[] = [
 function isContentShown(context: Context): boolean {
   const library = anyOnlyState(context);
   if (!library || !context.tab) return false;
-  return context.tab.view.contents.value.get(library.path) ?? layoutOf(library.state).showsContent;
+  return (
+    context.tab.view.contents.value.get(library.path) ?? readLayout(library.state).showsContent
+  );
 }
 
 function side(which: Side, title: string, keys: readonly string[]): Command {

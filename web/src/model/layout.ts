@@ -1,8 +1,8 @@
-/** A layout with other places in it: the way back of drawing.ts. Keys that nobody here knows stay. */
+/** A layout with other places in it: the way back of layout_reader.ts. Keys that nobody here knows stay. */
 
-import { layoutOf } from "./drawing.ts";
 import type { LayoutDocument, StateDocument } from "./generated/protocol.ts";
 import type { Box, Point, Size } from "./geometry.ts";
+import { readLayout } from "./layout_reader.ts";
 
 /** What is to be different; what is left out stays. Keys of ports and connections as in the file: `outcome-1`. */
 export interface LayoutChange {
@@ -87,7 +87,7 @@ export function scaledLayout(
   box: Box,
   factor: { readonly x: number; readonly y: number },
 ): LayoutDocument {
-  const { nameBox, ports, waypoints } = layoutOf(state);
+  const { nameBox, ports, waypoints } = readLayout(state);
   const at = (point: Point) => ({ x: point.x * factor.x, y: point.y * factor.y });
   return changed(state.layout, {
     position: box,

@@ -1,6 +1,6 @@
 /** A traceback of Python, read: its frames and what was raised. */
 
-export interface Frame {
+export interface TracebackFrame {
   readonly file: string;
   readonly line: number;
   readonly function: string;
@@ -9,9 +9,9 @@ export interface Frame {
 }
 
 export interface Traceback {
-  readonly frames: readonly Frame[];
+  readonly frames: readonly TracebackFrame[];
   /** The frame of the script that is nearest to the error; null without frames. */
-  readonly own: Frame | null;
+  readonly own: TracebackFrame | null;
   /** `ValueError: no`. */
   readonly message: string;
   /** The errors that led to it, the nearest first. */
@@ -34,7 +34,7 @@ export function readTraceback(text: string): Traceback | null {
 }
 
 function readPart(lines: readonly string[]): Traceback {
-  const frames: Frame[] = [];
+  const frames: TracebackFrame[] = [];
   let at = 1;
   for (; at < lines.length; at += 1) {
     const line = lines[at] ?? "";
@@ -55,7 +55,7 @@ export function withoutModule(line: string): string {
   return line.replace(/^script\d+\.(?=[^\s.:]+(?::|$))/, "");
 }
 
-function frameOf(found: RegExpExecArray, next: string): Frame {
+function frameOf(found: RegExpExecArray, next: string): TracebackFrame {
   const [, file = "", line = "0", name = ""] = found;
   const isCode = next.startsWith("    ") && !/^ +[~^]+$/.test(next);
   return { file, line: Number(line), function: name, code: isCode ? next.trim() : "" };

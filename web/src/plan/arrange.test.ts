@@ -1,8 +1,8 @@
 import Elk from "elkjs/lib/elk.bundled.js";
 import { expect, test } from "vitest";
-import { childBox, layoutOf, rootSize } from "../model/drawing.ts";
 import type { Document, StateDocument } from "../model/generated/protocol.ts";
 import { type Box, intersects } from "../model/geometry.ts";
+import { childBox, readLayout, rootSize } from "../model/layout_reader.ts";
 import type { Machine } from "../model/machine.ts";
 import { machineOf } from "../model/plain.ts";
 import { sketch } from "../model/sketch.ts";
@@ -52,7 +52,7 @@ async function laidOut(document: Document, container: string, deep: boolean): Pr
 
 function boxesIn(machine: Machine, path: string): ReadonlyMap<string, Box> {
   const state = machine.state(path);
-  const size = (state && layoutOf(state).size) ?? rootSize({ path, name: "", kind: "hierarchy" });
+  const size = (state && readLayout(state).size) ?? rootSize({ path, name: "", kind: "hierarchy" });
   return new Map(
     machine.children(path).flatMap((child, index) => {
       const found = machine.state(child);
@@ -64,7 +64,7 @@ function boxesIn(machine: Machine, path: string): ReadonlyMap<string, Box> {
 /** No two states overlap, and all are inside of the state around them. */
 function isTidy(machine: Machine, path: string): void {
   const state = machine.state(path);
-  const size = state && layoutOf(state).size;
+  const size = state && readLayout(state).size;
   const boxes = [...boxesIn(machine, path)];
   for (const [child, box] of boxes) {
     expect(box.x, child).toBeGreaterThanOrEqual(0);

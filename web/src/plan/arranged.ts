@@ -1,9 +1,9 @@
 /** What an automatic layout changes: one edit. */
 
-import { layoutOf } from "../model/drawing.ts";
 import type { Edit, StateDocument } from "../model/generated/protocol.ts";
 import type { Box, Point, Size } from "../model/geometry.ts";
 import { changed, type LayoutChange, scaledLayout } from "../model/layout.ts";
+import { readLayout } from "../model/layout_reader.ts";
 import type { Machine } from "../model/machine.ts";
 import { childPath, idOf, parentOf } from "../model/path.ts";
 import type { Level } from "./arrange.ts";
@@ -85,7 +85,7 @@ class Arranging {
   }
 
   #ways(state: StateDocument, level: Level, into: Into): ReadonlyMap<string, readonly Point[]> {
-    const before = layoutOf(state).waypoints;
+    const before = readLayout(state).waypoints;
     const ways = new Map<string, readonly Point[]>([...before.keys()].map((key) => [key, []]));
     for (const [id, points] of level.ways) {
       const key = `transition${id}`;

@@ -1,9 +1,9 @@
 /** Where states stand in their containers, said by the file or not, and the edits that put them elsewhere. */
 
-import { childBox, layoutOf, rootSize } from "../model/drawing.ts";
 import type { Edit, Element, StateDocument } from "../model/generated/protocol.ts";
 import type { Box, Point, Size } from "../model/geometry.ts";
 import { rounded } from "../model/layout.ts";
+import { childBox, readLayout, rootSize } from "../model/layout_reader.ts";
 import type { Machine } from "../model/machine.ts";
 import { parentOf } from "../model/path.ts";
 
@@ -12,7 +12,7 @@ export function boxIn(machine: Machine, path: string): Box {
   const state = machine.state(path);
   const parent = parentOf(path);
   if (!state) return { x: 0, y: 0, width: 0, height: 0 };
-  const { position, size } = layoutOf(state);
+  const { position, size } = readLayout(state);
   if (position && size) return { ...position, ...size };
   if (parent === null) return { x: 0, y: 0, ...position, ...rootSize(state) };
   return childBox(state, machine.children(parent).indexOf(path), sizeIn(machine, parent));
@@ -51,13 +51,13 @@ export function waypointsEdit(path: string, element: Element, points: readonly P
 /** Whether the file says where the state stands, in the form of today. */
 export function isPlaced(state: StateDocument): boolean {
   const gui = state.layout?.["gui"];
-  const { position, size } = layoutOf(state);
+  const { position, size } = readLayout(state);
   return !!position && !!size && typeof gui === "object" && gui !== null && "editor_gaphas" in gui;
 }
 
 /** Edits that put a state into a box; `at` where it stands by then, if that is elsewhere. */
 export function boxEdits(state: StateDocument, path: string, box: Box): Edit[] {
-  const { position, size, nameBox } = layoutOf(state);
+  const { position, size, nameBox } = readLayout(state);
   const edits: Edit[] = [];
   if (!isPlaced(state) || position?.x !== box.x || position.y !== box.y) {
     edits.push(positionEdit(path, "state", box));
@@ -76,7 +76,7 @@ export function pins(machine: Machine, container: string, without: ReadonlySet<s
   const edits: Edit[] = [];
   for (const [path, box] of childBoxes(machine, container)) {
     const state = machine.state(path);
-    if (state && !without.has(path) && !layoutOf(state).position) {
+    if (state && !without.has(path) && !readLayout(state).position) {
       edits.push(...boxEdits(state, path, box));
     }
   }

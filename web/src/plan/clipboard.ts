@@ -1,9 +1,9 @@
 /** Copying, pasting and duplicating: states with what connects them, and ports and outcomes beside them. */
 
-import { waypointsOf } from "../model/drawing.ts";
 import type { ElementRef } from "../model/element.ts";
 import type { Edit, Selection, StateDocument } from "../model/generated/protocol.ts";
 import { boundsOf, type Point } from "../model/geometry.ts";
+import { waypointsOf } from "../model/layout_reader.ts";
 import {
   dataFlowsOf,
   isContainer,

@@ -1,9 +1,9 @@
 /** States as documents with everything inside them: taken out of a machine, under other ids, in other sizes. */
 
-import { childBox, rootSize } from "../model/drawing.ts";
 import type { StateDocument } from "../model/generated/protocol.ts";
 import { type Box, intersects, type Point } from "../model/geometry.ts";
 import { changed, scaledBox, scaledLayout } from "../model/layout.ts";
+import { childBox, rootSize } from "../model/layout_reader.ts";
 import type { Machine } from "../model/machine.ts";
 import { idOf, parentOf } from "../model/path.ts";
 import { machineOf } from "../model/plain.ts";

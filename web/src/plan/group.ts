@@ -1,6 +1,5 @@
 /** Grouping, ungrouping and substituting: everything keeps its place on the screen. */
 
-import { layoutOf, rootSize } from "../model/drawing.ts";
 import type {
   Edit,
   Goal,
@@ -17,6 +16,7 @@ import {
   type Size,
 } from "../model/geometry.ts";
 import { changed } from "../model/layout.ts";
+import { readLayout, rootSize } from "../model/layout_reader.ts";
 import { type Machine, outcomesOf, portsOf, startOf, transitionsOf } from "../model/machine.ts";
 import { childPath, idOf } from "../model/path.ts";
 import { boxEdits, boxIn, childBoxes, pins, sizeIn, waypointsEdit } from "./boxes.ts";
@@ -193,7 +193,7 @@ function groupedWaypoints(
   ids: ReadonlySet<string>,
   place: GroupPlace,
 ): Ways {
-  const { waypoints } = layoutOf(machine.state(path) ?? container);
+  const { waypoints } = readLayout(machine.state(path) ?? container);
   const box = place.content === place.bounds ? place.box : place.bounds;
   const inner = new Map<string, readonly Point[]>();
   const outer: Edit[] = [];
@@ -313,7 +313,7 @@ function freedWaypoints(
   lines: readonly FreedLine[],
   by: Point,
 ): Edit[] {
-  const { waypoints } = layoutOf(state);
+  const { waypoints } = readLayout(state);
   const next = Math.max(0, ...transitionsOf(around).map(({ id }) => id)) + 1;
   return lines.flatMap(({ key }, index) => {
     const points = waypoints.get(key) ?? [];
@@ -387,7 +387,7 @@ function deciderRefused(): Refused {
 
 /** Places of the old ports for the new ones of the same name. */
 function portsFrom(old: StateDocument, now: StateDocument): ReadonlyMap<string, Point> {
-  const { ports } = layoutOf(old);
+  const { ports } = readLayout(old);
   const found = new Map<string, Point>();
   const take = (
     prefix: string,

@@ -1,9 +1,9 @@
 /** Putting a state into a transition: the transition leads to the state, and a new one from there to where it led. */
 
-import { waypointsOf } from "../model/drawing.ts";
 import type { ElementRef } from "../model/element.ts";
 import type { Edit, Goal, StateDocument, TransitionDocument } from "../model/generated/protocol.ts";
 import { centre, distance, type Point } from "../model/geometry.ts";
+import { waypointsOf } from "../model/layout_reader.ts";
 import { type Machine, outcomesOf, transitionsOf } from "../model/machine.ts";
 import { freshNumber } from "../model/names.ts";
 import { childPath, idOf, parentOf } from "../model/path.ts";

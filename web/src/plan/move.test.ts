@@ -1,8 +1,8 @@
 import { expect, test } from "vitest";
-import { layoutOf } from "../model/drawing.ts";
 import type { Edit } from "../model/generated/protocol.ts";
 import { intersects } from "../model/geometry.ts";
 import { changed } from "../model/layout.ts";
+import { readLayout } from "../model/layout_reader.ts";
 import { machineOf } from "../model/plain.ts";
 import { boxIn } from "./boxes.ts";
 import { clipOf, copySelection, duplicate, paste, pasteClip } from "./clipboard.ts";
@@ -76,7 +76,7 @@ test("what is too large for a container is made smaller", () => {
   expect(
     first?.edit === "set_layout" &&
       first.layout &&
-      layoutOf({ ...state, layout: first.layout }).size,
+      readLayout({ ...state, layout: first.layout }).size,
   ).toEqual({
     width: 80,
     height: 40,
@@ -89,7 +89,7 @@ function boxes(edits: readonly Edit[]): Record<string, unknown> {
   return Object.fromEntries(
     edits.flatMap((edit) => {
       if (edit.edit !== "set_layout" || !edit.layout) return [];
-      const { position, size } = layoutOf({ ...state, layout: edit.layout });
+      const { position, size } = readLayout({ ...state, layout: edit.layout });
       return [[edit.path, [position?.x, position?.y, size?.width, size?.height]]];
     }),
   );
@@ -124,14 +124,14 @@ test("a port goes to the nearest point of the border", () => {
 test("a colour is written as the reference writes it", () => {
   const [edit] = editsOf(setBackground(machine, "R/A", [255, 0, 51]));
   expect(
-    edit?.edit === "set_layout" && layoutOf({ ...state, layout: edit.layout }).background,
+    edit?.edit === "set_layout" && readLayout({ ...state, layout: edit.layout }).background,
   ).toBe("rgb(255 0 51)");
 });
 
 test("a group has room for its name and keeps what stands in it in place", () => {
   const edits = editsOf(group(machine, ["R/A", "R/B"]));
   const set = edits.find(({ edit }) => edit === "set_layout");
-  const layout = set?.edit === "set_layout" ? layoutOf({ ...state, layout: set.layout }) : null;
+  const layout = set?.edit === "set_layout" ? readLayout({ ...state, layout: set.layout }) : null;
   expect([layout?.position, layout?.size]).toEqual([
     { x: 1.8, y: 0 },
     { width: 296.4, height: 118.2 },
@@ -175,7 +175,7 @@ test("a substitute has the box of the state that goes", () => {
   const [edit] = editsOf(substitute(machine, "R/B", [{ ...other, outcomes: [] }], true));
   const [root] = edit?.edit === "substitute_state" ? edit.states : [];
   expect([root?.path, root?.name]).toEqual(["B", "Grasp"]);
-  expect(root && layoutOf(root).position).toEqual({ x: 200, y: 40 });
+  expect(root && readLayout(root).position).toEqual({ x: 200, y: 40 });
 });
 
 test("copies come with what is between them, and beside what is there", () => {
@@ -259,7 +259,7 @@ test("copies keep the places of ports and names inside them, in proportion", () 
   const edit = editsOf(pasteClip(placed, clip, goal)).find((each) => each.edit === "paste");
   const copy = edit?.edit === "paste" ? edit.selection.states?.[0] : undefined;
   if (!copy) throw new Error("nothing is pasted");
-  const { size, ports, nameBox } = layoutOf(copy);
+  const { size, ports, nameBox } = readLayout(copy);
   const factor = (size?.width ?? 0) / boxIn(placed, "R/A").width;
   expect(ports.get("outcome0")?.y).toBeCloseTo(30 * factor);
   expect(nameBox?.width).toBeCloseTo(40 * factor);
@@ -334,7 +334,7 @@ const crowded = drawn(`
 function overlaps(paths: readonly string[]): readonly string[] {
   const edits = editsOf(group(crowded, paths));
   const layout = edits.find((edit) => edit.edit === "set_layout")?.layout;
-  const box = layout && layoutOf({ path: "G", kind: "hierarchy", layout } as never);
+  const box = layout && readLayout({ path: "G", kind: "hierarchy", layout } as never);
   if (!box?.position || !box.size) throw new Error("the group has no box");
   const own = { ...box.position, ...box.size };
   return crowded

@@ -1,10 +1,10 @@
 /** Moving, resizing and lining up what is drawn. Coordinates are those of the container; of parts those of their state. */
 
-import { layoutOf, nameBox, onBorder, portPlaces } from "../model/drawing.ts";
 import { type ElementRef, layoutElement } from "../model/element.ts";
 import type { Edit, TransitionDocument } from "../model/generated/protocol.ts";
 import { type Box, boundsOf, type Point, type Size } from "../model/geometry.ts";
 import { changed } from "../model/layout.ts";
+import { nameBox, onBorder, portPlaces, readLayout } from "../model/layout_reader.ts";
 import { dataFlowsOf, type Machine, startOf, transitionsOf } from "../model/machine.ts";
 import { childPath, idOf, parentOf } from "../model/path.ts";
 import {
@@ -70,7 +70,7 @@ function shiftedBetween(
 ): Edit[] {
   const state = machine.state(container);
   if (!state) return [];
-  const { waypoints } = layoutOf(state);
+  const { waypoints } = readLayout(state);
   return transitionsOf(state).flatMap((line) => {
     const { id, from_state, to_state } = line;
     const points = waypoints.get(`transition${id}`);
@@ -297,7 +297,7 @@ function nameEdit(machine: Machine, path: string, box: Box, verb: string): Plann
   const height = Math.min(size.height, Math.max(least, box.height));
   const place = inside({ x: box.x, y: box.y, width, height }, size);
   const before = nameBox(state, size);
-  const isSized = before.width === width && before.height === height && layoutOf(state).nameBox;
+  const isSized = before.width === width && before.height === height && readLayout(state).nameBox;
   const edits = [positionEdit(path, "name", place)];
   if (!isSized) edits.push(sizeEdit(path, "name", place));
   return { name: `${verb} the name of ${state.name}`, edit: together(edits) };

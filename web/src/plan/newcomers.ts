@@ -1,9 +1,9 @@
 /** States that are not there yet: their boxes, and their documents. */
 
-import { defaultChildBox, layoutOf, rootSize } from "../model/drawing.ts";
 import type { StateDocument, StateKind } from "../model/generated/protocol.ts";
 import { type Box, intersects, type Point, type Size } from "../model/geometry.ts";
 import { changed, scaledLayout } from "../model/layout.ts";
+import { defaultChildBox, readLayout, rootSize } from "../model/layout_reader.ts";
 import { ABORTED, type Machine, PREEMPTED } from "../model/machine.ts";
 import { freshId, freshName } from "../model/names.ts";
 import { childPath, idOf } from "../model/path.ts";
@@ -126,7 +126,7 @@ export function libraryState(
 /** Only what shows of a library from outside: its ports where the library has them. */
 function libraryLayout(root: StateDocument, box: Box) {
   const size = rootSize(root);
-  const { ports, nameBox } = layoutOf(root);
+  const { ports, nameBox } = readLayout(root);
   const factor = { x: box.width / size.width, y: box.height / size.height };
   const outside = [...ports].filter(([key]) => /^(income|outcome|input_|output_)/.test(key));
   const bare = changed(null, { ports: new Map(outside), nameBox });

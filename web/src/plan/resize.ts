@@ -1,9 +1,9 @@
 /** Edits that give a state another size, and what stands on and in it places that fit. */
 
-import { layoutOf } from "../model/drawing.ts";
 import type { Edit, StateDocument } from "../model/generated/protocol.ts";
 import type { Box, Point, Size } from "../model/geometry.ts";
 import { changed, scaledBox, scaledLayout } from "../model/layout.ts";
+import { readLayout } from "../model/layout_reader.ts";
 import { isContainer, type Machine } from "../model/machine.ts";
 import { parentOf } from "../model/path.ts";
 import { boxEdits, boxIn, childBoxes, sizeIn } from "./boxes.ts";
@@ -49,7 +49,7 @@ export function resizeEdits(
 
 /** Ports keep their part of the border; waypoints stay where they show. */
 function resizedLayout(state: StateDocument, old: Box, box: Box, factor: Factor) {
-  const { ports, waypoints, nameBox } = layoutOf(state);
+  const { ports, waypoints, nameBox } = readLayout(state);
   const by = { x: old.x - box.x, y: old.y - box.y };
   return changed(state.layout, {
     position: box,

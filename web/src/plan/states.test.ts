@@ -1,5 +1,5 @@
 import { expect, test } from "vitest";
-import { layoutOf } from "../model/drawing.ts";
+import { readLayout } from "../model/layout_reader.ts";
 import {
   addOutcome,
   addPort,
@@ -35,7 +35,7 @@ test("a state comes with a script and an outcome, its middle at the point", () =
   const added = edits.at(-1);
   const [state] = added?.edit === "add_state" ? added.states : [];
   expect(state?.path).toMatch(/^[A-Z]{6}$/);
-  expect(state && layoutOf(state)).toMatchObject({
+  expect(state && readLayout(state)).toMatchObject({
     position: { x: 40, y: 70 },
     size: { width: 20, height: 20 },
   });
@@ -70,7 +70,7 @@ test("a library state has the ports and the form of its library", () => {
   const last = edits.at(-1);
   const [state] = last?.edit === "add_state" ? last.states : [];
   expect(state?.inputs).toHaveLength(1);
-  expect(state && layoutOf(state).size).toEqual({ width: 20, height: 10 });
+  expect(state && readLayout(state).size).toEqual({ width: 20, height: 10 });
 });
 
 test("connections go before their ends, and what cannot go says why", () => {

@@ -1,25 +1,25 @@
 /** What is under a point of the view. What is too small to be drawn cannot be hit; areas are generous, but never larger than
  * half of the state that they belong to. Looks from the root inwards, only at what is near the point. */
 
-import type { PortPlace } from "../../model/drawing.ts";
 import { elementOf, keyOf } from "../../model/element.ts";
 import { type Box, contains, distance, type Point } from "../../model/geometry.ts";
+import type { PortPlace } from "../../model/layout_reader.ts";
 import type { Machine } from "../../model/machine.ts";
 import type { Camera } from "../../store/view.ts";
 import { BREAKPOINT_REACH, breakpointSpot } from "../breakpoint_spot.ts";
 import { screenBox, screenFromWorld, worldFromScreen } from "../camera.ts";
-import { type Placed, pointAt } from "../placed.ts";
-import type { Route } from "../places.ts";
+import type { Route } from "../layout.ts";
+import type { LayoutNode } from "../layout_node.ts";
+import { type LayoutTree, pointAt } from "../layout_tree.ts";
 import { DETAIL } from "../scene/detail.ts";
 import { stickyFrame } from "../scene/sticky.ts";
-import type { PlacedState } from "../tree.ts";
 import { distanceToLine, middlesOf } from "./lines.ts";
 import type { Grip, Hit, LineRef, Look, PortRef, StateRef } from "./look.ts";
 import { childrenIn, inFrame, reachOf } from "./near.ts";
 import { extentOn, isPortShown, isRouteShown } from "./shown.ts";
 
 interface Search {
-  readonly places: Placed;
+  readonly layout: LayoutTree;
   readonly machine: Machine;
   readonly look: Look;
   readonly camera: Camera;
@@ -30,15 +30,15 @@ interface Search {
 
 /** What is at this point of the view, given in CSS pixels; `tolerance` is how far one may miss it. */
 export function hitAt(
-  places: Placed,
+  layout: LayoutTree,
   machine: Machine,
   look: Look,
   camera: Camera,
   point: Point,
   tolerance: number,
 ): Hit | null {
-  const search = { places, machine, look, camera, point, tolerance };
-  const line = statesAt(places, machine, camera, point);
+  const search = { layout, machine, look, camera, point, tolerance };
+  const line = statesAt(layout, machine, camera, point);
   const near = nearStates(search, line);
   const innermost = line.at(-1);
   return (
@@ -55,30 +55,30 @@ export function hitAt(
 
 /** The states that the point is in, from the root to the innermost one that is drawn. */
 export function statesAt(
-  places: Placed,
+  layout: LayoutTree,
   machine: Machine,
   camera: Camera,
   point: Point,
 ): readonly string[] {
   const found: string[] = [];
-  let next: string | undefined = isIn(places, camera, point, machine.root)
+  let next: string | undefined = isIn(layout, camera, point, machine.root)
     ? machine.root
     : undefined;
   while (next !== undefined) {
     found.push(next);
-    const box = places.box(next);
+    const box = layout.box(next);
     const opens = box && extentOn(camera, box) >= DETAIL.content;
     next = opens
-      ? childrenIn(places, next, reachOf(camera, point, 0)).findLast((child) =>
-          isIn(places, camera, point, child),
+      ? childrenIn(layout, next, reachOf(camera, point, 0)).findLast((child) =>
+          isIn(layout, camera, point, child),
         )
       : undefined;
   }
   return found;
 }
 
-function isIn(places: Placed, camera: Camera, point: Point, path: string): boolean {
-  const box = places.box(path);
+function isIn(layout: LayoutTree, camera: Camera, point: Point, path: string): boolean {
+  const box = layout.box(path);
   if (!box || extentOn(camera, box) < DETAIL.box) return false;
   return isNear(camera, box, point, 0);
 }
@@ -96,26 +96,26 @@ function isNear(camera: Camera, box: Box, point: Point, reach: number): boolean 
 
 /** States whose border may be within reach: those around the point, and their children beside it. */
 function nearStates(search: Search, line: readonly string[]): readonly string[] {
-  const { places, machine, camera, point, tolerance } = search;
+  const { layout, machine, camera, point, tolerance } = search;
   const near = new Set<string>(line);
   const beside = (path: string) => {
-    const box = places.box(path);
+    const box = layout.box(path);
     if (box && isNear(camera, box, point, tolerance * 2)) near.add(path);
   };
   if (line.length === 0) beside(machine.root);
   const area = reachOf(camera, point, tolerance * 2);
-  for (const path of line) for (const child of childrenIn(places, path, area)) near.add(child);
+  for (const path of line) for (const child of childrenIn(layout, path, area)) near.add(child);
   return [...near];
 }
 
-function extentOf({ places, camera }: Search, path: string): number {
-  const box = places.box(path);
+function extentOf({ layout, camera }: Search, path: string): number {
+  const box = layout.box(path);
   return box ? extentOn(camera, box) : 0;
 }
 
 /** Ports of the container that fills the view, in the frame at the view's edges. */
-function stuckHit({ places, camera, look, point, tolerance }: Search): Hit | null {
-  const frame = stickyFrame(places, camera, look.size);
+function stuckHit({ layout, camera, look, point, tolerance }: Search): Hit | null {
+  const frame = stickyFrame(layout, camera, look.size);
   const found = frame?.ports.find(({ at }) => distance(at, point) <= tolerance * 1.5);
   const element = found && elementOf(found.port.key);
   if (!element) return null;
@@ -130,7 +130,7 @@ function portHit(search: Search, near: readonly string[]): Hit | null {
     const size = extentOf(search, path);
     if (size < DETAIL.ports) continue;
     const reach = Math.min(search.tolerance * 1.5, size / 4);
-    for (const port of search.places.ports(path)) {
+    for (const port of search.layout.ports(path)) {
       const away = distance(screenFromWorld(search.camera, port.at), search.point);
       if (away > reach || (best && away > best.away)) continue;
       if (isPortShown(port, path, search)) best = { path, port, away };
@@ -144,7 +144,7 @@ function portHit(search: Search, near: readonly string[]): Hit | null {
 /** Where a breakpoint is set, on the border of a state: of the inner one, if there are several. */
 function breakpointHit(search: Search, near: readonly string[]): Hit | null {
   const path = near.findLast((each) => {
-    const box = search.places.box(each);
+    const box = search.layout.box(each);
     const at = box && breakpointSpot(screenBox(search.camera, box));
     return at != null && distance(at, search.point) <= BREAKPOINT_REACH;
   });
@@ -163,7 +163,7 @@ function gripHit(search: Search, part: "corner" | "side"): Hit | null {
   for (const key of search.look.selection) {
     const element = elementOf(key);
     if (element?.kind !== "state" || search.machine.isInLibrary(element.path)) continue;
-    const box = search.places.box(element.path);
+    const box = search.layout.box(element.path);
     const grip = box && gripAt(screenBox(search.camera, box), search.point);
     if (!grip || (part === "corner") !== (grip.length === 2)) continue;
     if (element.path === search.machine.root && /[nw]/.test(grip)) continue;
@@ -203,7 +203,7 @@ function endHit(search: Search): Hit | null {
   for (const key of search.look.selection) {
     const element = elementOf(key);
     if (element?.kind !== "transition" && element?.kind !== "data_flow") continue;
-    const route = routeOf(search.places, element as LineRef);
+    const route = routeOf(search.layout, element as LineRef);
     const found = route && onSelected(search, route, element as LineRef);
     if (found) return found;
   }
@@ -211,8 +211,8 @@ function endHit(search: Search): Hit | null {
 }
 
 /** The route of a connection, if it is drawn. */
-export function routeOf(places: Placed, element: LineRef): Route | undefined {
-  return places
+export function routeOf(layout: LayoutTree, element: LineRef): Route | undefined {
+  return layout
     .routes(element.path)
     .find((route) => route.kind === element.kind && route.id === element.id);
 }
@@ -259,7 +259,7 @@ function outerLine(search: Search, line: readonly string[]): Hit | null {
 const QUICKLY_ROUTED = 200;
 
 /** Finds the lines of a container if that is done at once; of others those can be hit that the picture has. */
-export function withLines(state: PlacedState): PlacedState {
+export function withLines(state: LayoutNode): LayoutNode {
   if (state.children.length <= QUICKLY_ROUTED) state.wire(() => true);
   return state;
 }
@@ -269,7 +269,7 @@ const LINE_SHARE = 0.75;
 
 /** The nearest connection of a container. */
 function lineHit(search: Search, path: string): Hit | null {
-  const frame = search.places.frame(path);
+  const frame = search.layout.frame(path);
   if (!frame || extentOf(search, path) < DETAIL.content) return null;
   const reach = search.tolerance * LINE_SHARE;
   const area = inFrame(frame, reachOf(search.camera, search.point, reach));
@@ -295,16 +295,16 @@ function onLine(search: Search, route: Route): Hit {
 }
 
 function nameHit(search: Search, element: StateRef): Hit | null {
-  const box = search.places.box(element.path);
+  const box = search.layout.box(element.path);
   if (!box || !search.look.modes.names || extentOf(search, element.path) < DETAIL.name) return null;
-  const name = search.places.name(element.path);
+  const name = search.layout.name(element.path);
   const isSelected = search.look.selection.has(keyOf(element));
   if (name && isSelected) {
     const { x, y, width, height } = screenBox(search.camera, name);
     const corner = distance({ x: x + width, y: y + height }, search.point) <= search.tolerance;
     if (corner) return { on: "name", element, corner };
   }
-  const isOpen = search.places.children(element.path).length > 0;
+  const isOpen = search.layout.children(element.path).length > 0;
   const area = nameArea(screenBox(search.camera, box), extentOf(search, element.path), isOpen);
   return contains(area, search.point) ? { on: "name", element, corner: false } : null;
 }

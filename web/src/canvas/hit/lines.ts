@@ -2,7 +2,7 @@
 
 import { distance, type Point } from "../../model/geometry.ts";
 import type { Camera } from "../../store/view.ts";
-import type { Route } from "../places.ts";
+import type { Route } from "../layout.ts";
 
 /** How far a point of the view is from a line given in the root's coordinates, in CSS pixels. */
 export function distanceToLine(points: readonly Point[], point: Point, camera: Camera): number {

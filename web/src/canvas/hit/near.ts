@@ -3,18 +3,18 @@
 import type { Box, Point } from "../../model/geometry.ts";
 import type { Camera } from "../../store/view.ts";
 import { worldFromScreen } from "../camera.ts";
-import type { Frame, Placed } from "../placed.ts";
+import type { LayoutTree, NodeFrame } from "../layout_tree.ts";
 
 /** The children that a box of the root's coordinates touches, in the order in which they are drawn. */
-export function childrenIn(places: Placed, path: string, area: Box): readonly string[] {
-  const frame = places.frame(path);
+export function childrenIn(layout: LayoutTree, path: string, area: Box): readonly string[] {
+  const frame = layout.frame(path);
   const found: string[] = [];
   frame?.at.eachChild(inFrame(frame, area), (child) => found.push(child.path));
   return found;
 }
 
 /** A box of the root's coordinates in those inside a state. */
-export function inFrame(frame: Frame, area: Box): Box {
+export function inFrame(frame: NodeFrame, area: Box): Box {
   return {
     x: (area.x - frame.x) / frame.unit,
     y: (area.y - frame.y) / frame.unit,

@@ -1,8 +1,8 @@
 /** What is drawn, as far as it can be hit. */
 
-import type { PortPlace } from "../../model/drawing.ts";
 import { elementOf, keyOf } from "../../model/element.ts";
 import type { Size } from "../../model/geometry.ts";
+import type { PortPlace } from "../../model/layout_reader.ts";
 import {
   ABORTED,
   dataFlowsOf,
@@ -12,7 +12,7 @@ import {
 } from "../../model/machine.ts";
 import { childPath, idOf, parentOf } from "../../model/path.ts";
 import type { Camera } from "../../store/view.ts";
-import type { Route } from "../places.ts";
+import type { Route } from "../layout.ts";
 import { extent } from "../scene/detail.ts";
 import type { Look } from "./look.ts";
 

@@ -7,8 +7,8 @@ import { ABORTED, PREEMPTED } from "../../model/machine.ts";
 import type { LineMarkOfRun } from "../../store/marks.ts";
 import { touches } from "../grid.ts";
 import type { Line } from "../lines.ts";
+import type { SceneBuilder, SceneNode } from "./builder.ts";
 import { DETAIL, extent, fade, TEXT } from "./detail.ts";
-import type { Drawing, Spot } from "./drawing.ts";
 import type { Ink, LineMark } from "./list.ts";
 import { groundInk } from "./ring.ts";
 import { faded } from "./runs.ts";
@@ -17,29 +17,29 @@ import { faded } from "./runs.ts";
 const BEYOND = 30;
 
 /** `inside` is the layer of the children. */
-export function connectionMarks(drawing: Drawing, spot: Spot): void {
-  const alpha = fade(spot.extent, DETAIL.content);
+export function connectionMarks(builder: SceneBuilder, node: SceneNode): void {
+  const alpha = fade(node.extent, DETAIL.content);
   if (alpha === 0) return;
-  if (!spot.at.wire(drawing.input.mayRoute)) {
-    drawing.soon.push(spot.at);
-    drawing.unfinished = true;
+  if (!node.at.wire(builder.input.mayRoute)) {
+    builder.soon.push(node.at);
+    builder.unfinished = true;
   }
-  spot.at.eachLine(drawing.area(spot, BEYOND), (line) => lineMarks(drawing, spot, line, alpha));
+  node.at.eachLine(builder.area(node, BEYOND), (line) => lineMarks(builder, node, line, alpha));
 }
 
-function lineMarks(drawing: Drawing, spot: Spot, line: Line, alpha: number): void {
-  const look = lookOf(drawing, line);
-  if (!look.loud && !isShown(drawing, line)) return;
-  const size = sizeOfEnd(spot, line);
+function lineMarks(builder: SceneBuilder, node: SceneNode, line: Line, alpha: number): void {
+  const look = lookOf(builder, line);
+  if (!look.loud && !isShown(builder, line)) return;
+  const size = sizeOfEnd(node, line);
   if (!look.loud && size < DETAIL.tangle && size > 0) return;
-  const mark = lineMark(spot, line, look, size, alpha);
-  const layer = drawing.layer(spot.depth + 1);
-  if (look.loud) drawing.layer(spot.depth + 2).lines.push(mark);
-  else if (line.kind === "transition" || isFocused(drawing, line)) layer.lines.push(mark);
+  const mark = lineMark(node, line, look, size, alpha);
+  const layer = builder.layer(node.depth + 1);
+  if (look.loud) builder.layer(node.depth + 2).lines.push(mark);
+  else if (line.kind === "transition" || isFocused(builder, line)) layer.lines.push(mark);
   else layer.under.push(mark);
-  if (isStart(line) && size >= LEAST_FOR_START) startMark(drawing, spot, line, mark);
-  if (line.kind === "transition") labelMark(drawing, spot, line, mark, look);
-  if (drawing.isSelected(line.key)) waypointMarks(drawing, spot, line);
+  if (isStart(line) && size >= LEAST_FOR_START) startMark(builder, node, line, mark);
+  if (line.kind === "transition") labelMark(builder, node, line, mark, look);
+  if (builder.isSelected(line.key)) waypointMarks(builder, node, line);
 }
 
 interface LineLook {
@@ -58,16 +58,16 @@ function lookOfRun({ isNext, age }: LineMarkOfRun): LineLook {
   return { ink, width: age === 0 ? 2.75 : 2.25, loud: false, alpha: faded(age) };
 }
 
-function lookOf(drawing: Drawing, line: Line): LineLook {
+function lookOf(builder: SceneBuilder, line: Line): LineLook {
   const { key, kind, outcome } = line;
-  if (drawing.isSelected(key)) return { ink: "selection", width: 2.5, loud: true };
-  const isHovered = isThat(drawing.input.hovered, key);
-  const difference = drawing.input.differences.get(key);
-  if (drawing.lit.has(key) || isHovered) {
+  if (builder.isSelected(key)) return { ink: "selection", width: 2.5, loud: true };
+  const isHovered = isThat(builder.input.hovered, key);
+  const difference = builder.input.differences.get(key);
+  if (builder.lit.has(key) || isHovered) {
     return { ink: kind === "transition" ? "lit" : "data", width: 2.25, loud: true };
   }
   if (difference) return { ink: difference, width: 2, loud: true };
-  const run = drawing.input.taken.get(key);
+  const run = builder.input.taken.get(key);
   if (run) return lookOfRun(run);
   if (kind === "data_flow") return { ink: "flow", width: 1, loud: false };
   if (outcome === ABORTED) return { ink: "aborted-line", width: 1, loud: false };
@@ -85,8 +85,8 @@ const LEAST_FOR_START = 24;
 
 /** A dot a little inside of the income: here it begins. */
 function startMark(
-  drawing: Drawing,
-  spot: Spot,
+  builder: SceneBuilder,
+  node: SceneNode,
   line: Line,
   { points, alpha, ink }: LineMark,
 ): void {
@@ -94,7 +94,7 @@ function startMark(
   if (x === undefined || y === undefined || nextX === undefined || nextY === undefined) return;
   const length = Math.hypot(nextX - x, nextY - y);
   const part = length === 0 ? 0 : Math.min(14, length / 2) / length;
-  drawing.layer(spot.depth + 1).dots.push({
+  builder.layer(node.depth + 1).dots.push({
     what: `${line.key} start`,
     shape: "start",
     x: x + (nextX - x) * part,
@@ -108,27 +108,33 @@ function startMark(
   });
 }
 
-function isThat(hovered: Drawing["input"]["hovered"], key: ElementKey): boolean {
+function isThat(hovered: SceneBuilder["input"]["hovered"], key: ElementKey): boolean {
   if (!hovered || !("id" in hovered)) return false;
   return key === `${hovered.kind}:${hovered.path}:${hovered.id}`;
 }
 
-function isShown(drawing: Drawing, line: Line): boolean {
-  const { dataFlows, transitions } = drawing.input.modes;
+function isShown(builder: SceneBuilder, line: Line): boolean {
+  const { dataFlows, transitions } = builder.input.modes;
   if (line.kind === "transition") return transitions;
-  return dataFlows === "all" || (dataFlows === "selection" && isFocused(drawing, line));
+  return dataFlows === "all" || (dataFlows === "selection" && isFocused(builder, line));
 }
 
-function isFocused({ focused }: Drawing, line: Line): boolean {
+function isFocused({ focused }: SceneBuilder, line: Line): boolean {
   return focused.has(line.fromPath) || focused.has(line.toPath);
 }
 
-function lineMark(spot: Spot, line: Line, look: LineLook, size: number, alpha: number): LineMark {
+function lineMark(
+  node: SceneNode,
+  line: Line,
+  look: LineLook,
+  size: number,
+  alpha: number,
+): LineMark {
   const points: number[] = [];
-  const step = stepOf(spot, line);
+  const step = stepOf(node, line);
   for (let index = 0; index < line.points.length; index += step) {
     const point = line.points[index];
-    if (point) points.push(spot.x + point.x * spot.scale, spot.y + point.y * spot.scale);
+    if (point) points.push(node.x + point.x * node.scale, node.y + point.y * node.scale);
   }
   const isTransition = line.kind === "transition";
   const far = look.loud || !isTransition ? 1 : Math.min(1, Math.max(0.35, size / DETAIL.lines));
@@ -139,41 +145,47 @@ function lineMark(spot: Spot, line: Line, look: LineLook, size: number, alpha: n
     width: look.loud ? look.width : look.width * Math.max(0.7, far),
     radius: isTransition ? 6 : 0,
     curve: !isTransition && line.waypoints.length === 0,
-    arrow: isTransition ? arrowOf(spot, line, size) : look.loud ? 7 : 0,
+    arrow: isTransition ? arrowOf(node, line, size) : look.loud ? 7 : 0,
     dash: look.dash ?? false,
     alpha: alpha * far * (look.alpha ?? 1),
   };
 }
 
 /** Of a short curve every fourth point is enough. */
-function stepOf(spot: Spot, { kind, waypoints, box, points }: Line): number {
+function stepOf(node: SceneNode, { kind, waypoints, box, points }: Line): number {
   if (kind === "transition" || waypoints.length > 0 || points.length % 4 !== 1) return 1;
-  return Math.max(box.width, box.height) * spot.scale < 90 ? 4 : 1;
+  return Math.max(box.width, box.height) * node.scale < 90 ? 4 : 1;
 }
 
 /** How large the state is that the line leads to; of the container's own end the one that it comes from. */
-function sizeOfEnd(spot: Spot, line: Line): number {
-  const child = spot.at.child(line.toPath) ?? spot.at.child(line.fromPath);
+function sizeOfEnd(node: SceneNode, line: Line): number {
+  const child = node.at.child(line.toPath) ?? node.at.child(line.fromPath);
   if (!child) return 0;
-  return extent({ width: child.box.width * spot.scale, height: child.box.height * spot.scale });
+  return extent({ width: child.box.width * node.scale, height: child.box.height * node.scale });
 }
 
 /** Where ports are drawn they are the arrow heads; where boxes are tiny there is no room for any. */
-function arrowOf(spot: Spot, line: Line, size: number): number {
-  if (size >= DETAIL.ports || size < 16 || line.toPath === spot.at.path) return 0;
+function arrowOf(node: SceneNode, line: Line, size: number): number {
+  if (size >= DETAIL.ports || size < 16 || line.toPath === node.at.path) return 0;
   return Math.min(7, size * 0.2);
 }
 
 /** The outcome's name in the middle of the piece where the line runs longest, if it fits there. */
-function labelMark(drawing: Drawing, spot: Spot, line: Line, mark: LineMark, look: LineLook): void {
-  if (line.label === "" || !drawing.input.modes.names) return;
-  const alpha = look.loud ? 1 : labelAlpha(spot, line);
+function labelMark(
+  builder: SceneBuilder,
+  node: SceneNode,
+  line: Line,
+  mark: LineMark,
+  look: LineLook,
+): void {
+  if (line.label === "" || !builder.input.modes.names) return;
+  const alpha = look.loud ? 1 : labelAlpha(node, line);
   if (alpha === 0) return;
-  const width = drawing.input.measure(line.label, TEXT.small, false);
-  const fits = (at: Point) => look.loud || isClear(spot, at, width);
+  const width = builder.input.measure(line.label, TEXT.small, false);
+  const fits = (at: Point) => look.loud || isClear(node, at, width);
   const at = labelPlace(mark.points, line.longest, width, fits);
   if (!at) return;
-  drawing.labels.push({
+  builder.labels.push({
     what: `${line.key} label`,
     ...at,
     text: line.label,
@@ -182,7 +194,7 @@ function labelMark(drawing: Drawing, spot: Spot, line: Line, mark: LineMark, loo
     ink: look.loud ? "text" : (LABEL_INKS[look.ink] ?? "soft"),
     align: "center",
     alpha,
-    plate: groundInk(spot),
+    plate: groundInk(node),
     width,
   });
 }
@@ -191,19 +203,19 @@ function labelMark(drawing: Drawing, spot: Spot, line: Line, mark: LineMark, loo
 const HALF = 7;
 
 /** Whether a text of this width lies beside all states inside. */
-export function isClear(spot: Spot, at: Point, width: number, around = NO_PLATE): boolean {
+export function isClear(node: SceneNode, at: Point, width: number, around = NO_PLATE): boolean {
   let clear = true;
-  spot.at.eachChild(areaOf(spot, at, width, around), () => {
+  node.at.eachChild(areaOf(node, at, width, around), () => {
     clear = false;
   });
   return clear;
 }
 
 /** Whether no transition runs through a text of this width and its plate. */
-export function isOffLines(spot: Spot, at: Point, width: number): boolean {
-  const area = areaOf(spot, at, width, PLATE);
+export function isOffLines(node: SceneNode, at: Point, width: number): boolean {
+  const area = areaOf(node, at, width, PLATE);
   let isOff = true;
-  spot.at.eachLine(area, ({ kind, points }) => {
+  node.at.eachLine(area, ({ kind, points }) => {
     if (kind !== "transition" || !isOff) return;
     isOff = !points.some((to, index) => {
       const from = points[index - 1];
@@ -217,7 +229,7 @@ export function isOffLines(spot: Spot, at: Point, width: number): boolean {
 export const PLATE = { beside: 5, above: 2 };
 const NO_PLATE = { beside: 0, above: 0 };
 
-function areaOf({ x, y, scale }: Spot, at: Point, width: number, around: typeof PLATE): Box {
+function areaOf({ x, y, scale }: SceneNode, at: Point, width: number, around: typeof PLATE): Box {
   const [wide, high] = [width + 2 * around.beside, 2 * (HALF + around.above)];
   return {
     x: (at.x - wide / 2 - x) / scale,
@@ -260,10 +272,10 @@ function middleOf(points: readonly number[], index: number, width: number) {
 }
 
 /** Labels come with the states that their lines leave, and go where these show the names of their outcomes. */
-function labelAlpha(spot: Spot, line: Line): number {
-  const child = spot.at.child(line.fromPath);
+function labelAlpha(node: SceneNode, line: Line): number {
+  const child = node.at.child(line.fromPath);
   if (!child) return 0;
-  const [width, height] = [child.box.width * spot.scale, child.box.height * spot.scale];
+  const [width, height] = [child.box.width * node.scale, child.box.height * node.scale];
   const size = extent({ width, height });
   return size >= DETAIL.labels ? 0 : fade(size, DETAIL.lines);
 }
@@ -274,16 +286,16 @@ const LABEL_INKS: Readonly<Record<string, Ink>> = {
 };
 
 /** Where a selected connection can be taken: its ends, its waypoints, and the middles of its pieces. */
-function waypointMarks(drawing: Drawing, spot: Spot, line: Line): void {
-  const layer = drawing.layer(spot.depth + 2);
+function waypointMarks(builder: SceneBuilder, node: SceneNode, line: Line): void {
+  const layer = builder.layer(node.depth + 2);
   const put = (index: number, shape: "waypoint" | "handle") => {
     const point = line.points[index];
     if (!point) return;
     layer.dots.push({
       what: `${line.key} ${shape} ${index}`,
       shape,
-      x: spot.x + point.x * spot.scale,
-      y: spot.y + point.y * spot.scale,
+      x: node.x + point.x * node.scale,
+      y: node.y + point.y * node.scale,
       size: 7,
       toX: 0,
       toY: 0,

@@ -3,16 +3,16 @@
 import { elementOf } from "../../model/element.ts";
 import type { Box, Point } from "../../model/geometry.ts";
 import { screenBox, screenFromWorld } from "../camera.ts";
+import type { SceneBuilder } from "./builder.ts";
 import { TEXT } from "./detail.ts";
-import type { Drawing } from "./drawing.ts";
 import type { BoxMark, Layer, LineMark } from "./list.ts";
 import { wrapped } from "./words.ts";
 
-export function gestureMarks(drawing: Drawing): void {
-  const { overlay, camera } = drawing.input;
-  const layer = drawing.top();
+export function gestureMarks(builder: SceneBuilder): void {
+  const { overlay, camera } = builder.input;
+  const layer = builder.top();
   for (const { from, to } of overlay.guides) {
-    layer.lines.push(line(drawing, "guide", [from, to], "guide", 1, true));
+    layer.lines.push(line(builder, "guide", [from, to], "guide", 1, true));
   }
   for (const ghost of overlay.ghosts) {
     layer.boxes.push({
@@ -20,8 +20,8 @@ export function gestureMarks(drawing: Drawing): void {
       fill: "ghost",
     });
   }
-  for (const [key, legal] of overlay.targets) stateTarget(drawing, layer, key, legal);
-  if (overlay.drop !== null) dropMarks(drawing, layer, overlay.drop);
+  for (const [key, legal] of overlay.targets) stateTarget(builder, layer, key, legal);
+  if (overlay.drop !== null) dropMarks(builder, layer, overlay.drop);
   if (overlay.band) {
     layer.boxes.push({
       ...outline(screenBox(camera, overlay.band), "band", "selection", true),
@@ -33,15 +33,15 @@ export function gestureMarks(drawing: Drawing): void {
     const { from, to, through, data, legal } = overlay.line;
     const ink = legal === false ? "illegal" : legal ? "legal" : data ? "data" : "line";
     layer.lines.push({
-      ...line(drawing, "line", [from, ...through, to], ink, 2, legal === false),
+      ...line(builder, "line", [from, ...through, to], ink, 2, legal === false),
       arrow: 9,
     });
   }
-  if (overlay.message) messageMarks(drawing, layer);
+  if (overlay.message) messageMarks(builder, layer);
 }
 
 function line(
-  { input }: Drawing,
+  { input }: SceneBuilder,
   what: string,
   points: readonly Point[],
   ink: string,
@@ -60,24 +60,24 @@ function outline(box: Box, what: string, ink: string, dash: boolean): BoxMark {
 }
 
 /** States where a connection may end; ports are marked where they are drawn. */
-function stateTarget(drawing: Drawing, layer: Layer, key: string, legal: boolean): void {
+function stateTarget(builder: SceneBuilder, layer: Layer, key: string, legal: boolean): void {
   const element = elementOf(key);
   if (element?.kind !== "state") return;
-  const box = drawing.input.placed.box(element.path);
+  const box = builder.input.layout.box(element.path);
   if (!box) return;
   const ink = legal ? "legal" : "illegal";
-  layer.boxes.push(outline(screenBox(drawing.input.camera, box), `${key} target`, ink, !legal));
+  layer.boxes.push(outline(screenBox(builder.input.camera, box), `${key} target`, ink, !legal));
 }
 
 /** The container, or the transition, that would take what is dropped. */
-function dropMarks(drawing: Drawing, layer: Layer, key: string): void {
+function dropMarks(builder: SceneBuilder, layer: Layer, key: string): void {
   const element = elementOf(key);
-  const frame = element && drawing.input.placed.frame(element.path);
+  const frame = element && builder.input.layout.frame(element.path);
   if (!element || !frame) return;
   if (element.kind === "state") {
-    const box = drawing.input.placed.box(element.path);
+    const box = builder.input.layout.box(element.path);
     if (!box) return;
-    const mark = outline(screenBox(drawing.input.camera, box), `${key} drop`, "legal", false);
+    const mark = outline(screenBox(builder.input.camera, box), `${key} drop`, "legal", false);
     layer.boxes.push({ ...mark, fill: "drop", line: 2 });
     return;
   }
@@ -87,22 +87,22 @@ function dropMarks(drawing: Drawing, layer: Layer, key: string): void {
     x: frame.x + x * frame.unit,
     y: frame.y + y * frame.unit,
   }));
-  layer.lines.push({ ...line(drawing, `${key} drop`, points, "legal", 4, false), radius: 6 });
+  layer.lines.push({ ...line(builder, `${key} drop`, points, "legal", 4, false), radius: 6 });
 }
 
 const MESSAGE = { width: 360, rows: 4, pitch: 17, inset: 8 };
 
 /** What is said at the pointer, on a plate that stands out from the picture. */
-function messageMarks(drawing: Drawing, layer: Layer): void {
-  const { overlay, measure } = drawing.input;
+function messageMarks(builder: SceneBuilder, layer: Layer): void {
+  const { overlay, measure } = builder.input;
   if (!overlay.message) return;
   const { at, text, bad } = overlay.message;
   const { rows, pitch, inset } = MESSAGE;
   const lines = wrapped(text, MESSAGE.width, rows, TEXT.usual, measure);
   const width = Math.max(...lines.map((each) => measure(each, TEXT.usual, false))) + 2 * inset;
   const height = lines.length * pitch + inset;
-  const x = Math.max(4, Math.min(at.x + 16, drawing.width - width - 4));
-  const y = Math.max(4, Math.min(at.y + 16, drawing.height - height - 4));
+  const x = Math.max(4, Math.min(at.x + 16, builder.width - width - 4));
+  const y = Math.max(4, Math.min(at.y + 16, builder.height - height - 4));
   const plate = bad ? "bad" : "good";
   layer.boxes.push({
     what: "message plate",

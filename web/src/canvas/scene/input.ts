@@ -5,8 +5,8 @@ import type { Severity } from "../../model/generated/protocol.ts";
 import type { Size } from "../../model/geometry.ts";
 import type { LineMarkOfRun, RunMark } from "../../store/marks.ts";
 import type { Camera, ViewModes } from "../../store/view.ts";
+import type { LayoutTree } from "../layout_tree.ts";
 import type { Overlay } from "../overlay.ts";
-import type { Placed } from "../placed.ts";
 
 /** How a part differs from the machine that it is compared with. */
 export type Difference = "added" | "removed" | "changed";
@@ -38,7 +38,7 @@ export interface Onlooker {
 export type Measure = (text: string, size: number, bold: boolean) => number;
 
 export interface SceneInput {
-  readonly placed: Placed;
+  readonly layout: LayoutTree;
   readonly camera: Camera;
   /** Of the view, in CSS pixels. */
   readonly view: Size;

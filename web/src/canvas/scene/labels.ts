@@ -1,6 +1,6 @@
 /** Names of ports and labels of connections where nothing else is written: the first that asks for a place has it. */
 
-import type { Drawing } from "./drawing.ts";
+import type { SceneBuilder } from "./builder.ts";
 import type { TextMark } from "./list.ts";
 
 /** How coarse the board is that remembers what is written where, in CSS pixels. */
@@ -13,13 +13,13 @@ interface Written {
   readonly y: number;
 }
 
-export function labelMarks(drawing: Drawing): void {
-  if (drawing.labels.length + drawing.portNames.length === 0) return;
+export function labelMarks(builder: SceneBuilder): void {
+  if (builder.labels.length + builder.portNames.length === 0) return;
   const board = new Map<number, Written[]>();
-  for (const { texts } of drawing.layers) for (const text of texts) write(board, textArea(text));
-  const layer = drawing.top();
-  for (const label of [...drawing.portNames, ...drawing.labels]) {
-    if (!drawing.sees(label.x, label.y, 0, 0, 100)) continue;
+  for (const { texts } of builder.layers) for (const text of texts) write(board, textArea(text));
+  const layer = builder.top();
+  for (const label of [...builder.portNames, ...builder.labels]) {
+    if (!builder.sees(label.x, label.y, 0, 0, 100)) continue;
     const area = textArea(label);
     if (!isFree(board, area)) continue;
     write(board, area);

@@ -1,7 +1,7 @@
 /** What is to be painted: marks in CSS pixels of the view, layer upon layer. Inks are names; which colours they are only
  * `paint` knows. */
 
-import type { PlacedState } from "../tree.ts";
+import type { LayoutNode } from "../layout_node.ts";
 
 /** A name of a colour, `shade0` … by depth, or a colour as CSS writes it. */
 export type Ink = string;
@@ -125,7 +125,7 @@ export interface DrawList {
   /** Library states whose content would show, were it here. */
   readonly wanted: readonly string[];
   /** Containers whose lines are not found yet, and will be needed with the next steps inwards. */
-  readonly soon: readonly PlacedState[];
+  readonly soon: readonly LayoutNode[];
   /** Whether something is missing that another frame will bring. */
   readonly unfinished: boolean;
 }

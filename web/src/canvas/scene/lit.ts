@@ -2,44 +2,44 @@
 
 import { type ElementKey, type ElementRef, elementOf, keyOf } from "../../model/element.ts";
 import { parentOf } from "../../model/path.ts";
+import type { LayoutTree } from "../layout_tree.ts";
 import type { Line } from "../lines.ts";
-import type { Placed } from "../placed.ts";
 
 const NOTHING: ReadonlySet<ElementKey> = new Set();
 
 /** Keys of the ports, connections and states that belong to what is hovered. */
-export function litBy(placed: Placed, hovered: ElementRef | null): ReadonlySet<ElementKey> {
+export function litBy(layout: LayoutTree, hovered: ElementRef | null): ReadonlySet<ElementKey> {
   switch (hovered?.kind) {
     case "outcome":
-      return onwards(placed, [keyOf(hovered)]);
+      return onwards(layout, [keyOf(hovered)]);
     case "transition":
     case "data_flow":
-      return alongLine(placed, hovered);
+      return alongLine(layout, hovered);
     case "input":
     case "output":
     case "scoped_variable":
-      return throughout(placed, keyOf(hovered));
+      return throughout(layout, keyOf(hovered));
     default:
       return NOTHING;
   }
 }
 
-function alongLine(placed: Placed, hovered: ElementRef): ReadonlySet<ElementKey> {
+function alongLine(layout: LayoutTree, hovered: ElementRef): ReadonlySet<ElementKey> {
   const key = keyOf(hovered);
-  const line = linesIn(placed, hovered.path).find((each) => each.key === key);
+  const line = linesIn(layout, hovered.path).find((each) => each.key === key);
   if (!line) return NOTHING;
-  if (line.kind === "data_flow") return throughout(placed, line.from);
-  return new Set([key, line.from, ...onwards(placed, [line.to])]);
+  if (line.kind === "data_flow") return throughout(layout, line.from);
+  return new Set([key, line.from, ...onwards(layout, [line.to])]);
 }
 
 /** From an outcome to the state that runs next, out of as many containers as it takes. */
-function onwards(placed: Placed, from: readonly ElementKey[]): ReadonlySet<ElementKey> {
+function onwards(layout: LayoutTree, from: readonly ElementKey[]): ReadonlySet<ElementKey> {
   const lit = new Set<ElementKey>();
   const open = [...from];
   for (let key = open.pop(); key !== undefined; key = open.pop()) {
     if (lit.has(key)) continue;
     lit.add(key);
-    for (const line of linesFrom(placed, key)) {
+    for (const line of linesFrom(layout, key)) {
       lit.add(line.key);
       open.push(line.to);
     }
@@ -47,20 +47,20 @@ function onwards(placed: Placed, from: readonly ElementKey[]): ReadonlySet<Eleme
   return lit;
 }
 
-function linesFrom(placed: Placed, port: ElementKey): readonly Line[] {
+function linesFrom(layout: LayoutTree, port: ElementKey): readonly Line[] {
   const element = elementOf(port);
   const container = element?.kind === "outcome" ? parentOf(element.path) : null;
   if (container === null) return [];
-  return linesIn(placed, container).filter((line) => line.from === port);
+  return linesIn(layout, container).filter((line) => line.from === port);
 }
 
 /** Everything that data flows join with the port, in both directions. */
-function throughout(placed: Placed, port: ElementKey): ReadonlySet<ElementKey> {
-  return new Set([...flowed(placed, port, "from", "to"), ...flowed(placed, port, "to", "from")]);
+function throughout(layout: LayoutTree, port: ElementKey): ReadonlySet<ElementKey> {
+  return new Set([...flowed(layout, port, "from", "to"), ...flowed(layout, port, "to", "from")]);
 }
 
 function flowed(
-  placed: Placed,
+  layout: LayoutTree,
   port: ElementKey,
   here: "from" | "to",
   there: "from" | "to",
@@ -70,7 +70,7 @@ function flowed(
   for (let key = open.pop(); key !== undefined; key = open.pop()) {
     if (lit.has(key)) continue;
     lit.add(key);
-    for (const line of flowsAt(placed, key)) {
+    for (const line of flowsAt(layout, key)) {
       if (line[here] !== key) continue;
       lit.add(line.key);
       open.push(line[there]);
@@ -80,14 +80,14 @@ function flowed(
 }
 
 /** Data flows of the two containers that a port belongs to: around its state, and inside it. */
-function flowsAt(placed: Placed, port: ElementKey): readonly Line[] {
+function flowsAt(layout: LayoutTree, port: ElementKey): readonly Line[] {
   const path = elementOf(port)?.path;
   if (path === undefined) return [];
   const outer = parentOf(path);
-  const lines = outer === null ? [] : linesIn(placed, outer);
-  return [...lines, ...linesIn(placed, path)].filter((line) => line.kind === "data_flow");
+  const lines = outer === null ? [] : linesIn(layout, outer);
+  return [...lines, ...linesIn(layout, path)].filter((line) => line.kind === "data_flow");
 }
 
-function linesIn(placed: Placed, path: string): readonly Line[] {
-  return placed.frame(path)?.at.lines ?? [];
+function linesIn(layout: LayoutTree, path: string): readonly Line[] {
+  return layout.frame(path)?.at.lines ?? [];
 }

@@ -1,23 +1,23 @@
 /** The value at the port under the pointer, as much of it as a few lines hold. */
 
+import type { SceneBuilder } from "./builder.ts";
 import { TEXT } from "./detail.ts";
-import type { Drawing } from "./drawing.ts";
 import { wrapped } from "./words.ts";
 
 const WIDTH = 320;
 const LINES = 8;
 const PITCH = 17;
 
-export function pointedMarks(drawing: Drawing): void {
-  const { pointed } = drawing;
+export function pointedMarks(builder: SceneBuilder): void {
+  const { pointed } = builder;
   if (!pointed) return;
-  const { measure } = drawing.input;
+  const { measure } = builder.input;
   const lines = wrapped(pointed.text, WIDTH, LINES, TEXT.usual, measure);
   const widths = lines.map((text) => measure(text, TEXT.usual, false));
   const widest = Math.max(0, ...widths);
-  const x = Math.max(8, Math.min(pointed.x + 12, drawing.width - widest - 12));
-  const top = Math.max(12, Math.min(pointed.y + 22, drawing.height - lines.length * PITCH - 8));
-  const layer = drawing.top();
+  const x = Math.max(8, Math.min(pointed.x + 12, builder.width - widest - 12));
+  const top = Math.max(12, Math.min(pointed.y + 22, builder.height - lines.length * PITCH - 8));
+  const layer = builder.top();
   for (const [index, text] of lines.entries()) {
     layer.texts.push({
       what: "value",

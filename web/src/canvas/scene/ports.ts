@@ -1,14 +1,14 @@
 /** Ports on the border of a state: dots that point the way, and their names where there is room. */
 
-import type { PortPlace } from "../../model/drawing.ts";
 import { keyOf } from "../../model/element.ts";
 import type { JsonValue, StateDocument } from "../../model/generated/protocol.ts";
 import { type Point, sideOf } from "../../model/geometry.ts";
+import type { PortPlace } from "../../model/layout_reader.ts";
 import { ABORTED, type PortKind, PREEMPTED, portsOf } from "../../model/machine.ts";
 import { python } from "../../model/value.ts";
+import type { SceneBuilder, SceneNode } from "./builder.ts";
 import { isClear, isOffLines, PLATE } from "./connections.ts";
 import { DETAIL, fade, TEXT } from "./detail.ts";
-import type { Drawing, Spot } from "./drawing.ts";
 import type { ValueChip } from "./input.ts";
 import type { DotShape, Ink } from "./list.ts";
 import { groundInk } from "./ring.ts";
@@ -17,18 +17,23 @@ import { cut } from "./words.ts";
 /** Ports to which a transition leads or from which one starts. */
 export type Connected = ReadonlySet<string>;
 
-export function portMarks(drawing: Drawing, spot: Spot, connected: Connected, open: boolean): void {
-  const alpha = fade(spot.extent, DETAIL.ports);
-  const named = fade(spot.extent, DETAIL.labels);
-  if (alpha === 0 && !drawing.focused.has(spot.at.path)) return;
-  const layer = drawing.layer(spot.depth);
-  const size = spot.extent >= DETAIL.labels ? 10 : spot.extent >= 110 ? 8 : 6;
+export function portMarks(
+  builder: SceneBuilder,
+  node: SceneNode,
+  connected: Connected,
+  open: boolean,
+): void {
+  const alpha = fade(node.extent, DETAIL.ports);
+  const named = fade(node.extent, DETAIL.labels);
+  if (alpha === 0 && !builder.focused.has(node.at.path)) return;
+  const layer = builder.layer(node.depth);
+  const size = node.extent >= DETAIL.labels ? 10 : node.extent >= 110 ? 8 : 6;
   const taken: Taken = { left: [], right: [], top: [], bottom: [] };
-  for (const port of spot.at.ports) {
-    if (!isShown(drawing, spot, port, connected)) continue;
-    const [x, y] = [spot.x + port.at.x * spot.scale, spot.y + port.at.y * spot.scale];
-    if (!drawing.sees(x, y, 0, 0, 240)) continue;
-    const side = sideOf(port.at, spot.at.size);
+  for (const port of node.at.ports) {
+    if (!isShown(builder, node, port, connected)) continue;
+    const [x, y] = [node.x + port.at.x * node.scale, node.y + port.at.y * node.scale];
+    if (!builder.sees(x, y, 0, 0, 240)) continue;
+    const side = sideOf(port.at, node.at.size);
     layer.dots.push({
       what: port.key,
       shape: SHAPES[port.kind],
@@ -37,11 +42,11 @@ export function portMarks(drawing: Drawing, spot: Spot, connected: Connected, op
       size,
       ...direction(port, side),
       fill: portInk(port),
-      stroke: outlineOf(drawing, port),
-      alpha: Math.max(alpha, drawing.focused.has(spot.at.path) ? 1 : 0),
+      stroke: outlineOf(builder, port),
+      alpha: Math.max(alpha, builder.focused.has(node.at.path) ? 1 : 0),
     });
     const place = { x, y, side, alpha: named, open, size };
-    if (port.kind !== "income") words(drawing, spot, port, place, taken);
+    if (port.kind !== "income") words(builder, node, port, place, taken);
   }
 }
 
@@ -53,11 +58,16 @@ export const SHAPES: Readonly<Record<PortPlace["kind"], DotShape>> = {
   scoped_variable: "scoped",
 };
 
-function isShown(drawing: Drawing, spot: Spot, port: PortPlace, connected: Connected): boolean {
+function isShown(
+  builder: SceneBuilder,
+  node: SceneNode,
+  port: PortPlace,
+  connected: Connected,
+): boolean {
   const isQuiet = port.kind === "outcome" && (port.id === ABORTED || port.id === PREEMPTED);
-  if (!isQuiet || drawing.input.modes.aborted) return true;
+  if (!isQuiet || builder.input.modes.aborted) return true;
   return (
-    drawing.focused.has(spot.at.path) || connected.has(port.key) || spot.at.joined.has(port.key)
+    builder.focused.has(node.at.path) || connected.has(port.key) || node.at.joined.has(port.key)
   );
 }
 
@@ -68,12 +78,12 @@ export function portInk(port: Pick<PortPlace, "kind" | "id">): Ink {
   return port.id === ABORTED ? "aborted" : port.id === PREEMPTED ? "preempted" : "outcome";
 }
 
-function outlineOf(drawing: Drawing, port: PortPlace): Ink | null {
-  if (drawing.isSelected(port.key)) return "selection";
-  if (drawing.lit.has(port.key)) return "lit";
-  const difference = drawing.input.differences.get(port.key);
+function outlineOf(builder: SceneBuilder, port: PortPlace): Ink | null {
+  if (builder.isSelected(port.key)) return "selection";
+  if (builder.lit.has(port.key)) return "lit";
+  const difference = builder.input.differences.get(port.key);
   if (difference) return difference;
-  const legal = drawing.input.overlay.targets.get(port.key);
+  const legal = builder.input.overlay.targets.get(port.key);
   return legal === undefined ? null : legal ? "legal" : "illegal";
 }
 
@@ -95,34 +105,34 @@ function direction(port: PortPlace, side: Side): { readonly toX: number; readonl
 
 /** Its name with the value, or the value alone where there is no room for names. */
 function words(
-  drawing: Drawing,
-  spot: Spot,
+  builder: SceneBuilder,
+  node: SceneNode,
   port: PortPlace,
   place: Omit<LabelPlace, "text">,
   taken: Taken,
 ): void {
-  const chip = drawing.input.values.get(port.key);
+  const chip = builder.input.values.get(port.key);
   if (place.alpha > 0) {
-    const text = portText(drawing, spot, port, chip);
-    const isShort = text === port.name || hasRoom(drawing, spot, place, text);
-    label(drawing, spot, port, { ...place, text: isShort ? text : port.name }, taken);
-  } else if (chip && spot.extent >= CHIPS) {
-    label(drawing, spot, port, { ...place, alpha: 1, open: true, text: chip.short }, taken);
+    const text = portText(builder, node, port, chip);
+    const isShort = text === port.name || hasRoom(builder, node, place, text);
+    label(builder, node, port, { ...place, text: isShort ? text : port.name }, taken);
+  } else if (chip && node.extent >= CHIPS) {
+    label(builder, node, port, { ...place, alpha: 1, open: true, text: chip.short }, taken);
   }
-  if (!chip || !isHovered(drawing, port)) return;
-  drawing.pointed = { x: place.x, y: place.y, text: chip.full };
+  if (!chip || !isHovered(builder, port)) return;
+  builder.pointed = { x: place.x, y: place.y, text: chip.full };
 }
 
 /** Whether a text lies beside all states inside: values are no reason to cover them. */
 function hasRoom(
-  drawing: Drawing,
-  spot: Spot,
+  builder: SceneBuilder,
+  node: SceneNode,
   { x, y, side, open }: Omit<LabelPlace, "text">,
   text: string,
 ): boolean {
   if (!open || side === "top" || side === "bottom") return true;
-  const width = drawing.input.measure(text, TEXT.small, false) + 16;
-  return isClear(spot, { x: side === "left" ? x + width / 2 : x - width / 2, y }, width);
+  const width = builder.input.measure(text, TEXT.small, false) + 16;
+  return isClear(node, { x: side === "left" ? x + width / 2 : x - width / 2, y }, width);
 }
 
 interface LabelPlace {
@@ -139,8 +149,8 @@ const ROW = 14;
 
 /** The name inside the border; beside others only if there is a row free. */
 function label(
-  drawing: Drawing,
-  spot: Spot,
+  builder: SceneBuilder,
+  node: SceneNode,
   port: PortPlace,
   place: LabelPlace,
   taken: Taken,
@@ -149,12 +159,12 @@ function label(
   const isUpright = side === "left" || side === "right";
   const text = cut(
     place.text,
-    isUpright ? spot.width * 0.42 : 150,
+    isUpright ? node.width * 0.42 : 150,
     TEXT.small,
     false,
-    drawing.input.measure,
+    builder.input.measure,
   );
-  const width = drawing.input.measure(text, TEXT.small, false);
+  const width = builder.input.measure(text, TEXT.small, false);
   const along = isUpright ? place.y : place.x;
   const apart = isUpright ? ROW : width + 8;
   if (text === "" || taken[side].some((other) => Math.abs(other - along) < apart)) return;
@@ -167,8 +177,8 @@ function label(
     ? [
         beside.x,
         rowOf(
-          drawing,
-          spot,
+          builder,
+          node,
           port,
           place,
           { ...beside, x: beside.x + (Math.sign(inwards) * width) / 2 },
@@ -176,7 +186,7 @@ function label(
         ),
       ]
     : [place.x, place.y + (side === "top" ? away + 5 : -away - 5)];
-  drawing.portNames.push({
+  builder.portNames.push({
     what: `${port.key} name`,
     x,
     y,
@@ -186,7 +196,7 @@ function label(
     ink: labelInk(port),
     align,
     alpha: place.alpha,
-    plate: place.open ? groundInk(spot) : null,
+    plate: place.open ? groundInk(node) : null,
     width,
   });
 }
@@ -196,18 +206,18 @@ const ASIDE = [0, -12, 12, -20, 20];
 
 /** The height at which no transition runs through the name of a container's outcome: on a level with it, above or below. */
 function rowOf(
-  drawing: Drawing,
-  spot: Spot,
+  builder: SceneBuilder,
+  node: SceneNode,
   port: PortPlace,
   { open, y }: LabelPlace,
   middle: Point,
   width: number,
 ): number {
-  if (!open || port.kind !== "outcome" || !drawing.input.modes.transitions) return y;
+  if (!open || port.kind !== "outcome" || !builder.input.modes.transitions) return y;
   const rows = ASIDE.map((aside) => y + aside);
   const isFree = (row: number) => {
     const at = { x: middle.x, y: row };
-    return isOffLines(spot, at, width) && (row === y || isClear(spot, at, width, PLATE));
+    return isOffLines(node, at, width) && (row === y || isClear(node, at, width, PLATE));
   };
   return rows.find(isFree) ?? y;
 }
@@ -218,22 +228,22 @@ const VALUE = 14;
 /** States from this size on, in CSS pixels, show the values at their ports, before there is room for names. */
 const CHIPS = 110;
 
-function isHovered({ input: { hovered } }: Drawing, port: PortPlace): boolean {
+function isHovered({ input: { hovered } }: SceneBuilder, port: PortPlace): boolean {
   return hovered !== null && keyOf(hovered) === port.key;
 }
 
 /** The name, and the value that stands there, or what goes in if nothing else does. */
 function portText(
-  drawing: Drawing,
-  { at }: Spot,
+  builder: SceneBuilder,
+  { at }: SceneNode,
   port: PortPlace,
   chip: ValueChip | undefined,
 ): string {
-  if (!drawing.input.modes.values) return port.name;
+  if (!builder.input.modes.values) return port.name;
   if (chip) return `${port.name} = ${chip.short}`;
   const hasPreset = port.kind === "input" || port.kind === "scoped_variable";
   // Of a run only what was: a default is no value that anything had.
-  if (!hasPreset || drawing.input.runs.size > 0) return port.name;
+  if (!hasPreset || builder.input.runs.size > 0) return port.name;
   const value = presetOf(at.state, port.kind, port.id);
   if (value === undefined || value === null) return port.name;
   const text = python(value);

@@ -1,23 +1,23 @@
 /** Ruled lines over the ground of the innermost container around the view, for those who like to draw by them. */
 
-import type { Drawing } from "./drawing.ts";
+import type { SceneBuilder } from "./builder.ts";
 import type { LineMark } from "./list.ts";
 
 /** Lines are at least so many CSS pixels apart. */
 const PITCH = 24;
 
-export function ruledMarks(drawing: Drawing): void {
-  const { camera, modes } = drawing.input;
+export function ruledMarks(builder: SceneBuilder): void {
+  const { camera, modes } = builder.input;
   if (!modes.grid) return;
-  const depth = drawing.covering?.depth ?? 0;
-  const { under } = drawing.layer(depth + 1);
+  const depth = builder.covering?.depth ?? 0;
+  const { under } = builder.layer(depth + 1);
   const step = stepFor(camera.scale) * camera.scale;
   const rest = (from: number) => (((-from * camera.scale) % step) + step) % step;
-  for (let x = rest(camera.x); x < drawing.width; x += step) {
-    under.push(ruled([x, 0, x, drawing.height]));
+  for (let x = rest(camera.x); x < builder.width; x += step) {
+    under.push(ruled([x, 0, x, builder.height]));
   }
-  for (let y = rest(camera.y); y < drawing.height; y += step) {
-    under.push(ruled([0, y, drawing.width, y]));
+  for (let y = rest(camera.y); y < builder.height; y += step) {
+    under.push(ruled([0, y, builder.width, y]));
   }
 }
 

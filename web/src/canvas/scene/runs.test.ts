@@ -3,8 +3,8 @@ import { machineOf } from "../../model/plain.ts";
 import { sketch } from "../../model/sketch.ts";
 import type { RunMark } from "../../store/marks.ts";
 import { MODES } from "../../store/view.ts";
+import { layoutTreeOf } from "../layout_tree.ts";
 import { NO_OVERLAY } from "../overlay.ts";
-import { placesOf } from "../placed.ts";
 import { PLAIN, type SceneInput } from "./input.ts";
 import { shortTime } from "./runs.ts";
 import { scene } from "./scene.ts";
@@ -39,7 +39,7 @@ type Marked = Readonly<Record<string, Partial<RunMark>>>;
 
 /** What is drawn with these marks, about a state or line. */
 function about(words: string, marked: Marked, scale = 1, more: Partial<SceneInput> = {}) {
-  const placed = placesOf(MACHINE, { modes: MODES, contents: new Map() }, NO_OVERLAY);
+  const layout = layoutTreeOf(MACHINE, { modes: MODES, contents: new Map() }, NO_OVERLAY);
   const runs = new Map(
     Object.entries(marked).map(([path, mark]) => {
       const phase = mark.phase ?? "running";
@@ -48,7 +48,7 @@ function about(words: string, marked: Marked, scale = 1, more: Partial<SceneInpu
   );
   const list = scene({
     ...PLAIN,
-    placed,
+    layout,
     camera: { x: 0, y: 0, scale },
     view: { width: 800, height: 600 },
     modes: MODES,

@@ -3,8 +3,8 @@
 
 import type { MarkPhase, RunMark } from "../../store/marks.ts";
 import { STEPS } from "../../store/trail.ts";
+import type { SceneBuilder, SceneNode } from "./builder.ts";
 import { DETAIL, TEXT } from "./detail.ts";
-import type { Drawing, Spot } from "./drawing.ts";
 import type { BoxMark, Icon, Ink, Layer, TextMark } from "./list.ts";
 import { groundInk, ring } from "./ring.ts";
 
@@ -44,27 +44,32 @@ const ICON = 12;
 
 const WANTS: ReadonlySet<MarkPhase> = new Set(["waiting", "held"]);
 
-export function runMarks(drawing: Drawing, spot: Spot, mark: RunMark, isOpen: boolean): void {
-  const layer = drawing.layer(spot.depth);
+export function runMarks(
+  builder: SceneBuilder,
+  node: SceneNode,
+  mark: RunMark,
+  isOpen: boolean,
+): void {
+  const layer = builder.layer(node.depth);
   const phase = isOpen ? mark.phase : closedPhase(mark);
   const hasFailed = phase !== "failed" && (isOpen ? mark.failed : mark.loudest === "failed");
   if (phase === "inside") {
-    visitMarks(drawing, spot);
+    visitMarks(builder, node);
     return;
   }
-  if (phase === "trail") trailMarks(layer, spot, mark);
-  else if (spot.extent < FILLED) smallMarks(layer, spot, phase, hasFailed);
+  if (phase === "trail") trailMarks(layer, node, mark);
+  else if (node.extent < FILLED) smallMarks(layer, node, phase, hasFailed);
   else {
-    ringMarks(layer, spot, phase, mark.isLeaf);
-    if (hasFailed) layer.boxes.push(ring(spot, "aborted", 2, 4, whatOf(spot)));
-    if (phase === "preempted") hatchMarks(drawing, layer, spot);
+    ringMarks(layer, node, phase, mark.isLeaf);
+    if (hasFailed) layer.boxes.push(ring(node, "aborted", 2, 4, whatOf(node)));
+    if (phase === "preempted") hatchMarks(builder, layer, node);
   }
-  if (spot.extent < FILLED) return;
-  const side = signMarks(drawing, layer, spot, phase, { ...mark, failed: hasFailed });
+  if (node.extent < FILLED) return;
+  const side = signMarks(builder, layer, node, phase, { ...mark, failed: hasFailed });
   plateMarks(
-    drawing,
-    spot,
-    wordsOf(phase, { ...mark, failed: hasFailed }, drawing.input.later_ms),
+    builder,
+    node,
+    wordsOf(phase, { ...mark, failed: hasFailed }, builder.input.later_ms),
     side,
   );
 }
@@ -78,13 +83,13 @@ export function closedPhase(mark: RunMark): MarkPhase {
 }
 
 /** States that neither run nor ran lately say how often they did. */
-export function visitMarks(drawing: Drawing, spot: Spot): void {
-  if (spot.extent < PLATE || drawing.input.visits(spot.at.path) === 0) return;
-  plateMarks(drawing, spot, [], 0);
+export function visitMarks(builder: SceneBuilder, node: SceneNode): void {
+  if (node.extent < PLATE || builder.input.visits(node.at.path) === 0) return;
+  plateMarks(builder, node, [], 0);
 }
 
-function whatOf(spot: Spot): string {
-  return `${spot.at.key} run`;
+function whatOf(node: SceneNode): string {
+  return `${node.at.key} run`;
 }
 
 /** Fades from step to step. */
@@ -92,26 +97,26 @@ export function faded(age: number): number {
   return Math.max(0.25, 1 - (0.8 * age) / STEPS);
 }
 
-function trailMarks(layer: Layer, spot: Spot, { age, preempted }: RunMark): void {
+function trailMarks(layer: Layer, node: SceneNode, { age, preempted }: RunMark): void {
   const ink = preempted ? "preempted" : "trail";
-  const mark = ring(spot, ink, spot.extent < FILLED ? 1.5 : 2, 0, whatOf(spot));
+  const mark = ring(node, ink, node.extent < FILLED ? 1.5 : 2, 0, whatOf(node));
   layer.boxes.push({
     ...mark,
     alpha: faded(age),
     dash: preempted,
-    fill: spot.extent < FILLED ? ink : null,
+    fill: node.extent < FILLED ? ink : null,
   });
 }
 
 /** What is too small for signs is told by what is filled, dashed or hollow. */
 function smallMarks(
   layer: Layer,
-  spot: Spot,
+  node: SceneNode,
   phase: Exclude<MarkPhase, "inside" | "trail">,
   hasFailed: boolean,
 ): void {
   const ink = RUN_INKS[phase];
-  const mark = ring(spot, ink, 2, 0, whatOf(spot));
+  const mark = ring(node, ink, 2, 0, whatOf(node));
   const isFull = phase === "running" || phase === "failed";
   layer.boxes.push({
     ...mark,
@@ -120,8 +125,8 @@ function smallMarks(
     fill: isFull ? ink : null,
     dash: phase === "waiting" || phase === "next",
   });
-  if (phase !== "failed" || spot.extent < 12) return;
-  sign(layer, spot, "failed", "ground", spot.x + spot.width / 2, spot.y + spot.height / 2);
+  if (phase !== "failed" || node.extent < 12) return;
+  sign(layer, node, "failed", "ground", node.x + node.width / 2, node.y + node.height / 2);
 }
 
 const RINGS = {
@@ -136,7 +141,7 @@ const RINGS = {
 /** What is around something that runs has a quiet ring; where it runs, or wants somebody, there is a glow. */
 function ringMarks(
   layer: Layer,
-  spot: Spot,
+  node: SceneNode,
   phase: Exclude<MarkPhase, "inside" | "trail">,
   isLeaf: boolean,
 ): void {
@@ -144,8 +149,8 @@ function ringMarks(
   const { line, dash } = RINGS[phase];
   const isQuiet = phase === "running" && !isLeaf;
   const glows = isLeaf && phase !== "next" && phase !== "preempted";
-  if (glows) layer.boxes.push(...GLOW.map((part) => glow(spot, ink, part)));
-  const mark = ring(spot, ink, isQuiet ? 2 : line, 0, whatOf(spot));
+  if (glows) layer.boxes.push(...GLOW.map((part) => glow(node, ink, part)));
+  const mark = ring(node, ink, isQuiet ? 2 : line, 0, whatOf(node));
   layer.boxes.push({ ...mark, dash });
 }
 
@@ -154,25 +159,25 @@ const GLOW = [
   { line: 5, away: 7, alpha: 0.14 },
 ] as const;
 
-function glow(spot: Spot, ink: Ink, { line, away, alpha }: (typeof GLOW)[number]): BoxMark {
-  return { ...ring(spot, ink, line, away, `${whatOf(spot)} glow`), alpha };
+function glow(node: SceneNode, ink: Ink, { line, away, alpha }: (typeof GLOW)[number]): BoxMark {
+  return { ...ring(node, ink, line, away, `${whatOf(node)} glow`), alpha };
 }
 
 const HATCH = 9;
 const HATCH_MAX = 90;
 
 /** Lines aslant over all of the state that is in sight. */
-function hatchMarks(drawing: Drawing, layer: Layer, spot: Spot): void {
-  const left = Math.max(spot.x, 0);
-  const top = Math.max(spot.y, 0);
-  const width = Math.min(spot.x + spot.width, drawing.width) - left;
-  const height = Math.min(spot.y + spot.height, drawing.height) - top;
+function hatchMarks(builder: SceneBuilder, layer: Layer, node: SceneNode): void {
+  const left = Math.max(node.x, 0);
+  const top = Math.max(node.y, 0);
+  const width = Math.min(node.x + node.width, builder.width) - left;
+  const height = Math.min(node.y + node.height, builder.height) - top;
   if (width <= 0 || height <= 0) return;
   const step = Math.max(HATCH, (width + height) / HATCH_MAX);
   for (let along = step; along < width + height; along += step) {
     const [fromX, toX] = [Math.min(along, width), Math.max(0, along - height)];
     layer.under.push({
-      what: `${whatOf(spot)} hatch`,
+      what: `${whatOf(node)} hatch`,
       points: [left + fromX, top + along - fromX, left + toX, top + along - toX],
       ink: "preempted",
       width: 1,
@@ -185,14 +190,14 @@ function hatchMarks(drawing: Drawing, layer: Layer, spot: Spot): void {
   }
 }
 
-function sign(layer: Layer, spot: Spot, icon: Icon, ink: Ink, x: number, y: number): void {
-  layer.icons.push({ what: `${whatOf(spot)} ${icon}`, icon, x, y, size: ICON, ink, alpha: 1 });
+function sign(layer: Layer, node: SceneNode, icon: Icon, ink: Ink, x: number, y: number): void {
+  layer.icons.push({ what: `${whatOf(node)} ${icon}`, icon, x, y, size: ICON, ink, alpha: 1 });
 }
 
 /** Behind a sign that sits on the corner of a state, where it leaves room for the name. */
-function coin(spot: Spot, x: number, y: number): TextMark {
+function coin(node: SceneNode, x: number, y: number): TextMark {
   return {
-    what: `${whatOf(spot)} coin`,
+    what: `${whatOf(node)} coin`,
     x,
     y,
     text: "",
@@ -201,34 +206,34 @@ function coin(spot: Spot, x: number, y: number): TextMark {
     ink: "text",
     align: "center",
     alpha: 1,
-    plate: groundInk(spot),
+    plate: groundInk(node),
     width: 9,
   };
 }
 
 /** The sign in the upper right corner, with how many branches run inside; gives how wide they are. */
 function signMarks(
-  drawing: Drawing,
+  builder: SceneBuilder,
   layer: Layer,
-  spot: Spot,
+  node: SceneNode,
   phase: MarkPhase,
   mark: RunMark,
 ): number {
   const icon = ICONS[phase];
   if (!icon) return 0;
-  const isSmall = spot.extent < PLATE;
-  const y = spot.y + (isSmall ? 0 : 10);
-  let x = spot.x + spot.width - (isSmall ? 3 : 10);
-  if (isSmall) layer.texts.push(coin(spot, x, y));
-  sign(layer, spot, icon, RUN_INKS[phase as Exclude<MarkPhase, "inside">], x, y);
+  const isSmall = node.extent < PLATE;
+  const y = node.y + (isSmall ? 0 : 10);
+  let x = node.x + node.width - (isSmall ? 3 : 10);
+  if (isSmall) layer.texts.push(coin(node, x, y));
+  sign(layer, node, icon, RUN_INKS[phase as Exclude<MarkPhase, "inside">], x, y);
   if (mark.failed) {
     x -= ICON + 3;
-    sign(layer, spot, "failed", "aborted", x, y);
+    sign(layer, node, "failed", "aborted", x, y);
   }
-  if (mark.lanes < 2 || spot.width < 48) return ICON;
+  if (mark.lanes < 2 || node.width < 48) return ICON;
   const text = `${mark.lanes}`;
   layer.texts.push({
-    what: `${whatOf(spot)} lanes`,
+    what: `${whatOf(node)} lanes`,
     x: x - ICON / 2 - 4,
     y,
     text,
@@ -237,8 +242,8 @@ function signMarks(
     ink: RUN_INKS[phase as Exclude<MarkPhase, "inside">],
     align: "right",
     alpha: 1,
-    plate: groundInk(spot),
-    width: drawing.input.measure(text, TEXT.small, true),
+    plate: groundInk(node),
+    width: builder.input.measure(text, TEXT.small, true),
   });
   return ICON;
 }
@@ -269,26 +274,31 @@ export function shortTime(seconds: number): string {
 }
 
 /** At the lower edge: as much as there is room for. */
-function plateMarks(drawing: Drawing, spot: Spot, words: readonly string[], side: number): void {
-  if (spot.extent < PLATE) return;
-  const { measure, visits } = drawing.input;
-  const count = visits(spot.at.path);
+function plateMarks(
+  builder: SceneBuilder,
+  node: SceneNode,
+  words: readonly string[],
+  side: number,
+): void {
+  if (node.extent < PLATE) return;
+  const { measure, visits } = builder.input;
+  const count = visits(node.at.path);
   const times = count > 0 ? `${count}×` : "";
-  const room = spot.width - 16 - (side > 0 ? 4 : 0);
+  const room = node.width - 16 - (side > 0 ? 4 : 0);
   const wanted = [...words.map((text) => joined(text, times)), times];
   const text = wanted.find((each) => measure(each, TEXT.small, false) <= room);
   if (!text) return;
-  drawing.labels.push({
-    what: `${whatOf(spot)} plate`,
-    x: spot.x + spot.width - 8,
-    y: spot.y + spot.height - 11,
+  builder.labels.push({
+    what: `${whatOf(node)} plate`,
+    x: node.x + node.width - 8,
+    y: node.y + node.height - 11,
     text,
     size: TEXT.small,
     bold: false,
     ink: words.length > 0 ? "text" : "soft",
     align: "right",
     alpha: 1,
-    plate: groundInk(spot),
+    plate: groundInk(node),
     width: measure(text, TEXT.small, false),
   });
 }

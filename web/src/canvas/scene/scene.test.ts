@@ -3,8 +3,8 @@ import type { Machine } from "../../model/machine.ts";
 import { machineOf } from "../../model/plain.ts";
 import { sketch } from "../../model/sketch.ts";
 import { type Camera, MODES } from "../../store/view.ts";
+import { layoutTreeOf } from "../layout_tree.ts";
 import { NO_OVERLAY } from "../overlay.ts";
-import { placesOf } from "../placed.ts";
 import { PLAIN, type SceneInput } from "./input.ts";
 import { scene } from "./scene.ts";
 import { listText } from "./text.ts";
@@ -30,9 +30,9 @@ const measure = (text: string) => text.length * 6;
 
 function input(machine: Machine, camera: Camera, more: Partial<SceneInput> = {}): SceneInput {
   const overlay = more.overlay ?? NO_OVERLAY;
-  const placed = placesOf(machine, { modes: MODES, contents: new Map() }, overlay);
+  const layout = layoutTreeOf(machine, { modes: MODES, contents: new Map() }, overlay);
   const view = { width: 800, height: 600 };
-  return { ...PLAIN, placed, camera, view, modes: MODES, overlay, measure, ...more };
+  return { ...PLAIN, layout, camera, view, modes: MODES, overlay, measure, ...more };
 }
 
 function seen(scale: number, more: Partial<SceneInput> = {}, at = { x: 0, y: 0 }): string[] {
@@ -206,6 +206,6 @@ test("a library whose content is not here yet is asked for", () => {
   );
   const plain = input(machine, { x: 0, y: 0, scale: 1 });
   const view = { modes: MODES, contents: new Map([["R/L", true]]) };
-  const list = scene({ ...plain, placed: placesOf(machine, view, NO_OVERLAY) });
+  const list = scene({ ...plain, layout: layoutTreeOf(machine, view, NO_OVERLAY) });
   expect(list.wanted).toEqual(["R/L"]);
 });

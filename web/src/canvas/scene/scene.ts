@@ -1,9 +1,9 @@
 /** What can be seen of a machine, in which detail: pure, from the camera to a list of marks. */
 
-import type { PlacedState } from "../tree.ts";
+import type { LayoutNode } from "../layout_node.ts";
+import { SceneBuilder, type SceneNode, shade } from "./builder.ts";
 import { connectionMarks } from "./connections.ts";
 import { DETAIL, extent, SPECK } from "./detail.ts";
-import { Drawing, type Spot, shade } from "./drawing.ts";
 import { gestureMarks } from "./gesture.ts";
 import type { SceneInput } from "./input.ts";
 import { labelMarks } from "./labels.ts";
@@ -22,73 +22,73 @@ const LIFT = 16;
 const REACH = 12;
 
 export function scene(input: SceneInput): DrawList {
-  const drawing = new Drawing(input);
-  const { root } = input.placed;
+  const builder = new SceneBuilder(input);
+  const { root } = input.layout;
   if (root) {
-    visit(drawing, rootSpot(root, input), NOTHING);
-    ruledMarks(drawing);
-    stickyMarks(drawing);
-    labelMarks(drawing);
-    pointedMarks(drawing);
-    gestureMarks(drawing);
+    visit(builder, rootSpot(root, input), NOTHING);
+    ruledMarks(builder);
+    stickyMarks(builder);
+    labelMarks(builder);
+    pointedMarks(builder);
+    gestureMarks(builder);
   }
-  const { layers, wanted, soon, unfinished } = drawing;
+  const { layers, wanted, soon, unfinished } = builder;
   return { layers, wanted, soon, unfinished };
 }
 
 const NOTHING: ReadonlySet<string> = new Set();
 
-function rootSpot(root: PlacedState, { camera }: SceneInput): Spot {
+function rootSpot(root: LayoutNode, { camera }: SceneInput): SceneNode {
   return spotOf(root, -camera.x * camera.scale, -camera.y * camera.scale, camera.scale, 0, null);
 }
 
 function spotOf(
-  at: PlacedState,
+  at: LayoutNode,
   x: number,
   y: number,
   scale: number,
   depth: number,
-  outer: Spot | null,
-): Spot {
+  outer: SceneNode | null,
+): SceneNode {
   const [width, height] = [at.size.width * scale, at.size.height * scale];
   return { at, x, y, width, height, scale, depth, extent: extent({ width, height }), outer };
 }
 
 /** Draws a state that is in sight and large enough, and what is inside it. */
-function visit(drawing: Drawing, spot: Spot, connected: ReadonlySet<string>): void {
-  const children = childrenOf(drawing, spot);
-  const open = children.length > 0 && spot.extent >= DETAIL.content;
-  stateMarks(drawing, spot, open);
-  const isAround = drawing.isCoveredBy(spot);
-  if (!isAround || !open) nameMarks(drawing, spot, open);
+function visit(builder: SceneBuilder, node: SceneNode, connected: ReadonlySet<string>): void {
+  const children = childrenOf(builder, node);
+  const open = children.length > 0 && node.extent >= DETAIL.content;
+  stateMarks(builder, node, open);
+  const isAround = builder.isCoveredBy(node);
+  if (!isAround || !open) nameMarks(builder, node, open);
   if (open) {
-    connectionMarks(drawing, spot);
-    const { joined } = spot.at;
-    spot.at.eachChild(drawing.area(spot, REACH), (child) =>
-      visitChild(drawing, spot, child, joined),
+    connectionMarks(builder, node);
+    const { joined } = node.at;
+    node.at.eachChild(builder.area(node, REACH), (child) =>
+      visitChild(builder, node, child, joined),
     );
   } else {
-    if (children.length > 0 && !spot.at.hasLines) drawing.soon.push(spot.at);
-    for (const child of children) textureOf(drawing, spot, child);
+    if (children.length > 0 && !node.at.hasLines) builder.soon.push(node.at);
+    for (const child of children) textureOf(builder, node, child);
   }
-  if (isAround) drawing.covering ??= spot;
-  else portMarks(drawing, spot, connected, open);
+  if (isAround) builder.covering ??= node;
+  else portMarks(builder, node, connected, open);
 }
 
-const NO_CHILDREN: readonly PlacedState[] = [];
+const NO_CHILDREN: readonly LayoutNode[] = [];
 
 /** The children, if the state is large enough to show anything of them. */
-function childrenOf(drawing: Drawing, spot: Spot): readonly PlacedState[] {
-  if (spot.extent < DETAIL.name) return NO_CHILDREN;
-  const { children, opened, path } = spot.at;
-  if (opened && children.length === 0) drawing.wanted.push(path);
+function childrenOf(builder: SceneBuilder, node: SceneNode): readonly LayoutNode[] {
+  if (node.extent < DETAIL.name) return NO_CHILDREN;
+  const { children, opened, path } = node.at;
+  if (opened && children.length === 0) builder.wanted.push(path);
   return children;
 }
 
 function visitChild(
-  drawing: Drawing,
-  outer: Spot,
-  child: PlacedState,
+  builder: SceneBuilder,
+  outer: SceneNode,
+  child: LayoutNode,
   joined: ReadonlySet<string>,
 ): void {
   const { box } = child;
@@ -98,26 +98,26 @@ function visitChild(
   const size = extent({ width, height });
   if (size < DETAIL.box) {
     if (size >= SPECK)
-      drawing.layer(outer.depth + 1).specks.push(speck(drawing, outer, child, x, y, width, height));
+      builder.layer(outer.depth + 1).specks.push(speck(builder, outer, child, x, y, width, height));
     return;
   }
-  const spot = spotOf(child, x, y, outer.scale * child.scale, outer.depth + 1, outer);
-  const lift = drawing.input.overlay.boxes.has(child.path) ? LIFT : 0;
-  drawing.lift += lift;
-  visit(drawing, spot, joined);
-  drawing.lift -= lift;
+  const node = spotOf(child, x, y, outer.scale * child.scale, outer.depth + 1, outer);
+  const lift = builder.input.overlay.boxes.has(child.path) ? LIFT : 0;
+  builder.lift += lift;
+  visit(builder, node, joined);
+  builder.lift -= lift;
 }
 
 /** What a state has inside that is too small for its content: a hint of where something is. */
-function textureOf(drawing: Drawing, outer: Spot, child: PlacedState): void {
+function textureOf(builder: SceneBuilder, outer: SceneNode, child: LayoutNode): void {
   const { box } = child;
   const [width, height] = [box.width * outer.scale, box.height * outer.scale];
   if (width < SPECK || height < SPECK) return;
   const [x, y] = [outer.x + box.x * outer.scale, outer.y + box.y * outer.scale];
-  const mark = speck(drawing, outer, child, x, y, width, height);
-  drawing
+  const mark = speck(builder, outer, child, x, y, width, height);
+  builder
     .layer(outer.depth + 1)
-    .specks.push(drawing.input.runs.has(child.path) ? { ...mark, alpha: HINT } : mark);
+    .specks.push(builder.input.runs.has(child.path) ? { ...mark, alpha: HINT } : mark);
 }
 
 /** Where something runs is told behind the name of the state that it lies in. */
@@ -125,18 +125,18 @@ const HINT = 0.45;
 
 /** A state that is no more than a colour: that of how it runs, or of its depth. */
 function speck(
-  drawing: Drawing,
-  outer: Spot,
-  child: PlacedState,
+  builder: SceneBuilder,
+  outer: SceneNode,
+  child: LayoutNode,
   x: number,
   y: number,
   width: number,
   height: number,
 ): BoxMark {
-  const { runs, hits, differences, heat } = drawing.input;
+  const { runs, hits, differences, heat } = builder.input;
   const mark = runs.get(child.path);
   const run = mark && closedPhase(mark);
-  const loud = drawing.isSelected(child.key)
+  const loud = builder.isSelected(child.key)
     ? "selection"
     : (differences.get(child.key) ?? (hits.has(child.key) ? "hit" : undefined));
   const hot = heat?.get(child.path);

@@ -1,7 +1,7 @@
 /** The box of a state with all that its border tells: its kind, what is selected, what differs, what runs. */
 
 import { breakpointMarks } from "./breakpoints.ts";
-import type { Drawing, Spot } from "./drawing.ts";
+import type { SceneBuilder, SceneNode } from "./builder.ts";
 import type { Difference } from "./input.ts";
 import type { BoxMark, Layer } from "./list.ts";
 import { groundInk, radiusOf, ring } from "./ring.ts";
@@ -11,39 +11,39 @@ import { runMarks, visitMarks } from "./runs.ts";
 const BEYOND = 40;
 
 /** `isOpen` is a state whose content shows. */
-export function stateMarks(drawing: Drawing, spot: Spot, isOpen: boolean): void {
-  const layer = drawing.layer(spot.depth);
-  const { input } = drawing;
-  const { path, key } = spot.at;
-  layer.boxes.push(ground(drawing, spot, isOpen));
+export function stateMarks(builder: SceneBuilder, node: SceneNode, isOpen: boolean): void {
+  const layer = builder.layer(node.depth);
+  const { input } = builder;
+  const { path, key } = node.at;
+  layer.boxes.push(ground(builder, node, isOpen));
   const run = input.runs.get(path);
-  if (run) runMarks(drawing, spot, run, isOpen);
-  else visitMarks(drawing, spot);
-  breakpointMarks(drawing, spot);
+  if (run) runMarks(builder, node, run, isOpen);
+  else visitMarks(builder, node);
+  breakpointMarks(builder, node);
   const difference = input.differences.get(key);
-  if (difference) layer.boxes.push(ring(spot, DIFFERENCE_INK[difference], 2, 2, key));
-  if (input.hits.has(key)) layer.boxes.push(ring(spot, "hit", 2, 4, key));
-  const onlooker = drawing.onlookers.get(path);
+  if (difference) layer.boxes.push(ring(node, DIFFERENCE_INK[difference], 2, 2, key));
+  if (input.hits.has(key)) layer.boxes.push(ring(node, "hit", 2, 4, key));
+  const onlooker = builder.onlookers.get(path);
   const person = onlooker === undefined ? undefined : input.people[onlooker];
-  if (person) onlookerMarks(layer, spot, person.name, `person${person.colour % PEOPLE}`);
+  if (person) onlookerMarks(layer, node, person.name, `person${person.colour % PEOPLE}`);
   if (input.hovered?.kind === "state" && input.hovered.path === path) {
-    layer.boxes.push(ring(spot, "hover", 1, 0, key));
+    layer.boxes.push(ring(node, "hover", 1, 0, key));
   }
-  if (!drawing.isSelected(key)) return;
-  layer.boxes.push(ring(spot, "selection", 2, 1, key));
-  if (spot.extent >= LEAST_FOR_HANDLES) handleMarks(drawing, spot, key);
+  if (!builder.isSelected(key)) return;
+  layer.boxes.push(ring(node, "selection", 2, 1, key));
+  if (node.extent >= LEAST_FOR_HANDLES) handleMarks(builder, node, key);
 }
 
 /** Smaller states are not resized. */
 const LEAST_FOR_HANDLES = 40;
 
 /** Where a selected state is taken to be resized: the root grows to the right and downwards only. */
-function handleMarks(drawing: Drawing, spot: Spot, key: string): void {
-  const layer = drawing.layer(spot.depth + 1);
-  const { x, y, width, height } = spot;
+function handleMarks(builder: SceneBuilder, node: SceneNode, key: string): void {
+  const layer = builder.layer(node.depth + 1);
+  const { x, y, width, height } = node;
   const corners: readonly (readonly [number, number])[] = [
     [x + width, y + height],
-    ...(spot.outer
+    ...(node.outer
       ? ([
           [x, y],
           [x + width, y],
@@ -76,37 +76,37 @@ export const DIFFERENCE_INK: Readonly<Record<Difference, string>> = {
   changed: "changed",
 };
 
-function ground(drawing: Drawing, spot: Spot, isOpen: boolean): BoxMark {
-  const { at } = spot;
-  const heat = isOpen ? undefined : drawing.input.heat?.get(at.path);
+function ground(builder: SceneBuilder, node: SceneNode, isOpen: boolean): BoxMark {
+  const { at } = node;
+  const heat = isOpen ? undefined : builder.input.heat?.get(at.path);
   const isLibrary = at.state.kind === "library";
   return {
-    ...clipped(drawing, spot),
+    ...clipped(builder, node),
     what: at.key,
-    radius: radiusOf(spot),
-    fill: heat === undefined ? groundInk(spot) : `heat${heat}`,
+    radius: radiusOf(node),
+    fill: heat === undefined ? groundInk(node) : `heat${heat}`,
     stroke: isLibrary ? "library-outline" : "outline",
-    line: spot.extent > 240 ? 1.5 : 1,
+    line: node.extent > 240 ? 1.5 : 1,
     dash: at.state.library?.missing != null,
     alpha: 1,
   };
 }
 
 /** The part of a box near the view: canvases are not good at huge numbers. */
-function clipped(drawing: Drawing, spot: Spot) {
-  const left = Math.max(spot.x, -BEYOND);
-  const top = Math.max(spot.y, -BEYOND);
-  const right = Math.min(spot.x + spot.width, drawing.width + BEYOND);
-  const bottom = Math.min(spot.y + spot.height, drawing.height + BEYOND);
+function clipped(builder: SceneBuilder, node: SceneNode) {
+  const left = Math.max(node.x, -BEYOND);
+  const top = Math.max(node.y, -BEYOND);
+  const right = Math.min(node.x + node.width, builder.width + BEYOND);
+  const bottom = Math.min(node.y + node.height, builder.height + BEYOND);
   return { x: left, y: top, width: right - left, height: bottom - top };
 }
 
-function onlookerMarks(layer: Layer, spot: Spot, name: string, ink: string): void {
-  layer.boxes.push(ring(spot, ink, 1.5, 3, spot.at.key));
+function onlookerMarks(layer: Layer, node: SceneNode, name: string, ink: string): void {
+  layer.boxes.push(ring(node, ink, 1.5, 3, node.at.key));
   layer.texts.push({
-    what: `${spot.at.key} onlooker`,
-    x: spot.x + 4,
-    y: spot.y - 10,
+    what: `${node.at.key} onlooker`,
+    x: node.x + 4,
+    y: node.y - 10,
     text: name,
     size: 11,
     bold: true,

@@ -1,14 +1,14 @@
 /** The border of a state that fills the view, as a frame at the view's edges: its ports stay in sight and in reach. */
 
-import type { PortPlace } from "../../model/drawing.ts";
 import type { Point, Side, Size } from "../../model/geometry.ts";
 import { sideOf } from "../../model/geometry.ts";
+import type { PortPlace } from "../../model/layout_reader.ts";
 import type { Camera } from "../../store/view.ts";
-import type { Frame, Placed } from "../placed.ts";
-import { inside } from "../placed.ts";
-import type { PlacedState } from "../tree.ts";
+import type { LayoutNode } from "../layout_node.ts";
+import type { LayoutTree, NodeFrame } from "../layout_tree.ts";
+import { inside } from "../layout_tree.ts";
+import { type SceneBuilder, shade } from "./builder.ts";
 import { TEXT } from "./detail.ts";
-import { type Drawing, shade } from "./drawing.ts";
 import type { DotMark, Ink, Layer, TextMark } from "./list.ts";
 import { portInk, SHAPES } from "./ports.ts";
 import { groundInk } from "./ring.ts";
@@ -25,14 +25,14 @@ export interface StickyPort {
 }
 
 export interface Sticky {
-  readonly state: PlacedState;
+  readonly state: LayoutNode;
   readonly ports: readonly StickyPort[];
 }
 
 /** The innermost state around the whole view, with its ports at the view's edges; null if a border is in sight. */
-export function stickyFrame(placed: Placed, camera: Camera, view: Size): Sticky | null {
-  let found: Frame | null = null;
-  let next: Frame | null = placed.root && { at: placed.root, x: 0, y: 0, unit: 1 };
+export function stickyFrame(layout: LayoutTree, camera: Camera, view: Size): Sticky | null {
+  let found: NodeFrame | null = null;
+  let next: NodeFrame | null = layout.root && { at: layout.root, x: 0, y: 0, unit: 1 };
   while (next && fills(next, camera, view)) {
     found = next;
     next = childAround(next, camera, view);
@@ -40,7 +40,7 @@ export function stickyFrame(placed: Placed, camera: Camera, view: Size): Sticky 
   return found && stuck(found, camera, view);
 }
 
-function fills({ at, x, y, unit }: Frame, camera: Camera, view: Size): boolean {
+function fills({ at, x, y, unit }: NodeFrame, camera: Camera, view: Size): boolean {
   const { width, height } = at.size;
   return (
     x < camera.x &&
@@ -50,7 +50,7 @@ function fills({ at, x, y, unit }: Frame, camera: Camera, view: Size): boolean {
   );
 }
 
-function childAround(frame: Frame, camera: Camera, view: Size): Frame | null {
+function childAround(frame: NodeFrame, camera: Camera, view: Size): NodeFrame | null {
   for (const child of frame.at.children) {
     const inner = inside(frame, child);
     if (fills(inner, camera, view)) return inner;
@@ -58,7 +58,7 @@ function childAround(frame: Frame, camera: Camera, view: Size): Frame | null {
   return null;
 }
 
-function stuck(frame: Frame, camera: Camera, view: Size): Sticky {
+function stuck(frame: NodeFrame, camera: Camera, view: Size): Sticky {
   const ports = frame.at.ports.map((port) => {
     const side = sideOf(port.at, frame.at.size);
     const x = (frame.x + port.at.x * frame.unit - camera.x) * camera.scale;
@@ -105,23 +105,23 @@ function apart(ports: readonly StickyPort[]): readonly StickyPort[] {
   return placed;
 }
 
-export function stickyMarks(drawing: Drawing): void {
-  const { placed, camera, view } = drawing.input;
-  const spot = drawing.covering;
-  const sticky = spot && stickyFrame(placed, camera, view);
+export function stickyMarks(builder: SceneBuilder): void {
+  const { layout, camera, view } = builder.input;
+  const node = builder.covering;
+  const sticky = node && stickyFrame(layout, camera, view);
   if (!sticky) return;
-  const layer = drawing.top();
-  edges(drawing, layer, shade(spot.depth + 1));
+  const layer = builder.top();
+  edges(builder, layer, shade(node.depth + 1));
   for (const port of sticky.ports) {
-    layer.dots.push(stuckDot(drawing, port));
+    layer.dots.push(stuckDot(builder, port));
     const named = port.port.kind !== "income" && (port.side === "left" || port.side === "right");
-    if (named) layer.texts.push(stuckName(drawing, port, groundInk(spot)));
+    if (named) layer.texts.push(stuckName(builder, port, groundInk(node)));
   }
 }
 
 const OUT = { left: [-1, 0], right: [1, 0], top: [0, -1], bottom: [0, 1] } as const;
 
-function stuckDot(drawing: Drawing, { port, at, side }: StickyPort): DotMark {
+function stuckDot(builder: SceneBuilder, { port, at, side }: StickyPort): DotMark {
   const [x, y] = OUT[side];
   const sign = port.kind === "income" || port.kind === "input" ? -1 : 1;
   return {
@@ -132,13 +132,13 @@ function stuckDot(drawing: Drawing, { port, at, side }: StickyPort): DotMark {
     toX: sign * x,
     toY: sign * y,
     fill: portInk(port),
-    stroke: drawing.lit.has(port.key) ? "lit" : null,
+    stroke: builder.lit.has(port.key) ? "lit" : null,
     alpha: 1,
   };
 }
 
-function stuckName(drawing: Drawing, { port, at, side }: StickyPort, plate: Ink): TextMark {
-  const { measure } = drawing.input;
+function stuckName(builder: SceneBuilder, { port, at, side }: StickyPort, plate: Ink): TextMark {
+  const { measure } = builder.input;
   const text = cut(port.name, 140, TEXT.small, false, measure);
   return {
     what: `${port.key} sticky name`,
@@ -155,8 +155,8 @@ function stuckName(drawing: Drawing, { port, at, side }: StickyPort, plate: Ink)
   };
 }
 
-function edges(drawing: Drawing, layer: Layer, ground: string): void {
-  const { width, height } = drawing;
+function edges(builder: SceneBuilder, layer: Layer, ground: string): void {
+  const { width, height } = builder;
   const strips = [
     [0, 0, width, FRAME],
     [0, height - FRAME, width, FRAME],

@@ -109,11 +109,11 @@ export class Driver {
     const path = paths.find(
       (each) => machine.state(each) && (each === name || each.endsWith(`/${name}`)),
     );
-    const box = path === undefined ? undefined : this.controller.places().box(path);
+    const box = path === undefined ? undefined : this.controller.layout().box(path);
     if (path === undefined || !box) throw new Error(`no state ${where}`);
     if (port === undefined) return screenFromWorld(this.view.camera.value, centre(box));
     const found = this.controller
-      .places()
+      .layout()
       .ports(path)
       .find((each) => each.name === port);
     if (!found) throw new Error(`no port ${where}`);
@@ -221,7 +221,7 @@ export class Driver {
   box(id: string): string {
     const { machine } = this.session;
     const path = [...machine.paths()].find((each) => each === id || each.endsWith(`/${id}`));
-    const box = path && this.controller.places().box(path);
+    const box = path && this.controller.layout().box(path);
     if (!box) return "none";
     return [box.x, box.y, box.width, box.height].map(short).join(" ");
   }

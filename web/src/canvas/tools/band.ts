@@ -5,8 +5,8 @@ import { type Box, contains, intersects, type Point } from "../../model/geometry
 import { withLines } from "../hit/hit.ts";
 import { childrenIn, inFrame } from "../hit/near.ts";
 import { extentOn, isRouteShown } from "../hit/shown.ts";
+import { type NodeFrame, pointAt } from "../layout_tree.ts";
 import { NO_OVERLAY } from "../overlay.ts";
-import { type Frame, pointAt } from "../placed.ts";
 import { DETAIL } from "../scene/detail.ts";
 import { type Gesture, type Pointer, type ToolContext, worldOf } from "./gesture.ts";
 
@@ -51,20 +51,25 @@ export function enclosed(band: Box, context: ToolContext): readonly ElementRef[]
 }
 
 function collect(path: string, band: Box, context: ToolContext, found: ElementRef[]): void {
-  const { places, camera } = context;
-  const box = places.box(path);
+  const { layout, camera } = context;
+  const box = layout.box(path);
   if (!box || !intersects(box, band)) return;
   if (extentOn(camera, box) < DETAIL.box) return;
   if (isIn(box, band)) {
     found.push({ kind: "state", path });
     return;
   }
-  for (const child of childrenIn(places, path, band)) collect(child, band, context, found);
-  const frame = places.frame(path);
+  for (const child of childrenIn(layout, path, band)) collect(child, band, context, found);
+  const frame = layout.frame(path);
   if (frame) collectLines(frame, band, context, found);
 }
 
-function collectLines(frame: Frame, band: Box, context: ToolContext, found: ElementRef[]): void {
+function collectLines(
+  frame: NodeFrame,
+  band: Box,
+  context: ToolContext,
+  found: ElementRef[],
+): void {
   const { path } = frame.at;
   withLines(frame.at).eachLine(inFrame(frame, band), ({ kind, id, points, waypoints }) => {
     const corners = points.map((point) => pointAt(frame, point));

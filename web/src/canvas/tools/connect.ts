@@ -35,7 +35,7 @@ import {
 /** So near, in CSS pixels, a line snaps to a port. */
 const SNAP = 18;
 
-interface Drawing {
+interface ConnectState {
   readonly from: PortRef;
   readonly at: Point;
   readonly data: boolean;
@@ -59,13 +59,22 @@ export function connecting(
   context: ToolContext,
   isSticky: boolean,
 ): Gesture {
-  const place = context.places.ports(from.path).find(({ key }) => key === keyOf(from));
+  const place = context.layout.ports(from.path).find(({ key }) => key === keyOf(from));
   const box = visibleBox(context.camera, context.size);
   const at = place?.at ?? { x: box.x, y: box.y };
   const data = isData(from);
-  const drawing = { from, at, data, isSticky, through: [], visible: look(from, data, context) };
+  const connectState = {
+    from,
+    at,
+    data,
+    isSticky,
+    through: [],
+    visible: look(from, data, context),
+  };
   const start = pointer ?? { ...screenFromWorld(context.camera, at), ...NO_KEYS };
-  return pointer === null ? chosen(drawing, 0, start, context) : next(drawing, start, context);
+  return pointer === null
+    ? chosen(connectState, 0, start, context)
+    : next(connectState, start, context);
 }
 
 const NO_KEYS = { shift: false, ctrl: false, alt: false };
@@ -81,10 +90,10 @@ function look(from: PortRef, data: boolean, context: ToolContext): ConnectPorts 
 }
 
 /** Zooming and other people's edits go on while a line is drawn. */
-function current(drawing: Drawing, context: ToolContext): Drawing {
-  const { visible, from, data } = drawing;
+function current(connectState: ConnectState, context: ToolContext): ConnectState {
+  const { visible, from, data } = connectState;
   const isSame = visible.camera === context.camera && visible.version === context.machine.version;
-  return isSame ? drawing : { ...drawing, visible: look(from, data, context) };
+  return isSame ? connectState : { ...connectState, visible: look(from, data, context) };
 }
 
 interface Aim {
@@ -95,13 +104,13 @@ interface Aim {
   readonly plan: () => Planned | null;
 }
 
-function next(before: Drawing, pointer: Pointer, context: ToolContext): Gesture {
-  const drawing = current(before, context);
-  return shown(drawing, aimAt(drawing, pointer, context), pointer, context, null);
+function next(before: ConnectState, pointer: Pointer, context: ToolContext): Gesture {
+  const connectState = current(before, context);
+  return shown(connectState, aimAt(connectState, pointer, context), pointer, context, null);
 }
 
 function shown(
-  drawing: Drawing,
+  connectState: ConnectState,
   aim: Aim,
   pointer: Pointer,
   context: ToolContext,
@@ -110,23 +119,27 @@ function shown(
   return {
     name: "connect",
     cursor: aim.legal === false ? "not-allowed" : "crosshair",
-    overlay: overlayOf(drawing, aim, pointer),
-    isSticky: drawing.isSticky,
-    move: (to, then) => next(drawing, to, then),
+    overlay: overlayOf(connectState, aim, pointer),
+    isSticky: connectState.isSticky,
+    move: (to, then) => next(connectState, to, then),
     result: () => {
       const plan = aim.plan();
-      return plan ? { plan: withWaypoints(plan, drawing, context) } : {};
+      return plan ? { plan: withWaypoints(plan, connectState, context) } : {};
     },
     mark: (then) => {
       if (aim.legal !== null) return null;
       const at = worldOf(pointer, then);
-      return next({ ...drawing, through: [...drawing.through, at] }, pointer, then);
+      return next({ ...connectState, through: [...connectState.through, at] }, pointer, then);
     },
-    cycle: (by, then) => chosen(drawing, index === null ? 0 : index + by, pointer, then),
+    cycle: (by, then) => chosen(connectState, index === null ? 0 : index + by, pointer, then),
   };
 }
 
-function overlayOf({ at, data, through, visible }: Drawing, aim: Aim, pointer: Point): Overlay {
+function overlayOf(
+  { at, data, through, visible }: ConnectState,
+  aim: Aim,
+  pointer: Point,
+): Overlay {
   const targets = new Map<ElementKey, boolean>();
   for (const key of visible.legal.keys()) targets.set(key, true);
   if (aim.target !== null) targets.set(aim.target, aim.legal === true);
@@ -141,15 +154,15 @@ function overlayOf({ at, data, through, visible }: Drawing, aim: Aim, pointer: P
 }
 
 /** What the pointer is at: a port that fits, one that does not, a state, or nothing. */
-function aimAt(drawing: Drawing, pointer: Pointer, context: ToolContext): Aim {
-  const { visible, from } = drawing;
+function aimAt(connectState: ConnectState, pointer: Pointer, context: ToolContext): Aim {
+  const { visible, from } = connectState;
   const fitting = visible.ports.filter(({ element }) => visible.legal.has(keyOf(element)));
   const near = nearestPort(fitting, pointer, context, SNAP);
   if (near) return atPort(visible, near, context);
   const others = visible.ports.filter(({ element }) => keyOf(element) !== keyOf(from));
   const wrong = nearestPort(others, pointer, context, SNAP / 2);
-  if (wrong) return atWrong(drawing, wrong, context);
-  return atState(drawing, pointer, context) ?? nowhere(worldOf(pointer, context));
+  if (wrong) return atWrong(connectState, wrong, context);
+  return atState(connectState, pointer, context) ?? nowhere(worldOf(pointer, context));
 }
 
 function nowhere(to: Point): Aim {
@@ -168,7 +181,7 @@ function atPort(visible: ConnectPorts, port: VisiblePort, context: ToolContext):
   };
 }
 
-function atWrong({ from }: Drawing, port: VisiblePort, { machine }: ToolContext): Aim {
+function atWrong({ from }: ConnectState, port: VisiblePort, { machine }: ToolContext): Aim {
   const ends = endsBetween(machine, from, port.element);
   const message = isLegal(ends) ? null : ends.refused;
   const plan = () => (isLegal(ends) ? null : ends);
@@ -176,10 +189,10 @@ function atWrong({ from }: Drawing, port: VisiblePort, { machine }: ToolContext)
 }
 
 /** A state other than that where the line begins, and not the ground on which it is drawn. */
-function atState(drawing: Drawing, pointer: Pointer, context: ToolContext): Aim | null {
-  const { from } = drawing;
-  const { machine, places, camera } = context;
-  const under = statesAt(places, machine, camera, pointer).at(-1);
+function atState(connectState: ConnectState, pointer: Pointer, context: ToolContext): Aim | null {
+  const { from } = connectState;
+  const { machine, layout, camera } = context;
+  const under = statesAt(layout, machine, camera, pointer).at(-1);
   const path = under === undefined ? null : ownState(machine, under);
   if (path === null || path === from.path) return null;
   if (isWithin(from.path, path) && !isAtBorder(from, path, pointer, context)) return null;
@@ -195,7 +208,7 @@ function atState(drawing: Drawing, pointer: Pointer, context: ToolContext): Aim 
 
 /** On the border of the container around it a line ends in a new port of the container. */
 function isAtBorder(from: PortRef, path: string, pointer: Pointer, context: ToolContext): boolean {
-  const box = parentOf(from.path) === path ? context.places.box(path) : undefined;
+  const box = parentOf(from.path) === path ? context.layout.box(path) : undefined;
   return box !== undefined && gripAt(screenBox(context.camera, box), pointer, 12) !== null;
 }
 
@@ -211,9 +224,14 @@ function said(plan: Plan, name: string): string {
 }
 
 /** The target of that number, as the keyboard walks them: the nearest first, the own state last. */
-function chosen(before: Drawing, number: number, pointer: Pointer, context: ToolContext): Gesture {
-  const drawing = current(before, context);
-  const { visible, at, from } = drawing;
+function chosen(
+  before: ConnectState,
+  number: number,
+  pointer: Pointer,
+  context: ToolContext,
+): Gesture {
+  const connectState = current(before, context);
+  const { visible, at, from } = connectState;
   const fitting = visible.ports
     .filter(({ element }) => visible.legal.has(keyOf(element)))
     .sort(nearerTo(at, from.path));
@@ -221,8 +239,8 @@ function chosen(before: Drawing, number: number, pointer: Pointer, context: Tool
   const port = fitting[index];
   if (!port) {
     return shown(
-      drawing,
-      { ...nowhere(at), message: whyNone(drawing, context) },
+      connectState,
+      { ...nowhere(at), message: whyNone(connectState, context) },
       pointer,
       context,
       0,
@@ -232,11 +250,11 @@ function chosen(before: Drawing, number: number, pointer: Pointer, context: Tool
   const owner = context.machine.state(port.element.path)?.name ?? port.element.path;
   const message = `To ${port.name} of “${owner}”: Enter connects, arrows choose another`;
   const aim = { ...atPort(visible, port, context), message };
-  return shown(drawing, aim, { ...pointer, ...there }, context, index);
+  return shown(connectState, aim, { ...pointer, ...there }, context, index);
 }
 
 /** Why the keyboard finds no target: what is said of the nearest port of another state. */
-function whyNone({ from, visible, at }: Drawing, { machine }: ToolContext): string {
+function whyNone({ from, visible, at }: ConnectState, { machine }: ToolContext): string {
   const [nearest] = visible.ports
     .filter(({ element }) => element.path !== from.path)
     .sort((one, other) => square(one.at, at) - square(other.at, at));
@@ -252,8 +270,8 @@ function square(one: Point, other: Point): number {
 /** The plan with the waypoints that were set on the way, if it makes one connection. */
 function withWaypoints(
   plan: Planned,
-  { through, from }: Drawing,
-  { places }: ToolContext,
+  { through, from }: ConnectState,
+  { layout }: ToolContext,
 ): Planned {
   if (isRefused(plan) || through.length === 0) return plan;
   const edits = editsOf(plan.edit);
@@ -261,7 +279,7 @@ function withWaypoints(
     (edit) => edit.edit === "add_transition" || edit.edit === "add_data_flow",
   );
   if (!only || another) return plan;
-  const points = through.map((at) => inState(places, only.path, at));
+  const points = through.map((at) => inState(layout, only.path, at));
   const waypoints = (endsAt(only, from) ? points.reverse() : points).map(
     ({ x, y }): [number, number] => [x, y],
   );

@@ -1,15 +1,15 @@
 /** Something is dragged onto the canvas from outside: a kind of state, or a library. */
 
-import { layoutOf } from "../../model/drawing.ts";
 import { keyOf } from "../../model/element.ts";
 import type { Box, Point } from "../../model/geometry.ts";
+import { readLayout } from "../../model/layout_reader.ts";
 import { insertState } from "../../plan/insert.ts";
 import { isRefused, type Planned } from "../../plan/plan.ts";
 import { addState } from "../../plan/states.ts";
 import type { Dragged } from "../../store/dragged.ts";
 import { distanceToLine } from "../hit/lines.ts";
+import type { Route } from "../layout.ts";
 import { NO_OVERLAY, type Overlay } from "../overlay.ts";
-import type { Route } from "../places.ts";
 import { editsOf } from "./edits.ts";
 import { type Gesture, inState, type Pointer, type ToolContext, worldOf } from "./gesture.ts";
 import { containerAt } from "./move.ts";
@@ -40,7 +40,7 @@ function refusedHere(pointer: Pointer): Step {
 }
 
 function into(brought: Dragged, container: string, pointer: Pointer, context: ToolContext): Step {
-  const at = inState(context.places, container, worldOf(pointer, context));
+  const at = inState(context.layout, container, worldOf(pointer, context));
   const line = lineUnder(container, pointer, context);
   if ("insert" in brought) {
     const plan = line
@@ -77,7 +77,7 @@ function planned(
     return { ...NO_OVERLAY, drop, message: { at: pointer, text: plan.refused, bad: true } };
   }
   const added = editsOf(plan.edit).find((edit) => edit.edit === "add_state");
-  const layout = added?.states[0] && layoutOf(added.states[0]);
+  const layout = added?.states[0] && readLayout(added.states[0]);
   const text = whereTo(drop, container, context);
   const at = layout?.position ?? cornerAt(container, pointer, context);
   const box = ghost(container, at, context, layout?.size);
@@ -85,18 +85,18 @@ function planned(
 }
 
 /** A fifth of the container's shorter side, as new states are. */
-function sideIn(container: string, { places }: ToolContext): number {
-  const box = places.box(container);
-  return box ? (Math.min(box.width, box.height) / places.unit(container)) * 0.2 : 1;
+function sideIn(container: string, { layout }: ToolContext): number {
+  const box = layout.box(container);
+  return box ? (Math.min(box.width, box.height) / layout.unit(container)) * 0.2 : 1;
 }
 
 /** The left top corner, so that the new state's middle is at the pointer and all of it in the container. */
 function cornerAt(container: string, pointer: Pointer, context: ToolContext): Point {
-  const { places } = context;
-  const middle = inState(places, container, worldOf(pointer, context));
+  const { layout } = context;
+  const middle = inState(layout, container, worldOf(pointer, context));
   const side = sideIn(container, context);
-  const box = places.box(container);
-  const unit = places.unit(container);
+  const box = layout.box(container);
+  const unit = layout.unit(container);
   const kept = (value: number, length: number) =>
     Math.min(Math.max(0, value - side / 2), Math.max(0, length / unit - side));
   return { x: kept(middle.x, box?.width ?? 0), y: kept(middle.y, box?.height ?? 0) };
@@ -108,9 +108,9 @@ function ghost(
   context: ToolContext,
   size?: { readonly width: number; readonly height: number },
 ): Box {
-  const { places } = context;
-  const outer = places.box(container) ?? { x: 0, y: 0 };
-  const unit = places.unit(container);
+  const { layout } = context;
+  const outer = layout.box(container) ?? { x: 0, y: 0 };
+  const unit = layout.unit(container);
   const side = sideIn(container, context);
   return {
     x: outer.x + at.x * unit,
@@ -123,9 +123,9 @@ function ghost(
 function lineUnder(
   container: string,
   pointer: Pointer,
-  { places, camera }: ToolContext,
+  { layout, camera }: ToolContext,
 ): Route | null {
-  const near = places
+  const near = layout
     .routes(container)
     .find(
       (route) => route.kind === "transition" && distanceToLine(route.points, pointer, camera) <= 8,

@@ -8,9 +8,9 @@ import type { Planned } from "../../plan/plan.ts";
 import type { Camera } from "../../store/view.ts";
 import { worldFromScreen } from "../camera.ts";
 import type { Look } from "../hit/look.ts";
+import type { Layout } from "../layout.ts";
+import type { LayoutTree } from "../layout_tree.ts";
 import type { Overlay } from "../overlay.ts";
-import type { Placed } from "../placed.ts";
-import type { Places } from "../places.ts";
 
 /** Where the pointer is, in CSS pixels of the view, and which keys are held with it. */
 export interface Pointer extends Point {
@@ -23,7 +23,7 @@ export interface Pointer extends Point {
 /** What a gesture can see: the machine as it is without the gesture. */
 export interface ToolContext {
   readonly machine: Machine;
-  readonly places: Placed;
+  readonly layout: LayoutTree;
   readonly camera: Camera;
   readonly size: Size;
   readonly look: Look;
@@ -71,9 +71,9 @@ export function worldOf(pointer: Point, context: ToolContext): Point {
 }
 
 /** A point of the root's coordinates in those inside a state. */
-export function inState(places: Places, path: string, at: Point): Point {
-  const box = places.box(path);
-  const unit = places.unit(path);
+export function inState(layout: Layout, path: string, at: Point): Point {
+  const box = layout.box(path);
+  const unit = layout.unit(path);
   return box ? { x: (at.x - box.x) / unit, y: (at.y - box.y) / unit } : at;
 }
 

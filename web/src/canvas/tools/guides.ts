@@ -18,11 +18,11 @@ export function neighbours(
   container: string,
   without: ReadonlySet<string>,
 ): readonly Box[] {
-  const { places, camera, size } = context;
+  const { layout, camera, size } = context;
   const seen = visibleBox(camera, size);
-  const paths = childrenIn(places, container, seen).filter((path) => !without.has(path));
+  const paths = childrenIn(layout, container, seen).filter((path) => !without.has(path));
   return [...paths, container].flatMap((path) => {
-    const box = places.box(path);
+    const box = layout.box(path);
     return box && intersects(box, seen) ? [box] : [];
   });
 }

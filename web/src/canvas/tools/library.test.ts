@@ -49,7 +49,7 @@ test("a line inside a library is selected, and makes no waypoints", () => {
   const [from, to] = [canvas.point("R/L/G/M.ok"), canvas.point("R/L/G/N.income")];
   const at =
     canvas.controller
-      .places()
+      .layout()
       .routes("R/L/G")
       .find(({ id }) => id === 1)?.points ?? [];
   expect(at[0]).toEqual(from);

@@ -89,7 +89,7 @@ test("with Ctrl the name of a selected state moves, its corner resizes it", () =
   canvas.release();
   expect(canvas.text()).toContain("set_position R/C name");
   const before = driver().select("state:R/C");
-  const name = before.controller.places().name("R/C");
+  const name = before.controller.layout().name("R/C");
   if (!name) throw new Error("no name");
   before.press({ x: name.x + name.width, y: name.y + name.height }, { ctrl: true }).by(-100, -20);
   expect(before.release().text()).toContain("set_size R/C name");

@@ -11,8 +11,8 @@ import { lostConnections, move, moveInto } from "../../plan/move.ts";
 import { isRefused, type Planned, together } from "../../plan/plan.ts";
 import { statesAt } from "../hit/hit.ts";
 import { distanceToLine } from "../hit/lines.ts";
+import type { Route } from "../layout.ts";
 import { NO_OVERLAY, type Overlay } from "../overlay.ts";
-import type { Route } from "../places.ts";
 import { editsOf } from "./edits.ts";
 import {
   type Gesture,
@@ -42,7 +42,7 @@ export function moving(paths: readonly string[], pressed: Pointer, context: Tool
   const parents = new Set(paths.map(parentOf));
   const [parent] = parents;
   const container = parents.size === 1 && parent !== undefined ? parent : null;
-  const boxes = paths.flatMap((path) => context.places.box(path) ?? []);
+  const boxes = paths.flatMap((path) => context.layout.box(path) ?? []);
   const start: Moving = {
     paths,
     from: worldOf(pressed, context),
@@ -122,8 +122,8 @@ function way(
 }
 
 /** So far that the boxes stay inside their container, if they fit. */
-function kept({ box, container }: Moving, by: Point, { places }: ToolContext): Point {
-  const outer = container === null ? undefined : places.box(container);
+function kept({ box, container }: Moving, by: Point, { layout }: ToolContext): Point {
+  const outer = container === null ? undefined : layout.box(container);
   if (!outer) return by;
   return {
     x: bounded(by.x, outer.x - box.x, outer.x + outer.width - box.x - box.width),
@@ -140,14 +140,14 @@ function isNone(by: Point): boolean {
 }
 
 /** A way of the root's coordinates in those of the container. */
-function inside({ container }: Moving, by: Point, { places }: ToolContext): Point {
-  const unit = container === null ? 1 : places.unit(container);
+function inside({ container }: Moving, by: Point, { layout }: ToolContext): Point {
+  const unit = container === null ? 1 : layout.unit(container);
   return { x: by.x / unit, y: by.y / unit };
 }
 
-function ghosts({ paths }: Moving, by: Point, { places }: ToolContext): readonly Box[] {
+function ghosts({ paths }: Moving, by: Point, { layout }: ToolContext): readonly Box[] {
   return paths.flatMap((path) => {
-    const box = places.box(path);
+    const box = layout.box(path);
     return box ? [{ ...box, ...plus(box, by) }] : [];
   });
 }
@@ -158,8 +158,8 @@ export function containerAt(
   context: ToolContext,
   moved: readonly string[],
 ): string | null {
-  const { machine, places, camera } = context;
-  const found = statesAt(places, machine, camera, pointer).findLast((path) => {
+  const { machine, layout, camera } = context;
+  const found = statesAt(layout, machine, camera, pointer).findLast((path) => {
     const state = machine.state(path);
     if (!state || !isContainer(state) || machine.isInLibrary(path)) return false;
     return !moved.some((one) => isWithin(path, one)) && isRoomy(context, path);
@@ -168,8 +168,8 @@ export function containerAt(
 }
 
 /** So small a container takes nothing: one could not see what was dropped. */
-function isRoomy({ places, camera }: ToolContext, path: string): boolean {
-  const box = places.box(path);
+function isRoomy({ layout, camera }: ToolContext, path: string): boolean {
+  const box = layout.box(path);
   return box !== undefined && Math.min(box.width, box.height) * camera.scale >= 40;
 }
 
@@ -182,7 +182,7 @@ function intoContainer(
 ): Step {
   const { machine } = context;
   const by = minus(worldOf(pointer, context), start.from);
-  const at = inState(context.places, target, plus(start.box, by));
+  const at = inState(context.layout, target, plus(start.box, by));
   const plan = (how === "copy" ? duplicateInto : moveInto)(machine, start.paths, target, at);
   const name = machine.state(target)?.name ?? target;
   const lost = how === "copy" ? 0 : lostConnections(machine, start.paths);
@@ -215,7 +215,7 @@ function lineUnder(
 ): Route | null {
   const [path, ...others] = paths;
   if (path === undefined || others.length > 0 || container === null) return null;
-  const routes = context.places.routes(container);
+  const routes = context.layout.routes(container);
   const near = routes.find(
     (route) =>
       route.kind === "transition" &&
@@ -244,7 +244,7 @@ function intoLine(start: Moving, route: Route, pointer: Pointer, context: ToolCo
   const { by } = way({ ...start, others: [] }, pointer, context);
   const [path = ""] = start.paths;
   const transition = { kind: "transition", path: route.path, id: route.id } as const;
-  const at = inState(context.places, route.path, plus(start.box, by));
+  const at = inState(context.layout, route.path, plus(start.box, by));
   const plan = insertState(context.machine, transition, path, at);
   const moved = move(context.machine, [path], inside(start, by, context));
   if (isRefused(plan) || isRefused(moved)) return within(start, pointer, context);

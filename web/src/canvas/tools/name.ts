@@ -28,19 +28,19 @@ export function naming(
   pressed: Pointer,
   context: ToolContext,
 ): Gesture {
-  const { places } = context;
-  const unit = places.unit(path);
-  const [name, state] = [places.name(path), places.box(path)];
+  const { layout } = context;
+  const unit = layout.unit(path);
+  const [name, state] = [layout.name(path), layout.box(path)];
   const own = (box: Box | undefined): Box =>
     box
-      ? { ...inState(places, path, box), width: box.width / unit, height: box.height / unit }
+      ? { ...inState(layout, path, box), width: box.width / unit, height: box.height / unit }
       : { x: 0, y: 0, width: 1, height: 1 };
-  const from = inState(places, path, worldOf(pressed, context));
+  const from = inState(layout, path, worldOf(pressed, context));
   return next({ path, corner, from, box: own(name), state: own(state) }, pressed, context);
 }
 
 function next(start: Naming, pointer: Pointer, context: ToolContext): Gesture {
-  const by = minus(inState(context.places, start.path, worldOf(pointer, context)), start.from);
+  const by = minus(inState(context.layout, start.path, worldOf(pointer, context)), start.from);
   const box = start.corner ? resized(start, by) : moved(start, by);
   const plan = start.corner ? resizeName : moveName;
   return {
@@ -58,9 +58,9 @@ function next(start: Naming, pointer: Pointer, context: ToolContext): Gesture {
 }
 
 /** The place of the name in the root's coordinates, so that one sees how large it is. */
-function inRoot({ path }: Naming, box: Box, { places }: ToolContext): Box {
-  const state = places.box(path) ?? box;
-  const unit = places.unit(path);
+function inRoot({ path }: Naming, box: Box, { layout }: ToolContext): Box {
+  const state = layout.box(path) ?? box;
+  const unit = layout.unit(path);
   return {
     x: state.x + box.x * unit,
     y: state.y + box.y * unit,

@@ -18,9 +18,9 @@ function next(
   pointer: Pointer,
   context: ToolContext,
 ): Gesture {
-  const box = context.places.box(port.path);
+  const box = context.layout.box(port.path);
   const to = box && nearestOnBorder(box, worldOf(pointer, context));
-  const at = to ? inState(context.places, port.path, to) : before;
+  const at = to ? inState(context.layout, port.path, to) : before;
   return {
     name: "port",
     cursor: "grabbing",

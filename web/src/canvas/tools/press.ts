@@ -99,7 +99,7 @@ function bent(
   if (hit.on !== "line") {
     return bending(hit.element, hit.index, hit.on === "waypoint", press, context);
   }
-  const route = routeOf(context.places, hit.element);
+  const route = routeOf(context.layout, hit.element);
   const index = route ? nearestPart(route, press, context.camera) : 0;
   return bending(hit.element, index, false, press, context);
 }

@@ -1,9 +1,9 @@
 /** What an edit would do to the drawing, as an overlay: so what a gesture shows is what it does. */
 
-import { layoutOf, portPlaces } from "../../model/drawing.ts";
 import { type ElementKey, type ElementRef, keyOf } from "../../model/element.ts";
 import type { Edit, Element, StateDocument } from "../../model/generated/protocol.ts";
 import type { Box, Point } from "../../model/geometry.ts";
+import { portPlaces, readLayout } from "../../model/layout_reader.ts";
 import { parentOf } from "../../model/path.ts";
 import { isRefused, type Planned } from "../../plan/plan.ts";
 import { NO_OVERLAY, type Overlay } from "../overlay.ts";
@@ -92,21 +92,21 @@ function boxIn({ context, boxes }: Draft, path: string): Box {
 
 /** The box of a state in the coordinates of its container. */
 export function boxInParent(context: ToolContext, path: string): Box | undefined {
-  const box = context.places.box(path);
+  const box = context.layout.box(path);
   const parent = parentOf(path);
   if (!box || parent === null) return box;
-  const unit = context.places.unit(parent);
-  const at = inState(context.places, parent, box);
+  const unit = context.layout.unit(parent);
+  const at = inState(context.layout, parent, box);
   return { ...at, width: box.width / unit, height: box.height / unit };
 }
 
 function nameIn({ context, names }: Draft, path: string): Box {
   const known = names.get(path);
   if (known) return known;
-  const box = context.places.name(path);
+  const box = context.layout.name(path);
   if (!box) return NOWHERE;
-  const unit = context.places.unit(path);
-  const at = inState(context.places, path, box);
+  const unit = context.layout.unit(path);
+  const at = inState(context.layout, path, box);
   return { ...at, width: box.width / unit, height: box.height / unit };
 }
 
@@ -114,7 +114,7 @@ function laidOut(draft: Draft, path: string, layout: StateDocument["layout"]): v
   const state = draft.context.machine.state(path);
   if (!state || !layout) return;
   const then = { ...state, layout };
-  const { position, size, nameBox, waypoints } = layoutOf(then);
+  const { position, size, nameBox, waypoints } = readLayout(then);
   const box = { ...boxIn(draft, path), ...position, ...size };
   draft.boxes.set(path, box);
   if (nameBox) draft.names.set(path, nameBox);

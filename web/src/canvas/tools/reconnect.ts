@@ -34,7 +34,7 @@ export function reconnecting(
   pointer: Pointer,
   context: ToolContext,
 ): Gesture {
-  const points = routeOf(context.places, line)?.points ?? [];
+  const points = routeOf(context.layout, line)?.points ?? [];
   const fixed = (end === "from" ? points.at(-1) : points[0]) ?? worldOf(pointer, context);
   return next({ line, end, fixed, visible: look(line, end, context) }, pointer, context);
 }

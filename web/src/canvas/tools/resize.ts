@@ -39,8 +39,8 @@ export function resizing(
     path,
     grip,
     from: worldOf(pressed, context),
-    box: context.places.box(path) ?? { x: 0, y: 0, width: 1, height: 1 },
-    outer: parent === null ? null : (context.places.box(parent) ?? null),
+    box: context.layout.box(path) ?? { x: 0, y: 0, width: 1, height: 1 },
+    outer: parent === null ? null : (context.layout.box(parent) ?? null),
     others: parent === null ? [] : neighbours(context, parent, new Set([path])),
   };
   return next(start, pressed, context);
@@ -76,12 +76,12 @@ function shown(
   return { ...preview(resize(context.machine, start.path, then, false), context), guides };
 }
 
-function inParent({ path }: Resizing, box: Box, { places }: ToolContext): Box {
+function inParent({ path }: Resizing, box: Box, { layout }: ToolContext): Box {
   const parent = parentOf(path);
   if (parent === null) return box;
-  const unit = places.unit(parent);
+  const unit = layout.unit(parent);
   return {
-    ...inState(places, parent, box),
+    ...inState(layout, parent, box),
     width: box.width / unit,
     height: box.height / unit,
   };

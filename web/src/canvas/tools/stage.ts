@@ -23,12 +23,12 @@ export function isStage(path: string, context: ToolContext): boolean {
   return fills(path, context);
 }
 
-function inMiddle({ size, machine, places, camera }: ToolContext): readonly string[] {
-  return statesAt(places, machine, camera, { x: size.width / 2, y: size.height / 2 });
+function inMiddle({ size, machine, layout, camera }: ToolContext): readonly string[] {
+  return statesAt(layout, machine, camera, { x: size.width / 2, y: size.height / 2 });
 }
 
-function fills(path: string, { places, camera, size }: ToolContext): boolean {
-  const box = places.box(path);
+function fills(path: string, { layout, camera, size }: ToolContext): boolean {
+  const box = layout.box(path);
   if (!box) return false;
   return (
     box.width * camera.scale >= size.width * 0.8 || box.height * camera.scale >= size.height * 0.8

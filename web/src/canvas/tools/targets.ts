@@ -31,26 +31,26 @@ export function isData(element: ElementRef): boolean {
 export function visiblePorts(context: ToolContext, data: boolean): readonly VisiblePort[] {
   const found: VisiblePort[] = [];
   collect(context.machine.root, data, context, found);
-  const { places, camera, size } = context;
-  const stuck = stickyFrame(places, camera, size);
+  const { layout, camera, size } = context;
+  const stuck = stickyFrame(layout, camera, size);
   if (!stuck) return found;
   const frame = new Map(stuck.ports.map(({ port, at }) => [port.key, worldFromScreen(camera, at)]));
   return found.map((port) => ({ ...port, at: frame.get(keyOf(port.element)) ?? port.at }));
 }
 
 function collect(path: string, data: boolean, context: ToolContext, found: VisiblePort[]): void {
-  const { places, camera, size } = context;
-  const box = places.box(path);
+  const { layout, camera, size } = context;
+  const box = layout.box(path);
   if (!box || extentOn(camera, box) < DETAIL.ports) return;
   if (!intersects(box, visibleBox(camera, size))) return;
-  for (const port of places.ports(path)) {
+  for (const port of layout.ports(path)) {
     const element = elementOf(port.key);
     if (element && isData(element) === data) {
       found.push({ element: element as PortRef, name: port.name, at: port.at });
     }
   }
   const seen = visibleBox(camera, size);
-  for (const child of childrenIn(places, path, seen)) collect(child, data, context, found);
+  for (const child of childrenIn(layout, path, seen)) collect(child, data, context, found);
 }
 
 /** From where to where a connection between two ports leads: people draw both ways. */

@@ -28,7 +28,7 @@ test("with nothing selected the first key selects where one is", () => {
 test("Tab walks the ports and leaves behind the last, and from a port right follows its line", () => {
   const canvas = driver().select("state:R/A");
   expect(walk(canvas, "Tab")).toBe("income:R/A");
-  const ports = canvas.controller.places().ports("R/A").length;
+  const ports = canvas.controller.layout().ports("R/A").length;
   for (let port = 1; port < ports; port++) canvas.key("Tab");
   const leaves = !canvas.controller.key({ key: "Tab", shift: false, ctrl: false, alt: false });
   expect(leaves).toBe(true);
@@ -52,7 +52,7 @@ test("Enter shows what is inside a library", () => {
     "G hierarchy 0 0 10 10",
   );
   canvas.select("state:R/L").key("Enter");
-  expect([canvas.controller.stage.value, canvas.controller.places().children("R/L")]).toEqual([
+  expect([canvas.controller.stage.value, canvas.controller.layout().children("R/L")]).toEqual([
     "R/L/G",
     ["R/L/G"],
   ]);

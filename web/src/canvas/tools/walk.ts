@@ -5,34 +5,34 @@ import { endsOf, flowEnds, isConnection, transitionEnds } from "../../model/ends
 import { centre } from "../../model/geometry.ts";
 import { dataFlowsOf, type Machine, startOf, transitionsOf } from "../../model/machine.ts";
 import { parentOf } from "../../model/path.ts";
-import type { Places } from "../places.ts";
+import type { Layout } from "../layout.ts";
 
 export type Direction = "next" | "previous" | "in" | "out";
 
 /** The element that follows in a direction; null if there is none. */
 export function walked(
   machine: Machine,
-  places: Places,
+  layout: Layout,
   from: ElementRef,
   direction: Direction,
 ): ElementRef | null {
   switch (direction) {
     case "in":
-      return from.kind === "state" ? entrance(machine, places, from.path) : null;
+      return from.kind === "state" ? entrance(machine, layout, from.path) : null;
     case "out":
       return outwards(from);
     default:
-      return along(machine, places, from, direction);
+      return along(machine, layout, from, direction);
   }
 }
 
 /** Where a container begins; its first child if it does not say. */
-export function entrance(machine: Machine, places: Places, path: string): ElementRef | null {
+export function entrance(machine: Machine, layout: Layout, path: string): ElementRef | null {
   const state = machine.state(path);
   const start = state && startOf(state);
   const to = start && transitionEnds(path, start).to;
-  if (to && to.path !== path && places.box(to.path)) return { kind: "state", path: to.path };
-  const [first] = places.children(path);
+  if (to && to.path !== path && layout.box(to.path)) return { kind: "state", path: to.path };
+  const [first] = layout.children(path);
   return first === undefined ? null : { kind: "state", path: first };
 }
 
@@ -44,7 +44,7 @@ function outwards(from: ElementRef): ElementRef | null {
 
 function along(
   machine: Machine,
-  places: Places,
+  layout: Layout,
   from: ElementRef,
   direction: "next" | "previous",
 ): ElementRef | null {
@@ -54,7 +54,7 @@ function along(
   }
   const linked = neighbours(machine, from, direction);
   if (linked) return linked;
-  return from.kind === "state" ? beside(places, from.path, direction) : null;
+  return from.kind === "state" ? beside(layout, from.path, direction) : null;
 }
 
 /** A state stands for its income; the container's own ports stand for themselves. */
@@ -106,15 +106,15 @@ function isAt(end: ElementRef, from: ElementRef, container: string): boolean {
 }
 
 /** The sibling that lies nearest on that side. */
-function beside(places: Places, path: string, direction: "next" | "previous"): ElementRef | null {
-  const [parent, box] = [parentOf(path), places.box(path)];
+function beside(layout: Layout, path: string, direction: "next" | "previous"): ElementRef | null {
+  const [parent, box] = [parentOf(path), layout.box(path)];
   if (parent === null || !box) return null;
   const from = centre(box);
   const sign = direction === "next" ? 1 : -1;
   let best: string | null = null;
   let least = Number.POSITIVE_INFINITY;
-  for (const other of places.children(parent)) {
-    const there = places.box(other);
+  for (const other of layout.children(parent)) {
+    const there = layout.box(other);
     if (!there || other === path) continue;
     const at = centre(there);
     const ahead = (at.x - from.x) * sign;
@@ -125,11 +125,11 @@ function beside(places: Places, path: string, direction: "next" | "previous"): E
 }
 
 /** The next port of a state, or the state itself before its first; null behind its last. */
-export function portWalk(places: Places, from: ElementRef, by: 1 | -1): ElementRef | null {
+export function portWalk(layout: Layout, from: ElementRef, by: 1 | -1): ElementRef | null {
   if (isConnection(from)) return null;
   const ring: readonly ElementRef[] = [
     { kind: "state", path: from.path },
-    ...places.ports(from.path).flatMap(({ key }) => elementOf(key) ?? []),
+    ...layout.ports(from.path).flatMap(({ key }) => elementOf(key) ?? []),
   ];
   const index = ring.findIndex((element) => keyOf(element) === keyOf(from));
   return index < 0 ? null : (ring[index + by] ?? null);

@@ -1,8 +1,8 @@
 /** Makes, moves and merges waypoints of a connection. */
 
-import { waypointsOf } from "../../model/drawing.ts";
 import { keyOf } from "../../model/element.ts";
 import { type Box, distance, type Point } from "../../model/geometry.ts";
+import { waypointsOf } from "../../model/layout_reader.ts";
 import { setWaypoints } from "../../plan/move.ts";
 import { routeOf } from "../hit/hit.ts";
 import { nearestOn } from "../hit/lines.ts";
@@ -31,12 +31,12 @@ export function bending(
   pressed: Pointer,
   context: ToolContext,
 ): Gesture {
-  const { machine, places } = context;
+  const { machine, layout } = context;
   const state = machine.state(element.path);
   const all = state ? waypointsOf(state, element.kind, element.id) : [];
-  const points = routeOf(places, element)?.points ?? [];
+  const points = routeOf(layout, element)?.points ?? [];
   const end = (at: Point | undefined) =>
-    inState(places, element.path, at ?? worldOf(pressed, context));
+    inState(layout, element.path, at ?? worldOf(pressed, context));
   const start: Bending = {
     element,
     index,
@@ -70,12 +70,12 @@ function next(start: Bending, pointer: Pointer, context: ToolContext): Gesture {
 
 /** Inside of the container; with Shift in an even direction from the point before or behind. */
 function placed(start: Bending, pointer: Pointer, context: ToolContext): Point {
-  const { places } = context;
+  const { layout } = context;
   const { path } = start.element;
-  const free = inState(places, path, worldOf(pointer, context));
+  const free = inState(layout, path, worldOf(pointer, context));
   const at = pointer.shift ? even(neighbour(start, free), free) : free;
-  const box = places.box(path);
-  const unit = places.unit(path);
+  const box = layout.box(path);
+  const unit = layout.unit(path);
   return box
     ? boundedIn(at, { x: 0, y: 0, width: box.width / unit, height: box.height / unit })
     : at;
@@ -108,8 +108,8 @@ function boundedIn(at: Point, box: Box): Point {
   };
 }
 
-function isStraight(start: Bending, at: Point, { places, camera }: ToolContext): boolean {
+function isStraight(start: Bending, at: Point, { layout, camera }: ToolContext): boolean {
   const [from, to] = ends(start);
-  const away = distance(nearestOn(from, to, at), at) * places.unit(start.element.path);
+  const away = distance(nearestOn(from, to, at), at) * layout.unit(start.element.path);
   return away * camera.scale < MERGE;
 }

@@ -1,8 +1,8 @@
 /** A transition or data flow in the inspector: both ends, and its waypoints. */
 
 import { Trash2 } from "lucide-react";
-import { waypointsOf } from "../../model/drawing.ts";
 import { type ConnectionRef, chain, endsOf, isPort } from "../../model/ends.ts";
+import { waypointsOf } from "../../model/layout_reader.ts";
 import { namesTo } from "../../model/machine.ts";
 import { type ConnectionEnd, reconnect } from "../../plan/connect.ts";
 import { setWaypoints } from "../../plan/move.ts";

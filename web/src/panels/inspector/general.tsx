@@ -1,8 +1,8 @@
 /** What a state is: its name, id and kind, where its container starts, and which library it runs. */
 
 import { ExternalLink } from "lucide-react";
-import { layoutOf } from "../../model/drawing.ts";
 import type { StateKind } from "../../model/generated/protocol.ts";
+import { readLayout } from "../../model/layout_reader.ts";
 import { isConcurrent, startOf } from "../../model/machine.ts";
 import { idOf, parentOf } from "../../model/path.ts";
 import { KIND_WORDS } from "../../plan/legal.ts";
@@ -118,7 +118,7 @@ function LibraryOf({ inspected, run }: PartProps) {
       </Button>
       <Checkbox
         label="Show content"
-        checked={contents.get(path) ?? layoutOf(state).showsContent}
+        checked={contents.get(path) ?? readLayout(state).showsContent}
         onChange={(shown) => run(show(shown))}
       />
       {library.missing && (

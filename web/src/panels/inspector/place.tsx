@@ -1,8 +1,8 @@
 /** Where a state stands in its container, how large it is, and its colour. */
 
 import { useState } from "react";
-import { layoutOf } from "../../model/drawing.ts";
 import type { Box } from "../../model/geometry.ts";
+import { readLayout } from "../../model/layout_reader.ts";
 import { parentOf } from "../../model/path.ts";
 import { boxIn } from "../../plan/boxes.ts";
 import { resize, setBackground } from "../../plan/move.ts";
@@ -53,7 +53,7 @@ export function Place({ inspected }: { inspected: InspectedState }) {
       <Colour
         key={`colour ${path}`}
         label="Background colour"
-        value={layoutOf(state).background ?? null}
+        value={readLayout(state).background ?? null}
         disabled={readOnly}
         onChange={(rgb) => run(edit((now) => setBackground(now, path, rgb)))}
       />

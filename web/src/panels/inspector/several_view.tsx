@@ -1,9 +1,9 @@
 /** Several selected elements in the inspector: what they have in common, and what can be done with all of them. */
 
 import type { Command, Context } from "../../commands/command.ts";
-import { layoutOf } from "../../model/drawing.ts";
 import { type ElementRef, keyOf } from "../../model/element.ts";
 import { nameOf } from "../../model/ends.ts";
+import { readLayout } from "../../model/layout_reader.ts";
 import { setBackground } from "../../plan/move.ts";
 import { isRefused, type Planned, refused, together } from "../../plan/plan.ts";
 import { Button } from "../../ui/button.tsx";
@@ -104,7 +104,7 @@ function Background({ context, paths }: { context: InspectorContext; paths: read
   const colours = new Set(
     paths.map((path) => {
       const state = context.machine.state(path);
-      return state ? (layoutOf(state).background ?? null) : null;
+      return state ? (readLayout(state).background ?? null) : null;
     }),
   );
   const [only = null] = colours;

@@ -1,7 +1,7 @@
 /** A traceback for people: what was raised, the line of one's own script, and behind a click all the frames. */
 
 import { Fragment } from "react";
-import { type Frame, readTraceback } from "../../model/traceback.ts";
+import { readTraceback, type TracebackFrame } from "../../model/traceback.ts";
 import { Button } from "../../ui/button.tsx";
 
 interface Props {
@@ -50,7 +50,7 @@ export function TracebackView({ text, onLine }: Props) {
 }
 
 /** The line of one's own script. */
-function Own({ frame, onLine }: { readonly frame: Frame } & Pick<Props, "onLine">) {
+function Own({ frame, onLine }: { readonly frame: TracebackFrame } & Pick<Props, "onLine">) {
   const { line, function: name, code } = frame;
   return (
     <p className="log-own">
@@ -64,7 +64,7 @@ function Own({ frame, onLine }: { readonly frame: Frame } & Pick<Props, "onLine"
 }
 
 interface FrameProps {
-  readonly frame: Frame;
+  readonly frame: TracebackFrame;
   readonly isOwn: boolean;
   readonly onLine: (line: number) => void;
 }

@@ -1,16 +1,16 @@
-/** A picture in the making: what is given, what has been found so far, and small things that all parts of the scene need. */
+/** The builder of a scene: what is given, what has been found so far, and small things that all parts of the scene need. */
 
 import type { ElementKey } from "../../model/element.ts";
 import { elementOf } from "../../model/element.ts";
 import type { Box } from "../../model/geometry.ts";
-import type { PlacedState } from "../tree.ts";
+import type { LayoutNode } from "../layout_node.ts";
 import type { SceneInput } from "./input.ts";
 import { type Layer, newLayer, type TextMark } from "./list.ts";
 import { litBy } from "./lit.ts";
 
 /** A state on its way to the screen. */
-export interface Spot {
-  readonly at: PlacedState;
+export interface SceneNode {
+  readonly at: LayoutNode;
   /** Its left top corner and size in CSS pixels. */
   readonly x: number;
   readonly y: number;
@@ -21,14 +21,14 @@ export interface Spot {
   readonly depth: number;
   /** The size that decides about detail. */
   readonly extent: number;
-  readonly outer: Spot | null;
+  readonly outer: SceneNode | null;
 }
 
-export class Drawing {
+export class SceneBuilder {
   readonly input: SceneInput;
   readonly layers: Layer[] = [];
   readonly wanted: string[] = [];
-  readonly soon: PlacedState[] = [];
+  readonly soon: LayoutNode[] = [];
   readonly lit: ReadonlySet<ElementKey>;
   /** States that somebody looks at closely: selected, hovered, or with a selected part. */
   readonly focused: ReadonlySet<string>;
@@ -41,7 +41,7 @@ export class Drawing {
   readonly width: number;
   readonly height: number;
   /** The innermost state whose border is nowhere in the view. */
-  covering: Spot | null = null;
+  covering: SceneNode | null = null;
   /** So many layers higher is drawn what a gesture holds: above all else. */
   lift = 0;
   unfinished = false;
@@ -52,7 +52,7 @@ export class Drawing {
     this.input = input;
     this.width = input.view.width;
     this.height = input.view.height;
-    this.lit = litBy(input.placed, input.hovered);
+    this.lit = litBy(input.layout, input.hovered);
     this.focused = focusedBy(input);
     input.people.forEach((person, index) => {
       for (const path of person.selection) this.onlookers.set(path, index);
@@ -85,17 +85,17 @@ export class Drawing {
   }
 
   /** What can be seen, with so much around it, in the coordinates of a state. */
-  area(spot: Spot, around: number): Box {
+  area(node: SceneNode, around: number): Box {
     return {
-      x: (-around - spot.x) / spot.scale,
-      y: (-around - spot.y) / spot.scale,
-      width: (this.width + 2 * around) / spot.scale,
-      height: (this.height + 2 * around) / spot.scale,
+      x: (-around - node.x) / node.scale,
+      y: (-around - node.y) / node.scale,
+      width: (this.width + 2 * around) / node.scale,
+      height: (this.height + 2 * around) / node.scale,
     };
   }
 
   /** Whether nothing of the state's border is in the view. */
-  isCoveredBy({ x, y, width, height }: Spot): boolean {
+  isCoveredBy({ x, y, width, height }: SceneNode): boolean {
     return x < 0 && y < 0 && x + width > this.width && y + height > this.height;
   }
 

@@ -1,15 +1,15 @@
 /** The tree as a gesture has it: states, ports and waypoints where they are held, all else as it was. */
 
-import type { PortPlace } from "../model/drawing.ts";
 import { elementOf } from "../model/element.ts";
 import type { Box } from "../model/geometry.ts";
+import type { PortPlace } from "../model/layout_reader.ts";
 import { lineage, parentOf } from "../model/path.ts";
 import { same } from "./grid.ts";
+import { type LayoutNode, stretchedPorts } from "./layout_node.ts";
 import type { Overlay } from "./overlay.ts";
-import { type PlacedState, stretchedPorts } from "./tree.ts";
 
 /** The tree with what the overlay holds. */
-export function overlaid(root: PlacedState, overlay: Overlay): PlacedState {
+export function withPreview(root: LayoutNode, overlay: Overlay): LayoutNode {
   const touched = touchedBy(overlay);
   return touched.size === 0 ? root : held(root, overlay, touched);
 }
@@ -24,7 +24,7 @@ function touchedBy({ boxes, ports, waypoints }: Overlay): ReadonlySet<string> {
   return new Set(paths.flatMap(lineage));
 }
 
-function held(state: PlacedState, overlay: Overlay, touched: ReadonlySet<string>): PlacedState {
+function held(state: LayoutNode, overlay: Overlay, touched: ReadonlySet<string>): LayoutNode {
   if (!touched.has(state.path)) return state;
   const box = boxIn(state, overlay);
   const grown = box && !same(box, state.box) ? resized(state, box, overlay) : state;
@@ -35,7 +35,7 @@ function held(state: PlacedState, overlay: Overlay, touched: ReadonlySet<string>
 }
 
 /** The root stays in the corner of its own coordinates. */
-function boxIn(state: PlacedState, overlay: Overlay): Box | undefined {
+function boxIn(state: LayoutNode, overlay: Overlay): Box | undefined {
   const box = overlay.boxes.get(state.path);
   return box && parentOf(state.path) === null ? { ...box, x: 0, y: 0 } : box;
 }
@@ -46,7 +46,7 @@ function withPort(port: PortPlace, overlay: Overlay): PortPlace {
 }
 
 /** A state in another box: its ports keep their share of the border, its content stays or grows along. */
-function resized(state: PlacedState, box: Box, overlay: Overlay): PlacedState {
+function resized(state: LayoutNode, box: Box, overlay: Overlay): LayoutNode {
   const { width, height } = state.box;
   if (box.width === width && box.height === height) {
     return state.with({ box, children: state.children, ports: state.ports, name: state.name });

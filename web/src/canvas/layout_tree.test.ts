@@ -4,8 +4,8 @@ import type { Machine } from "../model/machine.ts";
 import { machineOf } from "../model/plain.ts";
 import { sketch } from "../model/sketch.ts";
 import { MODES } from "../store/view.ts";
+import { type LayoutTree, layoutTreeOf } from "./layout_tree.ts";
 import { NO_OVERLAY, type Overlay } from "./overlay.ts";
-import { type Placed, placesOf } from "./placed.ts";
 
 const NO_CONTENTS: ReadonlyMap<string, boolean> = new Map();
 
@@ -34,9 +34,9 @@ function changing(text: string) {
     plain = machineOf(document);
     version++;
   };
-  const places = (overlay: Overlay = NO_OVERLAY): Placed =>
-    placesOf(machine, { modes: MODES, contents: NO_CONTENTS }, overlay);
-  return { machine, change, places };
+  const layout = (overlay: Overlay = NO_OVERLAY): LayoutTree =>
+    layoutTreeOf(machine, { modes: MODES, contents: NO_CONTENTS }, overlay);
+  return { machine, change, layout };
 }
 
 const at = (x: number, y: number, width: number, height: number) => ({
@@ -55,72 +55,72 @@ const TWO = `
 
 describe("places", () => {
   test("are in the root's coordinates, however deep", () => {
-    const places = changing(TWO).places();
-    expect(places.box("R/A/C")).toEqual({ x: 50, y: 80, width: 60, height: 40 });
-    expect(places.box("R/X")).toBeUndefined();
-    expect(places.children("R")).toEqual(["R/A", "R/B"]);
-    const ok = places.ports("R/A/C").find(({ name }) => name === "ok");
+    const layout = changing(TWO).layout();
+    expect(layout.box("R/A/C")).toEqual({ x: 50, y: 80, width: 60, height: 40 });
+    expect(layout.box("R/X")).toBeUndefined();
+    expect(layout.children("R")).toEqual(["R/A", "R/B"]);
+    const ok = layout.ports("R/A/C").find(({ name }) => name === "ok");
     expect(ok?.at).toEqual({ x: 110, y: 84 });
-    expect(places.routes("R").map(({ id }) => id)).toEqual([0, 1]);
+    expect(layout.routes("R").map(({ id }) => id)).toEqual([0, 1]);
   });
 
   test("stay the same objects until something is different", () => {
-    const { places } = changing(TWO);
-    expect(places()).toBe(places());
+    const { layout } = changing(TWO);
+    expect(layout()).toBe(layout());
   });
 
   test("of what did not change are kept when something else does", () => {
-    const { places, change } = changing(TWO);
-    const before = places();
+    const { layout, change } = changing(TWO);
+    const before = layout();
     before.routes("R/A");
     const [a, b] = before.root?.children ?? [];
     change("R/B", (state) => ({ ...state, layout: at(240, 140, 80, 60) }));
-    const after = places();
+    const after = layout();
     expect(after.root?.children[0]).toBe(a);
     expect(after.root?.children[1]).not.toBe(b);
     expect(after.box("R/B")).toEqual({ x: 240, y: 140, width: 80, height: 60 });
   });
 
   test("follow states that move, come and go", () => {
-    const { places, change } = changing(TWO);
-    places().box("R/A/C");
+    const { layout, change } = changing(TWO);
+    layout().box("R/A/C");
     change("R/A", (state) => ({ ...state, layout: at(60, 80, 160, 120) }));
-    expect(places().box("R/A/C")).toEqual({ x: 90, y: 120, width: 60, height: 40 });
+    expect(layout().box("R/A/C")).toEqual({ x: 90, y: 120, width: 60, height: 40 });
     change("R/B", () => null);
-    expect(places().box("R/B")).toBeUndefined();
-    expect(places().routes("R")).toEqual([]);
+    expect(layout().box("R/B")).toBeUndefined();
+    expect(layout().routes("R")).toEqual([]);
   });
 });
 
 describe("what a gesture holds", () => {
   test("is where it is held, with all inside it and the lines to it", () => {
-    const { places } = changing(TWO);
-    const rest = places().routes("R");
-    const held = places({
+    const { layout } = changing(TWO);
+    const rest = layout().routes("R");
+    const held = layout({
       ...NO_OVERLAY,
       boxes: new Map([["R/A", { x: 20, y: 140, width: 160, height: 120 }]]),
     });
     expect(held.box("R/A/C")).toEqual({ x: 50, y: 180, width: 60, height: 40 });
     expect(held.routes("R")[0]).not.toEqual(rest[0]);
     expect(held.routes("R")[1]).toEqual(rest[1]);
-    expect(held.root?.children[0]?.children).toEqual(places().root?.children[0]?.children);
+    expect(held.root?.children[0]?.children).toEqual(layout().root?.children[0]?.children);
   });
 
   test("a box that grows keeps its content, or takes it along", () => {
-    const { places } = changing(TWO);
+    const { layout } = changing(TWO);
     const boxes = new Map([["R/A", { x: 20, y: 40, width: 320, height: 240 }]]);
-    expect(places({ ...NO_OVERLAY, boxes }).box("R/A/C")?.width).toBe(60);
-    const scaled = places({ ...NO_OVERLAY, boxes, scaled: new Set(["R/A"]) });
+    expect(layout({ ...NO_OVERLAY, boxes }).box("R/A/C")?.width).toBe(60);
+    const scaled = layout({ ...NO_OVERLAY, boxes, scaled: new Set(["R/A"]) });
     expect(scaled.box("R/A/C")).toEqual({ x: 80, y: 120, width: 120, height: 80 });
     const ok = scaled.ports("R/A/C").find(({ name }) => name === "ok");
     expect(ok?.at).toEqual({ x: 200, y: 128 });
   });
 
   test("ports and waypoints lead their lines along", () => {
-    const { places } = changing(TWO);
+    const { layout } = changing(TWO);
     const ports = new Map([["income:R/B", { x: 0, y: 50 }]]);
     const waypoints = new Map([["transition:R:1", [{ x: 350, y: 200 }]]]);
-    const held = places({ ...NO_OVERLAY, ports, waypoints });
+    const held = layout({ ...NO_OVERLAY, ports, waypoints });
     expect(held.routes("R")[0]?.points.at(-1)).toEqual({ x: 240, y: 90 });
     expect(held.routes("R")[1]?.points).toContainEqual({ x: 350, y: 200 });
   });
@@ -154,20 +154,20 @@ test("content of a library is as large as fits into it, at any depth", () => {
     },
     isInLibrary: (path) => within(path) !== undefined,
   };
-  const hidden = placesOf(machine, { modes: MODES, contents: NO_CONTENTS }, NO_OVERLAY);
+  const hidden = layoutTreeOf(machine, { modes: MODES, contents: NO_CONTENTS }, NO_OVERLAY);
   expect(hidden.box("R/L")?.width).toBe(220);
   const early = new Map([["R/L", true]]);
-  const opened = placesOf(machine, { modes: MODES, contents: early }, NO_OVERLAY);
+  const opened = layoutTreeOf(machine, { modes: MODES, contents: early }, NO_OVERLAY);
   expect(opened.children("R/L")).toEqual(["R/L/G"]);
-  expect(placesOf(machine, { modes: MODES, contents: NO_CONTENTS }, NO_OVERLAY).box("R/L/G")).toBe(
-    undefined,
-  );
+  expect(
+    layoutTreeOf(machine, { modes: MODES, contents: NO_CONTENTS }, NO_OVERLAY).box("R/L/G"),
+  ).toBe(undefined);
   expect(hidden.children("R/L")).toEqual([]);
   const contents = new Map([
     ["R/L", true],
     ["R/H/M", true],
   ]);
-  const shown = placesOf(machine, { modes: MODES, contents }, NO_OVERLAY);
+  const shown = layoutTreeOf(machine, { modes: MODES, contents }, NO_OVERLAY);
   expect(shown.children("R/H/M")).toEqual(["R/H/M/G"]);
   const unit = shown.unit("R/L/G");
   expect(unit).toBeCloseTo(0.2024);

@@ -1,7 +1,7 @@
 /** Where everything of a machine is, in the root's coordinates: what `scene`, hit test and tools go by. */
 
-import type { PortPlace } from "../model/drawing.ts";
 import type { Box, Point } from "../model/geometry.ts";
+import type { PortPlace } from "../model/layout_reader.ts";
 
 /** A connection as it is drawn. */
 export interface Route {
@@ -15,7 +15,7 @@ export interface Route {
   readonly waypoints: readonly number[];
 }
 
-export interface Places {
+export interface Layout {
   /** The box of a state; undefined if there is none, or if it stands in content that is not shown. */
   readonly box: (path: string) => Box | undefined;
   /** So many units of the root is one of the coordinates inside the state: 1 but in libraries, whose content is scaled to fit. */

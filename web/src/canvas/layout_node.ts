@@ -1,24 +1,24 @@
-/** The states of a machine as boxes inside boxes, each in the coordinates of its container: what `Places` and `scene` walk.
+/** The states of a machine as boxes inside boxes, each in the coordinates of its container: what `Layout` and `scene` walk.
  * A tree is never changed. A machine that changed, or a gesture over it, gets a tree that shares all that stayed the same. */
 
-import {
-  childBox,
-  layoutOf,
-  nameBox,
-  type PortPlace,
-  portPlaces,
-  rootSize,
-} from "../model/drawing.ts";
 import { stateKey } from "../model/element.ts";
 import type { StateDocument } from "../model/generated/protocol.ts";
 import type { Box, Point, Size } from "../model/geometry.ts";
+import {
+  childBox,
+  nameBox,
+  type PortPlace,
+  portPlaces,
+  readLayout,
+  rootSize,
+} from "../model/layout_reader.ts";
 import type { Machine } from "../model/machine.ts";
 import { Grid, same, touches } from "./grid.ts";
-import type { Held, Line } from "./lines.ts";
+import type { HeldRoutes, Line } from "./lines.ts";
 import { Wiring } from "./wiring.ts";
 
 /** What a tree is made from: as it is now, since what lies inside states is found late. */
-export interface Ground {
+export interface LayoutSource {
   readonly machine: Machine;
   /** Library states whose content is shown or hidden other than the file says. */
   contents: ReadonlyMap<string, boolean>;
@@ -28,7 +28,7 @@ export interface Ground {
 const CONTENT_MARGIN = 0.04;
 
 /** A state in its place. What lies inside it is found when it is asked for. */
-export class PlacedState {
+export class LayoutNode {
   readonly path: string;
   readonly key: string;
   readonly state: StateDocument;
@@ -38,8 +38,8 @@ export class PlacedState {
   readonly scale: number;
   /** Whether it is a library state whose content is to be seen. */
   readonly opened: boolean;
-  readonly #ground: Ground;
-  #children: readonly PlacedState[] | null = null;
+  readonly #source: LayoutSource;
+  #children: readonly LayoutNode[] | null = null;
   #ports: readonly PortPlace[] | null = null;
   #name: Box | null = null;
   #wiring: Wiring | null = null;
@@ -50,19 +50,19 @@ export class PlacedState {
   #lineGrid: Grid | null = null;
   #indices: ReadonlyMap<string, number> | null = null;
   /** What it was, as long as that is of use: to find lines, and to show them until they are found. */
-  #before: PlacedState | null = null;
-  #held: Held = NOTHING_HELD;
+  #before: LayoutNode | null = null;
+  #held: HeldRoutes = NOTHING_HELD;
   /** What it was before it was stretched, with all that lies inside it. */
-  #stretched: { readonly from: PlacedState; readonly by: Point } | null = null;
+  #stretched: { readonly from: LayoutNode; readonly by: Point } | null = null;
 
-  constructor(ground: Ground, path: string, state: StateDocument, box: Box, scale: number) {
-    this.#ground = ground;
+  constructor(source: LayoutSource, path: string, state: StateDocument, box: Box, scale: number) {
+    this.#source = source;
     this.path = path;
     this.key = stateKey(path);
     this.state = state;
     this.box = box;
     this.scale = scale;
-    this.opened = state.kind === "library" && opens(ground, path, state);
+    this.opened = state.kind === "library" && opens(source, path, state);
   }
 
   /** Its size in its own coordinates. */
@@ -70,19 +70,19 @@ export class PlacedState {
     return { width: this.box.width / this.scale, height: this.box.height / this.scale };
   }
 
-  get children(): readonly PlacedState[] {
+  get children(): readonly LayoutNode[] {
     this.#children ??= this.#findChildren();
     return this.#children;
   }
 
-  #findChildren(): readonly PlacedState[] {
+  #findChildren(): readonly LayoutNode[] {
     if (this.#stretched) {
       const { from, by } = this.#stretched;
       return from.children.map((child) => child.stretched(boxTimes(child.box, by), by));
     }
-    return childPaths(this.#ground, this).flatMap((path, index) => {
-      const state = this.#ground.machine.state(path);
-      return state ? [fresh(this.#ground, this, path, state, index)] : [];
+    return childPaths(this.#source, this).flatMap((path, index) => {
+      const state = this.#source.machine.state(path);
+      return state ? [fresh(this.#source, this, path, state, index)] : [];
     });
   }
 
@@ -128,7 +128,7 @@ export class PlacedState {
     return true;
   }
 
-  #take({ known, hasSameEnds }: Wiring, before: PlacedState | null): void {
+  #take({ known, hasSameEnds }: Wiring, before: LayoutNode | null): void {
     this.#lines = known;
     const gridBefore = before ? before.#lineGrid : null;
     this.#lineGrid = new Grid(boxesOf(known), gridBefore);
@@ -138,7 +138,7 @@ export class PlacedState {
   }
 
   /** Lines that are known by now; those that it had before until it begins to find its own. */
-  get #shown(): PlacedState {
+  get #shown(): LayoutNode {
     const isOpen = this.#lines || this.#wiring;
     return isOpen || !this.#before ? this : this.#before.#shown;
   }
@@ -160,7 +160,7 @@ export class PlacedState {
   }
 
   /** Tells the children that the area, in its own coordinates, touches. */
-  eachChild(area: Box, tell: (child: PlacedState) => void): void {
+  eachChild(area: Box, tell: (child: LayoutNode) => void): void {
     this.childGrid.each(area, (index) => {
       const child = this.children[index];
       if (child) tell(child);
@@ -187,7 +187,7 @@ export class PlacedState {
     return { lines, grid: this.#lineGrid };
   }
 
-  child(path: string): PlacedState | undefined {
+  child(path: string): LayoutNode | undefined {
     return this.children[this.indexOf(path)];
   }
 
@@ -198,9 +198,9 @@ export class PlacedState {
   }
 
   /** The same in another box, or with other parts; what is left out is found anew. */
-  with(parts: Parts): PlacedState {
+  with(parts: Parts): LayoutNode {
     const { path, state, box, scale } = this;
-    const made = new PlacedState(this.#ground, path, state, parts.box ?? box, scale);
+    const made = new LayoutNode(this.#source, path, state, parts.box ?? box, scale);
     made.#children = parts.children ?? null;
     made.#ports = parts.ports ?? null;
     made.#name = parts.name ?? null;
@@ -208,7 +208,7 @@ export class PlacedState {
   }
 
   /** Its lines are those of `before` but for what is different now; waypoints are where they are held. */
-  after(before: PlacedState, held: Held = NOTHING_HELD): this {
+  after(before: LayoutNode, held: HeldRoutes = NOTHING_HELD): this {
     this.#before = before.#wiring || before.#lines || before.#stretched ? before : before.#before;
     this.#held = held;
     this.#gridBefore = before.#childGrid;
@@ -217,22 +217,22 @@ export class PlacedState {
   }
 
   /** The same in another box with all inside it larger or smaller along. */
-  stretched(box: Box, by: Point): PlacedState {
-    const made = new PlacedState(this.#ground, this.path, this.state, box, this.scale);
+  stretched(box: Box, by: Point): LayoutNode {
+    const made = new LayoutNode(this.#source, this.path, this.state, box, this.scale);
     made.#stretched = { from: this, by };
     return made;
   }
 
   /** The same after the machine or what is shown of its libraries changed; itself if all stayed. `touched` are the paths of
    * all states with something different in them, if that is known. */
-  renewed(next: Next, touched: Touched): PlacedState {
-    const { ground, state, box, scale } = next;
+  renewed(next: Next, touched: ChangedPaths): LayoutNode {
+    const { source, state, box, scale } = next;
     const stands = scale === this.scale && same(box, this.box);
     if (stands && touched && !touched.has(this.path)) return this;
     const inner = state.kind === "library" ? null : touched;
-    const opened = state.kind === "library" && opens(ground, this.path, state);
+    const opened = state.kind === "library" && opens(source, this.path, state);
     const stays = stands && state === this.state && opened === this.opened;
-    const made = new PlacedState(ground, this.path, state, box, scale);
+    const made = new LayoutNode(source, this.path, state, box, scale);
     const children = this.#children && made.#renewedChildren(this, this.#children, inner);
     if (stays && children === this.#children) return this;
     made.#children = children;
@@ -244,14 +244,14 @@ export class PlacedState {
   }
 
   #renewedChildren(
-    was: PlacedState,
-    before: readonly PlacedState[],
-    touched: Touched,
-  ): readonly PlacedState[] {
-    const paths = childPaths(this.#ground, this);
+    was: LayoutNode,
+    before: readonly LayoutNode[],
+    touched: ChangedPaths,
+  ): readonly LayoutNode[] {
+    const paths = childPaths(this.#source, this);
     const sameSize = this.box.width === was.box.width && this.box.height === was.box.height;
     const mayStay = touched !== null && sameSize && this.scale === was.scale;
-    const after: PlacedState[] = [];
+    const after: LayoutNode[] = [];
     let changed = paths.length !== before.length;
     paths.forEach((path, index) => {
       const there = before[index];
@@ -268,78 +268,78 @@ export class PlacedState {
   #childAt(
     path: string,
     index: number,
-    known: PlacedState | undefined,
-    touched: Touched,
-  ): PlacedState | undefined {
-    const state = this.#ground.machine.state(path);
+    known: LayoutNode | undefined,
+    touched: ChangedPaths,
+  ): LayoutNode | undefined {
+    const state = this.#source.machine.state(path);
     if (!state) return undefined;
-    const next = { ground: this.#ground, state, ...placeIn(this, state, index) };
+    const next = { source: this.#source, state, ...placeIn(this, state, index) };
     return known
       ? known.renewed(next, touched)
-      : new PlacedState(this.#ground, path, state, next.box, next.scale);
+      : new LayoutNode(this.#source, path, state, next.box, next.scale);
   }
 }
 
 /** Paths of states with something different in them; null: all may be. */
-export type Touched = ReadonlySet<string> | null;
+export type ChangedPaths = ReadonlySet<string> | null;
 
 interface Next {
-  readonly ground: Ground;
+  readonly source: LayoutSource;
   readonly state: StateDocument;
   readonly box: Box;
   readonly scale: number;
 }
 
 const ALWAYS = () => true;
-const NOTHING_HELD: Held = new Map();
+const NOTHING_HELD: HeldRoutes = new Map();
 const NOTHING_JOINED: ReadonlySet<string> = new Set();
 
 interface Parts {
   readonly box?: Box;
-  readonly children?: readonly PlacedState[];
+  readonly children?: readonly LayoutNode[];
   readonly ports?: readonly PortPlace[];
   readonly name?: Box;
 }
 
 /** The tree of a machine; null if it is empty. `before` is its tree as it was, `touched` what is different since then. */
 export function treeOf(
-  ground: Ground,
-  before: PlacedState | null,
-  touched: Touched,
-): PlacedState | null {
-  const state = ground.machine.state(ground.machine.root);
+  source: LayoutSource,
+  before: LayoutNode | null,
+  touched: ChangedPaths,
+): LayoutNode | null {
+  const state = source.machine.state(source.machine.root);
   if (!state) return null;
   const box = { x: 0, y: 0, ...rootSize(state) };
-  if (before?.path === ground.machine.root) {
-    return before.renewed({ ground, state, box, scale: 1 }, touched);
+  if (before?.path === source.machine.root) {
+    return before.renewed({ source, state, box, scale: 1 }, touched);
   }
-  return new PlacedState(ground, ground.machine.root, state, box, 1);
+  return new LayoutNode(source, source.machine.root, state, box, 1);
 }
 
-function opens(ground: Ground, path: string, state: StateDocument): boolean {
-  return ground.contents.get(path) ?? layoutOf(state).showsContent;
+function opens(source: LayoutSource, path: string, state: StateDocument): boolean {
+  return source.contents.get(path) ?? readLayout(state).showsContent;
 }
 
 const NONE: readonly string[] = [];
 
-function childPaths(ground: Ground, of: PlacedState): readonly string[] {
+function childPaths(source: LayoutSource, of: LayoutNode): readonly string[] {
   if (of.state.kind === "library" && !of.opened) return NONE;
-  return ground.machine.children(of.path);
+  return source.machine.children(of.path);
 }
 
 function fresh(
-  ground: Ground,
-  container: PlacedState,
+  source: LayoutSource,
+  container: LayoutNode,
   path: string,
   state: StateDocument,
   index: number,
-): PlacedState {
+): LayoutNode {
   const { box, scale } = placeIn(container, state, index);
-  return new PlacedState(ground, path, state, box, scale);
+  return new LayoutNode(source, path, state, box, scale);
 }
 
 function placeIn(
-  container: PlacedState,
+  container: LayoutNode,
   state: StateDocument,
   index: number,
 ): { readonly box: Box; readonly scale: number } {
@@ -384,8 +384,8 @@ function stretchedLines(lines: readonly Line[], by: Point): readonly Line[] {
 
 /** Whether the same states follow each other. */
 function sameOrder(
-  children: readonly PlacedState[] | null,
-  before: readonly PlacedState[] | null,
+  children: readonly LayoutNode[] | null,
+  before: readonly LayoutNode[] | null,
 ): boolean {
   return (
     children !== null &&

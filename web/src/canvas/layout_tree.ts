@@ -1,85 +1,85 @@
-/** Where everything of a machine is, as of now: `Places` upon a tree that is kept between changes. */
+/** Where everything of a machine is, as of now: a `Layout` upon a tree that is kept between changes. */
 
-import type { PortPlace } from "../model/drawing.ts";
 import type { Box, Point } from "../model/geometry.ts";
+import type { PortPlace } from "../model/layout_reader.ts";
 import type { Machine } from "../model/machine.ts";
 import { lineage } from "../model/path.ts";
 import type { ViewModes } from "../store/view.ts";
-import { overlaid } from "./overlaid.ts";
+import type { Layout, Route } from "./layout.ts";
+import { type ChangedPaths, type LayoutNode, type LayoutSource, treeOf } from "./layout_node.ts";
 import { NO_OVERLAY, type Overlay } from "./overlay.ts";
-import type { Places, Route } from "./places.ts";
-import { type Ground, type PlacedState, type Touched, treeOf } from "./tree.ts";
+import { withPreview } from "./with_preview.ts";
 
 /** What of a view says where things are. */
-export interface PlacesView {
+export interface LayoutView {
   readonly modes: ViewModes;
   readonly contents: ReadonlyMap<string, boolean>;
 }
 
 /** A state, and how its own coordinates lie in the root's. */
-export interface Frame {
-  readonly at: PlacedState;
+export interface NodeFrame {
+  readonly at: LayoutNode;
   readonly x: number;
   readonly y: number;
   /** Units of the root for one inside. */
   readonly unit: number;
 }
 
-/** Places, with the tree that they come from. */
-export interface Placed extends Places {
-  readonly root: PlacedState | null;
-  readonly frame: (path: string) => Frame | undefined;
+/** A layout, with the tree that they come from. */
+export interface LayoutTree extends Layout {
+  readonly root: LayoutNode | null;
+  readonly frame: (path: string) => NodeFrame | undefined;
 }
 
-interface Kept {
+interface KeptLayout {
   readonly version: number;
   readonly contents: ReadonlyMap<string, boolean>;
-  readonly ground: Ground;
-  readonly tree: PlacedState | null;
+  readonly source: LayoutSource;
+  readonly tree: LayoutNode | null;
   overlay: Overlay;
-  placed: Placed;
+  layout: LayoutTree;
 }
 
-const KEPT = new WeakMap<Machine, Kept>();
+const KEPT = new WeakMap<Machine, KeptLayout>();
 
 /** Where everything of the machine is now: the same object as long as nothing is different. */
-export function placesOf(machine: Machine, view: PlacesView, overlay: Overlay): Placed {
+export function layoutTreeOf(machine: Machine, view: LayoutView, overlay: Overlay): LayoutTree {
   const { contents } = view;
   let kept = KEPT.get(machine);
   if (!kept || kept.version !== machine.version || kept.contents !== contents) {
-    const ground: Ground = kept?.ground ?? { machine, contents };
-    ground.contents = contents;
+    const source: LayoutSource = kept?.source ?? { machine, contents };
+    source.contents = contents;
     const touched = kept?.contents === contents ? touchedSince(machine, kept.version) : null;
-    const tree = treeOf(ground, kept?.tree ?? null, touched);
+    const tree = treeOf(source, kept?.tree ?? null, touched);
     kept = {
-      ground,
+      source,
       version: machine.version,
       contents,
       tree,
       overlay: NO_OVERLAY,
-      placed: over(tree),
+      layout: over(tree),
     };
     KEPT.set(machine, kept);
   }
   if (kept.overlay !== overlay) {
-    kept.placed = over(kept.tree && overlaid(kept.tree, overlay));
+    kept.layout = over(kept.tree && withPreview(kept.tree, overlay));
     kept.overlay = overlay;
   }
-  return kept.placed;
+  return kept.layout;
 }
 
 /** Paths of the states that are different since a version, and of all around them; null: all may be. */
-function touchedSince(machine: Machine, version: number): Touched {
+function touchedSince(machine: Machine, version: number): ChangedPaths {
   const touched = machine.touchedSince?.(version);
   return touched ? new Set([...touched].flatMap(lineage)) : null;
 }
 
 const NONE: readonly never[] = [];
 
-function over(root: PlacedState | null): Placed {
-  const frames = new Map<string, Frame>();
+function over(root: LayoutNode | null): LayoutTree {
+  const frames = new Map<string, NodeFrame>();
   if (root) frames.set(root.path, { at: root, x: 0, y: 0, unit: 1 });
-  const frame = (path: string): Frame | undefined => {
+  const frame = (path: string): NodeFrame | undefined => {
     const known = frames.get(path);
     if (known) return known;
     const end = path.lastIndexOf("/");
@@ -109,29 +109,29 @@ function over(root: PlacedState | null): Placed {
 }
 
 /** The frame of a child. */
-export function inside(outer: Frame, child: PlacedState): Frame {
+export function inside(outer: NodeFrame, child: LayoutNode): NodeFrame {
   const { x, y } = pointAt(outer, child.box);
   return { at: child, x, y, unit: outer.unit * child.scale };
 }
 
-function outline({ at, x, y, unit }: Frame): Box {
+function outline({ at, x, y, unit }: NodeFrame): Box {
   const { width, height } = at.size;
   return { x, y, width: width * unit, height: height * unit };
 }
 
 /** A point of a state in the root's coordinates. */
-export function pointAt(frame: Frame, { x, y }: Point): Point {
+export function pointAt(frame: NodeFrame, { x, y }: Point): Point {
   return { x: frame.x + x * frame.unit, y: frame.y + y * frame.unit };
 }
 
-function boxAt(frame: Frame, box: Box): Box {
+function boxAt(frame: NodeFrame, box: Box): Box {
   const { width, height } = box;
   return { ...pointAt(frame, box), width: width * frame.unit, height: height * frame.unit };
 }
 
 function remembered<T>(
-  frame: (path: string) => Frame | undefined,
-  find: (frame: Frame) => readonly T[],
+  frame: (path: string) => NodeFrame | undefined,
+  find: (frame: NodeFrame) => readonly T[],
 ): (path: string) => readonly T[] {
   const known = new Map<string, readonly T[]>();
   return (path) => {
@@ -145,11 +145,11 @@ function remembered<T>(
   };
 }
 
-function portsAt(frame: Frame): readonly PortPlace[] {
+function portsAt(frame: NodeFrame): readonly PortPlace[] {
   return frame.at.ports.map((port) => ({ ...port, at: pointAt(frame, port.at) }));
 }
 
-function routesAt(frame: Frame): readonly Route[] {
+function routesAt(frame: NodeFrame): readonly Route[] {
   return frame.at.lines.map(({ kind, id, points, waypoints }) => ({
     kind,
     path: frame.at.path,

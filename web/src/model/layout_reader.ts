@@ -7,7 +7,7 @@ import type { Box, Point, Size } from "./geometry.ts";
 import { ABORTED, outcomesOf, PREEMPTED, portsOf } from "./machine.ts";
 
 /** What the layout of one state says about it and its parts; what it does not say is missing. */
-export interface Layout {
+export interface StateLayout {
   readonly position: Point | undefined;
   readonly size: Size | undefined;
   readonly nameBox: Box | undefined;
@@ -81,7 +81,7 @@ function waypoints(entry: Json): readonly Point[] {
 
 const LINE = /^(transition|data_flow)-?\d+$/;
 
-function read(layout: LayoutDocument): Layout {
+function read(layout: LayoutDocument): StateLayout {
   const json = layout as unknown as JsonValue;
   const { entry } = drawn(json);
   const ports = new Map<string, Point>();
@@ -105,11 +105,11 @@ function read(layout: LayoutDocument): Layout {
   };
 }
 
-const NOTHING: Layout = read({});
-const READ = new WeakMap<LayoutDocument, Layout>();
+const NOTHING: StateLayout = read({});
+const READ = new WeakMap<LayoutDocument, StateLayout>();
 
 /** What the file says about the drawing of a state. */
-export function layoutOf(state: StateDocument): Layout {
+export function readLayout(state: StateDocument): StateLayout {
   if (!state.layout) return NOTHING;
   let layout = READ.get(state.layout);
   if (!layout) {
@@ -140,7 +140,7 @@ export interface PortPlace {
 
 /** Where the ports of a state of this size are; `path` goes into their keys. */
 export function portPlaces(state: StateDocument, path: string, box: Size): readonly PortPlace[] {
-  const { ports } = layoutOf(state);
+  const { ports } = readLayout(state);
   const step = Math.min(box.width, box.height);
   const found: PortPlace[] = [];
   const put = (kind: PortPlace["kind"], id: number, name: string, otherwise: Point) => {
@@ -221,7 +221,7 @@ export function defaultChildBox(index: number, container: Size): Box {
 
 /** The size of a state, in the coordinates of its container; `index` among its siblings. */
 export function childBox(child: StateDocument, index: number, container: Size): Box {
-  const { position, size: known } = layoutOf(child);
+  const { position, size: known } = readLayout(child);
   const otherwise = defaultChildBox(index, container);
   return {
     ...(position ?? { x: otherwise.x, y: otherwise.y }),
@@ -231,14 +231,14 @@ export function childBox(child: StateDocument, index: number, container: Size): 
 
 /** The size of the root. */
 export function rootSize(root: StateDocument): Size {
-  return layoutOf(root).size ?? ROOT_SIZE;
+  return readLayout(root).size ?? ROOT_SIZE;
 }
 
 /** Where the name stands, in the state's own coordinates. */
 export function nameBox(state: StateDocument, box: Size): Box {
   const inset = Math.min(box.width, box.height) / 25;
   return (
-    layoutOf(state).nameBox ?? {
+    readLayout(state).nameBox ?? {
       x: inset,
       y: inset,
       width: Math.max(0, box.width - 2 * inset),
@@ -253,5 +253,5 @@ export function waypointsOf(
   kind: "transition" | "data_flow",
   id: number,
 ): readonly Point[] {
-  return layoutOf(container).waypoints.get(`${kind}${id}`) ?? [];
+  return readLayout(container).waypoints.get(`${kind}${id}`) ?? [];
 }
