@@ -22,7 +22,7 @@ import {
 import { useEffect, useMemo, useRef, useState } from "react";
 import { isValueDrag } from "../panels/parts/value/dragged_value.ts";
 import { useIsOld } from "../panels/run_age.ts";
-import { shedOf } from "../store/shed.ts";
+import { shedOf } from "../store/local_store.ts";
 import { IconButton } from "../ui/button.tsx";
 import { useKeptScroll } from "../ui/kept_scroll.ts";
 import { ContextMenu, type MenuItem } from "../ui/menu.tsx";

@@ -4,7 +4,7 @@ import { type ReadonlySignal, signal } from "@preact/signals-core";
 import type { DockviewApi, DockviewGroupPanel, SerializedDockview } from "dockview-react";
 import type { Layouts, Side } from "../commands/command.ts";
 import { MISSION_PANEL } from "../commands/mission.ts";
-import { kept, type Shed } from "../store/shed.ts";
+import { kept, type LocalStore } from "../store/local_store.ts";
 import { type PanelLayout, SHIPPED, sizeOn, withPanels } from "./layouts.ts";
 import { placeMission, sizeMission } from "./mission_place.ts";
 import { PANELS, panelOf } from "./panels.tsx";
@@ -28,15 +28,15 @@ const CALM_MS = 100;
 
 export class DockControl implements DockPort {
   readonly #api: DockviewApi;
-  readonly #shed: Shed;
+  readonly #localStore: LocalStore;
   readonly #changes = signal(0);
   readonly #stop: () => void;
   #isNarrow = false;
   readonly #sizes = new Map<string, { readonly width: number; readonly height: number }>();
 
-  constructor(api: DockviewApi, shed: Shed) {
+  constructor(api: DockviewApi, localStore: LocalStore) {
     this.#api = api;
-    this.#shed = shed;
+    this.#localStore = localStore;
     const listening = api.onDidLayoutChange(() => {
       this.#changes.value = this.#changes.peek() + 1;
       this.#keep();
@@ -55,7 +55,7 @@ export class DockControl implements DockPort {
 
   /** As the page was left, or as a layout that ships. */
   restore(first: string): void {
-    const before = kept<SerializedDockview>(this.#shed, NOW);
+    const before = kept<SerializedDockview>(this.#localStore, NOW);
     if (!before || !this.#load(before)) this.#build(SHIPPED[first] ?? {});
   }
 
@@ -72,11 +72,11 @@ export class DockControl implements DockPort {
   /** On a small page sides fold, so that the canvas has the room; once it is large again they are there again. What is folded or
    * shown by hand meanwhile stays so, also when the page is loaded again. */
   fold(isSmall: boolean): void {
-    const folded = kept<Side[]>(this.#shed, FOLDED);
+    const folded = kept<Side[]>(this.#localStore, FOLDED);
     if (isSmall === (folded !== undefined) || this.#api.getPanel(MISSION_PANEL)) return;
     const sides = folded ?? SIDES.filter((side) => this.layouts.isShown(side));
     for (const side of sides) this.#show(side, !isSmall);
-    this.#shed.put(FOLDED, isSmall ? sides : undefined);
+    this.#localStore.put(FOLDED, isSmall ? sides : undefined);
   }
 
   readonly isInSight = (id: string): boolean => {
@@ -117,11 +117,14 @@ export class DockControl implements DockPort {
     },
     save: (name) => {
       const own = this.#own();
-      this.#shed.put(OWN, { ...own, [name]: this.#api.toJSON() });
+      this.#localStore.put(OWN, { ...own, [name]: this.#api.toJSON() });
     },
     remove: (name) => {
       const own = this.#own();
-      this.#shed.put(OWN, Object.fromEntries(Object.entries(own).filter(([key]) => key !== name)));
+      this.#localStore.put(
+        OWN,
+        Object.fromEntries(Object.entries(own).filter(([key]) => key !== name)),
+      );
     },
     isShown: (side) => {
       this.#changes.value;
@@ -144,7 +147,7 @@ export class DockControl implements DockPort {
   }
 
   #own(): Readonly<Record<string, SerializedDockview>> {
-    return kept(this.#shed, OWN) ?? {};
+    return kept(this.#localStore, OWN) ?? {};
   }
 
   #show(side: Side, shown: boolean): void {
@@ -272,6 +275,6 @@ export class DockControl implements DockPort {
   }
 
   #keep(): void {
-    if (this.#api.getPanel(CANVAS)) this.#shed.put(NOW, this.#api.toJSON());
+    if (this.#api.getPanel(CANVAS)) this.#localStore.put(NOW, this.#api.toJSON());
   }
 }

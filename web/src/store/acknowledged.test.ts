@@ -3,7 +3,7 @@ import { expect, test } from "vitest";
 import type { Event, JsonValue } from "../model/generated/protocol.ts";
 import { acknowledge, failures, openFailures } from "./acknowledged.ts";
 import { Journal } from "./journal.ts";
-import { memoryShed } from "./shed.ts";
+import { memoryStore } from "./local_store.ts";
 import { twoTabs } from "./testing/two_tabs.ts";
 
 /** A run whose journal grows by what is told. */
@@ -57,7 +57,7 @@ test("the same of the same state counts, whatever comes between, and stays at it
     "13 aborted R/A ×3 ValueError: no box",
   ]);
   const before = openFailures(watch).value.map(({ first }) => first);
-  acknowledge(watch, [13], memoryShed());
+  acknowledge(watch, [13], memoryStore());
   tell(left("R/A", -1, NO_BOX));
   expect(words(watch).at(-1)).toBe("16 aborted R/A ×4 ValueError: no box");
   expect(openFailures(watch).value.map(({ first }) => first)).toEqual(before);
@@ -143,9 +143,9 @@ test("nothing new is the same list, so that nobody is drawn again", () => {
 });
 
 test("what was acknowledged is kept by run, and old runs make room", () => {
-  const shed = memoryShed();
-  for (let at = 0; at < 60; at += 1) acknowledge(run(`kept ${at}`).watch, [at], shed);
-  const all = shed.get("rafcon.acknowledged") as Record<string, readonly number[]>;
+  const localStore = memoryStore();
+  for (let at = 0; at < 60; at += 1) acknowledge(run(`kept ${at}`).watch, [at], localStore);
+  const all = localStore.get("rafcon.acknowledged") as Record<string, readonly number[]>;
   expect(Object.keys(all)).toHaveLength(50);
   expect(all["kept 59"]).toEqual([59]);
 });
@@ -153,7 +153,7 @@ test("what was acknowledged is kept by run, and old runs make room", () => {
 test("the browser is listened to once, however many runs are looked at", () => {
   const [here, there] = twoTabs();
   let listeners = 0;
-  const shed = {
+  const localStore = {
     ...here,
     whenOther: (key: string, told: () => void) => {
       listeners += 1;
@@ -163,7 +163,7 @@ test("the browser is listened to once, however many runs are looked at", () => {
   const runs = [run("many 1"), run("many 2"), run("many 3")];
   for (const { watch, tell } of runs) {
     tell(left("R/A"));
-    acknowledge(watch, [], shed);
+    acknowledge(watch, [], localStore);
   }
   expect(listeners).toBe(1);
   there.put("rafcon.acknowledged", { "many 2": [1] });

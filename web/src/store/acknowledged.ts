@@ -3,9 +3,9 @@
 import { computed, type ReadonlySignal, type Signal, signal } from "@preact/signals-core";
 import { openDecisions } from "./decisions.ts";
 import { type Failure, Failures } from "./failures.ts";
+import { kept, type LocalStore, memoryStore, shedOf } from "./local_store.ts";
 import { openQuestions } from "./questions.ts";
 import type { Watch } from "./run.ts";
-import { kept, memoryShed, type Shed, shedOf } from "./shed.ts";
 
 const KEY = "rafcon.acknowledged";
 /** So many runs are remembered, and so many sequence numbers of each: those that were acknowledged last. */
@@ -21,7 +21,8 @@ interface About {
 }
 
 const ALL = new WeakMap<Known, About>();
-const SHED: Shed = typeof window === "undefined" ? memoryShed() : shedOf(() => window.localStorage);
+const SHED: LocalStore =
+  typeof window === "undefined" ? memoryStore() : shedOf(() => window.localStorage);
 
 /** What wants acknowledgement, and what was acknowledged already; the oldest first. */
 export function failures(watch: Known): ReadonlySignal<readonly Failure[]> {
@@ -45,17 +46,21 @@ export function acknowledged(watch: Known): ReadonlySignal<ReadonlySet<number>> 
 }
 
 /** Acknowledges failures by their sequence numbers. */
-export function acknowledge(watch: Known, sequences: Iterable<number>, shed: Shed = SHED): void {
-  const { acknowledged } = about(watch, shed);
+export function acknowledge(
+  watch: Known,
+  sequences: Iterable<number>,
+  localStore: LocalStore = SHED,
+): void {
+  const { acknowledged } = about(watch, localStore);
   const all = [...new Set([...acknowledged.peek(), ...sequences])].slice(-KEPT_MAX);
-  const known = knownIn(shed);
+  const known = knownIn(localStore);
   known.value = { ...known.peek(), [watch.id]: all };
-  const { [watch.id]: _, ...others } = readKept(shed);
+  const { [watch.id]: _, ...others } = readKept(localStore);
   const runs = [...Object.entries(others), [watch.id, all] as const].slice(-RUNS_MAX);
-  shed.put(KEY, Object.fromEntries(runs));
+  localStore.put(KEY, Object.fromEntries(runs));
 }
 
-function about(watch: Known, shed: Shed = SHED): About {
+function about(watch: Known, localStore: LocalStore = SHED): About {
   const there = ALL.get(watch);
   if (there) return there;
   const walker = new Failures();
@@ -63,7 +68,7 @@ function about(watch: Known, shed: Shed = SHED): About {
     watch.grown.value;
     return walker.found(watch.journal);
   });
-  const known = knownIn(shed);
+  const known = knownIn(localStore);
   const own = computed(() => known.value[watch.id]);
   const acknowledged = computed<ReadonlySet<number>>(() => new Set(own.value));
   const open = computed(() => {
@@ -77,16 +82,16 @@ function about(watch: Known, shed: Shed = SHED): About {
 
 type ByRun = Readonly<Record<string, readonly number[]>>;
 
-const KNOWN = new WeakMap<Shed, Signal<ByRun>>();
+const KNOWN = new WeakMap<LocalStore, Signal<ByRun>>();
 
 /** What was acknowledged of all runs, here and in the other tabs of the browser. */
-function knownIn(shed: Shed): Signal<ByRun> {
-  const there = KNOWN.get(shed);
+function knownIn(localStore: LocalStore): Signal<ByRun> {
+  const there = KNOWN.get(localStore);
   if (there) return there;
-  const known = signal(readKept(shed));
-  KNOWN.set(shed, known);
-  shed.whenOther(KEY, () => {
-    known.value = withMore(known.peek(), readKept(shed));
+  const known = signal(readKept(localStore));
+  KNOWN.set(localStore, known);
+  localStore.whenOther(KEY, () => {
+    known.value = withMore(known.peek(), readKept(localStore));
   });
   return known;
 }
@@ -101,8 +106,8 @@ function withMore(before: ByRun, more: ByRun): ByRun {
   return { ...before, ...Object.fromEntries(entries) };
 }
 
-function readKept(shed: Shed): ByRun {
-  const entries = Object.entries(kept<Record<string, unknown>>(shed, KEY) ?? {});
+function readKept(localStore: LocalStore): ByRun {
+  const entries = Object.entries(kept<Record<string, unknown>>(localStore, KEY) ?? {});
   return Object.fromEntries(
     entries.flatMap(([run, all]) =>
       Array.isArray(all) ? [[run, all.filter((number) => typeof number === "number")]] : [],

@@ -8,8 +8,8 @@ import {
   newBreakpoint,
   withBreakpoint,
 } from "./breakpoints.ts";
+import { memoryStore } from "./local_store.ts";
 import type { OpenTab } from "./page.ts";
-import { memoryShed } from "./shed.ts";
 
 function tabWith(path: string, ofRun: readonly Breakpoint[] | null = null): OpenTab {
   const now = { run: { phase: "live" }, snapshot: { breakpoints: ofRun } };
@@ -21,23 +21,26 @@ function tabWith(path: string, ofRun: readonly Breakpoint[] | null = null): Open
 }
 
 test("breakpoints are kept for each machine, and are there again", () => {
-  const shed = memoryShed();
-  const kept = keptBreakpoints(tabWith("drill"), shed);
+  const localStore = memoryStore();
+  const kept = keptBreakpoints(tabWith("drill"), localStore);
   kept.value = [newBreakpoint(1, "R/A")];
-  expect(breakpointsOf(tabWith("drill"), shed)).toEqual([newBreakpoint(1, "R/A")]);
-  expect(breakpointsOf(tabWith("mill"), shed)).toEqual([]);
-  expect(shed.get("rafcon.breakpoints p/drill")).toHaveLength(1);
+  expect(breakpointsOf(tabWith("drill"), localStore)).toEqual([newBreakpoint(1, "R/A")]);
+  expect(breakpointsOf(tabWith("mill"), localStore)).toEqual([]);
+  expect(localStore.get("rafcon.breakpoints p/drill")).toHaveLength(1);
   kept.value = [];
-  expect(shed.get("rafcon.breakpoints p/drill")).toBeUndefined();
+  expect(localStore.get("rafcon.breakpoints p/drill")).toBeUndefined();
 });
 
 test("what another tab of the browser does to them is told", () => {
-  const shed = memoryShed();
+  const localStore = memoryStore();
   const others = new Map<string, () => void>();
-  const here = { ...shed, whenOther: (key: string, told: () => void) => others.set(key, told) };
+  const here = {
+    ...localStore,
+    whenOther: (key: string, told: () => void) => others.set(key, told),
+  };
   const [mine, theirs] = [
     keptBreakpoints(tabWith("drill"), here),
-    keptBreakpoints(tabWith("drill"), shed),
+    keptBreakpoints(tabWith("drill"), localStore),
   ];
   theirs.value = [newBreakpoint(1, "R/A")];
   others.get("rafcon.breakpoints p/drill")?.();
@@ -48,11 +51,11 @@ test("what another tab of the browser does to them is told", () => {
 });
 
 test("while a run goes on its breakpoints count, and new ones have a number that is free in both", () => {
-  const shed = memoryShed();
+  const localStore = memoryStore();
   const tab = tabWith("drill", [newBreakpoint(4, "R/B")]);
-  keptBreakpoints(tab, shed).value = [newBreakpoint(6, "R/A")];
-  expect(breakpointsOf(tab, shed).map(({ id }) => id)).toEqual([4]);
-  expect(freshId(tab, shed)).toBe(7);
+  keptBreakpoints(tab, localStore).value = [newBreakpoint(6, "R/A")];
+  expect(breakpointsOf(tab, localStore).map(({ id }) => id)).toEqual([4]);
+  expect(freshId(tab, localStore)).toBe(7);
 });
 
 test("a breakpoint replaces the one with its number", () => {

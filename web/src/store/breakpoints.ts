@@ -2,37 +2,37 @@
 
 import { type Signal, signal } from "@preact/signals-core";
 import type { Breakpoint } from "../model/generated/protocol.ts";
+import { type LocalStore, memoryStore, shedOf } from "./local_store.ts";
 import type { OpenTab } from "./page.ts";
 import { fileOfTab, liveRun, snapshotOf } from "./running.ts";
-import { memoryShed, type Shed, shedOf } from "./shed.ts";
 
 type Kept = Signal<readonly Breakpoint[]>;
 
-const BROWSER = typeof window === "undefined" ? memoryShed() : shedOf(() => window.localStorage);
-const KNOWN = new WeakMap<Shed, Map<string, Kept>>();
+const BROWSER = typeof window === "undefined" ? memoryStore() : shedOf(() => window.localStorage);
+const KNOWN = new WeakMap<LocalStore, Map<string, Kept>>();
 
 /** What is kept for the next start of the machine of a tab. */
-export function keptBreakpoints(tab: OpenTab, shed: Shed = BROWSER): Kept {
-  const known = KNOWN.get(shed) ?? new Map<string, Kept>();
-  KNOWN.set(shed, known);
+export function keptBreakpoints(tab: OpenTab, localStore: LocalStore = BROWSER): Kept {
+  const known = KNOWN.get(localStore) ?? new Map<string, Kept>();
+  KNOWN.set(localStore, known);
   const key = keyOf(tab);
   let kept = known.get(key);
   if (!kept) {
-    kept = followingShed(shed, key);
+    kept = followingStore(localStore, key);
     known.set(key, kept);
   }
   return kept;
 }
 
 /** What is kept there: put there when it changes here, and taken from there when another tab of the browser changed it. */
-function followingShed(shed: Shed, key: string): Kept {
+function followingStore(localStore: LocalStore, key: string): Kept {
   const there = () => {
-    const found = shed.get(key);
+    const found = localStore.get(key);
     return Array.isArray(found) ? (found as readonly Breakpoint[]) : [];
   };
   const kept = signal(there());
-  kept.subscribe((all) => shed.put(key, all.length === 0 ? undefined : all));
-  shed.whenOther(key, () => {
+  kept.subscribe((all) => localStore.put(key, all.length === 0 ? undefined : all));
+  localStore.whenOther(key, () => {
     kept.value = there();
   });
   return kept;
@@ -46,10 +46,13 @@ function keyOf(tab: OpenTab): string {
 const NONE: readonly Breakpoint[] = [];
 
 /** All breakpoints that count on a tab now. A signal's reader. */
-export function breakpointsOf(tab: OpenTab, shed: Shed = BROWSER): readonly Breakpoint[] {
+export function breakpointsOf(
+  tab: OpenTab,
+  localStore: LocalStore = BROWSER,
+): readonly Breakpoint[] {
   const live = liveRun(tab);
   if (live) return snapshotOf(live)?.breakpoints ?? NONE;
-  return keptBreakpoints(tab, shed).value;
+  return keptBreakpoints(tab, localStore).value;
 }
 
 /** The list with the breakpoint in it, instead of the one with the same id. */
@@ -62,9 +65,12 @@ export function withBreakpoint(
 }
 
 /** A number that no breakpoint has, of the run or for the next start. */
-export function freshId(tab: OpenTab, shed: Shed = BROWSER): number {
+export function freshId(tab: OpenTab, localStore: LocalStore = BROWSER): number {
   const live = liveRun(tab);
-  const all = [...(snapshotOf(live)?.breakpoints ?? []), ...keptBreakpoints(tab, shed).peek()];
+  const all = [
+    ...(snapshotOf(live)?.breakpoints ?? []),
+    ...keptBreakpoints(tab, localStore).peek(),
+  ];
   return 1 + all.reduce((most, { id }) => Math.max(most, id), 0);
 }
 

@@ -1,6 +1,6 @@
 import { describe, expect, it } from "vitest";
+import { memoryStore } from "./local_store.ts";
 import { keepSession, readSession, restoreView, type Session } from "./session.ts";
-import { memoryShed } from "./shed.ts";
 import { FIRST_CAMERA, MODES, newView } from "./view.ts";
 
 const FILE = { project: "p", path: "machine" };
@@ -20,9 +20,9 @@ const SESSION: Session = {
 
 describe("a session", () => {
   it("comes back as it was kept", () => {
-    const shed = memoryShed();
-    keepSession(shed, SESSION);
-    expect(readSession(shed)).toEqual(SESSION);
+    const localStore = memoryStore();
+    keepSession(localStore, SESSION);
+    expect(readSession(localStore)).toEqual(SESSION);
     const view = newView();
     const [tab] = SESSION.tabs;
     if (tab) restoreView(view, tab);
@@ -32,19 +32,19 @@ describe("a session", () => {
   });
 
   it("lets the canvas choose where to look if nobody has chosen", () => {
-    const shed = memoryShed();
-    shed.put("rafcon.session", { tabs: [{ file: FILE, camera: { x: 0, y: 0, scale: 1 } }] });
-    expect(readSession(shed)?.tabs[0]?.camera).toBe(FIRST_CAMERA);
+    const localStore = memoryStore();
+    localStore.put("rafcon.session", { tabs: [{ file: FILE, camera: { x: 0, y: 0, scale: 1 } }] });
+    expect(readSession(localStore)?.tabs[0]?.camera).toBe(FIRST_CAMERA);
   });
 
   it("is none if nothing was kept, or nothing that can be read", () => {
-    const shed = memoryShed();
-    expect(readSession(shed)).toBeNull();
+    const localStore = memoryStore();
+    expect(readSession(localStore)).toBeNull();
     for (const kept of ["text", { tabs: 3 }, []]) {
-      shed.put("rafcon.session", kept);
-      expect(readSession(shed)).toBeNull();
+      localStore.put("rafcon.session", kept);
+      expect(readSession(localStore)).toBeNull();
     }
-    shed.put("rafcon.session", { tabs: [{ camera: "none" }, { file: FILE, camera: {} }] });
-    expect(readSession(shed)?.tabs.map(({ file }) => file)).toEqual([FILE]);
+    localStore.put("rafcon.session", { tabs: [{ camera: "none" }, { file: FILE, camera: {} }] });
+    expect(readSession(localStore)?.tabs.map(({ file }) => file)).toEqual([FILE]);
   });
 });

@@ -3,8 +3,8 @@
 import type { ElementKey } from "../model/element.ts";
 import type { MachineFile } from "../model/generated/protocol.ts";
 import { isSame } from "../model/json.ts";
+import { kept, type LocalStore } from "./local_store.ts";
 import type { OpenTab } from "./page.ts";
-import { kept, type Shed } from "./shed.ts";
 import { type Camera, FIRST_CAMERA, MODES, type SessionView, type ViewModes } from "./view.ts";
 
 export interface KeptTab {
@@ -36,13 +36,13 @@ export function sessionOf(tabs: readonly OpenTab[], active: OpenTab | null): Ses
   return { tabs: all.map(({ kept }) => kept), active: at < 0 ? null : at };
 }
 
-export function keepSession(shed: Shed, session: Session): void {
-  shed.put(KEY, session);
+export function keepSession(localStore: LocalStore, session: Session): void {
+  localStore.put(KEY, session);
 }
 
 /** As it was kept; null if nothing was, or nothing that can be read. */
-export function readSession(shed: Shed): Session | null {
-  const session = kept<Partial<Session>>(shed, KEY);
+export function readSession(localStore: LocalStore): Session | null {
+  const session = kept<Partial<Session>>(localStore, KEY);
   if (!Array.isArray(session?.tabs)) return null;
   const tabs = (session.tabs as Partial<KeptTab>[]).flatMap(readTab);
   return { tabs, active: typeof session.active === "number" ? session.active : null };

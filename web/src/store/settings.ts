@@ -2,8 +2,8 @@
 
 import { effect, type Signal, signal } from "@preact/signals-core";
 import type { MachineFile } from "../model/generated/protocol.ts";
+import { kept, type LocalStore } from "./local_store.ts";
 import type { Settings } from "./page.ts";
-import { kept, type Shed } from "./shed.ts";
 
 export const FIRST_SETTINGS: Settings = {
   theme: "system",
@@ -18,13 +18,13 @@ const RECENT_MAX = 20;
 const KEY = "rafcon.settings";
 
 /** As they were kept; what cannot be read is as at first. */
-export function readSettings(shed: Shed): Settings {
-  return { ...FIRST_SETTINGS, ...kept<Partial<Settings>>(shed, KEY) };
+export function readSettings(localStore: LocalStore): Settings {
+  return { ...FIRST_SETTINGS, ...kept<Partial<Settings>>(localStore, KEY) };
 }
 
 /** The settings, kept from now on. Only what was changed here is written, so that tabs of a browser leave each other's changes. */
-export function followSettings(shed: Shed): Signal<Settings> {
-  let known = readSettings(shed);
+export function followSettings(localStore: LocalStore): Signal<Settings> {
+  let known = readSettings(localStore);
   const settings = signal(known);
   effect(() => {
     const wanted = settings.value;
@@ -32,12 +32,12 @@ export function followSettings(shed: Shed): Signal<Settings> {
       ([name, value]) => known[name as keyof Settings] !== value,
     );
     if (changed.length === 0) return;
-    known = { ...readSettings(shed), ...Object.fromEntries(changed) };
-    shed.put(KEY, known);
+    known = { ...readSettings(localStore), ...Object.fromEntries(changed) };
+    localStore.put(KEY, known);
     settings.value = known;
   });
-  shed.whenOther(KEY, () => {
-    known = readSettings(shed);
+  localStore.whenOther(KEY, () => {
+    known = readSettings(localStore);
     settings.value = known;
   });
   return settings;

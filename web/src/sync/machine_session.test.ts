@@ -6,8 +6,8 @@ import type { Telling } from "../store/notices.ts";
 import { anyEdit } from "../store/predict/any_edit.ts";
 import { FakeClock } from "./fake_clock.ts";
 import { FakeServer, MACHINE } from "./fake_server.ts";
+import { LibraryCache } from "./library_cache.ts";
 import { OpenMachineSession } from "./machine_session.ts";
-import { Shelf } from "./shelf.ts";
 
 const TEXT = `
   R "Root" hierarchy 0 0 400 300 outcome done input speed:int=3 scoped found:list
@@ -23,7 +23,7 @@ const TEXT = `
 function setUp(document: Document = sketch(TEXT)) {
   const server = new FakeServer(document);
   const notices: Telling[] = [];
-  const shelf = new Shelf(server.request);
+  const libraryCache = new LibraryCache(server.request);
   const clock = new FakeClock();
   let count = 0;
   const session = new OpenMachineSession(
@@ -31,13 +31,13 @@ function setUp(document: Document = sketch(TEXT)) {
     { revision: 1, document },
     {
       server,
-      shelf,
+      libraryCache,
       clock,
       newId: () => `own-${++count}`,
       tell: (notice) => notices.push(notice),
     },
   );
-  return { server, session, notices, shelf, clock };
+  return { server, session, notices, libraryCache, clock };
 }
 
 /** Lets everything that was resolved go on. */
@@ -141,12 +141,12 @@ describe("an open machine", () => {
   });
 
   it("looks for problems again when files have changed, whether or not it shows a library", async () => {
-    const { server, shelf, clock } = setUp();
+    const { server, libraryCache, clock } = setUp();
     const asked = () => server.asked.filter((path) => path.endsWith("/problems")).length;
     clock.pass(1_000);
     await settle();
     const before = asked();
-    await shelf.refresh();
+    await libraryCache.refresh();
     clock.pass(1_000);
     await settle();
     expect(asked()).toBe(before + 1);

@@ -28,12 +28,12 @@ import { RefusalError, type Server } from "../store/server.ts";
 import { type StepChange, StepChanges, stepChangeOf } from "../store/step_change.ts";
 import type { Clock } from "./clock.ts";
 import { Following } from "./following.ts";
+import type { LibraryCache } from "./library_cache.ts";
 import { Pending } from "./pending.ts";
-import type { Shelf } from "./shelf.ts";
 
 export interface OpenMachineSessionPorts {
   readonly server: Server;
-  readonly shelf: Shelf;
+  readonly libraryCache: LibraryCache;
   readonly clock: Clock;
   readonly newId: () => string;
   readonly tell: Page["tell"];
@@ -77,15 +77,15 @@ export class OpenMachineSession implements MachineSession {
     ports: OpenMachineSessionPorts,
   ) {
     this.#ports = ports;
-    this.machine = new OptimisticDocument(document, (key) => ports.shelf.get(key));
+    this.machine = new OptimisticDocument(document, (key) => ports.libraryCache.get(key));
     this.version = signal(this.machine.version);
     this.revision = signal(revision);
     this.status = signal<MachineStatus | null>({ summary, people: [] });
     this.steps = signal({ start: revision, steps: [] });
     this.people = computed(() => this.#others());
     const stops = [
-      ports.shelf.onArrival(() => this.#libraryChanged()),
-      ports.shelf.onLook(() => this.#soonProblems()),
+      ports.libraryCache.onArrival(() => this.#libraryChanged()),
+      ports.libraryCache.onLook(() => this.#soonProblems()),
     ];
     this.#deaf = () => {
       for (const stop of stops) stop();
@@ -150,7 +150,7 @@ export class OpenMachineSession implements MachineSession {
     if (!library) return;
     const key = libraryKey(library);
     try {
-      await this.#ports.shelf.load(key);
+      await this.#ports.libraryCache.load(key);
       this.#withoutContent.delete(key);
     } catch (error) {
       if (!(error instanceof RefusalError)) throw error;

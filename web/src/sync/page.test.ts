@@ -1,9 +1,9 @@
 import { describe, expect, it } from "vitest";
 import type { RunSummary, ServerStatus } from "../model/generated/protocol.ts";
 import { sketch } from "../model/sketch.ts";
+import { memoryStore } from "../store/local_store.ts";
 import { type Follower, RefusalError } from "../store/server.ts";
 import { FIRST_SETTINGS } from "../store/settings.ts";
-import { memoryShed } from "../store/shed.ts";
 import { twoTabs } from "../store/testing/two_tabs.ts";
 import { select } from "../store/view.ts";
 import { FakeClock } from "./fake_clock.ts";
@@ -15,7 +15,7 @@ const RUN = { id: "r", machine: FILE, started_ms: 1, phase: "finished" } as unkn
 const HOUSE: ServerStatus = { files_revision: 1, machines: [MACHINE], runs: [] };
 
 function setUp(
-  sheds = { own: memoryShed(), shared: memoryShed() },
+  sheds = { own: memoryStore(), shared: memoryStore() },
   runs: readonly RunSummary[] = [],
 ) {
   const server = new FakeServer(sketch("R hierarchy\n  A execution"));
@@ -87,8 +87,8 @@ describe("the page", () => {
 
   it("keeps what another tab of the browser has set meanwhile", async () => {
     const [one, two] = twoTabs();
-    const here = setUp({ own: memoryShed(), shared: one }).page;
-    const other = setUp({ own: memoryShed(), shared: two }).page;
+    const here = setUp({ own: memoryStore(), shared: one }).page;
+    const other = setUp({ own: memoryStore(), shared: two }).page;
     other.settings.value = { ...other.settings.value, theme: "light" };
     expect(here.settings.value.theme).toBe("light");
     await here.open(FILE);
@@ -106,7 +106,7 @@ describe("the page", () => {
     select(tab.view, [{ kind: "state", path: "R/A" }]);
     tab.view.camera.value = { x: 1, y: 2, scale: 3 };
     clock.pass(1_000);
-    const again = setUp({ own: memoryShed(), shared: sheds.shared }).page;
+    const again = setUp({ own: memoryStore(), shared: sheds.shared }).page;
     expect(again.isRestoring.value).toBe(true);
     await settle();
     expect(again.isRestoring.value).toBe(false);
@@ -149,12 +149,12 @@ describe("the page", () => {
     await page.open(FILE);
     clock.pass(1_000);
     expect(page.active.value).not.toBe(ran);
-    const again = setUp({ own: memoryShed(), shared: sheds.shared }, [RUN]).page;
+    const again = setUp({ own: memoryStore(), shared: sheds.shared }, [RUN]).page;
     await settle();
     expect(again.tabs.value.map(({ run }) => run.value?.id)).toEqual(["r", "r"]);
     expect(again.tabs.value.map(({ session }) => session.fixed !== null)).toEqual([false, true]);
     expect(again.active.value).toBe(again.tabs.value[0]);
-    const later = setUp({ own: memoryShed(), shared: sheds.shared }).page;
+    const later = setUp({ own: memoryStore(), shared: sheds.shared }).page;
     await settle();
     expect(later.tabs.value.map(({ run }) => run.value)).toEqual([null]);
   });

@@ -14,22 +14,22 @@ import { isSame } from "../model/json.ts";
 import { comparedRun } from "../store/compared_run.ts";
 import { drafts } from "../store/drafts.ts";
 import { followDrafts } from "../store/follow_drafts.ts";
+import { type LocalStore, memoryStore, shedOf } from "../store/local_store.ts";
 import { withNotice } from "../store/notices.ts";
 import type { Notice, OpenTab, Page, Settings } from "../store/page.ts";
 import type { Runs } from "../store/run.ts";
 import { RefusalError, type Server } from "../store/server.ts";
 import { followSettings, withRecent } from "../store/settings.ts";
-import { memoryShed, type Shed, shedOf } from "../store/shed.ts";
 import { type Clock, WALL_CLOCK } from "./clock.ts";
 import { connect } from "./connect.ts";
 import type { Address } from "./http.ts";
 import { newIds } from "./ids.ts";
+import { LibraryCache } from "./library_cache.ts";
 import { OpenMachineSession, type OpenMachineSessionPorts } from "./machine_session.ts";
 import { tellPresence } from "./presence.ts";
 import { RunMachineSession, runSessionId } from "./run_machine_session.ts";
 import { followRuns } from "./runs.ts";
 import { followSession } from "./session.ts";
-import { Shelf } from "./shelf.ts";
 import { newTabs } from "./tabs.ts";
 
 export interface PageOptions {
@@ -39,7 +39,7 @@ export interface PageOptions {
   readonly server?: Server;
   readonly clock?: Clock;
   /** Where settings and open machines are kept; left out: in the browser. */
-  readonly sheds?: { readonly own: Shed; readonly shared: Shed };
+  readonly sheds?: { readonly own: LocalStore; readonly shared: LocalStore };
 }
 
 /** The page, at work from now on. */
@@ -60,10 +60,10 @@ export function startPage(options: PageOptions = {}): Page {
       if (frame.frame === "server_status") serverStatus.value = frame.status;
     },
   });
-  const shelf = new Shelf(server.request);
-  const { projects, libraries } = followFiles(server, serverStatus, shelf);
+  const libraryCache = new LibraryCache(server.request);
+  const { projects, libraries } = followFiles(server, serverStatus, libraryCache);
   const settings = followSettings(sheds.shared);
-  const ports = { server, shelf, clock, newId: newIds(), tell };
+  const ports = { server, libraryCache, clock, newId: newIds(), tell };
   const runs = followRuns(ports, serverStatus, (run) => shownRuns(machines.tabs.peek()).has(run));
   const machines = openMachines(ports, settings, runs);
   const isRestoring = followSession({ ...ports, ...sheds, ...machines, runs, leaving });
@@ -73,8 +73,8 @@ export function startPage(options: PageOptions = {}): Page {
   return { server, ...known, runs, notices, settings, tell, ...machines };
 }
 
-function browserSheds(): { readonly own: Shed; readonly shared: Shed } {
-  if (typeof window === "undefined") return { own: memoryShed(), shared: memoryShed() };
+function browserSheds(): { readonly own: LocalStore; readonly shared: LocalStore } {
+  if (typeof window === "undefined") return { own: memoryStore(), shared: memoryStore() };
   return { own: shedOf(() => window.sessionStorage), shared: shedOf(() => window.localStorage) };
 }
 
@@ -89,7 +89,11 @@ function shownRuns(tabs: readonly OpenTab[]): ReadonlySet<string | null> {
 }
 
 /** Projects and libraries, asked for again when files have changed. */
-function followFiles(server: Server, serverStatus: Signal<ServerStatus | null>, shelf: Shelf) {
+function followFiles(
+  server: Server,
+  serverStatus: Signal<ServerStatus | null>,
+  libraryCache: LibraryCache,
+) {
   const projects = signal<readonly Project[]>([]);
   const libraries = signal<readonly LibraryRoot[]>([]);
   let known: number | null = null;
@@ -99,7 +103,7 @@ function followFiles(server: Server, serverStatus: Signal<ServerStatus | null>, 
         server.request<readonly Project[]>("GET", "/projects"),
         server.request<readonly LibraryRoot[]>("GET", "/libraries"),
       ]);
-      await shelf.refresh();
+      await libraryCache.refresh();
     } catch (error) {
       if (!(error instanceof RefusalError)) throw error;
       known = null;

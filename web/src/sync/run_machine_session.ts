@@ -15,7 +15,7 @@ import { OptimisticDocument, type TouchedPaths } from "../store/optimistic_docum
 import type { Runs, Watch } from "../store/run.ts";
 import { RefusalError, type Server } from "../store/server.ts";
 import type { Clock } from "./clock.ts";
-import { Shelf } from "./shelf.ts";
+import { LibraryCache } from "./library_cache.ts";
 
 interface Ports {
   readonly server: Server;
@@ -47,7 +47,7 @@ export class RunMachineSession implements MachineSession {
   readonly problems = signal<readonly MachineProblem[]>([]);
   readonly isChecked = signal(false);
   readonly check = () => Promise.resolve(null);
-  readonly #shelf: Shelf;
+  readonly #libraryCache: LibraryCache;
   readonly #listeners = new Set<(touched: TouchedPaths) => void>();
   readonly #stops: (() => void)[];
   readonly #ports: Ports;
@@ -67,16 +67,16 @@ export class RunMachineSession implements MachineSession {
     this.id = runSessionId(watch.id);
     this.#ports = ports;
     const run = encodeURIComponent(watch.id);
-    this.#shelf = new Shelf(ports.server.request, (key: LibraryKey) => {
+    this.#libraryCache = new LibraryCache(ports.server.request, (key: LibraryKey) => {
       const root = this.#root === null ? "" : `&root=${encodeURIComponent(this.#root)}`;
       return `/runs/${run}/machine?library=${encodeURIComponent(key)}${root}`;
     });
-    this.machine = new OptimisticDocument(document, (key) => this.#shelf.get(key));
+    this.machine = new OptimisticDocument(document, (key) => this.#libraryCache.get(key));
     const follow = effect(() => {
       const root = this.#wanted(watch);
       if (root !== null && root !== this.#root) void this.#goBy(root, runs, watch.id);
     });
-    this.#stops = [this.#shelf.onArrival(() => this.#libraryChanged()), follow];
+    this.#stops = [this.#libraryCache.onArrival(() => this.#libraryChanged()), follow];
   }
 
   onChange(listener: (touched: TouchedPaths) => void): () => void {
@@ -95,7 +95,7 @@ export class RunMachineSession implements MachineSession {
     const library = this.machine.state(path)?.library;
     if (!library) return;
     try {
-      await this.#shelf.load(libraryKey(library));
+      await this.#libraryCache.load(libraryKey(library));
     } catch (error) {
       if (!(error instanceof RefusalError)) throw error;
     }
@@ -125,7 +125,7 @@ export class RunMachineSession implements MachineSession {
     try {
       const document = await runs.get<Document>(run, `machine?root=${encodeURIComponent(root)}`);
       if (this.#root !== root || this.#isOver) return;
-      if (!isFirst) await this.#shelf.refresh();
+      if (!isFirst) await this.#libraryCache.refresh();
       this.machine.reset(document);
       this.#told();
     } catch (error) {

@@ -2,6 +2,7 @@
 
 import { effect, type Signal, signal } from "@preact/signals-core";
 import type { MachineFile } from "../model/generated/protocol.ts";
+import type { LocalStore } from "../store/local_store.ts";
 import type { OpenTab, Page } from "../store/page.ts";
 import type { Runs } from "../store/run.ts";
 import { forgetGone } from "../store/selection.ts";
@@ -14,16 +15,15 @@ import {
   type Session,
   sessionOf,
 } from "../store/session.ts";
-import type { Shed } from "../store/shed.ts";
 import type { Clock } from "./clock.ts";
 
 export interface SessionPorts {
   readonly server: Server;
   readonly clock: Clock;
   /** Of this tab of the browser. */
-  readonly own: Shed;
+  readonly own: LocalStore;
   /** Of the browser: for a new tab after a crash. */
-  readonly shared: Shed;
+  readonly shared: LocalStore;
   readonly tabs: Signal<readonly OpenTab[]>;
   readonly active: Signal<OpenTab | null>;
   /** `isBehind`: what is in front stays there. */
@@ -55,7 +55,7 @@ function keep({ clock, own, shared, tabs, active, leaving }: SessionPorts): void
   let opened: readonly OpenTab[] | null = null;
   const write = () => {
     cancel();
-    for (const shed of [own, shared]) keepSession(shed, session);
+    for (const localStore of [own, shared]) keepSession(localStore, session);
   };
   effect(() => {
     session = sessionOf(tabs.value, active.value);

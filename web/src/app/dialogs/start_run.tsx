@@ -7,10 +7,10 @@ import type { JsonValue, Keeping, OnCrash, PortDocument } from "../../model/gene
 import { portsOf } from "../../model/machine.ts";
 import { readInput } from "../../model/run_input.ts";
 import { shortType } from "../../model/types.ts";
+import { kept, shedOf } from "../../store/local_store.ts";
 import type { OpenTab } from "../../store/page.ts";
 import type { Start } from "../../store/run.ts";
 import { fileOfTab } from "../../store/running.ts";
-import { kept, shedOf } from "../../store/shed.ts";
 import { Button } from "../../ui/button.tsx";
 import { Dialog } from "../../ui/dialog.tsx";
 import { Checkbox, Select, TextField } from "../../ui/field.tsx";

@@ -1,11 +1,11 @@
 /** What two tabs of a browser keep together, for tests: what one puts, the other is told of at once. */
 
-import { memoryShed, type Shed } from "../shed.ts";
+import { type LocalStore, memoryStore } from "../local_store.ts";
 
-export function twoTabs(): readonly [Shed, Shed] {
-  const shared = memoryShed();
+export function twoTabs(): readonly [LocalStore, LocalStore] {
+  const shared = memoryStore();
   const listeners: [Map<string, () => void>, Map<string, () => void>] = [new Map(), new Map()];
-  const tab = (own: 0 | 1): Shed => ({
+  const tab = (own: 0 | 1): LocalStore => ({
     get: shared.get,
     put: (key, value) => {
       shared.put(key, value);

@@ -7,7 +7,7 @@ import { machineOf } from "../model/plain.ts";
 import type { LibraryKey } from "../store/graft.ts";
 import type { Server } from "../store/server.ts";
 
-interface Held {
+interface CachedLibrary {
   readonly document: Document;
   readonly machine: Machine;
 }
@@ -15,10 +15,10 @@ interface Held {
 /** Told when the content of a library is here, or is another one. */
 export type Arrived = (key: LibraryKey) => void;
 
-export class Shelf {
+export class LibraryCache {
   readonly #request: Server["request"];
   readonly #route: (key: LibraryKey) => string;
-  readonly #held = new Map<LibraryKey, Held>();
+  readonly #held = new Map<LibraryKey, CachedLibrary>();
   readonly #loading = new Map<LibraryKey, Promise<void>>();
   readonly #listeners = new Set<Arrived>();
   readonly #lookers = new Set<() => void>();

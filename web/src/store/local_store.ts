@@ -1,6 +1,6 @@
 /** Where the page keeps what is to outlive it. A browser that keeps nothing, or has no room, is no reason to fail. */
 
-export interface Shed {
+export interface LocalStore {
   /** What was put there as JSON; undefined if there is nothing. */
   readonly get: (key: string) => unknown;
   /** Puts it there; undefined removes it. */
@@ -10,13 +10,13 @@ export interface Shed {
 }
 
 /** What was kept, if it is an object. */
-export function kept<T extends object>(shed: Shed, key: string): T | undefined {
-  const value = shed.get(key);
+export function kept<T extends object>(localStore: LocalStore, key: string): T | undefined {
+  const value = localStore.get(key);
   return typeof value === "object" && value !== null ? (value as T) : undefined;
 }
 
 /** The storage of a browser. */
-export function shedOf(storage: () => Storage): Shed {
+export function shedOf(storage: () => Storage): LocalStore {
   return {
     get: (key) => {
       try {
@@ -42,7 +42,7 @@ export function shedOf(storage: () => Storage): Shed {
 }
 
 /** Kept as long as the program runs: for tests, and where there is no browser. */
-export function memoryShed(): Shed {
+export function memoryStore(): LocalStore {
   const texts = new Map<string, string>();
   return {
     get: (key) => JSON.parse(texts.get(key) ?? "null") ?? undefined,
