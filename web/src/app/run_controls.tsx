@@ -27,7 +27,7 @@ export function RunControls() {
   const { page } = useSession();
   const tab = useSignal(page.active);
   const isLive = useDerived(() => liveRun(page.active.value) !== null, [page]);
-  const isStill = useDerived(() => {
+  const isPaused = useDerived(() => {
     const status = snapshotOf(liveRun(page.active.value))?.status;
     return status === "paused" || status === "stepping";
   }, [page]);
@@ -38,7 +38,7 @@ export function RunControls() {
       <Start />
       {isLive && (
         <>
-          {isStill ? (
+          {isPaused ? (
             <RunButton id="run.resume" keysOf="run.toggle-pause" icon={<Play size={14} />}>
               Resume
             </RunButton>
@@ -50,7 +50,7 @@ export function RunControls() {
           <RunButton id="run.stop" icon={<Square size={13} />} className="run-stop">
             Stop
           </RunButton>
-          {isStill ? (
+          {isPaused ? (
             <Steps />
           ) : (
             <RunButton id="run.step-mode" icon={<Footprints size={14} />}>

@@ -2,7 +2,7 @@ import { signal } from "@preact/signals-core";
 import { expect, test } from "vitest";
 import { Flight, type Frames } from "./flight.ts";
 
-function clock(isStill: boolean): Frames & { readonly pass: (ms: number) => void } {
+function clock(prefersReducedMotion: boolean): Frames & { readonly pass: (ms: number) => void } {
   let now = 0;
   let next: (() => void) | null = null;
   return {
@@ -14,7 +14,7 @@ function clock(isStill: boolean): Frames & { readonly pass: (ms: number) => void
     drop: () => {
       next = null;
     },
-    isStill: () => isStill,
+    prefersReducedMotion: () => prefersReducedMotion,
     pass: (ms) => {
       now += ms;
       const frame = next;

@@ -10,7 +10,7 @@ export interface Frames {
   readonly request: (frame: () => void) => number;
   readonly drop: (request: number) => void;
   /** Whether the user wants things not to move. */
-  readonly isStill: () => boolean;
+  readonly prefersReducedMotion: () => boolean;
 }
 
 const DURATION_MS = 280;
@@ -34,7 +34,7 @@ export class Flight {
   to(goal: Camera): void {
     this.stop();
     this.#goal = goal;
-    if (this.#frames.isStill()) {
+    if (this.#frames.prefersReducedMotion()) {
       this.#camera.value = goal;
       this.#goal = null;
       return;
@@ -62,5 +62,5 @@ export const WINDOW_FRAMES: Frames = {
   now: () => performance.now(),
   request: (frame) => requestAnimationFrame(frame),
   drop: (request) => cancelAnimationFrame(request),
-  isStill: () => matchMedia("(prefers-reduced-motion: reduce)").matches,
+  prefersReducedMotion: () => matchMedia("(prefers-reduced-motion: reduce)").matches,
 };

@@ -167,12 +167,12 @@ function active({ tab }: Context): readonly Active[] {
 /** The selected state, if somebody may choose its outcome. */
 function forcible(context: Context): string | null {
   const path = anyOnlyState(context)?.path ?? null;
-  const isStill = active(context).some(
+  const isActive = active(context).some(
     (state) =>
       (state.path === path && state.phase !== "running" && state.phase !== "preempted") ||
       state.held.some(({ next }) => next === path),
   );
-  return isStill ? path : null;
+  return isActive ? path : null;
 }
 
 function outcomeChoices(context: Context): readonly Choice[] {

@@ -7,8 +7,8 @@ import { ABORTED } from "../../model/machine.ts";
 import { holdInWords } from "../../model/run_words.ts";
 import type { Watch } from "../../store/run.ts";
 import { pictureOf, type Standing, standingOf } from "../../store/standing.ts";
-import { usePaced } from "../../ui/paced.ts";
 import { useSignal } from "../../ui/signals.ts";
+import { useThrottled } from "../../ui/throttled.ts";
 import { useLater } from "../later.ts";
 import { growing, measured } from "../parts/duration.ts";
 import { useDetail } from "../parts/value/use_detail.ts";
@@ -50,7 +50,7 @@ export function GlobalsInRun({ inspected }: { inspected: InspectedState }) {
 function Globals({ inspected, watch }: { inspected: InspectedState; watch: Watch }) {
   useEffect(() => watch.wantValues(), [watch]);
   const signal = useMemo(() => computed(() => pictureOf(watch)?.globals ?? null), [watch]);
-  const globals = usePaced(signal, PACE_MS);
+  const globals = useThrottled(signal, PACE_MS);
   const count = Object.keys(globals ?? {}).length;
   if (!globals || count === 0) return null;
   return (
@@ -66,7 +66,7 @@ function OfRun({ inspected, watch }: { inspected: InspectedState; watch: Watch }
   const { path } = inspected;
   useEffect(() => watch.wantValues(), [watch]);
   const signal = useMemo(() => computed(() => standingOf(watch, path)), [watch, path]);
-  const standing = usePaced(signal, PACE_MS);
+  const standing = useThrottled(signal, PACE_MS);
   const { entered, left } = standing;
   const { runs } = inspected.page;
   const entry = useDetail(runs, watch.id, wanted(entered?.sequence, standing.inputs));

@@ -5,8 +5,8 @@ import type { StateKind } from "../../model/generated/protocol.ts";
 import { dataFlowsOf, type Machine, transitionsOf } from "../../model/machine.ts";
 import { KIND_WORDS } from "../../plan/legal.ts";
 import type { OpenTab } from "../../store/page.ts";
+import { useDebounced } from "../../ui/debounced.ts";
 import { TextField } from "../../ui/field.tsx";
-import { useSettled } from "../../ui/settled.ts";
 import { useSignal } from "../../ui/signals.ts";
 import { Description } from "./description.tsx";
 import { Drafts } from "./drafts.tsx";
@@ -67,7 +67,7 @@ export function MachineView({ inspected }: { inspected: InspectedState }) {
 const PATIENCE_MS = 200;
 
 function Counts({ tab: { session } }: { tab: OpenTab }) {
-  const version = useSettled(useSignal(session.version), PATIENCE_MS);
+  const version = useDebounced(useSignal(session.version), PATIENCE_MS);
   // biome-ignore lint/correctness/useExhaustiveDependencies: the machine stays the same object; its version tells of changes
   const counts = useMemo(() => countsOf(session.machine), [session, version]);
   const [states] = counts;

@@ -6,8 +6,8 @@ import { idOf } from "../../model/path.ts";
 import type { OpenTab, Page } from "../../store/page.ts";
 import type { Watch } from "../../store/run.ts";
 import { runLog } from "../../store/run_log.ts";
-import { usePaced } from "../../ui/paced.ts";
 import { useSignal } from "../../ui/signals.ts";
+import { useThrottled } from "../../ui/throttled.ts";
 import { type Entry, entryOf, isWanted, merged, type Source, type Wanted } from "./entries.ts";
 import { Sieve } from "./sieve.ts";
 
@@ -31,7 +31,7 @@ export function useRows(
   wanted: Wanted,
 ): Rows {
   const notices = useSignal(page.notices);
-  usePaced(watch?.grown ?? NEVER, PACE_MS);
+  useThrottled(watch?.grown ?? NEVER, PACE_MS);
   const nameOf = useCallback(
     (path: string) => tab?.session.machine.state(path)?.name ?? idOf(path),
     [tab],

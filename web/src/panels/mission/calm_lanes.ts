@@ -6,8 +6,8 @@ import { type Active, activeStates, lanes } from "../../store/active.ts";
 import { laterBy } from "../../store/later.ts";
 import type { Page } from "../../store/page.ts";
 import type { Watch } from "../../store/run.ts";
-import { usePaced } from "../../ui/paced.ts";
 import { useComputed } from "../../ui/signals.ts";
+import { useThrottled } from "../../ui/throttled.ts";
 import { inOrder } from "../parts/order.ts";
 
 /** A little less than a second, so that each second is told. */
@@ -31,7 +31,7 @@ export function useCalmLanes(page: Page, watch: Watch): CalmLanes {
       })),
     [page, watch, phases],
   );
-  return usePaced(told, PACE_MS);
+  return useThrottled(told, PACE_MS);
 }
 
 /** In which phase each branch is, and at which moment: another text is told at once. */

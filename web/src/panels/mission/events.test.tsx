@@ -3,8 +3,8 @@ import { act } from "react";
 import { afterEach, beforeEach, expect, test, vi } from "vitest";
 import type { Event } from "../../model/generated/protocol.ts";
 import { runLine, watched } from "../../store/testing/watched.ts";
+import { SLIP_MS } from "../../ui/confirm_press.ts";
 import { unmount } from "../../ui/mounted.tsx";
-import { SLIP_MS } from "../../ui/twice.ts";
 import { shown } from "../shown.tsx";
 import { Events } from "./events.tsx";
 

@@ -10,7 +10,7 @@ import type { Watch } from "../../store/run.ts";
 import { RefusalError } from "../../store/server.ts";
 import { Button } from "../../ui/button.tsx";
 import { useComputed, useSignal } from "../../ui/signals.ts";
-import { useStill } from "../../ui/still.ts";
+import { useStableFor } from "../../ui/stable_for.ts";
 import { useCommand, useHost } from "../context.tsx";
 import { growing } from "../parts/duration.ts";
 import { reveal } from "../reveal.ts";
@@ -31,7 +31,7 @@ export function Events({ watch }: { readonly watch: Watch }) {
   // What one acknowledges oneself is meant to make room for the next.
   const newest = shown.slice(-SHOWN_MAX).reverse();
   // A line that counts on stays where it is: only another line could come under the pointer.
-  const isStill = useStill(String(all.at(-1)?.first));
+  const isUnmoved = useStableFor(String(all.at(-1)?.first));
   return (
     <section className="mission-part mission-events" aria-label="Events to acknowledge">
       <div className="mission-part-head">
@@ -67,7 +67,7 @@ export function Events({ watch }: { readonly watch: Watch }) {
             watch={watch}
             names={names}
             isDone={done.has(failure.sequence)}
-            isStill={isStill}
+            isUnmoved={isUnmoved}
           />
         ))}
       </ul>
@@ -88,7 +88,7 @@ interface LineProps {
   readonly watch: Watch;
   readonly names: Names;
   readonly isDone: boolean;
-  readonly isStill: boolean;
+  readonly isUnmoved: boolean;
 }
 
 const SIGNS: Readonly<Record<Failure["level"], LucideIcon>> = {
@@ -96,7 +96,7 @@ const SIGNS: Readonly<Record<Failure["level"], LucideIcon>> = {
   error: CircleX,
 };
 
-function Line({ failure, watch, names, isDone, isStill }: LineProps) {
+function Line({ failure, watch, names, isDone, isUnmoved }: LineProps) {
   const host = useHost();
   const run = useCommand();
   const { level, kind, path, reach, count, t_ns, sequence } = failure;
@@ -136,7 +136,7 @@ function Line({ failure, watch, names, isDone, isStill }: LineProps) {
       {isDone ? (
         <span className="mission-soft">seen</span>
       ) : (
-        <Button disabled={!isStill} onClick={() => run("mission.acknowledge", sequence)}>
+        <Button disabled={!isUnmoved} onClick={() => run("mission.acknowledge", sequence)}>
           Acknowledge
         </Button>
       )}

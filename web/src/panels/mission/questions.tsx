@@ -4,7 +4,7 @@ import { byUrgency } from "../../store/question_time.ts";
 import { askedQuestions, type Closed, openQuestions } from "../../store/questions.ts";
 import type { Watch } from "../../store/run.ts";
 import { useComputed, useSignal } from "../../ui/signals.ts";
-import { useStill } from "../../ui/still.ts";
+import { useStableFor } from "../../ui/stable_for.ts";
 import { answerInWords } from "../parts/answer.ts";
 import { QuestionForm } from "../parts/question.tsx";
 import { pathInWords, useMachineNames } from "./names.ts";
@@ -18,7 +18,7 @@ export function Questions({ watch }: { readonly watch: Watch }) {
   const { closed } = useSignal(askedQuestions(watch));
   const names = useMachineNames();
   const isOpen = new Set(open.map(({ id }) => id));
-  const isStill = useStill(open.map(({ id }) => id).join(" "));
+  const isUnmoved = useStableFor(open.map(({ id }) => id).join(" "));
   const ended = closed.filter(({ question }) => !isOpen.has(question.id)).slice(0, CLOSED_SHOWN);
   if (open.length === 0 && ended.length === 0) return null;
   return (
@@ -28,7 +28,7 @@ export function Questions({ watch }: { readonly watch: Watch }) {
           key={question.id}
           watch={watch}
           question={question}
-          isStill={isStill}
+          isUnmoved={isUnmoved}
           asker={pathInWords(names, question.path)}
         />
       ))}

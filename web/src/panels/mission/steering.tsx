@@ -5,8 +5,8 @@ import type { MouseEvent, ReactNode } from "react";
 import { refusalOf } from "../../commands/command.ts";
 import { SURE } from "../../commands/run.ts";
 import type { Watch } from "../../store/run.ts";
+import { useConfirmPress } from "../../ui/confirm_press.ts";
 import { useComputed } from "../../ui/signals.ts";
-import { useTwice } from "../../ui/twice.ts";
 import { useCommand, useHost } from "../context.tsx";
 
 export function Steering() {
@@ -73,7 +73,7 @@ function Twice({
   className,
   onSure,
 }: PressProps & { readonly className: string; readonly onSure: () => void }) {
-  const { asks, press } = useTwice(onSure);
+  const { asks, press } = useConfirmPress(onSure);
   return (
     <Large
       className={`${className} ${asks ? "mission-asks" : ""}`}

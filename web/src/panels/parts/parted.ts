@@ -37,14 +37,14 @@ export async function compareNow(page: Page, watch: Watch): Promise<void> {
     return;
   }
   if (compared.peek()?.other !== other) compared.value = { other, comparison: null, refusal: null };
-  const isStill = () => comparedRun(watch).peek() === other;
+  const isCurrent = () => comparedRun(watch).peek() === other;
   try {
     const what = `compare/${encodeURIComponent(other)}`;
     const comparison = await page.runs.get<Comparison>(watch.id, what);
-    if (isStill()) compared.value = { other, comparison, refusal: null };
+    if (isCurrent()) compared.value = { other, comparison, refusal: null };
   } catch (error) {
     if (!(error instanceof RefusalError)) throw error;
-    if (isStill()) compared.value = { other, comparison: null, refusal: error.message };
+    if (isCurrent()) compared.value = { other, comparison: null, refusal: error.message };
   }
 }
 

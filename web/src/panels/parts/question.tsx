@@ -31,10 +31,10 @@ export interface QuestionFormProps {
   /** Who asks, in words. */
   readonly asker: string;
   /** Whether it has stood where it is for so long that a press on it can be meant. */
-  readonly isStill: boolean;
+  readonly isUnmoved: boolean;
 }
 
-export function QuestionForm({ watch, question, asker, isStill }: QuestionFormProps) {
+export function QuestionForm({ watch, question, asker, isUnmoved }: QuestionFormProps) {
   const { commands, context } = useHost();
   const run = useCommand();
   const [filled, setFilled] = useState<Filled>(() => firstFilled(question.form));
@@ -71,7 +71,7 @@ export function QuestionForm({ watch, question, asker, isStill }: QuestionFormPr
             // biome-ignore lint/suspicious/noArrayIndexKey: a button is its place
             key={button}
             kind={button === 0 ? "primary" : "plain"}
-            disabled={!isStill || refusal !== null || isSent || (button === 0 && fault !== null)}
+            disabled={!isUnmoved || refusal !== null || isSent || (button === 0 && fault !== null)}
             title={refusal ? `Answer: ${refusal}` : undefined}
             onClick={() => press(button)}
           >

@@ -10,7 +10,7 @@ import { pictureOf, standingOf } from "../../../store/standing.ts";
 import { valueIn } from "../../../store/value_history.ts";
 import { visitsOf } from "../../../store/visits.ts";
 import type { Target } from "../../../store/watched_values.ts";
-import { usePaced } from "../../../ui/paced.ts";
+import { useThrottled } from "../../../ui/throttled.ts";
 import { type Detailed, useDetail } from "./use_detail.ts";
 
 const PACE_MS = 200;
@@ -29,7 +29,7 @@ type Found = ValueNow | { readonly state: "event"; readonly sequence: number };
 export function useValue(page: Page, tab: OpenTab, watch: Watch, target: Target): ValueNow {
   useEffect(() => watch.wantValues(), [watch]);
   const signal = useMemo(() => computed(() => find(tab, watch, target)), [tab, watch, target]);
-  const found = usePaced(signal, PACE_MS);
+  const found = useThrottled(signal, PACE_MS);
   const asked = useDetail(page.runs, watch.id, found.state === "event" ? found.sequence : null);
   return found.state === "event" ? told(asked, target) : found;
 }

@@ -3,7 +3,7 @@
 import type { ReadonlySignal } from "@preact/signals-core";
 import { useEffect, useState } from "react";
 
-export function usePaced<T>(signal: ReadonlySignal<T>, pace_ms: number): T {
+export function useThrottled<T>(signal: ReadonlySignal<T>, pace_ms: number): T {
   const [value, setValue] = useState(() => signal.peek());
   useEffect(() => {
     let timer: ReturnType<typeof setTimeout> | undefined;

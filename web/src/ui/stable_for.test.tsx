@@ -1,9 +1,9 @@
 // @vitest-environment happy-dom
 import { act } from "react";
 import { afterEach, beforeEach, expect, test, vi } from "vitest";
+import { SLIP_MS } from "./confirm_press.ts";
 import { draw, mount, unmount } from "./mounted.tsx";
-import { useStill } from "./still.ts";
-import { SLIP_MS } from "./twice.ts";
+import { useStableFor } from "./stable_for.ts";
 
 beforeEach(() => void vi.useFakeTimers());
 afterEach(() => {
@@ -12,7 +12,7 @@ afterEach(() => {
 });
 
 function Moving({ at }: { readonly at: string }) {
-  return <button type="button" disabled={!useStill(at)} />;
+  return <button type="button" disabled={!useStableFor(at)} />;
 }
 
 test("a button that has moved waits until a press on it can be meant", () => {

@@ -2,7 +2,7 @@
 
 import { useEffect, useState } from "react";
 
-export function useSettled<T>(value: T, patience_ms: number): T {
+export function useDebounced<T>(value: T, patience_ms: number): T {
   const [settled, setSettled] = useState(value);
   useEffect(() => {
     const timer = setTimeout(() => setSettled(value), patience_ms);

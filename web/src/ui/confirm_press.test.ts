@@ -1,9 +1,9 @@
 import { expect, test } from "vitest";
-import { type Asked, pressed, QUIET, SLIP_MS } from "./twice.ts";
+import { type ConfirmState, pressed, QUIET, SLIP_MS } from "./confirm_press.ts";
 
 /** What presses at these times do, one after the other: ask, count as the answer, or nothing. */
 function check(...times: readonly number[]): string {
-  let asked: Asked = QUIET;
+  let asked: ConfirmState = QUIET;
   const done = times.map((at) => {
     const before = asked;
     asked = pressed(before, at);

@@ -10,15 +10,15 @@ export const SLIP_MS = 400;
 const AGAIN_MS = 3_000;
 
 /** Since when the question is to be seen, or when the last press of an answer came; times in milliseconds, of one clock. */
-export type Asked =
+export type ConfirmState =
   | { readonly is: "quiet" }
   | { readonly is: "asking"; readonly shown_ms: number }
   | { readonly is: "answered"; readonly pressed_ms: number };
 
-export const QUIET: Asked = { is: "quiet" };
+export const QUIET: ConfirmState = { is: "quiet" };
 
 /** What a press makes of it. */
-export function pressed(asked: Asked, now_ms: number): Asked {
+export function pressed(asked: ConfirmState, now_ms: number): ConfirmState {
   if (asked.is === "asking" && now_ms - asked.shown_ms < SLIP_MS) return asked;
   if (asked.is === "asking") return { is: "answered", pressed_ms: now_ms };
   if (asked.is === "answered" && now_ms - asked.pressed_ms < SLIP_MS) {
@@ -28,11 +28,11 @@ export function pressed(asked: Asked, now_ms: number): Asked {
 }
 
 /** Whether the question stands, and what the button does when it is pressed. */
-export function useTwice(onSure: () => void): {
+export function useConfirmPress(onSure: () => void): {
   readonly asks: boolean;
   readonly press: (event: Pick<MouseEvent, "timeStamp">) => void;
 } {
-  const asked = useRef<Asked>(QUIET);
+  const asked = useRef<ConfirmState>(QUIET);
   const [asks, setAsks] = useState(false);
   useEffect(() => {
     if (!asks) return;
