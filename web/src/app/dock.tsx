@@ -30,13 +30,13 @@ import { useSignal } from "../ui/signals.ts";
 import { Centre } from "./centre.tsx";
 import { listenToClipboard } from "./clipboard_events.ts";
 import { DockControl } from "./dock_control.ts";
+import { initialLayout, takeAsked } from "./initial_layout.ts";
 import { listenToKeys } from "./keyboard.ts";
 import { NARROW, SMALL } from "./mission_place.ts";
 import { PanelGuard } from "./panel_guard.tsx";
 import { PANELS, panelOf } from "./panels.tsx";
 import { useDerived, useSession } from "./provided.tsx";
 import { wearTheme } from "./theme.ts";
-import { takeAsked, wantedLayout } from "./wanted_layout.ts";
 
 const THEME = { ...themeAbyss, name: "rafcon", className: "dockview-theme-rafcon", gap: 0 };
 
@@ -53,7 +53,7 @@ export function Dock() {
     const small = window.matchMedia(SMALL);
     const fold = () => control.fold(small.matches);
     control.stack(narrow.matches);
-    control.restore(wantedLayout(session.page));
+    control.restore(initialLayout(session.page));
     session.dock.value = control;
     const stack = () => {
       if (control.stack(narrow.matches)) session.context().shell.overview();

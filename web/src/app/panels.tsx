@@ -42,7 +42,7 @@ import { Statistics } from "../panels/statistics/statistics.tsx";
 import { Timeline } from "../panels/timeline/timeline.tsx";
 import { StateTree } from "../panels/tree/tree.tsx";
 import { Watches } from "../panels/watches/watches.tsx";
-import { countWanting } from "../store/acknowledged.ts";
+import { countUnacknowledged } from "../store/acknowledged.ts";
 import { breakpointsOf } from "../store/breakpoints.ts";
 import type { OpenTab } from "../store/page.ts";
 
@@ -98,7 +98,7 @@ export const PANELS: readonly Panel[] = [
     icon: Radar,
     component: Mission,
     side: "left",
-    count: (tab) => countWanting(tab?.run.value ?? null),
+    count: (tab) => countUnacknowledged(tab?.run.value ?? null),
   },
   { id: "statistics", title: "Statistics", icon: ChartBar, component: Statistics, side: "bottom" },
   { id: "log", title: "Log", icon: ScrollText, component: Log, side: "bottom" },

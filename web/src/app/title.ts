@@ -3,7 +3,7 @@
 import { effect } from "@preact/signals-core";
 import { isChanged } from "../commands/save.ts";
 import { type RunWord, runStand } from "../model/run_words.ts";
-import { countWanting } from "../store/acknowledged.ts";
+import { countUnacknowledged } from "../store/acknowledged.ts";
 import type { Page } from "../store/page.ts";
 import type { Watch } from "../store/run.ts";
 
@@ -29,7 +29,7 @@ function signOf(watch: Watch | null): string {
   const now = watch?.now.value;
   const sign = now ? SIGNS[runStand(now).word] : undefined;
   if (!sign) return "";
-  return countWanting(watch) > 0 ? "❗ " : sign;
+  return countUnacknowledged(watch) > 0 ? "❗ " : sign;
 }
 
 export function keepTitle(page: Page, sheet: Document): () => void {

@@ -3,6 +3,7 @@
 import { PanelBottom, PanelLeft, PanelRight, Search } from "lucide-react";
 import { IconButton } from "../ui/button.tsx";
 import { useSignal } from "../ui/signals.ts";
+import { AttentionButtons } from "./attention_buttons.tsx";
 import { useShownKey } from "./keys_shown.ts";
 import { LinkState } from "./link_state.tsx";
 import { MachineTabs } from "./machine_tabs.tsx";
@@ -11,7 +12,6 @@ import { NoticeBell } from "./notice_centre.tsx";
 import { People } from "./people.tsx";
 import { useDerived, useSession } from "./provided.tsx";
 import { RunControls } from "./run_controls.tsx";
-import { Wanting } from "./wanting.tsx";
 import "./top_bar.css";
 
 export function TopBar() {
@@ -32,7 +32,7 @@ export function TopBar() {
           <kbd>{shown("help.palette")}</kbd>
         </button>
         <div className="top-end">
-          <Wanting />
+          <AttentionButtons />
           <NoticeBell />
           <Sides />
           <LinkState />

@@ -2,7 +2,7 @@
 
 import type { Box, Point, Size } from "../model/geometry.ts";
 import type { Grid } from "./grid.ts";
-import type { Wanted } from "./route.ts";
+import type { RouteRequest } from "./route.ts";
 
 /** A straight piece of a line that stands or lies, as far as it goes. */
 interface Piece {
@@ -81,7 +81,7 @@ export class Lanes {
   }
 
   /** What a way costs for what it meets; less than nothing where it shares a way; anything from `enough` on if no less. */
-  penalty(points: readonly Point[], line: Wanted, enough: number): number {
+  penalty(points: readonly Point[], line: RouteRequest, enough: number): number {
     let cost = 0;
     for (let index = 0; index + 1 < points.length; index++) {
       const [one, other] = [points[index], points[index + 1]];
@@ -92,7 +92,7 @@ export class Lanes {
     return cost;
   }
 
-  #pieceCost(one: Point, other: Point, index: number, count: number, line: Wanted): number {
+  #pieceCost(one: Point, other: Point, index: number, count: number, line: RouteRequest): number {
     const length = Math.abs(one.x - other.x) + Math.abs(one.y - other.y);
     const lying = one.y === other.y;
     const at = lying ? one.y : one.x;
@@ -148,7 +148,7 @@ export class Lanes {
 
   /** Columns and rows through which a way may lead, those that make it short first. */
   channels(
-    line: Wanted,
+    line: RouteRequest,
     from: Point,
     to: Point,
   ): { readonly columns: readonly number[]; readonly rows: readonly number[] } {
@@ -169,7 +169,7 @@ export class Lanes {
   }
 
   /** Boxes around and between the ends. */
-  #near(line: Wanted, from: Point, to: Point): readonly number[] {
+  #near(line: RouteRequest, from: Point, to: Point): readonly number[] {
     const area = {
       x: Math.min(from.x, to.x) - this.pace,
       y: Math.min(from.y, to.y) - this.pace,

@@ -11,7 +11,7 @@ import { type PortPlace, waypointsOf } from "../model/layout_reader.ts";
 import { dataFlowsOf, transitionsOf } from "../model/machine.ts";
 import { childPath, idOf } from "../model/path.ts";
 import type { LayoutNode } from "./layout_node.ts";
-import type { End, Routed, Wanted } from "./route.ts";
+import type { End, Routed, RouteRequest } from "./route.ts";
 
 /** What the machine says of a connection. */
 export interface Source {
@@ -20,7 +20,7 @@ export interface Source {
 }
 
 /** A connection whose ends are known. */
-export interface Joined extends Wanted, Source {
+export interface Joined extends RouteRequest, Source {
   readonly id: number;
   readonly key: ElementKey;
   /** The ports that it joins. */

@@ -14,7 +14,7 @@ export interface End {
   readonly box: number;
 }
 
-export interface Wanted {
+export interface RouteRequest {
   readonly from: string;
   /** Lines to the same target may share a way. */
   readonly to: string;
@@ -35,7 +35,7 @@ export interface Routed {
 }
 
 /** The lines in the order in which they look for their ways: those with waypoints, and then short ones first. */
-export function nearFirst<T extends Wanted>(lines: readonly T[]): readonly T[] {
+export function nearFirst<T extends RouteRequest>(lines: readonly T[]): readonly T[] {
   return lines
     .map((line, index) => ({ line, index, far: reach(line) }))
     .sort((one, other) => one.far - other.far || one.index - other.index)
@@ -43,19 +43,19 @@ export function nearFirst<T extends Wanted>(lines: readonly T[]): readonly T[] {
 }
 
 /** The way of a line beside those that are taken; it is taken itself from now on. */
-export function routed(line: Wanted, lanes: Lanes): Routed {
+export function routed(line: RouteRequest, lanes: Lanes): Routed {
   const way = line.by.length > 0 ? overWaypoints(line, lanes.pace) : cheapest(line, lanes);
   lanes.take(way.points, line.to);
   return way;
 }
 
-function reach({ start, goal, by }: Wanted): number {
+function reach({ start, goal, by }: RouteRequest): number {
   const far = Math.abs(start.at.x - goal.at.x) + Math.abs(start.at.y - goal.at.y);
   return by.length > 0 ? far - 1e9 : far;
 }
 
 /** As the reference draws it: straight from point to point, with short pieces out of the ports. */
-function overWaypoints({ start, goal, by }: Wanted, pace: number): Routed {
+function overWaypoints({ start, goal, by }: RouteRequest, pace: number): Routed {
   const [first = goal.at, last = start.at] = [by[0], by.at(-1)];
   const out = stub(start, Math.min(pace, distance(start.at, first) / 2));
   const into = stub(goal, Math.min(pace, distance(goal.at, last) / 2));
@@ -73,7 +73,7 @@ function stub({ at, out }: End, length: number): Point {
 }
 
 /** A likely shape that costs nothing but its length is taken at once; else all channels are tried that are not too far off. */
-function cheapest(line: Wanted, lanes: Lanes): Routed {
+function cheapest(line: RouteRequest, lanes: Lanes): Routed {
   const short = Math.min(lanes.pace, distance(line.start.at, line.goal.at) / 3);
   const [from, to] = [stub(line.start, short), stub(line.goal, short)];
   const best = new Best(line, from, to, lanes);
@@ -99,14 +99,14 @@ class Best {
   points: readonly Point[] = [];
   isFree = false;
   #cost = Infinity;
-  readonly #line: Wanted;
+  readonly #line: RouteRequest;
   readonly #from: Point;
   readonly #to: Point;
   readonly #lanes: Lanes;
   /** How little of its length a way may cost, if it can be shared. */
   readonly #share: number;
 
-  constructor(line: Wanted, from: Point, to: Point, lanes: Lanes) {
+  constructor(line: RouteRequest, from: Point, to: Point, lanes: Lanes) {
     this.#line = line;
     this.#from = from;
     this.#to = to;

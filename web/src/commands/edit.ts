@@ -9,8 +9,8 @@ import { duplicate, pasteClip } from "../plan/clipboard.ts";
 import { isRefused } from "../plan/plan.ts";
 import { renameOutcome, renamePort } from "../plan/ports.ts";
 import { removeElements } from "../plan/states.ts";
+import { searchRevealRequest } from "../store/search_reveal_request.ts";
 import { select, selected } from "../store/view.ts";
-import { wantedSearch } from "../store/wanted_search.ts";
 import { copyElements, NOTHING_COPIED, read, transferOf } from "./clipboard.ts";
 import type { Command, Context } from "./command.ts";
 import { perform } from "./perform.ts";
@@ -154,7 +154,7 @@ export const EDIT: readonly Command[] = [
     enabled: ({ tab }) => tab !== null,
     run: ({ shell }) => {
       shell.showPanel("search");
-      wantedSearch.value += 1;
+      searchRevealRequest.value += 1;
     },
   },
 ];

@@ -1,8 +1,8 @@
 /** From a library state to its library: as a machine of its own, and in the panel of libraries. */
 
 import type { LibraryName } from "../model/generated/protocol.ts";
+import { libraryRevealRequest } from "../store/library_reveal_request.ts";
 import type { Page } from "../store/page.ts";
-import { wantedLibrary } from "../store/wanted_library.ts";
 import type { Context } from "./command.ts";
 import { libraryAround } from "./subject.ts";
 
@@ -25,7 +25,7 @@ export function showLibrary(context: Context): void {
     context.page.tell({ level: "warning", text });
     return;
   }
-  wantedLibrary.value = { path, name };
+  libraryRevealRequest.value = { path, name };
   context.shell.showPanel("libraries");
 }
 

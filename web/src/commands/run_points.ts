@@ -83,8 +83,8 @@ export const RUN_POINTS: readonly Command[] = [
     menu: "Run/4/Selected state",
     refusal: (context, argument) => {
       const wanted = pathFor(context, argument);
-      const isActive = active(context).some(({ path }) => path === wanted);
-      return cannotCommand(context) ?? (isActive ? null : "select a state that is active");
+      const isForcible = active(context).some(({ path }) => path === wanted);
+      return cannotCommand(context) ?? (isForcible ? null : "select a state that is active");
     },
     run: async (context, argument) => {
       const path = pathFor(context, argument);
@@ -167,12 +167,12 @@ function active({ tab }: Context): readonly Active[] {
 /** The selected state, if somebody may choose its outcome. */
 function forcible(context: Context): string | null {
   const path = anyOnlyState(context)?.path ?? null;
-  const isActive = active(context).some(
+  const isForcible = active(context).some(
     (state) =>
       (state.path === path && state.phase !== "running" && state.phase !== "preempted") ||
       state.held.some(({ next }) => next === path),
   );
-  return isActive ? path : null;
+  return isForcible ? path : null;
 }
 
 function outcomeChoices(context: Context): readonly Choice[] {

@@ -195,7 +195,7 @@ interface Copied {
 }
 
 /** Where copies are wanted; left out: near where the originals stand. */
-interface Wanted {
+interface PastePlace {
   readonly middle?: Point | undefined;
   readonly corner?: Point | undefined;
 }
@@ -204,7 +204,7 @@ function pasted(
   machine: Machine,
   container: string,
   { selection, ways }: Copied,
-  wanted: Wanted,
+  pastePlace: PastePlace,
   verb: string,
 ): Planned {
   const target = containerAt(machine, container);
@@ -212,7 +212,7 @@ function pasted(
   const copies = separate(selection.states ?? []);
   const old = copies.map(([first]) => first?.path ?? "");
   const ids = arrivingIds(machine, container, old);
-  const placement = placementFor(machine, container, copies, wanted);
+  const placement = placementFor(machine, container, copies, pastePlace);
   const states = placement
     ? copies.flatMap((copy, index) => into(copy, index, placement))
     : copies.flat();
@@ -256,7 +256,7 @@ function placementFor(
   machine: Machine,
   container: string,
   copies: readonly StateDocument[][],
-  wanted: Wanted,
+  pastePlace: PastePlace,
 ): Placement | null {
   const bounds = boundsOf(
     copies.flatMap(([first], index) => (first ? drawnBox(first, index) : [])),
@@ -271,9 +271,9 @@ function placementFor(
   const whole = { width: bounds.width * factor, height: bounds.height * factor };
   const taken = [...childBoxes(machine, container).values()];
   const first = { ...bounds, ...whole };
-  const { middle } = wanted;
+  const { middle } = pastePlace;
   const corner = middle && { x: middle.x - whole.width / 2, y: middle.y - whole.height / 2 };
-  const at = corner ?? wanted.corner ?? besides(inside(first, size), first, taken);
+  const at = corner ?? pastePlace.corner ?? besides(inside(first, size), first, taken);
   return { from: bounds, to: inside({ ...whole, ...at }, size), factor };
 }
 

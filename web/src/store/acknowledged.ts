@@ -35,7 +35,7 @@ export function openFailures(watch: Known): ReadonlySignal<readonly Failure[]> {
 }
 
 /** How many things of a run want a human: questions, decisions and failures. */
-export function countWanting(watch: Watch | null): number {
+export function countUnacknowledged(watch: Watch | null): number {
   if (!watch) return 0;
   return openQuestions(watch).length + openDecisions(watch) + openFailures(watch).value.length;
 }

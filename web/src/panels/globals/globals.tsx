@@ -6,7 +6,7 @@ import { type GlobalUse, type GlobalVariable, globalsOf } from "../../model/glob
 import { type Machine, namesTo } from "../../model/machine.ts";
 import type { OpenTab } from "../../store/page.ts";
 import { mayEdit } from "../../store/rights.ts";
-import { wantedLine } from "../../store/script_line.ts";
+import { scriptLineRevealRequest } from "../../store/script_line_reveal_request.ts";
 import { select } from "../../store/view.ts";
 import { IconButton } from "../../ui/button.tsx";
 import { Empty } from "../../ui/empty.tsx";
@@ -133,7 +133,7 @@ function Variables({ tab, variables, chosen, onChoose, onRename }: VariablesProp
     if (!use) return;
     select(tab.view, [{ kind: "state", path: use.path }]);
     host.context().canvas?.reveal({ kind: "state", path: use.path });
-    if (use.line !== null) wantedLine.value = { path: use.path, line: use.line };
+    if (use.line !== null) scriptLineRevealRequest.value = { path: use.path, line: use.line };
   };
   const expand = ({ id }: Node, open: boolean) => {
     const next = new Set(expanded);

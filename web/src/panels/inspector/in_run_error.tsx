@@ -6,7 +6,7 @@ import { ABORTED } from "../../model/machine.ts";
 import { shortValue } from "../../model/short_value.ts";
 import { type Failure, failureAt } from "../../store/failure.ts";
 import type { Watch } from "../../store/run.ts";
-import { wantedLine } from "../../store/script_line.ts";
+import { scriptLineRevealRequest } from "../../store/script_line_reveal_request.ts";
 import type { End } from "../../store/standing.ts";
 import { visitsOf } from "../../store/visits.ts";
 import { Button } from "../../ui/button.tsx";
@@ -62,7 +62,7 @@ function Place({
   const show = () => {
     if (!own) return;
     inspected.show({ kind: "state", path });
-    wantedLine.value = { path, line: own.line };
+    scriptLineRevealRequest.value = { path, line: own.line };
   };
   return (
     <>

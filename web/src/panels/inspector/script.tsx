@@ -6,7 +6,7 @@ import { globalsOf } from "../../model/globals.ts";
 import { outcomesOf, portsOf } from "../../model/machine.ts";
 import { setScript } from "../../plan/states.ts";
 import { type DraftPlace, drafts } from "../../store/drafts.ts";
-import { wantedLine } from "../../store/script_line.ts";
+import { scriptLineRevealRequest } from "../../store/script_line_reveal_request.ts";
 import { Button } from "../../ui/button.tsx";
 import { useSignal } from "../../ui/signals.ts";
 import type { ScriptNames } from "./code/complete.ts";
@@ -115,11 +115,11 @@ function Code({ inspected, text, onType, onApply }: CodeProps) {
   }, [check]);
   useEffect(() => editor.current?.put(text), [text]);
   useEffect(() => editor.current?.setReadOnly(inspected.readOnly), [inspected.readOnly]);
-  const wanted = useSignal(wantedLine);
+  const wanted = useSignal(scriptLineRevealRequest);
   useEffect(() => {
     if (wanted?.path !== inspected.path) return;
     editor.current?.goTo(wanted.line);
-    wantedLine.value = null;
+    scriptLineRevealRequest.value = null;
   }, [wanted, inspected.path]);
   const height = useRef(heightOf(text));
   return <div ref={place} className="inspector-code" style={{ height: height.current }} />;

@@ -7,7 +7,7 @@ import type { LibraryName } from "../../model/generated/protocol.ts";
 import type { Point } from "../../model/geometry.ts";
 import { lineage } from "../../model/path.ts";
 import { DRAGGED_TYPE, type Dragged, dragged } from "../../store/dragged.ts";
-import { wantedLibrary } from "../../store/wanted_library.ts";
+import { libraryRevealRequest } from "../../store/library_reveal_request.ts";
 import { IconButton } from "../../ui/button.tsx";
 import { Empty } from "../../ui/empty.tsx";
 import { TextField } from "../../ui/field.tsx";
@@ -39,7 +39,7 @@ export function Libraries() {
   const [menu, setMenu] = useState<Menu | null>(null);
   const [open, setOpen] = useState<ReadonlySet<string> | null>(null);
   const nodes = useMemo(() => nodesOf(roots), [roots]);
-  const wanted = useSignal(wantedLibrary);
+  const wanted = useSignal(libraryRevealRequest);
   useEffect(() => {
     if (!wanted) return;
     setQuery("");

@@ -22,7 +22,7 @@ export interface Entry {
 export const SOURCES = ["both", "run", "page"] as const;
 export type Source = (typeof SOURCES)[number];
 
-export interface Wanted {
+export interface LogQuery {
   /** They matter at least so much. */
   readonly least: LogLevel;
   /** They have this text, or their state has it in its name, whatever the case. */
@@ -48,7 +48,7 @@ export const LEVELS: readonly LogLevel[] = ["verbose", "debug", "info", "warning
 /** Whether a line is wanted; `nameOf` tells the names of states. */
 export function isWanted(
   { level, text, line, about }: Entry,
-  { least, query, states }: Wanted,
+  { least, query, states }: LogQuery,
   nameOf: (path: string) => string,
 ): boolean {
   if (LEVELS.indexOf(level) < LEVELS.indexOf(least)) return false;

@@ -7,7 +7,7 @@ import type { ElementRef } from "../../model/element.ts";
 import { type OpenTab, type Page, runOf } from "../../store/page.ts";
 import type { Watch } from "../../store/run.ts";
 import { runLog } from "../../store/run_log.ts";
-import { wantedLine } from "../../store/script_line.ts";
+import { scriptLineRevealRequest } from "../../store/script_line_reveal_request.ts";
 import { RefusalError } from "../../store/server.ts";
 import { selectedStates } from "../../store/view.ts";
 import { Button } from "../../ui/button.tsx";
@@ -19,7 +19,7 @@ import { goTo } from "../go_to.ts";
 import { preciseMoment } from "../moment.ts";
 import { reveal } from "../reveal.ts";
 import { ChosenLine } from "./chosen_line.tsx";
-import { type Entry, inOneLine, type Wanted } from "./entries.ts";
+import { type Entry, inOneLine, type LogQuery } from "./entries.ts";
 import { FIRST_FILTER, LogBar } from "./log_bar.tsx";
 import { useRows } from "./rows.ts";
 import "./log.css";
@@ -34,8 +34,8 @@ export function Log() {
   const [filter, setFilter] = useState(FIRST_FILTER);
   const [chosen, setChosen] = useState<string | null>(null);
   const [, setCame] = useState(0);
-  const wanted = useWanted(tab, filter);
-  const { rows, nameOf } = useRows(page, tab, watch, watch ? filter.source : "page", wanted);
+  const logQuery = useLogQuery(tab, filter);
+  const { rows, nameOf } = useRows(page, tab, watch, watch ? filter.source : "page", logQuery);
   const shown = useSignal(watch?.playhead ?? LIVE);
   const here = shown === null ? undefined : hereOf(rows, shown);
   const columns = useMemo(() => columnsOf(watch !== null, nameOf), [watch, nameOf]);
@@ -142,7 +142,7 @@ function Older({ watch, onCame }: { readonly watch: Watch; readonly onCame: () =
 }
 
 /** What is looked for; the same object while it is the same. */
-function useWanted(tab: OpenTab | null, filter: typeof FIRST_FILTER): Wanted {
+function useLogQuery(tab: OpenTab | null, filter: typeof FIRST_FILTER): LogQuery {
   const { least, isOfSelection } = filter;
   const query = useDeferredValue(filter.query);
   const paths = useSignal(
@@ -168,7 +168,7 @@ function show(host: PanelHost, tab: OpenTab | null, { line, about }: Entry): voi
 
 /** Shows a line of the state's script. */
 function showLine(host: PanelHost, tab: OpenTab | null, entry: Entry, line: number): void {
-  if (entry.line) wantedLine.value = { path: entry.line.path, line };
+  if (entry.line) scriptLineRevealRequest.value = { path: entry.line.path, line };
   show(host, tab, entry);
 }
 

@@ -8,7 +8,7 @@ import type { Watch } from "../../store/run.ts";
 import { runLog } from "../../store/run_log.ts";
 import { useSignal } from "../../ui/signals.ts";
 import { useThrottled } from "../../ui/throttled.ts";
-import { type Entry, entryOf, isWanted, merged, type Source, type Wanted } from "./entries.ts";
+import { type Entry, entryOf, isWanted, type LogQuery, merged, type Source } from "./entries.ts";
 import { Sieve } from "./sieve.ts";
 
 /** Nobody reads faster. */
@@ -28,7 +28,7 @@ export function useRows(
   tab: OpenTab | null,
   watch: Watch | null,
   source: Source,
-  wanted: Wanted,
+  logQuery: LogQuery,
 ): Rows {
   const notices = useSignal(page.notices);
   useThrottled(watch?.grown ?? NEVER, PACE_MS);
@@ -39,13 +39,13 @@ export function useRows(
   const ofPage = useMemo(() => {
     if (source === "run") return NONE;
     const kept = notices.filter(({ passing }) => !passing);
-    return kept.map(entryOf).filter((entry) => isWanted(entry, wanted, nameOf));
-  }, [notices, source, wanted, nameOf]);
+    return kept.map(entryOf).filter((entry) => isWanted(entry, logQuery, nameOf));
+  }, [notices, source, logQuery, nameOf]);
   const began_ms = useBegan(page, watch);
   const sieve = useMemo(() => {
     if (!watch || source === "page" || began_ms === null) return null;
-    return new Sieve(runLog(watch), wanted, began_ms, nameOf);
-  }, [watch, source, wanted, began_ms, nameOf]);
+    return new Sieve(runLog(watch), logQuery, began_ms, nameOf);
+  }, [watch, source, logQuery, began_ms, nameOf]);
   const ofRun = sieve?.rows() ?? NONE;
   const rows = useMemo(() => merged(ofRun, ofPage), [ofRun, ofPage]);
   return { rows, nameOf };

@@ -1,20 +1,20 @@
 /** The wanted lines of a run's log, sifted as it grows: each line is looked at once. */
 
 import type { RunLog } from "../../store/run_log.ts";
-import { type Entry, isWanted, lineEntry, type Wanted } from "./entries.ts";
+import { type Entry, isWanted, type LogQuery, lineEntry } from "./entries.ts";
 
 export class Sieve {
   readonly #log: RunLog;
-  readonly #wanted: Wanted;
+  readonly #query: LogQuery;
   readonly #began_ms: number;
   readonly #nameOf: (path: string) => string;
   #kept: readonly Entry[] = [];
   #count = 0;
   #age = 0;
 
-  constructor(log: RunLog, wanted: Wanted, began_ms: number, nameOf: (path: string) => string) {
+  constructor(log: RunLog, logQuery: LogQuery, began_ms: number, nameOf: (path: string) => string) {
     this.#log = log;
-    this.#wanted = wanted;
+    this.#query = logQuery;
     this.#began_ms = began_ms;
     this.#nameOf = nameOf;
     this.#age = log.age;
@@ -31,7 +31,7 @@ export class Sieve {
     for (; this.#count < lines.length; this.#count += 1) {
       const line = lines[this.#count];
       const entry = line && lineEntry(line, this.#began_ms);
-      if (entry && isWanted(entry, this.#wanted, this.#nameOf)) fresh.push(entry);
+      if (entry && isWanted(entry, this.#query, this.#nameOf)) fresh.push(entry);
     }
     if (fresh.length > 0) this.#kept = this.#kept.concat(fresh);
     return this.#kept;

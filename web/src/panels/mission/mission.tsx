@@ -5,6 +5,7 @@ import { HardDrive } from "lucide-react";
 import type { Watch } from "../../store/run.ts";
 import { useComputed, useSignal } from "../../ui/signals.ts";
 import { useActiveTab } from "../context.tsx";
+import { Attention } from "./attention.tsx";
 import { Branches } from "./branches.tsx";
 import { ControlPart } from "./control.tsx";
 import { Crash } from "./crash.tsx";
@@ -15,7 +16,6 @@ import { Pinned } from "./pinned.tsx";
 import { Questions } from "./questions.tsx";
 import { SentList } from "./sent_list.tsx";
 import { Steering, WhyNot } from "./steering.tsx";
-import { Wants } from "./wants.tsx";
 import "./mission.css";
 import "./head.css";
 import "./steering.css";
@@ -38,7 +38,7 @@ function Shown({ watch }: { readonly watch: Watch }) {
       <div className="mission-top">
         <Head watch={watch} />
         <Steering />
-        <Wants watch={watch} />
+        <Attention watch={watch} />
         <div className="mission-notes">
           <WhyNot watch={watch} />
           <JournalProblem watch={watch} />

@@ -7,7 +7,7 @@ import { type Machine, namesTo } from "../../model/machine.ts";
 import { byWeight, elementOfProblem, withoutPlace } from "../../model/problem.ts";
 import type { OpenTab } from "../../store/page.ts";
 import { mayEdit } from "../../store/rights.ts";
-import { wantedLine } from "../../store/script_line.ts";
+import { scriptLineRevealRequest } from "../../store/script_line_reveal_request.ts";
 import { Button } from "../../ui/button.tsx";
 import { Empty } from "../../ui/empty.tsx";
 import { TextField } from "../../ui/field.tsx";
@@ -63,7 +63,8 @@ function OfTab({ tab }: { readonly tab: OpenTab }) {
           onSelect={(each) => {
             setChosen(idOf(each));
             reveal(host, elementOfProblem(each));
-            if (each.line != null) wantedLine.value = { path: each.path, line: each.line };
+            if (each.line != null)
+              scriptLineRevealRequest.value = { path: each.path, line: each.line };
           }}
         />
       </div>

@@ -14,8 +14,8 @@ import {
 import { namesTo } from "../../model/machine.ts";
 import type { SearchField, SearchScope } from "../../model/search.ts";
 import type { OpenTab } from "../../store/page.ts";
-import { wantedLine } from "../../store/script_line.ts";
-import { wantedSearch } from "../../store/wanted_search.ts";
+import { scriptLineRevealRequest } from "../../store/script_line_reveal_request.ts";
+import { searchRevealRequest } from "../../store/search_reveal_request.ts";
 import { Empty } from "../../ui/empty.tsx";
 import { Checkbox, TextField } from "../../ui/field.tsx";
 import { Marked } from "../../ui/marked.tsx";
@@ -27,14 +27,14 @@ import { KIND_ICONS } from "../kinds.ts";
 import { type Result, resultsIn, SHOWN_MAX } from "./results.ts";
 import "./search.css";
 
-interface Wanted {
+interface SearchRequest {
   readonly text: string;
   readonly scope: SearchScope | null;
   readonly everywhere: boolean;
 }
 
 /** What was looked for last; it stays when the panel is folded. */
-const WANTED: Signal<Wanted> = signal({ text: "", scope: null, everywhere: false });
+const REQUEST: Signal<SearchRequest> = signal({ text: "", scope: null, everywhere: false });
 
 const SCOPES: readonly (readonly [SearchScope | null, string])[] = [
   [null, "All"],
@@ -51,22 +51,22 @@ export function Search() {
   const { page } = host.context();
   const active = useActiveTab();
   const open = useSignal(page.tabs);
-  const wanted = useSignal(WANTED);
-  const text = useDeferredValue(wanted.text);
+  const request = useSignal(REQUEST);
+  const text = useDeferredValue(request.text);
   const place = useRef<HTMLDivElement>(null);
   useKeyboard(place);
   const tabs = useMemo(
-    () => (wanted.everywhere ? open : active ? [active] : []),
-    [wanted.everywhere, open, active],
+    () => (request.everywhere ? open : active ? [active] : []),
+    [request.everywhere, open, active],
   );
   const version = useVersions(tabs);
   // biome-ignore lint/correctness/useExhaustiveDependencies: machines stay the same objects; their versions tell of changes
   const found = useMemo(
-    () => resultsIn(tabs, text, wanted.scope),
-    [tabs, text, wanted.scope, version],
+    () => resultsIn(tabs, text, request.scope),
+    [tabs, text, request.scope, version],
   );
-  const change = (more: Partial<Wanted>) => {
-    WANTED.value = { ...WANTED.peek(), ...more };
+  const change = (more: Partial<SearchRequest>) => {
+    REQUEST.value = { ...REQUEST.peek(), ...more };
   };
   const [first] = found.results;
   const keys = (event: KeyboardEvent<HTMLElement>) => {
@@ -83,16 +83,16 @@ export function Search() {
           hideLabel
           type="search"
           placeholder="Names, ports, scripts, values…"
-          value={wanted.text}
+          value={request.text}
           onInput={(text) => change({ text })}
           onKeyDown={keys}
           autoFocus
         />
-        <Scopes scope={wanted.scope} onChange={(scope) => change({ scope })} />
+        <Scopes scope={request.scope} onChange={(scope) => change({ scope })} />
         {open.length > 1 && (
           <Checkbox
             label="In all open machines"
-            checked={wanted.everywhere}
+            checked={request.everywhere}
             onChange={(everywhere) => change({ everywhere })}
           />
         )}
@@ -104,7 +104,7 @@ export function Search() {
 
 /** Takes the keyboard whenever somebody asks to search. */
 function useKeyboard(place: { readonly current: HTMLElement | null }): void {
-  const asked = useSignal(wantedSearch);
+  const asked = useSignal(searchRevealRequest);
   useEffect(() => {
     if (asked === 0) return;
     const input = place.current?.querySelector("input");
@@ -222,7 +222,7 @@ function countInWords(total: number): string {
 
 function show(host: PanelHost, { tab, hit }: Result): void {
   if (hit.field === "script" && hit.line !== null) {
-    wantedLine.value = { path: hit.element.path, line: hit.line };
+    scriptLineRevealRequest.value = { path: hit.element.path, line: hit.line };
   }
   goTo(host, tab, hit.element);
 }

@@ -80,7 +80,7 @@ class Chart {
     model.watch.grown.value;
     model.end_ns;
     model.watch.playhead.value;
-    model.wanted.value;
+    model.spanRequest.value;
     model.folded.value;
     model.isOnlyInSight.value;
     model.found.value;
@@ -164,10 +164,10 @@ class Chart {
     const aside = event.shiftKey && event.deltaX === 0 ? event.deltaY : event.deltaX;
     if (Math.abs(aside) > Math.abs(event.shiftKey ? 0 : event.deltaY)) {
       const by_ns = ((aside * by) / scale.width) * (span.to_ns - span.from_ns);
-      model.wanted.value = panned(span, by_ns, end_ns);
+      model.spanRequest.value = panned(span, by_ns, end_ns);
     } else {
       const factor = WHEEL ** (event.deltaY * by);
-      model.wanted.value = zoomed(span, factor, timeAt(scale, event.offsetX), end_ns);
+      model.spanRequest.value = zoomed(span, factor, timeAt(scale, event.offsetX), end_ns);
     }
   }
 
@@ -215,7 +215,7 @@ class Chart {
       isDrag ||= Math.abs(clientX - from) > CLICK_PX;
       if (!isDrag) return;
       const by_ns = ((from - clientX) / this.#scale.width) * (span.to_ns - span.from_ns);
-      model.wanted.value = panned(span, by_ns, model.end_ns);
+      model.spanRequest.value = panned(span, by_ns, model.end_ns);
     };
     const up = (end: PointerEvent) => {
       listening.abort();

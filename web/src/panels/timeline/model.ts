@@ -12,7 +12,7 @@ import type { Watch } from "../../store/run.ts";
 import { seconds } from "../../store/seconds.ts";
 import type { NameOf } from "../parts/happened.ts";
 import { lanesIn, layoutOf, type TimelineLayout } from "./layout.ts";
-import { fitted, type Span, spanOf, type Wanted, withTime, zoomed } from "./span.ts";
+import { fitted, type Span, type SpanRequest, spanOf, withTime, zoomed } from "./span.ts";
 
 /** What the pointer is at. */
 export interface Pointed {
@@ -29,7 +29,7 @@ export interface Pointed {
 
 export class TimelineModel {
   readonly watch: Watch;
-  readonly wanted: Signal<Wanted> = signal<Wanted>(null);
+  readonly spanRequest: Signal<SpanRequest> = signal<SpanRequest>(null);
   readonly folded: Signal<ReadonlySet<string>> = signal<ReadonlySet<string>>(new Set());
   /** Whether only branches show that ran in the part of time that shows. */
   readonly isOnlyInSight = signal(false);
@@ -63,7 +63,7 @@ export class TimelineModel {
   }
 
   get span(): Span {
-    return spanOf(this.wanted.value, this.end_ns);
+    return spanOf(this.spanRequest.value, this.end_ns);
   }
 
   /** The index of the event that is shown; null: live. */
@@ -86,11 +86,11 @@ export class TimelineModel {
     const at = shown === null ? end_ns : this.watch.journal.t_ns(shown);
     const isInSight = at >= span.from_ns && at <= span.to_ns;
     const middle = (span.from_ns + span.to_ns) / 2;
-    this.wanted.value = zoomed(span, factor, isInSight ? at : middle, end_ns);
+    this.spanRequest.value = zoomed(span, factor, isInSight ? at : middle, end_ns);
   }
 
   fit(): void {
-    this.wanted.value = null;
+    this.spanRequest.value = null;
   }
 
   /** Shows the call of a state at the moment, else its last one; false if it never ran. */
@@ -101,7 +101,7 @@ export class TimelineModel {
     const call = all.findLast((each) => calls.begin(each) <= shown) ?? all.at(-1) ?? NONE;
     if (call === NONE) return false;
     const part = { from_ns: calls.began_ns(call), to_ns: calls.ended_ns(call, end_ns) };
-    this.wanted.value = fitted(part, end_ns);
+    this.spanRequest.value = fitted(part, end_ns);
     return true;
   }
 
@@ -110,7 +110,7 @@ export class TimelineModel {
     const shown = this.shown;
     if (shown === null) return;
     const t_ns = this.watch.journal.t_ns(shown);
-    this.wanted.value = withTime(this.wanted.value, t_ns, this.end_ns);
+    this.spanRequest.value = withTime(this.spanRequest.value, t_ns, this.end_ns);
   }
 
   fold(path: string): void {

@@ -6,7 +6,7 @@ export interface Span {
 }
 
 /** What is wanted: all; or a part, which may go along with now. */
-export type Wanted = null | (Span & { readonly isFollowing: boolean });
+export type SpanRequest = null | (Span & { readonly isFollowing: boolean });
 
 /** No part is shorter. */
 const SHORTEST_NS = 2_000;
@@ -14,16 +14,16 @@ const SHORTEST_NS = 2_000;
 const ROOM = 0.02;
 
 /** What shows of a run that has come so far. */
-export function spanOf(wanted: Wanted, end_ns: number): Span {
+export function spanOf(spanRequest: SpanRequest, end_ns: number): Span {
   const whole = { from_ns: 0, to_ns: Math.max(SHORTEST_NS, end_ns * (1 + ROOM)) };
-  if (wanted === null) return whole;
-  if (!wanted.isFollowing) return wanted;
-  const length = wanted.to_ns - wanted.from_ns;
+  if (spanRequest === null) return whole;
+  if (!spanRequest.isFollowing) return spanRequest;
+  const length = spanRequest.to_ns - spanRequest.from_ns;
   return { from_ns: Math.max(0, whole.to_ns - length), to_ns: whole.to_ns };
 }
 
 /** Shows `factor` times as much, with what is at a time staying where it is. */
-export function zoomed(span: Span, factor: number, at_ns: number, end_ns: number): Wanted {
+export function zoomed(span: Span, factor: number, at_ns: number, end_ns: number): SpanRequest {
   const whole = spanOf(null, end_ns);
   const length = Math.max(SHORTEST_NS, (span.to_ns - span.from_ns) * factor);
   if (length >= whole.to_ns) return null;
@@ -31,25 +31,25 @@ export function zoomed(span: Span, factor: number, at_ns: number, end_ns: number
   return held({ from_ns: at_ns - part * length, to_ns: at_ns + (1 - part) * length }, end_ns);
 }
 
-export function panned(span: Span, by_ns: number, end_ns: number): Wanted {
+export function panned(span: Span, by_ns: number, end_ns: number): SpanRequest {
   return held({ from_ns: span.from_ns + by_ns, to_ns: span.to_ns + by_ns }, end_ns);
 }
 
 /** Shows this part with some room around. */
-export function fitted(part: Span, end_ns: number): Wanted {
+export function fitted(part: Span, end_ns: number): SpanRequest {
   const room = Math.max(SHORTEST_NS, part.to_ns - part.from_ns) * 0.1;
   return held({ from_ns: part.from_ns - room, to_ns: part.to_ns + room }, end_ns);
 }
 
 /** Moves the part so that a time shows; the same if it does. */
-export function withTime(wanted: Wanted, at_ns: number, end_ns: number): Wanted {
-  const span = spanOf(wanted, end_ns);
-  if (at_ns >= span.from_ns && at_ns <= span.to_ns) return wanted;
+export function withTime(spanRequest: SpanRequest, at_ns: number, end_ns: number): SpanRequest {
+  const span = spanOf(spanRequest, end_ns);
+  if (at_ns >= span.from_ns && at_ns <= span.to_ns) return spanRequest;
   return panned(span, at_ns - (span.from_ns + span.to_ns) / 2, end_ns);
 }
 
 /** Inside of the run; at its end it goes along with it. */
-function held(span: Span, end_ns: number): Wanted {
+function held(span: Span, end_ns: number): SpanRequest {
   const whole = spanOf(null, end_ns);
   const length = span.to_ns - span.from_ns;
   if (length >= whole.to_ns) return null;

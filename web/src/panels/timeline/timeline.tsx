@@ -80,7 +80,7 @@ function Bar({ tab, watch, model }: OfRunProps) {
   const { page } = useHost().context();
   const { isOld, age_ms } = useRunAge(page, watch);
   const isOnlyInSight = useSignal(model.isOnlyInSight);
-  useSignal(model.wanted);
+  useSignal(model.spanRequest);
   const [state] = useSelectedStates(tab);
   return (
     <div className="timeline-bar">
@@ -253,7 +253,7 @@ function Labels({ tab, watch, model }: OfRunProps) {
   const host = useHost();
   useSignal(model.folded);
   useSignal(model.isOnlyInSight);
-  useSignal(model.wanted);
+  useSignal(model.spanRequest);
   useSignal(watch.grown);
   useSignal(tab.session.version);
   const { layout } = model;

@@ -17,7 +17,7 @@ import { useRunAge } from "../run_age.ts";
 import { countInWords } from "./events.tsx";
 import { LinkAge } from "./link_age.tsx";
 
-export function Wants({ watch }: { readonly watch: Watch }) {
+export function Attention({ watch }: { readonly watch: Watch }) {
   const questions = useComputed(() => openQuestions(watch).length, [watch]);
   const decisions = useComputed(() => openDecisions(watch), [watch]);
   const { length } = useSignal(openFailures(watch));

@@ -2,4 +2,4 @@
 
 import { type Signal, signal } from "@preact/signals-core";
 
-export const wantedSearch: Signal<number> = signal(0);
+export const searchRevealRequest: Signal<number> = signal(0);

@@ -5,9 +5,9 @@ import { openQuestions } from "../store/questions.ts";
 import type { Watch } from "../store/run.ts";
 import { useDerived, useSession } from "./provided.tsx";
 import { type AppSession, isInMission } from "./session.ts";
-import "./wanting.css";
+import "./attention_buttons.css";
 
-export function Wanting() {
+export function AttentionButtons() {
   const session = useSession();
   const { commands, context } = session;
   const asking = useDerived(

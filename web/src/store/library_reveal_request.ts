@@ -3,4 +3,4 @@
 import { type Signal, signal } from "@preact/signals-core";
 import type { LibraryName } from "../model/generated/protocol.ts";
 
-export const wantedLibrary: Signal<LibraryName | null> = signal(null);
+export const libraryRevealRequest: Signal<LibraryName | null> = signal(null);

@@ -5,7 +5,7 @@ import { MISSION_LAYOUT } from "../commands/mission.ts";
 import type { Page } from "../store/page.ts";
 import { sessionOfPage } from "../store/running.ts";
 
-export function wantedLayout(page: Page): string {
+export function initialLayout(page: Page): string {
   return sessionOfPage(page)?.role === "operator" ? MISSION_LAYOUT : "Edit";
 }
 

@@ -8,4 +8,4 @@ export interface ScriptLine {
   readonly line: number;
 }
 
-export const wantedLine: Signal<ScriptLine | null> = signal<ScriptLine | null>(null);
+export const scriptLineRevealRequest: Signal<ScriptLine | null> = signal<ScriptLine | null>(null);
