@@ -118,7 +118,7 @@ journey(
       const asked = listenToRequests(app);
       const seen = await listen(app);
       await linkIs(app, "up");
-      await app.until(({ tab }) => tab?.run.value?.isHeard.value === true, null);
+      await app.until(({ tab }) => tab?.run.value?.isCurrent.value === true, null);
       const isCaughtUp = await app.sheet.evaluate(
         () => window.__rafcon.page.active.value?.run.value?.isCaughtUp.value,
       );

@@ -101,7 +101,7 @@ export async function toldToTheEnd(app: App): Promise<void> {
 export async function left(app: App, path: string): Promise<void> {
   await app.until(({ tab }, wanted) => {
     const watch = tab?.run.value;
-    const count = watch?.grown.value ?? 0;
+    const count = watch?.journalVersion.value ?? 0;
     for (let index = 0; index < count; index += 1) {
       const event = watch?.journal.at(index);
       if (event?.kind === "left" && event.path === wanted) return true;

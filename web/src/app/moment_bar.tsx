@@ -81,7 +81,7 @@ function Ago({ watch, index }: { readonly watch: Watch; readonly index: number }
 function useRefusal(id: string, { tab, watch }: OfRunProps): string | null {
   const { commands, context } = useSession();
   return useDerived(() => {
-    watch.grown.value;
+    watch.journalVersion.value;
     watch.playhead.value;
     watch.now.value;
     tab.view.selection.value;

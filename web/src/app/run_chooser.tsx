@@ -15,11 +15,11 @@ import { duration, growing } from "../panels/parts/duration.ts";
 import { RunStandView } from "../panels/parts/run_stand.tsx";
 import { useRunAge } from "../panels/run_age.ts";
 import { isGoingOn, truthAge } from "../store/age.ts";
+import { clock1s } from "../store/clock1s.ts";
 import type { OpenTab } from "../store/page.ts";
 import type { Watch } from "../store/run.ts";
 import { elapsedNow } from "../store/run_clock.ts";
 import { runsOfTab } from "../store/running.ts";
-import { seconds } from "../store/seconds.ts";
 import { ContextMenu } from "../ui/menu.tsx";
 import { useSignal } from "../ui/signals.ts";
 import { agePhrase } from "./age.ts";
@@ -77,7 +77,7 @@ function Stand({ watch }: { watch: Watch }) {
     const now = watch.now.value;
     const isTicking = now !== null && isGoingOn(now);
     // Nothing is reckoned on from what may be old.
-    const at_ms = isTicking ? seconds.value - truthAge(page, watch, seconds.value).age_ms : 0;
+    const at_ms = isTicking ? clock1s.value - truthAge(page, watch, clock1s.value).age_ms : 0;
     const ms = elapsedNow(page, watch, at_ms);
     return isTicking ? growing(ms) : duration(ms);
   }, [page, watch]);

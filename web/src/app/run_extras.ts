@@ -7,11 +7,11 @@ import { shortValue } from "../model/short_value.ts";
 import { breakpointsOf } from "../store/breakpoints.ts";
 import { type CountUntil, countsUntil } from "../store/counts_until.ts";
 import { heatOf } from "../store/heat.ts";
-import { laterBy } from "../store/later.ts";
 import { runMarks } from "../store/marks.ts";
 import type { OpenTab, Page } from "../store/page.ts";
 import { portValues } from "../store/port_values.ts";
 import type { Watch } from "../store/run.ts";
+import { sinceSnapshot } from "../store/since_snapshot.ts";
 
 /** So many letters of a value are shown when it is pointed at. */
 const FULL = 320;
@@ -36,7 +36,7 @@ export function runExtras(page: Page, tab: OpenTab): RunExtras {
     return {
       runs: states,
       taken: lines,
-      later_ms: laterBy(page, watch),
+      sinceSnapshot_ms: sinceSnapshot(page, watch),
       visits,
       values: values.value,
       heat: heat.value,
@@ -76,10 +76,10 @@ export function heatNow({ run, view }: OpenTab) {
 }
 
 /** What states did until the moment that is shown; while live, all that they did. */
-function countsShown({ journal, grown, playhead }: Watch): Iterable<CountUntil> {
+function countsShown({ journal, journalVersion, playhead }: Watch): Iterable<CountUntil> {
   const until = playhead.value;
   if (until !== null) return countsUntil(journal, journal.indexOf(until + 1)).all();
-  grown.value;
+  journalVersion.value;
   return journal.counts.all();
 }
 

@@ -36,8 +36,8 @@ test("the newest failure is told, with how many there are", () => {
 });
 
 test("a state that takes longer than ever is told with what was usual", () => {
-  const usual = { typical_ms: 3_000, isMedian: true, max_ms: 5_000, count: 14 };
-  expect(longerInWords("Drill", { since_ms: 12_000, usual })).toBe(
+  const baseline = { typical_ms: 3_000, isMedian: true, max_ms: 5_000, count: 14 };
+  expect(longerInWords("Drill", { since_ms: 12_000, baseline })).toBe(
     "Drill runs longer than ever: for 12 s, usually 3.0 s, at most 5.0 s (14 times)",
   );
 });

@@ -6,6 +6,7 @@ import { MISSION_PANEL } from "../commands/mission.ts";
 import type { Control } from "../model/generated/protocol.ts";
 import { duration } from "../panels/parts/duration.ts";
 import { openFailures } from "../store/acknowledged.ts";
+import { usualInWords } from "../store/baseline.ts";
 import { didInWords, type Failure } from "../store/failures.ts";
 import { type Longer, longerThanEver } from "../store/longer.ts";
 import { nameSoon } from "../store/name_soon.ts";
@@ -13,7 +14,6 @@ import type { Notice, OpenTab } from "../store/page.ts";
 import { openQuestions } from "../store/questions.ts";
 import type { Watch } from "../store/run.ts";
 import { sessionOfPage, summaryOf } from "../store/running.ts";
-import { usualInWords } from "../store/usual.ts";
 import type { AppSession } from "./session.ts";
 
 /** Failures that come together are told together. */
@@ -164,8 +164,8 @@ function tellLonger({ page }: AppSession, watch: Watch, { session }: OpenTab): (
 }
 
 /** `Drill runs longer than ever: for 12 s, usually 3 s, at most 5 s (14 times)`. */
-export function longerInWords(name: string, { since_ms, usual }: Omit<Longer, "path">): string {
-  return `${name} runs longer than ever: for ${duration(since_ms)}, ${usualInWords(usual, duration)}`;
+export function longerInWords(name: string, { since_ms, baseline }: Omit<Longer, "path">): string {
+  return `${name} runs longer than ever: for ${duration(since_ms)}, ${usualInWords(baseline, duration)}`;
 }
 
 function tellCrash(watch: Watch, name: () => string, tell: Tell): () => void {

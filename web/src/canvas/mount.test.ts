@@ -250,7 +250,7 @@ test("a picture that cannot be drawn says so, and that it can again", () => {
   };
   let broken = true;
   const made = mount(newView(), () => ({
-    get later_ms(): number {
+    get sinceSnapshot_ms(): number {
       if (broken) throw new Error("no such lane");
       return 0;
     },

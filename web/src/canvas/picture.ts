@@ -23,7 +23,7 @@ export interface Extras {
   readonly hits?: ReadonlySet<ElementKey>;
   readonly runs?: SceneInput["runs"];
   readonly taken?: SceneInput["taken"];
-  readonly later_ms?: SceneInput["later_ms"];
+  readonly sinceSnapshot_ms?: SceneInput["sinceSnapshot_ms"];
   readonly visits?: SceneInput["visits"];
   readonly values?: SceneInput["values"];
   readonly heat?: SceneInput["heat"];

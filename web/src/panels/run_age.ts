@@ -3,9 +3,9 @@
 import { computed } from "@preact/signals-core";
 import { useMemo } from "react";
 import { type RunAge, runAge } from "../store/age.ts";
+import { clock1s } from "../store/clock1s.ts";
 import { type Page, runOf } from "../store/page.ts";
 import type { Watch } from "../store/run.ts";
-import { seconds } from "../store/seconds.ts";
 import { useSignal } from "../ui/signals.ts";
 
 const FRESH: RunAge = { age_ms: 0, isOld: false, why: null };
@@ -15,7 +15,7 @@ export function useRunAge(page: Page, watch: Watch | null): RunAge {
   const age = useMemo(() => {
     let before = FRESH;
     return computed(() => {
-      const next = watch ? runAge(page, watch, seconds.value) : FRESH;
+      const next = watch ? runAge(page, watch, clock1s.value) : FRESH;
       const isSame = next.why === before.why && next.age_ms === before.age_ms;
       before = isSame ? before : next;
       return before;
@@ -33,6 +33,6 @@ export function useIsOld(page: Page): boolean {
 function isOldIn(page: Page) {
   return computed(() => {
     const watch = runOf(page);
-    return watch !== null && runAge(page, watch, seconds.value).isOld;
+    return watch !== null && runAge(page, watch, clock1s.value).isOld;
   });
 }

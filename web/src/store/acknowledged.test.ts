@@ -9,14 +9,14 @@ import { twoTabs } from "./testing/two_tabs.ts";
 /** A run whose journal grows by what is told. */
 function run(id: string) {
   const journal = new Journal();
-  const grown = signal(0);
+  const journalVersion = signal(0);
   const tell = (...events: readonly Event[]) => {
     const from = journal.next;
     const entries = events.map((event, at) => ({ sequence: from + at, t_ns: from + at, event }));
     journal.add(entries, from + events.length);
-    grown.value = journal.length;
+    journalVersion.value = journal.length;
   };
-  return { watch: { id, journal, grown }, tell };
+  return { watch: { id, journal, journalVersion }, tell };
 }
 
 function left(path: string, id = -1, error: JsonValue = null): Event {

@@ -12,7 +12,7 @@ const KEY = "rafcon.acknowledged";
 const RUNS_MAX = 50;
 const KEPT_MAX = 2_000;
 
-type Known = Pick<Watch, "id" | "journal" | "grown">;
+type Known = Pick<Watch, "id" | "journal" | "journalVersion">;
 
 interface About {
   readonly failures: ReadonlySignal<readonly Failure[]>;
@@ -65,7 +65,7 @@ function about(watch: Known, localStore: LocalStore = SHED): About {
   if (there) return there;
   const walker = new Failures();
   const failures = computed(() => {
-    watch.grown.value;
+    watch.journalVersion.value;
     return walker.found(watch.journal);
   });
   const known = knownIn(localStore);

@@ -19,7 +19,7 @@ interface Given {
   readonly old_ms?: number;
   readonly ahead_ms?: number;
   readonly playhead?: number;
-  readonly isHeard?: boolean;
+  readonly isCurrent?: boolean;
 }
 
 function age(given: Given) {
@@ -40,9 +40,9 @@ function age(given: Given) {
   const watch = {
     now: signal(now),
     proven_ms: signal(NOW_MS + ahead_ms - 7_000),
-    isHeard: signal(given.isHeard ?? true),
+    isCurrent: signal(given.isCurrent ?? true),
     playhead: signal(given.playhead ?? null),
-    grown: signal(3),
+    journalVersion: signal(3),
     journal,
   } as unknown as Watch;
   const times = {
@@ -63,7 +63,11 @@ describe("what is shown of a run", () => {
   it("is as old as what the server said last, also when that was held back on the way", () => {
     expect(age({ link: DOWN })).toEqual({ age_ms: 500, isOld: true, why: "link" });
     const silent = { server_ms: NOW_MS - 9_000 };
-    expect(age({ ...silent, isHeard: true })).toEqual({ age_ms: 7_000, isOld: true, why: "link" });
+    expect(age({ ...silent, isCurrent: true })).toEqual({
+      age_ms: 7_000,
+      isOld: true,
+      why: "link",
+    });
   });
 
   it("is not old on a slow network before the delay says so", () => {
@@ -73,7 +77,7 @@ describe("what is shown of a run", () => {
   });
 
   it("is old until the server has told it over the connection that there is now", () => {
-    expect(age({ isHeard: false, server_ms: NOW_MS })).toEqual({
+    expect(age({ isCurrent: false, server_ms: NOW_MS })).toEqual({
       age_ms: 7_000,
       isOld: true,
       why: "link",

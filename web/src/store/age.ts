@@ -32,7 +32,7 @@ export function truthAge(page: Pick<Page, "server">, watch: Watch, now_ms: numbe
   if (!now || !isGoingOn(now)) return FRESH;
   const [link, pulse] = [page.server.link.value, page.server.pulse.value];
   const age_ms = pictureAge(watch, pulse, now_ms);
-  const isLost = link.state !== "up" || !watch.isHeard.value || age_ms >= (pulse?.old_ms ?? 0);
+  const isLost = link.state !== "up" || !watch.isCurrent.value || age_ms >= (pulse?.old_ms ?? 0);
   if (isLost && pulse) return { age_ms, isOld: true, why: "link" };
   if (now.link === "up") return FRESH;
   const why = WHY[now.link] ?? "runner";
@@ -46,7 +46,7 @@ export function isGoingOn(now: RunNow): boolean {
 
 /** Since what is shown was true for sure. By the server's clock: what was held back on the way is no younger for that. */
 function pictureAge(watch: Watch, pulse: Pulse | null, now_ms: number): number {
-  const heard_ms = watch.isHeard.value ? (pulse?.server_ms ?? 0) : 0;
+  const heard_ms = watch.isCurrent.value ? (pulse?.server_ms ?? 0) : 0;
   const there_ms = now_ms + (pulse?.ahead_ms ?? 0);
   return Math.max(0, there_ms - Math.max(heard_ms, watch.proven_ms.value ?? there_ms));
 }
@@ -60,7 +60,7 @@ function runnerAge(now: RunNow, pulse: Pulse | null, now_ms: number): number {
 /** From the moment to the end of what was told. */
 function momentAge(watch: Watch): RunAge {
   const { journal } = watch;
-  watch.grown.value;
+  watch.journalVersion.value;
   const end_ns = journal.length === 0 ? 0 : journal.t_ns(journal.length - 1);
   const t_ns = journal.t_ns(journal.indexOf(watch.playhead.value ?? 0));
   return { age_ms: Math.max(0, (end_ns - t_ns) / 1e6), isOld: false, why: "moment" };

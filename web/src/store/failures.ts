@@ -36,7 +36,7 @@ const TRACEBACK_NEAR = 5;
 export class Failures {
   /** By state and cause, in the order in which they happened first. */
   readonly #all = new Map<string, Failure>();
-  #told: readonly Failure[] = [];
+  #list: readonly Failure[] = [];
   #next = 0;
   /** The newest by itself, its cause, and what stood there before it; null before anything went wrong. */
   #last: {
@@ -53,8 +53,8 @@ export class Failures {
     for (; this.#next < journal.length; this.#next += 1) {
       if (this.#look(journal, this.#next)) isNew = true;
     }
-    if (isNew) this.#told = [...this.#all.values()];
-    return this.#told;
+    if (isNew) this.#list = [...this.#all.values()];
+    return this.#list;
   }
 
   #look(journal: Journal, index: number): boolean {

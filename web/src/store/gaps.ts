@@ -57,6 +57,6 @@ function comeTo({ now, journal }: Pick<Told, "now" | "journal">): number {
 /** The time since the start when the run's program was heard last, in ms: it may have had nothing to say for long. */
 function heardAt(now: RunNow | null): number {
   if (!now?.snapshot || now.snapshot_ms === null) return 0;
-  const later_ms = (now.runner_heard_ms ?? now.snapshot_ms) - now.snapshot_ms;
-  return now.snapshot.elapsed_ms + Math.max(0, later_ms);
+  const sinceSnapshot_ms = (now.runner_heard_ms ?? now.snapshot_ms) - now.snapshot_ms;
+  return now.snapshot.elapsed_ms + Math.max(0, sinceSnapshot_ms);
 }

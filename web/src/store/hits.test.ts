@@ -8,12 +8,12 @@ import type { Watch } from "./run.ts";
 
 test("hits are counted on as the journal grows, and anew when a breakpoint is set again", () => {
   const journal = new Journal();
-  const grown = signal(0);
-  const watch = { journal, grown } as unknown as Watch;
+  const journalVersion = signal(0);
+  const watch = { journal, journalVersion } as unknown as Watch;
   const tell = (event: Event) => {
     const sequence = journal.next;
     journal.add([{ sequence, t_ns: sequence, event }], sequence + 1);
-    grown.value = journal.length;
+    journalVersion.value = journal.length;
   };
   const hit = (hits: number): Event => ({
     type: "hit",

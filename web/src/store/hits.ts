@@ -18,7 +18,7 @@ export function hitsOf(watch: Watch): ReadonlyMap<number, number> {
   if (!known) {
     const tally: Tally = { at: 0, hits: new Map() };
     known = computed(() => {
-      watch.grown.value;
+      watch.journalVersion.value;
       readOn(watch, tally);
       return new Map(tally.hits);
     });

@@ -15,11 +15,11 @@ const LOOKED_AT = 500;
 
 /** The last end of a child of the container that a state is in, at the moment that is shown; null if none was lately. */
 export function lastEndBeside(
-  watch: Pick<Watch, "journal" | "grown" | "playhead">,
+  watch: Pick<Watch, "journal" | "journalVersion" | "playhead">,
   path: string,
 ): LastEnd | null {
   const { journal } = watch;
-  watch.grown.value;
+  watch.journalVersion.value;
   const around = parentOf(path);
   if (around === null) return null;
   const playhead = watch.playhead.value;

@@ -20,14 +20,14 @@ function longer(times: number, since_ms: number, phase: Phase = "running", link 
     id: "r",
     now: signal(now as unknown as RunNow),
     playhead: signal(null),
-    isHeard: signal(true),
+    isCurrent: signal(true),
     proven_ms: signal(0),
     journal: { counts },
   };
   const server = { link: signal({ state: "up" }), pulse: signal(null) };
   const page = { server, runs: { all: signal([]) } } as unknown as Page;
   const found = longerThanEver(page, watch as unknown as Watch);
-  return found.map(({ path, usual }) => `${path} ${usual.max_ms}`).join();
+  return found.map(({ path, baseline }) => `${path} ${baseline.max_ms}`).join();
 }
 
 test("a state at work is told when it takes longer than ever, of five times at least", () => {

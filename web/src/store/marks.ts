@@ -95,7 +95,7 @@ function following(watch: Watch, session: MachineSession): ReadonlySignal<RunMar
   let live = newTrail();
   let version = session.machine.version;
   return computed(() => {
-    watch.grown.value;
+    watch.journalVersion.value;
     session.version.value;
     if (version !== session.machine.version) live = newTrail();
     version = session.machine.version;

@@ -26,7 +26,7 @@ function asking(questions: readonly Question[], playhead: number | null = null) 
   const run = { phase: "live", length_ms: 0 };
   const now = { run, snapshot: { elapsed_ms: 20_000 }, snapshot_ms: SAID_MS };
   const shown = { now: signal(now as unknown as RunNow), playhead: signal(playhead) };
-  return { ...shown, journal, grown: signal(entries.length) };
+  return { ...shown, journal, journalVersion: signal(entries.length) };
 }
 
 test("the time that is left for an answer is that of now, also while an earlier moment is shown", () => {

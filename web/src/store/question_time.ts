@@ -6,7 +6,7 @@ import { askedQuestions } from "./questions.ts";
 import type { Watch } from "./run.ts";
 import { elapsedNow } from "./run_clock.ts";
 
-type Asking = Pick<Watch, "now" | "journal" | "grown">;
+type Asking = Pick<Watch, "now" | "journal" | "journalVersion">;
 
 /** Whole seconds that are left now, whatever moment is shown, in ms; null without a deadline, or before it is known when it was asked. A signal's reader. */
 export function timeLeft(
@@ -23,7 +23,7 @@ export function timeLeft(
 
 /** Those whose time is over first come first, those without a deadline last; else as they were asked. A signal's reader. */
 export function byUrgency(
-  watch: Pick<Watch, "journal" | "grown">,
+  watch: Pick<Watch, "journal" | "journalVersion">,
   questions: readonly Question[],
 ): readonly Question[] {
   const { since_ns } = askedQuestions(watch).value;

@@ -16,8 +16,8 @@ function closed(id: number, author: string): Event {
 
 test("a question is known from when it was asked until somebody answers it, and then by whom", () => {
   const journal = new Journal();
-  const grown = signal(0);
-  const asked = askedQuestions({ journal, grown });
+  const journalVersion = signal(0);
+  const asked = askedQuestions({ journal, journalVersion });
   const tell = (...events: readonly Event[]) => {
     const from = journal.next;
     const entries = events.map((event, at) => {
@@ -25,7 +25,7 @@ test("a question is known from when it was asked until somebody answers it, and 
       return { sequence, t_ns: sequence * 10, event };
     });
     journal.add(entries, from + events.length);
-    grown.value = journal.length;
+    journalVersion.value = journal.length;
   };
   tell({ type: "asked", question: question(7) }, { type: "asked", question: question(8) });
   expect([...asked.value.since_ns]).toEqual([

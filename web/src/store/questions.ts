@@ -26,7 +26,7 @@ export interface Asked {
 /** So many that ended are kept. */
 const CLOSED_MAX = 20;
 
-type Known = Pick<Watch, "journal" | "grown">;
+type Known = Pick<Watch, "journal" | "journalVersion">;
 
 const ALL = new WeakMap<Known, ReadonlySignal<Asked>>();
 
@@ -42,7 +42,7 @@ export function askedQuestions(watch: Known): ReadonlySignal<Asked> {
   if (there) return there;
   const walker = new Walker();
   const made = computed(() => {
-    watch.grown.value;
+    watch.journalVersion.value;
     return walker.found(watch.journal);
   });
   ALL.set(watch, made);

@@ -43,11 +43,11 @@ export interface Watch {
   /** The server's time at which `now` was true for sure, as far as that is known from before the connection that there is now. */
   readonly proven_ms: ReadonlySignal<number | null>;
   /** Whether it came over the connection that there is now: not yet in the first moments after a break. */
-  readonly isHeard: ReadonlySignal<boolean>;
+  readonly isCurrent: ReadonlySignal<boolean>;
   /** All that happened, as far as it was told. The object stays. */
   readonly journal: Journal;
   /** Another number whenever the journal has grown: ten times a second at most. */
-  readonly grown: ReadonlySignal<number>;
+  readonly journalVersion: ReadonlySignal<number>;
   /** Whether all that there was when the page came, or came back after a break, has been told. */
   readonly isCaughtUp: ReadonlySignal<boolean>;
   /** Why the history cannot be told, while it cannot. */

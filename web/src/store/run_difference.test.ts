@@ -40,12 +40,12 @@ function setUp(text: string, reloaded = RAN, hasBegun = true) {
     },
   } as unknown as Runs;
   const journal = new Journal();
-  const grown = signal(0);
-  const watch = { id: "r", journal, grown } as unknown as Watch;
+  const journalVersion = signal(0);
+  const watch = { id: "r", journal, journalVersion } as unknown as Watch;
   const begin = () => {
     const event = { type: "paused", paused: false } as const;
     journal.add([{ sequence: journal.next, t_ns: 0, event }], journal.next + 1);
-    grown.value = journal.length;
+    journalVersion.value = journal.length;
   };
   if (hasBegun) begin();
   const differs = differsFromRun({ session } as unknown as OpenTab, watch, runs);
@@ -57,7 +57,7 @@ function setUp(text: string, reloaded = RAN, hasBegun = true) {
     const sequence = journal.next;
     const event = { type: "root", hash: "h", change: "Rename" } as const;
     journal.add([{ sequence, t_ns: 1, event }], sequence + 1);
-    grown.value = journal.length;
+    journalVersion.value = journal.length;
   };
   /** So many lines of the log come. */
   const chatter = (count: number) => {
@@ -75,10 +75,10 @@ function setUp(text: string, reloaded = RAN, hasBegun = true) {
       event,
     }));
     journal.add(entries, from + count);
-    grown.value = journal.length;
+    journalVersion.value = journal.length;
   };
   const grow = () => {
-    grown.value += 1;
+    journalVersion.value += 1;
   };
   return { differs, edit, reload, chatter, asked, refuse, grow, begin };
 }

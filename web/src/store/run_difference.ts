@@ -89,7 +89,7 @@ const ROOTS = new WeakMap<Watch, { at: number; root: string }>();
 
 /** The machine that the run goes by now, as its journal says; empty: that of the start. */
 function rootOf(watch: Watch): string {
-  watch.grown.value;
+  watch.journalVersion.value;
   const found = ROOTS.get(watch) ?? { at: 0, root: "" };
   ROOTS.set(watch, found);
   for (; found.at < watch.journal.length; found.at += 1) {

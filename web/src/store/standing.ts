@@ -39,7 +39,7 @@ export interface Standing {
 
 /** Reads signals: an effect or computed value is told when it may be another. */
 export function standingOf(watch: Watch, path: string): Standing {
-  watch.grown.value;
+  watch.journalVersion.value;
   const until = watch.playhead.value;
   const visits = visitsOf(watch);
   const entered = turn(watch, visits, path, until);

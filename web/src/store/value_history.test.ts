@@ -28,14 +28,14 @@ class Told {
   readonly runs = { get: (_run: string, what: string) => this.#get(what) } as unknown as Runs;
   readonly watch = {
     id: "run",
-    grown: signal(0),
+    journalVersion: signal(0),
     journal: { next: 1 },
-  } as unknown as Watch & { grown: { value: number }; journal: { next: number } };
+  } as unknown as Watch & { journalVersion: { value: number }; journal: { next: number } };
 
   happen(...events: Event[]): void {
     this.events.push(...events);
     this.watch.journal.next = this.events.length + 1;
-    this.watch.grown.value = this.events.length;
+    this.watch.journalVersion.value = this.events.length;
   }
 
   async #get(what: string): Promise<EventPage> {

@@ -53,7 +53,7 @@ export class ValueHistory {
   follow(): () => void {
     this.#soon(0);
     const stop = effect(() => {
-      this.#watch.grown.value;
+      this.#watch.journalVersion.value;
       this.#soon(PACE_MS);
     });
     return () => {

@@ -15,7 +15,7 @@ export function connect(address: Address): Server & { readonly close: () => void
     clock: WALL_CLOCK,
     limit_ms: (isRepeated, bytes) => delay.request_ms(isRepeated, bytes),
     alive: () => socket.alive(),
-    heard: (method, path, status) => {
+    onResponse: (method, path, status) => {
       if (path !== "/session") {
         if (status === 401) socket.refuse("the server asks for a login");
       } else if (method === "POST" && status === 200) socket.retry();

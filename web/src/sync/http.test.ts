@@ -40,7 +40,7 @@ function setUp() {
       alive: () => {
         alive += 1;
       },
-      heard: (method, path, status) => heard.push(`${method} ${path} ${status}`),
+      onResponse: (method, path, status) => heard.push(`${method} ${path} ${status}`),
     },
   );
   return { ...all, clock, heard, answers, alive: () => alive };

@@ -19,7 +19,7 @@ export interface RequestPorts {
   /** Called for each piece of an answer that comes. */
   readonly alive: () => void;
   /** Called with the status of each answer; 0 if there was none. */
-  readonly heard: (method: string, path: string, status: number) => void;
+  readonly onResponse: (method: string, path: string, status: number) => void;
 }
 
 export interface Requests {
@@ -60,7 +60,7 @@ export function requests(address: Address, ports: RequestPorts): Requests {
     } finally {
       waits.end();
       repeated.delete(control);
-      ports.heard(method, path, status);
+      ports.onResponse(method, path, status);
     }
   };
 

@@ -108,8 +108,8 @@ export class RunMachineSession implements MachineSession {
   }
 
   /** Of the moment, or of the end; null while that is not known. */
-  #wanted({ playhead, playheadSnapshot: snapshot, journal, grown }: Watch): string | null {
-    grown.value;
+  #wanted({ playhead, playheadSnapshot: snapshot, journal, journalVersion }: Watch): string | null {
+    journalVersion.value;
     const picture = snapshot.value?.picture ?? null;
     if (playhead.value !== null) return picture?.root ?? null;
     for (; this.#read < journal.length; this.#read += 1) {

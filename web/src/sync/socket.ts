@@ -219,7 +219,7 @@ export class Socket {
     if (line === this.#silent) this.#revive(line);
     if (frame.frame === "welcome" && line === this.#dialled) this.#welcome(line, frame);
     if (line !== this.#line) return;
-    this.#heard(line);
+    this.#received(line);
     switch (frame.frame) {
       case "pong":
         this.#pong(frame.id, frame.now_ms);
@@ -234,11 +234,11 @@ export class Socket {
       case "answer":
         break;
       default:
-        this.#told(line, frame);
+        this.#deliver(line, frame);
     }
   }
 
-  #heard(line: Line): void {
+  #received(line: Line): void {
     const now_ms = this.#ports.clock.now();
     [line.heard_ms, line.waits_ms] = [now_ms, null];
     const pulse = this.pulse.peek();
@@ -326,7 +326,7 @@ export class Socket {
     }
   }
 
-  #told(line: Line, frame: ToClient & { subscription: number }): void {
+  #deliver(line: Line, frame: ToClient & { subscription: number }): void {
     const follower = this.#followers.get(frame.subscription);
     const isLast = frame.frame === "reset" || frame.frame === "ended";
     if (isLast) {

@@ -74,9 +74,9 @@ describe("the history of a run", () => {
     server.tell(3);
     server.tell(3);
     expect(watch.isCaughtUp.value).toBe(true);
-    expect(watch.grown.value).toBe(0);
+    expect(watch.journalVersion.value).toBe(0);
     clock.pass(100);
-    expect(watch.grown.value).toBe(5);
+    expect(watch.journalVersion.value).toBe(5);
     server.breakUp();
     expect(watch.isCaughtUp.value).toBe(false);
     server.tell(3);
@@ -133,7 +133,7 @@ describe("the history of a run", () => {
     server.end("run_status", { code: "busy", message: "busy" });
     clock.pass(1_000);
     server.stand(now("live", 0));
-    expect([watch.now.value?.run.phase, watch.isHeard.value]).toEqual(["live", true]);
+    expect([watch.now.value?.run.phase, watch.isCurrent.value]).toEqual(["live", true]);
   });
 });
 
@@ -158,13 +158,13 @@ describe("the truth about a run", () => {
 
   it("counts as heard once it came over the connection that there is", () => {
     const { server, watch } = setUp();
-    expect(watch.isHeard.value).toBe(false);
+    expect(watch.isCurrent.value).toBe(false);
     server.stand(now("live", 0));
-    expect(watch.isHeard.value).toBe(true);
+    expect(watch.isCurrent.value).toBe(true);
     server.breakUp();
-    expect(watch.isHeard.value).toBe(false);
+    expect(watch.isCurrent.value).toBe(false);
     server.stand(now("live", 0));
-    expect(watch.isHeard.value).toBe(true);
+    expect(watch.isCurrent.value).toBe(true);
   });
 });
 

@@ -34,9 +34,9 @@ const FOR_GOOD = new Set(["no_such_run", "no_history", "journal_too_short"]);
 export class RunWatch implements Watch {
   readonly now = signal<RunNow | null>(null);
   readonly proven_ms = signal<number | null>(null);
-  readonly isHeard = signal(false);
+  readonly isCurrent = signal(false);
   readonly journal = new Journal();
-  readonly grown = signal(0);
+  readonly journalVersion = signal(0);
   readonly isCaughtUp = signal(false);
   readonly lack = signal<string | null>(null);
   readonly playhead: Signal<number | null>;
@@ -139,8 +139,8 @@ export class RunWatch implements Watch {
   #followStatus(): void {
     this.#unfollowStatus = this.#ports.server.follow({
       topic: () => {
-        if (this.isHeard.peek()) this.proven_ms.value = this.#server_ms();
-        this.isHeard.value = false;
+        if (this.isCurrent.peek()) this.proven_ms.value = this.#server_ms();
+        this.isCurrent.value = false;
         return { topic: "run_status", run: this.id };
       },
       frame: (frame) => {
@@ -177,7 +177,7 @@ export class RunWatch implements Watch {
     batch(() => {
       this.now.value = now;
       this.proven_ms.value = Math.max(now.now_ms, this.#server_ms() ?? now.now_ms);
-      this.isHeard.value = true;
+      this.isCurrent.value = true;
     });
     const isLive = now.run.phase === "live" || now.run.phase === "starting";
     if (this.#isTold && (isLive || this.#written() >= this.journal.next)) this.#followHistory();
@@ -188,7 +188,7 @@ export class RunWatch implements Watch {
     this.#isSoon = true;
     this.#ports.clock.after(GROWN_MS, () => {
       this.#isSoon = false;
-      if (!this.#isOver) this.grown.value = this.journal.length;
+      if (!this.#isOver) this.journalVersion.value = this.journal.length;
     });
   }
 }

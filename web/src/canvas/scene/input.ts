@@ -57,7 +57,7 @@ export interface SceneInput {
   /** Transitions that were taken lately or come next. */
   readonly taken: ReadonlyMap<ElementKey, LineMarkOfRun>;
   /** How much later it is than the marks were said, in ms. */
-  readonly later_ms: number;
+  readonly sinceSnapshot_ms: number;
   /** How often a state was entered. */
   readonly visits: (path: string) => number;
   /** Values at ports. */
@@ -81,7 +81,7 @@ export const PLAIN = {
   hits: new Set<ElementKey>(),
   runs: new Map<string, RunMark>(),
   taken: new Map<ElementKey, LineMarkOfRun>(),
-  later_ms: 0,
+  sinceSnapshot_ms: 0,
   visits: (_path: string) => 0,
   values: new Map<ElementKey, ValueChip>(),
   heat: null,

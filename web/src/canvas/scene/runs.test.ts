@@ -67,7 +67,10 @@ const shown = (marked: Marked, scale?: number, more?: Partial<SceneInput>) =>
 
 describe("phases are told apart by colour, shape and word", () => {
   test("what runs glows, and says for how long and how often", () => {
-    const text = shown({ "R/A": { since_ms: 64_000 } }, 1, { visits: () => 3, later_ms: 1_200 });
+    const text = shown({ "R/A": { since_ms: 64_000 } }, 1, {
+      visits: () => 3,
+      sinceSnapshot_ms: 1_200,
+    });
     expect(text).toContain("run glow");
     expect(text).toContain("|running|");
     expect(text).toContain('"1:05 · 3×"');

@@ -69,7 +69,7 @@ export function runMarks(
   plateMarks(
     builder,
     node,
-    wordsOf(phase, { ...mark, failed: hasFailed }, builder.input.later_ms),
+    wordsOf(phase, { ...mark, failed: hasFailed }, builder.input.sinceSnapshot_ms),
     side,
   );
 }
@@ -252,10 +252,10 @@ function signMarks(
 function wordsOf(
   phase: MarkPhase,
   { since_ms, detail, failed }: RunMark,
-  later_ms: number,
+  sinceSnapshot_ms: number,
 ): readonly string[] {
   const word = WORDS[phase] ?? "";
-  const seconds = since_ms === null ? 0 : Math.floor((since_ms + later_ms) / 1_000);
+  const seconds = since_ms === null ? 0 : Math.floor((since_ms + sinceSnapshot_ms) / 1_000);
   const time = seconds < 1 ? "" : shortTime(seconds);
   const more = detail === null ? word : `${word}: ${detail}`;
   const also = failed ? "failed" : "";

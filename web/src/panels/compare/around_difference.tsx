@@ -41,7 +41,7 @@ interface ColumnProps {
 }
 
 function Column({ tab, branch, side, title, watch, at, show }: ColumnProps) {
-  useSignal(watch.grown);
+  useSignal(watch.journalVersion);
   useSignal(tab.session.version);
   const nameOf = namesOf(tab.session);
   const { journal } = watch;

@@ -49,7 +49,7 @@ interface OfRunProps {
 function OfRun({ tab, watch }: OfRunProps) {
   const [query, setQuery] = useState("");
   const [menu, setMenu] = useState<OpenMenu | null>(null);
-  useSignal(watch.grown);
+  useSignal(watch.journalVersion);
   useSignal(tab.session.version);
   const show = useShow(tab, watch);
   const open = (index: number, at: OpenMenu["at"]) => setMenu({ index, at });
@@ -116,7 +116,7 @@ function CallTree({ tab, watch, show, onMenu }: ListProps) {
   const [expanded, setExpanded] = useState<ReadonlySet<string>>(() => new Set(["c0"]));
   const [chosen, setChosen] = useState<Node | null>(null);
   const playhead = useSignal(watch.playhead);
-  const grown = calls.read;
+  const journalVersion = calls.read;
   const shown = playhead === null ? NONE : callAbout(calls, shownIndex(watch));
   // What was chosen here shows already: a loop is not opened because its first call is shown.
   const isHere = chosen !== null && ends(chosen).first === shown;
@@ -125,9 +125,9 @@ function CallTree({ tab, watch, show, onMenu }: ListProps) {
     setExpanded((before) => new Set([...before, ...nodes.ancestors(shown)]));
   }, [shown, isHere, nodes]);
   // biome-ignore lint/correctness/useExhaustiveDependencies: nodes read calls that grow
-  const roots = useMemo(() => nodes.roots(), [nodes, grown]);
+  const roots = useMemo(() => nodes.roots(), [nodes, journalVersion]);
   // biome-ignore lint/correctness/useExhaustiveDependencies: nodes read calls that grow
-  const childrenOf = useMemo(() => (node: Node) => nodes.inside(node), [nodes, grown]);
+  const childrenOf = useMemo(() => (node: Node) => nodes.inside(node), [nodes, journalVersion]);
   const nameOf = namesOf(tab.session);
   const at = shown === NONE ? null : isHere ? chosen.id : `c${shown}`;
   const begin = (node: Node) => calls.begin(ends(node).first);

@@ -9,9 +9,9 @@ import type { Watch } from "../../store/run.ts";
 import { pictureOf, type Standing, standingOf } from "../../store/standing.ts";
 import { useSignal } from "../../ui/signals.ts";
 import { useThrottled } from "../../ui/throttled.ts";
-import { useLater } from "../later.ts";
 import { growing, measured } from "../parts/duration.ts";
 import { useDetail } from "../parts/value/use_detail.ts";
+import { useSinceSnapshot } from "../since_snapshot.ts";
 import { Fold } from "./fold.tsx";
 import { RunError } from "./in_run_error.tsx";
 import { GlobalValues, RunValues } from "./in_run_values.tsx";
@@ -134,11 +134,11 @@ function Facts({ watch, standing }: FactsProps) {
 
 /** How long it has been active. Between two truths it goes on, as long as these are heard. */
 function Since({ watch, standing }: FactsProps) {
-  const later_ms = useLater(watch);
+  const sinceSnapshot_ms = useSinceSnapshot(watch);
   return (
     <>
       <dt>Since</dt>
-      <dd>{growing((standing.active?.since_ms ?? 0) + later_ms)}</dd>
+      <dd>{growing((standing.active?.since_ms ?? 0) + sinceSnapshot_ms)}</dd>
     </>
   );
 }

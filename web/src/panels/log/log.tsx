@@ -114,7 +114,7 @@ function Older({ watch, onCame }: { readonly watch: Watch; readonly onCame: () =
   const { page } = useHost().context();
   const [isAsking, setAsking] = useState(false);
   const log = runLog(watch);
-  useSignal(watch.grown);
+  useSignal(watch.journalVersion);
   if (log.from <= 1) return null;
   const ask = async () => {
     setAsking(true);

@@ -31,7 +31,7 @@ export function useRows(
   logQuery: LogQuery,
 ): Rows {
   const notices = useSignal(page.notices);
-  useThrottled(watch?.grown ?? NEVER, PACE_MS);
+  useThrottled(watch?.journalVersion ?? NEVER, PACE_MS);
   const nameOf = useCallback(
     (path: string) => tab?.session.machine.state(path)?.name ?? idOf(path),
     [tab],

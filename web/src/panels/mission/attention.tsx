@@ -4,11 +4,11 @@
 import { CircleHelp, OctagonAlert, TriangleAlert } from "lucide-react";
 import type { MouseEvent } from "react";
 import { openFailures } from "../../store/acknowledged.ts";
+import { clock1s } from "../../store/clock1s.ts";
 import { openDecisions } from "../../store/decisions.ts";
 import { byUrgency, timeLeft } from "../../store/question_time.ts";
 import { openQuestions } from "../../store/questions.ts";
 import type { Watch } from "../../store/run.ts";
-import { seconds } from "../../store/seconds.ts";
 import { useComputed, useSignal } from "../../ui/signals.ts";
 import { useHost } from "../context.tsx";
 import { duration } from "../parts/duration.ts";
@@ -44,7 +44,7 @@ function Asked({ watch, count }: { readonly watch: Watch; readonly count: number
   const { page } = useHost().context();
   const text = useComputed(() => {
     const [first] = byUrgency(watch, openQuestions(watch));
-    const left_ms = first ? timeLeft(page, watch, first, seconds.value) : null;
+    const left_ms = first ? timeLeft(page, watch, first, clock1s.value) : null;
     return JSON.stringify({ id: first?.id ?? 0, left_ms });
   }, [page, watch]);
   const { id, left_ms } = JSON.parse(text) as { id: number; left_ms: number | null };

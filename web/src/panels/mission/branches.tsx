@@ -15,16 +15,16 @@ import type { Outcome, Phase } from "../../model/generated/protocol.ts";
 import { ABORTED, PREEMPTED } from "../../model/machine.ts";
 import { holdInWords } from "../../model/run_words.ts";
 import { type Active, placeOfLane } from "../../store/active.ts";
-import { type LastEnd, lastEndBeside } from "../../store/last_end.ts";
-import type { Watch } from "../../store/run.ts";
 import {
+  type Baseline,
+  baselineOf,
   earlierRuns,
   isLongerThanEver,
-  pastUsual,
-  type Usual,
+  pastBaselines,
   usualInWords,
-  usualOf,
-} from "../../store/usual.ts";
+} from "../../store/baseline.ts";
+import { type LastEnd, lastEndBeside } from "../../store/last_end.ts";
+import type { Watch } from "../../store/run.ts";
 import { Button } from "../../ui/button.tsx";
 import { useComputed } from "../../ui/signals.ts";
 import { useCommand, useHost } from "../context.tsx";
@@ -38,10 +38,10 @@ const CARDS_MAX = 12;
 
 export function Branches({ watch }: { readonly watch: Watch }) {
   const { page } = useHost().context();
-  const { all: shown, later_ms } = useCalmLanes(page, watch);
+  const { all: shown, sinceSnapshot_ms } = useCalmLanes(page, watch);
   const names = useMachineNames();
   const past = useComputed(
-    () => pastUsual(page, earlierRuns(page, watch)[0]?.id ?? null).value,
+    () => pastBaselines(page, earlierRuns(page, watch)[0]?.id ?? null).value,
     [page, watch],
   );
   const isPast = useComputed(() => watch.playhead.value !== null, [watch]);
@@ -55,8 +55,8 @@ export function Branches({ watch }: { readonly watch: Watch }) {
             lane={lane}
             names={names}
             last={lastEndBeside(watch, placeOfLane(lane))}
-            usual={usualOf(watch, past, lane.path)}
-            later_ms={later_ms}
+            baseline={baselineOf(watch, past, lane.path)}
+            sinceSnapshot_ms={sinceSnapshot_ms}
           />
         ))}
       </ul>
@@ -103,15 +103,15 @@ interface CardProps {
   readonly lane: Active;
   readonly names: Names;
   readonly last: LastEnd | null;
-  readonly usual: Usual | null;
-  readonly later_ms: number;
+  readonly baseline: Baseline | null;
+  readonly sinceSnapshot_ms: number;
 }
 
-function Card({ lane, names, last, usual, later_ms }: CardProps) {
+function Card({ lane, names, last, baseline, sinceSnapshot_ms }: CardProps) {
   const host = useHost();
   const place = placeOfLane(lane);
-  const since_ms = lane.since_ms + later_ms;
-  const isLong = usual !== null && isLongerThanEver(lane, usual, since_ms);
+  const since_ms = lane.since_ms + sinceSnapshot_ms;
+  const isLong = baseline !== null && isLongerThanEver(lane, baseline, since_ms);
   const { word, Sign } = PHASES[lane.phase];
   const around = pathInWords(names, place).split(" › ");
   const name = around.pop() ?? lane.name;
@@ -135,12 +135,14 @@ function Card({ lane, names, last, usual, later_ms }: CardProps) {
         </button>
         {!isBefore(lane) && <span className="mission-card-time">{growing(since_ms)}</span>}
       </div>
-      {lane.phase !== "held" && usual && <Bar usual={usual} since_ms={since_ms} isLong={isLong} />}
+      {lane.phase !== "held" && baseline && (
+        <Bar baseline={baseline} since_ms={since_ms} isLong={isLong} />
+      )}
       <div className="mission-card-foot">
-        {lane.phase !== "held" && usual && (
+        {lane.phase !== "held" && baseline && (
           <p className={isLong ? "mission-long" : undefined}>
             {isLong ? "longer than ever: " : ""}
-            {usualInWords(usual, duration)}
+            {usualInWords(baseline, duration)}
           </p>
         )}
         {last && <Before last={last} names={names} />}
@@ -172,13 +174,13 @@ function isBefore({ phase, held: [hold] }: Active): boolean {
 }
 
 interface BarProps {
-  readonly usual: Usual;
+  readonly baseline: Baseline;
   readonly since_ms: number;
   readonly isLong: boolean;
 }
 
 /** The time in the state against how long it usually takes. */
-function Bar({ usual: { typical_ms, max_ms }, since_ms, isLong }: BarProps) {
+function Bar({ baseline: { typical_ms, max_ms }, since_ms, isLong }: BarProps) {
   const scale = Math.max(max_ms, since_ms, 1);
   const width = (ms: number) => ({ width: `${(ms / scale) * 100}%` });
   return (

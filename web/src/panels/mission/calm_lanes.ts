@@ -3,9 +3,9 @@
 import { computed } from "@preact/signals-core";
 import { useMemo } from "react";
 import { type Active, activeStates, lanes } from "../../store/active.ts";
-import { laterBy } from "../../store/later.ts";
 import type { Page } from "../../store/page.ts";
 import type { Watch } from "../../store/run.ts";
+import { sinceSnapshot } from "../../store/since_snapshot.ts";
 import { useComputed } from "../../ui/signals.ts";
 import { useThrottled } from "../../ui/throttled.ts";
 import { inOrder } from "../parts/order.ts";
@@ -17,7 +17,7 @@ export interface CalmLanes {
   /** Those that want somebody first. */
   readonly all: readonly Active[];
   /** So much longer they have gone on by then than they say, in ms. */
-  readonly later_ms: number;
+  readonly sinceSnapshot_ms: number;
 }
 
 export function useCalmLanes(page: Page, watch: Watch): CalmLanes {
@@ -27,7 +27,7 @@ export function useCalmLanes(page: Page, watch: Watch): CalmLanes {
     () =>
       computed(() => ({
         all: inOrder(lanes(activeStates(watch))),
-        later_ms: laterBy(page, watch),
+        sinceSnapshot_ms: sinceSnapshot(page, watch),
       })),
     [page, watch, phases],
   );

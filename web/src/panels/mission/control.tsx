@@ -6,9 +6,9 @@ import { refusalOf } from "../../commands/command.ts";
 import { silenceLeft } from "../../commands/control.ts";
 import { lacks } from "../../commands/run_rules.ts";
 import { startedInWords } from "../../model/run_words.ts";
+import { clock1s } from "../../store/clock1s.ts";
 import type { Watch } from "../../store/run.ts";
 import { sessionOfPage } from "../../store/running.ts";
-import { seconds } from "../../store/seconds.ts";
 import { Button } from "../../ui/button.tsx";
 import { useComputed } from "../../ui/signals.ts";
 import { useCommand, useHost } from "../context.tsx";
@@ -178,7 +178,7 @@ function Moves({
 function TakeOver({ holder }: { readonly holder: string }) {
   const { context } = useHost();
   const left = useComputed(
-    () => Math.ceil(silenceLeft(context(), seconds.value) / 1_000),
+    () => Math.ceil(silenceLeft(context(), clock1s.value) / 1_000),
     [context],
   );
   return (

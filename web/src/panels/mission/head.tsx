@@ -2,11 +2,11 @@
 
 import { runStand, startedInWords, summaryStand } from "../../model/run_words.ts";
 import { isGoingOn, runAge } from "../../store/age.ts";
+import { earlierRuns, expectedLength } from "../../store/baseline.ts";
+import { clock1s } from "../../store/clock1s.ts";
 import type { Watch } from "../../store/run.ts";
 import { elapsedNow } from "../../store/run_clock.ts";
 import { summaryOf } from "../../store/running.ts";
-import { seconds } from "../../store/seconds.ts";
-import { earlierRuns, expectedLength } from "../../store/usual.ts";
 import { useComputed, useSignal } from "../../ui/signals.ts";
 import { useCommand, useHost } from "../context.tsx";
 import { duration, growing } from "../parts/duration.ts";
@@ -42,7 +42,7 @@ export function Head({ watch }: { readonly watch: Watch }) {
 function Times({ watch }: { readonly watch: Watch }) {
   const { page } = useHost().context();
   const elapsed = useComputed(() => {
-    const now_ms = seconds.value;
+    const now_ms = clock1s.value;
     const age = runAge(page, watch, now_ms);
     const elapsed_ms = elapsedNow(page, watch, age.isOld ? now_ms - age.age_ms : now_ms);
     const now = watch.now.value;

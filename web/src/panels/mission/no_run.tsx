@@ -3,7 +3,7 @@
 import { Radar } from "lucide-react";
 import { refusalOf } from "../../commands/command.ts";
 import { startedInWords, summaryStand } from "../../model/run_words.ts";
-import { seconds } from "../../store/seconds.ts";
+import { clock1s } from "../../store/clock1s.ts";
 import { Button } from "../../ui/button.tsx";
 import { useComputed, useSignal } from "../../ui/signals.ts";
 import { useCommand, useHost } from "../context.tsx";
@@ -92,7 +92,7 @@ function Length({ run }: { readonly run: RunLine }) {
   const { page } = useHost().context();
   const text = useComputed(() => {
     if (!isGoingOn(run)) return duration(run.length_ms);
-    const there_ms = seconds.value + (page.server.pulse.value?.ahead_ms ?? 0);
+    const there_ms = clock1s.value + (page.server.pulse.value?.ahead_ms ?? 0);
     return growing(Math.max(0, there_ms - run.started_ms));
   }, [page, run]);
   return <>{text}</>;

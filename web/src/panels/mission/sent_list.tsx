@@ -2,10 +2,10 @@
 
 import { Check, Clock, Send, X } from "lucide-react";
 import { commandInWords } from "../../model/command_words.ts";
+import { clock1s } from "../../store/clock1s.ts";
 import { dismiss, dismissed } from "../../store/dismissed.ts";
 import { answeredBy, askedQuestions } from "../../store/questions.ts";
 import type { Watch } from "../../store/run.ts";
-import { seconds } from "../../store/seconds.ts";
 import { IconButton } from "../../ui/button.tsx";
 import { useComputed, useSignal } from "../../ui/signals.ts";
 import { type SentLine, sentLines } from "../parts/sent.ts";
@@ -14,7 +14,7 @@ export function SentList({ watch }: { readonly watch: Watch }) {
   const sent = useSignal(watch.sent);
   const seen = useSignal(dismissed(watch));
   useSignal(askedQuestions(watch));
-  const now_ms = useComputed(() => (watch.sent.value.length > 0 ? seconds.value : 0), [watch]);
+  const now_ms = useComputed(() => (watch.sent.value.length > 0 ? clock1s.value : 0), [watch]);
   return (
     <ul className="mission-sent" aria-label="What you told the run" aria-live="polite">
       {sentLines(sent, seen, now_ms, (question) => answeredBy(watch, question))

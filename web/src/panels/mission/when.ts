@@ -1,9 +1,9 @@
 /** When something in a run was, in words. */
 
 import { isGoingOn, runAge } from "../../store/age.ts";
+import { clock1s } from "../../store/clock1s.ts";
 import type { Watch } from "../../store/run.ts";
 import { elapsedNow } from "../../store/run_clock.ts";
-import { seconds } from "../../store/seconds.ts";
 import { useComputed } from "../../ui/signals.ts";
 import { useHost } from "../context.tsx";
 import { duration, growing } from "../parts/duration.ts";
@@ -14,7 +14,7 @@ export function useWhen(watch: Watch, t_ms: number): string {
   return useComputed(() => {
     const now = watch.now.value;
     if (!now || !isGoingOn(now)) return `after ${growing(t_ms)}`;
-    const now_ms = seconds.value;
+    const now_ms = clock1s.value;
     const { isOld, age_ms } = runAge(page, watch, now_ms);
     const ago_ms = elapsedNow(page, watch, isOld ? now_ms - age_ms : now_ms) - t_ms;
     const ago_s = Math.max(0, Math.floor(ago_ms / 1_000));

@@ -17,7 +17,7 @@ export interface MomentWords {
 }
 
 export function useMoment(tab: OpenTab, watch: Watch): MomentWords {
-  useSignal(watch.grown);
+  useSignal(watch.journalVersion);
   useSignal(watch.playhead);
   useSignal(tab.session.version);
   const index = shownIndex(watch);

@@ -4,9 +4,9 @@ import { CircleHelp, Timer } from "lucide-react";
 import { type FormEvent, useId, useState } from "react";
 import { refusalOf } from "../../commands/command.ts";
 import type { Form, Question } from "../../model/generated/protocol.ts";
+import { clock1s } from "../../store/clock1s.ts";
 import { timeLeft } from "../../store/question_time.ts";
 import type { Watch } from "../../store/run.ts";
-import { seconds } from "../../store/seconds.ts";
 import { Button } from "../../ui/button.tsx";
 import { Checkbox, TextField } from "../../ui/field.tsx";
 import { useComputed } from "../../ui/signals.ts";
@@ -141,7 +141,7 @@ function TimeLeft({ watch, question }: Pick<QuestionFormProps, "watch" | "questi
   const { page } = useHost().context();
   const { timeout_ms } = question;
   const left = useComputed(
-    () => timeLeft(page, watch, question, seconds.value),
+    () => timeLeft(page, watch, question, clock1s.value),
     [page, watch, question],
   );
   if (timeout_ms === null || left === null) return null;

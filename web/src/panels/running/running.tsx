@@ -18,23 +18,23 @@ import type { Phase } from "../../model/generated/protocol.ts";
 import { ABORTED, namesTo, PREEMPTED } from "../../model/machine.ts";
 import { holdInWords } from "../../model/run_words.ts";
 import { type Active, activeStates, lanes, placeOfLane } from "../../store/active.ts";
+import { type Baseline, baselineOf, usualInWords } from "../../store/baseline.ts";
 import { lastEndBeside } from "../../store/last_end.ts";
 import type { OpenTab } from "../../store/page.ts";
 import type { Watch } from "../../store/run.ts";
-import { type Usual, usualInWords, usualOf } from "../../store/usual.ts";
 import { IconButton } from "../../ui/button.tsx";
 import { Empty } from "../../ui/empty.tsx";
 import { useComputed, useSignal } from "../../ui/signals.ts";
 import { useActiveTab, useCommand, useHost } from "../context.tsx";
-import { useLater } from "../later.ts";
 import { duration, growing } from "../parts/duration.ts";
 import { NoRun } from "../parts/no_run.tsx";
 import { inOrder } from "../parts/order.ts";
 import { reveal } from "../reveal.ts";
+import { useSinceSnapshot } from "../since_snapshot.ts";
 import "./running.css";
 
 const NO_RUN = signal<Watch | null>(null);
-const NO_PAST: ReadonlyMap<string, Usual> = new Map();
+const NO_PAST: ReadonlyMap<string, Baseline> = new Map();
 /** So many rows are shown; more are counted. */
 const ROWS_MAX = 60;
 
@@ -51,7 +51,7 @@ export function Running() {
 function OfRun({ tab, watch }: { readonly tab: OpenTab; readonly watch: Watch }) {
   const shown = useComputed(() => inOrder(lanes(activeStates(watch))), [watch]);
   const playhead = useSignal(watch.playhead);
-  const later_ms = useLater(watch);
+  const sinceSnapshot_ms = useSinceSnapshot(watch);
   if (shown.length === 0) return <Nothing watch={watch} />;
   return (
     <div className="running shows-run">
@@ -66,7 +66,7 @@ function OfRun({ tab, watch }: { readonly tab: OpenTab; readonly watch: Watch })
             tab={tab}
             watch={watch}
             lane={lane}
-            later_ms={later_ms}
+            sinceSnapshot_ms={sinceSnapshot_ms}
             isLive={playhead === null}
           />
         ))}
@@ -99,11 +99,11 @@ interface RowProps {
   readonly tab: OpenTab;
   readonly watch: Watch;
   readonly lane: Active;
-  readonly later_ms: number;
+  readonly sinceSnapshot_ms: number;
   readonly isLive: boolean;
 }
 
-function Row({ tab, watch, lane, later_ms, isLive }: RowProps) {
+function Row({ tab, watch, lane, sinceSnapshot_ms, isLive }: RowProps) {
   const host = useHost();
   const place = placeOfLane(lane);
   const { word, Sign } = PHASES[lane.phase];
@@ -120,7 +120,7 @@ function Row({ tab, watch, lane, later_ms, isLive }: RowProps) {
         <Sign size={16} aria-hidden className="running-sign" />
         <span className="running-name">{name}</span>
         {!comesNext(lane) && (
-          <span className="running-time">{growing(lane.since_ms + later_ms)}</span>
+          <span className="running-time">{growing(lane.since_ms + sinceSnapshot_ms)}</span>
         )}
         {around.length > 0 && <span className="running-way">{around.join(" › ")}</span>}
         <span className="running-words">
@@ -150,8 +150,8 @@ function phaseInWords({ phase, detail, held: [hold] }: Active, word: string): st
 
 function Against({ watch, path }: { readonly watch: Watch; readonly path: string }) {
   const usual = useComputed(() => {
-    watch.grown.value;
-    const found = usualOf(watch, NO_PAST, path);
+    watch.journalVersion.value;
+    const found = baselineOf(watch, NO_PAST, path);
     return found ? usualInWords(found, duration) : "";
   }, [watch, path]);
   return usual === "" ? null : <span className="running-soft"> · {usual}</span>;

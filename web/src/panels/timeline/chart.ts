@@ -77,7 +77,7 @@ class Chart {
   #read(): void {
     const { tab, model, parted_ns, gaps } = this.#options;
     gaps();
-    model.watch.grown.value;
+    model.watch.journalVersion.value;
     model.end_ns;
     model.watch.playhead.value;
     model.spanRequest.value;

@@ -3,13 +3,13 @@
 
 import { type Signal, signal } from "@preact/signals-core";
 import { type Calls, callsOf, NONE } from "../../store/calls.ts";
-import { comeAt } from "../../store/come.ts";
+import { clock1s } from "../../store/clock1s.ts";
 import { Found } from "../../store/found.ts";
 import { lanesOf } from "../../store/lanes.ts";
 import { showIndex, shownIndex } from "../../store/moments.ts";
 import type { Page } from "../../store/page.ts";
+import { progressAt } from "../../store/progress.ts";
 import type { Watch } from "../../store/run.ts";
-import { seconds } from "../../store/seconds.ts";
 import type { NameOf } from "../parts/happened.ts";
 import { lanesIn, layoutOf, type TimelineLayout } from "./layout.ts";
 import { fitted, type Span, type SpanRequest, spanOf, withTime, zoomed } from "./span.ts";
@@ -53,7 +53,7 @@ export class TimelineModel {
   /** How far the run has come. While it goes on, another number once a second. A signal's reader. */
   get end_ns(): number {
     const isLive = this.watch.now.value?.run.phase === "live";
-    return comeAt(this.#page, this.watch, isLive ? seconds.value : 0) * 1e6;
+    return progressAt(this.#page, this.watch, isLive ? clock1s.value : 0) * 1e6;
   }
 
   /** When the last event was: after it nothing has changed. */

@@ -154,7 +154,7 @@ function SearchField({ tab, model }: Pick<OfRunProps, "tab" | "model">) {
   const query = useSignal(model.query);
   const found = useSignal(model.found);
   const hit = useSignal(model.hit);
-  useSignal(model.watch.grown);
+  useSignal(model.watch.journalVersion);
   found?.follow();
   const many = found?.hits.length ?? 0;
   const place = hit === null || !found ? 0 : found.hits.indexOf(hit) + 1;
@@ -254,7 +254,7 @@ function Labels({ tab, watch, model }: OfRunProps) {
   useSignal(model.folded);
   useSignal(model.isOnlyInSight);
   useSignal(model.spanRequest);
-  useSignal(watch.grown);
+  useSignal(watch.journalVersion);
   useSignal(tab.session.version);
   const { layout } = model;
   const nameOf = namesOf(tab.session);

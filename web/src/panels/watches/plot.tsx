@@ -17,7 +17,7 @@ export function Plot({ watched }: { watched: WatchedValue }) {
   const points = history.series.points;
   const changed = useSignal(history.changed);
   const playhead = useSignal(watch.playhead);
-  const grown = useSignal(watch.grown);
+  const journalVersion = useSignal(watch.journalVersion);
   const plot = useRef<uPlot | null>(null);
   const [isMissing, setMissing] = useState(false);
   const latest = useRef({ watched, playhead });
@@ -43,7 +43,7 @@ export function Plot({ watched }: { watched: WatchedValue }) {
     };
   }, []);
   // biome-ignore lint/correctness/useExhaustiveDependencies: the series stays the same object; `changed` and `grown` tell of it
-  useEffect(() => plot.current?.setData(dataOf(watched)), [watched, changed, grown]);
+  useEffect(() => plot.current?.setData(dataOf(watched)), [watched, changed, journalVersion]);
   // biome-ignore lint/correctness/useExhaustiveDependencies: the line of the moment is read when it is drawn
   useEffect(() => plot.current?.redraw(false), [playhead]);
   if (isMissing) {

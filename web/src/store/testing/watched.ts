@@ -24,7 +24,7 @@ export interface Watched {
 
 export function watched(run: RunSummary, more: Partial<RunNow> = {}): Watched {
   const journal = new Journal();
-  const grown = signal(0);
+  const journalVersion = signal(0);
   const control = { holder: null, since_ms: 0, heard_ms: 0, silence_ms: 30_000, asking: [] };
   const plain = { run, link: "up", control, snapshot: null, snapshot_ms: null };
   const now = { ...plain, ...more } as unknown as RunNow;
@@ -32,9 +32,9 @@ export function watched(run: RunSummary, more: Partial<RunNow> = {}): Watched {
     id: run.id,
     now: signal<RunNow | null>(now),
     proven_ms: signal(STARTED_MS),
-    isHeard: signal(true),
+    isCurrent: signal(true),
     journal,
-    grown,
+    journalVersion,
     isCaughtUp: signal(true),
     lack: signal<string | null>(null),
     playhead: signal<number | null>(null),
@@ -50,7 +50,7 @@ export function watched(run: RunSummary, more: Partial<RunNow> = {}): Watched {
       event,
     }));
     journal.add(entries, from + events.length);
-    grown.value = journal.length;
+    journalVersion.value = journal.length;
   };
   return { watch, tell };
 }

@@ -10,7 +10,7 @@ import { summaryOf } from "./running.ts";
 import { RefusalError } from "./server.ts";
 
 /** How long a state was active: never longer than `max_ms`. */
-export interface Usual {
+export interface Baseline {
   /** Half of the times it took no longer, of so many that this says something; else the mean of the few times. */
   readonly typical_ms: number;
   readonly isMedian: boolean;
@@ -27,8 +27,8 @@ const LONGER_MS = 1_000;
 /** Of so many earlier runs the length is looked at, the newest. */
 const RUNS_MAX = 20;
 
-const PAST = new Map<string, Signal<ReadonlyMap<string, Usual>>>();
-const NONE: ReadonlyMap<string, Usual> = new Map();
+const PAST = new Map<string, Signal<ReadonlyMap<string, Baseline>>>();
+const NONE: ReadonlyMap<string, Baseline> = new Map();
 
 /** Runs of the same machine that came to a good end before, the newest first. */
 export function earlierRuns(page: Page, watch: Watch): readonly RunSummary[] {
@@ -64,10 +64,10 @@ function median(lengths: readonly number[]): number {
 }
 
 /** How long states of this machine were active in an earlier run; asked for once, and empty until that is here. */
-export function pastUsual(
+export function pastBaselines(
   page: Page,
   run: string | null,
-): ReadonlySignal<ReadonlyMap<string, Usual>> {
+): ReadonlySignal<ReadonlyMap<string, Baseline>> {
   if (run === null) return NOTHING;
   let known = PAST.get(run);
   if (!known) {
@@ -80,7 +80,7 @@ export function pastUsual(
 
 const NOTHING = signal(NONE);
 
-async function ask(page: Page, run: string, into: Signal<ReadonlyMap<string, Usual>>) {
+async function ask(page: Page, run: string, into: Signal<ReadonlyMap<string, Baseline>>) {
   try {
     const { states } = await page.runs.get<Statistics>(run, "statistics");
     into.value = new Map(
@@ -97,11 +97,11 @@ async function ask(page: Page, run: string, into: Signal<ReadonlyMap<string, Usu
 }
 
 /** How long a state usually takes; null if nobody knows. */
-export function usualOf(
+export function baselineOf(
   { journal }: Watch,
-  past: ReadonlyMap<string, Usual>,
+  past: ReadonlyMap<string, Baseline>,
   path: string,
-): Usual | null {
+): Baseline | null {
   const own = journal.counts.get(path);
   const before = past.get(path) ?? null;
   if (!own || own.ends === 0 || (own.ends < ENOUGH && before)) return before;
@@ -112,15 +112,19 @@ export function usualOf(
 
 /** Whether a state takes longer than it ever did, of so many times that this says something. What waits, or is held, takes the
  * time of somebody else. */
-export function isLongerThanEver({ phase }: Pick<Active, "phase">, usual: Usual, since_ms: number) {
-  const { isMedian, max_ms } = usual;
+export function isLongerThanEver(
+  { phase }: Pick<Active, "phase">,
+  baseline: Baseline,
+  since_ms: number,
+) {
+  const { isMedian, max_ms } = baseline;
   const isAtWork = phase === "running" || phase === "preempted";
   return isMedian && isAtWork && since_ms > max_ms * LONGER && since_ms > max_ms + LONGER_MS;
 }
 
 /** The same in words: `usually 1.3 s, at most 4 s (12 times)`. */
-export function usualInWords(usual: Usual, duration: (ms: number) => string): string {
-  const { typical_ms, isMedian, max_ms, count } = usual;
+export function usualInWords(baseline: Baseline, duration: (ms: number) => string): string {
+  const { typical_ms, isMedian, max_ms, count } = baseline;
   if (count === 1) return `${duration(typical_ms)} the one time before`;
   const typical = `${isMedian ? "usually" : "on average"} ${duration(typical_ms)}`;
   return `${typical}, at most ${duration(max_ms)} (${count} times)`;

@@ -6,7 +6,7 @@ import type { Watch } from "./run.ts";
 import { saidAt } from "./run_clock.ts";
 
 /** In ms since its start, whatever moment is shown: while it goes on, until it was heard last; at least to its last event. */
-export function comeAt(page: Pick<Page, "server">, watch: Watch, now_ms: number): number {
+export function progressAt(page: Pick<Page, "server">, watch: Watch, now_ms: number): number {
   const { journal, now } = watch;
   const told_ms = journal.length > 0 ? journal.t_ns(journal.length - 1) / 1e6 : 0;
   const [snapshot, said_ms] = [now.value?.snapshot, saidAt(page, watch)];

@@ -1,6 +1,6 @@
 import { signal } from "@preact/signals-core";
 import { expect, test } from "vitest";
-import { behind } from "./behind.ts";
+import { historyLag } from "./history_lag.ts";
 import { Journal } from "./journal.ts";
 import type { Watch } from "./run.ts";
 
@@ -8,8 +8,8 @@ function missing(told: number, disk_safe: number | null, events: number): number
   const journal = new Journal();
   journal.add([], told + 1);
   const now = { run: { events }, snapshot: disk_safe === null ? null : { disk_safe } };
-  const watch = { journal, grown: signal(0), now: signal(now) };
-  return behind(watch as unknown as Watch);
+  const watch = { journal, journalVersion: signal(0), now: signal(now) };
+  return historyLag(watch as unknown as Watch);
 }
 
 test("what is on disk and was not told is still to come", () => {

@@ -1,9 +1,9 @@
 import { signal } from "@preact/signals-core";
 import { expect, test } from "vitest";
 import type { RunNow } from "../model/generated/protocol.ts";
-import { comeAt } from "./come.ts";
 import { Journal } from "./journal.ts";
 import type { Page } from "./page.ts";
+import { progressAt } from "./progress.ts";
 import type { Watch } from "./run.ts";
 import { events } from "./testing/events.ts";
 
@@ -29,7 +29,7 @@ function come({ phase = "live", playhead, heard_ms = NOW_MS }: Given): number {
   const watch = {
     now: signal(now as RunNow),
     proven_ms: signal(heard_ms),
-    isHeard: signal(true),
+    isCurrent: signal(true),
     playhead: signal(playhead ?? null),
     journal,
   };
@@ -37,7 +37,7 @@ function come({ phase = "live", playhead, heard_ms = NOW_MS }: Given): number {
     link: signal({ state: "up" }),
     pulse: signal({ heard_ms, delay_ms: 1, ahead_ms: 0, server_ms: heard_ms, old_ms: 4_000 }),
   };
-  return comeAt({ server } as unknown as Page, watch as unknown as Watch, NOW_MS);
+  return progressAt({ server } as unknown as Page, watch as unknown as Watch, NOW_MS);
 }
 
 test("a run that goes on comes farther also while nothing happens, whatever moment is shown", () => {

@@ -3,14 +3,14 @@
 
 import type { RunNow } from "../model/generated/protocol.ts";
 import { runAge } from "./age.ts";
+import { clock1s } from "./clock1s.ts";
 import type { Page } from "./page.ts";
 import type { Watch } from "./run.ts";
 import { saidAt } from "./run_clock.ts";
-import { seconds } from "./seconds.ts";
 
 /** In ms; another number once a second. A signal's reader. */
-export function laterBy(page: Page, watch: Watch): number {
-  const now_ms = seconds.value;
+export function sinceSnapshot(page: Page, watch: Watch): number {
+  const now_ms = clock1s.value;
   const said_ms = saidAt(page, watch);
   const age = runAge(page, watch, now_ms);
   const now = watch.now.value;

@@ -19,4 +19,4 @@ function tick(): void {
 }
 
 /** ms since 1970. */
-export const seconds: ReadonlySignal<number> = time;
+export const clock1s: ReadonlySignal<number> = time;

@@ -1,23 +1,29 @@
 import { expect, test } from "vitest";
+import {
+  type Baseline,
+  baselineOf,
+  expectedLength,
+  isLongerThanEver,
+  usualInWords,
+} from "./baseline.ts";
 import { Counts, LENGTHS_MAX } from "./counts.ts";
 import type { Watch } from "./run.ts";
-import { expectedLength, isLongerThanEver, type Usual, usualInWords, usualOf } from "./usual.ts";
 
 const SECONDS = (ms: number) => `${ms / 1_000} s`;
 
 /** What is usual after a state took so many seconds each time. */
-function usual(seconds: readonly number[], past: Usual | null = null): Usual | null {
+function baseline(seconds: readonly number[], past: Baseline | null = null): Baseline | null {
   const counts = new Counts();
   for (const length of seconds) {
     counts.entered(1, "R/A", 0, false);
     counts.left(1, "R/A", length * 1e9, { id: 0, name: "success" }, false);
   }
   const before = new Map(past ? [["R/A", past]] : []);
-  return usualOf({ journal: { counts } } as unknown as Watch, before, "R/A");
+  return baselineOf({ journal: { counts } } as unknown as Watch, before, "R/A");
 }
 
-function words(seconds: readonly number[], past: Usual | null = null): string {
-  const found = usual(seconds, past);
+function words(seconds: readonly number[], past: Baseline | null = null): string {
+  const found = baseline(seconds, past);
   return found ? usualInWords(found, SECONDS) : "";
 }
 
@@ -49,7 +55,7 @@ test("a run usually takes the median of five earlier ones, and below that their 
 
 test("longer than ever needs five times, and is never said of what waits", () => {
   const is = (times: number, phase: "running" | "waiting" | "held", since_ms: number) => {
-    const found = usual(Array<number>(times).fill(2));
+    const found = baseline(Array<number>(times).fill(2));
     return found !== null && isLongerThanEver({ phase }, found, since_ms);
   };
   expect([is(5, "running", 3_500), is(5, "running", 2_900)]).toEqual([true, false]);
