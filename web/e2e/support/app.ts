@@ -3,7 +3,7 @@
 
 import type { Page as Sheet } from "playwright-core";
 import { vi } from "vitest";
-import type { Commands, Context } from "../../src/commands/command.ts";
+import type { CommandContext, Commands } from "../../src/commands/command.ts";
 import type { StateDocument } from "../../src/model/generated/protocol.ts";
 import type { Box, Point } from "../../src/model/geometry.ts";
 import { childBox, portPlaces, rootSize } from "../../src/model/layout_reader.ts";
@@ -21,7 +21,7 @@ declare global {
     readonly __rafcon: {
       readonly page: Page;
       readonly commands: Commands;
-      readonly context: () => Context;
+      readonly context: () => CommandContext;
     };
   }
 }
@@ -119,7 +119,10 @@ export class App {
   }
 
   /** Waits until the page's own state is so. It is asked from here: the page lets nobody evaluate texts in it. */
-  async until<T>(wanted: (context: Context, argument: T) => boolean, argument: T): Promise<void> {
+  async until<T>(
+    wanted: (context: CommandContext, argument: T) => boolean,
+    argument: T,
+  ): Promise<void> {
     const text = `(${wanted.toString()})(window.__rafcon.context(), ${JSON.stringify(argument)})`;
     await vi.waitUntil(() => this.sheet.evaluate<boolean>(text), PATIENCE);
   }

@@ -2,14 +2,14 @@
 
 import type { ReactNode } from "react";
 
-export interface BarProps {
+export interface PageBarProps {
   readonly kind?: "plain" | "warning" | "danger";
   readonly icon: ReactNode;
   readonly children: ReactNode;
   readonly actions?: ReactNode;
 }
 
-export function Bar({ kind = "plain", icon, children, actions }: BarProps) {
+export function Bar({ kind = "plain", icon, children, actions }: PageBarProps) {
   return (
     <div className={`bar bar-${kind}`} role="status">
       {icon}

@@ -3,7 +3,7 @@
 import { ArrowDownToLine, ArrowRightToLine, ArrowUpFromLine, Undo2 } from "lucide-react";
 import { useEffect, useRef } from "react";
 import { screenBox } from "../canvas/camera.ts";
-import type { Picture } from "../canvas/picture.ts";
+import type { CanvasPicture } from "../canvas/picture.ts";
 import type { Box } from "../model/geometry.ts";
 import { namesTo } from "../model/machine.ts";
 import { parentOf } from "../model/path.ts";
@@ -21,13 +21,13 @@ const STEPS = [
   ["run.out", ArrowUpFromLine],
 ] as const;
 
-interface Props {
+interface BranchStepsProps {
   readonly tab: OpenTab;
   readonly watch: Watch;
-  readonly picture: Picture;
+  readonly picture: CanvasPicture;
 }
 
-export function BranchSteps({ tab, watch, picture }: Props) {
+export function BranchSteps({ tab, watch, picture }: BranchStepsProps) {
   const key = useDerived(() => keyOfHeld(watch), [watch]);
   if (key === "") return null;
   const held = heldLanes(watch);
@@ -75,7 +75,10 @@ function At({
   tab,
   picture,
   children,
-}: Omit<Props, "watch"> & { readonly path: string; readonly children: React.ReactNode }) {
+}: Omit<BranchStepsProps, "watch"> & {
+  readonly path: string;
+  readonly children: React.ReactNode;
+}) {
   const place = useRef<HTMLDivElement>(null);
   useEffect(() => {
     const put = () => {
@@ -101,7 +104,7 @@ function At({
 /** Boxes smaller than this, in CSS pixels, are too small to have controls of their own. */
 const LEAST = 24;
 
-function boxOnScreen({ view }: OpenTab, picture: Picture, path: string): Box | null {
+function boxOnScreen({ view }: OpenTab, picture: CanvasPicture, path: string): Box | null {
   for (let at: string | null = path; at !== null; at = parentOf(at)) {
     const box = picture.layout().box(at);
     const on = box && screenBox(view.camera.peek(), box);

@@ -5,8 +5,8 @@ import { CircleAlert } from "lucide-react";
 import { useEffect, useRef, useState } from "react";
 import type { CanvasControl } from "../canvas/control.ts";
 import { mountCanvas } from "../canvas/mount.ts";
-import type { Picture } from "../canvas/picture.ts";
-import type { Context } from "../commands/command.ts";
+import type { CanvasPicture } from "../canvas/picture.ts";
+import type { CommandContext } from "../commands/command.ts";
 import { contextMenu } from "../commands/menus.ts";
 import type { ElementRef } from "../model/element.ts";
 import type { Point } from "../model/geometry.ts";
@@ -26,7 +26,7 @@ import { isInMission } from "./session.ts";
 const NO_MARKS = new Map<never, never>();
 const NO_FAULT = signal<string | null>(null);
 
-interface OpenMenu {
+interface CanvasMenu {
   readonly at: Point;
   readonly elements: readonly ElementRef[];
   /** Where in the machine it was opened. */
@@ -34,7 +34,7 @@ interface OpenMenu {
 }
 
 /** What is new goes where the menu was opened, wherever the pointer is by then. */
-function asOpened(context: Context, { pointer }: OpenMenu): Context {
+function asOpened(context: CommandContext, { pointer }: CanvasMenu): CommandContext {
   return context.canvas
     ? { ...context, canvas: { ...context.canvas, pointer: () => pointer } }
     : context;
@@ -48,8 +48,8 @@ export function CanvasPlace({ tab }: { tab: OpenTab }) {
   const isOld = useIsOld(page);
   const watch = useSignal(tab.run);
   const isTold = useDerived(() => isInMission(session, tab), [session, tab]);
-  const [picture, setPicture] = useState<Picture | null>(null);
-  const [menu, setMenu] = useState<OpenMenu | null>(null);
+  const [picture, setPicture] = useState<CanvasPicture | null>(null);
+  const [menu, setMenu] = useState<CanvasMenu | null>(null);
   useEffect(() => {
     if (!place.current) return;
     const shown = runExtras(page, tab);

@@ -22,7 +22,7 @@ import {
 import { useEffect, useMemo, useRef, useState } from "react";
 import { isValueDrag } from "../panels/parts/value/dragged_value.ts";
 import { useIsOld } from "../panels/run_age.ts";
-import { shedOf } from "../store/local_store.ts";
+import { localStoreOf } from "../store/local_store.ts";
 import { IconButton } from "../ui/button.tsx";
 import { useKeptScroll } from "../ui/kept_scroll.ts";
 import { ContextMenu, type MenuItem } from "../ui/menu.tsx";
@@ -47,7 +47,7 @@ export function Dock() {
     if (!api) return;
     const control = new DockControl(
       api,
-      shedOf(() => window.localStorage),
+      localStoreOf(() => window.localStorage),
     );
     const narrow = window.matchMedia(NARROW);
     const small = window.matchMedia(SMALL);

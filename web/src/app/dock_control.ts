@@ -2,7 +2,7 @@
 
 import { type ReadonlySignal, signal } from "@preact/signals-core";
 import type { DockviewApi, DockviewGroupPanel, SerializedDockview } from "dockview-react";
-import type { Layouts, Side } from "../commands/command.ts";
+import type { Layouts, PanelSide } from "../commands/command.ts";
 import { MISSION_PANEL } from "../commands/mission.ts";
 import { kept, type LocalStore } from "../store/local_store.ts";
 import { type PanelLayout, SHIPPED, sizeOn, withPanels } from "./layouts.ts";
@@ -11,13 +11,13 @@ import { PANELS, panelOf } from "./panels.tsx";
 import type { DockPort } from "./session.ts";
 
 /** In the order in which they are put beside the canvas. */
-const SIDES: readonly Side[] = ["bottom", "left", "right"];
+const SIDES: readonly PanelSide[] = ["bottom", "left", "right"];
 
 const NOW = "rafcon.layout";
 const OWN = "rafcon.layouts";
 const FOLDED = "rafcon.folded";
 const CANVAS = "canvas";
-const OPPOSITE: Readonly<Record<Side, "left" | "right" | "below">> = {
+const OPPOSITE: Readonly<Record<PanelSide, "left" | "right" | "below">> = {
   left: "left",
   right: "right",
   bottom: "below",
@@ -72,7 +72,7 @@ export class DockControl implements DockPort {
   /** On a small page sides fold, so that the canvas has the room; once it is large again they are there again. What is folded or
    * shown by hand meanwhile stays so, also when the page is loaded again. */
   fold(isSmall: boolean): void {
-    const folded = kept<Side[]>(this.#localStore, FOLDED);
+    const folded = kept<PanelSide[]>(this.#localStore, FOLDED);
     if (isSmall === (folded !== undefined) || this.#api.getPanel(MISSION_PANEL)) return;
     const sides = folded ?? SIDES.filter((side) => this.layouts.isShown(side));
     for (const side of sides) this.#show(side, !isSmall);
@@ -150,7 +150,7 @@ export class DockControl implements DockPort {
     return kept(this.#localStore, OWN) ?? {};
   }
 
-  #show(side: Side, shown: boolean): void {
+  #show(side: PanelSide, shown: boolean): void {
     if (this.#api.hasMaximizedGroup()) this.#api.exitMaximizedGroup();
     const groups = this.#groups(side);
     if (groups.length === 0 && shown) {
@@ -166,14 +166,14 @@ export class DockControl implements DockPort {
   }
 
   /** Groups of the grid on one side: where most of their panels belong. */
-  #groups(side: Side): DockviewGroupPanel[] {
+  #groups(side: PanelSide): DockviewGroupPanel[] {
     return this.#api.groups.filter((group) => {
       const [first] = group.panels;
       return group.api.location.type === "grid" && panelOf(first?.id ?? "")?.side === side;
     });
   }
 
-  #add(id: string, side: Side) {
+  #add(id: string, side: PanelSide) {
     const [neighbour] = this.#groups(side);
     const title = panelOf(id)?.title ?? id;
     if (neighbour) {
@@ -220,7 +220,7 @@ export class DockControl implements DockPort {
     }
   }
 
-  #buildSide(side: Side, wanted: PanelLayout[Side], centre: DockviewGroupPanel): void {
+  #buildSide(side: PanelSide, wanted: PanelLayout[PanelSide], centre: DockviewGroupPanel): void {
     let before: DockviewGroupPanel | undefined;
     for (const [first = "", ...others] of wanted?.groups ?? []) {
       const size = wanted?.size ?? 280;
@@ -247,7 +247,7 @@ export class DockControl implements DockPort {
   }
 
   /** At the edge of the page, or beside the canvas alone. */
-  #firstPlace(side: Side, isTall: boolean, centre: DockviewGroupPanel) {
+  #firstPlace(side: PanelSide, isTall: boolean, centre: DockviewGroupPanel) {
     if (isTall && this.#isNarrow) return { direction: "above" as const };
     if (side === "right" || isTall) return { direction: OPPOSITE[side] };
     return { referenceGroup: centre, direction: OPPOSITE[side] };

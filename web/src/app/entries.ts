@@ -1,11 +1,11 @@
 /** Commands as entries of menus. */
 
-import { type Entry, entryOf } from "../commands/menus.ts";
+import { type CommandMenuEntry, entryOf } from "../commands/menus.ts";
 import { useKeys } from "./keys_shown.ts";
 import { useSession } from "./provided.tsx";
 
 /** Commands as entries of a menu, as they are when it opens. */
-export function useEntries(ids: readonly string[]): () => readonly Entry[] {
+export function useEntries(ids: readonly string[]): () => readonly CommandMenuEntry[] {
   const { commands, context } = useSession();
   const keys = useKeys();
   return () =>

@@ -1,6 +1,6 @@
 /** How panels stand: the layouts that ship, and how big their sides are. Pure: the dock makes them real. */
 
-import type { Side } from "../commands/command.ts";
+import type { PanelSide } from "../commands/command.ts";
 
 /** Panels on one side, as groups: of the left and right side from the top, of the lower side from the left. */
 export interface LayoutSide {
@@ -11,7 +11,7 @@ export interface LayoutSide {
   readonly isTall?: boolean;
 }
 
-export type PanelLayout = Partial<Readonly<Record<Side, LayoutSide>>>;
+export type PanelLayout = Partial<Readonly<Record<PanelSide, LayoutSide>>>;
 
 export const SHIPPED: Readonly<Record<string, PanelLayout>> = {
   Edit: {
@@ -46,12 +46,12 @@ export const SHIPPED: Readonly<Record<string, PanelLayout>> = {
 };
 
 /** What a side takes of the page at most: the canvas is what one looks at. */
-const SHARES: Readonly<Record<Side, number>> = { left: 0.22, right: 0.3, bottom: 0.4 };
+const SHARES: Readonly<Record<PanelSide, number>> = { left: 0.22, right: 0.3, bottom: 0.4 };
 
 /** How big a side is on a page of this size. */
 export function sizeOn(
   page: { readonly width: number; readonly height: number },
-  side: Side,
+  side: PanelSide,
   { size, isTall }: LayoutSide,
 ): number {
   const whole = side === "bottom" ? page.height : page.width;

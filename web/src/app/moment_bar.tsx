@@ -19,12 +19,12 @@ export function MomentBar({ tab }: { tab: OpenTab }) {
   return watch && <OfRun tab={tab} watch={watch} />;
 }
 
-interface OfRunProps {
+interface MomentBarProps {
   readonly tab: OpenTab;
   readonly watch: Watch;
 }
 
-function OfRun({ tab, watch }: OfRunProps) {
+function OfRun({ tab, watch }: MomentBarProps) {
   const { page } = useSession();
   // From now on it is known when the page was not told, whether or not the time line shows it.
   useEffect(() => void gapsOf(page, watch), [page, watch]);
@@ -32,7 +32,7 @@ function OfRun({ tab, watch }: OfRunProps) {
   return playhead === null ? null : <OfMoment tab={tab} watch={watch} playhead={playhead} />;
 }
 
-function OfMoment({ tab, watch, playhead }: OfRunProps & { readonly playhead: number }) {
+function OfMoment({ tab, watch, playhead }: MomentBarProps & { readonly playhead: number }) {
   const { commands, context } = useSession();
   const { index, when, what } = useMoment(tab, watch);
   const snapshot = useSignal(watch.playheadSnapshot);
@@ -78,7 +78,7 @@ function Ago({ watch, index }: { readonly watch: Watch; readonly index: number }
   return `${at}, ${before} ${now?.link === "over" ? "before the end" : "ago"}`;
 }
 
-function useRefusal(id: string, { tab, watch }: OfRunProps): string | null {
+function useRefusal(id: string, { tab, watch }: MomentBarProps): string | null {
   const { commands, context } = useSession();
   return useDerived(() => {
     watch.journalVersion.value;
@@ -90,7 +90,11 @@ function useRefusal(id: string, { tab, watch }: OfRunProps): string | null {
   }, [tab, watch, commands, context, id]);
 }
 
-function Step({ id, icon, ...of }: OfRunProps & { readonly id: string; readonly icon: ReactNode }) {
+function Step({
+  id,
+  icon,
+  ...of
+}: MomentBarProps & { readonly id: string; readonly icon: ReactNode }) {
   const { commands, context } = useSession();
   const keys = useKeys()(id)[0];
   const refusal = useRefusal(id, of);
@@ -106,7 +110,7 @@ function Step({ id, icon, ...of }: OfRunProps & { readonly id: string; readonly 
   );
 }
 
-function StartFromHere(of: OfRunProps) {
+function StartFromHere(of: MomentBarProps) {
   const { commands, context } = useSession();
   const refusal = useRefusal("run.start-from-history", of);
   return (

@@ -3,7 +3,7 @@ import { signal } from "@preact/signals-core";
 import { act } from "react";
 import { afterEach, beforeEach, expect, test, vi } from "vitest";
 import { allCommands } from "../commands/all.ts";
-import { stand } from "../commands/stand.ts";
+import { testContext } from "../commands/stand.ts";
 import { PanelHostProvider } from "../panels/context.tsx";
 import { type Telling, withNotice } from "../store/notices.ts";
 import type { Notice, Page } from "../store/page.ts";
@@ -20,7 +20,7 @@ afterEach(() => {
 });
 
 function shown() {
-  const { page: plain } = stand("R hierarchy");
+  const { page: plain } = testContext("R hierarchy");
   const notices = signal<readonly Notice[]>([]);
   const page = { ...plain, notices } as unknown as Page;
   const session = newSession(page, allCommands());

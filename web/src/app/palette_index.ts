@@ -2,14 +2,14 @@
 
 import fuzzysort from "fuzzysort";
 
-export type Found =
+export type PaletteHit =
   | { readonly kind: "command"; readonly id: string; readonly argument?: unknown }
   | { readonly kind: "state"; readonly path: string }
   | { readonly kind: "machine"; readonly project: string; readonly path: string }
   | { readonly kind: "library"; readonly path: string; readonly name: string };
 
 export interface PaletteItem {
-  readonly found: Found;
+  readonly found: PaletteHit;
   readonly title: string;
   /** Where it is, or what it does. */
   readonly detail: string;
@@ -18,7 +18,7 @@ export interface PaletteItem {
 }
 
 /** What begins a search in one kind only. */
-const PREFIXES: Readonly<Record<string, Found["kind"]>> = {
+const PREFIXES: Readonly<Record<string, PaletteHit["kind"]>> = {
   ">": "command",
   "@": "state",
   "#": "library",

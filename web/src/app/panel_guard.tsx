@@ -3,12 +3,12 @@
 import { Component, type ReactNode } from "react";
 import { Empty } from "../ui/empty.tsx";
 
-interface Props {
+interface PanelGuardProps {
   readonly name: string;
   readonly children: ReactNode;
 }
 
-export class PanelGuard extends Component<Props, { readonly fault: string | null }> {
+export class PanelGuard extends Component<PanelGuardProps, { readonly fault: string | null }> {
   override state = { fault: null };
 
   static getDerivedStateFromError(error: unknown) {

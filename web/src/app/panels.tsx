@@ -22,7 +22,7 @@ import {
   SlidersHorizontal,
 } from "lucide-react";
 import type { FunctionComponent } from "react";
-import type { Side } from "../commands/command.ts";
+import type { PanelSide } from "../commands/command.ts";
 import { countProblems } from "../model/problem.ts";
 import { Breakpoints } from "../panels/breakpoints/breakpoints.tsx";
 import { Compare } from "../panels/compare/compare.tsx";
@@ -52,7 +52,7 @@ export interface Panel {
   readonly icon: LucideIcon;
   readonly component: FunctionComponent;
   /** On which side it stands if nobody has put it elsewhere. */
-  readonly side: Side;
+  readonly side: PanelSide;
   /** How many things in it want to be seen. */
   readonly count?: (tab: OpenTab | null) => number;
   /** Whether values are dropped there: dragged over its tab, they bring it to the front. */

@@ -1,6 +1,6 @@
 /** What commands ask the user. */
 
-export type Question =
+export type UserQuestion =
   | {
       readonly kind: "confirm";
       readonly title: string;

@@ -2,17 +2,17 @@
 
 import { ChevronDown } from "lucide-react";
 import { useRef, useState } from "react";
-import type { Entry } from "../commands/menus.ts";
+import type { CommandMenuEntry } from "../commands/menus.ts";
 import type { RunSummary } from "../model/generated/protocol.ts";
 import {
-  type RunStand,
-  runStand,
+  type RunStatusWords,
+  runStatusWords,
   standInWords,
   startedInWords,
-  summaryStand,
+  summaryStatusWords,
 } from "../model/run_words.ts";
 import { duration, growing } from "../panels/parts/duration.ts";
-import { RunStandView } from "../panels/parts/run_stand.tsx";
+import { RunStatusView } from "../panels/parts/run_status_mark.tsx";
 import { useRunAge } from "../panels/run_age.ts";
 import { isGoingOn, truthAge } from "../store/age.ts";
 import { clock1s } from "../store/clock1s.ts";
@@ -44,7 +44,11 @@ export function RunChooser({ tab }: { tab: OpenTab }) {
   return (
     <>
       <button ref={place} type="button" className="run-chooser" aria-haspopup="menu" onClick={open}>
-        {watch ? <Stand watch={watch} /> : <span>{count === 1 ? "1 run" : `${count} runs`}</span>}
+        {watch ? (
+          <RunStatusMark watch={watch} />
+        ) : (
+          <span>{count === 1 ? "1 run" : `${count} runs`}</span>
+        )}
         <ChevronDown size={14} aria-hidden />
       </button>
       {watch && <Announced watch={watch} />}
@@ -57,7 +61,7 @@ export function RunChooser({ tab }: { tab: OpenTab }) {
 function Announced({ watch }: { watch: Watch }) {
   const text = useDerived(() => {
     const now = watch.now.value;
-    return now ? `Run ${standInWords(runStand(now))}` : "";
+    return now ? `Run ${standInWords(runStatusWords(now))}` : "";
   }, [watch]);
   return (
     <span className="visually-hidden" role="status">
@@ -67,11 +71,11 @@ function Announced({ watch }: { watch: Watch }) {
 }
 
 /** The word, what belongs to it, and how long. */
-function Stand({ watch }: { watch: Watch }) {
+function RunStatusMark({ watch }: { watch: Watch }) {
   const { page } = useSession();
   const text = useDerived(() => {
     const now = watch.now.value;
-    return now ? JSON.stringify(runStand(now)) : null;
+    return now ? JSON.stringify(runStatusWords(now)) : null;
   }, [watch]);
   const elapsed = useDerived(() => {
     const now = watch.now.value;
@@ -83,28 +87,28 @@ function Stand({ watch }: { watch: Watch }) {
   }, [page, watch]);
   const { isOld, age_ms } = useRunAge(page, watch);
   if (text === null) return <span>Run …</span>;
-  const stand = JSON.parse(text) as RunStand;
+  const status = JSON.parse(text) as RunStatusWords;
   return (
     <span className={`run-chooser-stand shows-run ${isOld ? "is-old" : ""}`}>
       <span className="visually-hidden">Run:</span>
-      <RunStandView stand={stand} />
+      <RunStatusView status={status} />
       <span className="run-elapsed">{elapsed}</span>
       {isOld && <span className="run-elapsed">{agePhrase(age_ms)} old</span>}
     </span>
   );
 }
 
-function useRuns(tab: OpenTab): () => readonly Entry[] {
+function useRuns(tab: OpenTab): () => readonly CommandMenuEntry[] {
   const { page, commands, context } = useSession();
   const more = useEntries(["run.show-as-ran", "run.leave", "run.follow"]);
-  const entry = (run: RunSummary): Entry => ({
+  const entry = (run: RunSummary): CommandMenuEntry => ({
     id: run.id,
-    title: `${startedInWords(run.started_ms, Date.now())}  ${standInWords(summaryStand(run))}`,
+    title: `${startedInWords(run.started_ms, Date.now())}  ${standInWords(summaryStatusWords(run))}`,
     detail: run.author === null ? run.id : `${run.id}, started by ${run.author}`,
     checked: tab.run.value?.id === run.id,
     run: () => void commands.run("run.show", context(), run.id),
   });
-  const all: Entry = {
+  const all: CommandMenuEntry = {
     id: "all runs",
     title: "All runs…",
     run: () => context().shell.showPanel("runs"),

@@ -1,8 +1,8 @@
 import { expect, test } from "vitest";
-import type { Failure } from "../store/failures.ts";
+import type { RunFailure } from "../store/failures.ts";
 import { failuresInWords, failuresSince, longerInWords } from "./run_notices.ts";
 
-const at = (sequence: number, some: Partial<Failure>): Failure => ({
+const at = (sequence: number, some: Partial<RunFailure>): RunFailure => ({
   sequence,
   first: sequence,
   t_ns: 0,

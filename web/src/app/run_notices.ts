@@ -7,7 +7,7 @@ import type { Control } from "../model/generated/protocol.ts";
 import { duration } from "../panels/parts/duration.ts";
 import { openFailures } from "../store/acknowledged.ts";
 import { usualInWords } from "../store/baseline.ts";
-import { didInWords, type Failure } from "../store/failures.ts";
+import { didInWords, type RunFailure } from "../store/failures.ts";
 import { type Longer, longerThanEver } from "../store/longer.ts";
 import { nameSoon } from "../store/name_soon.ts";
 import type { Notice, OpenTab } from "../store/page.ts";
@@ -44,7 +44,7 @@ export function tellOfRuns(session: AppSession): () => void {
   };
 }
 
-interface News {
+interface RunNews {
   readonly topic: string;
   readonly level: Notice["level"];
   readonly text: string;
@@ -52,7 +52,7 @@ interface News {
   readonly title: string;
 }
 
-type Tell = (news: News) => void;
+type Tell = (news: RunNews) => void;
 
 function tellOfRun(session: AppSession, tab: OpenTab, watch: Watch): () => void {
   const { page, dock } = session;
@@ -121,15 +121,15 @@ function tellFailures(watch: Watch, { session }: OpenTab, tell: Tell): () => voi
   };
 }
 
-function newest(all: readonly Failure[]): Failure | undefined {
-  return all.reduce<Failure | undefined>(
+function newest(all: readonly RunFailure[]): RunFailure | undefined {
+  return all.reduce<RunFailure | undefined>(
     (last, each) => (last && last.sequence > each.sequence ? last : each),
     undefined,
   );
 }
 
 /** Those that are told: a warning is not, nor what a crash did, which has its own notice. */
-export function failuresSince(all: readonly Failure[], from: number): readonly Failure[] {
+export function failuresSince(all: readonly RunFailure[], from: number): readonly RunFailure[] {
   return all.filter(
     ({ sequence, level, kind }) => sequence >= from && level === "error" && kind !== "crash",
   );
@@ -137,7 +137,7 @@ export function failuresSince(all: readonly Failure[], from: number): readonly F
 
 /** The newest one, and how many there are. */
 export function failuresInWords(
-  { kind, text }: Pick<Failure, "kind" | "text">,
+  { kind, text }: Pick<RunFailure, "kind" | "text">,
   count: number,
   name: string,
 ): string {

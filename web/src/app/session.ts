@@ -2,10 +2,10 @@
 
 import { type ReadonlySignal, type Signal, signal } from "@preact/signals-core";
 import type { CanvasControl } from "../canvas/control.ts";
-import type { Commands, Context, Dialogs, Layouts, Shell } from "../commands/command.ts";
+import type { CommandContext, Commands, Dialogs, Layouts, Shell } from "../commands/command.ts";
 import { MISSION_PANEL } from "../commands/mission.ts";
 import type { OpenTab, Page } from "../store/page.ts";
-import type { Question } from "./question.ts";
+import type { UserQuestion } from "./question.ts";
 
 /** A dialog that is open. */
 export interface OpenDialog {
@@ -18,7 +18,7 @@ export interface OpenDialog {
 export interface AppSession {
   readonly page: Page;
   readonly commands: Commands;
-  readonly context: () => Context;
+  readonly context: () => CommandContext;
   readonly canvas: Signal<CanvasControl | null>;
   readonly dialogs: ReadonlySignal<readonly OpenDialog[]>;
   /** What is searched in the palette; null while it is closed. */
@@ -76,10 +76,10 @@ export function newSession(page: Page, commands: Commands): AppSession {
   const closedNotices = signal<ReadonlySet<number>>(new Set());
   const dialogs = signal<readonly OpenDialog[]>([]);
   const open = dialogOpener(dialogs);
-  const ask = (question: Question) => open("question", question);
+  const ask = (question: UserQuestion) => open("question", question);
   const shell: Shell = {
     confirm: async (question) => (await ask({ kind: "confirm", ...question })) === true,
-    choose: async <T extends string>(question: Omit<Question & { kind: "choose" }, "kind">) =>
+    choose: async <T extends string>(question: Omit<UserQuestion & { kind: "choose" }, "kind">) =>
       (await ask({ kind: "choose", ...question })) as T | null,
     prompt: async (question) => (await ask({ kind: "prompt", ...question })) as string | null,
     dialog: async (name, argument) => (await open(name, argument)) as never,

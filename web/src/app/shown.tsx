@@ -3,7 +3,7 @@
 import { signal } from "@preact/signals-core";
 import type { ReactElement } from "react";
 import { allCommands } from "../commands/all.ts";
-import { stand } from "../commands/stand.ts";
+import { testContext } from "../commands/stand.ts";
 import type { RunSummary } from "../model/generated/protocol.ts";
 import { PanelHostProvider } from "../panels/context.tsx";
 import type { MachineSession } from "../store/machine_session.ts";
@@ -28,7 +28,7 @@ export interface Shown {
 }
 
 export function shown(part: (tab: OpenTab) => ReactElement, beside: Beside = {}): Shown {
-  const { page: plain, tab: alone } = stand("R hierarchy", { rights: RIGHTS });
+  const { page: plain, tab: alone } = testContext("R hierarchy", { rights: RIGHTS });
   const machineSession = beside.session ?? alone.session;
   const tab: OpenTab = { ...alone, session: machineSession, run: signal(beside.watch ?? null) };
   const pulse = { heard_ms: 0, server_ms: 0, old_ms: Number.POSITIVE_INFINITY, ahead_ms: 0 };

@@ -2,7 +2,7 @@
 
 import { effect } from "@preact/signals-core";
 import { isChanged } from "../commands/save.ts";
-import { type RunWord, runStand } from "../model/run_words.ts";
+import { type RunWord, runStatusWords } from "../model/run_words.ts";
 import { countUnacknowledged } from "../store/acknowledged.ts";
 import type { Page } from "../store/page.ts";
 import type { Watch } from "../store/run.ts";
@@ -27,7 +27,7 @@ export function titleOf(page: Page): string {
 
 function signOf(watch: Watch | null): string {
   const now = watch?.now.value;
-  const sign = now ? SIGNS[runStand(now).word] : undefined;
+  const sign = now ? SIGNS[runStatusWords(now).word] : undefined;
   if (!sign) return "";
   return countUnacknowledged(watch) > 0 ? "❗ " : sign;
 }

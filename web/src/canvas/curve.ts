@@ -1,13 +1,18 @@
 /** The way of a data flow: a soft curve that leaves and enters its ports at right angles, or the author's waypoints. */
 
 import { distance, type Point } from "../model/geometry.ts";
-import { boxOf, type End, longestOf, type Routed } from "./route.ts";
+import { boxOf, longestOf, type Routed, type RouteEnd } from "./route.ts";
 
 /** So many straight pieces look round. */
 const PIECES = 16;
 
 /** `reach` is how far it goes out of its way, at most, to turn around. */
-export function curve(start: End, goal: End, by: readonly Point[], reach: number): Routed {
+export function curve(
+  start: RouteEnd,
+  goal: RouteEnd,
+  by: readonly Point[],
+  reach: number,
+): Routed {
   const points = by.length > 0 ? [start.at, ...by, goal.at] : bent(start, goal, reach);
   return {
     points,
@@ -17,7 +22,7 @@ export function curve(start: End, goal: End, by: readonly Point[], reach: number
   };
 }
 
-function bent(start: End, goal: End, reach: number): readonly Point[] {
+function bent(start: RouteEnd, goal: RouteEnd, reach: number): readonly Point[] {
   const first = led(start, goal.at, reach);
   const second = led(goal, start.at, reach);
   return Array.from({ length: PIECES + 1 }, (_, piece) =>
@@ -26,7 +31,7 @@ function bent(start: End, goal: End, reach: number): readonly Point[] {
 }
 
 /** The point that draws the curve out of a port: not so far if the other end is behind. */
-function led({ at, out }: End, other: Point, reach: number): Point {
+function led({ at, out }: RouteEnd, other: Point, reach: number): Point {
   const ahead = (other.x - at.x) * out.x + (other.y - at.y) * out.y;
   const pull = ahead > 0 ? Math.max(ahead * 0.5, reach * 0.5) : reach;
   const length = Math.min(pull, distance(at, other));

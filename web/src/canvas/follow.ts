@@ -13,7 +13,7 @@ import type { Flight } from "./flight.ts";
 import { extentOn } from "./hit/shown.ts";
 import type { Layout } from "./layout.ts";
 import { filling } from "./looks.ts";
-import type { Picture } from "./picture.ts";
+import type { CanvasPicture } from "./picture.ts";
 
 /** What runs is to be seen in this size, in CSS pixels, and no smaller than this. */
 const GOOD = 56;
@@ -86,7 +86,7 @@ function innermost(layout: Layout, path: string): { path: string; box: Box } | n
 export function followRun(
   { view, run }: OpenTab,
   page: Pick<Page, "tell">,
-  picture: Picture,
+  picture: CanvasPicture,
   flight: Flight,
 ): () => void {
   const follows = isFollowed(view);

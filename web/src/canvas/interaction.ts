@@ -14,9 +14,9 @@ import type { OpenTab } from "../store/page.ts";
 import { type Camera, select, selected, toggle } from "../store/view.ts";
 import { visibleBox, zoomedAt } from "./camera.ts";
 import { hitAt, routeOf, statesAt } from "./hit/hit.ts";
-import type { Hit } from "./hit/look.ts";
+import type { CanvasHit } from "./hit/look.ts";
 import { extentOn } from "./hit/shown.ts";
-import { isNudge, type Key, keyed } from "./keyed.ts";
+import { isNudge, type KeyPress, keyed } from "./keyed.ts";
 import { type LayoutTree, layoutTreeOf } from "./layout_tree.ts";
 import { filling, revealing } from "./looks.ts";
 import { NO_OVERLAY, type Overlay } from "./overlay.ts";
@@ -26,9 +26,9 @@ import { bringing } from "./tools/drop.ts";
 import { firstPort } from "./tools/first_port.ts";
 import {
   type Gesture,
+  type GestureResult,
   inState,
   type Pointer,
-  type Result,
   type ToolContext,
 } from "./tools/gesture.ts";
 import { type Fingers, panning, pinched, type Wheel, wheeled } from "./tools/pan.ts";
@@ -165,7 +165,7 @@ export class InteractionController {
   }
 
   /** What is under a point of the view. */
-  at(point: Point, tolerance: number = MOUSE_TOLERANCE): Hit | null {
+  at(point: Point, tolerance: number = MOUSE_TOLERANCE): CanvasHit | null {
     const { machine, layout, look, camera } = this.toolContext();
     return hitAt(layout, machine, look, camera, point, tolerance);
   }
@@ -304,19 +304,19 @@ export class InteractionController {
   }
 
   /** A key was pressed; false if the canvas has no use for it. */
-  key(key: Key): boolean {
+  key(key: KeyPress): boolean {
     if (!isNudge(key)) this.flush();
     return this.#gesture ? this.#gestureKey(this.#gesture, key) : keyed(this, this.#host, key);
   }
 
   /** Shift, Ctrl or Alt went down or up while the pointer rests. */
-  modifiers(keys: Omit<Key, "key">): void {
+  modifiers(keys: Omit<KeyPress, "key">): void {
     if (!this.#gesture || !this.#pointer || this.#gesture.isSticky) return;
     const { x, y } = this.#pointer;
     this.move({ x, y, ...keys });
   }
 
-  #gestureKey(gesture: Gesture, { key, shift }: Key): boolean {
+  #gestureKey(gesture: Gesture, { key, shift }: KeyPress): boolean {
     if (key === "Escape") return this.cancel();
     if (key === "Enter" && gesture.isSticky) {
       this.#complete(gesture);
@@ -455,7 +455,7 @@ export class InteractionController {
     this.#take(gesture.result(), overlay);
   }
 
-  #take(result: Result, overlay: Overlay): void {
+  #take(result: GestureResult, overlay: Overlay): void {
     const { view } = this.#host.tab;
     if (result.select) select(view, result.select);
     if (result.toggle) toggle(view, result.toggle);

@@ -10,7 +10,7 @@ import { filledBy } from "./tools/stage.ts";
 import { type Direction, entrance, portWalk, walked } from "./tools/walk.ts";
 
 /** A key that was pressed, by the name that browsers give it. */
-export interface Key {
+export interface KeyPress {
   readonly key: string;
   readonly shift: boolean;
   readonly ctrl: boolean;
@@ -27,13 +27,17 @@ const ARROWS: Readonly<
 };
 
 /** Whether the key is a step of what is selected, or held for one. */
-export function isNudge({ key, ctrl, alt, shift }: Key): boolean {
+export function isNudge({ key, ctrl, alt, shift }: KeyPress): boolean {
   if (key === "Control" || key === "Alt" || key === "Meta") return true;
   return ARROWS[key] !== undefined && (ctrl || alt) && !shift;
 }
 
 /** Does what the key is for; false if the canvas has no use for it. */
-export function keyed(controller: InteractionController, host: InteractionHost, key: Key): boolean {
+export function keyed(
+  controller: InteractionController,
+  host: InteractionHost,
+  key: KeyPress,
+): boolean {
   if (key.key === "Escape") return leaveLevel(controller, host);
   if (key.key === "Enter") return enter(controller, host);
   if (key.key === "Tab") return portStep(controller, host, key.shift ? -1 : 1);

@@ -13,9 +13,9 @@ import {
   rootSize,
 } from "../model/layout_reader.ts";
 import type { Machine } from "../model/machine.ts";
+import { EdgeRouting } from "./edge_routing.ts";
 import { Grid, same, touches } from "./grid.ts";
-import type { HeldRoutes, Line } from "./lines.ts";
-import { Wiring } from "./wiring.ts";
+import type { HeldRoutes, RoutedLine } from "./lines.ts";
 
 /** What a tree is made from: as it is now, since what lies inside states is found late. */
 export interface LayoutSource {
@@ -42,8 +42,8 @@ export class LayoutNode {
   #children: readonly LayoutNode[] | null = null;
   #ports: readonly PortPlace[] | null = null;
   #name: Box | null = null;
-  #wiring: Wiring | null = null;
-  #lines: readonly Line[] | null = null;
+  #routing: EdgeRouting | null = null;
+  #lines: readonly RoutedLine[] | null = null;
   #joined: ReadonlySet<string> | null = null;
   #childGrid: Grid | null = null;
   #gridBefore: Grid | null = null;
@@ -101,7 +101,7 @@ export class LayoutNode {
     return this.#name;
   }
 
-  get lines(): readonly Line[] {
+  get lines(): readonly RoutedLine[] {
     this.wire(ALWAYS);
     return this.#lines ?? [];
   }
@@ -122,24 +122,24 @@ export class LayoutNode {
     }
     const before = this.#before;
     if (before && !before.wire(mayGoOn)) return false;
-    this.#wiring ??= new Wiring(this, this.#held, before);
-    if (!this.#wiring.goOn(mayGoOn)) return false;
-    this.#take(this.#wiring, before);
+    this.#routing ??= new EdgeRouting(this, this.#held, before);
+    if (!this.#routing.goOn(mayGoOn)) return false;
+    this.#take(this.#routing, before);
     return true;
   }
 
-  #take({ known, hasSameEnds }: Wiring, before: LayoutNode | null): void {
+  #take({ known, hasSameEnds }: EdgeRouting, before: LayoutNode | null): void {
     this.#lines = known;
     const gridBefore = before ? before.#lineGrid : null;
     this.#lineGrid = new Grid(boxesOf(known), gridBefore);
     if (hasSameEnds) this.#joined = before?.joined ?? null;
-    this.#wiring = null;
+    this.#routing = null;
     this.#before = null;
   }
 
   /** Lines that are known by now; those that it had before until it begins to find its own. */
   get #shown(): LayoutNode {
-    const isOpen = this.#lines || this.#wiring;
+    const isOpen = this.#lines || this.#routing;
     return isOpen || !this.#before ? this : this.#before.#shown;
   }
 
@@ -168,7 +168,7 @@ export class LayoutNode {
   }
 
   /** Tells the lines whose surroundings the area touches, as far as they are known. */
-  eachLine(area: Box, tell: (line: Line) => void): void {
+  eachLine(area: Box, tell: (line: RoutedLine) => void): void {
     const { lines, grid } = this.#shown.#linesNow();
     if (!grid) {
       for (const line of lines) if (touches(line.box, area)) tell(line);
@@ -180,9 +180,9 @@ export class LayoutNode {
     });
   }
 
-  #linesNow(): { readonly lines: readonly Line[]; readonly grid: Grid | null } {
+  #linesNow(): { readonly lines: readonly RoutedLine[]; readonly grid: Grid | null } {
     const lines = this.#lines;
-    if (!lines) return { lines: this.#wiring?.known ?? [], grid: null };
+    if (!lines) return { lines: this.#routing?.known ?? [], grid: null };
     this.#lineGrid ??= new Grid(boxesOf(lines));
     return { lines, grid: this.#lineGrid };
   }
@@ -209,7 +209,7 @@ export class LayoutNode {
 
   /** Its lines are those of `before` but for what is different now; waypoints are where they are held. */
   after(before: LayoutNode, held: HeldRoutes = NOTHING_HELD): this {
-    this.#before = before.#wiring || before.#lines || before.#stretched ? before : before.#before;
+    this.#before = before.#routing || before.#lines || before.#stretched ? before : before.#before;
     this.#held = held;
     this.#gridBefore = before.#childGrid;
     if (sameOrder(this.#children, before.#children)) this.#indices = before.#indices;
@@ -375,7 +375,7 @@ export function stretchedPorts(ports: readonly PortPlace[], by: Point): readonly
   return ports.map((port) => ({ ...port, at: times(port.at, by) }));
 }
 
-function stretchedLines(lines: readonly Line[], by: Point): readonly Line[] {
+function stretchedLines(lines: readonly RoutedLine[], by: Point): readonly RoutedLine[] {
   return lines.map((line) => {
     const points = line.points.map((point) => times(point, by));
     return { ...line, points, box: boxTimes(line.box, by) };

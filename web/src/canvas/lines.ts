@@ -11,16 +11,16 @@ import { type PortPlace, waypointsOf } from "../model/layout_reader.ts";
 import { dataFlowsOf, transitionsOf } from "../model/machine.ts";
 import { childPath, idOf } from "../model/path.ts";
 import type { LayoutNode } from "./layout_node.ts";
-import type { End, Routed, RouteRequest } from "./route.ts";
+import type { Routed, RouteEnd, RouteRequest } from "./route.ts";
 
 /** What the machine says of a connection. */
-export interface Source {
+export interface RoutedSource {
   readonly kind: "transition" | "data_flow";
   readonly document: TransitionDocument | DataFlowDocument;
 }
 
 /** A connection whose ends are known. */
-export interface Joined extends RouteRequest, Source {
+export interface Joined extends RouteRequest, RoutedSource {
   readonly id: number;
   readonly key: ElementKey;
   /** The ports that it joins. */
@@ -36,7 +36,7 @@ export interface Joined extends RouteRequest, Source {
 }
 
 /** A connection as it is drawn. */
-export interface Line extends Joined, Routed {}
+export interface RoutedLine extends Joined, Routed {}
 
 /** Lines that somebody holds: their waypoints as the gesture has them. */
 export type HeldRoutes = ReadonlyMap<ElementKey, readonly Point[]>;
@@ -52,13 +52,13 @@ export function reachOf({ size, children }: LayoutNode): number {
 
 /** A port, where it stands in the container, and the path of its state. */
 interface Joint {
-  readonly end: End;
+  readonly end: RouteEnd;
   readonly port: PortPlace;
   readonly path: string;
 }
 
 /** The states that connections of a container can join, by their ids. */
-export class Ends {
+export class LineEnds {
   readonly #container: LayoutNode;
   readonly #own: string;
 
@@ -102,7 +102,7 @@ function normal(at: Point, size: Size, inward: boolean): Point {
 }
 
 /** All that the machine says of connections in a state, transitions first. */
-export function sourcesOf(state: StateDocument): readonly Source[] {
+export function sourcesOf(state: StateDocument): readonly RoutedSource[] {
   if (state.kind === "library") return [];
   return [
     ...transitionsOf(state).map((document) => ({ kind: "transition", document }) as const),
@@ -113,8 +113,8 @@ export function sourcesOf(state: StateDocument): readonly Source[] {
 /** The connection with its ends; undefined if one of them is not there. */
 export function joined(
   container: LayoutNode,
-  ends: Ends,
-  source: Source,
+  ends: LineEnds,
+  source: RoutedSource,
   held: HeldRoutes,
 ): Joined | undefined {
   const [from, to] = jointsOf(ends, source);
@@ -139,7 +139,7 @@ export function joined(
   };
 }
 
-function jointsOf(ends: Ends, { document }: Source) {
+function jointsOf(ends: LineEnds, { document }: RoutedSource) {
   if ("from_port" in document) {
     const { from_state, from_port, to_state, to_port } = document;
     return [ends.joint(from_state, isData(from_port)), ends.joint(to_state, isData(to_port))];

@@ -4,12 +4,12 @@ import type { ElementRef } from "../model/element.ts";
 import { distance, type Point } from "../model/geometry.ts";
 import type { Dragged } from "../store/dragged.ts";
 import type { InteractionController } from "./interaction.ts";
-import type { Reader } from "./reader.ts";
+import type { ReaderTree } from "./reader.ts";
 import type { Pointer } from "./tools/gesture.ts";
 
 export interface Hearers {
   readonly controller: InteractionController;
-  readonly reader: Reader;
+  readonly reader: ReaderTree;
   /** What is being dragged onto the canvas. */
   readonly dragged: () => Dragged | null;
   /** The user takes over what moves by itself. */

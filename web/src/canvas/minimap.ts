@@ -9,7 +9,7 @@ import { fitted, screenBox, visibleBox, worldFromScreen } from "./camera.ts";
 import { NO_OVERLAY } from "./overlay.ts";
 import { inkOf } from "./paint/ink.ts";
 import { paint } from "./paint/paint.ts";
-import type { Picture } from "./picture.ts";
+import type { CanvasPicture } from "./picture.ts";
 import { PLAIN } from "./scene/input.ts";
 import type { BoxMark } from "./scene/list.ts";
 import { scene } from "./scene/scene.ts";
@@ -33,7 +33,7 @@ export interface Minimap {
 export function minimapIn(
   place: HTMLElement,
   tab: OpenTab,
-  picture: Picture,
+  picture: CanvasPicture,
   focus: () => void,
 ): Minimap {
   const box = frameIn(place);
@@ -103,7 +103,7 @@ export function minimapIn(
   };
 }
 
-function isAllInView({ view }: OpenTab, picture: Picture): boolean {
+function isAllInView({ view }: OpenTab, picture: CanvasPicture): boolean {
   const root = rootBox(picture);
   if (!root) return false;
   const on = screenBox(view.camera.peek(), root);
@@ -167,12 +167,12 @@ function mapCamera(root: Box): Camera {
   return fitted(root, SIZE, MARGIN);
 }
 
-function rootBox(picture: Picture): Box | undefined {
+function rootBox(picture: CanvasPicture): Box | undefined {
   const layout = picture.layout();
   return layout.root ? layout.box(layout.root.path) : undefined;
 }
 
-function lookAt({ view }: OpenTab, picture: Picture, at: Point): void {
+function lookAt({ view }: OpenTab, picture: CanvasPicture, at: Point): void {
   const root = rootBox(picture);
   if (!root) return;
   const world = worldFromScreen(mapCamera(root), at);
@@ -187,7 +187,7 @@ function lookAt({ view }: OpenTab, picture: Picture, at: Point): void {
 
 const QUIET = { transitions: false, dataFlows: "none", names: false } as const;
 
-function paintWhole(whole: HTMLCanvasElement, { view }: OpenTab, picture: Picture): void {
+function paintWhole(whole: HTMLCanvasElement, { view }: OpenTab, picture: CanvasPicture): void {
   const size = { width: SIZE.width * FINER, height: SIZE.height * FINER };
   const context = sized(whole, size);
   const root = rootBox(picture);
@@ -224,7 +224,7 @@ function paintMap(
   map: HTMLCanvasElement,
   whole: HTMLCanvasElement,
   { view }: OpenTab,
-  picture: Picture,
+  picture: CanvasPicture,
 ): void {
   const context = sized(map, SIZE);
   const root = rootBox(picture);

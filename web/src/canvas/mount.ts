@@ -21,9 +21,9 @@ import { extentOn } from "./hit/shown.ts";
 import { InteractionController } from "./interaction.ts";
 import { listen } from "./listen.ts";
 import { minimapIn } from "./minimap.ts";
-import { type Extras, type Picture, pictureIn } from "./picture.ts";
+import { type CanvasPicture, type Extras, pictureIn } from "./picture.ts";
 import { pulsesOver } from "./pulses.ts";
-import { Reader, treeLines } from "./reader.ts";
+import { ReaderTree, treeLines } from "./reader.ts";
 import { renameField } from "./rename_field.ts";
 
 export interface MountOptions {
@@ -38,7 +38,7 @@ export interface MountOptions {
 
 export interface Mounted {
   readonly control: CanvasControl;
-  readonly picture: Picture;
+  readonly picture: CanvasPicture;
   readonly dispose: () => void;
 }
 
@@ -75,7 +75,7 @@ export function mountCanvas(place: HTMLElement, options: MountOptions): Mounted 
   // Where the camera stands at first is nobody's move.
   const stopLooking = firstLook(root, tab, controller);
   const stopFollowing = followRun(tab, page, picture, flight);
-  const reader = new Reader(root, `rafcon-canvas-${++mounted}`);
+  const reader = new ReaderTree(root, `rafcon-canvas-${++mounted}`);
   const stopReading = keepReading(reader, controller, tab, picture);
   const stopCursor = effect(() => {
     root.style.cursor = controller.cursor.value;
@@ -136,7 +136,7 @@ function controlOf(
   root: HTMLElement,
   controller: InteractionController,
   tab: OpenTab,
-  picture: Picture,
+  picture: CanvasPicture,
   flight: Flight,
   openMenu: () => void,
 ): CanvasControl {
@@ -175,7 +175,7 @@ function choosesForMenu(controller: InteractionController, { view }: OpenTab, at
 function placeOfSelection(
   controller: InteractionController,
   { view }: OpenTab,
-  picture: Picture,
+  picture: CanvasPicture,
 ): Point {
   const element = selected(view).at(-1);
   const box = element && controller.layout().box(element.path);
@@ -236,10 +236,10 @@ const READ_RUN_MS = 1_000;
 
 /** Keeps the hidden tree as the canvas is, once a frame at most. */
 function keepReading(
-  reader: Reader,
+  reader: ReaderTree,
   controller: InteractionController,
   { session, view }: OpenTab,
-  picture: Picture,
+  picture: CanvasPicture,
 ): () => void {
   let frame = 0;
   let rest = 0;

@@ -7,19 +7,19 @@ import type { MachineProblem, Severity } from "../model/generated/protocol.ts";
 import type { Size } from "../model/geometry.ts";
 import type { MachineSession } from "../store/machine_session.ts";
 import type { OpenTab } from "../store/page.ts";
-import { Ahead } from "./ahead.ts";
+import { IdleRouter } from "./idle_router.ts";
 import { type LayoutTree, layoutTreeOf } from "./layout_tree.ts";
 import type { Overlay } from "./overlay.ts";
 import { type Colours, coloursOf } from "./paint/colours.ts";
 import { measureWith } from "./paint/measure.ts";
 import { paint } from "./paint/paint.ts";
-import { type Difference, type Onlooker, PLAIN, type SceneInput } from "./scene/input.ts";
+import { type DifferenceKind, type Onlooker, PLAIN, type SceneInput } from "./scene/input.ts";
 import type { DrawList } from "./scene/list.ts";
 import { scene } from "./scene/scene.ts";
 
 /** What is shown beside the machine itself, by those who know it. */
 export interface Extras {
-  readonly differences?: ReadonlyMap<ElementKey, Difference>;
+  readonly differences?: ReadonlyMap<ElementKey, DifferenceKind>;
   readonly hits?: ReadonlySet<ElementKey>;
   readonly runs?: SceneInput["runs"];
   readonly taken?: SceneInput["taken"];
@@ -37,7 +37,7 @@ export interface PictureOptions {
   readonly extras?: () => Extras;
 }
 
-export interface Picture {
+export interface CanvasPicture {
   readonly canvas: HTMLCanvasElement;
   /** In CSS pixels. */
   readonly size: () => Size;
@@ -70,7 +70,7 @@ const MOST_ROUTING_MS = 6;
 const EMPTY: DrawList = { layers: [], wanted: [], soon: [], unfinished: false };
 
 /** Puts a picture into an element, and keeps it true. */
-export function pictureIn(place: HTMLElement, options: PictureOptions): Picture {
+export function pictureIn(place: HTMLElement, options: PictureOptions): CanvasPicture {
   const { session, view } = options.tab;
   const canvas = document.createElement("canvas");
   canvas.style.cssText = "display:block;width:100%;height:100%";
@@ -86,7 +86,7 @@ export function pictureIn(place: HTMLElement, options: PictureOptions): Picture 
   /** How many ms the last frame took without finding ways. */
   let lasted = 0;
   const listeners = new Set<() => void>();
-  const ahead = new Ahead();
+  const idleRouter = new IdleRouter();
 
   const layout = () => {
     const shown = { modes: view.modes.peek(), contents: view.contents.peek() };
@@ -108,7 +108,7 @@ export function pictureIn(place: HTMLElement, options: PictureOptions): Picture 
     performance.measure("rafcon:frame", { start: from, end: until });
     for (const path of list.wanted) libraries.load(path);
     if (list.unfinished) redraw();
-    else ahead.look(list.soon);
+    else idleRouter.look(list.soon);
     for (const listener of listeners) listener();
   };
   /** Draws; what is thrown here nobody else would catch, and the last picture would stay as if it were true. */
@@ -161,7 +161,7 @@ export function pictureIn(place: HTMLElement, options: PictureOptions): Picture 
     },
     dispose: () => {
       cancelAnimationFrame(frame);
-      ahead.stop();
+      idleRouter.stop();
       libraries.stop();
       stop();
       canvas.remove();
@@ -188,7 +188,7 @@ function loader(session: MachineSession, came: () => void): Loader {
   return { load, stop };
 }
 
-interface Watched {
+interface PictureListener {
   readonly changed: () => void;
   readonly themed: () => void;
   readonly sized: () => void;
@@ -196,7 +196,7 @@ interface Watched {
 }
 
 /** Tells what the picture has to follow; returns the way to stop. */
-function watch(place: HTMLElement, options: PictureOptions, tell: Watched): () => void {
+function watch(place: HTMLElement, options: PictureOptions, tell: PictureListener): () => void {
   const stopFollowing = effect(() => {
     follow(options);
     tell.changed();

@@ -1,5 +1,5 @@
 import { expect, test } from "vitest";
-import { lengthOf, News, stretch } from "./pulses.ts";
+import { lengthOf, NewlyTaken, stretch } from "./pulses.ts";
 
 const BENT = [0, 0, 10, 0, 10, 30];
 
@@ -22,8 +22,8 @@ test("what pulses was taken since the last look at the same run, and is not too 
   const taken = (...sequences: readonly number[]) =>
     new Map(
       sequences.map((sequence) => [`transition:R#${sequence}`, { sequence, isNext: false }]),
-    ) as unknown as Parameters<News["of"]>[1];
-  const news = new News();
+    ) as unknown as Parameters<NewlyTaken["of"]>[1];
+  const news = new NewlyTaken();
   expect(news.of("one", taken(3, 4))).toEqual([]);
   expect(news.of("one", taken(4, 6))).toEqual(["transition:R#6"]);
   expect(news.of("other", taken(8, 9))).toEqual([]);

@@ -5,7 +5,7 @@ import { effect, type ReadonlySignal } from "@preact/signals-core";
 import type { ElementKey } from "../model/element.ts";
 import type { Watch } from "../store/run.ts";
 import { inkOf } from "./paint/ink.ts";
-import type { Picture } from "./picture.ts";
+import type { CanvasPicture } from "./picture.ts";
 import type { SceneInput } from "./scene/input.ts";
 
 const DURATION_MS = 420;
@@ -15,7 +15,7 @@ const AT_ONCE = 6;
 const LENGTH = 34;
 const WIDTH = 5;
 
-interface Pulse {
+interface RunningPulse {
   readonly points: readonly number[];
   readonly begun: number;
 }
@@ -26,7 +26,7 @@ export interface Pulses {
 
 export function pulsesOver(
   place: HTMLElement,
-  picture: Picture,
+  picture: CanvasPicture,
   run: ReadonlySignal<Watch | null>,
 ): Pulses {
   const canvas = document.createElement("canvas");
@@ -34,9 +34,9 @@ export function pulsesOver(
   canvas.setAttribute("aria-hidden", "true");
   place.append(canvas);
   const still = window.matchMedia("(prefers-reduced-motion: reduce)");
-  const news = new News();
+  const news = new NewlyTaken();
   let fresh: readonly string[] = [];
-  let pulses: readonly Pulse[] = [];
+  let pulses: readonly RunningPulse[] = [];
   let frame = 0;
 
   const step = () => {
@@ -75,7 +75,7 @@ function isPast({ isCaughtUp, playhead, now }: Watch): boolean {
 }
 
 /** Which transitions were taken since the last look. */
-export class News {
+export class NewlyTaken {
   #run: unknown = null;
   #last: number | null = null;
 
@@ -91,7 +91,7 @@ export class News {
 }
 
 /** The lines that are painted of these transitions. */
-function linesOf(picture: Picture, keys: readonly string[]): readonly (readonly number[])[] {
+function linesOf(picture: CanvasPicture, keys: readonly string[]): readonly (readonly number[])[] {
   const wanted = new Set(keys);
   return picture
     .list()
@@ -101,8 +101,8 @@ function linesOf(picture: Picture, keys: readonly string[]): readonly (readonly 
 
 function paintPulses(
   canvas: HTMLCanvasElement,
-  picture: Picture,
-  pulses: readonly Pulse[],
+  picture: CanvasPicture,
+  pulses: readonly RunningPulse[],
   now: number,
 ): void {
   const { width, height } = picture.size();

@@ -1,7 +1,7 @@
 // @vitest-environment happy-dom
 import { expect, test } from "vitest";
 import { elementOf } from "../model/element.ts";
-import { Reader, type TreeLine, treeLines } from "./reader.ts";
+import { ReaderTree, type TreeLine, treeLines } from "./reader.ts";
 import { driver } from "./testing/driver.ts";
 
 function lines(canvas: ReturnType<typeof driver>, ...keys: readonly string[]): readonly TreeLine[] {
@@ -46,7 +46,7 @@ test("a large level is told in part", () => {
 
 test("the element with the focus says which line stands for it", () => {
   const owner = document.createElement("div");
-  const reader = new Reader(owner, "test");
+  const reader = new ReaderTree(owner, "test");
   reader.show(lines(driver(), "state:R/B"));
   const active = owner.getAttribute("aria-activedescendant");
   const item = owner.querySelector(`#${active}`);

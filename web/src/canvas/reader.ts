@@ -85,7 +85,7 @@ const HIDDEN =
   "position:absolute;width:1px;height:1px;overflow:hidden;clip-path:inset(50%);white-space:nowrap;";
 
 /** The hidden tree in the document. */
-export class Reader {
+export class ReaderTree {
   readonly tree: HTMLElement;
   readonly status: HTMLElement;
   readonly #owner: HTMLElement;

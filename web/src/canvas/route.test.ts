@@ -3,16 +3,17 @@ import { machineOf } from "../model/plain.ts";
 import { sketch } from "../model/sketch.ts";
 import { MODES } from "../store/view.ts";
 import { layoutTreeOf } from "./layout_tree.ts";
-import type { Line } from "./lines.ts";
+import type { RoutedLine } from "./lines.ts";
 import { NO_OVERLAY } from "./overlay.ts";
 
-function linesOf(text: string): readonly Line[] {
+function linesOf(text: string): readonly RoutedLine[] {
   const machine = machineOf(sketch(text));
   const layout = layoutTreeOf(machine, { modes: MODES, contents: new Map() }, NO_OVERLAY);
   return layout.root?.lines ?? [];
 }
 
-const corners = ({ points }: Line) => points.map(({ x, y }) => `${Math.round(x)},${Math.round(y)}`);
+const corners = ({ points }: RoutedLine) =>
+  points.map(({ x, y }) => `${Math.round(x)},${Math.round(y)}`);
 
 /** How far the lines run through boxes that are not theirs. */
 function through(text: string): number {

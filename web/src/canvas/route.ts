@@ -3,10 +3,10 @@
  * its way there, and so many lines become one trunk; others keep apart. */
 
 import { type Box, distance, type Point } from "../model/geometry.ts";
-import { type Lanes, SHARED_FOR_UNIT } from "./lanes.ts";
+import { type RoutingLanes, SHARED_FOR_UNIT } from "./routing_lanes.ts";
 
 /** Where a line begins or ends. */
-export interface End {
+export interface RouteEnd {
   readonly at: Point;
   /** The way out of the port, one long. */
   readonly out: Point;
@@ -18,8 +18,8 @@ export interface RouteRequest {
   readonly from: string;
   /** Lines to the same target may share a way. */
   readonly to: string;
-  readonly start: End;
-  readonly goal: End;
+  readonly start: RouteEnd;
+  readonly goal: RouteEnd;
   /** The author's waypoints. */
   readonly by: readonly Point[];
 }
@@ -43,7 +43,7 @@ export function nearFirst<T extends RouteRequest>(lines: readonly T[]): readonly
 }
 
 /** The way of a line beside those that are taken; it is taken itself from now on. */
-export function routed(line: RouteRequest, lanes: Lanes): Routed {
+export function routed(line: RouteRequest, lanes: RoutingLanes): Routed {
   const way = line.by.length > 0 ? overWaypoints(line, lanes.pace) : cheapest(line, lanes);
   lanes.take(way.points, line.to);
   return way;
@@ -68,15 +68,15 @@ function overWaypoints({ start, goal, by }: RouteRequest, pace: number): Routed 
   };
 }
 
-function stub({ at, out }: End, length: number): Point {
+function stub({ at, out }: RouteEnd, length: number): Point {
   return { x: at.x + out.x * length, y: at.y + out.y * length };
 }
 
 /** A likely shape that costs nothing but its length is taken at once; else all channels are tried that are not too far off. */
-function cheapest(line: RouteRequest, lanes: Lanes): Routed {
+function cheapest(line: RouteRequest, lanes: RoutingLanes): Routed {
   const short = Math.min(lanes.pace, distance(line.start.at, line.goal.at) / 3);
   const [from, to] = [stub(line.start, short), stub(line.goal, short)];
-  const best = new Best(line, from, to, lanes);
+  const best = new BestRoute(line, from, to, lanes);
   const middle = { x: (from.x + to.x) / 2, y: (from.y + to.y) / 2 };
   best.offer([{ x: to.x, y: from.y }]);
   best.offer([{ x: from.x, y: to.y }]);
@@ -95,18 +95,18 @@ function cheapest(line: RouteRequest, lanes: Lanes): Routed {
 const TOO_LONG = 3;
 
 /** The best way so far. */
-class Best {
+class BestRoute {
   points: readonly Point[] = [];
   isFree = false;
   #cost = Infinity;
   readonly #line: RouteRequest;
   readonly #from: Point;
   readonly #to: Point;
-  readonly #lanes: Lanes;
+  readonly #lanes: RoutingLanes;
   /** How little of its length a way may cost, if it can be shared. */
   readonly #share: number;
 
-  constructor(line: RouteRequest, from: Point, to: Point, lanes: Lanes) {
+  constructor(line: RouteRequest, from: Point, to: Point, lanes: RoutingLanes) {
     this.#line = line;
     this.#from = from;
     this.#to = to;

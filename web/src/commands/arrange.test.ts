@@ -2,7 +2,7 @@ import { expect, test, vi } from "vitest";
 import type { Layouter } from "../plan/arrange.ts";
 import { allCommands } from "./all.ts";
 import { layOut } from "./layouter.ts";
-import { stand } from "./stand.ts";
+import { testContext } from "./stand.ts";
 
 vi.mock("./layouter.ts", () => ({ layOut: vi.fn<Layouter>((graph) => Promise.resolve(graph)) }));
 
@@ -17,7 +17,7 @@ const MACHINE = `
 async function laidOut(command: string, ...selected: readonly string[]): Promise<string> {
   vi.mocked(layOut).mockClear();
   const keys = selected.map((path) => `state:${path}` as const);
-  const context = stand(MACHINE, { selected: keys });
+  const context = testContext(MACHINE, { selected: keys });
   await allCommands().get(`arrange.${command}`)?.run(context, undefined);
   const levels = vi.mocked(layOut).mock.calls.map(([graph]) => graph.children ?? []);
   return levels.map((children) => children.map(({ id }) => id).join(" ")).join(", ");

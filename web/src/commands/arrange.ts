@@ -20,7 +20,7 @@ import {
 import { libraryState } from "../plan/newcomers.ts";
 import { type Planned, refused } from "../plan/plan.ts";
 import { changeKind, clearStart, setStart } from "../plan/states.ts";
-import type { Command, Context, MenuPlace, Rgb } from "./command.ts";
+import type { CommandContext, MenuPlace, Rgb, UserCommand } from "./command.ts";
 import { stageOf } from "./edit.ts";
 import { libraryStates } from "./insert.ts";
 import { layOut } from "./layouter.ts";
@@ -36,7 +36,7 @@ import {
   states,
 } from "./subject.ts";
 
-const TOGETHER: readonly Command[] = [
+const TOGETHER: readonly UserCommand[] = [
   {
     id: "arrange.group",
     title: "Group",
@@ -126,7 +126,7 @@ const KINDS: readonly (readonly [StateKind, string])[] = [
   ["preemptive", "Preemptive concurrency"],
 ];
 
-function onState(context: Context, plan: (machine: Machine, path: string) => Planned) {
+function onState(context: CommandContext, plan: (machine: Machine, path: string) => Planned) {
   return perform(context, (m) => {
     const path = onlyState(context);
     return path === null ? refused("Select one state first.") : plan(m, path);
@@ -134,23 +134,23 @@ function onState(context: Context, plan: (machine: Machine, path: string) => Pla
 }
 
 /** One state is selected, and it is neither the root nor a decider. */
-function isInner(context: Context): boolean {
+function isInner(context: CommandContext): boolean {
   const path = onlyState(context);
   return path !== null && parentOf(path) !== null && kindOfOnly(context) !== "decider";
 }
 
-function isInnerContainer(context: Context): boolean {
+function isInnerContainer(context: CommandContext): boolean {
   const path = onlyState(context);
   const state = path === null ? undefined : machineOf(context)?.state(path);
   return state !== undefined && isContainer(state) && isInner(context);
 }
 
-function canStart(context: Context): boolean {
+function canStart(context: CommandContext): boolean {
   const parent = parentOf(onlyState(context) ?? "");
   return parent !== null && machineOf(context)?.state(parent)?.kind === "hierarchy";
 }
 
-function isStart(context: Context): boolean {
+function isStart(context: CommandContext): boolean {
   const path = onlyState(context);
   const container = machineOf(context)?.state(parentOf(path ?? "") ?? "");
   return path !== null && container !== undefined && startOf(container)?.to_state === idOf(path);
@@ -162,7 +162,7 @@ interface Substitution {
   readonly library?: { readonly path: string; readonly name: string };
 }
 
-async function substituteByLibrary(context: Context, argument: unknown): Promise<void> {
+async function substituteByLibrary(context: CommandContext, argument: unknown): Promise<void> {
   const given = argument as Substitution | undefined;
   const path = given?.path ?? onlyState(context);
   const old = path === null ? undefined : machineOf(context)?.state(path);
@@ -182,7 +182,7 @@ async function substituteByLibrary(context: Context, argument: unknown): Promise
   });
 }
 
-async function substituteByContent(context: Context, argument: unknown): Promise<void> {
+async function substituteByContent(context: CommandContext, argument: unknown): Promise<void> {
   const path = onlyState(context);
   const library = path === null ? undefined : machineOf(context)?.state(path)?.library;
   if (path === null || !library) return;
@@ -201,9 +201,9 @@ const ALIGNMENTS: readonly (readonly [Alignment, string])[] = [
 
 const LINE_UP: MenuPlace = "Arrange/2/Align and distribute";
 
-const LINED_UP: readonly Command[] = [
+const LINED_UP: readonly UserCommand[] = [
   ...ALIGNMENTS.map(
-    ([to, title]): Command => ({
+    ([to, title]): UserCommand => ({
       id: `arrange.align-${to}`,
       title: `Align: ${title.toLowerCase()}`,
       menu: LINE_UP,
@@ -212,7 +212,7 @@ const LINED_UP: readonly Command[] = [
     }),
   ),
   ...(["horizontal", "vertical"] as const).map(
-    (along): Command => ({
+    (along): UserCommand => ({
       id: `arrange.distribute-${along}`,
       title: `Distribute ${along}ly`,
       menu: LINE_UP,
@@ -222,7 +222,7 @@ const LINED_UP: readonly Command[] = [
   ),
 ];
 
-async function layOutFrom(context: Context, container: string | null, deep: boolean) {
+async function layOutFrom(context: CommandContext, container: string | null, deep: boolean) {
   const machine = machineOf(context);
   if (!machine || container === null) return;
   const version = machine.version;
@@ -237,20 +237,20 @@ async function layOutFrom(context: Context, container: string | null, deep: bool
 }
 
 /** The level that one looks at: the container of what is selected, else the one that one works in. */
-function levelToLayOut(context: Context): string | null {
+function levelToLayOut(context: CommandContext): string | null {
   const [first] = elements(context);
   if (first?.kind === "state") return parentOf(first.path) ?? first.path;
   return first?.path ?? stageOf(context);
 }
 
 /** The container that is laid out with all inside: the one that is selected, else the one that one works in. */
-function containerToLayOut(context: Context): string | null {
+function containerToLayOut(context: CommandContext): string | null {
   const path = onlyState(context);
   const state = path === null ? undefined : machineOf(context)?.state(path);
   return path !== null && state && isContainer(state) ? path : stageOf(context);
 }
 
-const LAID_OUT: readonly Command[] = [
+const LAID_OUT: readonly UserCommand[] = [
   {
     id: "arrange.layout-level",
     title: "Automatic layout of this level",
@@ -292,7 +292,7 @@ const LAID_OUT: readonly Command[] = [
   },
 ];
 
-function onlyConnection(context: Context) {
+function onlyConnection(context: CommandContext) {
   return onlyElement(context, "transition") ?? onlyElement(context, "data_flow");
 }
 
@@ -307,7 +307,7 @@ function fitted(machine: Machine, path: string): Planned {
   return resize(machine, path, { x: box.x, y: box.y, ...size }, false);
 }
 
-const LOOKS: readonly Command[] = [
+const LOOKS: readonly UserCommand[] = [
   {
     id: "arrange.background",
     title: "Background colour…",
@@ -345,4 +345,4 @@ function rgbOfCss(css: string | undefined): Rgb | null {
   return red === undefined || green === undefined || blue === undefined ? null : [red, green, blue];
 }
 
-export const ARRANGE: readonly Command[] = [...TOGETHER, ...LINED_UP, ...LAID_OUT, ...LOOKS];
+export const ARRANGE: readonly UserCommand[] = [...TOGETHER, ...LINED_UP, ...LAID_OUT, ...LOOKS];

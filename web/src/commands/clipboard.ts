@@ -3,8 +3,8 @@
 import type { ElementRef } from "../model/element.ts";
 import type { Selection } from "../model/generated/protocol.ts";
 import type { Machine } from "../model/machine.ts";
-import { type Clip, clipOf, type Ways } from "../plan/clipboard.ts";
-import type { Part } from "../plan/parts.ts";
+import { type Clip, type CopiedWaypoints, clipOf } from "../plan/clipboard.ts";
+import type { InterfacePart } from "../plan/parts.ts";
 import { isRefused } from "../plan/plan.ts";
 
 /** As much of a drag's or paste's data as is needed. */
@@ -14,14 +14,14 @@ export type TextTransfer = Pick<DataTransfer, "getData" | "setData">;
 const STAND_IN = "rafcon.clipboard";
 
 /** What stands in the text: what an edit takes, and beside it what this page adds. */
-interface Written {
+interface ClipboardText {
   readonly rafcon?: Partial<Selection> | null;
-  readonly ways?: Ways;
-  readonly parts?: readonly Part[];
+  readonly ways?: CopiedWaypoints;
+  readonly parts?: readonly InterfacePart[];
 }
 
 export function textOf({ selection, ways, parts }: Clip): string {
-  const written: Written = {
+  const written: ClipboardText = {
     rafcon: selection,
     ...(ways ? { ways } : {}),
     ...(parts.length > 0 ? { parts } : {}),
@@ -33,7 +33,7 @@ export function textOf({ selection, ways, parts }: Clip): string {
 export function clipIn(text: string): Clip | null {
   if (!text.trimStart().startsWith("{")) return null;
   try {
-    const { rafcon, ways, parts } = JSON.parse(text) as Written;
+    const { rafcon, ways, parts } = JSON.parse(text) as ClipboardText;
     const selection = typeof rafcon?.container === "string" ? (rafcon as Selection) : null;
     const known = Array.isArray(parts) ? parts.filter(isPart) : [];
     return selection || known.length > 0 ? { selection, ways, parts: known } : null;
@@ -44,7 +44,7 @@ export function clipIn(text: string): Clip | null {
 
 const PORTS: readonly unknown[] = ["input", "output", "scoped_variable"];
 
-function isPart(part: Partial<Record<string, unknown>> | null): part is Part {
+function isPart(part: Partial<Record<string, unknown>> | null): part is InterfacePart {
   if (typeof part?.["name"] !== "string") return false;
   const isPort = PORTS.includes(part["kind"]) && typeof part["data_type"] === "string";
   return part["kind"] === "outcome" || isPort;

@@ -2,11 +2,11 @@
 
 import type { OpenTab } from "../store/page.ts";
 import { mayEdit } from "../store/rights.ts";
-import type { Context } from "./command.ts";
+import type { CommandContext } from "./command.ts";
 import { isChanged, saveTab } from "./save.ts";
 
 /** Closes the tab; what is not saved is asked for. True if it is closed. */
-export async function closeTab(context: Context, tab: OpenTab): Promise<boolean> {
+export async function closeTab(context: CommandContext, tab: OpenTab): Promise<boolean> {
   const { page, shell } = context;
   const others = tab.session.people.peek().length > 0;
   if (!isChanged(tab) || others || !mayEdit(page)) {
@@ -40,7 +40,11 @@ export async function closeTab(context: Context, tab: OpenTab): Promise<boolean>
 }
 
 /** Others may have the machine open: then it stays on the server. */
-async function closeOnServer({ page }: Context, tab: OpenTab, discard: boolean): Promise<void> {
+async function closeOnServer(
+  { page }: CommandContext,
+  tab: OpenTab,
+  discard: boolean,
+): Promise<void> {
   if (!mayEdit(page)) return;
   await page.server.request("POST", `/machines/${tab.session.id}/close`, { discard });
 }

@@ -15,7 +15,7 @@ export type MenuPlace =
   | `${(typeof MENUS)[number]}/${number}/${string}`;
 
 /** One of several things that a command can be done with. */
-export interface Choice {
+export interface CommandChoice {
   readonly title: string;
   readonly detail?: string;
   readonly argument: unknown;
@@ -63,14 +63,14 @@ export interface Layouts {
   readonly apply: (name: string) => void;
   readonly save: (name: string) => void;
   readonly remove: (name: string) => void;
-  readonly isShown: (side: Side) => boolean;
-  readonly toggle: (side: Side) => void;
+  readonly isShown: (side: PanelSide) => boolean;
+  readonly toggle: (side: PanelSide) => void;
   /** All panels away but the canvas, or back. */
   readonly toggleFocus: () => void;
   readonly panels: () => readonly { readonly id: string; readonly title: string }[];
 }
 
-export type Side = "left" | "right" | "bottom";
+export type PanelSide = "left" | "right" | "bottom";
 
 /** What the shell does for commands: it asks, shows and opens. */
 export interface Shell {
@@ -109,14 +109,14 @@ export interface Shell {
 }
 
 /** All that a command may look at and use. */
-export interface Context {
+export interface CommandContext {
   readonly page: Page;
   readonly tab: OpenTab | null;
   readonly canvas: CanvasControl | null;
   readonly shell: Shell;
 }
 
-export interface Command {
+export interface UserCommand {
   /** `edit.delete`: words that stay. */
   readonly id: string;
   /** "Delete": what menus and palette say. */
@@ -129,46 +129,50 @@ export interface Command {
   readonly classic?: readonly string[];
   readonly menu?: MenuPlace;
   /** Whether it can be done now. Left out: always. */
-  readonly enabled?: (context: Context) => boolean;
+  readonly enabled?: (context: CommandContext) => boolean;
   /** What to do first where `enabled` says no: "select a state first". */
   readonly needs?: string;
   /** Why it cannot be done now, and the way out; null: it can. For commands whose reasons are not plain to see. */
-  readonly refusal?: (context: Context, argument?: unknown) => string | null;
+  readonly refusal?: (context: CommandContext, argument?: unknown) => string | null;
   /** For switches: whether it is on. */
-  readonly checked?: (context: Context) => boolean;
+  readonly checked?: (context: CommandContext) => boolean;
   /** What it can be done with: a menu of its own, each entry of which runs it with its argument. */
-  readonly choices?: (context: Context) => readonly Choice[];
-  readonly run: (context: Context, argument?: unknown) => unknown;
+  readonly choices?: (context: CommandContext) => readonly CommandChoice[];
+  readonly run: (context: CommandContext, argument?: unknown) => unknown;
 }
 
 /** Why the command cannot be done now, empty where that is plain to see; null: it can. */
-export function refusalOf(command: Command, context: Context, argument?: unknown): string | null {
+export function refusalOf(
+  command: UserCommand,
+  context: CommandContext,
+  argument?: unknown,
+): string | null {
   if (command.enabled?.(context) === false) return "";
   return command.refusal?.(context, argument) ?? null;
 }
 
 /** All commands by id, in the order in which menus show them. */
 export class Commands {
-  readonly #all = new Map<string, Command>();
+  readonly #all = new Map<string, UserCommand>();
 
   /** Adds commands. An id that is there already is a mistake of the program. */
-  add(commands: readonly Command[]): void {
+  add(commands: readonly UserCommand[]): void {
     for (const command of commands) {
       if (this.#all.has(command.id)) throw new Error(`there are two commands ${command.id}`);
       this.#all.set(command.id, command);
     }
   }
 
-  get(id: string): Command | undefined {
+  get(id: string): UserCommand | undefined {
     return this.#all.get(id);
   }
 
-  all(): readonly Command[] {
+  all(): readonly UserCommand[] {
     return [...this.#all.values()];
   }
 
   /** Runs the command if it can be done now; false if there is none or it cannot. What it throws is told to the user. */
-  run(id: string, context: Context, argument?: unknown): boolean {
+  run(id: string, context: CommandContext, argument?: unknown): boolean {
     const command = this.#all.get(id);
     context.canvas?.flush();
     if (!command || refusalOf(command, context, argument) !== null) return false;

@@ -5,15 +5,15 @@ import type { Watch } from "../store/run.ts";
 import { allCommands } from "./all.ts";
 import { refusalOf } from "./command.ts";
 import { silenceLeft } from "./control.ts";
-import { type Stand, stand } from "./stand.ts";
+import { type TestContext, testContext } from "./stand.ts";
 
 /** A run in front by this browser's clock, which is so far behind the server's. */
 function controlled(
   control: Partial<Control>,
   ahead_ms = 0,
   answers: readonly boolean[] = [],
-): Stand {
-  const context = stand(`R "Root" hierarchy outcome done`, { answers });
+): TestContext {
+  const context = testContext(`R "Root" hierarchy outcome done`, { answers });
   const all = { holder: "anna", since_ms: 0, heard_ms: 0, silence_ms: 0, requests: [], ...control };
   const watch = { id: "r", now: signal({ control: all }), playhead: signal(null) };
   context.tab.run.value = watch as unknown as Watch;

@@ -2,10 +2,10 @@
 
 import type { Control, ControlMove } from "../model/generated/protocol.ts";
 import { sessionOfPage, summaryOf } from "../store/running.ts";
-import type { Choice, Command, Context } from "./command.ts";
+import type { CommandChoice, CommandContext, UserCommand } from "./command.ts";
 import { cannotCommand, lacks } from "./run_rules.ts";
 
-export const CONTROL: readonly Command[] = [
+export const CONTROL: readonly UserCommand[] = [
   {
     id: "control.request",
     title: "Ask for control",
@@ -64,11 +64,11 @@ export const CONTROL: readonly Command[] = [
   },
 ];
 
-async function move({ tab }: Context, wanted: ControlMove): Promise<void> {
+async function move({ tab }: CommandContext, wanted: ControlMove): Promise<void> {
   await tab?.run.peek()?.control(wanted);
 }
 
-async function handOver({ tab, shell }: Context, argument: unknown): Promise<void> {
+async function handOver({ tab, shell }: CommandContext, argument: unknown): Promise<void> {
   const watch = tab?.run.peek();
   const to =
     typeof argument === "string"
@@ -82,7 +82,7 @@ async function handOver({ tab, shell }: Context, argument: unknown): Promise<voi
 }
 
 /** A holder who is at work loses control in the middle of it: that is asked about first. */
-async function override({ page, tab, shell }: Context): Promise<void> {
+async function override({ page, tab, shell }: CommandContext): Promise<void> {
   const watch = tab?.run.peek();
   const holder = watch?.now.peek()?.control.holder;
   if (!watch || !holder) return;
@@ -96,13 +96,13 @@ async function override({ page, tab, shell }: Context): Promise<void> {
   if (isSure) await watch.control({ move: "override" });
 }
 
-function askers({ tab }: Context): readonly Choice[] {
+function askers({ tab }: CommandContext): readonly CommandChoice[] {
   const requests = tab?.run.value?.now.value?.control.requests ?? [];
   return requests.map((user) => ({ title: user, detail: "asks for it", argument: user }));
 }
 
 /** Why control cannot be moved so; null if it can. */
-function refusalOfMove(context: Context, wanted: ControlMove["move"]): string | null {
+function refusalOfMove(context: CommandContext, wanted: ControlMove["move"]): string | null {
   const why = cannotCommand(context, { rest: true });
   const control = context.tab?.run.value?.now.value?.control;
   const session = sessionOfPage(context.page);
@@ -127,7 +127,7 @@ function ofHolder({ offered_to }: Control, wanted: ControlMove["move"]): string 
 
 /** What somebody else cannot do about it. */
 function ofOther(
-  context: Context,
+  context: CommandContext,
   { holder, requests, offered_to }: Control,
   user: string,
   wanted: ControlMove["move"],
@@ -155,7 +155,7 @@ function ofOther(
 const UNTOLD = 1 / 10;
 
 /** So long nobody can take control over from its holder, in ms; 0: anybody may. */
-export function silenceLeft({ page, tab }: Context, now_ms: number): number {
+export function silenceLeft({ page, tab }: CommandContext, now_ms: number): number {
   const control = tab?.run.value?.now.value?.control;
   if (!control || control.holder === null) return 0;
   const there_ms = now_ms + (page.server.pulse.value?.ahead_ms ?? 0);
@@ -163,7 +163,7 @@ export function silenceLeft({ page, tab }: Context, now_ms: number): number {
   return Math.max(0, heardTill_ms + control.silence_ms - there_ms);
 }
 
-function stillHeard(context: Context): string | null {
+function stillHeard(context: CommandContext): string | null {
   const left_ms = silenceLeft(context, Date.now());
   if (left_ms === 0) return null;
   const holder = context.tab?.run.value?.now.value?.control.holder;

@@ -2,7 +2,7 @@ import { expect, test } from "vitest";
 import type { Edit } from "../model/generated/protocol.ts";
 import { machineOf } from "../model/plain.ts";
 import { sketch } from "../model/sketch.ts";
-import { type Draft, openDrafts } from "../store/drafts.ts";
+import { type FieldDraft, openDrafts } from "../store/drafts.ts";
 import type { EditAnswer } from "../store/machine_session.ts";
 import type { OpenTab } from "../store/page.ts";
 import { applyDrafts } from "./drafts.ts";
@@ -20,7 +20,7 @@ function setUp(answer: EditAnswer = { revision: 1 }) {
   } as unknown as OpenTab["session"];
   const page = { tell: ({ text }: { text: string }) => void told.push(text) };
   const drafts = openDrafts(null);
-  const draft: Draft = { machine: "m", path: "R/A", field: "script", text: "new", base: "" };
+  const draft: FieldDraft = { machine: "m", path: "R/A", field: "script", text: "new", base: "" };
   return { edits, told, drafts, draft, apply: () => applyDrafts(page, { session }, drafts) };
 }
 

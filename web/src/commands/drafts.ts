@@ -3,7 +3,7 @@
 import type { Planned } from "../plan/plan.ts";
 import { isRefused } from "../plan/plan.ts";
 import { setDescription, setScript } from "../plan/states.ts";
-import { type Draft, type Drafts, draftKey, drafts } from "../store/drafts.ts";
+import { type Drafts, draftKey, drafts, type FieldDraft } from "../store/drafts.ts";
 import { wasRefused } from "../store/machine_session.ts";
 import type { OpenTab, Page } from "../store/page.ts";
 
@@ -27,7 +27,7 @@ export async function applyDrafts(
 
 async function apply(
   session: OpenTab["session"],
-  draft: Draft,
+  draft: FieldDraft,
   kept: Drafts,
 ): Promise<string | null> {
   const { path, field, text, base } = draft;
@@ -45,7 +45,7 @@ async function apply(
   return null;
 }
 
-function planOf({ path, field, text }: Draft, { machine }: OpenTab["session"]): Planned {
+function planOf({ path, field, text }: FieldDraft, { machine }: OpenTab["session"]): Planned {
   return field === "script" ? setScript(machine, path, text) : setDescription(machine, path, text);
 }
 

@@ -12,15 +12,15 @@ import { removeElements } from "../plan/states.ts";
 import { searchRevealRequest } from "../store/search_reveal_request.ts";
 import { select, selected } from "../store/view.ts";
 import { copyElements, NOTHING_COPIED, read, transferOf } from "./clipboard.ts";
-import type { Command, Context } from "./command.ts";
+import type { CommandContext, UserCommand } from "./command.ts";
 import { perform } from "./perform.ts";
 import { canEdit, containerOf, elements, ownerForNew, placeForNew, states } from "./subject.ts";
 
-const hasSelection = ({ tab }: Context) => (tab?.view.selection.value.size ?? 0) > 0;
-const canChange = (context: Context) => canEdit(context) && elements(context).length > 0;
-const hasStates = (context: Context) => canEdit(context) && states(context).length > 0;
+const hasSelection = ({ tab }: CommandContext) => (tab?.view.selection.value.size ?? 0) > 0;
+const canChange = (context: CommandContext) => canEdit(context) && elements(context).length > 0;
+const hasStates = (context: CommandContext) => canEdit(context) && states(context).length > 0;
 
-export const EDIT: readonly Command[] = [
+export const EDIT: readonly UserCommand[] = [
   {
     id: "edit.undo",
     title: "Undo",
@@ -179,7 +179,7 @@ export function besides(machine: Machine, paths: readonly string[]): Point {
   return steps.find(isFree) ?? { x: shift, y: shift };
 }
 
-async function copy(context: Context, argument: unknown): Promise<boolean> {
+async function copy(context: CommandContext, argument: unknown): Promise<boolean> {
   const { page, tab } = context;
   if (!tab) return false;
   const refusal = await copyElements(tab.session.machine, selected(tab.view), transferOf(argument));
@@ -188,11 +188,11 @@ async function copy(context: Context, argument: unknown): Promise<boolean> {
 }
 
 /** The container that one works in: the one that fills the view, or the one around what is selected. */
-export function stageOf(context: Context): string | null {
+export function stageOf(context: CommandContext): string | null {
   return context.canvas?.stage.value ?? containerOf(context);
 }
 
-function selectStart(context: Context): void {
+function selectStart(context: CommandContext): void {
   const { tab, canvas } = context;
   const path = stageOf(context);
   const container = path === null ? undefined : tab?.session.machine.state(path);
@@ -207,14 +207,14 @@ function selectStart(context: Context): void {
 }
 
 /** The one selected element that has a name of its own. */
-function nameable(context: Context): ElementRef | null {
+function nameable(context: CommandContext): ElementRef | null {
   const [element, ...more] = elements(context);
   if (!element || more.length > 0) return null;
   const named = ["state", "outcome", "input", "output", "scoped_variable"];
   return named.includes(element.kind) ? element : null;
 }
 
-async function rename(context: Context): Promise<void> {
+async function rename(context: CommandContext): Promise<void> {
   const element = nameable(context);
   const state = element && context.tab?.session.machine.state(element.path);
   if (!element || !state) return;

@@ -6,14 +6,14 @@ import { mayEdit } from "../store/rights.ts";
 import type { Link } from "../store/server.ts";
 import { RefusalError } from "../store/server.ts";
 import { closeTab } from "./close.ts";
-import type { Command, Context } from "./command.ts";
+import type { CommandContext, UserCommand } from "./command.ts";
 import { openLibrary, showLibrary } from "./library_machine.ts";
 import { compare, isChanged, requestId, saveElsewhere, saveState, saveTab } from "./save.ts";
 import { canEdit, libraryAround, onlyState } from "./subject.ts";
 
-const isOpen = (context: Context) => context.tab !== null;
+const isOpen = (context: CommandContext) => context.tab !== null;
 
-export const FILE: readonly Command[] = [
+export const FILE: readonly UserCommand[] = [
   {
     id: "file.new",
     title: "New machine…",
@@ -202,7 +202,7 @@ function isLoggedIn(link: Link): boolean {
   return link.state === "up" && link.session.expires_ms !== null;
 }
 
-function forget(page: Context["page"], file: MachineFile): void {
+function forget(page: CommandContext["page"], file: MachineFile): void {
   const before = page.settings.peek();
   const recent = before.recent.filter((each) => !isSame(each, file));
   page.settings.value = { ...before, recent };

@@ -2,7 +2,7 @@ import { expect, test } from "vitest";
 import { RefusalError } from "../store/server.ts";
 import { allCommands } from "./all.ts";
 import { folderName } from "./save.ts";
-import { type StandOptions, stand } from "./stand.ts";
+import { type TestContextOptions, testContext } from "./stand.ts";
 
 const MACHINE = `
   R "Drill" hierarchy 0 0 400 300 outcome done
@@ -13,10 +13,10 @@ const MACHINE = `
 /** What a command does, as it is recorded. */
 async function done(
   id: string,
-  { machine = MACHINE, ...options }: StandOptions & { readonly machine?: string } = {},
+  { machine = MACHINE, ...options }: TestContextOptions & { readonly machine?: string } = {},
   argument?: unknown,
 ): Promise<string[]> {
-  const context = stand(machine, options);
+  const context = testContext(machine, options);
   const command = allCommands().get(id);
   if (!command || command.enabled?.(context) === false) return ["cannot"];
   try {

@@ -3,7 +3,7 @@
 import { readFileSync } from "node:fs";
 import { expect, test } from "vitest";
 import { allCommands } from "./all.ts";
-import type { Command } from "./command.ts";
+import type { UserCommand } from "./command.ts";
 import { MENUS } from "./command.ts";
 import { keymap, shownKey } from "./keys.ts";
 
@@ -17,7 +17,7 @@ function shown(keys: readonly string[] = []): string {
 }
 
 /** A row of the table: what it does, its keys, those of the classic map where they differ. */
-function row({ id, title }: Command): readonly string[] {
+function row({ id, title }: UserCommand): readonly string[] {
   const [own, classic] = [shown(OWN.get(id)), shown(CLASSIC.get(id))];
   if (own === "" && classic === "") return [];
   const other = classic === "" ? "none" : classic;
@@ -26,7 +26,7 @@ function row({ id, title }: Command): readonly string[] {
 
 const PALETTE_ONLY = "In the palette only";
 
-function menuOf({ menu }: Command): string {
+function menuOf({ menu }: UserCommand): string {
   return menu?.split("/")[0] ?? PALETTE_ONLY;
 }
 

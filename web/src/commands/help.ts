@@ -1,8 +1,8 @@
 /** What the Help menu does, and the palette. */
 
-import type { Command } from "./command.ts";
+import type { UserCommand } from "./command.ts";
 
-export const HELP: readonly Command[] = [
+export const HELP: readonly UserCommand[] = [
   {
     id: "help.palette",
     title: "Search everything…",

@@ -9,7 +9,7 @@ import { insertState, middleOf } from "../plan/insert.ts";
 import { type Planned, refused } from "../plan/plan.ts";
 import { addOutcome, addPort } from "../plan/ports.ts";
 import { addLibrary, addState } from "../plan/states.ts";
-import type { Command, Context } from "./command.ts";
+import type { CommandContext, UserCommand } from "./command.ts";
 import { perform } from "./perform.ts";
 import { canEdit, elements, kindOfOnly, machineOf, onlyState, placeForNew } from "./subject.ts";
 
@@ -20,9 +20,9 @@ const KINDS = [
   ["preemptive", "Preemptive concurrency", ["P"], ["Ctrl+Alt+C", "P"]],
 ] as const;
 
-const canPlace = (context: Context) => canEdit(context) && placeForNew(context) !== null;
+const canPlace = (context: CommandContext) => canEdit(context) && placeForNew(context) !== null;
 
-const STATES: readonly Command[] = KINDS.map(([kind, title, keys, classic]) => ({
+const STATES: readonly UserCommand[] = KINDS.map(([kind, title, keys, classic]) => ({
   id: `insert.${kind}`,
   title,
   detail: "At the pointer, or into the selected container.",
@@ -33,7 +33,7 @@ const STATES: readonly Command[] = KINDS.map(([kind, title, keys, classic]) => (
   run: (context) => addHere(context, kind),
 }));
 
-function addHere(context: Context, kind: Exclude<StateKind, "library" | "decider">) {
+function addHere(context: CommandContext, kind: Exclude<StateKind, "library" | "decider">) {
   const place = placeForNew(context);
   return place && perform(context, (m) => addState(m, place.path, kind, place.at));
 }
@@ -49,7 +49,7 @@ export interface InsertLibrary {
   readonly transition?: number;
 }
 
-const LIBRARIES: readonly Command[] = [
+const LIBRARIES: readonly UserCommand[] = [
   {
     id: "insert.library",
     title: "Library state…",
@@ -88,7 +88,7 @@ function withRoot(
 }
 
 async function withLibrary(
-  context: Context,
+  context: CommandContext,
   argument: unknown,
   plan: (
     machine: Machine,
@@ -115,7 +115,7 @@ async function withLibrary(
 
 /** The states of a library's machine, its root first. */
 export async function libraryStates(
-  { page }: Context,
+  { page }: CommandContext,
   { path, name }: { readonly path: string; readonly name: string },
 ): Promise<readonly StateDocument[]> {
   const parts = [...path.split("/"), name].map(encodeURIComponent);
@@ -124,21 +124,21 @@ export async function libraryStates(
 }
 
 /** The state whose interface is meant: the selected one, or the one whose port is. */
-function owner(context: Context): string | null {
+function owner(context: CommandContext): string | null {
   const paths = new Set(elements(context).map(({ path }) => path));
   const [path] = paths;
   const state = path === undefined ? undefined : machineOf(context)?.state(path);
   return paths.size === 1 && path !== undefined && state?.kind !== "library" ? path : null;
 }
 
-const hasOwner = (context: Context) => canEdit(context) && owner(context) !== null;
+const hasOwner = (context: CommandContext) => canEdit(context) && owner(context) !== null;
 
 function port(
   kind: PortKind,
   title: string,
   keys: readonly string[],
   classic: readonly string[],
-): Command {
+): UserCommand {
   return {
     id: `insert.${kind.replace("_", "-")}`,
     title,
@@ -162,7 +162,7 @@ function port(
   };
 }
 
-const PORTS: readonly Command[] = [
+const PORTS: readonly UserCommand[] = [
   {
     id: "insert.outcome",
     title: "Outcome",
@@ -186,7 +186,7 @@ function helper(
   title: string,
   classic: string,
   plan: (machine: Machine, path: string) => Planned,
-): Command {
+): UserCommand {
   return {
     id: `insert.${id}`,
     title,
@@ -200,7 +200,7 @@ function helper(
   };
 }
 
-const CONNECTIONS: readonly Command[] = [
+const CONNECTIONS: readonly UserCommand[] = [
   {
     id: "insert.connect",
     title: "Connect…",
@@ -233,7 +233,7 @@ const CONNECTIONS: readonly Command[] = [
 ];
 
 /** What can stand in a transition: a new state of a kind, or one that runs a library that is asked for. */
-const INTO_TRANSITION: Command = {
+const INTO_TRANSITION: UserCommand = {
   id: "insert.into-transition",
   title: "Insert into transition",
   detail: "The selected transition leads to the new state, which leads on to where it led.",
@@ -261,14 +261,14 @@ const INTO_TRANSITION: Command = {
 };
 
 /** The one selected transition; of a container whose states run one after the other. */
-function transitionOf(context: Context) {
+function transitionOf(context: CommandContext) {
   const [line, ...more] = elements(context);
   if (line?.kind !== "transition" || more.length > 0) return null;
   return machineOf(context)?.state(line.path)?.kind === "hierarchy" ? line : null;
 }
 
 /** What stands for the kind of what is selected: used by "Add" of the reference. */
-const ADD: Command = {
+const ADD: UserCommand = {
   id: "insert.fitting",
   title: "Add what fits",
   detail: "A state into a container, an outcome to anything else.",
@@ -284,7 +284,7 @@ const ADD: Command = {
   },
 };
 
-export const INSERT: readonly Command[] = [
+export const INSERT: readonly UserCommand[] = [
   ...STATES,
   ...LIBRARIES,
   ...PORTS,

@@ -1,5 +1,5 @@
 import { expect, test } from "vitest";
-import type { Command } from "./command.ts";
+import type { UserCommand } from "./command.ts";
 import { conflicts, isCanvasKey, keymap, keyName, readKey, readKeys, shownKey } from "./keys.ts";
 
 const none = { ctrlKey: false, metaKey: false, altKey: false, shiftKey: false };
@@ -38,7 +38,7 @@ test("letters count on the canvas only, and F keys everywhere", () => {
   expect(["Ctrl+S", "Ctrl+Alt+1", "F2", "Shift+F5"].some(isCanvasKey)).toBe(false);
 });
 
-const command = (id: string, keys: string[], classic?: string[]): Command => ({
+const command = (id: string, keys: string[], classic?: string[]): UserCommand => ({
   id,
   title: id,
   keys,

@@ -1,7 +1,7 @@
 /** Which keys do which command: the shipped map, the one for those who come from the reference, and what the user chose. */
 
 import type { Settings } from "../store/page.ts";
-import type { Command } from "./command.ts";
+import type { UserCommand } from "./command.ts";
 
 /** As much of a keyboard event as a key's name needs. */
 export interface Pressed {
@@ -119,14 +119,18 @@ export function isKeptByBrowser(key: string): boolean {
 }
 
 /** The keys of a command in the maps that ship. */
-function shipped(command: Command, keymap: string, taken: ReadonlySet<string>): readonly string[] {
+function shipped(
+  command: UserCommand,
+  keymap: string,
+  taken: ReadonlySet<string>,
+): readonly string[] {
   if (keymap !== "classic") return command.keys ?? [];
   return command.classic ?? (command.keys ?? []).filter((key) => !taken.has(key));
 }
 
 /** All keys of all commands, as settings have them. */
 export function keymap(
-  commands: readonly Command[],
+  commands: readonly UserCommand[],
   settings: Pick<Settings, "keymap" | "keys">,
 ): ReadonlyMap<string, readonly string[]> {
   const taken = new Set(commands.flatMap((command) => command.classic ?? []));

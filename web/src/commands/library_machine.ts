@@ -3,17 +3,17 @@
 import type { LibraryName } from "../model/generated/protocol.ts";
 import { libraryRevealRequest } from "../store/library_reveal_request.ts";
 import type { Page } from "../store/page.ts";
-import type { Context } from "./command.ts";
+import type { CommandContext } from "./command.ts";
 import { libraryAround } from "./subject.ts";
 
 /** Opens the machine of the library that is selected. */
-export async function openLibrary(context: Context): Promise<void> {
+export async function openLibrary(context: CommandContext): Promise<void> {
   const library = libraryAround(context)?.library;
   if (library) await openLibraryMachine(context.page, library);
 }
 
 /** Shows which of all libraries a state runs; the user is told if it is not among them. */
-export function showLibrary(context: Context): void {
+export function showLibrary(context: CommandContext): void {
   const library = libraryAround(context)?.library;
   if (!library) return;
   const { path, name } = library;

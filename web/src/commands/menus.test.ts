@@ -1,8 +1,8 @@
 import { expect, test } from "vitest";
 import { elementOf } from "../model/element.ts";
 import { allCommands } from "./all.ts";
-import { barMenu, contextMenu, type Entry, menuTitles } from "./menus.ts";
-import { type Stand, type StandOptions, stand } from "./stand.ts";
+import { barMenu, type CommandMenuEntry, contextMenu, menuTitles } from "./menus.ts";
+import { type TestContext, type TestContextOptions, testContext } from "./stand.ts";
 
 const MACHINE = `
   R "Root" hierarchy 0 0 400 300 outcome done scoped count:int
@@ -15,12 +15,12 @@ const MACHINE = `
 
 const COMMANDS = allCommands();
 
-function source(context: Stand) {
+function source(context: TestContext) {
   return { commands: COMMANDS, context, keys: (id: string) => COMMANDS.get(id)?.keys ?? [] };
 }
 
 /** Titles of a menu: what cannot be done in brackets, what is on with a star, menus inside with theirs. */
-function shown(entries: readonly Entry[]): string[] {
+function shown(entries: readonly CommandMenuEntry[]): string[] {
   return entries.map((entry) => {
     if (entry === "separator") return "—";
     const title = entry.items ? `${entry.title} ▸` : entry.title;
@@ -28,9 +28,9 @@ function shown(entries: readonly Entry[]): string[] {
   });
 }
 
-function menuOf(key: string, options: StandOptions = {}): string[] {
+function menuOf(key: string, options: TestContextOptions = {}): string[] {
   const element = elementOf(key);
-  const context = stand(MACHINE, { ...options, selected: element ? [key] : [] });
+  const context = testContext(MACHINE, { ...options, selected: element ? [key] : [] });
   return shown(contextMenu(source(context), element ? [element] : []));
 }
 
@@ -44,7 +44,7 @@ test("the bar has the menus that have entries, with keys, in blocks", () => {
     "Run",
     "Help",
   ]);
-  const edit = barMenu(source(stand(MACHINE)), "Edit");
+  const edit = barMenu(source(testContext(MACHINE)), "Edit");
   expect(shown(edit).slice(0, 4)).toEqual(["Undo", "Redo", "—", "[Cut]"]);
   expect(edit[0]).toMatchObject({ id: "edit.undo", keys: "Ctrl+Z" });
 });
@@ -64,7 +64,7 @@ test("a state can be made the start, grouped and changed; the root cannot", () =
 test("a container can be ungrouped, and takes scoped variables; others do not", () => {
   expect(menuOf("state:R/B")).toContain("Ungroup");
   const titles = (key: string) => {
-    const context = stand(MACHINE, { selected: [key] });
+    const context = testContext(MACHINE, { selected: [key] });
     const element = elementOf(key);
     const menu = contextMenu(source(context), element ? [element] : []);
     const add = menu.find((entry) => entry !== "separator" && entry.title === "Add");

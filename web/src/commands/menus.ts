@@ -1,12 +1,12 @@
 /** Menus as lists of commands: the bar from where commands say they stand, context menus from what was clicked. */
 
 import type { ElementRef } from "../model/element.ts";
-import type { Command, Commands, Context } from "./command.ts";
+import type { CommandContext, Commands, UserCommand } from "./command.ts";
 import { MENUS, refusalOf } from "./command.ts";
 import { shownKey } from "./keys.ts";
 
 /** One entry, ready to be shown. */
-export type Entry =
+export type CommandMenuEntry =
   | "separator"
   | {
       readonly id: string;
@@ -15,14 +15,14 @@ export type Entry =
       readonly detail?: string;
       readonly checked?: boolean;
       readonly disabled?: boolean;
-      readonly items?: readonly Entry[];
+      readonly items?: readonly CommandMenuEntry[];
       readonly run?: () => void;
     };
 
 /** What menus are made with. */
 export interface MenuSource {
   readonly commands: Commands;
-  readonly context: Context;
+  readonly context: CommandContext;
   /** The keys of a command, as set. */
   readonly keys: (id: string) => readonly string[];
 }
@@ -34,9 +34,9 @@ export function menuTitles(commands: Commands): readonly (typeof MENUS)[number][
 }
 
 /** The entries of a menu of the bar. */
-export function barMenu(source: MenuSource, title: string): readonly Entry[] {
-  const blocks = new Map<string, Entry[]>();
-  const inner = new Map<string, Entry[]>();
+export function barMenu(source: MenuSource, title: string): readonly CommandMenuEntry[] {
+  const blocks = new Map<string, CommandMenuEntry[]>();
+  const inner = new Map<string, CommandMenuEntry[]>();
   for (const command of source.commands.all()) {
     const [menu, block = "", within] = command.menu?.split("/") ?? [];
     if (menu !== title) continue;
@@ -58,14 +58,14 @@ export function barMenu(source: MenuSource, title: string): readonly Entry[] {
   return joined(ordered.map(([, entries]) => entries));
 }
 
-function joined(blocks: readonly (readonly Entry[])[]): readonly Entry[] {
+function joined(blocks: readonly (readonly CommandMenuEntry[])[]): readonly CommandMenuEntry[] {
   return blocks
     .filter((block) => block.length > 0)
     .flatMap((block, index) => (index === 0 ? block : ["separator" as const, ...block]));
 }
 
 /** A command as an entry. */
-export function entryOf(source: MenuSource, command: Command): Entry {
+export function entryOf(source: MenuSource, command: UserCommand): CommandMenuEntry {
   const { commands, context } = source;
   const [key] = source.keys(command.id);
   const refusal = refusalOf(command, context);
@@ -198,12 +198,15 @@ const CANVAS: Recipe = [
 ];
 
 /** The menu of what was clicked: of a state, library, port, connection, or of the canvas itself. */
-export function contextMenu(source: MenuSource, elements: readonly ElementRef[]): readonly Entry[] {
+export function contextMenu(
+  source: MenuSource,
+  elements: readonly ElementRef[],
+): readonly CommandMenuEntry[] {
   const recipe = recipeFor(source.context, elements);
   return joined(recipe.map((block) => block.flatMap((part) => entriesOf(source, part))));
 }
 
-function entriesOf(source: MenuSource, part: Recipe[number][number]): readonly Entry[] {
+function entriesOf(source: MenuSource, part: Recipe[number][number]): readonly CommandMenuEntry[] {
   if (typeof part === "string") {
     const command = source.commands.get(part);
     return command ? [entryOf(source, command)] : [];
@@ -213,7 +216,7 @@ function entriesOf(source: MenuSource, part: Recipe[number][number]): readonly E
   return items.length === 0 ? [] : [{ id: part.title, title: part.title, items, disabled }];
 }
 
-function recipeFor({ tab }: Context, elements: readonly ElementRef[]): Recipe {
+function recipeFor({ tab }: CommandContext, elements: readonly ElementRef[]): Recipe {
   const [first] = elements;
   if (!first || !tab) return CANVAS;
   const { machine } = tab.session;

@@ -6,7 +6,7 @@ import { acknowledge, openFailures } from "../store/acknowledged.ts";
 import { type Page, runOf } from "../store/page.ts";
 import { answeredBy } from "../store/questions.ts";
 import type { Watch } from "../store/run.ts";
-import type { Command, Context } from "./command.ts";
+import type { CommandContext, UserCommand } from "./command.ts";
 import { cannotCommand } from "./run_rules.ts";
 import { failureOf } from "./send_command.ts";
 
@@ -20,7 +20,7 @@ export interface Answering {
   readonly value: JsonValue;
 }
 
-export const MISSION: readonly Command[] = [
+export const MISSION: readonly UserCommand[] = [
   {
     id: "mission.open",
     title: "Mission control",
@@ -74,7 +74,11 @@ export const MISSION: readonly Command[] = [
 const OTHERS_MS = 1_000;
 
 /** Of two answers one counts: who came too late is told who was first, and not why a command is refused. */
-async function answer({ page, tab }: Context, question: Question, value: JsonValue): Promise<void> {
+async function answer(
+  { page, tab }: CommandContext,
+  question: Question,
+  value: JsonValue,
+): Promise<void> {
   const watch = tab?.run.peek();
   if (!watch) return;
   const sent = await watch.command({ type: "answer_question", question: question.id, value });

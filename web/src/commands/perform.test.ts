@@ -2,7 +2,7 @@ import { expect, test } from "vitest";
 import type { EditAnswer } from "../store/machine_session.ts";
 import { select } from "../store/view.ts";
 import { ARRANGE } from "./arrange.ts";
-import { stand } from "./stand.ts";
+import { testContext } from "./stand.ts";
 
 const GROUP = ARRANGE.find(({ id }) => id === "arrange.group");
 
@@ -11,7 +11,7 @@ async function settle(): Promise<void> {
 }
 
 test("a hurried second command waits for what the first one makes, instead of naming what is gone", async () => {
-  const context = stand("R hierarchy\n  A execution", { selected: ["state:R/A"] });
+  const context = testContext("R hierarchy\n  A execution", { selected: ["state:R/A"] });
   const { session, view } = context.tab;
   const answers: ((answer: EditAnswer) => void)[] = [];
   const sent: string[] = [];

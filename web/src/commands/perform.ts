@@ -7,7 +7,7 @@ import type { OpenTab, Page } from "../store/page.ts";
 import { whyFixed } from "../store/rights.ts";
 import { isThere } from "../store/selection.ts";
 import { select } from "../store/view.ts";
-import type { Context } from "./command.ts";
+import type { CommandContext } from "./command.ts";
 
 /** Edits that are not shown before they are answered, by machine: until then the selection names what they are about to change. */
 const UNSHOWN = new WeakMap<MachineSession, Promise<unknown>>();
@@ -15,7 +15,7 @@ const UNSHOWN = new WeakMap<MachineSession, Promise<unknown>>();
 /** Makes the edit in the machine in front; false if it was refused, which the user is told. What was done in a hurry after an
  * edit that is not shown yet waits for it, and is planned by what is selected then. */
 export async function perform(
-  context: Context,
+  context: CommandContext,
   plan: (machine: Machine) => Planned,
 ): Promise<boolean> {
   const { page, tab } = context;

@@ -5,7 +5,7 @@ import { keptBreakpoints, newBreakpoint } from "../store/breakpoints.ts";
 import type { Watch } from "../store/run.ts";
 import { allCommands } from "./all.ts";
 import { refusalOf } from "./command.ts";
-import { type Stand, stand } from "./stand.ts";
+import { type TestContext, testContext } from "./stand.ts";
 
 const COMMANDS = allCommands();
 const MACHINE = `
@@ -31,9 +31,9 @@ interface Options {
 }
 
 /** A machine with a run in front of it, whose commands are recorded. */
-function running(options: Options = {}): Stand & { readonly commands: RunCommand[] } {
+function running(options: Options = {}): TestContext & { readonly commands: RunCommand[] } {
   const { rights = ALL, status = "running", phase = "live", active = [], holder = null } = options;
-  const context = stand(MACHINE, {
+  const context = testContext(MACHINE, {
     rights,
     selected: [`state:${options.selected ?? "R/A"}`],
     answers: options.answers ?? [],
@@ -56,7 +56,7 @@ function running(options: Options = {}): Stand & { readonly commands: RunCommand
   return { ...context, commands };
 }
 
-function why(context: Stand, id: string, argument?: unknown): string | null {
+function why(context: TestContext, id: string, argument?: unknown): string | null {
   const command = COMMANDS.get(id);
   if (!command) throw new Error(`there is no ${id}`);
   return refusalOf(command, context, argument);
@@ -80,7 +80,7 @@ test("what can be done goes by how the run stands, and says why not", () => {
   expect(why(held, "run.step-mode")).toMatch(/step by step/);
   expect(why(running({ phase: "crashed" }), "run.pause")).toMatch(/take it up/);
   expect(why(running({ phase: "crashed" }), "run.take-up")).toBeNull();
-  expect(why(stand(MACHINE), "run.pause")).toMatch(/no run is shown/);
+  expect(why(testContext(MACHINE), "run.pause")).toMatch(/no run is shown/);
 });
 
 test("who only looks commands nothing; who is not in control brings to rest, and no more", () => {

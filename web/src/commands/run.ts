@@ -1,12 +1,12 @@
 /** What the Run menu does first: runs begin, pause, go on and end. */
 
 import type { Start, Watch } from "../store/run.ts";
-import type { Command, Context } from "./command.ts";
+import type { CommandContext, UserCommand } from "./command.ts";
 import { cannotCommand, cannotStart, cannotWhile } from "./run_rules.ts";
 import { startRun } from "./run_start.ts";
 import { sendCommand, sendCommandTo } from "./send_command.ts";
 
-export const RUN: readonly Command[] = [
+export const RUN: readonly UserCommand[] = [
   {
     id: "run.start",
     title: "Start",
@@ -106,23 +106,23 @@ export const SURE = "sure";
 const PAUSE = { type: "pause" } as const;
 const RESUME = { type: "resume", branch: null } as const;
 
-function canResume({ tab }: Context): boolean {
+function canResume({ tab }: CommandContext): boolean {
   const status = tab?.run.value?.now.value?.snapshot?.status;
   return status === "paused" || status === "stepping";
 }
 
-function cannotPause(context: Context): string | null {
+function cannotPause(context: CommandContext): string | null {
   return cannotWhile(context, ["running", "stepping"], { rest: true });
 }
 
-function cannotResume(context: Context): string | null {
+function cannotResume(context: CommandContext): string | null {
   const why = cannotCommand(context);
   if (why !== null || canResume(context)) return why;
   const status = context.tab?.run.value?.now.value?.snapshot?.status;
   return status === "stopping" ? "the run is being stopped" : "the run goes on already";
 }
 
-function confirmStop({ shell }: Context, watch: Watch): Promise<boolean> {
+function confirmStop({ shell }: CommandContext, watch: Watch): Promise<boolean> {
   const isAgain = watch.now.peek()?.snapshot?.status === "stopping";
   return shell.confirm({
     title: isAgain ? "Stop once more?" : "Stop the run?",

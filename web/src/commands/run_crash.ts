@@ -3,7 +3,7 @@
 import type { OnCrash } from "../model/generated/protocol.ts";
 import { activeStates } from "../store/active.ts";
 import { fileOfTab, liveRun } from "../store/running.ts";
-import type { Command, Context } from "./command.ts";
+import type { CommandContext, UserCommand } from "./command.ts";
 import { cannotCommand, lacks } from "./run_rules.ts";
 import { isChanged, saveTab } from "./save.ts";
 import { failureOf, sendCommand, sendCommandTo } from "./send_command.ts";
@@ -16,7 +16,7 @@ export interface Recovered {
   readonly policy: "abort" | "restart";
 }
 
-export const RUN_CRASH: readonly Command[] = [
+export const RUN_CRASH: readonly UserCommand[] = [
   {
     id: "run.take-up",
     title: "Take the crashed run up…",
@@ -66,13 +66,13 @@ export const RUN_CRASH: readonly Command[] = [
 ];
 
 /** Paths of the states whose scripts were interrupted. */
-function interrupted({ tab }: Context): readonly string[] {
+function interrupted({ tab }: CommandContext): readonly string[] {
   const watch = liveRun(tab);
   const all = watch ? activeStates(watch) : [];
   return all.filter(({ phase }) => phase === "interrupted").map(({ path }) => path);
 }
 
-async function takeUp({ tab, shell }: Context, argument: unknown): Promise<void> {
+async function takeUp({ tab, shell }: CommandContext, argument: unknown): Promise<void> {
   const watch = tab?.run.peek();
   if (!watch) return;
   const given = typeof argument === "string" ? (argument as OnCrash) : null;
@@ -80,7 +80,7 @@ async function takeUp({ tab, shell }: Context, argument: unknown): Promise<void>
   if (policy) await watch.resume(policy);
 }
 
-async function reload(context: Context): Promise<void> {
+async function reload(context: CommandContext): Promise<void> {
   const { page, tab, shell } = context;
   const watch = liveRun(tab);
   if (!tab || !watch || fileOfTab(tab) === null) return;

@@ -2,12 +2,12 @@
 
 import type { Command as RunCommand, StartRun } from "../model/generated/protocol.ts";
 import { liveRun } from "../store/running.ts";
-import type { Command, Context } from "./command.ts";
+import type { CommandContext, UserCommand } from "./command.ts";
 import { cannotCommand, cannotStart, NO_STATE, pathFor } from "./run_rules.ts";
 import { startRun } from "./run_start.ts";
 import { sendCommand, sendCommandTo } from "./send_command.ts";
 
-export const RUN_PLACE: readonly Command[] = [
+export const RUN_PLACE: readonly UserCommand[] = [
   {
     id: "run.start-here",
     title: "Start here",
@@ -53,7 +53,7 @@ export const RUN_PLACE: readonly Command[] = [
   ),
 ];
 
-interface OfState {
+interface StateCommand {
   readonly id: string;
   /** What a run that goes on is told. */
   readonly type: "run_selected" | "run_only_selected";
@@ -62,11 +62,11 @@ interface OfState {
 }
 
 function state(
-  { id, type: runCommand, afterwards }: OfState,
+  { id, type: runCommand, afterwards }: StateCommand,
   title: string,
   detail: string,
   [key = "", classic = ""]: readonly string[],
-): Command {
+): UserCommand {
   return {
     id,
     title,
@@ -85,7 +85,7 @@ function state(
   };
 }
 
-function cannotPlace(context: Context, argument?: unknown): string | null {
+function cannotPlace(context: CommandContext, argument?: unknown): string | null {
   if (pathFor(context, argument) === null) return NO_STATE;
   return liveRun(context.tab) ? cannotCommand(context) : cannotStart(context);
 }

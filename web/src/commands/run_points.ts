@@ -11,7 +11,7 @@ import {
   withBreakpoint,
 } from "../store/breakpoints.ts";
 import { liveRun } from "../store/running.ts";
-import type { Choice, Command, Context } from "./command.ts";
+import type { CommandChoice, CommandContext, UserCommand } from "./command.ts";
 import { cannotCommand, lacks, NO_STATE, pathFor } from "./run_rules.ts";
 import { sendCommand } from "./send_command.ts";
 import { anyOnlyState } from "./subject.ts";
@@ -22,7 +22,7 @@ export interface Forced {
   readonly outcome: number;
 }
 
-export const RUN_POINTS: readonly Command[] = [
+export const RUN_POINTS: readonly UserCommand[] = [
   {
     id: "run.breakpoint",
     title: "Breakpoint",
@@ -94,20 +94,23 @@ export const RUN_POINTS: readonly Command[] = [
 ];
 
 /** Why breakpoints cannot be set; those for the next start belong to this browser. */
-export function cannotSetBreakpoints(context: Context): string | null {
+export function cannotSetBreakpoints(context: CommandContext): string | null {
   if (!context.tab) return "open a machine first";
   return liveRun(context.tab) ? cannotCommand(context) : null;
 }
 
 /** Why conditions cannot be set. */
-export function cannotSetConditions({ page }: Context): string | null {
+export function cannotSetConditions({ page }: CommandContext): string | null {
   return lacks(page, "edit") === null
     ? null
     : "a condition is Python, which only engineers and admins bring into a run";
 }
 
 /** Sets it in the run that goes on, and for the next start. */
-export async function setBreakpoint(context: Context, breakpoint: Breakpoint): Promise<boolean> {
+export async function setBreakpoint(
+  context: CommandContext,
+  breakpoint: Breakpoint,
+): Promise<boolean> {
   const { tab } = context;
   if (!tab) return false;
   const runCommand = { type: "set_breakpoint", breakpoint } as const;
@@ -117,7 +120,7 @@ export async function setBreakpoint(context: Context, breakpoint: Breakpoint): P
   return true;
 }
 
-export async function removeBreakpoint(context: Context, id: number): Promise<boolean> {
+export async function removeBreakpoint(context: CommandContext, id: number): Promise<boolean> {
   const { tab } = context;
   if (!tab) return false;
   if (
@@ -135,11 +138,11 @@ function isObject(argument: unknown): argument is object {
   return typeof argument === "object" && argument !== null;
 }
 
-function pointsAt({ tab }: Context, path: string | null): readonly Breakpoint[] {
+function pointsAt({ tab }: CommandContext, path: string | null): readonly Breakpoint[] {
   return tab ? breakpointsOf(tab).filter((each) => each.path === path) : [];
 }
 
-async function toggle(context: Context, argument: unknown): Promise<void> {
+async function toggle(context: CommandContext, argument: unknown): Promise<void> {
   const path = pathFor(context, argument);
   if (path === null || !context.tab) return;
   const there = pointsAt(context, path);
@@ -148,7 +151,7 @@ async function toggle(context: Context, argument: unknown): Promise<void> {
 }
 
 /** The argument is a breakpoint that is there, or the path of a state for a new one. */
-async function editBreakpoint(context: Context, argument: unknown): Promise<void> {
+async function editBreakpoint(context: CommandContext, argument: unknown): Promise<void> {
   const { tab, shell } = context;
   if (!tab) return;
   const given = isObject(argument) ? (argument as Breakpoint) : null;
@@ -159,13 +162,13 @@ async function editBreakpoint(context: Context, argument: unknown): Promise<void
   if (wanted) await setBreakpoint(context, wanted);
 }
 
-function active({ tab }: Context): readonly Active[] {
+function active({ tab }: CommandContext): readonly Active[] {
   const watch = tab?.run.value;
   return watch && watch.playhead.value === null ? activeStates(watch) : [];
 }
 
 /** The selected state, if somebody may choose its outcome. */
-function forcible(context: Context): string | null {
+function forcible(context: CommandContext): string | null {
   const path = anyOnlyState(context)?.path ?? null;
   const isForcible = active(context).some(
     (state) =>
@@ -175,7 +178,7 @@ function forcible(context: Context): string | null {
   return isForcible ? path : null;
 }
 
-function outcomeChoices(context: Context): readonly Choice[] {
+function outcomeChoices(context: CommandContext): readonly CommandChoice[] {
   const path = forcible(context);
   const state = path === null ? undefined : context.tab?.session.machine.state(path);
   if (path === null || !state) return [];

@@ -1,11 +1,11 @@
 /** What may be done with a run now, or why not: by the role, by who holds control, and by how the run stands. */
 
 import type { Right, RunStatus, Snapshot } from "../model/generated/protocol.ts";
-import { runStand } from "../model/run_words.ts";
+import { runStatusWords } from "../model/run_words.ts";
 import type { Page } from "../store/page.ts";
 import type { Watch } from "../store/run.ts";
 import { liveRun, snapshotOf } from "../store/running.ts";
-import type { Context } from "./command.ts";
+import type { CommandContext } from "./command.ts";
 import { anyOnlyState } from "./subject.ts";
 
 const NEEDED: Readonly<Partial<Record<Right, string>>> = {
@@ -23,7 +23,7 @@ export function lacks({ server }: Page, right: Right): string | null {
 }
 
 /** Why nothing can be started. */
-export function cannotStart({ page, tab }: Context): string | null {
+export function cannotStart({ page, tab }: CommandContext): string | null {
   if (!tab) return "open a machine first";
   if (page.server.link.value.state !== "up") return "there is no connection to the server";
   return lacks(page, "start");
@@ -39,7 +39,7 @@ export function otherHolder(page: Page, watch: Watch): string | null {
 
 /** Why the run in front cannot be commanded; `rest`: to bring it to rest needs no control. */
 export function cannotCommand(
-  { page, tab }: Context,
+  { page, tab }: CommandContext,
   { right = "command", rest = false }: { readonly right?: Right; readonly rest?: boolean } = {},
 ): string | null {
   const watch = tab?.run.value;
@@ -54,14 +54,14 @@ export function cannotCommand(
 function overInWords(watch: Watch): string {
   const now = watch.now.value;
   if (!now) return "how the run stands is not known yet";
-  const { word } = runStand(now);
+  const { word } = runStatusWords(now);
   if (word === "crashed") return "the run crashed: take it up first, or start another";
   return word === "finished" ? "the run is over: start another" : "the run did not begin";
 }
 
 /** Why a command that needs one of these can do nothing now. */
 export function cannotWhile(
-  context: Context,
+  context: CommandContext,
   fits: readonly RunStatus[],
   rules?: Parameters<typeof cannotCommand>[1],
 ): string | null {
@@ -93,7 +93,7 @@ export function isHeld({ active }: Snapshot): boolean {
 }
 
 /** The path that a command is meant for: the one given, else the selected state. */
-export function pathFor(context: Context, argument: unknown): string | null {
+export function pathFor(context: CommandContext, argument: unknown): string | null {
   return typeof argument === "string" ? argument : (anyOnlyState(context)?.path ?? null);
 }
 

@@ -1,19 +1,19 @@
 /** Which run is shown, at which moment, beside which other; and what becomes of runs that are over. */
 
 import type { RunSummary } from "../model/generated/protocol.ts";
-import { standInWords, startedInWords, summaryStand } from "../model/run_words.ts";
+import { standInWords, startedInWords, summaryStatusWords } from "../model/run_words.ts";
 import { comparedRun } from "../store/compared_run.ts";
 import { isFollowed } from "../store/following.ts";
 import { entryToStartFrom } from "../store/moments.ts";
 import { type OpenTab, type Page, runOf } from "../store/page.ts";
 import { liveRun, runsOfTab } from "../store/running.ts";
-import type { Choice, Command, Context } from "./command.ts";
+import type { CommandChoice, CommandContext, UserCommand } from "./command.ts";
 import { cannotWhile, lacks } from "./run_rules.ts";
 import { sendCommand } from "./send_command.ts";
 
 const NONE = "no run is shown here: start one, or choose one";
 
-export const RUN_SHOW: readonly Command[] = [
+export const RUN_SHOW: readonly UserCommand[] = [
   {
     id: "run.show",
     title: "Show run",
@@ -140,9 +140,13 @@ function idOf(page: Page, argument: unknown): string | null {
   return typeof argument === "string" ? argument : (runOf(page)?.id ?? null);
 }
 
-function choicesOf(page: Page, runs: readonly RunSummary[], tab?: OpenTab): readonly Choice[] {
+function choicesOf(
+  page: Page,
+  runs: readonly RunSummary[],
+  tab?: OpenTab,
+): readonly CommandChoice[] {
   return runs.map((run) => ({
-    title: `${startedInWords(run.started_ms, Date.now())}, ${standInWords(summaryStand(run))}`,
+    title: `${startedInWords(run.started_ms, Date.now())}, ${standInWords(summaryStatusWords(run))}`,
     detail: run.id,
     argument: run.id,
     ...(tab ? { checked: runOf(page)?.id === run.id } : {}),
@@ -150,7 +154,7 @@ function choicesOf(page: Page, runs: readonly RunSummary[], tab?: OpenTab): read
 }
 
 /** The argument is the number of an entry; left out, it is the one that goes on from the moment which is shown. */
-async function startFromHistory(context: Context, argument: unknown): Promise<void> {
+async function startFromHistory(context: CommandContext, argument: unknown): Promise<void> {
   const watch = context.tab?.run.peek();
   if (!watch) return;
   const sequence = typeof argument === "number" ? argument : entryToStartFrom(watch);
@@ -162,7 +166,7 @@ async function startFromHistory(context: Context, argument: unknown): Promise<vo
   watch.playhead.value = null;
 }
 
-function compare({ page, shell }: Context, argument: unknown): void {
+function compare({ page, shell }: CommandContext, argument: unknown): void {
   const watch = runOf(page);
   if (!watch) return;
   if (typeof argument === "string") comparedRun(watch).value = argument;
@@ -177,7 +181,7 @@ function download(address: string): void {
   link.click();
 }
 
-async function remove({ page, shell }: Context, argument: unknown): Promise<void> {
+async function remove({ page, shell }: CommandContext, argument: unknown): Promise<void> {
   const id = idOf(page, argument);
   if (id === null) return;
   const isSure = await shell.confirm({

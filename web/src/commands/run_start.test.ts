@@ -5,14 +5,14 @@ import { keptBreakpoints, newBreakpoint } from "../store/breakpoints.ts";
 import type { Start, Watch } from "../store/run.ts";
 import { allCommands } from "./all.ts";
 import { startRun } from "./run_start.ts";
-import { type StandOptions, stand } from "./stand.ts";
+import { type TestContextOptions, testContext } from "./stand.ts";
 
 const MACHINE = "R hierarchy outcome done\n  A execution outcome ok";
 const FILE = { project: "p", path: "drill" };
 
 /** A machine in front of a server that notes what is started. */
-function setUp(options: StandOptions & { readonly live?: boolean } = {}) {
-  const context = stand(MACHINE, options);
+function setUp(options: TestContextOptions & { readonly live?: boolean } = {}) {
+  const context = testContext(MACHINE, options);
   const started: Start[] = [];
   const watch = { id: "r1", now: signal({ run: { id: "r1", name: "Drill", phase: "live" } }) };
   if (options.live) context.tab.run.value = watch as unknown as Watch;

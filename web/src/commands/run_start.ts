@@ -8,13 +8,16 @@ import { drafts } from "../store/drafts.ts";
 import type { OpenTab } from "../store/page.ts";
 import type { Start, Watch } from "../store/run.ts";
 import { fileOfTab, runningBeside } from "../store/running.ts";
-import type { Context } from "./command.ts";
+import type { CommandContext } from "./command.ts";
 import { lacks } from "./run_rules.ts";
 import { isChanged, saveTab } from "./save.ts";
 import { canEdit } from "./subject.ts";
 
 /** Starts a run of the machine in front and shows it; null if the user wanted none. */
-export async function startRun(context: Context, more: Partial<Start> = {}): Promise<Watch | null> {
+export async function startRun(
+  context: CommandContext,
+  more: Partial<Start> = {},
+): Promise<Watch | null> {
   const { page, tab } = context;
   if (!tab || !(await mayBeAnother(context, tab))) return null;
   const machine = await asOnDisk(context, tab);
@@ -26,7 +29,7 @@ export async function startRun(context: Context, more: Partial<Start> = {}): Pro
 }
 
 /** A second run beside one that goes on is seldom meant: robots have one body. */
-async function mayBeAnother({ page, shell }: Context, tab: OpenTab): Promise<boolean> {
+async function mayBeAnother({ page, shell }: CommandContext, tab: OpenTab): Promise<boolean> {
   const live = runningBeside(page, tab);
   const [first] = live;
   if (!first) return true;
@@ -44,7 +47,7 @@ async function mayBeAnother({ page, shell }: Context, tab: OpenTab): Promise<boo
 }
 
 /** A machine with errors is started only if that is meant. */
-async function mayHaveErrors({ shell }: Context, tab: OpenTab): Promise<boolean> {
+async function mayHaveErrors({ shell }: CommandContext, tab: OpenTab): Promise<boolean> {
   const problems = tab.session.fixed === null ? await tab.session.check() : null;
   const errors = (problems ?? []).filter(({ severity }) => severity === "error");
   if (errors.length === 0) return true;
@@ -70,7 +73,7 @@ const START_ANYWAY = {
 } as const;
 
 /** The folder of the machine, saved if the user wants; null if nothing is to be started. */
-async function asOnDisk(context: Context, tab: OpenTab): Promise<MachineFile | null> {
+async function asOnDisk(context: CommandContext, tab: OpenTab): Promise<MachineFile | null> {
   if (tab.session.fixed !== null) {
     const file = fileOfTab(tab);
     if (!file) throw new Error("the machine of this run lies in none of the projects");
@@ -101,7 +104,7 @@ function hasUnsaved(tab: OpenTab): boolean {
   return isChanged(tab) || hasDrafts || tab.session.pending.peek().length > 0;
 }
 
-async function savedFirst(context: Context, tab: OpenTab): Promise<MachineFile | null> {
+async function savedFirst(context: CommandContext, tab: OpenTab): Promise<MachineFile | null> {
   const isSaved = await saveTab(context, tab);
   return isSaved ? until(() => tab.session.status.value?.summary.file ?? null) : null;
 }
@@ -122,7 +125,7 @@ function until<T>(read: () => T | null): Promise<T> {
 }
 
 /** Conditions are Python: whoever may not edit starts without the breakpoints that have some, and is told. */
-function allowed({ page }: Context, all: readonly Breakpoint[]): Breakpoint[] {
+function allowed({ page }: CommandContext, all: readonly Breakpoint[]): Breakpoint[] {
   if (lacks(page, "edit") === null) return [...all];
   const plain = all.filter(({ condition }) => condition === null);
   if (plain.length < all.length) {

@@ -2,13 +2,13 @@
 
 import type { Command as RunCommand } from "../model/generated/protocol.ts";
 import { snapshotOf } from "../store/running.ts";
-import type { Command, Context } from "./command.ts";
+import type { CommandContext, UserCommand } from "./command.ts";
 import { cannotCommand, cannotWhile, isHeld } from "./run_rules.ts";
 import { sendCommand } from "./send_command.ts";
 
 type StepType = "step_into" | "step_over" | "step_out" | "step_back";
 
-export const RUN_STEP: readonly Command[] = [
+export const RUN_STEP: readonly UserCommand[] = [
   {
     id: "run.step-mode",
     title: "Step mode",
@@ -43,7 +43,7 @@ function step(
   type: StepType,
   keys: readonly string[],
   detail: string,
-): Command {
+): UserCommand {
   return {
     id,
     title,
@@ -59,7 +59,7 @@ function orderOf(type: StepType, argument: unknown): RunCommand {
   return { type, branch: typeof argument === "string" ? argument : null };
 }
 
-function cannotStep(context: Context, type: StepType): string | null {
+function cannotStep(context: CommandContext, type: StepType): string | null {
   const why = cannotCommand(context);
   const snapshot = snapshotOf(context.tab?.run.value ?? null);
   if (why !== null || !snapshot) return why ?? "the run is starting";

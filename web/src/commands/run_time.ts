@@ -4,11 +4,11 @@ import { entryOf, shownIndex, stepPlayhead, toEnd, toEntry } from "../store/mome
 import { runOf } from "../store/page.ts";
 import type { Watch } from "../store/run.ts";
 import { selectedStates } from "../store/view.ts";
-import type { Command, Context } from "./command.ts";
+import type { CommandContext, UserCommand } from "./command.ts";
 
 const NO_RUN = "no run is shown here: start one, or choose one";
 
-export const RUN_TIME: readonly Command[] = [
+export const RUN_TIME: readonly UserCommand[] = [
   {
     id: "run.event-before",
     title: "One event back",
@@ -67,7 +67,7 @@ function stepIn(watch: Watch | null, by: number): void {
   if (watch) stepPlayhead(watch, by);
 }
 
-function refusedEntry({ page, tab }: Context, way: "before" | "after"): string | null {
+function refusedEntry({ page, tab }: CommandContext, way: "before" | "after"): string | null {
   const watch = runOf(page);
   if (!watch) return NO_RUN;
   const [path] = tab ? selectedStates(tab.view) : [];
@@ -75,7 +75,7 @@ function refusedEntry({ page, tab }: Context, way: "before" | "after"): string |
   return entryOf(watch, path, way) === null ? `it was not entered ${way} this moment` : null;
 }
 
-function goToEntry({ page, tab }: Context, way: "before" | "after"): void {
+function goToEntry({ page, tab }: CommandContext, way: "before" | "after"): void {
   const watch = runOf(page);
   const [path] = tab ? selectedStates(tab.view) : [];
   if (watch && path !== undefined) toEntry(watch, path, way);

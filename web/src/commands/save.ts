@@ -4,7 +4,7 @@ import type { SavedState } from "../model/generated/protocol.ts";
 import { comparisonOf } from "../store/comparison.ts";
 import type { OpenTab } from "../store/page.ts";
 import { RefusalError } from "../store/server.ts";
-import type { Context } from "./command.ts";
+import type { CommandContext } from "./command.ts";
 import { applyDrafts } from "./drafts.ts";
 import { onlyState } from "./subject.ts";
 
@@ -21,7 +21,7 @@ export function requestId(): string {
 
 /** Saves where the machine lies. What another program changed meanwhile is never lost without a word. */
 export async function saveTab(
-  context: Context,
+  context: CommandContext,
   tab: OpenTab | null,
   overwrite = false,
 ): Promise<boolean> {
@@ -56,7 +56,7 @@ export async function saveTab(
 }
 
 /** Compares with what lies on disk, unless something else was chosen already. */
-export async function compare({ page, tab, shell }: Context): Promise<void> {
+export async function compare({ page, tab, shell }: CommandContext): Promise<void> {
   shell.showPanel("differences");
   if (!tab) return;
   const comparison = comparisonOf(tab, page.server);
@@ -64,7 +64,7 @@ export async function compare({ page, tab, shell }: Context): Promise<void> {
 }
 
 /** Saves in a folder that the user chooses: the machine itself, or a copy of it. */
-export async function saveElsewhere(context: Context, copy: boolean): Promise<boolean> {
+export async function saveElsewhere(context: CommandContext, copy: boolean): Promise<boolean> {
   const { page, tab, shell } = context;
   if (!tab || !(await applyDrafts(page, tab))) return false;
   const file = await shell.dialog("save-as", {
@@ -85,7 +85,7 @@ export async function saveElsewhere(context: Context, copy: boolean): Promise<bo
 }
 
 /** Saves the selected state with all inside as a machine of its own. */
-export async function saveState(context: Context): Promise<void> {
+export async function saveState(context: CommandContext): Promise<void> {
   const { page, tab, shell } = context;
   const path = onlyState(context);
   if (!tab || path === null) return;

@@ -3,11 +3,11 @@
 
 import type { Command as RunCommand } from "../model/generated/protocol.ts";
 import type { SentCommand, Watch } from "../store/run.ts";
-import type { Context } from "./command.ts";
+import type { CommandContext } from "./command.ts";
 
 /** Gives the run in front a command; true once it was carried out. */
 export async function sendCommand(
-  context: Context,
+  context: CommandContext,
   title: string,
   runCommand: RunCommand,
 ): Promise<boolean> {
@@ -16,7 +16,7 @@ export async function sendCommand(
 }
 
 export async function sendCommandTo(
-  { page }: Context,
+  { page }: CommandContext,
   watch: Watch,
   title: string,
   runCommand: RunCommand,

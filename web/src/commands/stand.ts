@@ -9,15 +9,15 @@ import type { MachineSession } from "../store/machine_session.ts";
 import type { OpenTab, Page } from "../store/page.ts";
 import { FIRST_SETTINGS } from "../store/settings.ts";
 import { newView, select } from "../store/view.ts";
-import type { Context, Shell } from "./command.ts";
+import type { CommandContext, Shell } from "./command.ts";
 
-export interface Stand extends Context {
+export interface TestContext extends CommandContext {
   readonly tab: OpenTab;
   /** What was done, in order: edits by name, requests, questions, notices. */
   readonly record: string[];
 }
 
-export interface StandOptions {
+export interface TestContextOptions {
   readonly selected?: readonly ElementKey[];
   readonly rights?: readonly Right[];
   readonly changed?: boolean;
@@ -29,7 +29,7 @@ export interface StandOptions {
   readonly serve?: (request: string) => unknown;
 }
 
-export function stand(text: string, options: StandOptions = {}): Stand {
+export function testContext(text: string, options: TestContextOptions = {}): TestContext {
   const record: string[] = [];
   const machine = machineOf(sketch(text));
   const view = newView();
@@ -67,7 +67,7 @@ function statusOf(is_changed: boolean): MachineStatus {
   };
 }
 
-function pageOf(tab: OpenTab, record: string[], options: StandOptions): Page {
+function pageOf(tab: OpenTab, record: string[], options: TestContextOptions): Page {
   const rights = options.rights ?? ["observe", "edit"];
   const tabs = signal<readonly OpenTab[]>([tab]);
   const request = (method: string, path: string, body?: unknown) => {

@@ -3,8 +3,8 @@ import { expect, test } from "vitest";
 import { PlainMachineSession } from "../canvas/testing/driver.ts";
 import { elementOf } from "../model/element.ts";
 import { newView, select } from "../store/view.ts";
-import type { Context } from "./command.ts";
-import { stand } from "./stand.ts";
+import type { CommandContext } from "./command.ts";
+import { testContext } from "./stand.ts";
 import { libraryAround, whyNot } from "./subject.ts";
 
 const MACHINE = `
@@ -17,12 +17,12 @@ const CONTENT = `
     M "Approach" execution 10 10 30 30 outcome ok
 `;
 
-function chosen(key: string): Context {
+function chosen(key: string): CommandContext {
   const view = newView();
   const element = elementOf(key);
   select(view, element ? [element] : []);
   return {
-    ...stand(MACHINE),
+    ...testContext(MACHINE),
     tab: { session: new PlainMachineSession(MACHINE, CONTENT), view, run: signal(null) },
   };
 }

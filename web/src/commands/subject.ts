@@ -9,19 +9,19 @@ import { stateAt } from "../plan/legal.ts";
 import { isRefused } from "../plan/plan.ts";
 import { mayEdit } from "../store/rights.ts";
 import { selected, selectedStates } from "../store/view.ts";
-import type { Context } from "./command.ts";
+import type { CommandContext } from "./command.ts";
 
 /** Whether the machine in front can be edited. */
-export function canEdit(context: Context): boolean {
+export function canEdit(context: CommandContext): boolean {
   return context.tab !== null && context.tab.session.fixed === null && mayEdit(context.page);
 }
 
-export function machineOf(context: Context): Machine | null {
+export function machineOf(context: CommandContext): Machine | null {
   return context.tab?.session.machine ?? null;
 }
 
 /** All that is selected and may be changed: nothing inside libraries. */
-export function elements(context: Context): readonly ElementRef[] {
+export function elements(context: CommandContext): readonly ElementRef[] {
   const { tab } = context;
   if (!tab) return [];
   const { machine } = tab.session;
@@ -29,18 +29,20 @@ export function elements(context: Context): readonly ElementRef[] {
 }
 
 /** Paths of the selected states that may be changed. */
-export function states(context: Context): readonly string[] {
+export function states(context: CommandContext): readonly string[] {
   return elements(context).flatMap((each) => (each.kind === "state" ? [each.path] : []));
 }
 
 /** The path of the one state that is selected; null if there are none or several. */
-export function onlyState(context: Context): string | null {
+export function onlyState(context: CommandContext): string | null {
   const [path, ...more] = states(context);
   return path !== undefined && more.length === 0 && elements(context).length === 1 ? path : null;
 }
 
 /** The one selected state itself, also one inside a library. */
-export function anyOnlyState(context: Context): { path: string; state: StateDocument } | null {
+export function anyOnlyState(
+  context: CommandContext,
+): { path: string; state: StateDocument } | null {
   const { tab } = context;
   const paths = tab ? selectedStates(tab.view) : [];
   const [path] = paths;
@@ -49,7 +51,7 @@ export function anyOnlyState(context: Context): { path: string; state: StateDocu
 }
 
 /** The library state that is selected, or that what is selected lies in. */
-export function libraryAround(context: Context): StateDocument | null {
+export function libraryAround(context: CommandContext): StateDocument | null {
   const machine = machineOf(context);
   let path = anyOnlyState(context)?.path ?? null;
   for (; machine && path !== null; path = parentOf(path)) {
@@ -61,7 +63,7 @@ export function libraryAround(context: Context): StateDocument | null {
 }
 
 /** Why what is selected cannot be changed, if all of it belongs to libraries. */
-export function whyNot(context: Context): string | null {
+export function whyNot(context: CommandContext): string | null {
   const machine = machineOf(context);
   const [first] = context.tab ? selected(context.tab.view) : [];
   if (!machine || !first || elements(context).length > 0) return null;
@@ -70,13 +72,13 @@ export function whyNot(context: Context): string | null {
 }
 
 /** The kind of the one selected state that may be changed. */
-export function kindOfOnly(context: Context): StateKind | null {
+export function kindOfOnly(context: CommandContext): StateKind | null {
   const path = onlyState(context);
   return path === null ? null : (machineOf(context)?.state(path)?.kind ?? null);
 }
 
 /** The state around what is selected: of a state the state itself if it takes others. */
-export function containerOf(context: Context): string | null {
+export function containerOf(context: CommandContext): string | null {
   const machine = machineOf(context);
   const first = elements(context)[0];
   if (!machine) return null;
@@ -89,7 +91,7 @@ export function containerOf(context: Context): string | null {
 }
 
 /** Where something new would go: under the pointer if it is over the canvas, else into the selected container. */
-export function placeForNew(context: Context): { path: string; at?: Point } | null {
+export function placeForNew(context: CommandContext): { path: string; at?: Point } | null {
   const under = context.canvas?.pointer() ?? null;
   const machine = machineOf(context);
   const state = under && machine?.state(under.path);
@@ -101,7 +103,7 @@ export function placeForNew(context: Context): { path: string; at?: Point } | nu
 }
 
 /** Which state would get new ports and outcomes: the one that all that is selected belongs to, else the one under the pointer. */
-export function ownerForNew(context: Context): string | null {
+export function ownerForNew(context: CommandContext): string | null {
   const paths = new Set(elements(context).map(({ path }) => path));
   const [path] = paths;
   if (path !== undefined && paths.size === 1) return path;
@@ -109,7 +111,7 @@ export function ownerForNew(context: Context): string | null {
 }
 
 /** Whether all selected states stand in one container: what group, align and the like need. */
-export function siblings(context: Context, count: number): boolean {
+export function siblings(context: CommandContext, count: number): boolean {
   const paths = states(context);
   const parent = paths[0] === undefined ? null : parentOf(paths[0]);
   return (
@@ -119,7 +121,7 @@ export function siblings(context: Context, count: number): boolean {
 
 /** The one selected connection of this kind. */
 export function onlyElement<K extends ElementRef["kind"]>(
-  context: Context,
+  context: CommandContext,
   kind: K,
 ): Extract<ElementRef, { kind: K }> | null {
   const [key, ...more] = context.tab?.view.selection.value ?? [];

@@ -4,15 +4,15 @@ import { readLayout } from "../model/layout_reader.ts";
 import type { Settings } from "../store/page.ts";
 import type { FlowMode, HeatMode, ViewModes } from "../store/view.ts";
 import { selected, selectedStates } from "../store/view.ts";
-import type { Command, Context, Side } from "./command.ts";
+import type { CommandContext, PanelSide, UserCommand } from "./command.ts";
 import { anyOnlyState } from "./subject.ts";
 
-const isOpen = (context: Context) => context.tab !== null;
-const hasSelection = ({ tab }: Context) => (tab?.view.selection.value.size ?? 0) > 0;
+const isOpen = (context: CommandContext) => context.tab !== null;
+const hasSelection = ({ tab }: CommandContext) => (tab?.view.selection.value.size ?? 0) > 0;
 
 const ZOOM_STEP = 1.4;
 
-const LOOK: readonly Command[] = [
+const LOOK: readonly UserCommand[] = [
   {
     id: "view.fit",
     title: "Fit all",
@@ -63,7 +63,7 @@ function mode(
   title: string,
   keys: readonly string[],
   classic?: readonly string[],
-): Command {
+): UserCommand {
   return {
     id: `view.${id}`,
     title,
@@ -92,7 +92,7 @@ const HEATS: readonly { value: HeatMode; title: string }[] = [
   { value: "time", title: "How long states ran" },
 ];
 
-const MODES: readonly Command[] = [
+const MODES: readonly UserCommand[] = [
   mode("transitions", "transitions", "Transitions", ["T"], ["Ctrl+T", "T"]),
   {
     id: "view.data-flows",
@@ -163,7 +163,7 @@ const MODES: readonly Command[] = [
   },
 ];
 
-function isContentShown(context: Context): boolean {
+function isContentShown(context: CommandContext): boolean {
   const library = anyOnlyState(context);
   if (!library || !context.tab) return false;
   return (
@@ -171,7 +171,7 @@ function isContentShown(context: Context): boolean {
   );
 }
 
-function side(which: Side, title: string, keys: readonly string[]): Command {
+function side(which: PanelSide, title: string, keys: readonly string[]): UserCommand {
   return {
     id: `view.${which}`,
     title,
@@ -182,7 +182,7 @@ function side(which: Side, title: string, keys: readonly string[]): Command {
   };
 }
 
-const PANELS: readonly Command[] = [
+const PANELS: readonly UserCommand[] = [
   {
     id: "view.panel",
     title: "Panel",
@@ -266,4 +266,4 @@ const THEMES: readonly { value: Settings["theme"]; title: string }[] = [
   { value: "light", title: "Light" },
 ];
 
-export const VIEW: readonly Command[] = [...LOOK, ...MODES, ...PANELS];
+export const VIEW: readonly UserCommand[] = [...LOOK, ...MODES, ...PANELS];

@@ -2,7 +2,7 @@ import { expect, test } from "vitest";
 import type { ElementKey } from "../model/element.ts";
 import { allCommands } from "./all.ts";
 import { refusalOf } from "./command.ts";
-import { stand } from "./stand.ts";
+import { testContext } from "./stand.ts";
 import { whyDisabled } from "./why.ts";
 
 const MACHINE = `
@@ -11,7 +11,8 @@ const MACHINE = `
     L "Grasp" library 220 20 80 60 outcome ok library=arm/grasp
 `;
 
-const chosen = (key: ElementKey | "") => stand(MACHINE, { selected: key === "" ? [] : [key] });
+const chosen = (key: ElementKey | "") =>
+  testContext(MACHINE, { selected: key === "" ? [] : [key] });
 
 const why = (id: string, key: ElementKey | "") => {
   const command = allCommands().get(id);

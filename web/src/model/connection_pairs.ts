@@ -3,28 +3,28 @@
 import type { DataFlowDocument, TransitionDocument } from "./generated/protocol.ts";
 import { isSame } from "./json.ts";
 
-type Line = TransitionDocument | DataFlowDocument;
+type ConnectionDocument = TransitionDocument | DataFlowDocument;
 
 export interface LinePair {
-  readonly old: Line | null;
-  readonly now: Line | null;
+  readonly old: ConnectionDocument | null;
+  readonly now: ConnectionDocument | null;
 }
 
 /** Those that came, went, or lead elsewhere. `idNow` says what the id of a state was changed to. */
 export function pairConnections(
-  old: readonly Line[],
-  now: readonly Line[],
+  old: readonly ConnectionDocument[],
+  now: readonly ConnectionDocument[],
   idNow: (id: string) => string,
 ): readonly LinePair[] {
-  const ends = (line: Line) => endsOf(line, idNow);
-  const same = (one: Line, other: Line) =>
+  const ends = (line: ConnectionDocument) => endsOf(line, idNow);
+  const same = (one: ConnectionDocument, other: ConnectionDocument) =>
     isSame(
       ends(one),
       endsOf(other, (id) => id),
     );
   const earlier = new Map(old.map((line) => [line.id, line]));
   const changed: LinePair[] = [];
-  const added: Line[] = [];
+  const added: ConnectionDocument[] = [];
   for (const line of now) {
     const before = earlier.get(line.id);
     if (before) earlier.delete(line.id);
@@ -41,7 +41,7 @@ export function pairConnections(
 }
 
 /** Where it begins and leads, by the ids of now. */
-function endsOf(line: Line, idNow: (id: string) => string): readonly unknown[] {
+function endsOf(line: ConnectionDocument, idNow: (id: string) => string): readonly unknown[] {
   const id = (state: string | null | undefined) => (state == null ? null : idNow(state));
   if ("from_port" in line) {
     return [id(line.from_state), line.from_port, id(line.to_state), line.to_port];

@@ -14,7 +14,7 @@ import {
   portsOf,
   transitionsOf,
 } from "./machine.ts";
-import { type Pairs, pairStates } from "./pairs.ts";
+import { pairStates, type StatePairs } from "./pairs.ts";
 import { idOf, parentOf } from "./path.ts";
 import { type FieldChange, stateFields } from "./state_fields.ts";
 import { python } from "./value.ts";
@@ -65,15 +65,15 @@ export function marksOf(
   return marks;
 }
 
-interface Comparison {
+interface MachinePair {
   readonly old: Machine;
   readonly now: Machine;
-  readonly pairs: Pairs;
+  readonly pairs: StatePairs;
 }
 
 const NOTHING = { fields: [], inside: 0, isLayout: false } as const;
 
-function header({ old, now }: Comparison): readonly Difference[] {
+function header({ old, now }: MachinePair): readonly Difference[] {
   const [before, after] = [old.header.version ?? "", now.header.version ?? ""];
   if (before === after) return [];
   const fields = [{ field: "version of the machine", old: before, now: after, isText: false }];
@@ -82,13 +82,13 @@ function header({ old, now }: Comparison): readonly Difference[] {
   return [{ ...NOTHING, kind: "changed", element, name, fields }];
 }
 
-function addedState({ now, pairs }: Comparison, state: StateDocument): readonly Difference[] {
+function addedState({ now, pairs }: MachinePair, state: StateDocument): readonly Difference[] {
   const parent = parentOf(state.path);
   if (parent !== null && !pairs.oldOf.has(parent)) return [];
   return [wholeState("added", now, state)];
 }
 
-function goneChildren({ old, pairs }: Comparison, path: string): readonly Difference[] {
+function goneChildren({ old, pairs }: MachinePair, path: string): readonly Difference[] {
   return old.children(path).flatMap((child) => {
     const state = old.state(child);
     return state && !pairs.newOf.has(child) ? [wholeState("removed", old, state)] : [];
@@ -113,7 +113,7 @@ function inside(machine: Machine, path: string): readonly string[] {
 }
 
 function changedState(
-  comparison: Comparison,
+  comparison: MachinePair,
   before: StateDocument,
   state: StateDocument,
 ): readonly Difference[] {
@@ -133,7 +133,7 @@ function changedState(
 
 /** Another id, or another container. */
 function place(
-  { pairs }: Comparison,
+  { pairs }: MachinePair,
   before: StateDocument,
   state: StateDocument,
 ): readonly FieldChange[] {
@@ -147,13 +147,13 @@ function place(
   ];
 }
 
-interface Part {
+interface NamedPart {
   readonly id: number;
   readonly name: string;
 }
 
 /** What came, went and changed in a list of parts with ids. */
-function parts<T extends Part>(
+function parts<T extends NamedPart>(
   [before, after]: readonly [readonly T[], readonly T[]],
   ref: (part: T, kind: Difference["kind"]) => ElementRef,
   fieldsOf: (old: T, now: T) => readonly FieldChange[],
@@ -203,7 +203,7 @@ function ports(before: StateDocument, state: StateDocument): readonly Difference
 }
 
 function connections(
-  { old, now, pairs }: Comparison,
+  { old, now, pairs }: MachinePair,
   before: StateDocument,
   state: StateDocument,
 ): readonly Difference[] {

@@ -4,10 +4,10 @@ import {
   connectionInWords,
   connectionsIn,
   connectionsOf,
+  type DataPort,
   endInWords,
   endsIn,
   nameOf,
-  type PortRef,
 } from "./ends.ts";
 import { machineOf } from "./plain.ts";
 import { sketch } from "./sketch.ts";
@@ -81,7 +81,7 @@ test("a container tells where its connections can begin and end", () => {
   expect(connectionsIn(MACHINE, "R/A", "transition")).toEqual([]);
 });
 
-function reached(port: PortRef, way: "forwards" | "backwards"): readonly string[] {
+function reached(port: DataPort, way: "forwards" | "backwards"): readonly string[] {
   return chain(MACHINE, port, way).map(
     ({ port: { path, kind, id }, steps }) =>
       `${steps} ${MACHINE.state(path)?.name}.${nameOf(MACHINE, { kind, path, id })}`,
@@ -115,7 +115,7 @@ test("values are followed into libraries and out of them", () => {
     state: (path: string) => (path === "R/L/M" ? root : plain.state(path)),
     children: (path: string) => (path === "R/L" ? ["R/L/M"] : plain.children(path)),
   };
-  const paths = (port: PortRef, way: "forwards" | "backwards") =>
+  const paths = (port: DataPort, way: "forwards" | "backwards") =>
     chain(machine, port, way).map(({ port: { path }, steps }) => `${steps} ${path}`);
   expect(paths({ kind: "input", path: "R", id: 0 }, "forwards")).toEqual(["1 R/L", "1 R/L/M"]);
   expect(paths({ kind: "output", path: "R/L/M", id: 1 }, "forwards")).toEqual(["0 R/L", "1 R"]);

@@ -12,12 +12,12 @@ import {
 } from "./machine.ts";
 import { childPath, idOf, parentOf } from "./path.ts";
 
-export interface Ends {
+export interface ConnectionEnds {
   readonly from: ElementRef;
   readonly to: ElementRef;
 }
 
-export interface PortRef {
+export interface DataPort {
   readonly kind: PortKind;
   readonly path: string;
   readonly id: number;
@@ -29,7 +29,7 @@ export interface ConnectionRef {
   readonly id: number;
 }
 
-export function isPort(element: ElementRef): element is ElementRef & PortRef {
+export function isPort(element: ElementRef): element is ElementRef & DataPort {
   return (
     element.kind === "input" || element.kind === "output" || element.kind === "scoped_variable"
   );
@@ -40,7 +40,7 @@ export function isConnection(element: ElementRef): element is ElementRef & Conne
 }
 
 /** Where a transition of the container begins and leads. */
-export function transitionEnds(container: string, transition: TransitionDocument): Ends {
+export function transitionEnds(container: string, transition: TransitionDocument): ConnectionEnds {
   const { from_state, from_outcome, to_state, to_outcome } = transition;
   return {
     from:
@@ -55,7 +55,11 @@ export function transitionEnds(container: string, transition: TransitionDocument
 }
 
 /** Where a data flow of the container begins and ends; null if a port is not there. */
-export function flowEnds(machine: Machine, container: string, flow: DataFlowDocument): Ends | null {
+export function flowEnds(
+  machine: Machine,
+  container: string,
+  flow: DataFlowDocument,
+): ConnectionEnds | null {
   const from = portOf(machine, stateOfEnd(container, flow.from_state), flow.from_port);
   const to = portOf(machine, stateOfEnd(container, flow.to_state), flow.to_port);
   return from && to && { from, to };
@@ -68,14 +72,14 @@ function stateOfEnd(container: string, id: string): string {
 const LISTS: readonly PortKind[] = ["input", "output", "scoped_variable"];
 
 /** The port of a state by its id alone, which no other port there has. */
-export function portOf(machine: Machine, path: string, id: number): PortRef | null {
+export function portOf(machine: Machine, path: string, id: number): DataPort | null {
   const state = machine.state(path);
   const kind = state && LISTS.find((list) => portsOf(state, list).some((port) => port.id === id));
   return kind ? { kind, path, id } : null;
 }
 
 /** Both ends of a connection; null if it, or one of them, is not there. */
-export function endsOf(machine: Machine, connection: ConnectionRef): Ends | null {
+export function endsOf(machine: Machine, connection: ConnectionRef): ConnectionEnds | null {
   const state = machine.state(connection.path);
   if (!state) return null;
   if (connection.kind === "transition") {
@@ -117,7 +121,7 @@ export function connectionInWords(machine: Machine, connection: ConnectionRef): 
 /** A connection with its ends. */
 export interface Connection {
   readonly element: ConnectionRef;
-  readonly ends: Ends;
+  readonly ends: ConnectionEnds;
 }
 
 /** The connections of a state: those that touch it in the container around it, and those inside that begin or end at it. */
@@ -157,7 +161,7 @@ export function endsIn(
   machine: Machine,
   container: string,
   kind: ConnectionRef["kind"],
-  end: keyof Ends,
+  end: keyof ConnectionEnds,
 ): readonly ElementRef[] {
   const state = machine.state(container);
   if (!state) return [];
@@ -188,13 +192,13 @@ function outcomes(state: StateDocument, path: string): readonly ElementRef[] {
   return outcomesOf(state).map(({ id }) => ({ kind: "outcome", path, id }) as const);
 }
 
-function ports(state: StateDocument, path: string, kind: PortKind): readonly PortRef[] {
+function ports(state: StateDocument, path: string, kind: PortKind): readonly DataPort[] {
   return portsOf(state, kind).map(({ id }) => ({ kind, path, id }));
 }
 
 /** A port that is reached along data flows. */
 export interface Hop {
-  readonly port: PortRef;
+  readonly port: DataPort;
   /** How many data flows away. */
   readonly steps: number;
   /** The data flow that leads there; null where the value only crosses the border of a library. */
@@ -205,12 +209,12 @@ export interface Hop {
  * nearest first along each way. */
 export function chain(
   machine: Machine,
-  port: PortRef,
+  port: DataPort,
   way: "forwards" | "backwards",
 ): readonly Hop[] {
   const seen = new Set([keyOf(port)]);
   const found: Hop[] = [];
-  const walk = (from: PortRef, steps: number) => {
+  const walk = (from: DataPort, steps: number) => {
     for (const { port: next, flow } of neighbours(machine, from, way)) {
       if (seen.has(keyOf(next))) continue;
       seen.add(keyOf(next));
@@ -225,10 +229,10 @@ export function chain(
 
 function neighbours(
   machine: Machine,
-  port: PortRef,
+  port: DataPort,
   way: "forwards" | "backwards",
 ): readonly Pick<Hop, "port" | "flow">[] {
-  const [near, far]: readonly [keyof Ends, keyof Ends] =
+  const [near, far]: readonly [keyof ConnectionEnds, keyof ConnectionEnds] =
     way === "forwards" ? ["from", "to"] : ["to", "from"];
   const key = keyOf(port);
   const flows = connectionsOf(machine, port.path, "data_flow").flatMap(({ element, ends }) => {
@@ -241,7 +245,7 @@ function neighbours(
 /** A library state and the root of its content have the same ports. */
 function acrossLibrary(
   machine: Machine,
-  { kind, path, id }: PortRef,
+  { kind, path, id }: DataPort,
   way: "forwards" | "backwards",
 ): readonly Pick<Hop, "port" | "flow">[] {
   const inwards = (kind === "input") === (way === "forwards");

@@ -25,12 +25,12 @@ const NAME = "value";
 
 const LENGTH_MAX = 500;
 
-type Node = (value: JsonValue) => JsonValue;
+type Evaluate = (value: JsonValue) => JsonValue;
 
 /** Reads an expression; says what is wrong and where if it is none. */
 export function readExpression(text: string): Expression | { readonly refused: string } {
   try {
-    const reader = new Reader(text);
+    const reader = new ExpressionReader(text);
     const node = reader.all();
     return { of: (value) => worked(node, value as JsonValue) };
   } catch (error) {
@@ -39,7 +39,7 @@ export function readExpression(text: string): Expression | { readonly refused: s
   }
 }
 
-function worked(node: Node, value: JsonValue): Worked {
+function worked(node: Evaluate, value: JsonValue): Worked {
   try {
     return { value: node(value) };
   } catch (error) {
@@ -92,7 +92,7 @@ function divided(one: number, other: number): number {
   return one / other;
 }
 
-class Reader {
+class ExpressionReader {
   readonly #tokens: readonly Token[];
   #at = 0;
 
@@ -100,7 +100,7 @@ class Reader {
     this.#tokens = tokensOf(text);
   }
 
-  all(): Node {
+  all(): Evaluate {
     const node = this.#either();
     if (this.#next().kind !== "end") this.#fail();
     return node;
@@ -127,7 +127,7 @@ class Reader {
     throw new WrongValue(`${why ?? found} (at character ${at + 1})`);
   }
 
-  #either(): Node {
+  #either(): Evaluate {
     const one = this.#both();
     if (!this.#take("or")) return one;
     const other = this.#either();
@@ -137,7 +137,7 @@ class Reader {
     };
   }
 
-  #both(): Node {
+  #both(): Evaluate {
     const one = this.#not();
     if (!this.#take("and")) return one;
     const other = this.#both();
@@ -147,13 +147,13 @@ class Reader {
     };
   }
 
-  #not(): Node {
+  #not(): Evaluate {
     if (!this.#take("not")) return this.#between(0);
     const inner = this.#not();
     return (value) => !isTrue(inner(value));
   }
 
-  #between(level: number): Node {
+  #between(level: number): Evaluate {
     const signs = BETWEEN[level];
     if (!signs) return this.#signed();
     let node = this.#between(level + 1);
@@ -171,7 +171,7 @@ class Reader {
     return found;
   }
 
-  #signed(): Node {
+  #signed(): Evaluate {
     if (this.#take("-")) {
       const inner = this.#signed();
       return (value) => -numberIn(inner(value));
@@ -184,7 +184,7 @@ class Reader {
   }
 
   /** A value with whatever is taken out of it. */
-  #parts(): Node {
+  #parts(): Evaluate {
     let node = this.#one();
     for (;;) {
       const inner = node;
@@ -201,7 +201,7 @@ class Reader {
     }
   }
 
-  #one(): Node {
+  #one(): Evaluate {
     const { kind, text } = this.#next();
     if (this.#take("(")) {
       const node = this.#either();
@@ -217,7 +217,7 @@ class Reader {
     return this.#fail();
   }
 
-  #word(word: string): Node {
+  #word(word: string): Evaluate {
     if (word === "and" || word === "or") return this.#fail();
     this.#at += 1;
     if (word === NAME) return (value) => value;
@@ -229,7 +229,7 @@ class Reader {
       return this.#fail(`${word} is not known: write ${NAME}, or ${FUNCTIONS.join(", ")} of it`);
     }
     this.#want("(");
-    const values: Node[] = [];
+    const values: Evaluate[] = [];
     while (!this.#take(")")) {
       values.push(this.#either());
       if (!this.#take(",") && this.#next().text !== ")") this.#fail(") is missing");

@@ -16,7 +16,7 @@ export interface LayoutChange {
   readonly waypoints?: ReadonlyMap<string, readonly Point[]> | undefined;
 }
 
-type Entry = Record<string, unknown>;
+type LayoutEntry = Record<string, unknown>;
 
 /** The layout with the change in it. */
 export function changed(
@@ -24,7 +24,7 @@ export function changed(
   change: LayoutChange,
 ): LayoutDocument {
   const own = ownPart(change);
-  let found: Entry = { ...layout };
+  let found: LayoutEntry = { ...layout };
   if (Object.keys(own).length > 0) found = merged(found, own);
   if (change.showsContent !== undefined) {
     found["gui"] = { ...asEntry(found["gui"]), show_content: change.showsContent };
@@ -39,7 +39,7 @@ export function changed(
   return found;
 }
 
-function ownPart({ position, size, nameBox, background }: LayoutChange): Entry {
+function ownPart({ position, size, nameBox, background }: LayoutChange): LayoutEntry {
   return {
     ...(position && { rel_pos: pair(position.x, position.y) }),
     ...(size && { size: pair(size.width, size.height) }),
@@ -53,7 +53,7 @@ function ownPart({ position, size, nameBox, background }: LayoutChange): Entry {
 }
 
 /** The entry with more in the part that the canvas keeps. */
-function merged(entry: Entry, more: Entry): Entry {
+function merged(entry: LayoutEntry, more: LayoutEntry): LayoutEntry {
   const gui = asEntry(entry["gui"]);
   return {
     ...entry,
@@ -61,18 +61,18 @@ function merged(entry: Entry, more: Entry): Entry {
   };
 }
 
-function asEntry(value: unknown): Entry {
+function asEntry(value: unknown): LayoutEntry {
   return value !== null && typeof value === "object" && !Array.isArray(value)
-    ? (value as Entry)
+    ? (value as LayoutEntry)
     : {};
 }
 
-function pair(one: number, other: number): Entry {
+function pair(one: number, other: number): LayoutEntry {
   return tuple([rounded(one), rounded(other)]);
 }
 
 /** As the reference writes pairs. */
-function tuple(items: readonly number[]): Entry {
+function tuple(items: readonly number[]): LayoutEntry {
   return { __jsonqualname__: "__builtin__.tuple", items: [...items] };
 }
 

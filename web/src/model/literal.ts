@@ -6,7 +6,7 @@ export type Literal = { readonly value: JsonValue } | { readonly refused: string
 
 /** The value of a Python literal, or where and why it is none. */
 export function parseLiteral(text: string): Literal {
-  const reader = new Reader(text);
+  const reader = new LiteralReader(text);
   try {
     reader.space();
     if (reader.atEnd()) return { refused: "nothing is written here: write None for no value" };
@@ -54,7 +54,7 @@ const ESCAPES: Readonly<Record<string, string>> = {
   "\n": "",
 };
 
-class Reader {
+class LiteralReader {
   readonly #text: string;
   #at = 0;
 

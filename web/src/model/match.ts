@@ -1,7 +1,7 @@
 /** How well a text fits what somebody types, and where: words in any order, beginnings of words first. */
 
 /** A part of a text: from a letter on, so many. */
-export interface Span {
+export interface TextSpan {
   readonly start: number;
   readonly length: number;
 }
@@ -9,7 +9,7 @@ export interface Span {
 export interface Match {
   /** The higher the better. */
   readonly score: number;
-  readonly spans: readonly Span[];
+  readonly spans: readonly TextSpan[];
 }
 
 /** What somebody types, ready to be looked for in many texts. */
@@ -50,7 +50,7 @@ export function match(query: Query, text: string, loose = false): Match | null {
   const lower = text.toLowerCase();
   const score = scoreOf(query, text, lower, loose);
   if (score < 0) return null;
-  const spans = query.words.flatMap((word): Span[] => {
+  const spans = query.words.flatMap((word): TextSpan[] => {
     const start = bestPlace(word, text, lower);
     return start < 0 ? scattered(word, lower) : [{ start, length: word.length }];
   });
@@ -83,7 +83,7 @@ function isScattered(word: string, lower: string): boolean {
   return true;
 }
 
-function scattered(word: string, lower: string): Span[] {
+function scattered(word: string, lower: string): TextSpan[] {
   let at = -1;
   return [...word].map((letter) => {
     at = lower.indexOf(letter, at + 1);
@@ -92,8 +92,8 @@ function scattered(word: string, lower: string): Span[] {
 }
 
 /** In order, without overlaps. */
-function joined(spans: readonly Span[]): readonly Span[] {
-  const found: Span[] = [];
+function joined(spans: readonly TextSpan[]): readonly TextSpan[] {
+  const found: TextSpan[] = [];
   for (const span of [...spans].sort((one, other) => one.start - other.start)) {
     const last = found.at(-1);
     const end = last ? last.start + last.length : -1;

@@ -3,7 +3,7 @@
 import type { JsonValue } from "./generated/protocol.ts";
 import { type Read, read } from "./wire.ts";
 
-export interface Numbers {
+export interface NumberArray {
   /** Row by row. */
   readonly items: readonly number[];
   /** How many along each axis. */
@@ -14,7 +14,7 @@ export interface Numbers {
 }
 
 /** The numbers of an array, a list of at least two numbers, or lists of numbers of one length; null of anything else. */
-export function numbersOf(found: Read): Numbers | null {
+export function numbersOf(found: Read): NumberArray | null {
   if (found.kind === "array") {
     const { items, sampled, steps, dtype } = found;
     return items && items.length > 1 ? { items, shape: sampled, steps, dtype } : null;
@@ -47,7 +47,7 @@ export function range(items: readonly number[]): readonly [number, number] | nul
 }
 
 /** Whether three or four numbers stand for the colour of each point. */
-export function isColoured({ shape, dtype }: Numbers): boolean {
+export function isColoured({ shape, dtype }: NumberArray): boolean {
   const depth = shape[2] ?? 0;
   return shape.length === 3 && (depth === 3 || depth === 4) && (dtype ?? "").startsWith("uint8");
 }

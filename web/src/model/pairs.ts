@@ -5,19 +5,19 @@ import type { Machine } from "./machine.ts";
 import { childPath, idOf, parentOf } from "./path.ts";
 
 /** Counterparts by path. A state without one is not in its map. */
-export interface Pairs {
+export interface StatePairs {
   readonly oldOf: ReadonlyMap<string, string>;
   readonly newOf: ReadonlyMap<string, string>;
 }
 
-export function pairStates(old: Machine, now: Machine): Pairs {
+export function pairStates(old: Machine, now: Machine): StatePairs {
   const pairing = new Pairing(old, now);
   pairing.pairTree(old.root, now.root);
   pairing.pairStrays();
   return pairing;
 }
 
-class Pairing implements Pairs {
+class Pairing implements StatePairs {
   readonly oldOf = new Map<string, string>();
   readonly newOf = new Map<string, string>();
   readonly #old: Machine;

@@ -46,20 +46,20 @@ export function lineAt(text: string, at: number): { readonly line: number; reado
   return { line, text: text.slice(start, end < 0 ? undefined : end).trim() };
 }
 
-type Role = "input" | "output" | "global";
+type NameRole = "input" | "output" | "global";
 
 interface Reading {
   readonly script: string;
   /** Python names that stand for the inputs, outputs and global variables. */
-  readonly names: ReadonlyMap<string, Role>;
+  readonly names: ReadonlyMap<string, NameRole>;
   readonly found: ScriptUse[];
 }
 
 const SINGLETON = "global_variable_manager";
 
 /** The usual names, those that `execute` gives to its arguments, and other names of the singleton. */
-function argumentNames(script: string, top: SyntaxNode): ReadonlyMap<string, Role> {
-  const names = new Map<string, Role>([
+function argumentNames(script: string, top: SyntaxNode): ReadonlyMap<string, NameRole> {
+  const names = new Map<string, NameRole>([
     ["inputs", "input"],
     ["outputs", "output"],
     ["gvm", "global"],
@@ -67,7 +67,7 @@ function argumentNames(script: string, top: SyntaxNode): ReadonlyMap<string, Rol
   ]);
   for (const statement of childrenOf(top)) {
     if (statement.name === "FunctionDefinition" && isEntry(statement, script)) {
-      const roles: readonly Role[] = ["input", "output", "global"];
+      const roles: readonly NameRole[] = ["input", "output", "global"];
       const given = parameters(statement, script);
       roles.forEach((role, index) => {
         const name = given[index + 1];
@@ -164,7 +164,7 @@ function membership(node: SyntaxNode, reading: Reading): void {
   if (role && role !== "global") add(role, key, "read", reading);
 }
 
-function roleOf(owner: SyntaxNode, { names, script }: Reading): Role | undefined {
+function roleOf(owner: SyntaxNode, { names, script }: Reading): NameRole | undefined {
   if (owner.name === "VariableName") return names.get(textOf(owner, script));
   const last = owner.name === "MemberExpression" ? owner.lastChild : null;
   return last && textOf(last, script) === SINGLETON ? "global" : undefined;

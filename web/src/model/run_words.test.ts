@@ -1,6 +1,6 @@
 import { expect, test } from "vitest";
 import type { ActiveState, RunNow, RunStatus, RunSummary } from "./generated/protocol.ts";
-import { holdInWords, runStand, standInWords, summaryStand } from "./run_words.ts";
+import { holdInWords, runStatusWords, standInWords, summaryStatusWords } from "./run_words.ts";
 
 const SUMMARY = {
   id: "drill-1",
@@ -42,7 +42,7 @@ function live(
 }
 
 function inShort(now: RunNow): string {
-  return standInWords(runStand(now));
+  return standInWords(runStatusWords(now));
 }
 
 test("a run that is over says by which outcome, and one that failed looks so", () => {
@@ -52,14 +52,14 @@ test("a run that is over says by which outcome, and one that failed looks so", (
     outcome: { id, name },
     states_run: 3,
   });
-  expect(summaryStand(ended(0, "success"))).toEqual({
+  expect(summaryStatusWords(ended(0, "success"))).toEqual({
     word: "finished",
     tone: "plain",
     detail: "success",
   });
-  expect(summaryStand(ended(-1, "aborted")).tone).toBe("aborted");
-  expect(summaryStand(ended(-2, "preempted")).tone).toBe("preempted");
-  expect(summaryStand({ ...SUMMARY, phase: "crashed" }).word).toBe("crashed");
+  expect(summaryStatusWords(ended(-1, "aborted")).tone).toBe("aborted");
+  expect(summaryStatusWords(ended(-2, "preempted")).tone).toBe("preempted");
+  expect(summaryStatusWords({ ...SUMMARY, phase: "crashed" }).word).toBe("crashed");
 });
 
 test("a run waits only if nothing of it is at work", () => {
@@ -77,7 +77,7 @@ test("a run whose only branch has asked waits for an answer, also while its scri
   expect(inShort(live("running", [{ path: "R" }, asks], ["R/A"]))).toBe("waiting for an answer");
   expect(inShort(live("running", [{ path: "R" }, asks, { path: "R/B" }], ["R/A"]))).toBe("running");
   const line = (waits: RunSummary["waits"]) =>
-    standInWords(summaryStand({ ...SUMMARY, phase: "live", waits }));
+    standInWords(summaryStatusWords({ ...SUMMARY, phase: "live", waits }));
   expect([line(null), line("answer"), line("decision"), line("paused"), line("other")]).toEqual([
     "running",
     "waiting for an answer",

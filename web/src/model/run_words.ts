@@ -18,7 +18,7 @@ export type RunWord =
 /** How it is coloured; the word says the same. */
 export type RunTone = "running" | "waiting" | "held" | "aborted" | "preempted" | "plain";
 
-export interface RunStand {
+export interface RunStatusWords {
   readonly word: RunWord;
   readonly tone: RunTone;
   /** The outcome, or why; empty if there is nothing to say. */
@@ -26,7 +26,7 @@ export interface RunStand {
 }
 
 /** How the run stands, as far as one line about it says. */
-export function summaryStand(run: RunSummary): RunStand {
+export function summaryStatusWords(run: RunSummary): RunStatusWords {
   switch (run.phase) {
     case "starting":
       return { word: "starting", tone: "plain", detail: "" };
@@ -44,7 +44,7 @@ export function summaryStand(run: RunSummary): RunStand {
 }
 
 /** Of a run that goes on: for what it waits, if it does. */
-function waitingStand({ waits }: RunSummary): RunStand {
+function waitingStand({ waits }: RunSummary): RunStatusWords {
   switch (waits) {
     case "answer":
       return waitingFor(AN_ANSWER);
@@ -59,23 +59,23 @@ function waitingStand({ waits }: RunSummary): RunStand {
   }
 }
 
-function waitingFor(what: string): RunStand {
+function waitingFor(what: string): RunStatusWords {
   return { word: "waiting", tone: "waiting", detail: what === "" ? "" : `for ${what}` };
 }
 
 /** For what a script waits that has asked. */
 export const AN_ANSWER = "an answer";
 
-const UNDECIDED: RunStand = {
+const UNDECIDED: RunStatusWords = {
   word: "waiting",
   tone: "waiting",
   detail: "for a decision after the crash",
 };
 
 /** How the run stands by all that is known about it. */
-export function runStand(now: RunNow): RunStand {
+export function runStatusWords(now: RunNow): RunStatusWords {
   const { run, snapshot } = now;
-  if (run.phase !== "live" || !snapshot) return summaryStand(run);
+  if (run.phase !== "live" || !snapshot) return summaryStatusWords(run);
   const held = heldInWords(snapshot.active);
   const isUndecided = snapshot.active.some(({ phase }) => phase === "interrupted");
   if (isUndecided && snapshot.status !== "stopping") return UNDECIDED;
@@ -94,7 +94,7 @@ export function runStand(now: RunNow): RunStand {
 }
 
 /** It waits if none of its branches is at work; a script that asks waits for people, whatever else it does. */
-function runningStand({ active, questions }: Snapshot): RunStand {
+function runningStand({ active, questions }: Snapshot): RunStatusWords {
   const asks = new Set(questions.map(({ path }) => path));
   const atWork = leaves(active).filter(
     ({ phase, path }) => phase === "preempted" || (phase === "running" && !asks.has(path)),
@@ -139,7 +139,7 @@ export function holdInWords(by: HeldBy): string {
 }
 
 /** `finished: success`. */
-export function standInWords({ word, detail }: RunStand): string {
+export function standInWords({ word, detail }: RunStatusWords): string {
   if (detail === "") return word;
   return word === "waiting" ? `${word} ${detail}` : `${word}: ${detail}`;
 }

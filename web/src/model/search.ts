@@ -4,7 +4,7 @@
 import type { ElementRef } from "./element.ts";
 import type { PortDocument, StateDocument } from "./generated/protocol.ts";
 import { type Machine, outcomesOf, type PortKind, portsOf } from "./machine.ts";
-import { type Match, match, type Query, queryOf, type Span, scoreOf } from "./match.ts";
+import { type Match, match, type Query, queryOf, scoreOf, type TextSpan } from "./match.ts";
 import { idOf } from "./path.ts";
 import { python } from "./value.ts";
 
@@ -24,13 +24,13 @@ export type SearchField =
   | "semantic data";
 
 /** One place where something was found. */
-export interface Hit {
+export interface SearchHit {
   readonly field: SearchField;
   /** The state, or its port or outcome. */
   readonly element: ElementRef;
   /** The text; of long ones the line. */
   readonly text: string;
-  readonly spans: readonly Span[];
+  readonly spans: readonly TextSpan[];
   /** Of scripts and descriptions: the line, from 1. */
   readonly line: number | null;
   readonly score: number;
@@ -129,9 +129,9 @@ export interface SearchOptions {
   readonly count: number;
 }
 
-export interface Found {
+export interface SearchHits {
   /** The best first. */
-  readonly hits: readonly Hit[];
+  readonly hits: readonly SearchHit[];
   /** How many there are, also those that are left out. */
   readonly total: number;
 }
@@ -144,10 +144,10 @@ interface Candidate {
 }
 
 /** Looks for a text everywhere in a machine, also in content of libraries that is here. */
-export function search(machine: Machine, text: string, options: SearchOptions): Found {
+export function search(machine: Machine, text: string, options: SearchOptions): SearchHits {
   const query = queryOf(text);
   if (query.words.length === 0) return { hits: [], total: 0 };
-  const best = new Best();
+  const best = new BestCandidates();
   const pending = [machine.root];
   for (let path = pending.pop(); path !== undefined; path = pending.pop()) {
     const state = machine.state(path);
@@ -168,7 +168,7 @@ export function search(machine: Machine, text: string, options: SearchOptions): 
 }
 
 /** Candidates by their score, so that only those that are shown have to be sorted. */
-class Best {
+class BestCandidates {
   readonly #byScore: Candidate[][] = [];
   total = 0;
 
@@ -201,25 +201,28 @@ function scoreIn(query: Query, { field, text, lower }: Text): number {
   return query.words.every((word) => lower.includes(word)) ? ANYWHERE + WEIGHTS[field] : -1;
 }
 
-function hitAt(query: Query, { path, text: { field, text, part }, score }: Candidate): Hit | null {
+function hitAt(
+  query: Query,
+  { path, text: { field, text, part }, score }: Candidate,
+): SearchHit | null {
   const found = LONG.has(field) ? lineWith(query, text) : whole(match(query, text, true), text);
   if (!found) return null;
   const element: ElementRef = part ? { ...part, path } : { kind: "state", path };
   return { field, element, text: found.text, spans: found.match.spans, line: found.line, score };
 }
 
-interface Line {
+interface MatchedLine {
   readonly match: Match;
   readonly text: string;
   readonly line: number | null;
 }
 
-function whole(found: Match | null, text: string): Line | null {
+function whole(found: Match | null, text: string): MatchedLine | null {
   return found && { match: found, text, line: null };
 }
 
 /** The first line with all words, or else with the first of them. */
-function lineWith(query: Query, text: string): Line | null {
+function lineWith(query: Query, text: string): MatchedLine | null {
   const lines = text.split("\n");
   const [first] = query.words;
   for (const wanted of [query, { words: first === undefined ? [] : [first] }]) {

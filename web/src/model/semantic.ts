@@ -16,13 +16,13 @@ export interface SemanticRow {
   readonly size: number;
 }
 
-type Pairs = readonly (readonly [string, JsonValue])[];
+type KeyValues = readonly (readonly [string, JsonValue])[];
 export type Semantic = JsonValue | null | undefined;
 
 /** All keys, each before those inside it; those inside of a folded one are left out. */
 export function semanticRows(data: Semantic, folded: ReadonlySet<string>): readonly SemanticRow[] {
   const rows: SemanticRow[] = [];
-  const walk = (pairs: Pairs, outer: KeyPath) => {
+  const walk = (pairs: KeyValues, outer: KeyPath) => {
     for (const [key, value] of pairs) {
       const keys = [...outer, key];
       const inside = pairsOf(value);
@@ -61,7 +61,7 @@ export function withValue(data: Semantic, keys: KeyPath, value: JsonValue): Json
   const pairs = pairsOf(data ?? {}) ?? [];
   const put = (old: Semantic) => (inner.length === 0 ? value : withValue(old, inner, value));
   const isThere = pairs.some(([name]) => name === key);
-  const next: Pairs = isThere
+  const next: KeyValues = isThere
     ? pairs.map(([name, old]) => [name, name === key ? put(old) : old] as const)
     : [...pairs, [key, put(null)]];
   return dictionary(next);
@@ -102,7 +102,7 @@ export function withNewKey(
   return { data: withValue(data, keys, value), keys };
 }
 
-function pairsAt(data: Semantic, keys: KeyPath): Pairs {
+function pairsAt(data: Semantic, keys: KeyPath): KeyValues {
   const [key, ...inner] = keys;
   const pairs = pairsOf(data ?? {}) ?? [];
   if (key === undefined) return pairs;
@@ -110,7 +110,7 @@ function pairsAt(data: Semantic, keys: KeyPath): Pairs {
 }
 
 /** What stands in a dict with texts as keys; null of every other value. */
-function pairsOf(value: JsonValue): Pairs | null {
+function pairsOf(value: JsonValue): KeyValues | null {
   if (value === null || typeof value !== "object" || Array.isArray(value)) return null;
   const keys = Object.keys(value);
   const [only] = keys;
@@ -120,11 +120,11 @@ function pairsOf(value: JsonValue): Pairs | null {
   const marked = only === "__dict__" ? value[only] : null;
   if (!Array.isArray(marked)) return null;
   const pairs = marked as unknown as readonly (readonly [JsonValue, JsonValue])[];
-  return pairs.every(([key]) => typeof key === "string") ? (pairs as Pairs) : null;
+  return pairs.every(([key]) => typeof key === "string") ? (pairs as KeyValues) : null;
 }
 
 /** A dict, marked where JavaScript would change it. */
-function dictionary(pairs: Pairs): JsonValue {
+function dictionary(pairs: KeyValues): JsonValue {
   const isPlain = pairs.every(([key]) => !key.startsWith("__") && !/^\d+$/.test(key));
   if (isPlain) return Object.fromEntries(pairs);
   return { __dict__: pairs.map(([key, value]) => [key, value]) };

@@ -57,13 +57,13 @@ export class StateIndex {
   find(query: string, count: number): readonly FoundState[] {
     const words = query.toLowerCase().split(/\s+/).filter(Boolean).slice(0, WORDS_MAX);
     if (words.length === 0) return [];
-    const best = new Best(count);
+    const best = new BestStates(count);
     this.#byWords(words, best);
     if (best.length < count) this.#scattered(words, best);
     return best.all().map(({ at, score }) => ({ path: this.#paths[at] ?? "", score }));
   }
 
-  #byWords(words: readonly string[], best: Best): void {
+  #byWords(words: readonly string[], best: BestStates): void {
     const all = (1 << words.length) - 1;
     const masks = new Uint8Array(this.#names.length);
     for (let at = 0; at < this.#names.length; at += 1) {
@@ -81,7 +81,7 @@ export class StateIndex {
   }
 
   /** Names with the letters in their order; those that have the words were found before. */
-  #scattered(words: readonly string[], best: Best): void {
+  #scattered(words: readonly string[], best: BestStates): void {
     const letters = words.join("");
     for (let at = 0; at < this.#names.length; at += 1) {
       const name = this.#names[at] ?? "";
@@ -127,7 +127,7 @@ function isScattered(letters: string, name: string): boolean {
 }
 
 /** The best ones that were added, without sorting all. */
-class Best {
+class BestStates {
   readonly #count: number;
   #kept: { readonly at: number; readonly score: number }[] = [];
   readonly #known = new Set<number>();

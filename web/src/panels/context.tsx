@@ -1,14 +1,14 @@
 /** What every panel is given: the page, the machine in front, the commands. */
 
 import { createContext, useContext, useDeferredValue } from "react";
-import type { Commands, Context } from "../commands/command.ts";
+import type { CommandContext, Commands } from "../commands/command.ts";
 import type { OpenTab } from "../store/page.ts";
 import { useSignal } from "../ui/signals.ts";
 
 export interface PanelHost {
   readonly commands: Commands;
   /** What commands may use now. */
-  readonly context: () => Context;
+  readonly context: () => CommandContext;
 }
 
 const Host = createContext<PanelHost | null>(null);

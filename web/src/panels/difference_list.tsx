@@ -5,7 +5,7 @@ import type { Difference } from "../model/difference.ts";
 import { keyOf } from "../model/element.ts";
 import type { Machine } from "../model/machine.ts";
 import type { FieldChange } from "../model/state_fields.ts";
-import { type Column, Table } from "../ui/table.tsx";
+import { Table, type TableColumn } from "../ui/table.tsx";
 import { TextDifference } from "../ui/text_difference.tsx";
 import { KIND_WORDS, summary, whereabouts } from "./difference_words.ts";
 import "./difference_list.css";
@@ -29,7 +29,7 @@ export function DifferenceList({ label, all, old, now, onReveal }: DifferenceLis
   const [chosen, setChosen] = useState<string | null>(null);
   const difference =
     all.find((each) => idOf(each) === chosen) ?? (all.length === 1 ? all[0] : undefined);
-  const columns: readonly Column<Difference>[] = [
+  const columns: readonly TableColumn<Difference>[] = [
     {
       key: "kind",
       title: "",

@@ -3,7 +3,7 @@
 import { signal } from "@preact/signals-core";
 import type { ReactElement } from "react";
 import { allCommands } from "../commands/all.ts";
-import { stand } from "../commands/stand.ts";
+import { testContext } from "../commands/stand.ts";
 import type { RunSummary } from "../model/generated/protocol.ts";
 import type { MachineSession } from "../store/machine_session.ts";
 import type { OpenTab, Page } from "../store/page.ts";
@@ -21,7 +21,7 @@ export interface Beside {
 }
 
 export function shown(panel: ReactElement, beside: Beside): HTMLElement {
-  const { page: plain, tab: alone, shell } = stand(beside.machine ?? "R hierarchy");
+  const { page: plain, tab: alone, shell } = testContext(beside.machine ?? "R hierarchy");
   const session: MachineSession = { ...alone.session, ...beside.session };
   const tab: OpenTab = { ...alone, session, run: signal(beside.watch ?? null) };
   const pulse = { heard_ms: 0, server_ms: 0, old_ms: Number.POSITIVE_INFINITY, delay_ms: 3 };

@@ -17,7 +17,7 @@ import { boxIn, childBoxes, inside, pins, sizeIn, waypointsEdit } from "./boxes.
 import { besides, drawnBox, drawnInto, placedDocumentsOf, separate } from "./documents.ts";
 import { commonContainer, containerAt, counted } from "./legal.ts";
 import { arrivingIds, statesInWords } from "./move.ts";
-import { type Part, partOf, partsOf, pasteParts } from "./parts.ts";
+import { type InterfacePart, partOf, partsOf, pasteParts } from "./parts.ts";
 import { isRefused, type Plan, type Planned, type Refused, refused, together } from "./plan.ts";
 
 /** All that can be on the clipboard. */
@@ -25,13 +25,13 @@ export interface Clip {
   /** States, and scoped variables of their container; null if there are none. */
   readonly selection: Selection | null;
   /** Where the connections of the selection bend. */
-  readonly ways?: Ways | undefined;
+  readonly ways?: CopiedWaypoints | undefined;
   /** Ports and outcomes for themselves. */
-  readonly parts: readonly Part[];
+  readonly parts: readonly InterfacePart[];
 }
 
 /** Waypoints of connections, in their order in the selection and in the coordinates of the container. */
-export interface Ways {
+export interface CopiedWaypoints {
   readonly transitions: readonly (readonly Point[])[];
   readonly data_flows: readonly (readonly Point[])[];
 }
@@ -59,7 +59,11 @@ const NOTHING =
   "Select states inside the machine, ports or own outcomes to copy them: an income, aborted and preempted are everywhere.";
 
 /** Where the connections between what was copied bend. */
-function waysOf(machine: Machine, container: string, selection: Selection): Ways | undefined {
+function waysOf(
+  machine: Machine,
+  container: string,
+  selection: Selection,
+): CopiedWaypoints | undefined {
   const state = machine.state(container);
   if (!state) return undefined;
   const points = (kind: "transition" | "data_flow") => (line: { readonly id: number }) =>
@@ -80,7 +84,7 @@ export interface PasteGoal {
 }
 
 /** The ports and outcomes of what was copied, also scoped variables that came with states. */
-export function partsIn({ selection, parts }: Clip): readonly Part[] {
+export function partsIn({ selection, parts }: Clip): readonly InterfacePart[] {
   const variables = selection?.scoped_variables ?? [];
   return [...parts, ...variables.map((port) => partOf("scoped_variable", port))];
 }
@@ -184,14 +188,14 @@ export function paste(
   container: string,
   selection: Selection,
   at?: Point,
-  ways?: Ways,
+  ways?: CopiedWaypoints,
 ): Planned {
   return pasted(machine, container, { selection, ways }, { middle: at }, "Paste");
 }
 
 interface Copied {
   readonly selection: Selection;
-  readonly ways: Ways | undefined;
+  readonly ways: CopiedWaypoints | undefined;
 }
 
 /** Where copies are wanted; left out: near where the originals stand. */
@@ -294,7 +298,12 @@ function into(
 }
 
 /** Waypoints of what a paste connects: it numbers connections from the last one on, in their order. */
-function bends(path: string, target: StateDocument, ways: Ways, placement: Placement): Edit[] {
+function bends(
+  path: string,
+  target: StateDocument,
+  ways: CopiedWaypoints,
+  placement: Placement,
+): Edit[] {
   const lists = [
     ["transition", target.kind === "hierarchy" ? ways.transitions : [], transitionsOf(target)],
     ["data_flow", ways.data_flows, dataFlowsOf(target)],

@@ -1,7 +1,7 @@
 /** Connecting outcomes with states, and ports with ports: on one level, over several, and anew. */
 
 import type { ElementRef } from "../model/element.ts";
-import { type Ends, endsOf, isConnection, isPort, type PortRef } from "../model/ends.ts";
+import { type ConnectionEnds, type DataPort, endsOf, isConnection, isPort } from "../model/ends.ts";
 import type { DataFlowDocument, Edit, StateDocument } from "../model/generated/protocol.ts";
 import { centre, distance } from "../model/geometry.ts";
 import { dataFlowsOf, type Machine, outcomesOf, startOf, transitionsOf } from "../model/machine.ts";
@@ -52,8 +52,8 @@ function connection(
 
 function flow(
   machine: Machine,
-  one: ElementRef & PortRef,
-  other: ElementRef & PortRef,
+  one: ElementRef & DataPort,
+  other: ElementRef & DataPort,
   ignored: Ignored | undefined,
 ): Edit[] | Refused {
   const [first, second] = [portAt(machine, one), portAt(machine, other)];
@@ -110,7 +110,7 @@ export function connectToState(machine: Machine, from: ElementRef, path: string)
 
 function toState(
   machine: Machine,
-  from: ElementRef & PortRef,
+  from: ElementRef & DataPort,
   path: string,
   ignored?: Ignored,
 ): Edit[] | Refused {
@@ -171,12 +171,12 @@ export function reconnect(
   return isRefused(edits) ? edits : { name, edit: together(edits) };
 }
 
-type Connected = ElementRef & { readonly id: number };
+type ConnectedElement = ElementRef & { readonly id: number };
 
 function transitionAnew(
   machine: Machine,
-  connected: Connected,
-  ends: Ends,
+  connected: ConnectedElement,
+  ends: ConnectionEnds,
   end: ConnectionEnd,
 ): Edit[] | Refused {
   const { path, id } = connected;
@@ -200,8 +200,8 @@ function transitionAnew(
 function flowAnew(
   machine: Machine,
   container: StateDocument,
-  connected: Connected,
-  ends: Ends,
+  connected: ConnectedElement,
+  ends: ConnectionEnds,
 ): Edit[] | Refused {
   const { path, id } = connected;
   const edits = connection(machine, ends.from, ends.to, connected);

@@ -1,7 +1,7 @@
 /** Which data flows are legal, and those that lead over several levels through the ports between. */
 
 import type { ElementRef } from "../model/element.ts";
-import type { PortRef } from "../model/ends.ts";
+import type { DataPort } from "../model/ends.ts";
 import type { Edit, PortDocument, StateDocument } from "../model/generated/protocol.ts";
 import {
   dataFlowsOf,
@@ -34,7 +34,7 @@ export interface Course {
   readonly end: string;
 }
 
-export function portAt(machine: Machine, element: ElementRef & PortRef): PortAt | Refused {
+export function portAt(machine: Machine, element: ElementRef & DataPort): PortAt | Refused {
   const state = machine.state(element.path);
   const port = state && portsOf(state, element.kind).find(({ id }) => id === element.id);
   if (!state || !port)

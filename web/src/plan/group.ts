@@ -180,7 +180,7 @@ function nameStrip(size: Size, height: number): Box | undefined {
   };
 }
 
-interface Ways {
+interface GroupWaypoints {
   readonly inner: ReadonlyMap<string, readonly Point[]>;
   readonly outer: Edit[];
 }
@@ -192,7 +192,7 @@ function groupedWaypoints(
   container: StateDocument,
   ids: ReadonlySet<string>,
   place: GroupPlace,
-): Ways {
+): GroupWaypoints {
   const { waypoints } = readLayout(machine.state(path) ?? container);
   const box = place.content === place.bounds ? place.box : place.bounds;
   const inner = new Map<string, readonly Point[]>();

@@ -9,7 +9,7 @@ import { freshNumber } from "../model/names.ts";
 import { childPath, idOf, parentOf } from "../model/path.ts";
 import { childBoxes, pins, sizeIn, waypointsEdit } from "./boxes.ts";
 import { containerAt, stateAt } from "./legal.ts";
-import { type LibraryName, type NewKind, newBox, newLibrary, newState } from "./newcomers.ts";
+import { type LibraryToInsert, type NewKind, newBox, newLibrary, newState } from "./newcomers.ts";
 import { isRefused, type Planned, type Refused, refused, together } from "./plan.ts";
 import { freeOutcome } from "./transitions.ts";
 
@@ -17,7 +17,7 @@ import { freeOutcome } from "./transitions.ts";
 export type Inserted =
   | string
   | { readonly kind: NewKind; readonly name?: string }
-  | { readonly library: LibraryName; readonly root: StateDocument };
+  | { readonly library: LibraryToInsert; readonly root: StateDocument };
 
 /** Puts a state between the ends of a transition: one that is there, or a new one with its middle at the point. */
 export function insertState(

@@ -82,7 +82,7 @@ export function newState(
 }
 
 /** A library as it is named by states that run it. */
-export interface LibraryName {
+export interface LibraryToInsert {
   readonly path: string;
   readonly name: string;
   readonly version?: string | null;
@@ -92,7 +92,7 @@ export interface LibraryName {
 export function newLibrary(
   machine: Machine,
   container: string,
-  library: LibraryName,
+  library: LibraryToInsert,
   root: StateDocument,
   at?: Point,
 ): StateDocument {
@@ -106,7 +106,7 @@ export function newLibrary(
 export function libraryState(
   id: string,
   name: string,
-  library: LibraryName,
+  library: LibraryToInsert,
   root: StateDocument,
   box: Box,
 ): StateDocument {

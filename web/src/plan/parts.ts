@@ -1,7 +1,7 @@
 /** Copying and pasting ports and outcomes: between states, and of ports as another kind. */
 
 import type { ElementRef } from "../model/element.ts";
-import { isPort, type PortRef } from "../model/ends.ts";
+import { type DataPort, isPort } from "../model/ends.ts";
 import type { Edit, JsonValue, PortDocument, StateDocument } from "../model/generated/protocol.ts";
 import { isContainer, type Machine, outcomesOf, type PortKind, portsOf } from "../model/machine.ts";
 import { freshName, freshNumber } from "../model/names.ts";
@@ -12,7 +12,7 @@ import { allPorts, PORT_WORDS } from "./ports.ts";
 export type PartKind = PortKind | "outcome";
 
 /** A port or outcome without its state. */
-export type Part =
+export type InterfacePart =
   | { readonly kind: "outcome"; readonly name: string }
   | {
       readonly kind: PortKind;
@@ -22,8 +22,11 @@ export type Part =
     };
 
 /** The ports and outcomes among the elements; aborted and preempted have their places everywhere already. */
-export function partsOf(machine: Machine, elements: readonly ElementRef[]): readonly Part[] {
-  return elements.flatMap((element): readonly Part[] => {
+export function partsOf(
+  machine: Machine,
+  elements: readonly ElementRef[],
+): readonly InterfacePart[] {
+  return elements.flatMap((element): readonly InterfacePart[] => {
     const state = machine.state(element.path);
     if (!state) return [];
     if (element.kind === "outcome") return outcomeParts(state, element.id);
@@ -31,17 +34,17 @@ export function partsOf(machine: Machine, elements: readonly ElementRef[]): read
   });
 }
 
-function outcomeParts(state: StateDocument, id: number): readonly Part[] {
+function outcomeParts(state: StateDocument, id: number): readonly InterfacePart[] {
   const outcomes = outcomesOf(state).filter((outcome) => outcome.id === id && id >= 0);
   return outcomes.map(({ name }) => ({ kind: "outcome", name }));
 }
 
-function portParts(state: StateDocument, { kind, id }: PortRef): readonly Part[] {
+function portParts(state: StateDocument, { kind, id }: DataPort): readonly InterfacePart[] {
   const ports = portsOf(state, kind).filter((port) => port.id === id);
   return ports.map((port) => partOf(kind, port));
 }
 
-export function partOf(kind: PortKind, { name, data_type, ...port }: PortDocument): Part {
+export function partOf(kind: PortKind, { name, data_type, ...port }: PortDocument): InterfacePart {
   return { kind, name, data_type, default: port.default ?? null };
 }
 
@@ -49,7 +52,7 @@ export function partOf(kind: PortKind, { name, data_type, ...port }: PortDocumen
 export function pasteParts(
   machine: Machine,
   path: string,
-  parts: readonly Part[],
+  parts: readonly InterfacePart[],
   as?: PartKind,
 ): Planned {
   const state = interfaceAt(machine, path);
@@ -71,12 +74,12 @@ export function pasteParts(
   };
 }
 
-function asKind(part: Part, kind: PartKind): readonly Part[] {
+function asKind(part: InterfacePart, kind: PartKind): readonly InterfacePart[] {
   if (part.kind === "outcome" || kind === "outcome") return part.kind === kind ? [part] : [];
   return [{ ...part, kind }];
 }
 
-function nothingFits(parts: readonly Part[], as: PartKind | undefined): string {
+function nothingFits(parts: readonly InterfacePart[], as: PartKind | undefined): string {
   if (parts.length === 0 || as === undefined) {
     return "There are no ports or outcomes on the clipboard: select some and copy them first.";
   }
@@ -90,7 +93,11 @@ interface Addition {
   readonly element: ElementRef;
 }
 
-function additions(state: StateDocument, path: string, parts: readonly Part[]): Addition[] {
+function additions(
+  state: StateDocument,
+  path: string,
+  parts: readonly InterfacePart[],
+): Addition[] {
   const taken = {
     outcome: [...outcomesOf(state)],
     input: [...portsOf(state, "input")],
@@ -118,7 +125,7 @@ function additions(state: StateDocument, path: string, parts: readonly Part[]): 
   });
 }
 
-function partsInWords(parts: readonly Part[]): string {
+function partsInWords(parts: readonly InterfacePart[]): string {
   const [first] = parts;
   if (parts.length > 1 || !first) return `${parts.length} ports and outcomes`;
   return `${first.kind === "outcome" ? "outcome" : PORT_WORDS[first.kind]} ${first.name}`;

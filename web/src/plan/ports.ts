@@ -1,7 +1,7 @@
 /** Outcomes, data ports, scoped variables, and the values that library states set for ports. */
 
 import type { ElementRef } from "../model/element.ts";
-import { endInWords, flowEnds, isPort, type PortRef } from "../model/ends.ts";
+import { type DataPort, endInWords, flowEnds, isPort } from "../model/ends.ts";
 import type { Edit, JsonValue, PortDocument, StateDocument } from "../model/generated/protocol.ts";
 import {
   dataFlowsOf,
@@ -142,7 +142,7 @@ function gone(what: string, state: StateDocument): Refused {
 interface FoundPort {
   readonly state: StateDocument;
   readonly port: PortDocument;
-  readonly at: PortRef;
+  readonly at: DataPort;
 }
 
 function findPort(
@@ -174,7 +174,7 @@ export function renamePort(machine: Machine, element: ElementRef, name: string):
 }
 
 /** A flow at the port that the type would not fit. */
-function flowsRefused(machine: Machine, at: PortRef, type: string): Refused | undefined {
+function flowsRefused(machine: Machine, at: DataPort, type: string): Refused | undefined {
   for (const { container, gives, other } of flowsAt(machine, at)) {
     const found = typeAt(machine, other);
     if (found === null || (gives ? fits(type, found) : fits(found, type))) continue;
@@ -192,7 +192,7 @@ interface FlowAt {
 }
 
 /** The data flows at a port, inside and outside of its state. */
-function flowsAt(machine: Machine, at: PortRef): readonly FlowAt[] {
+function flowsAt(machine: Machine, at: DataPort): readonly FlowAt[] {
   const parent = parentOf(at.path);
   const containers = parent === null ? [at.path] : [at.path, parent];
   return containers.flatMap((container) => {
@@ -206,7 +206,7 @@ function flowsAt(machine: Machine, at: PortRef): readonly FlowAt[] {
   });
 }
 
-function isSame(element: ElementRef, at: PortRef): boolean {
+function isSame(element: ElementRef, at: DataPort): boolean {
   return isPort(element) && element.path === at.path && element.id === at.id;
 }
 

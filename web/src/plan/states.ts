@@ -14,7 +14,7 @@ import {
 import { childPath, idOf, isWithin, parentOf } from "../model/path.ts";
 import { pins } from "./boxes.ts";
 import { containerAt, counted, interfaceAt, KIND_WORDS, movableFrom, stateAt } from "./legal.ts";
-import { type LibraryName, type NewKind, newBox, newLibrary, newState } from "./newcomers.ts";
+import { type LibraryToInsert, type NewKind, newBox, newLibrary, newState } from "./newcomers.ts";
 import { isRefused, type Plan, type Planned, type Refused, refused, together } from "./plan.ts";
 
 /** Adds a state with its middle at a point of the container, or where there is room. */
@@ -46,7 +46,7 @@ const DECIDER_SCRIPT = `def execute(self, inputs, outputs, gvm):
 export function addLibrary(
   machine: Machine,
   container: string,
-  library: LibraryName,
+  library: LibraryToInsert,
   root: StateDocument,
   at?: Point,
 ): Planned {

@@ -24,7 +24,7 @@ import { containerAt } from "./legal.ts";
 import { isRefused, type Refused, refused } from "./plan.ts";
 
 /** A transition that might be: in which container, from where to where. */
-export interface Line {
+export interface PossibleTransition {
   readonly container: string;
   /** Null: from the income of the container. */
   readonly from: OutcomeOf | null;
@@ -42,7 +42,7 @@ function isOutcome(element: ElementRef): element is ElementRef & OutcomeRef {
 }
 
 /** The transition between two elements of one level; null if they are on different ones, or if it would run backwards. */
-export function lineBetween(from: ElementRef, to: ElementRef): Line | null {
+export function lineBetween(from: ElementRef, to: ElementRef): PossibleTransition | null {
   const container = originContainer(from);
   if (container === null) return null;
   const goal = goalIn(container, to);
@@ -64,7 +64,11 @@ function goalIn(container: string, to: ElementRef): Goal | null {
 }
 
 /** Why the transition would be against the rules; null if it would not. `ignored` is a transition that goes away for it. */
-export function lineRefused(machine: Machine, line: Line, ignored?: number): Refused | null {
+export function lineRefused(
+  machine: Machine,
+  line: PossibleTransition,
+  ignored?: number,
+): Refused | null {
   const container = containerAt(machine, line.container);
   if (isRefused(container)) return container;
   return (
@@ -74,7 +78,7 @@ export function lineRefused(machine: Machine, line: Line, ignored?: number): Ref
   );
 }
 
-function endRefused(machine: Machine, { container, from, to }: Line): Refused | null {
+function endRefused(machine: Machine, { container, from, to }: PossibleTransition): Refused | null {
   for (const id of [from?.state, "state" in to ? to.state : undefined]) {
     const path = id === undefined ? null : childPath(container, id);
     if (path !== null && !machine.state(path)) {
@@ -87,7 +91,7 @@ function endRefused(machine: Machine, { container, from, to }: Line): Refused | 
 function twinRefused(
   machine: Machine,
   container: StateDocument,
-  { container: path, from }: Line,
+  { container: path, from }: PossibleTransition,
   ignored: number | undefined,
 ): Refused | null {
   const twin = from && beginning(container, from, ignored);
@@ -122,7 +126,7 @@ export function beginning(
 /** What concurrency states ask for. */
 export function kindRefused(
   container: StateDocument,
-  { from, to }: Pick<Line, "from" | "to">,
+  { from, to }: Pick<PossibleTransition, "from" | "to">,
 ): Refused | null {
   const { name, kind } = container;
   if (!from) {
@@ -149,7 +153,7 @@ export function kindRefused(
 }
 
 /** The edit that makes the transition; a start that is there already leads here from now on. */
-export function lineEdit(machine: Machine, line: Line): Edit {
+export function lineEdit(machine: Machine, line: PossibleTransition): Edit {
   const { container: path, from, to } = line;
   const container = machine.state(path);
   if (!from) return { edit: "set_start", path, to };
@@ -190,7 +194,7 @@ function backwards(): Refused {
 }
 
 /** The line begins at an outcome that nothing leads from yet. */
-function newLineRefused(machine: Machine, line: Line): Refused | null {
+function newLineRefused(machine: Machine, line: PossibleTransition): Refused | null {
   const container = containerAt(machine, line.container);
   return isRefused(container) ? container : kindRefused(container, line);
 }

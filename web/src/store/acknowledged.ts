@@ -2,8 +2,8 @@
 
 import { computed, type ReadonlySignal, type Signal, signal } from "@preact/signals-core";
 import { openDecisions } from "./decisions.ts";
-import { type Failure, Failures } from "./failures.ts";
-import { kept, type LocalStore, memoryStore, shedOf } from "./local_store.ts";
+import { Failures, type RunFailure } from "./failures.ts";
+import { kept, type LocalStore, localStoreOf, memoryStore } from "./local_store.ts";
 import { openQuestions } from "./questions.ts";
 import type { Watch } from "./run.ts";
 
@@ -12,25 +12,25 @@ const KEY = "rafcon.acknowledged";
 const RUNS_MAX = 50;
 const KEPT_MAX = 2_000;
 
-type Known = Pick<Watch, "id" | "journal" | "journalVersion">;
+type FailuresWatch = Pick<Watch, "id" | "journal" | "journalVersion">;
 
-interface About {
-  readonly failures: ReadonlySignal<readonly Failure[]>;
+interface RunFailures {
+  readonly failures: ReadonlySignal<readonly RunFailure[]>;
   readonly acknowledged: ReadonlySignal<ReadonlySet<number>>;
-  readonly open: ReadonlySignal<readonly Failure[]>;
+  readonly open: ReadonlySignal<readonly RunFailure[]>;
 }
 
-const ALL = new WeakMap<Known, About>();
+const ALL = new WeakMap<FailuresWatch, RunFailures>();
 const SHED: LocalStore =
-  typeof window === "undefined" ? memoryStore() : shedOf(() => window.localStorage);
+  typeof window === "undefined" ? memoryStore() : localStoreOf(() => window.localStorage);
 
 /** What wants acknowledgement, and what was acknowledged already; the oldest first. */
-export function failures(watch: Known): ReadonlySignal<readonly Failure[]> {
+export function failures(watch: FailuresWatch): ReadonlySignal<readonly RunFailure[]> {
   return about(watch).failures;
 }
 
 /** The failures that nobody has acknowledged here; the oldest first. */
-export function openFailures(watch: Known): ReadonlySignal<readonly Failure[]> {
+export function openFailures(watch: FailuresWatch): ReadonlySignal<readonly RunFailure[]> {
   return about(watch).open;
 }
 
@@ -41,13 +41,13 @@ export function countUnacknowledged(watch: Watch | null): number {
 }
 
 /** The sequence numbers of what was acknowledged. */
-export function acknowledged(watch: Known): ReadonlySignal<ReadonlySet<number>> {
+export function acknowledged(watch: FailuresWatch): ReadonlySignal<ReadonlySet<number>> {
   return about(watch).acknowledged;
 }
 
 /** Acknowledges failures by their sequence numbers. */
 export function acknowledge(
-  watch: Known,
+  watch: FailuresWatch,
   sequences: Iterable<number>,
   localStore: LocalStore = SHED,
 ): void {
@@ -60,7 +60,7 @@ export function acknowledge(
   localStore.put(KEY, Object.fromEntries(runs));
 }
 
-function about(watch: Known, localStore: LocalStore = SHED): About {
+function about(watch: FailuresWatch, localStore: LocalStore = SHED): RunFailures {
   const there = ALL.get(watch);
   if (there) return there;
   const walker = new Failures();

@@ -4,7 +4,7 @@ import type { RunNow } from "../model/generated/protocol.ts";
 import { runAge } from "./age.ts";
 import { Journal } from "./journal.ts";
 import type { Watch } from "./run.ts";
-import type { Link, Pulse } from "./server.ts";
+import type { Link, ServerPulse } from "./server.ts";
 
 const NOW_MS = 1_000_000;
 const DOWN: Link = { state: "down", since_ms: NOW_MS - 2_000, retry_ms: null, reason: "cut" };
@@ -50,7 +50,7 @@ function age(given: Given) {
     server_ms: server_ms + ahead_ms,
     old_ms: given.old_ms ?? 4_000,
   };
-  const pulse: Pulse = { ...times, delay_ms: 3, ahead_ms };
+  const pulse: ServerPulse = { ...times, delay_ms: 3, ahead_ms };
   const server = { link: signal(link), pulse: signal(pulse) };
   return runAge({ server } as unknown as Parameters<typeof runAge>[0], watch, NOW_MS);
 }

@@ -3,7 +3,7 @@
 import type { RunNow } from "../model/generated/protocol.ts";
 import type { Page } from "./page.ts";
 import type { Watch } from "./run.ts";
-import type { Pulse } from "./server.ts";
+import type { ServerPulse } from "./server.ts";
 
 export interface RunAge {
   /** So long ago it was true for sure. */
@@ -45,14 +45,14 @@ export function isGoingOn(now: RunNow): boolean {
 }
 
 /** Since what is shown was true for sure. By the server's clock: what was held back on the way is no younger for that. */
-function pictureAge(watch: Watch, pulse: Pulse | null, now_ms: number): number {
+function pictureAge(watch: Watch, pulse: ServerPulse | null, now_ms: number): number {
   const heard_ms = watch.isCurrent.value ? (pulse?.server_ms ?? 0) : 0;
   const there_ms = now_ms + (pulse?.ahead_ms ?? 0);
   return Math.max(0, there_ms - Math.max(heard_ms, watch.proven_ms.value ?? there_ms));
 }
 
 /** Since the server heard the runner, by the server's clock. */
-function runnerAge(now: RunNow, pulse: Pulse | null, now_ms: number): number {
+function runnerAge(now: RunNow, pulse: ServerPulse | null, now_ms: number): number {
   const there_ms = now_ms + (pulse?.ahead_ms ?? 0);
   return Math.max(0, there_ms - (now.runner_heard_ms ?? now.run.started_ms));
 }

@@ -2,18 +2,19 @@
 
 import { type Signal, signal } from "@preact/signals-core";
 import type { Breakpoint } from "../model/generated/protocol.ts";
-import { type LocalStore, memoryStore, shedOf } from "./local_store.ts";
+import { type LocalStore, localStoreOf, memoryStore } from "./local_store.ts";
 import type { OpenTab } from "./page.ts";
 import { fileOfTab, liveRun, snapshotOf } from "./running.ts";
 
-type Kept = Signal<readonly Breakpoint[]>;
+type KeptBreakpoints = Signal<readonly Breakpoint[]>;
 
-const BROWSER = typeof window === "undefined" ? memoryStore() : shedOf(() => window.localStorage);
-const KNOWN = new WeakMap<LocalStore, Map<string, Kept>>();
+const BROWSER =
+  typeof window === "undefined" ? memoryStore() : localStoreOf(() => window.localStorage);
+const KNOWN = new WeakMap<LocalStore, Map<string, KeptBreakpoints>>();
 
 /** What is kept for the next start of the machine of a tab. */
-export function keptBreakpoints(tab: OpenTab, localStore: LocalStore = BROWSER): Kept {
-  const known = KNOWN.get(localStore) ?? new Map<string, Kept>();
+export function keptBreakpoints(tab: OpenTab, localStore: LocalStore = BROWSER): KeptBreakpoints {
+  const known = KNOWN.get(localStore) ?? new Map<string, KeptBreakpoints>();
   KNOWN.set(localStore, known);
   const key = keyOf(tab);
   let kept = known.get(key);
@@ -25,7 +26,7 @@ export function keptBreakpoints(tab: OpenTab, localStore: LocalStore = BROWSER):
 }
 
 /** What is kept there: put there when it changes here, and taken from there when another tab of the browser changed it. */
-function followingStore(localStore: LocalStore, key: string): Kept {
+function followingStore(localStore: LocalStore, key: string): KeptBreakpoints {
   const there = () => {
     const found = localStore.get(key);
     return Array.isArray(found) ? (found as readonly Breakpoint[]) : [];

@@ -3,7 +3,7 @@
 
 import type { Outcome } from "../model/generated/protocol.ts";
 import { parentOf } from "../model/path.ts";
-import { Column } from "./column.ts";
+import { NumberColumn } from "./column.ts";
 import { ENTERED, type Journal, LEFT } from "./journal.ts";
 
 /** How a call ended. */
@@ -22,12 +22,12 @@ const NO_CALLS: readonly number[] = [];
 
 export class Calls {
   readonly journal: Journal;
-  readonly #begin = new Column(Int32Array);
-  readonly #end = new Column(Int32Array);
-  readonly #how = new Column(Uint8Array);
-  readonly #path = new Column(Int32Array);
-  readonly #parent = new Column(Int32Array);
-  readonly #depth = new Column(Int32Array);
+  readonly #begin = new NumberColumn(Int32Array);
+  readonly #end = new NumberColumn(Int32Array);
+  readonly #how = new NumberColumn(Uint8Array);
+  readonly #path = new NumberColumn(Int32Array);
+  readonly #parent = new NumberColumn(Int32Array);
+  readonly #depth = new NumberColumn(Int32Array);
   /** The calls inside a call, in order. */
   readonly #inside = new Map<number, number[]>();
   readonly #roots: number[] = [];

@@ -1,10 +1,10 @@
 /** Numbers in a row that grows: a typed array with room to spare. */
 
-type Numbers = Float64Array | Int32Array | Uint8Array;
+type TypedArray = Float64Array | Int32Array | Uint8Array;
 
 const FIRST_ROOM = 1_024;
 
-export class Column<A extends Numbers> {
+export class NumberColumn<A extends TypedArray> {
   readonly #make: new (
     length: number,
   ) => A;

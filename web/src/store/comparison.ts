@@ -17,7 +17,7 @@ export type Against =
   /** The machine of another tab, as it is at the moment. */
   | { readonly kind: "tab"; readonly tab: OpenTab };
 
-export interface Comparison {
+export interface MachineComparison {
   readonly against: ReadonlySignal<Against | null>;
   /** The machine on the other side; null before it is here. */
   readonly other: ReadonlySignal<Machine | null>;
@@ -33,10 +33,10 @@ export interface Comparison {
 /** Compared again when nothing has changed for so long. */
 const SETTLED_MS = 150;
 
-const COMPARISONS = new WeakMap<OpenTab, Comparison>();
+const COMPARISONS = new WeakMap<OpenTab, MachineComparison>();
 
 /** The one comparison of a tab. */
-export function comparisonOf(tab: OpenTab, server: Server): Comparison {
+export function comparisonOf(tab: OpenTab, server: Server): MachineComparison {
   let comparison = COMPARISONS.get(tab);
   if (!comparison) {
     comparison = newComparison(tab, server);
@@ -45,7 +45,7 @@ export function comparisonOf(tab: OpenTab, server: Server): Comparison {
   return comparison;
 }
 
-function newComparison(tab: OpenTab, server: Server): Comparison {
+function newComparison(tab: OpenTab, server: Server): MachineComparison {
   const against = signal<Against | null>(null);
   const other = signal<Machine | null>(null);
   const found = signal<readonly Difference[]>([]);

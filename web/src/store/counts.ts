@@ -23,11 +23,11 @@ export interface Count {
 /** Of so many ends the length is kept, the newest: enough for what is usual. */
 export const LENGTHS_MAX = 31;
 
-type Draft = { -readonly [K in keyof Count]: Count[K] } & { readonly lengths_ns: number[] };
+type CountDraft = { -readonly [K in keyof Count]: Count[K] } & { readonly lengths_ns: number[] };
 
 export class Counts {
-  readonly #all = new Map<number, Draft>();
-  readonly #byPath = new Map<string, Draft>();
+  readonly #all = new Map<number, CountDraft>();
+  readonly #byPath = new Map<string, CountDraft>();
 
   get(path: string): Count | undefined {
     return this.#byPath.get(path);
@@ -56,7 +56,7 @@ export class Counts {
     count.max_ns = Math.max(count.max_ns, length);
   }
 
-  #of(number: number, path: string): Draft {
+  #of(number: number, path: string): CountDraft {
     let count = this.#all.get(number);
     if (!count) {
       count = {

@@ -1,7 +1,7 @@
 /** How often and how long states had run until an event: walks only the way from the event that was asked for last. */
 
 import { ENTERED, type Journal, LEFT } from "./journal.ts";
-import { type Lengths, lengthsOf } from "./lengths.ts";
+import { type CallLengths, lengthsOf } from "./lengths.ts";
 
 /** Steps back are not counted. */
 export interface CountUntil {
@@ -10,7 +10,7 @@ export interface CountUntil {
   readonly total_ns: number;
 }
 
-type Draft = { -readonly [K in keyof CountUntil]: CountUntil[K] };
+type CountUntilDraft = { -readonly [K in keyof CountUntil]: CountUntil[K] };
 
 const KNOWN = new WeakMap<Journal, CountsUntil>();
 
@@ -24,10 +24,10 @@ export function countsUntil(journal: Journal, index: number): CountsUntil {
 
 export class CountsUntil {
   readonly #journal: Journal;
-  readonly #lengths: Lengths;
+  readonly #lengths: CallLengths;
   /** By the number of the path. */
-  readonly #all: (Draft | undefined)[] = [];
-  readonly #byPath = new Map<string, Draft>();
+  readonly #all: (CountUntilDraft | undefined)[] = [];
+  readonly #byPath = new Map<string, CountUntilDraft>();
   #at = 0;
 
   constructor(journal: Journal) {
@@ -58,7 +58,7 @@ export class CountsUntil {
     else count.total_ns += by * this.#lengths.at(index);
   }
 
-  #of(number: number): Draft {
+  #of(number: number): CountUntilDraft {
     let count = this.#all[number];
     if (!count) {
       count = { path: this.#journal.pathOf(number), entries: 0, total_ns: 0 };

@@ -1,5 +1,5 @@
 import { expect, test } from "vitest";
-import { type Draft, type DraftStorage, openDrafts } from "./drafts.ts";
+import { type DraftStorage, type FieldDraft, openDrafts } from "./drafts.ts";
 
 function memory(): DraftStorage & { readonly entries: Map<string, string> } {
   const entries = new Map<string, string>();
@@ -15,7 +15,7 @@ function memory(): DraftStorage & { readonly entries: Map<string, string> } {
   };
 }
 
-const DRAFT: Draft = { machine: "m", path: "R/A", field: "script", text: "new", base: "old" };
+const DRAFT: FieldDraft = { machine: "m", path: "R/A", field: "script", text: "new", base: "old" };
 
 test("a draft outlives the page until it is dropped", () => {
   const storage = memory();

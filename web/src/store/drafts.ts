@@ -11,7 +11,7 @@ export interface DraftPlace {
   readonly field: "script" | "description";
 }
 
-export interface Draft extends DraftPlace {
+export interface FieldDraft extends DraftPlace {
   readonly text: string;
   /** What the machine said when the draft was begun: if it says something else now, somebody else has changed it. */
   readonly base: string;
@@ -21,9 +21,9 @@ export interface Draft extends DraftPlace {
 export type DraftStorage = Pick<Storage, "getItem" | "setItem" | "removeItem" | "key" | "length">;
 
 export interface Drafts {
-  readonly all: ReadonlySignal<ReadonlyMap<string, Draft>>;
-  readonly get: (place: DraftPlace) => Draft | undefined;
-  readonly keep: (draft: Draft) => void;
+  readonly all: ReadonlySignal<ReadonlyMap<string, FieldDraft>>;
+  readonly get: (place: DraftPlace) => FieldDraft | undefined;
+  readonly keep: (draft: FieldDraft) => void;
   readonly drop: (place: DraftPlace) => void;
   /** Lets the drafts of a state and of those inside it follow to another path. */
   readonly move: (machine: string, from: string, to: string) => void;
@@ -37,7 +37,7 @@ export function draftKey({ machine, path, field }: DraftPlace): string {
 
 /** Drafts that are kept in this storage; without one they last as long as the page. */
 export function openDrafts(storage: DraftStorage | null): Drafts {
-  const all = signal<ReadonlyMap<string, Draft>>(storage ? stored(storage) : new Map());
+  const all = signal<ReadonlyMap<string, FieldDraft>>(storage ? stored(storage) : new Map());
   const drop = (place: DraftPlace) => {
     const key = draftKey(place);
     if (!all.peek().has(key)) return;
@@ -46,7 +46,7 @@ export function openDrafts(storage: DraftStorage | null): Drafts {
     all.value = left;
     storage?.removeItem(PREFIX + key);
   };
-  const keep = (draft: Draft) => {
+  const keep = (draft: FieldDraft) => {
     const key = draftKey(draft);
     all.value = new Map(all.peek()).set(key, draft);
     try {
@@ -66,8 +66,8 @@ export function openDrafts(storage: DraftStorage | null): Drafts {
   return { all, get: (place) => all.value.get(draftKey(place)), keep, drop, move };
 }
 
-function stored(storage: DraftStorage): ReadonlyMap<string, Draft> {
-  const found = new Map<string, Draft>();
+function stored(storage: DraftStorage): ReadonlyMap<string, FieldDraft> {
+  const found = new Map<string, FieldDraft>();
   for (let index = 0; index < storage.length; index++) {
     const key = storage.key(index);
     const text = key?.startsWith(PREFIX) ? storage.getItem(key) : null;
@@ -77,13 +77,13 @@ function stored(storage: DraftStorage): ReadonlyMap<string, Draft> {
   return found;
 }
 
-function read(text: string): Draft | null {
+function read(text: string): FieldDraft | null {
   try {
     const { machine, path, field, text: draft, base } = JSON.parse(text) as Record<string, unknown>;
     const texts = [machine, path, draft, base];
     if (texts.some((part) => typeof part !== "string")) return null;
     if (field !== "script" && field !== "description") return null;
-    return { machine, path, field, text: draft, base } as Draft;
+    return { machine, path, field, text: draft, base } as FieldDraft;
   } catch {
     return null;
   }

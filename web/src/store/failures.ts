@@ -9,7 +9,7 @@ import { readTraceback, withoutModule } from "../model/traceback.ts";
 import { read } from "../model/wire.ts";
 import { ENTERED, type Journal, LEFT, OTHER } from "./journal.ts";
 
-export interface Failure {
+export interface RunFailure {
   /** Of the event that it is told by; of what happened several times, the newest. */
   readonly sequence: number;
   /** The same of the first time: by this it is known. */
@@ -35,20 +35,20 @@ const TRACEBACK_NEAR = 5;
 
 export class Failures {
   /** By state and cause, in the order in which they happened first. */
-  readonly #all = new Map<string, Failure>();
-  #list: readonly Failure[] = [];
+  readonly #all = new Map<string, RunFailure>();
+  #list: readonly RunFailure[] = [];
   #next = 0;
   /** The newest by itself, its cause, and what stood there before it; null before anything went wrong. */
   #last: {
-    readonly failure: Failure;
+    readonly failure: RunFailure;
     readonly cause: string;
-    readonly before: Failure | null;
+    readonly before: RunFailure | null;
   } | null = null;
   /** The state that an error has climbed to and may climb on from: nothing has run beside it since. */
   #climbing: string | null = null;
 
   /** All of them, in the order in which they happened first; the same object as before if there is nothing new. */
-  found(journal: Journal): readonly Failure[] {
+  found(journal: Journal): readonly RunFailure[] {
     let isNew = false;
     for (; this.#next < journal.length; this.#next += 1) {
       if (this.#look(journal, this.#next)) isNew = true;
@@ -68,7 +68,7 @@ export class Failures {
   }
 
   /** Beside the one before, or as a part of it. */
-  #put(failure: Failure): void {
+  #put(failure: RunFailure): void {
     const last = this.#last;
     const joined = last && this.#together(last.failure, failure);
     if (isEnd(failure)) this.#climbing = failure.path;
@@ -80,7 +80,7 @@ export class Failures {
   }
 
   /** Counts it where the same happened before. */
-  #fold(failure: Failure): void {
+  #fold(failure: RunFailure): void {
     const cause = causeOf(failure);
     const before = this.#all.get(cause) ?? null;
     const { first, count } = before ?? { first: failure.sequence, count: 0 };
@@ -90,7 +90,7 @@ export class Failures {
     if (this.#all.size > FAILURES_MAX && oldest !== undefined) this.#all.delete(oldest);
   }
 
-  #together(before: Failure, failure: Failure): Failure | null {
+  #together(before: RunFailure, failure: RunFailure): RunFailure | null {
     if (!isEnd(failure)) return null;
     if (isTracebackOf(before, failure)) {
       return { ...failure, text: failure.text || lastLine(before.text) };
@@ -101,17 +101,20 @@ export class Failures {
 }
 
 /** The same for what happened to the same state for the same reason. Numbers in a text are seldom a reason of their own. */
-function causeOf({ kind, level, path, text }: Failure): string {
+function causeOf({ kind, level, path, text }: RunFailure): string {
   return [kind, level, path, text.replace(/\d+([.,]\d+)?/g, "#")].join("\n");
 }
 
 /** Whether it is about a state that ended. */
-export function isEnd({ kind }: Failure): boolean {
+export function isEnd({ kind }: RunFailure): boolean {
   return kind === "aborted" || kind === "error";
 }
 
 /** Whether a line of the log is about the same error. Of one that says itself what it is, only its traceback is. */
-function isTracebackOf({ kind, level, path, sequence, text }: Failure, failure: Failure): boolean {
+function isTracebackOf(
+  { kind, level, path, sequence, text }: RunFailure,
+  failure: RunFailure,
+): boolean {
   const isNear = failure.sequence - sequence <= TRACEBACK_NEAR;
   const isAbout = failure.text === "" || readTraceback(text) !== null;
   return kind === "log" && level === "error" && path === failure.path && isNear && isAbout;
@@ -121,7 +124,7 @@ function lastLine(text: string): string {
   return withoutModule(text.trimEnd().split("\n").at(-1) ?? "");
 }
 
-function at(journal: Journal, index: number): Failure | null {
+function at(journal: Journal, index: number): RunFailure | null {
   const [sequence, t_ns, kind] = [
     journal.sequence(index),
     journal.t_ns(index),
@@ -136,9 +139,9 @@ function at(journal: Journal, index: number): Failure | null {
   return about ? { sequence, first: sequence, t_ns, ...about, reach: about.path, count: 1 } : null;
 }
 
-type About = Pick<Failure, "kind" | "level" | "path" | "text">;
+type FailureCause = Pick<RunFailure, "kind" | "level" | "path" | "text">;
 
-function ofEnd(journal: Journal, index: number): About | null {
+function ofEnd(journal: Journal, index: number): FailureCause | null {
   const isAborted = journal.outcome(index)?.id === ABORTED;
   if (journal.isBack(index) || !(isAborted || journal.hasError(index))) return null;
   const path = journal.pathOf(journal.pathNumber(index));
@@ -147,7 +150,7 @@ function ofEnd(journal: Journal, index: number): About | null {
 }
 
 /** What a state did that failed; empty of all else. */
-export function didInWords(kind: Failure["kind"]): string {
+export function didInWords(kind: RunFailure["kind"]): string {
   return kind === "aborted" ? "aborted" : kind === "error" ? "ended with an error" : "";
 }
 
@@ -160,7 +163,7 @@ export function errorInWords(error: unknown): string {
   return found.kind === "text" ? found.text : withoutModule(shortValue(error, ERROR_MAX));
 }
 
-function ofEvent(event: Event): About | null {
+function ofEvent(event: Event): FailureCause | null {
   switch (event.type) {
     case "log": {
       const { level, path, message: text } = event;

@@ -1,15 +1,15 @@
 import { expect, test } from "vitest";
 import type { Edit } from "../model/generated/protocol.ts";
 import { sketch } from "../model/sketch.ts";
-import { type Draft, openDrafts } from "./drafts.ts";
+import { type FieldDraft, openDrafts } from "./drafts.ts";
 import { followDrafts } from "./follow_drafts.ts";
 import { OptimisticDocument, type TouchedPaths } from "./optimistic_document.ts";
 import { predictedWrites } from "./predict/predict.ts";
 
-const DRAFT: Draft = { machine: "m", path: "R/A", field: "script", text: "new", base: "old" };
+const DRAFT: FieldDraft = { machine: "m", path: "R/A", field: "script", text: "new", base: "old" };
 
 /** A machine that is edited, and what becomes of a draft of one of its states. */
-function followed(draft: Draft) {
+function followed(draft: FieldDraft) {
   const document = sketch(`
     R hierarchy 0 0 400 300 outcome ok
       A execution 20 20 80 60 outcome ok

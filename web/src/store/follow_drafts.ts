@@ -3,7 +3,7 @@
 import type { StateDocument } from "../model/generated/protocol.ts";
 import type { Machine } from "../model/machine.ts";
 import { idOf } from "../model/path.ts";
-import type { Draft, Drafts } from "./drafts.ts";
+import type { Drafts, FieldDraft } from "./drafts.ts";
 import type { MachineSession } from "./machine_session.ts";
 
 /** Listens until the returned function is called. */
@@ -44,7 +44,7 @@ function renewed(
 
 /** Where the state of a draft stands now: where its id and text came; if it has just gone, where its text came alone. */
 function placeOf(
-  draft: Draft,
+  draft: FieldDraft,
   machine: Machine,
   came: readonly string[],
   hasJustGone: boolean,
@@ -58,7 +58,7 @@ function placeOf(
   return only !== undefined && more.length === 0 ? only : null;
 }
 
-function textOf(state: StateDocument, { field }: Draft): string | null {
+function textOf(state: StateDocument, { field }: FieldDraft): string | null {
   if (field === "description") return state.description ?? "";
   const hasScript = state.kind === "execution" || state.kind === "decider";
   return hasScript ? (state.script ?? "") : null;

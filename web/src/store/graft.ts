@@ -15,7 +15,7 @@ export function libraryKey(library: LibraryDocument): LibraryKey {
 /** The content of a library, if it is here. */
 export type ContentOf = (key: LibraryKey) => Machine | undefined;
 
-interface Found {
+interface GraftedState {
   readonly content: Machine;
   /** The path in there. */
   readonly inner: string;
@@ -26,7 +26,7 @@ const NONE: readonly string[] = [];
 export class Graft {
   readonly #own: (path: string) => StateDocument | undefined;
   readonly #contentOf: ContentOf;
-  readonly #found = new Map<string, Found | null>();
+  readonly #found = new Map<string, GraftedState | null>();
   readonly #children = new Map<string, readonly string[]>();
 
   constructor(own: (path: string) => StateDocument | undefined, contentOf: ContentOf) {
@@ -67,7 +67,7 @@ export class Graft {
     return found.content.children(found.inner).map((inner) => childPath(path, idOf(inner)));
   }
 
-  #find(path: string): Found | null {
+  #find(path: string): GraftedState | null {
     let found = this.#found.get(path);
     if (found === undefined) {
       found = this.#seek(path);
@@ -76,7 +76,7 @@ export class Graft {
     return found;
   }
 
-  #seek(path: string): Found | null {
+  #seek(path: string): GraftedState | null {
     const parent = parentOf(path);
     if (parent === null || this.#own(path)) return null;
     const own = this.#own(parent);

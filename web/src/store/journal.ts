@@ -2,7 +2,7 @@
  * them, nor how they are shown. */
 
 import type { Event, HistoryEntry, JsonValue, Outcome } from "../model/generated/protocol.ts";
-import { Column } from "./column.ts";
+import { NumberColumn } from "./column.ts";
 import { Counts } from "./counts.ts";
 
 /** What is kept of each event in columns. Whatever is none of the first two has its whole event beside. */
@@ -44,14 +44,14 @@ const STRUCTURAL: ReadonlySet<Event["type"]> = new Set(["resumed", "dropped", "r
 const OTHERS_MAX = 20_000;
 
 export class Journal {
-  readonly #sequence = new Column(Float64Array);
-  readonly #t_ns = new Column(Float64Array);
-  readonly #kind = new Column(Uint8Array);
-  readonly #flags = new Column(Uint8Array);
+  readonly #sequence = new NumberColumn(Float64Array);
+  readonly #t_ns = new NumberColumn(Float64Array);
+  readonly #kind = new NumberColumn(Uint8Array);
+  readonly #flags = new NumberColumn(Uint8Array);
   /** The number of the path; of other events that of no path. */
-  readonly #path = new Column(Int32Array);
+  readonly #path = new NumberColumn(Int32Array);
   /** The number of the outcome. */
-  readonly #outcome = new Column(Int32Array);
+  readonly #outcome = new NumberColumn(Int32Array);
   readonly #paths: string[] = [];
   readonly #numbers = new Map<string, number>();
   readonly #outcomes: (Outcome | null)[] = [null];

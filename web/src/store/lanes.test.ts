@@ -1,13 +1,13 @@
 import { expect, test } from "vitest";
 import { Calls } from "./calls.ts";
 import { Journal } from "./journal.ts";
-import { type Lane, Lanes, lookOf, type Row } from "./lanes.ts";
+import { type CallRow, type Lane, lookOf, RunLanes } from "./lanes.ts";
 import { events, randomRun } from "./testing/events.ts";
 
 class Told {
   readonly journal = new Journal();
   readonly calls = new Calls(this.journal);
-  readonly lanes = new Lanes(this.calls);
+  readonly lanes = new RunLanes(this.calls);
 
   add(entries: Parameters<Journal["add"]>[0]): this {
     this.journal.add(entries, (entries.at(-1)?.sequence ?? 0) + 1);
@@ -20,7 +20,7 @@ class Told {
 /** Each lane with its rows and leaves: the first events of calls, and how many failed. */
 function written({ calls, lanes }: Told): string {
   const first = (call: number) => calls.journal.sequence(calls.begin(call));
-  const row = (each: Row) => `${each.calls.map(first).join(" ")} (${each.failed(0, Infinity)})`;
+  const row = (each: CallRow) => `${each.calls.map(first).join(" ")} (${each.failed(0, Infinity)})`;
   const lane = (each: Lane) => [...each.rows, each.leaves].map(row).join(" | ");
   return lanes
     .all()

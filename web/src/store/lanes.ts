@@ -7,9 +7,9 @@ import type { Calls } from "./calls.ts";
 import { DROPPED, NONE, OPEN, TAKEN_BACK } from "./calls.ts";
 
 /** How a call looks. */
-export type Look = "open" | "ended" | "aborted" | "preempted" | "back" | "dropped";
+export type CallLook = "open" | "ended" | "aborted" | "preempted" | "back" | "dropped";
 
-export function lookOf(calls: Calls, call: number): Look {
+export function lookOf(calls: Calls, call: number): CallLook {
   if (calls.isBack(call)) return "back";
   switch (calls.how(call)) {
     case OPEN:
@@ -33,7 +33,7 @@ export function hasFailed(calls: Calls, call: number): boolean {
 }
 
 /** Calls at one depth of a branch, one after the other. */
-export class Row {
+export class CallRow {
   readonly calls: number[] = [];
   /** How many of the calls before each ended by aborted or with an error. */
   readonly #failed: number[] = [0];
@@ -93,18 +93,18 @@ export interface Lane {
   readonly depth: number;
   /** The path of the branch around; null of the root's. */
   readonly parent: string | null;
-  readonly rows: readonly Row[];
+  readonly rows: readonly CallRow[];
   /** The calls that had nothing inside when another one came after them: what really worked. */
-  readonly leaves: Row;
+  readonly leaves: CallRow;
 }
 
-interface Draft extends Lane {
-  readonly rows: Row[];
+interface LaneDraft extends Lane {
+  readonly rows: CallRow[];
 }
 
-export class Lanes {
+export class RunLanes {
   readonly #calls: Calls;
-  #lanes = new Map<number, Draft>();
+  #lanes = new Map<number, LaneDraft>();
   /** By path: the number of the path that its lane begins with, and its depth there. */
   #place: { readonly lane: number; readonly row: number }[] = [];
   #put = 0;
@@ -146,24 +146,24 @@ export class Lanes {
   #add(call: number): void {
     const { lane, row } = this.#placed(this.#calls.pathNumber(call));
     const draft = this.#lane(lane);
-    while (draft.rows.length <= row) draft.rows.push(new Row(this.#calls));
+    while (draft.rows.length <= row) draft.rows.push(new CallRow(this.#calls));
     draft.rows[row]?.add(call);
     const { calls } = draft.leaves;
     if (calls.at(-1) === this.#calls.parent(call)) calls.pop();
     calls.push(call);
   }
 
-  #lane(path: number): Draft {
+  #lane(path: number): LaneDraft {
     const known = this.#lanes.get(path);
     if (known) return known;
     const outer = this.#calls.parentPath(path);
     const parent = outer === NONE ? undefined : this.#lane(this.#placed(outer).lane);
-    const lane: Draft = {
+    const lane: LaneDraft = {
       path: this.#calls.journal.pathOf(path),
       depth: parent ? parent.depth + 1 : 0,
       parent: parent?.path ?? null,
       rows: [],
-      leaves: new Row(this.#calls),
+      leaves: new CallRow(this.#calls),
     };
     this.#lanes.set(path, lane);
     return lane;
@@ -193,13 +193,13 @@ function ordered(lanes: readonly Lane[]): readonly Lane[] {
   return below(null);
 }
 
-const OF = new WeakMap<Calls, Lanes>();
+const OF = new WeakMap<Calls, RunLanes>();
 
 /** The lanes of a run, as far as it was told. */
-export function lanesOf(calls: Calls): Lanes {
+export function lanesOf(calls: Calls): RunLanes {
   let lanes = OF.get(calls);
   if (!lanes) {
-    lanes = new Lanes(calls);
+    lanes = new RunLanes(calls);
     OF.set(calls, lanes);
   }
   lanes.follow();

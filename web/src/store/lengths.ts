@@ -1,20 +1,20 @@
 /** How long states had been active when they ended, by the end's index in the journal. Each event is read once. */
 
-import { Column } from "./column.ts";
+import { NumberColumn } from "./column.ts";
 import { ENTERED, type Journal, LEFT } from "./journal.ts";
 
-const KNOWN = new WeakMap<Journal, Lengths>();
+const KNOWN = new WeakMap<Journal, CallLengths>();
 
-export function lengthsOf(journal: Journal): Lengths {
-  const known = KNOWN.get(journal) ?? new Lengths(journal);
+export function lengthsOf(journal: Journal): CallLengths {
+  const known = KNOWN.get(journal) ?? new CallLengths(journal);
   KNOWN.set(journal, known);
   return known;
 }
 
-export class Lengths {
+export class CallLengths {
   readonly #journal: Journal;
   /** Of what is no end, 0. */
-  readonly #lengths = new Column(Float64Array);
+  readonly #lengths = new NumberColumn(Float64Array);
   /** When states were entered last, by the number of their path. */
   readonly #entered: number[] = [];
 

@@ -16,7 +16,7 @@ export function kept<T extends object>(localStore: LocalStore, key: string): T |
 }
 
 /** The storage of a browser. */
-export function shedOf(storage: () => Storage): LocalStore {
+export function localStoreOf(storage: () => Storage): LocalStore {
   return {
     get: (key) => {
       try {

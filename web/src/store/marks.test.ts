@@ -6,7 +6,7 @@ import { sketch } from "../model/sketch.ts";
 import type { Active } from "./active.ts";
 import { Journal } from "./journal.ts";
 import { failedStates, stateMarks, transitionOf } from "./marks.ts";
-import { Trail } from "./trail.ts";
+import { RecentPath } from "./recent_path.ts";
 
 const MACHINE = machineOf(
   sketch(`
@@ -46,19 +46,19 @@ function eventOf(word: string): Event {
     : { type: "left", path, undoes, outcome: { id: Number(id), name: "" } };
 }
 
-function trailOf(text: string): Trail {
-  const trail = new Trail((path) => {
+function trailOf(text: string): RecentPath {
+  const recentPath = new RecentPath((path) => {
     const state = MACHINE.state(path);
     return state !== undefined && isConcurrent(state);
   });
   const told = journal(text);
-  trail.follow(told, told.length);
-  return trail;
+  recentPath.follow(told, told.length);
+  return recentPath;
 }
 
 /** What lies behind: states and transitions with their age. */
-function told(trail: Trail): string {
-  return trail
+function told(recentPath: RecentPath): string {
+  return recentPath
     .past()
     .map(({ path, taken, age, goal }) => {
       const line = taken && transitionOf(MACHINE, taken, goal);
@@ -100,9 +100,9 @@ test("a transition is not taken where the run went on elsewhere", () => {
 
 test("each branch has its own way, and what ended of it stays in the one around", () => {
   const inside = ">R >R/C >R/C/X >R/C/Y >R/C/X/U <R/C/X/U";
-  const trail = trailOf(inside);
-  expect(trail.branch("R/C/X/U")).toBe("R/C/X");
-  expect(told(trail)).toContain("0 R/C/X/U");
+  const recentPath = trailOf(inside);
+  expect(recentPath.branch("R/C/X/U")).toBe("R/C/X");
+  expect(told(recentPath)).toContain("0 R/C/X/U");
   expect(told(trailOf(`${inside} <R/C/X <R/C/Y <R/C`))).toMatch(/1 R\/C\/Y\n0 R\/C$/);
 });
 
@@ -113,15 +113,15 @@ test("no more than a dozen steps stay", () => {
 });
 
 test("a step back takes the last step away", () => {
-  const trail = trailOf(">R >R/A <R/A >R/B <R/B >R/B! <R/B!");
-  expect(told(trail)).toBe(`1 ${START.replace("transition:", "")}\n0 R/A`);
-  expect(transitionOf(MACHINE, trail.from("R"), "R/B")).toBe(AB);
+  const recentPath = trailOf(">R >R/A <R/A >R/B <R/B >R/B! <R/B!");
+  expect(told(recentPath)).toBe(`1 ${START.replace("transition:", "")}\n0 R/A`);
+  expect(transitionOf(MACHINE, recentPath.from("R"), "R/B")).toBe(AB);
 });
 
 test("where a held branch goes next is its transition, if that leads there", () => {
-  const trail = trailOf(">R >R/A <R/A");
-  expect(transitionOf(MACHINE, trail.from("R"), "R/B")).toBe(AB);
-  expect(transitionOf(MACHINE, trail.from("R"), "R/C")).toBe(null);
+  const recentPath = trailOf(">R >R/A <R/A");
+  expect(transitionOf(MACHINE, recentPath.from("R"), "R/B")).toBe(AB);
+  expect(transitionOf(MACHINE, recentPath.from("R"), "R/C")).toBe(null);
 });
 
 const written = (marks: ReturnType<typeof stateMarks>) =>
@@ -136,8 +136,8 @@ const written = (marks: ReturnType<typeof stateMarks>) =>
     .join("\n");
 
 test("what runs is louder than what ran, and containers tell what runs inside", () => {
-  const trail = trailOf(">R >R/A <R/A >R/B");
-  const marks = stateMarks([active("R"), active("R/B")], trail, new Set());
+  const recentPath = trailOf(">R >R/A <R/A >R/B");
+  const marks = stateMarks([active("R"), active("R/B")], recentPath, new Set());
   expect(written(marks)).toBe("R running 1\nR/A trail\nR/B running leaf");
   expect(marks.get("R/B")?.since_ms).toBe(2_500);
 });

@@ -9,10 +9,10 @@ import { idOf, parentOf } from "../model/path.ts";
 import { openFailures } from "./acknowledged.ts";
 import { type Active, activeStates, lanes } from "./active.ts";
 import { countsUntil } from "./counts_until.ts";
-import { type Failure, isEnd } from "./failures.ts";
+import { isEnd, type RunFailure } from "./failures.ts";
 import type { MachineSession } from "./machine_session.ts";
+import { RecentPath, type TakenTransition, type TransitionGoal } from "./recent_path.ts";
 import type { Watch } from "./run.ts";
-import { type Goal, type Taken, Trail } from "./trail.ts";
 
 /** `next`: a held branch will enter it. `inside`: it is quiet itself. */
 export type MarkPhase =
@@ -91,7 +91,7 @@ function following(watch: Watch, session: MachineSession): ReadonlySignal<RunMar
     const state = session.machine.state(path);
     return state !== undefined && isConcurrent(state);
   };
-  const newTrail = () => new Trail(isConcurrentAt);
+  const newTrail = () => new RecentPath(isConcurrentAt);
   let live = newTrail();
   let version = session.machine.version;
   return computed(() => {
@@ -101,13 +101,13 @@ function following(watch: Watch, session: MachineSession): ReadonlySignal<RunMar
     version = session.machine.version;
     const { journal } = watch;
     const until = shownUntil(watch);
-    const trail = until === null ? live : newTrail();
+    const recentPath = until === null ? live : newTrail();
     const index = until === null ? journal.length : journal.indexOf(until + 1);
-    trail.follow(journal, index);
+    recentPath.follow(journal, index);
     const failed = failedStates(openFailures(watch).value, until ?? Number.POSITIVE_INFINITY);
     return {
-      states: stateMarks(activeStates(watch), trail, failed),
-      lines: lineMarks(activeStates(watch), trail, session.machine),
+      states: stateMarks(activeStates(watch), recentPath, failed),
+      lines: lineMarks(activeStates(watch), recentPath, session.machine),
       visits:
         until === null
           ? (path) => journal.counts.get(path)?.entries ?? 0
@@ -123,7 +123,7 @@ function shownUntil(watch: Watch): number | null {
 }
 
 /** The states that failed up to an event, from where it began to where it was taken care of. */
-export function failedStates(open: readonly Failure[], until: number): ReadonlySet<string> {
+export function failedStates(open: readonly RunFailure[], until: number): ReadonlySet<string> {
   const found = new Set<string>();
   for (const failure of open) {
     const { path, reach, first } = failure;
@@ -135,22 +135,22 @@ export function failedStates(open: readonly Failure[], until: number): ReadonlyS
   return found;
 }
 
-type Draft = { -readonly [K in keyof RunMark]: RunMark[K] };
+type RunMarkDraft = { -readonly [K in keyof RunMark]: RunMark[K] };
 
 /** The marks of states by path: their own, and of all around them how loud it is inside. */
 export function stateMarks(
   active: readonly Active[],
-  trail: Trail,
+  recentPath: RecentPath,
   failed: ReadonlySet<string>,
 ): ReadonlyMap<string, RunMark> {
-  const marks = new Map<string, Draft>();
-  const mark = (path: string, phase: MarkPhase): Draft => {
+  const marks = new Map<string, RunMarkDraft>();
+  const mark = (path: string, phase: MarkPhase): RunMarkDraft => {
     const found = marks.get(path) ?? newMark();
     marks.set(path, found);
     if (louder(phase, found.phase)) found.phase = phase;
     return found;
   };
-  for (const { path, age, outcome } of trail.past()) {
+  for (const { path, age, outcome } of recentPath.past()) {
     if (path !== null)
       Object.assign(mark(path, "trail"), { age, preempted: outcome === PREEMPTED });
   }
@@ -165,7 +165,10 @@ export function stateMarks(
 }
 
 /** What is active now says what a state is, whatever it was before. */
-function activeMarks(active: readonly Active[], mark: (path: string, phase: MarkPhase) => Draft) {
+function activeMarks(
+  active: readonly Active[],
+  mark: (path: string, phase: MarkPhase) => RunMarkDraft,
+) {
   const inner = new Set(active.map(({ path }) => parentOf(path)));
   for (const state of active) {
     const found = mark(state.path, "inside");
@@ -199,7 +202,7 @@ function stillAround(active: readonly Active[]): readonly string[] {
     .map(({ path }) => path);
 }
 
-function newMark(): Draft {
+function newMark(): RunMarkDraft {
   return {
     phase: "inside",
     loudest: "inside",
@@ -219,7 +222,7 @@ function spread(
   path: string,
   phase: MarkPhase,
   what: "loudest" | "loudestActive",
-  mark: (path: string, phase: MarkPhase) => Draft,
+  mark: (path: string, phase: MarkPhase) => RunMarkDraft,
 ) {
   for (let at: string | null = path; at !== null; at = parentOf(at)) {
     const found = mark(at, "inside");
@@ -236,17 +239,17 @@ export function louder(one: MarkPhase, other: MarkPhase): boolean {
 
 function lineMarks(
   active: readonly Active[],
-  trail: Trail,
+  recentPath: RecentPath,
   machine: Machine,
 ): ReadonlyMap<ElementKey, LineMarkOfRun> {
   const marks = new Map<ElementKey, LineMarkOfRun>();
-  for (const { taken, goal, age, sequence } of trail.past()) {
+  for (const { taken, goal, age, sequence } of recentPath.past()) {
     const key = taken && transitionOf(machine, taken, goal);
     if (key) marks.set(key, { isNext: false, age, sequence });
   }
   for (const { path, held } of active) {
     for (const { next } of held) {
-      const key = transitionOf(machine, trail.from(path), next);
+      const key = transitionOf(machine, recentPath.from(path), next);
       if (key) marks.set(key, { isNext: true, age: 0, sequence: 0 });
     }
   }
@@ -256,8 +259,8 @@ function lineMarks(
 /** The transition's key; null if the machine has none such, or it leads elsewhere than it must. */
 export function transitionOf(
   machine: Machine,
-  { container, from, outcome }: Taken,
-  goal: Goal | null = null,
+  { container, from, outcome }: TakenTransition,
+  goal: TransitionGoal | null = null,
 ): ElementKey | null {
   const state = machine.state(container);
   if (!state) return null;
@@ -271,7 +274,7 @@ export function transitionOf(
   return keyOf({ kind: "transition", path: container, id: found.id });
 }
 
-function leads({ to_state, to_outcome }: TransitionDocument, goal: Goal): boolean {
+function leads({ to_state, to_outcome }: TransitionDocument, goal: TransitionGoal): boolean {
   return typeof goal === "string"
     ? to_outcome == null && to_state === idOf(goal)
     : to_outcome === goal;

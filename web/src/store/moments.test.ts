@@ -1,7 +1,7 @@
 import { signal } from "@preact/signals-core";
 import { expect, test } from "vitest";
-import { Found } from "./found.ts";
 import { Journal } from "./journal.ts";
+import { JournalHits } from "./journal_hits.ts";
 import { entryToStartFrom, shownIndex, showTime, stepPlayhead, toEnd, toEntry } from "./moments.ts";
 import { Notes } from "./notes.ts";
 import type { Watch } from "./run.ts";
@@ -68,14 +68,14 @@ test("states, outcomes and texts are found, also while the journal grows", () =>
   const { journal } = watched();
   const name = (path: string) => (path === "R/A" ? "Look around" : path);
   const hits = (words: string) => {
-    const found = new Found(journal, words, name);
+    const found = new JournalHits(journal, words, name);
     found.follow();
     return found.hits.map((index) => journal.sequence(index));
   };
   expect(hits("look")).toEqual([2, 6, 8]);
   expect(hits("SEEN")).toEqual([4]);
   expect(hits(" ")).toEqual([]);
-  const found = new Found(journal, "look", name);
+  const found = new JournalHits(journal, "look", name);
   found.follow();
   journal.add([{ sequence: 10, t_ns: 10e6, event: { type: "entered", path: "R/A" } }], 11);
   found.follow();

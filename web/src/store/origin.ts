@@ -1,6 +1,6 @@
 /** When a value came to where it is in a run, and from which state: by the data flows of the machine and what ran when. */
 
-import { type Ends, flowEnds, isPort, type PortRef } from "../model/ends.ts";
+import { type ConnectionEnds, type DataPort, flowEnds, isPort } from "../model/ends.ts";
 import { dataFlowsOf, type Machine } from "../model/machine.ts";
 import { parentOf } from "../model/path.ts";
 import type { Visits } from "./visits.ts";
@@ -21,7 +21,7 @@ const STEPS_MAX = 64;
 export function originOf(
   machine: Machine,
   visits: Visits,
-  port: PortRef,
+  port: DataPort,
   until: number | null,
   steps = STEPS_MAX,
 ): Origin | null {
@@ -38,7 +38,7 @@ export function originOf(
 function scopedOrigin(
   machine: Machine,
   visits: Visits,
-  port: PortRef,
+  port: DataPort,
   begun: number,
   until: number | null,
 ): Origin {
@@ -56,7 +56,7 @@ function scopedOrigin(
 function giverOf(
   machine: Machine,
   visits: Visits,
-  port: PortRef,
+  port: DataPort,
   entered: number,
   steps: number,
 ): string | null {
@@ -71,7 +71,7 @@ function giverOf(
   return found?.path ?? null;
 }
 
-function flowsTo(machine: Machine, container: string, port: PortRef): readonly Ends[] {
+function flowsTo(machine: Machine, container: string, port: DataPort): readonly ConnectionEnds[] {
   const state = machine.state(container);
   if (!state) return [];
   return dataFlowsOf(state).flatMap((flow) => {

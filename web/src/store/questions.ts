@@ -16,7 +16,7 @@ export interface Closed {
   readonly author: string;
 }
 
-export interface Asked {
+export interface AskedQuestions {
   /** When questions were asked, by their ids: ns since the start of the run. */
   readonly since_ns: ReadonlyMap<number, number>;
   /** Those that ended last, the newest first. */
@@ -26,9 +26,9 @@ export interface Asked {
 /** So many that ended are kept. */
 const CLOSED_MAX = 20;
 
-type Known = Pick<Watch, "journal" | "journalVersion">;
+type QuestionsWatch = Pick<Watch, "journal" | "journalVersion">;
 
-const ALL = new WeakMap<Known, ReadonlySignal<Asked>>();
+const ALL = new WeakMap<QuestionsWatch, ReadonlySignal<AskedQuestions>>();
 
 /** The questions that wait for an answer now, whatever moment is shown: they are answered now. */
 export function openQuestions(watch: Pick<Watch, "now">): readonly Question[] {
@@ -37,7 +37,7 @@ export function openQuestions(watch: Pick<Watch, "now">): readonly Question[] {
 }
 
 /** When questions were asked and how they ended, found while the journal grows. */
-export function askedQuestions(watch: Known): ReadonlySignal<Asked> {
+export function askedQuestions(watch: QuestionsWatch): ReadonlySignal<AskedQuestions> {
   const there = ALL.get(watch);
   if (there) return there;
   const walker = new Walker();
@@ -50,18 +50,18 @@ export function askedQuestions(watch: Known): ReadonlySignal<Asked> {
 }
 
 /** Who else answered a question; null while nobody is known to. A signal's reader. */
-export function answeredBy(watch: Known, question: number): string | null {
+export function answeredBy(watch: QuestionsWatch, question: number): string | null {
   const end = askedQuestions(watch).value.closed.find((each) => each.question.id === question);
   return end?.how === "answered" && end.author !== "" ? end.author : null;
 }
 
 class Walker {
-  #asked: Asked = { since_ns: new Map(), closed: [] };
+  #asked: AskedQuestions = { since_ns: new Map(), closed: [] };
   readonly #open = new Map<number, Question>();
   #next = 0;
 
   /** The same object as before if there is nothing new. */
-  found(journal: Watch["journal"]): Asked {
+  found(journal: Watch["journal"]): AskedQuestions {
     for (; this.#next < journal.length; this.#next += 1) {
       if (journal.kind(this.#next) === OTHER) this.#look(journal, this.#next);
     }

@@ -4,7 +4,7 @@ import type { LogLevel, LogLine, LogPage, Stream } from "../model/generated/prot
 import { OTHER } from "./journal.ts";
 import type { Runs, Watch } from "./run.ts";
 
-export interface RunLine {
+export interface RunLogLine {
   readonly sequence: number;
   readonly t_ns: number;
   /** The state that wrote it; empty if none did. */
@@ -22,7 +22,7 @@ const PAGE = 1_000;
 
 export class RunLog {
   readonly #watch: Pick<Watch, "id" | "journal">;
-  #lines: RunLine[] = [];
+  #lines: RunLogLine[] = [];
   #index = 0;
   #from = 1;
   #age = 0;
@@ -34,7 +34,7 @@ export class RunLog {
   }
 
   /** Those that are here, the oldest first. The list grows. */
-  get lines(): readonly RunLine[] {
+  get lines(): readonly RunLogLine[] {
     return this.#lines;
   }
 
@@ -60,7 +60,7 @@ export class RunLog {
   /** Asks for lines before those that are here. Throws a `RefusalError`. */
   async older(runs: Pick<Runs, "get">): Promise<void> {
     const [to, begin] = [this.#from, Math.max(1, this.#from - OLDER_EVENTS)];
-    const found: RunLine[] = [];
+    const found: RunLogLine[] = [];
     for (let next = begin; next < to; ) {
       const page: LogPage = await runs.get(this.#watch.id, `log?from=${next}&count=${PAGE}`);
       found.push(...page.lines.filter(({ sequence }) => sequence < to).map(lineOf));
@@ -101,7 +101,7 @@ export class RunLog {
   }
 }
 
-function lineOf({ sequence, t_ns, path, level, stream, message }: LogLine): RunLine {
+function lineOf({ sequence, t_ns, path, level, stream, message }: LogLine): RunLogLine {
   return { sequence, t_ns, path, level, stream, message };
 }
 

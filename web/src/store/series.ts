@@ -11,7 +11,7 @@ const CHANGES_MAX = 100;
 /** Of so many points two stay. */
 const GROUP = 4;
 
-export interface Point {
+export interface SeriesPoint {
   readonly sequence: number;
   readonly t_ns: number;
   readonly value: number;
@@ -24,14 +24,14 @@ export interface ChangeOfValue {
 }
 
 export class Series {
-  #points: Point[] = [];
+  #points: SeriesPoint[] = [];
   #changes: ChangeOfValue[] = [];
   #count = 0;
   /** What came last, if it was no number, as a text. */
   #last: string | null = null;
 
   /** Numbers and truths, the oldest first. */
-  get points(): readonly Point[] {
+  get points(): readonly SeriesPoint[] {
     return this.#points;
   }
 
@@ -66,12 +66,12 @@ export class Series {
   }
 
   /** The last number up to an event; null before the first. */
-  upTo(sequence: number): Point | null {
+  upTo(sequence: number): SeriesPoint | null {
     return this.#points[this.#indexAfter(sequence) - 1] ?? null;
   }
 
   /** The number before or after an event. */
-  beside(sequence: number, side: "before" | "after"): Point | null {
+  beside(sequence: number, side: "before" | "after"): SeriesPoint | null {
     const index =
       side === "before" ? this.#indexAfter(sequence - 1) - 1 : this.#indexAfter(sequence);
     return this.#points[index] ?? null;
@@ -97,9 +97,9 @@ function numberOf(value: JsonValue): number | null {
 }
 
 /** The older half of the points thinned to the extremes of each few, in their order. */
-function thinned(points: readonly Point[]): Point[] {
+function thinned(points: readonly SeriesPoint[]): SeriesPoint[] {
   const half = points.length >> 1;
-  const kept: Point[] = [];
+  const kept: SeriesPoint[] = [];
   for (let at = 0; at < half; at += GROUP) {
     const group = points.slice(at, Math.min(at + GROUP, half));
     const [least, greatest] = extremes(group);
@@ -111,7 +111,7 @@ function thinned(points: readonly Point[]): Point[] {
   return [...kept, ...points.slice(half)];
 }
 
-function extremes(group: readonly Point[]): readonly [Point, Point] {
+function extremes(group: readonly SeriesPoint[]): readonly [SeriesPoint, SeriesPoint] {
   const [first, ...rest] = group;
   let [least, greatest] = [first, first];
   for (const point of rest) {

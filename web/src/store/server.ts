@@ -25,7 +25,7 @@ export type Link =
   | { readonly state: "refused"; readonly reason: string };
 
 /** How the server is heard. */
-export interface Pulse {
+export interface ServerPulse {
   /** When it was heard last: ms since 1970 by this browser's clock. */
   readonly heard_ms: number;
   /** How long a question and its answer took last. */
@@ -65,7 +65,7 @@ export interface Follower {
 export interface Server {
   readonly link: ReadonlySignal<Link>;
   /** Null before the server was heard for the first time. */
-  readonly pulse: ReadonlySignal<Pulse | null>;
+  readonly pulse: ReadonlySignal<ServerPulse | null>;
   /** Asks below `/api/v1`; throws a [`RefusalError`], also if nothing comes for too long. */
   readonly request: <T>(
     method: "GET" | "POST" | "PUT" | "PATCH" | "DELETE",

@@ -1,10 +1,10 @@
 import { describe, expect, it } from "vitest";
 import { memoryStore } from "./local_store.ts";
-import { keepSession, readSession, restoreView, type Session } from "./session.ts";
+import { type KeptTabs, keepSession, readSession, restoreView } from "./session.ts";
 import { FIRST_CAMERA, MODES, newView } from "./view.ts";
 
 const FILE = { project: "p", path: "machine" };
-const SESSION: Session = {
+const SESSION: KeptTabs = {
   tabs: [
     {
       file: FILE,

@@ -18,7 +18,7 @@ export interface KeptTab {
   readonly contents: readonly (readonly [string, boolean])[];
 }
 
-export interface Session {
+export interface KeptTabs {
   readonly tabs: readonly KeptTab[];
   /** The place of the one in front; null: none of them. */
   readonly active: number | null;
@@ -27,7 +27,7 @@ export interface Session {
 const KEY = "rafcon.session";
 
 /** What is open now. Machines without a folder are not kept. Reads signals: an effect is told when anything is different. */
-export function sessionOf(tabs: readonly OpenTab[], active: OpenTab | null): Session {
+export function sessionOf(tabs: readonly OpenTab[], active: OpenTab | null): KeptTabs {
   const all = tabs.flatMap((tab) => {
     const kept = keptTab(tab);
     return kept ? [{ tab, kept }] : [];
@@ -36,13 +36,13 @@ export function sessionOf(tabs: readonly OpenTab[], active: OpenTab | null): Ses
   return { tabs: all.map(({ kept }) => kept), active: at < 0 ? null : at };
 }
 
-export function keepSession(localStore: LocalStore, session: Session): void {
+export function keepSession(localStore: LocalStore, session: KeptTabs): void {
   localStore.put(KEY, session);
 }
 
 /** As it was kept; null if nothing was, or nothing that can be read. */
-export function readSession(localStore: LocalStore): Session | null {
-  const session = kept<Partial<Session>>(localStore, KEY);
+export function readSession(localStore: LocalStore): KeptTabs | null {
+  const session = kept<Partial<KeptTabs>>(localStore, KEY);
   if (!Array.isArray(session?.tabs)) return null;
   const tabs = (session.tabs as Partial<KeptTab>[]).flatMap(readTab);
   return { tabs, active: typeof session.active === "number" ? session.active : null };

@@ -8,17 +8,17 @@ import { lengthsOf } from "./lengths.ts";
 /** Without names: those are the machine's. */
 export type StatisticsUntil = Omit<StateStatistics, "names">;
 
-const KNOWN = new WeakMap<Journal, Ends>();
+const KNOWN = new WeakMap<Journal, StateEnds>();
 
 /** Of all states that had ended before the event with this index, in the order in which they first did. Rows that did not change are the
  * same objects. */
 export function statisticsUntil(journal: Journal, index: number): readonly StatisticsUntil[] {
-  const known = KNOWN.get(journal) ?? new Ends(journal);
+  const known = KNOWN.get(journal) ?? new StateEnds(journal);
   KNOWN.set(journal, known);
   return known.until(index);
 }
 
-class Ends {
+class StateEnds {
   readonly #journal: Journal;
   readonly #states = new Map<number, State>();
   #next = 0;
@@ -49,7 +49,7 @@ class Ends {
   }
 }
 
-type Lengths = Float64Array<ArrayBuffer>;
+type SortedLengths = Float64Array<ArrayBuffer>;
 
 class State {
   /** Indices of the journal, rising. */
@@ -114,7 +114,7 @@ class State {
 }
 
 /** So many rising numbers with others among them; in place if there is room. */
-function merged(numbers: Lengths, count: number, more: Lengths): Lengths {
+function merged(numbers: SortedLengths, count: number, more: SortedLengths): SortedLengths {
   const all = count + more.length;
   const into = all <= numbers.length ? numbers : new Float64Array(2 * all);
   let [left, right] = [count - 1, more.length - 1];
@@ -127,7 +127,7 @@ function merged(numbers: Lengths, count: number, more: Lengths): Lengths {
 }
 
 /** Takes some out of so many rising numbers, in place. */
-function leaveOut(numbers: Lengths, count: number, some: Lengths): void {
+function leaveOut(numbers: SortedLengths, count: number, some: SortedLengths): void {
   let [kept, out] = [0, 0];
   for (let at = 0; at < count; at += 1) {
     const number = numbers[at] ?? 0;

@@ -1,12 +1,12 @@
 import { expect, test } from "vitest";
-import type { PortRef } from "../model/ends.ts";
+import type { DataPort } from "../model/ends.ts";
 import type { Event, HistoryEntry } from "../model/generated/protocol.ts";
 import { portsOf } from "../model/machine.ts";
 import { machineOf } from "../model/plain.ts";
 import { sketch } from "../model/sketch.ts";
-import { failureAt } from "./failure.ts";
 import { Journal } from "./journal.ts";
 import { originOf } from "./origin.ts";
+import { failureAt } from "./script_failure.ts";
 import { visitsOf } from "./visits.ts";
 
 /** `A+` is entered, `A-` is left, `A!` writes a traceback; `.` is an event that is nothing but a value, and not told. */
@@ -61,7 +61,7 @@ const MACHINE = machineOf(
   `),
 );
 
-function port(kind: PortRef["kind"], path: string, name: string): PortRef {
+function port(kind: DataPort["kind"], path: string, name: string): DataPort {
   const state = MACHINE.state(path);
   const found = state && portsOf(state, kind).find((each) => each.name === name);
   if (!found) throw new Error(`${path} has no ${name}`);
@@ -70,7 +70,8 @@ function port(kind: PortRef["kind"], path: string, name: string): PortRef {
 
 test("values came from the states that gave them, at their ends", () => {
   const visits = visitsOf({ journal: journalOf("R+ R/A+ R/A- . R/B+ R/B-") });
-  const origin = (of: PortRef, until: number | null = null) => originOf(MACHINE, visits, of, until);
+  const origin = (of: DataPort, until: number | null = null) =>
+    originOf(MACHINE, visits, of, until);
   const found = port("scoped_variable", "R", "found");
   expect(origin(found)).toEqual({ sequence: 3, path: "R/A", seen: 4 });
   expect(origin(found, 4)).toEqual({ sequence: 3, path: "R/A", seen: 4 });

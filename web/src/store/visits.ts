@@ -4,7 +4,7 @@ import { ENTERED, type Journal, LEFT } from "./journal.ts";
 import type { Watch } from "./run.ts";
 
 /** Indices of the journal, rising. */
-interface OfState {
+interface StateVisits {
   readonly entered: number[];
   readonly left: number[];
 }
@@ -19,7 +19,7 @@ export function visitsOf({ journal }: Pick<Watch, "journal">): Visits {
 
 export class Visits {
   readonly #journal: Journal;
-  readonly #states = new Map<string, OfState>();
+  readonly #states = new Map<string, StateVisits>();
   #next = 0;
 
   constructor(journal: Journal) {
@@ -49,7 +49,7 @@ export class Visits {
     return (next < this.#journal.length ? this.#journal.sequence(next) : this.#journal.next) - 1;
   }
 
-  #of(path: string): OfState | undefined {
+  #of(path: string): StateVisits | undefined {
     this.#catchUp();
     return this.#states.get(path);
   }

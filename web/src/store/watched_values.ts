@@ -11,7 +11,7 @@ export interface Target {
   readonly name: string;
 }
 
-export interface Watched {
+export interface WatchedExpression {
   readonly id: number;
   readonly target: Target;
   /** What of the value is watched: an expression over `value`. */
@@ -24,12 +24,12 @@ export const WHOLE = "value";
 const KEY = "rafcon.watched";
 const MACHINES_MAX = 50;
 
-type Kept = Readonly<Record<string, readonly Watched[]>>;
+type KeptWatches = Readonly<Record<string, readonly WatchedExpression[]>>;
 
-const known = new Map<string, Signal<readonly Watched[]>>();
+const known = new Map<string, Signal<readonly WatchedExpression[]>>();
 
 /** What is watched of the machine in a tab. Runs of one machine share it. */
-export function watchedOf(tab: OpenTab): Signal<readonly Watched[]> {
+export function watchedOf(tab: OpenTab): Signal<readonly WatchedExpression[]> {
   const key = machineKey(tab);
   let found = known.get(key);
   if (!found) {
@@ -81,7 +81,7 @@ export function isSameTarget(one: Target, other: Target): boolean {
   return one.kind === other.kind && one.path === other.path && one.name === other.name;
 }
 
-function put(tab: OpenTab, all: readonly Watched[]): void {
+function put(tab: OpenTab, all: readonly WatchedExpression[]): void {
   watchedOf(tab).value = all;
   const { [machineKey(tab)]: _, ...others } = kept();
   const rest = Object.entries(others).slice(-MACHINES_MAX + 1);
@@ -98,10 +98,10 @@ function machineKey({ session, run }: OpenTab): string {
   return file ? `${file.project}/${file.path}` : session.id;
 }
 
-function kept(): Kept {
+function kept(): KeptWatches {
   try {
     const found: unknown = JSON.parse(globalThis.localStorage?.getItem(KEY) ?? "{}");
-    return typeof found === "object" && found !== null ? (found as Kept) : {};
+    return typeof found === "object" && found !== null ? (found as KeptWatches) : {};
   } catch {
     return {};
   }

@@ -12,9 +12,9 @@ import type {
 import {
   type Follower,
   type Link,
-  type Pulse,
   RefusalError,
   type Server,
+  type ServerPulse,
 } from "../store/server.ts";
 
 /** A request that waits for its answer. */
@@ -35,7 +35,7 @@ interface Following {
 
 export class FakeRun implements Server {
   readonly link = signal<Link>({ state: "connecting" });
-  readonly pulse = signal<Pulse | null>(null);
+  readonly pulse = signal<ServerPulse | null>(null);
   readonly events: HistoryEntry[] = [];
   /** All that was ever asked, and those without an answer. */
   readonly asked: string[] = [];

@@ -14,7 +14,7 @@ import { isSame } from "../model/json.ts";
 import { comparedRun } from "../store/compared_run.ts";
 import { drafts } from "../store/drafts.ts";
 import { followDrafts } from "../store/follow_drafts.ts";
-import { type LocalStore, memoryStore, shedOf } from "../store/local_store.ts";
+import { type LocalStore, localStoreOf, memoryStore } from "../store/local_store.ts";
 import { withNotice } from "../store/notices.ts";
 import type { Notice, OpenTab, Page, Settings } from "../store/page.ts";
 import type { Runs } from "../store/run.ts";
@@ -75,7 +75,10 @@ export function startPage(options: PageOptions = {}): Page {
 
 function browserSheds(): { readonly own: LocalStore; readonly shared: LocalStore } {
   if (typeof window === "undefined") return { own: memoryStore(), shared: memoryStore() };
-  return { own: shedOf(() => window.sessionStorage), shared: shedOf(() => window.localStorage) };
+  return {
+    own: localStoreOf(() => window.sessionStorage),
+    shared: localStoreOf(() => window.localStorage),
+  };
 }
 
 function leaving(call: () => void): void {

@@ -9,10 +9,10 @@ import { forgetGone } from "../store/selection.ts";
 import { RefusalError, type Server } from "../store/server.ts";
 import {
   type KeptTab,
+  type KeptTabs,
   keepSession,
   readSession,
   restoreView,
-  type Session,
   sessionOf,
 } from "../store/session.ts";
 import type { Clock } from "./clock.ts";
@@ -67,7 +67,7 @@ function keep({ clock, own, shared, tabs, active, leaving }: SessionPorts): void
   leaving(write);
 }
 
-async function restore(ports: SessionPorts, session: Session | null): Promise<void> {
+async function restore(ports: SessionPorts, session: KeptTabs | null): Promise<void> {
   if (!session) return;
   await isUp(ports.server);
   if (session.tabs.some(({ run }) => run !== null)) await ports.runs.refresh();
@@ -86,7 +86,7 @@ async function restore(ports: SessionPorts, session: Session | null): Promise<vo
 }
 
 /** The tabs with their places, the one that was in front first: it is shown while the others are still on their way. */
-function frontFirst({ tabs, active }: Session): readonly (readonly [number, KeptTab])[] {
+function frontFirst({ tabs, active }: KeptTabs): readonly (readonly [number, KeptTab])[] {
   const rank = (at: number) => (at === active ? -1 : at);
   return [...tabs.entries()].sort(([one], [other]) => rank(one) - rank(other));
 }

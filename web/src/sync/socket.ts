@@ -9,7 +9,7 @@ import {
   type ToClient,
   type ToServer,
 } from "../model/generated/protocol.ts";
-import type { Follower, Link, Pulse } from "../store/server.ts";
+import type { Follower, Link, ServerPulse } from "../store/server.ts";
 import type { Clock } from "./clock.ts";
 import { type Delay, PING_MS } from "./delay.ts";
 import { Outgoing } from "./outgoing.ts";
@@ -44,7 +44,7 @@ const RETRY_MS = [0, 250, 500, 1_000, 2_000];
 const LATER = new Set(["server_ends"]);
 
 /** One WebSocket, from its dial to its end. */
-interface Line {
+interface SocketConnection {
   readonly wire: Wire;
   readonly dialled_ms: number;
   /** The subscriptions that the server has of it. */
@@ -58,15 +58,15 @@ interface Line {
 
 export class Socket {
   readonly link: Signal<Link> = signal<Link>({ state: "connecting" });
-  readonly pulse: Signal<Pulse | null> = signal<Pulse | null>(null);
+  readonly pulse: Signal<ServerPulse | null> = signal<ServerPulse | null>(null);
   readonly #ports: SocketPorts;
   readonly #followers = new Map<number, Follower>();
   readonly #outgoing: Outgoing;
   /** The one that is up. */
-  #line: Line | null = null;
-  #dialled: Line | null = null;
+  #line: SocketConnection | null = null;
+  #dialled: SocketConnection | null = null;
   /** It was up, and may speak again. */
-  #silent: Line | null = null;
+  #silent: SocketConnection | null = null;
   #subscription = 0;
   #tries = 0;
   /** Dials in a row without an answer. */
@@ -154,7 +154,7 @@ export class Socket {
       closed: (reason) => this.#closed(line, reason),
     });
     const times = { dialled_ms: now_ms, heard_ms: now_ms, waits_ms: null };
-    const line: Line = { wire, ...times, subscribed: new Set(), up: null };
+    const line: SocketConnection = { wire, ...times, subscribed: new Set(), up: null };
     this.#dialled = line;
     this.#cancel = clock.after(delay.dial_ms(this.#unanswered), () => {
       this.#unanswered += 1;
@@ -163,7 +163,7 @@ export class Socket {
     });
   }
 
-  #closed(line: Line, reason: string): void {
+  #closed(line: SocketConnection, reason: string): void {
     if (line === this.#silent) this.#silent = null;
     if (line === this.#dialled) {
       this.#hangUp();
@@ -215,7 +215,7 @@ export class Socket {
     return Promise.race([probe(), late]);
   }
 
-  #hear(line: Line, frame: ToClient): void {
+  #hear(line: SocketConnection, frame: ToClient): void {
     if (line === this.#silent) this.#revive(line);
     if (frame.frame === "welcome" && line === this.#dialled) this.#welcome(line, frame);
     if (line !== this.#line) return;
@@ -238,7 +238,7 @@ export class Socket {
     }
   }
 
-  #received(line: Line): void {
+  #received(line: SocketConnection): void {
     const now_ms = this.#ports.clock.now();
     [line.heard_ms, line.waits_ms] = [now_ms, null];
     const pulse = this.pulse.peek();
@@ -247,7 +247,7 @@ export class Socket {
     }
   }
 
-  #welcome(line: Line, frame: Extract<ToClient, { frame: "welcome" }>): void {
+  #welcome(line: SocketConnection, frame: Extract<ToClient, { frame: "welcome" }>): void {
     if (frame.protocol !== FRAMES_VERSION) {
       this.refuse("the server is of another version than this page: load the page again");
       return;
@@ -268,7 +268,7 @@ export class Socket {
   }
 
   /** It only was silent: what was held back comes, and nothing is asked for again. */
-  #revive(line: Line): void {
+  #revive(line: SocketConnection): void {
     this.#hangUp();
     [this.#line, this.#silent, this.#tries, this.#unanswered] = [line, null, 0, 0];
     this.#catchUp(line);
@@ -277,7 +277,7 @@ export class Socket {
   }
 
   /** Subscribes to what is followed, and to nothing else. */
-  #catchUp(line: Line): void {
+  #catchUp(line: SocketConnection): void {
     for (const subscription of [...line.subscribed]) {
       if (!this.#followers.has(subscription)) this.#unsubscribe(line, subscription);
     }
@@ -288,7 +288,7 @@ export class Socket {
   }
 
   /** Asks whether the server is there, again and again. */
-  #beat(line: Line): void {
+  #beat(line: SocketConnection): void {
     const { clock, delay } = this.#ports;
     const now_ms = clock.now();
     line.waits_ms ??= now_ms;
@@ -315,18 +315,22 @@ export class Socket {
     this.pulse.value = { heard_ms, delay_ms, ahead_ms, server_ms, old_ms };
   }
 
-  #subscribe({ wire, subscribed }: Line, subscription: number, follower: Follower): void {
+  #subscribe(
+    { wire, subscribed }: SocketConnection,
+    subscription: number,
+    follower: Follower,
+  ): void {
     subscribed.add(subscription);
     wire.send(JSON.stringify({ frame: "subscribe", subscription, topic: follower.topic() }));
   }
 
-  #unsubscribe(line: Line | null, subscription: number): void {
+  #unsubscribe(line: SocketConnection | null, subscription: number): void {
     if (line?.subscribed.delete(subscription)) {
       line.wire.send(JSON.stringify({ frame: "unsubscribe", subscription }));
     }
   }
 
-  #deliver(line: Line, frame: ToClient & { subscription: number }): void {
+  #deliver(line: SocketConnection, frame: ToClient & { subscription: number }): void {
     const follower = this.#followers.get(frame.subscription);
     const isLast = frame.frame === "reset" || frame.frame === "ended";
     if (isLast) {

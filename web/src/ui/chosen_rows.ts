@@ -10,13 +10,13 @@ export interface ChosenRows<T> {
   readonly with: (row?: T) => readonly T[];
 }
 
-interface Chosen {
+interface RowSelection {
   readonly ids: ReadonlySet<string>;
   /** Where what is chosen with Shift begins. */
   readonly anchor: string | null;
 }
 
-const NONE: Chosen = { ids: new Set(), anchor: null };
+const NONE: RowSelection = { ids: new Set(), anchor: null };
 
 export function useChosenRows<T>(rows: readonly T[], id: (row: T) => string): ChosenRows<T> {
   const [{ ids, anchor }, setChosen] = useState(NONE);
@@ -30,11 +30,11 @@ export function useChosenRows<T>(rows: readonly T[], id: (row: T) => string): Ch
 
 /** What is chosen once a row is. */
 export function chosen(
-  { ids, anchor }: Chosen,
+  { ids, anchor }: RowSelection,
   rows: readonly string[],
   row: string,
   { toggle, extend }: RowChoice,
-): Chosen {
+): RowSelection {
   const start = anchor === null ? -1 : rows.indexOf(anchor);
   if (extend && start >= 0) {
     const end = rows.indexOf(row);

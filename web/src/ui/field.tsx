@@ -17,12 +17,12 @@ import "./field.css";
 export type Committed = string | null | undefined;
 
 /** The user is asked something first: whoever waits stays where they are. */
-export interface Asked {
+export interface CommitQuestion {
   readonly asked: Promise<Committed>;
 }
 
 /** What a place where text is edited is told: at once, later, or after a question. */
-export type Commit = Committed | void | Promise<Committed> | Promise<void> | Asked;
+export type Commit = Committed | void | Promise<Committed> | Promise<void> | CommitQuestion;
 
 /** What becomes of it in the end. */
 export async function committed(commit: Commit): Promise<Committed> {
@@ -31,7 +31,7 @@ export async function committed(commit: Commit): Promise<Committed> {
 }
 
 /** Whether a question comes first. */
-export function isAsked(commit: Commit): commit is Asked {
+export function isAsked(commit: Commit): commit is CommitQuestion {
   return typeof commit === "object" && commit !== null && "asked" in commit;
 }
 

@@ -116,14 +116,14 @@ function Menu({ label, at, items, onClose, onSideways, onBack }: MenuProps) {
   );
 }
 
-interface EntryProps {
+interface MenuEntryProps {
   readonly item: Exclude<MenuItem, "separator">;
   readonly open: boolean;
   readonly setOpen: (id: string | null) => void;
   readonly onClose: () => void;
 }
 
-function Entry({ item, open, setOpen, onClose }: EntryProps) {
+function Entry({ item, open, setOpen, onClose }: MenuEntryProps) {
   const place = useRef<HTMLButtonElement>(null);
   const box = open ? place.current?.getBoundingClientRect() : undefined;
   const press = () => {

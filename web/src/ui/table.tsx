@@ -9,7 +9,7 @@ import { rowHeight } from "./rows.ts";
 import { isAtEnd, useScrolled } from "./scrolled.ts";
 import "./table.css";
 
-export interface Column<T> {
+export interface TableColumn<T> {
   readonly key: string;
   readonly title: string;
   /** Only for screen readers, where what stands below says enough. */
@@ -45,7 +45,7 @@ const ALONE: RowChoice = { toggle: false, extend: false };
 export interface TableProps<T> {
   /** What it is a table of, for screen readers. */
   readonly label: string;
-  readonly columns: readonly Column<T>[];
+  readonly columns: readonly TableColumn<T>[];
   readonly rows: readonly T[];
   readonly id: (row: T) => string;
   readonly selected?: ReadonlySet<string> | undefined;
@@ -308,7 +308,7 @@ function Head<T>({ table, template }: { table: TableProps<T>; template: string }
   );
 }
 
-interface RowProps<T> {
+interface TableRowProps<T> {
   readonly table: TableProps<T>;
   readonly row: T;
   readonly index: number;
@@ -324,7 +324,7 @@ function cellId(base: string, row: number, column: number): string {
   return `${base}-${row}-${column}`;
 }
 
-function Row<T>({ table, row, index, top, template, cursor, base, onStop }: RowProps<T>) {
+function Row<T>({ table, row, index, top, template, cursor, base, onStop }: TableRowProps<T>) {
   const here = cursor.at === index;
   return (
     <div

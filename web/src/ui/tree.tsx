@@ -175,7 +175,7 @@ function act<T>(
   return false;
 }
 
-interface RowProps<T> {
+interface TreeRowProps<T> {
   readonly tree: TreeProps<T>;
   readonly row: TreeRow<T>;
   readonly domId: string;
@@ -185,7 +185,7 @@ interface RowProps<T> {
   readonly onActive: () => void;
 }
 
-function Row<T>({ tree, row, domId, top, height, active, onActive }: RowProps<T>) {
+function Row<T>({ tree, row, domId, top, height, active, onActive }: TreeRowProps<T>) {
   const { node, depth, open } = row;
   return (
     // biome-ignore lint/a11y/useKeyWithClickEvents: the tree around it has the keyboard

@@ -4,10 +4,10 @@ import { useState } from "react";
 import { Button } from "../../ui/button.tsx";
 import { Dialog } from "../../ui/dialog.tsx";
 import { TextField } from "../../ui/field.tsx";
-import type { Question } from "../question.ts";
-import type { DialogProps } from "./dialogs.tsx";
+import type { UserQuestion } from "../question.ts";
+import type { AskedDialogProps } from "./dialogs.tsx";
 
-export function Ask({ asks, answer }: DialogProps<Question>) {
+export function Ask({ asks, answer }: AskedDialogProps<UserQuestion>) {
   switch (asks.kind) {
     case "confirm":
       return <Confirm asks={asks} answer={answer} />;
@@ -18,7 +18,7 @@ export function Ask({ asks, answer }: DialogProps<Question>) {
   }
 }
 
-function Confirm({ asks, answer }: DialogProps<Question & { kind: "confirm" }>) {
+function Confirm({ asks, answer }: AskedDialogProps<UserQuestion & { kind: "confirm" }>) {
   return (
     <Dialog
       title={asks.title}
@@ -37,7 +37,7 @@ function Confirm({ asks, answer }: DialogProps<Question & { kind: "confirm" }>) 
   );
 }
 
-function Choose({ asks, answer }: DialogProps<Question & { kind: "choose" }>) {
+function Choose({ asks, answer }: AskedDialogProps<UserQuestion & { kind: "choose" }>) {
   return (
     <Dialog title={asks.title} onClose={() => answer(null)}>
       <p>{asks.text}</p>
@@ -53,7 +53,7 @@ function Choose({ asks, answer }: DialogProps<Question & { kind: "choose" }>) {
   );
 }
 
-function Prompt({ asks, answer }: DialogProps<Question & { kind: "prompt" }>) {
+function Prompt({ asks, answer }: AskedDialogProps<UserQuestion & { kind: "prompt" }>) {
   const [text, setText] = useState(asks.initial ?? "");
   const [tried, setTried] = useState(false);
   const refusal = asks.check?.(text) ?? null;

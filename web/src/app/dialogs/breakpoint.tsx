@@ -8,9 +8,9 @@ import { Button } from "../../ui/button.tsx";
 import { Dialog } from "../../ui/dialog.tsx";
 import { Checkbox, Select, TextField } from "../../ui/field.tsx";
 import { useSession } from "../provided.tsx";
-import type { DialogProps } from "./dialogs.tsx";
+import type { AskedDialogProps } from "./dialogs.tsx";
 
-export function BreakpointDialog({ asks, answer }: DialogProps<Breakpoint>) {
+export function BreakpointDialog({ asks, answer }: AskedDialogProps<Breakpoint>) {
   const { context } = useSession();
   const now = context();
   const [wanted, setWanted] = useState(asks);
@@ -50,7 +50,7 @@ export function BreakpointDialog({ asks, answer }: DialogProps<Breakpoint>) {
   );
 }
 
-interface PartsProps {
+interface BreakpointPartsProps {
   readonly wanted: Breakpoint;
   readonly put: (change: Partial<Breakpoint>) => void;
   /** As it was typed. */
@@ -59,7 +59,7 @@ interface PartsProps {
   readonly onCount: (text: string) => void;
 }
 
-function Parts({ wanted, put, count, isCount, onCount }: PartsProps) {
+function Parts({ wanted, put, count, isCount, onCount }: BreakpointPartsProps) {
   const { context } = useSession();
   const unfit = cannotSetConditions(context());
   return (

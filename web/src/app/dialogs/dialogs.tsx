@@ -19,12 +19,12 @@ import { TakeUp } from "./take_up.tsx";
 import "./dialogs.css";
 
 /** What a dialog is given: what it is asked, and where its answer goes. Null closes it without one. */
-export interface DialogProps<Asks> {
+export interface AskedDialogProps<Asks> {
   readonly asks: Asks;
   readonly answer: (answer: unknown) => void;
 }
 
-const DIALOGS: Readonly<Record<OpenDialog["name"], FunctionComponent<DialogProps<never>>>> = {
+const DIALOGS: Readonly<Record<OpenDialog["name"], FunctionComponent<AskedDialogProps<never>>>> = {
   question: Ask,
   open: OpenMachine,
   "save-as": SaveAs,

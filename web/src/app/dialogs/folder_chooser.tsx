@@ -7,7 +7,7 @@ import { useSignal } from "../../ui/signals.ts";
 import { type ProjectNode, ProjectTree, useProjects } from "../project_tree.tsx";
 import { useSession } from "../provided.tsx";
 
-export interface Chosen {
+export interface ChosenFolder {
   readonly file: MachineFile | null;
   /** Why it cannot be that one. */
   readonly refusal: string | null;
@@ -18,7 +18,7 @@ export function chosenFolder(
   nodes: readonly ProjectNode[],
   place: ProjectNode | null,
   name: string,
-): Chosen {
+): ChosenFolder {
   const parent = place ?? nodes[0] ?? null;
   if (!parent) return refused("There is no project to save in.");
   if (name.trim() === "") return refused("The folder needs a name.");
@@ -47,7 +47,7 @@ export function chosenFolder(
   );
 }
 
-function refused(refusal: string): Chosen {
+function refused(refusal: string): ChosenFolder {
   return { file: null, refusal };
 }
 

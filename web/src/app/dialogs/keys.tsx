@@ -2,7 +2,7 @@
 
 import { Plus, RotateCcw, X } from "lucide-react";
 import { useMemo, useState } from "react";
-import type { Command } from "../../commands/command.ts";
+import type { UserCommand } from "../../commands/command.ts";
 import {
   conflicts,
   isKeptByBrowser,
@@ -16,9 +16,9 @@ import { Dialog } from "../../ui/dialog.tsx";
 import { Select, TextField } from "../../ui/field.tsx";
 import { useSignal } from "../../ui/signals.ts";
 import { useSession } from "../provided.tsx";
-import type { DialogProps } from "./dialogs.tsx";
+import type { AskedDialogProps } from "./dialogs.tsx";
 
-export function Keys({ answer }: DialogProps<undefined>) {
+export function Keys({ answer }: AskedDialogProps<undefined>) {
   const { page, commands } = useSession();
   const settings = useSignal(page.settings);
   const [search, setSearch] = useState("");
@@ -83,12 +83,12 @@ export function Keys({ answer }: DialogProps<undefined>) {
 }
 
 function grouped(
-  all: readonly Command[],
+  all: readonly UserCommand[],
   search: string,
   map: ReadonlyMap<string, readonly string[]>,
-): readonly (readonly [string, readonly Command[]])[] {
+): readonly (readonly [string, readonly UserCommand[]])[] {
   const wanted = search.trim().toLowerCase();
-  const groups = new Map<string, Command[]>();
+  const groups = new Map<string, UserCommand[]>();
   for (const command of all) {
     const keys = (map.get(command.id) ?? []).map(shownKey).join(" ").toLowerCase();
     if (!command.title.toLowerCase().includes(wanted) && !keys.includes(wanted)) continue;
@@ -99,7 +99,7 @@ function grouped(
 }
 
 interface KeysRowProps {
-  readonly command: Command;
+  readonly command: UserCommand;
   readonly keys: readonly string[];
   readonly isOwn: boolean;
   readonly doubled: ReadonlyMap<string, readonly string[]>;

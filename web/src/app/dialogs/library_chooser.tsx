@@ -10,25 +10,25 @@ import { TextField } from "../../ui/field.tsx";
 import { useSignal } from "../../ui/signals.ts";
 import { Tree } from "../../ui/tree.tsx";
 import { useSession } from "../provided.tsx";
-import type { DialogProps } from "./dialogs.tsx";
+import type { AskedDialogProps } from "./dialogs.tsx";
 
-interface Node {
+interface ChooserNode {
   readonly path: string;
   readonly name: string;
-  readonly children: readonly Node[] | null;
+  readonly children: readonly ChooserNode[] | null;
 }
 
-function nodeOf(path: string, { name, kind, children }: LibraryNode): Node {
+function nodeOf(path: string, { name, kind, children }: LibraryNode): ChooserNode {
   const inside = `${path}/${name}`;
   const nodes = (children ?? []).map((child) => nodeOf(inside, child));
   return { path, name, children: kind === "library" ? null : nodes };
 }
 
-const keyOf = (node: Node) => `${node.path}/${node.name}`;
-const childrenOf = (node: Node) => node.children;
-const nameOf = (node: Node) => node.name;
+const keyOf = (node: ChooserNode) => `${node.path}/${node.name}`;
+const childrenOf = (node: ChooserNode) => node.children;
+const nameOf = (node: ChooserNode) => node.name;
 
-function matching(nodes: readonly Node[], search: string): readonly Node[] {
+function matching(nodes: readonly ChooserNode[], search: string): readonly ChooserNode[] {
   if (search === "") return nodes;
   return nodes.flatMap((node) => {
     if (node.name.toLowerCase().includes(search)) return [node];
@@ -40,12 +40,12 @@ function matching(nodes: readonly Node[], search: string): readonly Node[] {
 export function LibraryChooser({
   asks,
   answer,
-}: DialogProps<{ readonly title: string; readonly yes: string }>) {
+}: AskedDialogProps<{ readonly title: string; readonly yes: string }>) {
   const { page } = useSession();
   const roots = useSignal(page.libraries);
   const [search, setSearch] = useState("");
   const [toggled, setToggled] = useState<ReadonlySet<string>>(new Set());
-  const [chosen, setChosen] = useState<Node | null>(null);
+  const [chosen, setChosen] = useState<ChooserNode | null>(null);
   const nodes = useMemo(
     () =>
       roots.map(({ name, children }) => ({
@@ -58,7 +58,7 @@ export function LibraryChooser({
   const shown = useMemo(() => matching(nodes, search.trim().toLowerCase()), [nodes, search]);
   const expanded = useMemo(() => {
     const open = new Set<string>();
-    const add = (node: Node, depth: number) => {
+    const add = (node: ChooserNode, depth: number) => {
       const isOpen = depth === 0 || search.trim() !== "";
       if (isOpen !== toggled.has(keyOf(node))) open.add(keyOf(node));
       for (const child of node.children ?? []) add(child, depth + 1);
@@ -66,7 +66,7 @@ export function LibraryChooser({
     for (const node of shown) add(node, 0);
     return open;
   }, [shown, search, toggled]);
-  const take = (node: Node | null) => {
+  const take = (node: ChooserNode | null) => {
     if (node?.children === null) answer({ path: node.path, name: node.name });
   };
   return (

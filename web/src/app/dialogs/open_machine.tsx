@@ -8,9 +8,9 @@ import { TextField } from "../../ui/field.tsx";
 import { useSignal } from "../../ui/signals.ts";
 import { filtered, type ProjectNode, ProjectTree, useProjects } from "../project_tree.tsx";
 import { useSession } from "../provided.tsx";
-import type { DialogProps } from "./dialogs.tsx";
+import type { AskedDialogProps } from "./dialogs.tsx";
 
-export function OpenMachine({ answer }: DialogProps<undefined>) {
+export function OpenMachine({ answer }: AskedDialogProps<undefined>) {
   const nodes = useProjects();
   const [search, setSearch] = useState("");
   const [chosen, setChosen] = useState<ProjectNode | null>(null);

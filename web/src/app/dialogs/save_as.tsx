@@ -4,13 +4,13 @@ import { useState } from "react";
 import { Button } from "../../ui/button.tsx";
 import { Dialog } from "../../ui/dialog.tsx";
 import { type ProjectNode, useProjects } from "../project_tree.tsx";
-import type { DialogProps } from "./dialogs.tsx";
+import type { AskedDialogProps } from "./dialogs.tsx";
 import { chosenFolder, FolderChooser } from "./folder_chooser.tsx";
 
 export function SaveAs({
   asks,
   answer,
-}: DialogProps<{ readonly title: string; readonly name: string; readonly yes: string }>) {
+}: AskedDialogProps<{ readonly title: string; readonly name: string; readonly yes: string }>) {
   const nodes = useProjects() ?? [];
   const [name, setName] = useState(asks.name);
   const [place, setPlace] = useState<ProjectNode | null>(null);

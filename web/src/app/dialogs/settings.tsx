@@ -6,9 +6,9 @@ import { Dialog } from "../../ui/dialog.tsx";
 import { Select } from "../../ui/field.tsx";
 import { useSignal } from "../../ui/signals.ts";
 import { useSession } from "../provided.tsx";
-import type { DialogProps } from "./dialogs.tsx";
+import type { AskedDialogProps } from "./dialogs.tsx";
 
-export function SettingsDialog({ answer }: DialogProps<undefined>) {
+export function SettingsDialog({ answer }: AskedDialogProps<undefined>) {
   const { page, commands, context } = useSession();
   const settings = useSignal(page.settings);
   const change = (part: Partial<Settings>) => {

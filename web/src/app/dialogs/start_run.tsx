@@ -7,38 +7,41 @@ import type { JsonValue, Keeping, OnCrash, PortDocument } from "../../model/gene
 import { portsOf } from "../../model/machine.ts";
 import { readInput } from "../../model/run_input.ts";
 import { shortType } from "../../model/types.ts";
-import { kept, shedOf } from "../../store/local_store.ts";
+import { kept, localStoreOf } from "../../store/local_store.ts";
 import type { OpenTab } from "../../store/page.ts";
 import type { Start } from "../../store/run.ts";
 import { fileOfTab } from "../../store/running.ts";
 import { Button } from "../../ui/button.tsx";
 import { Dialog } from "../../ui/dialog.tsx";
 import { Checkbox, Select, TextField } from "../../ui/field.tsx";
-import type { DialogProps } from "./dialogs.tsx";
+import type { AskedDialogProps } from "./dialogs.tsx";
 
 /** What was given: of inputs the texts, by name. */
-interface Given {
+interface StartInputs {
   readonly inputs: Readonly<Record<string, string>>;
   readonly hold: boolean;
   readonly onCrash: OnCrash | "machine";
   readonly keeping: Keeping;
 }
 
-const FIRST: Given = { inputs: {}, hold: false, onCrash: "machine", keeping: "full" };
-const SHED = shedOf(() => window.localStorage);
+const FIRST: StartInputs = { inputs: {}, hold: false, onCrash: "machine", keeping: "full" };
+const SHED = localStoreOf(() => window.localStorage);
 
 function keyOf(tab: OpenTab): string {
   const file = fileOfTab(tab);
   return `rafcon.start ${file ? `${file.project}/${file.path}` : tab.session.id}`;
 }
 
-export function StartRunDialog({ asks: tab, answer }: DialogProps<OpenTab>) {
+export function StartRunDialog({ asks: tab, answer }: AskedDialogProps<OpenTab>) {
   const key = keyOf(tab);
-  const [given, setGiven] = useState<Given>(() => ({ ...FIRST, ...kept<Given>(SHED, key) }));
+  const [given, setGiven] = useState<StartInputs>(() => ({
+    ...FIRST,
+    ...kept<StartInputs>(SHED, key),
+  }));
   const { machine } = tab.session;
   const root = machine.state(machine.root);
   const ports = root ? portsOf(root, "input") : [];
-  const put = (change: Partial<Given>) => setGiven({ ...given, ...change });
+  const put = (change: Partial<StartInputs>) => setGiven({ ...given, ...change });
   const isRefused = ports.some((port) => refusalOf(port, given) !== null);
   const done = () => {
     if (isRefused) return;
@@ -104,8 +107,8 @@ const KEEPING = [
 
 interface InputsProps {
   readonly ports: readonly PortDocument[];
-  readonly given: Given;
-  readonly put: (change: Partial<Given>) => void;
+  readonly given: StartInputs;
+  readonly put: (change: Partial<StartInputs>) => void;
 }
 
 function Inputs({ ports, given, put }: InputsProps) {
@@ -128,14 +131,14 @@ function Inputs({ ports, given, put }: InputsProps) {
   );
 }
 
-function refusalOf(port: PortDocument, given: Given): string | null {
+function refusalOf(port: PortDocument, given: StartInputs): string | null {
   const text = given.inputs[port.name] ?? "";
   if (text.trim() === "") return null;
   const read = readInput(text, port.data_type);
   return "refused" in read ? read.refused : null;
 }
 
-function startOf(ports: readonly PortDocument[], given: Given): Partial<Start> {
+function startOf(ports: readonly PortDocument[], given: StartInputs): Partial<Start> {
   const inputs: Record<string, JsonValue> = {};
   for (const { name, data_type } of ports) {
     const text = given.inputs[name] ?? "";

@@ -7,7 +7,7 @@ import { RefusalError } from "../../store/server.ts";
 import { Button } from "../../ui/button.tsx";
 import { Dialog } from "../../ui/dialog.tsx";
 import { useSession } from "../provided.tsx";
-import type { DialogProps } from "./dialogs.tsx";
+import type { AskedDialogProps } from "./dialogs.tsx";
 
 const CHOICES = [
   {
@@ -27,7 +27,7 @@ const CHOICES = [
   },
 ] as const satisfies readonly { value: OnCrash; title: string; detail: string }[];
 
-export function TakeUp({ asks: watch, answer }: DialogProps<Watch>) {
+export function TakeUp({ asks: watch, answer }: AskedDialogProps<Watch>) {
   const names = useInterrupted(watch);
   return (
     <Dialog

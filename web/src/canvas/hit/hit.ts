@@ -14,14 +14,14 @@ import { type LayoutTree, pointAt } from "../layout_tree.ts";
 import { DETAIL } from "../scene/detail.ts";
 import { stickyFrame } from "../scene/sticky.ts";
 import { distanceToLine, middlesOf } from "./lines.ts";
-import type { Grip, Hit, LineRef, Look, PortRef, StateRef } from "./look.ts";
+import type { CanvasHit, CanvasLook, CanvasPort, Grip, LineRef, StateRef } from "./look.ts";
 import { childrenIn, inFrame, reachOf } from "./near.ts";
 import { extentOn, isPortShown, isRouteShown } from "./shown.ts";
 
 interface Search {
   readonly layout: LayoutTree;
   readonly machine: Machine;
-  readonly look: Look;
+  readonly look: CanvasLook;
   readonly camera: Camera;
   /** In CSS pixels of the view. */
   readonly point: Point;
@@ -32,11 +32,11 @@ interface Search {
 export function hitAt(
   layout: LayoutTree,
   machine: Machine,
-  look: Look,
+  look: CanvasLook,
   camera: Camera,
   point: Point,
   tolerance: number,
-): Hit | null {
+): CanvasHit | null {
   const search = { layout, machine, look, camera, point, tolerance };
   const line = statesAt(layout, machine, camera, point);
   const near = nearStates(search, line);
@@ -114,16 +114,16 @@ function extentOf({ layout, camera }: Search, path: string): number {
 }
 
 /** Ports of the container that fills the view, in the frame at the view's edges. */
-function stuckHit({ layout, camera, look, point, tolerance }: Search): Hit | null {
+function stuckHit({ layout, camera, look, point, tolerance }: Search): CanvasHit | null {
   const frame = stickyFrame(layout, camera, look.size);
   const found = frame?.ports.find(({ at }) => distance(at, point) <= tolerance * 1.5);
   const element = found && elementOf(found.port.key);
   if (!element) return null;
-  return { on: "port", element: element as PortRef, at: worldFromScreen(camera, found.at) };
+  return { on: "port", element: element as CanvasPort, at: worldFromScreen(camera, found.at) };
 }
 
 /** The nearest port; of two as near the inner one. */
-function portHit(search: Search, near: readonly string[]): Hit | null {
+function portHit(search: Search, near: readonly string[]): CanvasHit | null {
   let best: { readonly path: string; readonly port: PortPlace; readonly away: number } | null =
     null;
   for (const path of near) {
@@ -138,11 +138,11 @@ function portHit(search: Search, near: readonly string[]): Hit | null {
   }
   if (!best) return null;
   const element = elementOf(best.port.key);
-  return element && { on: "port", element: element as PortRef, at: best.port.at };
+  return element && { on: "port", element: element as CanvasPort, at: best.port.at };
 }
 
 /** Where a breakpoint is set, on the border of a state: of the inner one, if there are several. */
-function breakpointHit(search: Search, near: readonly string[]): Hit | null {
+function breakpointHit(search: Search, near: readonly string[]): CanvasHit | null {
   const path = near.findLast((each) => {
     const box = search.layout.box(each);
     const at = box && breakpointSpot(screenBox(search.camera, box));
@@ -159,7 +159,7 @@ const SIDE_REACH = 4;
 const LEAST_FOR_GRIPS = 16;
 
 /** Corners or sides of selected states. */
-function gripHit(search: Search, part: "corner" | "side"): Hit | null {
+function gripHit(search: Search, part: "corner" | "side"): CanvasHit | null {
   for (const key of search.look.selection) {
     const element = elementOf(key);
     if (element?.kind !== "state" || search.machine.isInLibrary(element.path)) continue;
@@ -199,7 +199,7 @@ function inside(value: number, start: number, length: number): boolean {
 }
 
 /** Ends and waypoints of selected connections, which lie above everything. */
-function endHit(search: Search): Hit | null {
+function endHit(search: Search): CanvasHit | null {
   for (const key of search.look.selection) {
     const element = elementOf(key);
     if (element?.kind !== "transition" && element?.kind !== "data_flow") continue;
@@ -217,7 +217,7 @@ export function routeOf(layout: LayoutTree, element: LineRef): Route | undefined
     .find((route) => route.kind === element.kind && route.id === element.id);
 }
 
-function onSelected(search: Search, route: Route, element: LineRef): Hit | null {
+function onSelected(search: Search, route: Route, element: LineRef): CanvasHit | null {
   if (search.machine.isInLibrary(route.path)) return null;
   const waypoint = waypointHit(search, route, element);
   if (waypoint) return waypoint;
@@ -229,7 +229,7 @@ function onSelected(search: Search, route: Route, element: LineRef): Hit | null 
   return isAt(first) ? { on: "end", element, end: "from" } : middleHit(search, route, element);
 }
 
-function waypointHit(search: Search, route: Route, element: LineRef): Hit | null {
+function waypointHit(search: Search, route: Route, element: LineRef): CanvasHit | null {
   const index = route.waypoints.findIndex((corner) => {
     const at = route.points[corner];
     return at && distance(screenFromWorld(search.camera, at), search.point) <= search.tolerance;
@@ -237,7 +237,7 @@ function waypointHit(search: Search, route: Route, element: LineRef): Hit | null
   return index < 0 ? null : { on: "waypoint", element, index };
 }
 
-function middleHit(search: Search, route: Route, element: LineRef): Hit | null {
+function middleHit(search: Search, route: Route, element: LineRef): CanvasHit | null {
   const found = middlesOf(route).find(
     ({ at }) => distance(screenFromWorld(search.camera, at), search.point) <= search.tolerance,
   );
@@ -245,13 +245,13 @@ function middleHit(search: Search, route: Route, element: LineRef): Hit | null {
 }
 
 /** What is inside of the innermost state at the point: its lines, its name, itself. */
-function insideHit(search: Search, path: string): Hit {
+function insideHit(search: Search, path: string): CanvasHit {
   const element = { kind: "state", path } as const;
   return lineHit(search, path) ?? nameHit(search, element) ?? { on: "state", element };
 }
 
 /** Lines outside of all states, which lead around the root. */
-function outerLine(search: Search, line: readonly string[]): Hit | null {
+function outerLine(search: Search, line: readonly string[]): CanvasHit | null {
   return line.length > 0 ? null : lineHit(search, search.machine.root);
 }
 
@@ -268,7 +268,7 @@ export function withLines(state: LayoutNode): LayoutNode {
 const LINE_SHARE = 0.75;
 
 /** The nearest connection of a container. */
-function lineHit(search: Search, path: string): Hit | null {
+function lineHit(search: Search, path: string): CanvasHit | null {
   const frame = search.layout.frame(path);
   if (!frame || extentOf(search, path) < DETAIL.content) return null;
   const reach = search.tolerance * LINE_SHARE;
@@ -285,7 +285,7 @@ function lineHit(search: Search, path: string): Hit | null {
 }
 
 /** The line itself, or what can be taken on it. */
-function onLine(search: Search, route: Route): Hit {
+function onLine(search: Search, route: Route): CanvasHit {
   const element: LineRef = { kind: route.kind, path: route.path, id: route.id };
   const line = { on: "line", element } as const;
   if (search.machine.isInLibrary(route.path)) return line;
@@ -294,7 +294,7 @@ function onLine(search: Search, route: Route): Hit {
   return waypointHit(search, route, element) ?? middle ?? line;
 }
 
-function nameHit(search: Search, element: StateRef): Hit | null {
+function nameHit(search: Search, element: StateRef): CanvasHit | null {
   const box = search.layout.box(element.path);
   if (!box || !search.look.modes.names || extentOf(search, element.path) < DETAIL.name) return null;
   const name = search.layout.name(element.path);

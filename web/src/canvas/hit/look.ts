@@ -18,7 +18,7 @@ export interface LineRef {
   readonly id: number;
 }
 
-export type PortRef =
+export type CanvasPort =
   | { readonly kind: "income"; readonly path: string }
   | {
       readonly kind: "outcome" | "input" | "output" | "scoped_variable";
@@ -26,10 +26,10 @@ export type PortRef =
       readonly id: number;
     };
 
-export type Hit =
+export type CanvasHit =
   /** Where a selected state is taken to be resized. */
   | { readonly on: "grip"; readonly element: StateRef; readonly grip: Grip }
-  | { readonly on: "port"; readonly element: PortRef; readonly at: Point }
+  | { readonly on: "port"; readonly element: CanvasPort; readonly at: Point }
   /** The end of a selected connection. */
   | { readonly on: "end"; readonly element: LineRef; readonly end: "from" | "to" }
   /** A waypoint of a connection, by its number. */
@@ -44,7 +44,7 @@ export type Hit =
   | { readonly on: "state"; readonly element: StateRef };
 
 /** How the machine is looked at. */
-export interface Look {
+export interface CanvasLook {
   readonly selection: ReadonlySet<string>;
   readonly hovered: ElementRef | null;
   readonly modes: ViewModes;

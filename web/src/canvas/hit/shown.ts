@@ -14,7 +14,7 @@ import { childPath, idOf, parentOf } from "../../model/path.ts";
 import type { Camera } from "../../store/view.ts";
 import type { Route } from "../layout.ts";
 import { extent } from "../scene/detail.ts";
-import type { Look } from "./look.ts";
+import type { CanvasLook } from "./look.ts";
 
 /** How large a box of the root's coordinates is on the screen, as `scene` counts it. */
 export function extentOn(camera: Camera, { width, height }: Size): number {
@@ -23,7 +23,7 @@ export function extentOn(camera: Camera, { width, height }: Size): number {
 
 interface Shown {
   readonly machine: Machine;
-  readonly look: Look;
+  readonly look: CanvasLook;
 }
 
 /** Whether a port is drawn: aborted and preempted hide while nothing is connected to them and nobody looks at the state. */
@@ -34,7 +34,7 @@ export function isPortShown(port: PortPlace, path: string, { machine, look }: Sh
   return hasTransition(machine, path, port.id);
 }
 
-function isLookedAt(path: string, look: Look): boolean {
+function isLookedAt(path: string, look: CanvasLook): boolean {
   if (look.selection.has(keyOf({ kind: "state", path }))) return true;
   for (const key of look.selection) if (elementOf(key)?.path === path) return true;
   return false;

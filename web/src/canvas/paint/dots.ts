@@ -1,10 +1,10 @@
 /** Ports, waypoints and handles. */
 
 import type { DotMark } from "../scene/list.ts";
-import type { Context } from "./ink.ts";
+import type { PaintContext } from "./ink.ts";
 
 export function paintDot(
-  context: Context,
+  context: PaintContext,
   dot: DotMark,
   fill: string | null,
   stroke: string | null,
@@ -23,7 +23,7 @@ export function paintDot(
   context.stroke();
 }
 
-function trace(context: Context, { shape, x, y, toX, toY }: DotMark, half: number): void {
+function trace(context: PaintContext, { shape, x, y, toX, toY }: DotMark, half: number): void {
   switch (shape) {
     case "income":
     case "outcome":
@@ -45,7 +45,7 @@ function trace(context: Context, { shape, x, y, toX, toY }: DotMark, half: numbe
 
 /** A triangle on the border that points the way. */
 function arrow(
-  context: Context,
+  context: PaintContext,
   x: number,
   y: number,
   toX: number,

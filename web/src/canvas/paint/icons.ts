@@ -1,7 +1,7 @@
 /** Small signs, drawn with a few strokes: what a state is, and what there is to know about it. */
 
 import type { Icon, IconMark } from "../scene/list.ts";
-import type { Context } from "./ink.ts";
+import type { PaintContext } from "./ink.ts";
 
 /** In a square from -1 to 1. `fill` are areas, `stroke` are lines, each a list of x and y in turn. */
 interface Sign {
@@ -93,7 +93,7 @@ const SIGNS: Readonly<Record<Icon, Sign>> = {
   changed: { stroke: [CHECK] },
 };
 
-export function paintIcon(context: Context, mark: IconMark, colour: string): void {
+export function paintIcon(context: PaintContext, mark: IconMark, colour: string): void {
   const sign = SIGNS[mark.icon];
   const half = mark.size / 2;
   context.globalAlpha = mark.alpha;
@@ -109,7 +109,12 @@ export function paintIcon(context: Context, mark: IconMark, colour: string): voi
   context.stroke();
 }
 
-function trace(context: Context, way: readonly number[], { x, y }: IconMark, half: number): void {
+function trace(
+  context: PaintContext,
+  way: readonly number[],
+  { x, y }: IconMark,
+  half: number,
+): void {
   for (let at = 0; at + 1 < way.length; at += 2) {
     const [toX, toY] = [x + (way[at] ?? 0) * half, y + (way[at + 1] ?? 0) * half];
     if (at === 0) context.moveTo(toX, toY);

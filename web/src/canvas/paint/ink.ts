@@ -2,7 +2,7 @@
 
 import type { Colours } from "./colours.ts";
 
-export type Context = CanvasRenderingContext2D | OffscreenCanvasRenderingContext2D;
+export type PaintContext = CanvasRenderingContext2D | OffscreenCanvasRenderingContext2D;
 
 /** The colour of an ink: its name's, or itself. */
 export function inkOf(colours: Colours, ink: string): string {

@@ -1,10 +1,10 @@
 /** The way of a line with round corners, and the head of its arrow. */
 
 import type { LineMark } from "../scene/list.ts";
-import type { Context } from "./ink.ts";
+import type { PaintContext } from "./ink.ts";
 
 /** Adds the line to the path. */
-export function paintLine(context: Context, { points, radius, curve, arrow }: LineMark): void {
+export function paintLine(context: PaintContext, { points, radius, curve, arrow }: LineMark): void {
   const last = points.length - 2;
   context.moveTo(points[0] ?? 0, points[1] ?? 0);
   for (let at = 2; at < last; at += 2) {
@@ -17,13 +17,18 @@ export function paintLine(context: Context, { points, radius, curve, arrow }: Li
 }
 
 /** From the middle of one piece to that of the next. */
-function bend(context: Context, points: readonly number[], at: number): void {
+function bend(context: PaintContext, points: readonly number[], at: number): void {
   const [x, y] = [points[at] ?? 0, points[at + 1] ?? 0];
   const [afterX, afterY] = [points[at + 2] ?? x, points[at + 3] ?? y];
   context.quadraticCurveTo(x, y, (x + afterX) / 2, (y + afterY) / 2);
 }
 
-function corner(context: Context, points: readonly number[], at: number, radius: number): void {
+function corner(
+  context: PaintContext,
+  points: readonly number[],
+  at: number,
+  radius: number,
+): void {
   const [x, y] = [points[at] ?? 0, points[at + 1] ?? 0];
   const [beforeX, beforeY] = [points[at - 2] ?? x, points[at - 1] ?? y];
   const [afterX, afterY] = [points[at + 2] ?? x, points[at + 3] ?? y];
@@ -39,7 +44,7 @@ function corner(context: Context, points: readonly number[], at: number, radius:
   context.quadraticCurveTo(x, y, x + (afterX - x) * on, y + (afterY - y) * on);
 }
 
-function head(context: Context, points: readonly number[], length: number): void {
+function head(context: PaintContext, points: readonly number[], length: number): void {
   const end = points.length - 2;
   const [x, y] = [points[end] ?? 0, points[end + 1] ?? 0];
   let from = end - 2;

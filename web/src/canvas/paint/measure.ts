@@ -1,14 +1,14 @@
 /** How wide texts are: measured once, then remembered. */
 
 import type { Measure } from "../scene/input.ts";
-import type { Context } from "./ink.ts";
+import type { PaintContext } from "./ink.ts";
 import { fontOf } from "./texts.ts";
 
 /** So many texts are remembered; then it begins anew. */
 const MOST = 20_000;
 
 /** Measures with this context; to be made anew when fonts have come. */
-export function measureWith(context: Context): Measure {
+export function measureWith(context: PaintContext): Measure {
   const known = new Map<string, Map<string, number>>();
   return (text, size, bold) => {
     const font = `${size}${bold}`;

@@ -4,12 +4,12 @@ import type { BoxMark, DotMark, DrawList, Layer, LineMark } from "../scene/list.
 import type { Colours } from "./colours.ts";
 import { paintDot } from "./dots.ts";
 import { paintIcon } from "./icons.ts";
-import { type Context, inkOf } from "./ink.ts";
+import { inkOf, type PaintContext } from "./ink.ts";
 import { paintLine } from "./line.ts";
 import { paintTexts } from "./texts.ts";
 
 /** Paints upon what is there; CSS pixels are the unit of the context. */
-export function paint(context: Context, list: DrawList, colours: Colours): void {
+export function paint(context: PaintContext, list: DrawList, colours: Colours): void {
   for (const layer of list.layers) paintShapes(context, layer, colours);
   for (const layer of list.layers) {
     paintTexts(context, layer.texts, colours);
@@ -18,7 +18,7 @@ export function paint(context: Context, list: DrawList, colours: Colours): void 
   context.globalAlpha = 1;
 }
 
-function paintShapes(context: Context, layer: Layer, colours: Colours): void {
+function paintShapes(context: PaintContext, layer: Layer, colours: Colours): void {
   paintLines(context, layer.under, colours);
   paintSpecks(context, layer.specks, colours);
   paintBoxes(context, layer.boxes, colours);
@@ -26,7 +26,7 @@ function paintShapes(context: Context, layer: Layer, colours: Colours): void {
   paintDots(context, layer.dots, colours);
 }
 
-function paintSpecks(context: Context, specks: readonly BoxMark[], colours: Colours): void {
+function paintSpecks(context: PaintContext, specks: readonly BoxMark[], colours: Colours): void {
   context.globalAlpha = 1;
   let ink: string | null = null;
   let alpha = 1;
@@ -48,7 +48,7 @@ function paintSpecks(context: Context, specks: readonly BoxMark[], colours: Colo
   }
 }
 
-function paintBoxes(context: Context, boxes: readonly BoxMark[], colours: Colours): void {
+function paintBoxes(context: PaintContext, boxes: readonly BoxMark[], colours: Colours): void {
   for (const box of boxes) {
     context.globalAlpha = box.alpha;
     if (box.radius < 1.5 || (box.width < 14 && box.height < 14)) paintSquare(context, box, colours);
@@ -57,7 +57,7 @@ function paintBoxes(context: Context, boxes: readonly BoxMark[], colours: Colour
 }
 
 /** A small box: an outline that is a larger box below is by far the quickest. */
-function paintSquare(context: Context, box: BoxMark, colours: Colours): void {
+function paintSquare(context: PaintContext, box: BoxMark, colours: Colours): void {
   const { x, y, width, height, line } = box;
   if (box.fill === null || box.dash) {
     if (box.fill !== null) {
@@ -85,7 +85,7 @@ function paintSquare(context: Context, box: BoxMark, colours: Colours): void {
 const SOLID: number[] = [];
 const DASHED = [5, 4];
 
-function paintRounded(context: Context, box: BoxMark, colours: Colours): void {
+function paintRounded(context: PaintContext, box: BoxMark, colours: Colours): void {
   context.beginPath();
   context.roundRect(box.x, box.y, box.width, box.height, box.radius);
   if (box.fill !== null) {
@@ -98,14 +98,14 @@ function paintRounded(context: Context, box: BoxMark, colours: Colours): void {
   if (box.dash) context.setLineDash(SOLID);
 }
 
-function strokeStyle(context: Context, box: BoxMark, colours: Colours): void {
+function strokeStyle(context: PaintContext, box: BoxMark, colours: Colours): void {
   context.strokeStyle = inkOf(colours, box.stroke ?? "outline");
   context.lineWidth = box.line;
   if (box.dash) context.setLineDash(DASHED);
 }
 
 /** Lines of one look are one path. */
-function paintLines(context: Context, lines: readonly LineMark[], colours: Colours): void {
+function paintLines(context: PaintContext, lines: readonly LineMark[], colours: Colours): void {
   if (lines.length === 0) return;
   context.lineJoin = "round";
   let last: LineMark | null = null;
@@ -136,7 +136,7 @@ function alike(one: LineMark, other: LineMark): boolean {
   );
 }
 
-function paintDots(context: Context, dots: readonly DotMark[], colours: Colours): void {
+function paintDots(context: PaintContext, dots: readonly DotMark[], colours: Colours): void {
   for (const dot of dots) {
     context.globalAlpha = dot.alpha;
     paintDot(

@@ -1,6 +1,6 @@
 import { expect, test } from "vitest";
 import type { TextMark } from "../scene/list.ts";
-import type { Context } from "./ink.ts";
+import type { PaintContext } from "./ink.ts";
 import { paintTexts } from "./texts.ts";
 
 test("a plate is opaque however faint its text is: it does not half erase what lies below", () => {
@@ -14,7 +14,7 @@ test("a plate is opaque however faint its text is: it does not half erase what l
       state[String(name)] = value;
       return true;
     },
-  }) as unknown as Context;
+  }) as unknown as PaintContext;
   const text = { text: "done", plate: "ground", ink: "text", alpha: 0.5, size: 11, x: 0, y: 0 };
   const more = { align: "left", bold: false, width: 20 };
   paintTexts(context, [{ ...text, ...more } as unknown as TextMark], {});

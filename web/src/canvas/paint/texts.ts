@@ -2,7 +2,7 @@
 
 import type { TextMark } from "../scene/list.ts";
 import type { Colours } from "./colours.ts";
-import { type Context, inkOf } from "./ink.ts";
+import { inkOf, type PaintContext } from "./ink.ts";
 
 const FAMILY = '"Inter Variable", system-ui, sans-serif';
 
@@ -11,7 +11,11 @@ export function fontOf(size: number, bold: boolean): string {
   return `${bold ? 600 : 450} ${size}px ${FAMILY}`;
 }
 
-export function paintTexts(context: Context, texts: readonly TextMark[], colours: Colours): void {
+export function paintTexts(
+  context: PaintContext,
+  texts: readonly TextMark[],
+  colours: Colours,
+): void {
   context.textBaseline = "middle";
   let [font, align, ink] = ["", "", ""];
   for (const text of texts) {
@@ -39,7 +43,7 @@ export function paintTexts(context: Context, texts: readonly TextMark[], colours
 
 const AROUND = 4;
 
-function paintPlate(context: Context, text: TextMark, colour: string): void {
+function paintPlate(context: PaintContext, text: TextMark, colour: string): void {
   const inner = text.width || (text.text === "" ? 0 : context.measureText(text.text).width);
   const width = inner + 2 * AROUND;
   const height = text.size + 5;

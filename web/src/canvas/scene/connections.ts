@@ -6,7 +6,7 @@ import type { Box, Point } from "../../model/geometry.ts";
 import { ABORTED, PREEMPTED } from "../../model/machine.ts";
 import type { LineMarkOfRun } from "../../store/marks.ts";
 import { touches } from "../grid.ts";
-import type { Line } from "../lines.ts";
+import type { RoutedLine } from "../lines.ts";
 import type { SceneBuilder, SceneNode } from "./builder.ts";
 import { DETAIL, extent, fade, TEXT } from "./detail.ts";
 import type { Ink, LineMark } from "./list.ts";
@@ -27,7 +27,7 @@ export function connectionMarks(builder: SceneBuilder, node: SceneNode): void {
   node.at.eachLine(builder.area(node, BEYOND), (line) => lineMarks(builder, node, line, alpha));
 }
 
-function lineMarks(builder: SceneBuilder, node: SceneNode, line: Line, alpha: number): void {
+function lineMarks(builder: SceneBuilder, node: SceneNode, line: RoutedLine, alpha: number): void {
   const look = lookOf(builder, line);
   if (!look.loud && !isShown(builder, line)) return;
   const size = sizeOfEnd(node, line);
@@ -58,7 +58,7 @@ function lookOfRun({ isNext, age }: LineMarkOfRun): LineLook {
   return { ink, width: age === 0 ? 2.75 : 2.25, loud: false, alpha: faded(age) };
 }
 
-function lookOf(builder: SceneBuilder, line: Line): LineLook {
+function lookOf(builder: SceneBuilder, line: RoutedLine): LineLook {
   const { key, kind, outcome } = line;
   if (builder.isSelected(key)) return { ink: "selection", width: 2.5, loud: true };
   const isHovered = isThat(builder.input.hovered, key);
@@ -76,7 +76,7 @@ function lookOf(builder: SceneBuilder, line: Line): LineLook {
 }
 
 /** Whether it says where the container begins. */
-function isStart({ kind, label }: Line): boolean {
+function isStart({ kind, label }: RoutedLine): boolean {
   return kind === "transition" && label === "";
 }
 
@@ -87,7 +87,7 @@ const LEAST_FOR_START = 24;
 function startMark(
   builder: SceneBuilder,
   node: SceneNode,
-  line: Line,
+  line: RoutedLine,
   { points, alpha, ink }: LineMark,
 ): void {
   const [x, y, nextX, nextY] = points;
@@ -113,19 +113,19 @@ function isThat(hovered: SceneBuilder["input"]["hovered"], key: ElementKey): boo
   return key === `${hovered.kind}:${hovered.path}:${hovered.id}`;
 }
 
-function isShown(builder: SceneBuilder, line: Line): boolean {
+function isShown(builder: SceneBuilder, line: RoutedLine): boolean {
   const { dataFlows, transitions } = builder.input.modes;
   if (line.kind === "transition") return transitions;
   return dataFlows === "all" || (dataFlows === "selection" && isFocused(builder, line));
 }
 
-function isFocused({ focused }: SceneBuilder, line: Line): boolean {
+function isFocused({ focused }: SceneBuilder, line: RoutedLine): boolean {
   return focused.has(line.fromPath) || focused.has(line.toPath);
 }
 
 function lineMark(
   node: SceneNode,
-  line: Line,
+  line: RoutedLine,
   look: LineLook,
   size: number,
   alpha: number,
@@ -152,20 +152,20 @@ function lineMark(
 }
 
 /** Of a short curve every fourth point is enough. */
-function stepOf(node: SceneNode, { kind, waypoints, box, points }: Line): number {
+function stepOf(node: SceneNode, { kind, waypoints, box, points }: RoutedLine): number {
   if (kind === "transition" || waypoints.length > 0 || points.length % 4 !== 1) return 1;
   return Math.max(box.width, box.height) * node.scale < 90 ? 4 : 1;
 }
 
 /** How large the state is that the line leads to; of the container's own end the one that it comes from. */
-function sizeOfEnd(node: SceneNode, line: Line): number {
+function sizeOfEnd(node: SceneNode, line: RoutedLine): number {
   const child = node.at.child(line.toPath) ?? node.at.child(line.fromPath);
   if (!child) return 0;
   return extent({ width: child.box.width * node.scale, height: child.box.height * node.scale });
 }
 
 /** Where ports are drawn they are the arrow heads; where boxes are tiny there is no room for any. */
-function arrowOf(node: SceneNode, line: Line, size: number): number {
+function arrowOf(node: SceneNode, line: RoutedLine, size: number): number {
   if (size >= DETAIL.ports || size < 16 || line.toPath === node.at.path) return 0;
   return Math.min(7, size * 0.2);
 }
@@ -174,7 +174,7 @@ function arrowOf(node: SceneNode, line: Line, size: number): number {
 function labelMark(
   builder: SceneBuilder,
   node: SceneNode,
-  line: Line,
+  line: RoutedLine,
   mark: LineMark,
   look: LineLook,
 ): void {
@@ -272,7 +272,7 @@ function middleOf(points: readonly number[], index: number, width: number) {
 }
 
 /** Labels come with the states that their lines leave, and go where these show the names of their outcomes. */
-function labelAlpha(node: SceneNode, line: Line): number {
+function labelAlpha(node: SceneNode, line: RoutedLine): number {
   const child = node.at.child(line.fromPath);
   if (!child) return 0;
   const [width, height] = [child.box.width * node.scale, child.box.height * node.scale];
@@ -286,7 +286,7 @@ const LABEL_INKS: Readonly<Record<string, Ink>> = {
 };
 
 /** Where a selected connection can be taken: its ends, its waypoints, and the middles of its pieces. */
-function waypointMarks(builder: SceneBuilder, node: SceneNode, line: Line): void {
+function waypointMarks(builder: SceneBuilder, node: SceneNode, line: RoutedLine): void {
   const layer = builder.layer(node.depth + 2);
   const put = (index: number, shape: "waypoint" | "handle") => {
     const point = line.points[index];

@@ -9,7 +9,7 @@ import type { LayoutTree } from "../layout_tree.ts";
 import type { Overlay } from "../overlay.ts";
 
 /** How a part differs from the machine that it is compared with. */
-export type Difference = "added" | "removed" | "changed";
+export type DifferenceKind = "added" | "removed" | "changed";
 
 /** A value at a port. */
 export interface ValueChip {
@@ -49,7 +49,7 @@ export interface SceneInput {
   readonly people: readonly Onlooker[];
   /** The worst that is wrong with each state. */
   readonly problems: ReadonlyMap<string, Severity>;
-  readonly differences: ReadonlyMap<ElementKey, Difference>;
+  readonly differences: ReadonlyMap<ElementKey, DifferenceKind>;
   /** What a search has found. */
   readonly hits: ReadonlySet<ElementKey>;
   /** What states do in the run. */
@@ -77,7 +77,7 @@ export const PLAIN = {
   hovered: null,
   people: [],
   problems: new Map<string, Severity>(),
-  differences: new Map<ElementKey, Difference>(),
+  differences: new Map<ElementKey, DifferenceKind>(),
   hits: new Set<ElementKey>(),
   runs: new Map<string, RunMark>(),
   taken: new Map<ElementKey, LineMarkOfRun>(),

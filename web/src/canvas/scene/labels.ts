@@ -7,7 +7,7 @@ import type { TextMark } from "./list.ts";
 const CELL = 64;
 const HEIGHT = 14;
 
-interface Written {
+interface LabelSpan {
   readonly left: number;
   readonly right: number;
   readonly y: number;
@@ -15,7 +15,7 @@ interface Written {
 
 export function labelMarks(builder: SceneBuilder): void {
   if (builder.labels.length + builder.portNames.length === 0) return;
-  const board = new Map<number, Written[]>();
+  const board = new Map<number, LabelSpan[]>();
   for (const { texts } of builder.layers) for (const text of texts) write(board, textArea(text));
   const layer = builder.top();
   for (const label of [...builder.portNames, ...builder.labels]) {
@@ -27,13 +27,13 @@ export function labelMarks(builder: SceneBuilder): void {
   }
 }
 
-function textArea({ x, y, align, width, text, size }: TextMark): Written {
+function textArea({ x, y, align, width, text, size }: TextMark): LabelSpan {
   const wide = (width || text.length * size * 0.58) + 6;
   const left = align === "left" ? x - 3 : align === "right" ? x + 3 - wide : x - wide / 2;
   return { left, right: left + wide, y };
 }
 
-function cellsOf({ left, right, y }: Written): readonly number[] {
+function cellsOf({ left, right, y }: LabelSpan): readonly number[] {
   const cells: number[] = [];
   for (let column = Math.floor(left / CELL); column <= Math.floor(right / CELL); column++) {
     for (let row = Math.floor((y - HEIGHT) / CELL); row <= Math.floor((y + HEIGHT) / CELL); row++) {
@@ -43,7 +43,7 @@ function cellsOf({ left, right, y }: Written): readonly number[] {
   return cells;
 }
 
-function write(board: Map<number, Written[]>, area: Written): void {
+function write(board: Map<number, LabelSpan[]>, area: LabelSpan): void {
   for (const cell of cellsOf(area)) {
     const there = board.get(cell);
     if (there) there.push(area);
@@ -51,7 +51,7 @@ function write(board: Map<number, Written[]>, area: Written): void {
   }
 }
 
-function isFree(board: Map<number, Written[]>, area: Written): boolean {
+function isFree(board: Map<number, LabelSpan[]>, area: LabelSpan): boolean {
   return cellsOf(area).every((cell) =>
     (board.get(cell) ?? []).every(
       (other) =>

@@ -3,7 +3,7 @@
 import { type ElementKey, type ElementRef, elementOf, keyOf } from "../../model/element.ts";
 import { parentOf } from "../../model/path.ts";
 import type { LayoutTree } from "../layout_tree.ts";
-import type { Line } from "../lines.ts";
+import type { RoutedLine } from "../lines.ts";
 
 const NOTHING: ReadonlySet<ElementKey> = new Set();
 
@@ -47,7 +47,7 @@ function onwards(layout: LayoutTree, from: readonly ElementKey[]): ReadonlySet<E
   return lit;
 }
 
-function linesFrom(layout: LayoutTree, port: ElementKey): readonly Line[] {
+function linesFrom(layout: LayoutTree, port: ElementKey): readonly RoutedLine[] {
   const element = elementOf(port);
   const container = element?.kind === "outcome" ? parentOf(element.path) : null;
   if (container === null) return [];
@@ -80,7 +80,7 @@ function flowed(
 }
 
 /** Data flows of the two containers that a port belongs to: around its state, and inside it. */
-function flowsAt(layout: LayoutTree, port: ElementKey): readonly Line[] {
+function flowsAt(layout: LayoutTree, port: ElementKey): readonly RoutedLine[] {
   const path = elementOf(port)?.path;
   if (path === undefined) return [];
   const outer = parentOf(path);
@@ -88,6 +88,6 @@ function flowsAt(layout: LayoutTree, port: ElementKey): readonly Line[] {
   return [...lines, ...linesIn(layout, path)].filter((line) => line.kind === "data_flow");
 }
 
-function linesIn(layout: LayoutTree, path: string): readonly Line[] {
+function linesIn(layout: LayoutTree, path: string): readonly RoutedLine[] {
   return layout.frame(path)?.at.lines ?? [];
 }

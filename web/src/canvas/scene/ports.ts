@@ -15,12 +15,12 @@ import { groundInk } from "./ring.ts";
 import { cut } from "./words.ts";
 
 /** Ports to which a transition leads or from which one starts. */
-export type Connected = ReadonlySet<string>;
+export type ConnectedPorts = ReadonlySet<string>;
 
 export function portMarks(
   builder: SceneBuilder,
   node: SceneNode,
-  connected: Connected,
+  connected: ConnectedPorts,
   open: boolean,
 ): void {
   const alpha = fade(node.extent, DETAIL.ports);
@@ -28,7 +28,7 @@ export function portMarks(
   if (alpha === 0 && !builder.focused.has(node.at.path)) return;
   const layer = builder.layer(node.depth);
   const size = node.extent >= DETAIL.labels ? 10 : node.extent >= 110 ? 8 : 6;
-  const taken: Taken = { left: [], right: [], top: [], bottom: [] };
+  const taken: TakenNames = { left: [], right: [], top: [], bottom: [] };
   for (const port of node.at.ports) {
     if (!isShown(builder, node, port, connected)) continue;
     const [x, y] = [node.x + port.at.x * node.scale, node.y + port.at.y * node.scale];
@@ -62,7 +62,7 @@ function isShown(
   builder: SceneBuilder,
   node: SceneNode,
   port: PortPlace,
-  connected: Connected,
+  connected: ConnectedPorts,
 ): boolean {
   const isQuiet = port.kind === "outcome" && (port.id === ABORTED || port.id === PREEMPTED);
   if (!isQuiet || builder.input.modes.aborted) return true;
@@ -87,8 +87,8 @@ function outlineOf(builder: SceneBuilder, port: PortPlace): Ink | null {
   return legal === undefined ? null : legal ? "legal" : "illegal";
 }
 
-type Side = ReturnType<typeof sideOf>;
-type Taken = Record<Side, number[]>;
+type PortSide = ReturnType<typeof sideOf>;
+type TakenNames = Record<PortSide, number[]>;
 
 const OUT = {
   left: { toX: -1, toY: 0 },
@@ -98,7 +98,10 @@ const OUT = {
 } as const;
 
 /** What comes in points inwards. */
-function direction(port: PortPlace, side: Side): { readonly toX: number; readonly toY: number } {
+function direction(
+  port: PortPlace,
+  side: PortSide,
+): { readonly toX: number; readonly toY: number } {
   const { toX, toY } = OUT[side];
   return port.kind === "income" || port.kind === "input" ? { toX: -toX, toY: -toY } : { toX, toY };
 }
@@ -109,7 +112,7 @@ function words(
   node: SceneNode,
   port: PortPlace,
   place: Omit<LabelPlace, "text">,
-  taken: Taken,
+  taken: TakenNames,
 ): void {
   const chip = builder.input.values.get(port.key);
   if (place.alpha > 0) {
@@ -138,7 +141,7 @@ function hasRoom(
 interface LabelPlace {
   readonly x: number;
   readonly y: number;
-  readonly side: Side;
+  readonly side: PortSide;
   readonly alpha: number;
   readonly open: boolean;
   readonly size: number;
@@ -153,7 +156,7 @@ function label(
   node: SceneNode,
   port: PortPlace,
   place: LabelPlace,
-  taken: Taken,
+  taken: TakenNames,
 ): void {
   const { side } = place;
   const isUpright = side === "left" || side === "right";

@@ -2,7 +2,7 @@
  * time and how often it ran. */
 
 import type { MarkPhase, RunMark } from "../../store/marks.ts";
-import { STEPS } from "../../store/trail.ts";
+import { STEPS } from "../../store/recent_path.ts";
 import type { SceneBuilder, SceneNode } from "./builder.ts";
 import { DETAIL, TEXT } from "./detail.ts";
 import type { BoxMark, Icon, Ink, Layer, TextMark } from "./list.ts";

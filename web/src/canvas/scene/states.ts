@@ -2,7 +2,7 @@
 
 import { breakpointMarks } from "./breakpoints.ts";
 import type { SceneBuilder, SceneNode } from "./builder.ts";
-import type { Difference } from "./input.ts";
+import type { DifferenceKind } from "./input.ts";
 import type { BoxMark, Layer } from "./list.ts";
 import { groundInk, radiusOf, ring } from "./ring.ts";
 import { runMarks, visitMarks } from "./runs.ts";
@@ -70,7 +70,7 @@ function handleMarks(builder: SceneBuilder, node: SceneNode, key: string): void 
 /** So many colours of people there are. */
 export const PEOPLE = 6;
 
-export const DIFFERENCE_INK: Readonly<Record<Difference, string>> = {
+export const DIFFERENCE_INK: Readonly<Record<DifferenceKind, string>> = {
   added: "added",
   removed: "removed",
   changed: "changed",

@@ -10,7 +10,7 @@ import { isRefused, type Plan, type Planned, together } from "../../plan/plan.ts
 import { screenBox, screenFromWorld, visibleBox } from "../camera.ts";
 import { described } from "../describe.ts";
 import { gripAt, statesAt } from "../hit/hit.ts";
-import type { PortRef } from "../hit/look.ts";
+import type { CanvasPort } from "../hit/look.ts";
 import { NO_OVERLAY, type Overlay } from "../overlay.ts";
 import { editsOf } from "./edits.ts";
 import {
@@ -22,12 +22,12 @@ import {
   worldOf,
 } from "./gesture.ts";
 import {
-  type Ends,
   endsBetween,
   isData,
   isLegal,
   nearerTo,
   nearestPort,
+  type PortPair,
   type VisiblePort,
   visiblePorts,
 } from "./targets.ts";
@@ -36,7 +36,7 @@ import {
 const SNAP = 18;
 
 interface ConnectState {
-  readonly from: PortRef;
+  readonly from: CanvasPort;
   readonly at: Point;
   readonly data: boolean;
   readonly isSticky: boolean;
@@ -49,12 +49,12 @@ interface ConnectPorts {
   readonly camera: ToolContext["camera"];
   readonly version: number;
   readonly ports: readonly VisiblePort[];
-  readonly legal: ReadonlyMap<ElementKey, Ends>;
+  readonly legal: ReadonlyMap<ElementKey, PortPair>;
 }
 
 /** Begins a connection at a port; `isSticky` if it goes on without a button. */
 export function connecting(
-  from: PortRef,
+  from: CanvasPort,
   pointer: Pointer | null,
   context: ToolContext,
   isSticky: boolean,
@@ -79,9 +79,9 @@ export function connecting(
 
 const NO_KEYS = { shift: false, ctrl: false, alt: false };
 
-function look(from: PortRef, data: boolean, context: ToolContext): ConnectPorts {
+function look(from: CanvasPort, data: boolean, context: ToolContext): ConnectPorts {
   const ports = visiblePorts(context, data);
-  const legal = new Map<ElementKey, Ends>();
+  const legal = new Map<ElementKey, PortPair>();
   for (const { element } of ports) {
     const ends = endsBetween(context.machine, from, element);
     if (isLegal(ends)) legal.set(keyOf(element), ends);
@@ -96,7 +96,7 @@ function current(connectState: ConnectState, context: ToolContext): ConnectState
   return isSame ? connectState : { ...connectState, visible: look(from, data, context) };
 }
 
-interface Aim {
+interface ConnectAim {
   readonly to: Point;
   readonly legal: boolean | null;
   readonly target: ElementKey | null;
@@ -111,7 +111,7 @@ function next(before: ConnectState, pointer: Pointer, context: ToolContext): Ges
 
 function shown(
   connectState: ConnectState,
-  aim: Aim,
+  aim: ConnectAim,
   pointer: Pointer,
   context: ToolContext,
   index: number | null,
@@ -137,7 +137,7 @@ function shown(
 
 function overlayOf(
   { at, data, through, visible }: ConnectState,
-  aim: Aim,
+  aim: ConnectAim,
   pointer: Point,
 ): Overlay {
   const targets = new Map<ElementKey, boolean>();
@@ -154,7 +154,7 @@ function overlayOf(
 }
 
 /** What the pointer is at: a port that fits, one that does not, a state, or nothing. */
-function aimAt(connectState: ConnectState, pointer: Pointer, context: ToolContext): Aim {
+function aimAt(connectState: ConnectState, pointer: Pointer, context: ToolContext): ConnectAim {
   const { visible, from } = connectState;
   const fitting = visible.ports.filter(({ element }) => visible.legal.has(keyOf(element)));
   const near = nearestPort(fitting, pointer, context, SNAP);
@@ -165,11 +165,11 @@ function aimAt(connectState: ConnectState, pointer: Pointer, context: ToolContex
   return atState(connectState, pointer, context) ?? nowhere(worldOf(pointer, context));
 }
 
-function nowhere(to: Point): Aim {
+function nowhere(to: Point): ConnectAim {
   return { to, legal: null, target: null, message: null, plan: () => null };
 }
 
-function atPort(visible: ConnectPorts, port: VisiblePort, context: ToolContext): Aim {
+function atPort(visible: ConnectPorts, port: VisiblePort, context: ToolContext): ConnectAim {
   const key = keyOf(port.element);
   const ends = visible.legal.get(key);
   return {
@@ -181,7 +181,7 @@ function atPort(visible: ConnectPorts, port: VisiblePort, context: ToolContext):
   };
 }
 
-function atWrong({ from }: ConnectState, port: VisiblePort, { machine }: ToolContext): Aim {
+function atWrong({ from }: ConnectState, port: VisiblePort, { machine }: ToolContext): ConnectAim {
   const ends = endsBetween(machine, from, port.element);
   const message = isLegal(ends) ? null : ends.refused;
   const plan = () => (isLegal(ends) ? null : ends);
@@ -189,7 +189,11 @@ function atWrong({ from }: ConnectState, port: VisiblePort, { machine }: ToolCon
 }
 
 /** A state other than that where the line begins, and not the ground on which it is drawn. */
-function atState(connectState: ConnectState, pointer: Pointer, context: ToolContext): Aim | null {
+function atState(
+  connectState: ConnectState,
+  pointer: Pointer,
+  context: ToolContext,
+): ConnectAim | null {
   const { from } = connectState;
   const { machine, layout, camera } = context;
   const under = statesAt(layout, machine, camera, pointer).at(-1);
@@ -207,7 +211,12 @@ function atState(connectState: ConnectState, pointer: Pointer, context: ToolCont
 }
 
 /** On the border of the container around it a line ends in a new port of the container. */
-function isAtBorder(from: PortRef, path: string, pointer: Pointer, context: ToolContext): boolean {
+function isAtBorder(
+  from: CanvasPort,
+  path: string,
+  pointer: Pointer,
+  context: ToolContext,
+): boolean {
   const box = parentOf(from.path) === path ? context.layout.box(path) : undefined;
   return box !== undefined && gripAt(screenBox(context.camera, box), pointer, 12) !== null;
 }
@@ -294,7 +303,7 @@ function withWaypoints(
 /** Whether the connection ends where its line was begun: it was drawn backwards. */
 function endsAt(
   made: Extract<Edit, { readonly edit: "add_transition" | "add_data_flow" }>,
-  from: PortRef,
+  from: CanvasPort,
 ): boolean {
   const id = "id" in from ? from.id : null;
   if (made.edit === "add_data_flow") {

@@ -28,9 +28,9 @@ export function bringing(brought: Dragged, pointer: Pointer, context: ToolContex
   };
 }
 
-type Step = Pick<Gesture, "overlay" | "result">;
+type DropStep = Pick<Gesture, "overlay" | "result">;
 
-function refusedHere(pointer: Pointer): Step {
+function refusedHere(pointer: Pointer): DropStep {
   const text = "States stand in hierarchies and concurrencies: drop it on one of them.";
   const plan: Planned = { refused: text };
   return {
@@ -39,7 +39,12 @@ function refusedHere(pointer: Pointer): Step {
   };
 }
 
-function into(brought: Dragged, container: string, pointer: Pointer, context: ToolContext): Step {
+function into(
+  brought: Dragged,
+  container: string,
+  pointer: Pointer,
+  context: ToolContext,
+): DropStep {
   const at = inState(context.layout, container, worldOf(pointer, context));
   const line = lineUnder(container, pointer, context);
   if ("insert" in brought) {

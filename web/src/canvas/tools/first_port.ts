@@ -4,12 +4,12 @@ import type { ElementRef } from "../../model/element.ts";
 import { isConnection } from "../../model/ends.ts";
 import { type Machine, outcomesOf, portsOf, transitionsOf } from "../../model/machine.ts";
 import { idOf, parentOf } from "../../model/path.ts";
-import type { PortRef } from "../hit/look.ts";
+import type { CanvasPort } from "../hit/look.ts";
 
 /** A port itself; of a state the first outcome that leads nowhere yet, or its first, or its first output. */
-export function firstPort(machine: Machine, from: ElementRef): PortRef | null {
+export function firstPort(machine: Machine, from: ElementRef): CanvasPort | null {
   if (isConnection(from)) return null;
-  if (from.kind !== "state") return from as PortRef;
+  if (from.kind !== "state") return from as CanvasPort;
   const { path } = from;
   const state = machine.state(path);
   if (!state) return null;

@@ -7,7 +7,7 @@ import type { Machine } from "../../model/machine.ts";
 import type { Planned } from "../../plan/plan.ts";
 import type { Camera } from "../../store/view.ts";
 import { worldFromScreen } from "../camera.ts";
-import type { Look } from "../hit/look.ts";
+import type { CanvasLook } from "../hit/look.ts";
 import type { Layout } from "../layout.ts";
 import type { LayoutTree } from "../layout_tree.ts";
 import type { Overlay } from "../overlay.ts";
@@ -26,11 +26,11 @@ export interface ToolContext {
   readonly layout: LayoutTree;
   readonly camera: Camera;
   readonly size: Size;
-  readonly look: Look;
+  readonly look: CanvasLook;
 }
 
 /** What comes of a gesture. */
-export interface Result {
+export interface GestureResult {
   readonly plan?: Planned;
   /** Selects these and nothing else. */
   readonly select?: readonly ElementRef[];
@@ -39,7 +39,7 @@ export interface Result {
   readonly run?: { readonly command: string; readonly argument?: unknown };
 }
 
-export const NOTHING: Result = {};
+export const NOTHING: GestureResult = {};
 
 export interface Gesture {
   /** "move", "connect", …: for tests and for those who look. */
@@ -55,7 +55,7 @@ export interface Gesture {
   readonly isSticky?: boolean;
   readonly move: (pointer: Pointer, context: ToolContext) => Gesture;
   /** What comes of it now. */
-  readonly result: () => Result;
+  readonly result: () => GestureResult;
   /** A press while it goes on without a button, or a key; null if it has no use for it. */
   readonly mark?: (context: ToolContext) => Gesture | null;
   /** The next (1) or last (-1) target by keyboard. */

@@ -53,7 +53,7 @@ export function moving(paths: readonly string[], pressed: Pointer, context: Tool
   return next(start, pressed, context);
 }
 
-interface Step {
+interface MoveStep {
   readonly overlay: Overlay;
   readonly cursor?: string;
   readonly plan: () => Planned | null;
@@ -73,7 +73,7 @@ function next(start: Moving, pointer: Pointer, context: ToolContext): Gesture {
   };
 }
 
-function copy(start: Moving, pointer: Pointer, context: ToolContext): Step {
+function copy(start: Moving, pointer: Pointer, context: ToolContext): MoveStep {
   const target = containerAt(pointer, context, start.paths);
   if (target !== null && start.container !== null && target !== start.container) {
     return { cursor: "copy", ...intoContainer(start, target, pointer, context, "copy") };
@@ -88,7 +88,7 @@ function copy(start: Moving, pointer: Pointer, context: ToolContext): Step {
   };
 }
 
-function drop(start: Moving, pointer: Pointer, context: ToolContext): Step {
+function drop(start: Moving, pointer: Pointer, context: ToolContext): MoveStep {
   const target = containerAt(pointer, context, start.paths);
   if (target !== null && start.container !== null && target !== start.container) {
     return intoContainer(start, target, pointer, context, "move");
@@ -98,7 +98,7 @@ function drop(start: Moving, pointer: Pointer, context: ToolContext): Step {
 }
 
 /** Within the container: along guide lines, and not out of it. */
-function within(start: Moving, pointer: Pointer, context: ToolContext): Step {
+function within(start: Moving, pointer: Pointer, context: ToolContext): MoveStep {
   const { by, guides } = way(start, pointer, context);
   if (isNone(by)) return { overlay: NO_OVERLAY, plan: () => null };
   const plan = move(context.machine, start.paths, inside(start, by, context));
@@ -179,7 +179,7 @@ function intoContainer(
   pointer: Pointer,
   context: ToolContext,
   how: "move" | "copy",
-): Step {
+): MoveStep {
   const { machine } = context;
   const by = minus(worldOf(pointer, context), start.from);
   const at = inState(context.layout, target, plus(start.box, by));
@@ -240,7 +240,7 @@ function isConnected(path: string, container: string, { machine }: ToolContext):
   );
 }
 
-function intoLine(start: Moving, route: Route, pointer: Pointer, context: ToolContext): Step {
+function intoLine(start: Moving, route: Route, pointer: Pointer, context: ToolContext): MoveStep {
   const { by } = way({ ...start, others: [] }, pointer, context);
   const [path = ""] = start.paths;
   const transition = { kind: "transition", path: route.path, id: route.id } as const;

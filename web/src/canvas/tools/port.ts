@@ -3,17 +3,17 @@
 import { keyOf } from "../../model/element.ts";
 import type { Box, Point } from "../../model/geometry.ts";
 import { movePort } from "../../plan/move.ts";
-import type { PortRef } from "../hit/look.ts";
+import type { CanvasPort } from "../hit/look.ts";
 import { NO_OVERLAY } from "../overlay.ts";
 import { type Gesture, inState, type Pointer, type ToolContext, worldOf } from "./gesture.ts";
 
 /** Begins to slide a port; it stays on the border, as near to the pointer as it can. */
-export function sliding(port: PortRef, pointer: Pointer, context: ToolContext): Gesture {
+export function sliding(port: CanvasPort, pointer: Pointer, context: ToolContext): Gesture {
   return next(port, null, pointer, context);
 }
 
 function next(
-  port: PortRef,
+  port: CanvasPort,
   before: Point | null,
   pointer: Pointer,
   context: ToolContext,

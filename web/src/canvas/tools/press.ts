@@ -5,7 +5,7 @@ import { distance } from "../../model/geometry.ts";
 import { parentOf } from "../../model/path.ts";
 import { routeOf } from "../hit/hit.ts";
 import { nearestPart } from "../hit/lines.ts";
-import type { Hit } from "../hit/look.ts";
+import type { CanvasHit } from "../hit/look.ts";
 import { NO_OVERLAY } from "../overlay.ts";
 import { banding } from "./band.ts";
 import { connecting } from "./connect.ts";
@@ -31,7 +31,7 @@ export interface Press extends Pointer {
 }
 
 /** Begins with what is under the pointer. */
-export function pressing(hit: Hit | null, press: Press, context: ToolContext): Gesture {
+export function pressing(hit: CanvasHit | null, press: Press, context: ToolContext): Gesture {
   const least = press.isTouch ? DRAG_DISTANCE.finger : DRAG_DISTANCE.pointer;
   const isFar = (pointer: Pointer) => distance(pointer, press) >= least;
   const still: Gesture = {
@@ -45,7 +45,7 @@ export function pressing(hit: Hit | null, press: Press, context: ToolContext): G
   return still;
 }
 
-function clicked(hit: Hit | null, press: Press, context: ToolContext) {
+function clicked(hit: CanvasHit | null, press: Press, context: ToolContext) {
   if (!hit) return press.ctrl || press.shift ? {} : { select: [] };
   if (setsBreakpoint(hit, press, context)) {
     return { run: { command: "run.breakpoint", argument: hit.element.path } };
@@ -54,13 +54,13 @@ function clicked(hit: Hit | null, press: Press, context: ToolContext) {
 }
 
 /** A finger hits more than it means: it selects the state first. */
-function setsBreakpoint(hit: Hit, press: Press, context: ToolContext): boolean {
+function setsBreakpoint(hit: CanvasHit, press: Press, context: ToolContext): boolean {
   if (hit.on !== "breakpoint" || press.ctrl || press.shift) return false;
   return !press.isTouch || isSelected(hit.element, context);
 }
 
 /** The gesture that dragging begins there. */
-function dragging(hit: Hit | null, press: Press, context: ToolContext): Gesture {
+function dragging(hit: CanvasHit | null, press: Press, context: ToolContext): Gesture {
   if (press.shift && (!hit || hit.on === "state" || hit.on === "name" || hit.on === "line")) {
     return band(press, context);
   }
@@ -92,7 +92,7 @@ function dragging(hit: Hit | null, press: Press, context: ToolContext): Gesture 
 }
 
 function bent(
-  hit: Extract<Hit, { readonly on: "waypoint" | "middle" | "line" }>,
+  hit: Extract<CanvasHit, { readonly on: "waypoint" | "middle" | "line" }>,
   press: Press,
   context: ToolContext,
 ): Gesture {
@@ -109,7 +109,7 @@ function isSelected(element: ElementRef, { look }: ToolContext): boolean {
 }
 
 /** On the ground of the root, or of a state that fills the view, there is a rubber band; other states move. */
-function stateDrag(hit: Hit, press: Press, context: ToolContext): Gesture {
+function stateDrag(hit: CanvasHit, press: Press, context: ToolContext): Gesture {
   const path = ownState(context.machine, hit.element.path);
   const element = { kind: "state", path } as const;
   if (press.isTouch && !isSelected(element, context)) return panning(press, context.camera);
@@ -147,7 +147,7 @@ function band(press: Press, context: ToolContext): Gesture {
 }
 
 /** The cursor over what a press would take. */
-export function cursorAt(hit: Hit | null): string {
+export function cursorAt(hit: CanvasHit | null): string {
   switch (hit?.on) {
     case "grip":
       return cursorOf(hit.grip);

@@ -9,7 +9,7 @@ import { isRefused, type Planned } from "../../plan/plan.ts";
 import { NO_OVERLAY, type Overlay } from "../overlay.ts";
 import { inState, type ToolContext } from "./gesture.ts";
 
-interface Draft {
+interface PreviewDraft {
   readonly context: ToolContext;
   readonly boxes: Map<string, Box>;
   readonly names: Map<string, Box>;
@@ -20,7 +20,7 @@ interface Draft {
 /** The overlay that shows where a plan puts things; nothing if it is refused. */
 export function preview(planned: Planned, context: ToolContext): Overlay {
   if (isRefused(planned)) return NO_OVERLAY;
-  const draft: Draft = {
+  const draft: PreviewDraft = {
     context,
     boxes: new Map(),
     names: new Map(),
@@ -32,7 +32,7 @@ export function preview(planned: Planned, context: ToolContext): Overlay {
   return { ...NO_OVERLAY, boxes, names, ports, waypoints };
 }
 
-function show(edit: Edit, draft: Draft): void {
+function show(edit: Edit, draft: PreviewDraft): void {
   switch (edit.edit) {
     case "batch":
       for (const each of edit.edits) show(each, draft);
@@ -68,14 +68,14 @@ function partOf(path: string, element: Element): ElementRef {
   return { kind, path, id };
 }
 
-function placed(draft: Draft, path: string, element: Element, at: Point): void {
+function placed(draft: PreviewDraft, path: string, element: Element, at: Point): void {
   if (element === "state") draft.boxes.set(path, { ...boxIn(draft, path), ...at });
   else if (element === "name") draft.names.set(path, { ...nameIn(draft, path), ...at });
   else draft.ports.set(keyOf(partOf(path, element)), at);
 }
 
 function sized(
-  draft: Draft,
+  draft: PreviewDraft,
   path: string,
   element: Element,
   [width, height]: readonly [number, number],
@@ -86,7 +86,7 @@ function sized(
 
 const NOWHERE: Box = { x: 0, y: 0, width: 0, height: 0 };
 
-function boxIn({ context, boxes }: Draft, path: string): Box {
+function boxIn({ context, boxes }: PreviewDraft, path: string): Box {
   return boxes.get(path) ?? boxInParent(context, path) ?? NOWHERE;
 }
 
@@ -100,7 +100,7 @@ export function boxInParent(context: ToolContext, path: string): Box | undefined
   return { ...at, width: box.width / unit, height: box.height / unit };
 }
 
-function nameIn({ context, names }: Draft, path: string): Box {
+function nameIn({ context, names }: PreviewDraft, path: string): Box {
   const known = names.get(path);
   if (known) return known;
   const box = context.layout.name(path);
@@ -110,7 +110,7 @@ function nameIn({ context, names }: Draft, path: string): Box {
   return { ...at, width: box.width / unit, height: box.height / unit };
 }
 
-function laidOut(draft: Draft, path: string, layout: StateDocument["layout"]): void {
+function laidOut(draft: PreviewDraft, path: string, layout: StateDocument["layout"]): void {
   const state = draft.context.machine.state(path);
   if (!state || !layout) return;
   const then = { ...state, layout };

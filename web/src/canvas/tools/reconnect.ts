@@ -61,14 +61,14 @@ function next(before: Leading, pointer: Pointer, context: ToolContext): Gesture 
   };
 }
 
-interface Aim {
+interface ReconnectAim {
   readonly to: Point;
   readonly legal: boolean | null;
   readonly target: ElementKey | null;
   readonly plan: Planned | null;
 }
 
-function aimAt({ visible }: Leading, pointer: Pointer, context: ToolContext): Aim {
+function aimAt({ visible }: Leading, pointer: Pointer, context: ToolContext): ReconnectAim {
   const legal = visible.ports.filter(({ element }) => isFine(visible, keyOf(element)));
   const port =
     nearestPort(legal, pointer, context, SNAP) ??
@@ -88,7 +88,11 @@ function isFine({ plans }: ReconnectPorts, key: ElementKey): boolean {
   return plan !== undefined && !isRefused(plan);
 }
 
-function overlayOf({ line, end, fixed, visible }: Leading, aim: Aim, pointer: Point): Overlay {
+function overlayOf(
+  { line, end, fixed, visible }: Leading,
+  aim: ReconnectAim,
+  pointer: Point,
+): Overlay {
   const targets = new Map<ElementKey, boolean>();
   for (const [key, plan] of visible.plans) if (!isRefused(plan)) targets.set(key, true);
   if (aim.target !== null) targets.set(aim.target, aim.legal === true);

@@ -6,7 +6,7 @@ import type { Machine } from "../../model/machine.ts";
 import { canConnect } from "../../plan/connect.ts";
 import { isRefused, type Refused, refused } from "../../plan/plan.ts";
 import { screenFromWorld, visibleBox, worldFromScreen } from "../camera.ts";
-import type { PortRef } from "../hit/look.ts";
+import type { CanvasPort } from "../hit/look.ts";
 import { childrenIn } from "../hit/near.ts";
 import { extentOn } from "../hit/shown.ts";
 import { DETAIL } from "../scene/detail.ts";
@@ -14,7 +14,7 @@ import { stickyFrame } from "../scene/sticky.ts";
 import type { ToolContext } from "./gesture.ts";
 
 export interface VisiblePort {
-  readonly element: PortRef;
+  readonly element: CanvasPort;
   readonly name: string;
   /** In the root's coordinates. */
   readonly at: Point;
@@ -46,7 +46,7 @@ function collect(path: string, data: boolean, context: ToolContext, found: Visib
   for (const port of layout.ports(path)) {
     const element = elementOf(port.key);
     if (element && isData(element) === data) {
-      found.push({ element: element as PortRef, name: port.name, at: port.at });
+      found.push({ element: element as CanvasPort, name: port.name, at: port.at });
     }
   }
   const seen = visibleBox(camera, size);
@@ -61,13 +61,17 @@ export function nearerTo(at: Point, own: string): (one: VisiblePort, other: Visi
   return (one, other) => isOwn(one) - isOwn(other) || away(one) - away(other);
 }
 
-export interface Ends {
-  readonly from: PortRef;
-  readonly to: PortRef;
+export interface PortPair {
+  readonly from: CanvasPort;
+  readonly to: CanvasPort;
 }
 
 /** The connection between a port and another, in the direction that is legal, or why there is none. */
-export function endsBetween(machine: Machine, one: PortRef, other: PortRef): Ends | Refused {
+export function endsBetween(
+  machine: Machine,
+  one: CanvasPort,
+  other: CanvasPort,
+): PortPair | Refused {
   if (isData(one) !== isData(other)) {
     return refused("A transition joins outcomes and incomes, a data flow joins data ports.");
   }
@@ -93,6 +97,6 @@ export function nearestPort(
   return best;
 }
 
-export function isLegal(ends: Ends | Refused): ends is Ends {
+export function isLegal(ends: PortPair | Refused): ends is PortPair {
   return !isRefused(ends);
 }

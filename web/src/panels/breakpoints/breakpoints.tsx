@@ -71,13 +71,13 @@ function OfTab({ tab }: { tab: OpenTab }) {
   );
 }
 
-interface BarProps {
+interface BreakpointBarProps {
   readonly tab: OpenTab;
   readonly all: readonly Breakpoint[];
   readonly refusal: string | null;
 }
 
-function Bar({ tab, all, refusal }: BarProps) {
+function Bar({ tab, all, refusal }: BreakpointBarProps) {
   const host = useHost();
   const run = useCommand();
   const selected = useComputed(() => selectedStates(tab.view).length === 1, [tab]);
@@ -118,13 +118,13 @@ function Bar({ tab, all, refusal }: BarProps) {
   );
 }
 
-interface RowProps {
+interface BreakpointRowProps {
   readonly tab: OpenTab;
   readonly breakpoint: Breakpoint;
   readonly refusal: string | null;
 }
 
-function Row({ tab, breakpoint, refusal }: RowProps) {
+function Row({ tab, breakpoint, refusal }: BreakpointRowProps) {
   const host = useHost();
   const run = useCommand();
   const { machine } = tab.session;

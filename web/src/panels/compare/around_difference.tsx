@@ -8,14 +8,14 @@ import { useHost } from "../context.tsx";
 import { sinceStart } from "../parts/duration.ts";
 import { happenedInWords, namesOf } from "../parts/happened.ts";
 import { entriesAround } from "./around.ts";
-import type { Show, Side } from "./show.ts";
+import type { ComparedSide, ShowCompared } from "./show.ts";
 
 export interface AroundDifferenceProps {
   readonly tab: OpenTab;
   readonly watch: Watch;
   readonly other: string;
   readonly parted: Parting;
-  readonly show: Show;
+  readonly show: ShowCompared;
 }
 
 export function AroundDifference({ tab, watch, other, parted, show }: AroundDifferenceProps) {
@@ -33,11 +33,11 @@ export function AroundDifference({ tab, watch, other, parted, show }: AroundDiff
 interface ColumnProps {
   readonly tab: OpenTab;
   readonly branch: string;
-  readonly side: Side;
+  readonly side: ComparedSide;
   readonly title: string;
   readonly watch: Watch;
   readonly at: Happened | null;
-  readonly show: Show;
+  readonly show: ShowCompared;
 }
 
 function Column({ tab, branch, side, title, watch, at, show }: ColumnProps) {

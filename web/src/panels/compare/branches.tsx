@@ -1,7 +1,7 @@
 /** The branches on which two runs part, each with its first difference: the earliest of them first. */
 
 import type { Happened, Parting } from "../../model/generated/protocol.ts";
-import { type Column, Table } from "../../ui/table.tsx";
+import { Table, type TableColumn } from "../../ui/table.tsx";
 import { sinceStart } from "../parts/duration.ts";
 
 export interface BranchesProps {
@@ -15,7 +15,7 @@ export interface BranchesProps {
 const ROWS_MAX = 8;
 
 export function Branches({ parted, chosen, choose }: BranchesProps) {
-  const side = (key: "one" | "other", title: string): Column<Parting> => ({
+  const side = (key: "one" | "other", title: string): TableColumn<Parting> => ({
     key,
     title,
     width: "minmax(130px, 3fr)",

@@ -2,19 +2,19 @@
 
 import type { DataChange } from "../../model/generated/protocol.ts";
 import { shortValue } from "../../model/short_value.ts";
-import { type Column, Table } from "../../ui/table.tsx";
-import type { Show, Side } from "./show.ts";
+import { Table, type TableColumn } from "../../ui/table.tsx";
+import type { ComparedSide, ShowCompared } from "./show.ts";
 
 export interface ChangedProps {
   readonly changed: readonly DataChange[];
-  readonly show: Show;
+  readonly show: ShowCompared;
 }
 
 const ROWS_MAX = 10;
 
 export function Changed({ changed, show }: ChangedProps) {
   if (changed.length === 0) return <p className="compare-soft">All data was the same.</p>;
-  const value = (side: Side, title: string): Column<DataChange> => ({
+  const value = (side: ComparedSide, title: string): TableColumn<DataChange> => ({
     key: side,
     title,
     width: "minmax(90px, 2fr)",

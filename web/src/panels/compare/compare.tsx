@@ -6,7 +6,7 @@ import { GitCompare, RefreshCw, X } from "lucide-react";
 import { useEffect, useState } from "react";
 import { keyOf } from "../../model/element.ts";
 import type { Comparison, Parting, RunSummary } from "../../model/generated/protocol.ts";
-import { standInWords, startedInWords, summaryStand } from "../../model/run_words.ts";
+import { standInWords, startedInWords, summaryStatusWords } from "../../model/run_words.ts";
 import { comparedRun } from "../../store/compared_run.ts";
 import type { OpenTab, Page } from "../../store/page.ts";
 import type { Watch } from "../../store/run.ts";
@@ -22,7 +22,7 @@ import { comparedOf, compareNow } from "../parts/parted.ts";
 import { AroundDifference } from "./around_difference.tsx";
 import { Branches } from "./branches.tsx";
 import { Changed } from "./changed.tsx";
-import type { Show } from "./show.ts";
+import type { ShowCompared } from "./show.ts";
 import { TimingTable } from "./timing_table.tsx";
 import "./compare.css";
 
@@ -44,12 +44,12 @@ function OfTab({ tab }: { readonly tab: OpenTab }) {
   return <OfRun key={watch.id} tab={tab} watch={watch} />;
 }
 
-interface OfRunProps {
+interface CompareProps {
   readonly tab: OpenTab;
   readonly watch: Watch;
 }
 
-function OfRun({ tab, watch }: OfRunProps) {
+function OfRun({ tab, watch }: CompareProps) {
   const { page } = useHost().context();
   const compared = useSignal(comparedOf(watch));
   useComparison(page, watch);
@@ -104,7 +104,7 @@ function useMarks({ view }: OpenTab, comparison: Comparison | null): void {
   }, [view, parted]);
 }
 
-interface ChooserProps extends OfRunProps {
+interface ChooserProps extends CompareProps {
   readonly page: Page;
 }
 
@@ -154,17 +154,17 @@ function Chooser({ tab, watch, page }: ChooserProps) {
 }
 
 function inWords(run: RunSummary): string {
-  return `${startedInWords(run.started_ms, Date.now())}, ${standInWords(summaryStand(run))}`;
+  return `${startedInWords(run.started_ms, Date.now())}, ${standInWords(summaryStatusWords(run))}`;
 }
 
-interface FoundProps extends OfRunProps {
+interface ComparedProps extends CompareProps {
   readonly other: string;
   readonly comparison: Comparison;
 }
 
-function Found({ tab, watch, other, comparison }: FoundProps) {
+function Found({ tab, watch, other, comparison }: ComparedProps) {
   const { page } = useHost().context();
-  const show: Show = async (side, sequence) => {
+  const show: ShowCompared = async (side, sequence) => {
     if (side === "one") {
       watch.playhead.value = sequence;
       return;

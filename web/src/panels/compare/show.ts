@@ -1,6 +1,6 @@
 /** Which of the two runs is meant, and how its moment is shown. */
 
-export type Side = "one" | "other";
+export type ComparedSide = "one" | "other";
 
 /** Shows a run at the moment after one of its events. */
-export type Show = (side: Side, sequence: number) => unknown;
+export type ShowCompared = (side: ComparedSide, sequence: number) => unknown;

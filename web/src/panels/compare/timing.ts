@@ -5,13 +5,13 @@ import type { Timing } from "../../model/generated/protocol.ts";
 export interface TimingRow {
   readonly path: string;
   readonly names: string;
-  readonly one: Side;
-  readonly other: Side;
+  readonly one: TimingSide;
+  readonly other: TimingSide;
   /** How much longer it took in the one on average, in ms; null if it did not end in both. */
   readonly more_ms: number | null;
 }
 
-export interface Side {
+export interface TimingSide {
   readonly count: number;
   /** On average; null if it never ended. */
   readonly mean_ms: number | null;
@@ -28,7 +28,7 @@ export function timingRows(timing: readonly Timing[]): readonly TimingRow[] {
   });
 }
 
-function side({ count, total_ns }: Timing["one"]): Side {
+function side({ count, total_ns }: Timing["one"]): TimingSide {
   return { count, mean_ms: count === 0 ? null : total_ns / count / 1e6 };
 }
 

@@ -4,17 +4,17 @@ import { useMemo, useState } from "react";
 import type { Timing } from "../../model/generated/protocol.ts";
 import { callsOf } from "../../store/calls.ts";
 import type { Watch } from "../../store/run.ts";
-import { type Column, Table } from "../../ui/table.tsx";
+import { Table, type TableColumn } from "../../ui/table.tsx";
 import { useHost } from "../context.tsx";
 import { measured } from "../parts/duration.ts";
-import type { Show, Side } from "./show.ts";
+import type { ComparedSide, ShowCompared } from "./show.ts";
 import { sorted, type TimingOrder, type TimingRow, timingRows } from "./timing.ts";
 
 export interface TimingTableProps {
   readonly watch: Watch;
   readonly other: string;
   readonly timing: readonly Timing[];
-  readonly show: Show;
+  readonly show: ShowCompared;
 }
 
 const ROWS_MAX = 16;
@@ -27,7 +27,7 @@ export function TimingTable({ watch, other, timing, show }: TimingTableProps) {
   });
   const rows = useMemo(() => timingRows(timing), [timing]);
   const shown = useMemo(() => sorted(rows, sort.key, sort.down), [rows, sort]);
-  const showFirst = (side: Side, { path }: TimingRow) => {
+  const showFirst = (side: ComparedSide, { path }: TimingRow) => {
     const { journal } = side === "one" ? watch : page.runs.watch(other);
     const calls = callsOf(journal);
     const [first] = calls.of(path);
@@ -52,8 +52,10 @@ export function TimingTable({ watch, other, timing, show }: TimingTableProps) {
   );
 }
 
-function columnsOf(show: (side: Side, row: TimingRow) => void): readonly Column<TimingRow>[] {
-  const mean = (side: Side, title: string): Column<TimingRow> => ({
+function columnsOf(
+  show: (side: ComparedSide, row: TimingRow) => void,
+): readonly TableColumn<TimingRow>[] {
+  const mean = (side: ComparedSide, title: string): TableColumn<TimingRow> => ({
     key: side,
     title,
     width: "minmax(84px, 1fr)",

@@ -4,7 +4,7 @@ import { RefreshCw } from "lucide-react";
 import { useEffect, useState } from "react";
 import type { Difference } from "../../model/difference.ts";
 import type { MachineVersions } from "../../model/generated/protocol.ts";
-import { type Comparison, comparisonOf } from "../../store/comparison.ts";
+import { comparisonOf, type MachineComparison } from "../../store/comparison.ts";
 import type { OpenTab } from "../../store/page.ts";
 import { RefusalError } from "../../store/server.ts";
 import { IconButton } from "../../ui/button.tsx";
@@ -74,13 +74,13 @@ function OfTab({ tab }: { readonly tab: OpenTab }) {
   );
 }
 
-interface FoundProps {
+interface DifferencesProps {
   readonly tab: OpenTab;
-  readonly comparison: Comparison;
+  readonly comparison: MachineComparison;
   readonly shown: readonly Difference[];
 }
 
-function Found({ tab, comparison, shown }: FoundProps) {
+function Found({ tab, comparison, shown }: DifferencesProps) {
   const host = useHost();
   const against = useSignal(comparison.against);
   const other = useSignal(comparison.other);

@@ -9,7 +9,7 @@ import { Button, IconButton } from "../../ui/button.tsx";
 import { Empty } from "../../ui/empty.tsx";
 import { Checkbox } from "../../ui/field.tsx";
 import { useSignal } from "../../ui/signals.ts";
-import { type Column, Table } from "../../ui/table.tsx";
+import { Table, type TableColumn } from "../../ui/table.tsx";
 import { useActiveTab, useCommand, useHost } from "../context.tsx";
 import { moment } from "../moment.ts";
 import { Graph, graphWidth } from "./graph.tsx";
@@ -100,7 +100,7 @@ function columnsOf(
   rows: readonly StepRow[],
   current: number,
   saved: number | undefined,
-): readonly Column<StepRow>[] {
+): readonly TableColumn<StepRow>[] {
   const now_ms = Date.now();
   return [
     {

@@ -21,7 +21,11 @@ import { countsInWords, found, placeInWords } from "./words.ts";
 import "./globals.css";
 
 /** A row: a variable, or a place where it is used. */
-type Node = { readonly id: string; readonly variable: GlobalVariable; readonly use?: GlobalUse };
+type GlobalNode = {
+  readonly id: string;
+  readonly variable: GlobalVariable;
+  readonly use?: GlobalUse;
+};
 
 /** Scripts of a large machine are not read anew at each key. */
 const PATIENCE_MS = 200;
@@ -124,18 +128,18 @@ function Variables({ tab, variables, chosen, onChoose, onRename }: VariablesProp
   const host = useHost();
   const { machine } = tab.session;
   const [expanded, setExpanded] = useState<ReadonlySet<string>>(new Set());
-  const roots = useMemo<readonly Node[]>(
+  const roots = useMemo<readonly GlobalNode[]>(
     () => variables.map((variable) => ({ id: variable.name, variable })),
     [variables],
   );
-  const source: TreeSource<Node> = { roots, id: idOf, childrenOf: inside, expanded };
-  const show = ({ use }: Node) => {
+  const source: TreeSource<GlobalNode> = { roots, id: idOf, childrenOf: inside, expanded };
+  const show = ({ use }: GlobalNode) => {
     if (!use) return;
     select(tab.view, [{ kind: "state", path: use.path }]);
     host.context().canvas?.reveal({ kind: "state", path: use.path });
     if (use.line !== null) scriptLineRevealRequest.value = { path: use.path, line: use.line };
   };
-  const expand = ({ id }: Node, open: boolean) => {
+  const expand = ({ id }: GlobalNode, open: boolean) => {
     const next = new Set(expanded);
     if (open) next.add(id);
     else next.delete(id);
@@ -164,20 +168,20 @@ function Variables({ tab, variables, chosen, onChoose, onRename }: VariablesProp
   );
 }
 
-function idOf({ id }: Node): string {
+function idOf({ id }: GlobalNode): string {
   return id;
 }
 
-function inside({ variable, use, id }: Node): readonly Node[] | null {
+function inside({ variable, use, id }: GlobalNode): readonly GlobalNode[] | null {
   if (use) return null;
   return variable.uses.map((each, index) => ({ id: `${id}\n${index}`, variable, use: each }));
 }
 
-function textOf(machine: Machine, { variable, use }: Node): string {
+function textOf(machine: Machine, { variable, use }: GlobalNode): string {
   return use ? placeInWords(machine, use) : `${variable.name} ${countsInWords(variable)}`;
 }
 
-function Row({ machine, node: { variable, use } }: { machine: Machine; node: Node }) {
+function Row({ machine, node: { variable, use } }: { machine: Machine; node: GlobalNode }) {
   if (!use) {
     return (
       <span className="globals-row">

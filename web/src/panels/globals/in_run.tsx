@@ -6,13 +6,13 @@ import { Section } from "../../ui/section.tsx";
 import { useSignal } from "../../ui/signals.ts";
 import { ValueView } from "../parts/value/value_view.tsx";
 
-export interface InRunProps {
+export interface GlobalsInRunProps {
   readonly watch: Watch;
   /** What the panel is filtered by. */
   readonly query: string;
 }
 
-export function InRun({ watch, query }: InRunProps) {
+export function InRun({ watch, query }: GlobalsInRunProps) {
   useEffect(() => watch.wantValues(), [watch]);
   const snapshot = useSignal(watch.playheadSnapshot);
   const playhead = useSignal(watch.playhead);

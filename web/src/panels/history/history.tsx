@@ -7,7 +7,7 @@ import { entryOf as entryOfCommand } from "../../commands/menus.ts";
 import { callAbout } from "../../store/about.ts";
 import { type Calls, callsOf, NONE } from "../../store/calls.ts";
 import { errorInWords } from "../../store/failures.ts";
-import { Found } from "../../store/found.ts";
+import { JournalHits } from "../../store/journal_hits.ts";
 import { hasFailed, lookOf } from "../../store/lanes.ts";
 import { showIndex, shownIndex } from "../../store/moments.ts";
 import type { OpenTab } from "../../store/page.ts";
@@ -23,7 +23,7 @@ import { measured, sinceStart } from "../parts/duration.ts";
 import { happenedInWords, type NameOf, namesOf } from "../parts/happened.ts";
 import { NoRun } from "../parts/no_run.tsx";
 import { reveal } from "../reveal.ts";
-import { ends, lengthOf, type Node, Nodes, timesOf } from "./nodes.ts";
+import { ends, type HistoryNode, lengthOf, Nodes, timesOf } from "./nodes.ts";
 import "./history.css";
 
 export function RunHistory() {
@@ -41,18 +41,18 @@ function OfTab({ tab }: { readonly tab: OpenTab }) {
   return <OfRun key={watch.id} tab={tab} watch={watch} />;
 }
 
-interface OfRunProps {
+interface HistoryProps {
   readonly tab: OpenTab;
   readonly watch: Watch;
 }
 
-function OfRun({ tab, watch }: OfRunProps) {
+function OfRun({ tab, watch }: HistoryProps) {
   const [query, setQuery] = useState("");
-  const [menu, setMenu] = useState<OpenMenu | null>(null);
+  const [menu, setMenu] = useState<HistoryMenu | null>(null);
   useSignal(watch.journalVersion);
   useSignal(tab.session.version);
   const show = useShow(tab, watch);
-  const open = (index: number, at: OpenMenu["at"]) => setMenu({ index, at });
+  const open = (index: number, at: HistoryMenu["at"]) => setMenu({ index, at });
   return (
     <section className="history" aria-label="Run history">
       <div className="history-bar">
@@ -79,9 +79,9 @@ function OfRun({ tab, watch }: OfRunProps) {
 }
 
 /** Shows the moment of an event, and selects its state; `far` brings that into sight as well. */
-type Show = (index: number, far?: boolean) => void;
+type ShowEntry = (index: number, far?: boolean) => void;
 
-function useShow(tab: OpenTab, watch: Watch): Show {
+function useShow(tab: OpenTab, watch: Watch): ShowEntry {
   const host = useHost();
   return (index, far = false) => {
     showIndex(watch, index);
@@ -99,22 +99,22 @@ function pathAt({ journal }: Watch, index: number): string {
   return "path" in happening.event ? happening.event.path : "";
 }
 
-interface OpenMenu {
+interface HistoryMenu {
   /** The event that it is about. */
   readonly index: number;
   readonly at: { readonly x: number; readonly y: number };
 }
 
-interface ListProps extends OfRunProps {
-  readonly show: Show;
-  readonly onMenu: (index: number, at: OpenMenu["at"]) => void;
+interface HistoryListProps extends HistoryProps {
+  readonly show: ShowEntry;
+  readonly onMenu: (index: number, at: HistoryMenu["at"]) => void;
 }
 
-function CallTree({ tab, watch, show, onMenu }: ListProps) {
+function CallTree({ tab, watch, show, onMenu }: HistoryListProps) {
   const calls = callsOf(watch.journal);
   const nodes = useMemo(() => new Nodes(calls), [calls]);
   const [expanded, setExpanded] = useState<ReadonlySet<string>>(() => new Set(["c0"]));
-  const [chosen, setChosen] = useState<Node | null>(null);
+  const [chosen, setChosen] = useState<HistoryNode | null>(null);
   const playhead = useSignal(watch.playhead);
   const journalVersion = calls.read;
   const shown = playhead === null ? NONE : callAbout(calls, shownIndex(watch));
@@ -127,14 +127,17 @@ function CallTree({ tab, watch, show, onMenu }: ListProps) {
   // biome-ignore lint/correctness/useExhaustiveDependencies: nodes read calls that grow
   const roots = useMemo(() => nodes.roots(), [nodes, journalVersion]);
   // biome-ignore lint/correctness/useExhaustiveDependencies: nodes read calls that grow
-  const childrenOf = useMemo(() => (node: Node) => nodes.inside(node), [nodes, journalVersion]);
+  const childrenOf = useMemo(
+    () => (node: HistoryNode) => nodes.inside(node),
+    [nodes, journalVersion],
+  );
   const nameOf = namesOf(tab.session);
   const at = shown === NONE ? null : isHere ? chosen.id : `c${shown}`;
-  const begin = (node: Node) => calls.begin(ends(node).first);
+  const begin = (node: HistoryNode) => calls.begin(ends(node).first);
   return (
     <>
       <Head />
-      <Tree<Node>
+      <Tree<HistoryNode>
         label="Calls of the run, in order"
         roots={roots}
         id={idOfNode}
@@ -168,7 +171,7 @@ function Head() {
   );
 }
 
-function idOfNode({ id }: Node): string {
+function idOfNode({ id }: HistoryNode): string {
   return id;
 }
 
@@ -182,7 +185,7 @@ function toggled(before: ReadonlySet<string>, id: string, open: boolean): Readon
 /** So many names of a round are told. */
 const NAMES_MAX = 4;
 
-function nameOfNode(node: Node, calls: Calls, nameOf: NameOf): string {
+function nameOfNode(node: HistoryNode, calls: Calls, nameOf: NameOf): string {
   const name = (call: number) => nameOf(calls.path(call));
   switch (node.kind) {
     case "call":
@@ -199,13 +202,13 @@ function nameOfNode(node: Node, calls: Calls, nameOf: NameOf): string {
   }
 }
 
-interface RowProps {
-  readonly node: Node;
+interface HistoryRowProps {
+  readonly node: HistoryNode;
   readonly calls: Calls;
   readonly nameOf: NameOf;
 }
 
-function Row({ node, calls, nameOf }: RowProps) {
+function Row({ node, calls, nameOf }: HistoryRowProps) {
   const { first, last } = ends(node);
   const began = calls.began_ns(first);
   return (
@@ -219,7 +222,7 @@ function Row({ node, calls, nameOf }: RowProps) {
   );
 }
 
-function Sign({ node, calls }: Pick<RowProps, "node" | "calls">) {
+function Sign({ node, calls }: Pick<HistoryRowProps, "node" | "calls">) {
   if (node.kind === "loop") return <Repeat size={13} aria-label="loop" />;
   if (node.kind !== "call") return <ListEnd size={13} aria-hidden />;
   if (calls.isBack(node.call)) return <Undo2 size={13} aria-label="step back" />;
@@ -251,11 +254,11 @@ function End({ call, calls }: { readonly call: number; readonly calls: Calls }) 
   );
 }
 
-function Hits({ tab, watch, query, show, onMenu }: ListProps & { readonly query: string }) {
+function Hits({ tab, watch, query, show, onMenu }: HistoryListProps & { readonly query: string }) {
   const nameOf = namesOf(tab.session);
   // biome-ignore lint/correctness/useExhaustiveDependencies: names change with the machine only
   const found = useMemo(
-    () => new Found(watch.journal, query, namesOf(tab.session)),
+    () => new JournalHits(watch.journal, query, namesOf(tab.session)),
     [watch, query, tab.session.version.peek()],
   );
   found.follow();
@@ -298,7 +301,13 @@ function Hits({ tab, watch, query, show, onMenu }: ListProps & { readonly query:
 
 const NOTHING: ReadonlySet<string> = new Set();
 
-function Menu({ index, at, tab, watch, onClose }: OpenMenu & OfRunProps & { onClose: () => void }) {
+function Menu({
+  index,
+  at,
+  tab,
+  watch,
+  onClose,
+}: HistoryMenu & HistoryProps & { onClose: () => void }) {
   const host = useHost();
   const context = host.context();
   const calls = callsOf(watch.journal);

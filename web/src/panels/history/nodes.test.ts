@@ -2,7 +2,7 @@ import { expect, test } from "vitest";
 import { Calls } from "../../store/calls.ts";
 import { Journal } from "../../store/journal.ts";
 import { events, randomRun } from "../../store/testing/events.ts";
-import { lengthOf, type Node, Nodes, timesOf } from "./nodes.ts";
+import { type HistoryNode, lengthOf, Nodes, timesOf } from "./nodes.ts";
 
 function told(entries: Parameters<Journal["add"]>[0]): Calls {
   const journal = new Journal();
@@ -13,7 +13,7 @@ function told(entries: Parameters<Journal["add"]>[0]): Calls {
 }
 
 function written(calls: Calls, nodes: Nodes): string {
-  const write = (node: Node, depth: number): string => {
+  const write = (node: HistoryNode, depth: number): string => {
     const words =
       node.kind === "call"
         ? calls.path(node.call)
@@ -61,7 +61,7 @@ test("calls stand inside one another, what repeats as a loop of rounds", () => {
 test("a long list stands in parts, and the way to each call is known", () => {
   const calls = told(randomRun(5, 5_000));
   const nodes = new Nodes(calls);
-  const find = (all: readonly Node[], way: readonly string[], call: number): boolean => {
+  const find = (all: readonly HistoryNode[], way: readonly string[], call: number): boolean => {
     const [next, ...rest] = way;
     if (next === undefined) return all.some((node) => node.kind === "call" && node.call === call);
     const node = all.find(({ id }) => id === next);

@@ -4,7 +4,7 @@
 import { type Calls, NONE } from "../../store/calls.ts";
 import { type Fold, Folds } from "../../store/folds.ts";
 
-export type Node =
+export type HistoryNode =
   | { readonly kind: "call"; readonly id: string; readonly call: number }
   | {
       readonly kind: "loop";
@@ -24,7 +24,7 @@ export type Node =
       readonly id: string;
       readonly from: number;
       readonly to: number;
-      readonly nodes: readonly Node[];
+      readonly nodes: readonly HistoryNode[];
     };
 
 /** A longer list is shown in parts of this length. */
@@ -39,12 +39,12 @@ export class Nodes {
   }
 
   /** The calls that nothing is around: one for each time the run began. */
-  roots(): readonly Node[] {
+  roots(): readonly HistoryNode[] {
     return inParts(this.#calls.inside(NONE).map(callNode), "r");
   }
 
   /** What is inside; null if there is nothing. */
-  inside(node: Node): readonly Node[] | null {
+  inside(node: HistoryNode): readonly HistoryNode[] | null {
     switch (node.kind) {
       case "call":
         return this.#calls.inside(node.call).length === 0 ? null : this.#of(node.call);
@@ -76,7 +76,7 @@ export class Nodes {
     return way;
   }
 
-  #of(call: number): readonly Node[] {
+  #of(call: number): readonly HistoryNode[] {
     let folds = this.#folds.get(call);
     if (!folds) {
       folds = new Folds((each) => this.#calls.pathNumber(each));
@@ -91,17 +91,21 @@ function idOf(call: number): string {
   return `c${call}`;
 }
 
-function callNode(call: number): Node {
+function callNode(call: number): HistoryNode {
   return { kind: "call", id: idOf(call), call };
 }
 
-function foldNode(fold: Fold): Node {
+function foldNode(fold: Fold): HistoryNode {
   if (fold.kind === "call") return callNode(fold.call);
   const { calls, period } = fold;
   return { kind: "loop", id: `l${calls[0] ?? 0}`, calls, period };
 }
 
-function rounds({ id, calls, period }: Node & { readonly kind: "loop" }): readonly Node[] {
+function rounds({
+  id,
+  calls,
+  period,
+}: HistoryNode & { readonly kind: "loop" }): readonly HistoryNode[] {
   return Array.from({ length: Math.ceil(calls.length / period) }, (_, index) => ({
     kind: "round",
     id: `${id}.${index}`,
@@ -110,7 +114,7 @@ function rounds({ id, calls, period }: Node & { readonly kind: "loop" }): readon
   }));
 }
 
-function inParts(nodes: readonly Node[], id: string): readonly Node[] {
+function inParts(nodes: readonly HistoryNode[], id: string): readonly HistoryNode[] {
   if (nodes.length <= PART) return nodes;
   return Array.from({ length: Math.ceil(nodes.length / PART) }, (_, index) => {
     const part = nodes.slice(index * PART, (index + 1) * PART);
@@ -120,7 +124,7 @@ function inParts(nodes: readonly Node[], id: string): readonly Node[] {
 }
 
 /** Calls of a node that follow one another: the first of all of them, and the last. */
-export function ends(node: Node): { readonly first: number; readonly last: number } {
+export function ends(node: HistoryNode): { readonly first: number; readonly last: number } {
   switch (node.kind) {
     case "call":
       return { first: node.call, last: node.call };
@@ -134,12 +138,15 @@ export function ends(node: Node): { readonly first: number; readonly last: numbe
 }
 
 /** How often its states were gone through: steps back are no visits. */
-export function timesOf({ calls, period }: Node & { readonly kind: "loop" }, known: Calls): number {
+export function timesOf(
+  { calls, period }: HistoryNode & { readonly kind: "loop" },
+  known: Calls,
+): number {
   return Math.ceil(visitsIn(calls, known).length / period);
 }
 
 /** How long it lasted: of several calls the sum of the visits, without what was between them. */
-export function lengthOf(node: Node, calls: Calls): number {
+export function lengthOf(node: HistoryNode, calls: Calls): number {
   const now_ns = calls.journal.t_ns(calls.journal.length - 1);
   const lasted = (from: number, to: number) => calls.ended_ns(to, now_ns) - calls.began_ns(from);
   if (node.kind === "loop" || node.kind === "round") {
@@ -154,7 +161,7 @@ function visitsIn(list: readonly number[], calls: Calls): readonly number[] {
   return visits.length === 0 ? list : visits;
 }
 
-function has(node: Node, call: number): boolean {
+function has(node: HistoryNode, call: number): boolean {
   const { first, last } = ends(node);
   return call >= first && call <= last;
 }

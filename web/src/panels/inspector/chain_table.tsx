@@ -3,7 +3,7 @@
 import { keyOf } from "../../model/element.ts";
 import { type Hop, nameOf } from "../../model/ends.ts";
 import { namesTo } from "../../model/machine.ts";
-import { type Column, Table } from "../../ui/table.tsx";
+import { Table, type TableColumn } from "../../ui/table.tsx";
 import { Fold } from "./fold.tsx";
 import type { InspectorContext } from "./inspector_context.ts";
 import { PORT_TITLES } from "./ports.tsx";
@@ -20,7 +20,7 @@ const ROWS_MAX = 12;
 
 export function ChainTable({ context, title, hops, none }: ChainTableProps) {
   const { machine, show, hover } = context;
-  const columns: readonly Column<Hop>[] = [
+  const columns: readonly TableColumn<Hop>[] = [
     {
       key: "port",
       title: "Port",

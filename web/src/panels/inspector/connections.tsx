@@ -15,7 +15,7 @@ import { parentOf } from "../../model/path.ts";
 import { type ConnectionEnd, connect, reconnect } from "../../plan/connect.ts";
 import { removeElements } from "../../plan/states.ts";
 import { Button, IconButton } from "../../ui/button.tsx";
-import { type Column, Table } from "../../ui/table.tsx";
+import { Table, type TableColumn } from "../../ui/table.tsx";
 import { EndSelect } from "./end_select.tsx";
 import { Fold } from "./fold.tsx";
 import type { InspectedState, Made } from "./inspector_context.ts";
@@ -61,13 +61,13 @@ export function Connections({ inspected, kind }: ConnectionsProps) {
   );
 }
 
-interface GroupProps extends ConnectionsProps {
+interface ConnectionGroupProps extends ConnectionsProps {
   readonly container: string;
   readonly rows: readonly Connection[];
   readonly title: string | null;
 }
 
-function Group({ inspected, kind, container, rows, title }: GroupProps) {
+function Group({ inspected, kind, container, rows, title }: ConnectionGroupProps) {
   const { machine, readOnly, edit } = inspected;
   const [refusal, run] = useRefusal();
   const [isAdding, setAdding] = useState(false);
@@ -124,8 +124,8 @@ function columnsOf(
   { path, machine, readOnly, edit, show }: InspectedState,
   run: Run,
   remove: (row: Connection) => void,
-): readonly Column<Connection>[] {
-  const end = (which: ConnectionEnd, label: string, width: string): Column<Connection> => ({
+): readonly TableColumn<Connection>[] {
+  const end = (which: ConnectionEnd, label: string, width: string): TableColumn<Connection> => ({
     key: which,
     title: label,
     width,

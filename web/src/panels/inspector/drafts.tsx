@@ -1,7 +1,7 @@
 /** Texts of the machine that were written here and not applied yet: none is ever lost without a word. */
 
 import { Trash2 } from "lucide-react";
-import { type Draft, draftKey, drafts } from "../../store/drafts.ts";
+import { draftKey, drafts, type FieldDraft } from "../../store/drafts.ts";
 import { IconButton } from "../../ui/button.tsx";
 import { useSignal } from "../../ui/signals.ts";
 import { Fold } from "./fold.tsx";
@@ -22,7 +22,7 @@ export function Drafts({ context }: { context: InspectorContext }) {
   );
 }
 
-function Row({ context, draft }: { context: InspectorContext; draft: Draft }) {
+function Row({ context, draft }: { context: InspectorContext; draft: FieldDraft }) {
   const { path, field, text } = draft;
   const state = context.machine.state(path);
   return (

@@ -3,8 +3,8 @@
 import { useId, useState } from "react";
 import { type ElementRef, keyOf } from "../../model/element.ts";
 import {
+  type ConnectionEnds,
   type ConnectionRef,
-  type Ends,
   endInWords,
   endsIn,
   isPort,
@@ -18,7 +18,7 @@ export interface EndSelectProps {
   readonly machine: Machine;
   readonly container: string;
   readonly kind: ConnectionRef["kind"];
-  readonly end: keyof Ends;
+  readonly end: keyof ConnectionEnds;
   /** What it is, for everybody: "To". */
   readonly label: string;
   readonly hideLabel?: boolean | undefined;
@@ -71,7 +71,7 @@ export function EndSelect(props: EndSelectProps) {
   );
 }
 
-interface Choice {
+interface EndChoice {
   readonly key: string;
   readonly element: ElementRef;
   readonly title: string;
@@ -81,7 +81,7 @@ interface Choice {
 function choiceOf(
   { machine, container, own, hideLabel }: EndSelectProps,
   element: ElementRef,
-): Choice {
+): EndChoice {
   const key = keyOf(element);
   const isNamed = element.kind !== "income" && (element.path === own || element.path === container);
   if (!hideLabel || !isNamed)
@@ -90,7 +90,7 @@ function choiceOf(
   return { key, element, title: element.path === own ? name : `↑ ${name}`, isUnfit: false };
 }
 
-function choicesOf(props: EndSelectProps): readonly Choice[] {
+function choicesOf(props: EndSelectProps): readonly EndChoice[] {
   const { machine, container, kind, end, other } = props;
   const choices = endsIn(machine, container, kind, end).map((element) => choiceOf(props, element));
   const counts = new Map<string, number>();

@@ -6,7 +6,7 @@ import type { Phase } from "../../model/generated/protocol.ts";
 import { ABORTED } from "../../model/machine.ts";
 import { holdInWords } from "../../model/run_words.ts";
 import type { Watch } from "../../store/run.ts";
-import { pictureOf, type Standing, standingOf } from "../../store/standing.ts";
+import { pictureOf, type StateStatus, stateStatusOf } from "../../store/state_status.ts";
 import { useSignal } from "../../ui/signals.ts";
 import { useThrottled } from "../../ui/throttled.ts";
 import { growing, measured } from "../parts/duration.ts";
@@ -65,26 +65,26 @@ function Globals({ inspected, watch }: { inspected: InspectedState; watch: Watch
 function OfRun({ inspected, watch }: { inspected: InspectedState; watch: Watch }) {
   const { path } = inspected;
   useEffect(() => watch.wantValues(), [watch]);
-  const signal = useMemo(() => computed(() => standingOf(watch, path)), [watch, path]);
-  const standing = useThrottled(signal, PACE_MS);
-  const { entered, left } = standing;
+  const signal = useMemo(() => computed(() => stateStatusOf(watch, path)), [watch, path]);
+  const status = useThrottled(signal, PACE_MS);
+  const { entered, left } = status;
   const { runs } = inspected.page;
-  const entry = useDetail(runs, watch.id, wanted(entered?.sequence, standing.inputs));
+  const entry = useDetail(runs, watch.id, wanted(entered?.sequence, status.inputs));
   const isAborted = left?.outcome?.id === ABORTED;
-  const end = useDetail(runs, watch.id, wanted(left?.sequence, standing.outputs, isAborted));
-  if (!entered && !standing.active) {
-    return <p className="inspector-none">{neverInWords(standing)}</p>;
+  const end = useDetail(runs, watch.id, wanted(left?.sequence, status.outputs, isAborted));
+  if (!entered && !status.active) {
+    return <p className="inspector-none">{neverInWords(status)}</p>;
   }
   return (
     <div className="shows-run">
-      <Facts watch={watch} standing={standing} />
+      <Facts watch={watch} status={status} />
       {left && <RunError inspected={inspected} watch={watch} left={left} detail={end.detail} />}
-      <RunValues inspected={inspected} watch={watch} standing={standing} entry={entry} end={end} />
+      <RunValues inspected={inspected} watch={watch} status={status} entry={entry} end={end} />
     </div>
   );
 }
 
-function neverInWords({ next, until }: Standing): string {
+function neverInWords({ next, until }: StateStatus): string {
   if (next) return `It comes next, ${holdInWords(next)}.`;
   return until === null
     ? "It has not run in this run so far."
@@ -98,11 +98,11 @@ function wanted(sequence: number | undefined, values: unknown, always = false): 
 
 interface FactsProps {
   readonly watch: Watch;
-  readonly standing: Standing;
+  readonly status: StateStatus;
 }
 
-function Facts({ watch, standing }: FactsProps) {
-  const { active, visits, left, entered, next } = standing;
+function Facts({ watch, status }: FactsProps) {
+  const { active, visits, left, entered, next } = status;
   return (
     <dl className="in-run-facts">
       <dt>Phase</dt>
@@ -111,7 +111,7 @@ function Facts({ watch, standing }: FactsProps) {
         {!active && next ? `, ${holdInWords(next)}` : ""}
         {active?.detail ? ` for ${active.detail}` : ""}
       </dd>
-      {active ? <Since watch={watch} standing={standing} /> : null}
+      {active ? <Since watch={watch} status={status} /> : null}
       {!active && entered && left && left.sequence > entered.sequence ? (
         <>
           <dt>Took</dt>
@@ -133,12 +133,12 @@ function Facts({ watch, standing }: FactsProps) {
 }
 
 /** How long it has been active. Between two truths it goes on, as long as these are heard. */
-function Since({ watch, standing }: FactsProps) {
+function Since({ watch, status }: FactsProps) {
   const sinceSnapshot_ms = useSinceSnapshot(watch);
   return (
     <>
       <dt>Since</dt>
-      <dd>{growing((standing.active?.since_ms ?? 0) + sinceSnapshot_ms)}</dd>
+      <dd>{growing((status.active?.since_ms ?? 0) + sinceSnapshot_ms)}</dd>
     </>
   );
 }

@@ -4,10 +4,10 @@ import { useMemo, useState } from "react";
 import type { EventDetail } from "../../model/generated/protocol.ts";
 import { ABORTED } from "../../model/machine.ts";
 import { shortValue } from "../../model/short_value.ts";
-import { type Failure, failureAt } from "../../store/failure.ts";
 import type { Watch } from "../../store/run.ts";
+import { failureAt, type ScriptFailure } from "../../store/script_failure.ts";
 import { scriptLineRevealRequest } from "../../store/script_line_reveal_request.ts";
-import type { End } from "../../store/standing.ts";
+import type { VisitEnd } from "../../store/state_status.ts";
 import { visitsOf } from "../../store/visits.ts";
 import { Button } from "../../ui/button.tsx";
 import type { InspectedState } from "./inspector_context.ts";
@@ -15,7 +15,7 @@ import type { InspectedState } from "./inspector_context.ts";
 export interface RunErrorProps {
   readonly inspected: InspectedState;
   readonly watch: Watch;
-  readonly left: End;
+  readonly left: VisitEnd;
   /** The end with its values, once it is here. */
   readonly detail: EventDetail | null;
 }
@@ -41,7 +41,7 @@ export function RunError({ inspected, watch, left, detail }: RunErrorProps) {
   );
 }
 
-function failureOf(watch: Watch, path: string, left: number): Failure | null {
+function failureOf(watch: Watch, path: string, left: number): ScriptFailure | null {
   const visits = visitsOf(watch);
   const entered = visits.lastIndex("entered", path, left) ?? 0;
   const end = visits.lastIndex("left", path, left);
@@ -54,7 +54,7 @@ function Place({
   failure: { traceback, text, path },
 }: {
   inspected: InspectedState;
-  failure: Failure;
+  failure: ScriptFailure;
 }) {
   const [isWhole, setWhole] = useState(false);
   const { own, frames } = traceback;

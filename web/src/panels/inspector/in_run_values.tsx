@@ -7,7 +7,7 @@ import type { PortKind } from "../../model/machine.ts";
 import { portsOf } from "../../model/machine.ts";
 import { type Origin, originOf } from "../../store/origin.ts";
 import type { Watch } from "../../store/run.ts";
-import type { Standing, Values } from "../../store/standing.ts";
+import type { StateStatus, Values } from "../../store/state_status.ts";
 import { visitsOf } from "../../store/visits.ts";
 import {
   addWatched,
@@ -28,14 +28,14 @@ import { type RunGroup, runGroups } from "./run_groups.ts";
 export interface RunValuesProps {
   readonly inspected: InspectedState;
   readonly watch: Watch;
-  readonly standing: Standing;
+  readonly status: StateStatus;
   /** The last entry and the last end with their values, where the moment does not have them. */
   readonly entry: Detailed;
   readonly end: Detailed;
 }
 
-export function RunValues({ inspected, watch, standing, entry, end }: RunValuesProps) {
-  return runGroups(standing, entry, end).map((group) => (
+export function RunValues({ inspected, watch, status, entry, end }: RunValuesProps) {
+  return runGroups(status, entry, end).map((group) => (
     <Group key={group.kind} inspected={inspected} watch={watch} {...group} />
   ));
 }
@@ -61,12 +61,12 @@ export function GlobalValues({ inspected, watch, values }: GlobalValuesProps) {
     ));
 }
 
-interface GroupProps extends RunGroup {
+interface ValueGroupProps extends RunGroup {
   readonly inspected: InspectedState;
   readonly watch: Watch;
 }
 
-function Group({ inspected, watch, until, kind, title, values, refusal }: GroupProps) {
+function Group({ inspected, watch, until, kind, title, values, refusal }: ValueGroupProps) {
   if (values === undefined) {
     return refusal === null ? null : (
       <p className="inspector-none">
@@ -117,7 +117,7 @@ function originAt(
   return port ? originOf(machine, visitsOf(watch), { kind, path, id: port.id }, until) : null;
 }
 
-interface LineProps {
+interface ValueLineProps {
   readonly inspected: InspectedState;
   readonly watch: Watch;
   readonly target: Target;
@@ -125,7 +125,7 @@ interface LineProps {
   readonly origin: Origin | null;
 }
 
-function Line({ inspected, watch, target, value, origin }: LineProps) {
+function Line({ inspected, watch, target, value, origin }: ValueLineProps) {
   return (
     // biome-ignore lint/a11y/noStaticElementInteractions: dragging does what the button beside it does
     <div className="in-run-value" draggable onDragStart={(event) => dragValue(event, target)}>
@@ -168,7 +168,7 @@ function WatchButton({ inspected, target }: { inspected: InspectedState; target:
   );
 }
 
-interface FromProps extends Pick<LineProps, "inspected" | "watch"> {
+interface FromProps extends Pick<ValueLineProps, "inspected" | "watch"> {
   /** Of what it is told. */
   readonly what: string;
   readonly origin: Origin;

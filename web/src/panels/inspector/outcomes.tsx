@@ -7,7 +7,7 @@ import { parentOf } from "../../model/path.ts";
 import { addOutcome } from "../../plan/ports.ts";
 import { removeElements } from "../../plan/states.ts";
 import { IconButton } from "../../ui/button.tsx";
-import type { Column } from "../../ui/table.tsx";
+import type { TableColumn } from "../../ui/table.tsx";
 import { Fold } from "./fold.tsx";
 import { Goal } from "./goal.tsx";
 import type { InspectedState } from "./inspector_context.ts";
@@ -27,7 +27,7 @@ export function Outcomes({ inspected }: { inspected: InspectedState }) {
   const remove = (outcome: OutcomeDocument) =>
     run(edit((now) => removeElements(now, [refOf(outcome)])));
   const container = parentOf(path);
-  const goal = (around: string): Column<OutcomeDocument> => ({
+  const goal = (around: string): TableColumn<OutcomeDocument> => ({
     key: "to",
     title: "Leads to",
     width: "minmax(0, 1.4fr)",
@@ -42,7 +42,7 @@ export function Outcomes({ inspected }: { inspected: InspectedState }) {
       />
     ),
   });
-  const columns: readonly Column<OutcomeDocument>[] = [
+  const columns: readonly TableColumn<OutcomeDocument>[] = [
     { key: "id", title: "Id", width: "34px", align: "right", cell: ({ id }) => id },
     {
       key: "name",

@@ -11,7 +11,7 @@ import { removeElements } from "../../plan/states.ts";
 import { IconButton } from "../../ui/button.tsx";
 import { useChosenRows } from "../../ui/chosen_rows.ts";
 import { ContextMenu, type MenuItem } from "../../ui/menu.tsx";
-import { type Column, Table } from "../../ui/table.tsx";
+import { Table, type TableColumn } from "../../ui/table.tsx";
 import type { InspectedState, Made } from "./inspector_context.ts";
 
 interface PartsOf {
@@ -23,7 +23,7 @@ interface PartsOf {
 export interface PartTableProps<T> extends PartsOf {
   readonly label: string;
   readonly rows: readonly T[];
-  readonly columns: readonly Column<T>[];
+  readonly columns: readonly TableColumn<T>[];
   /** The id of a row that was just added by its button, to be edited at once. */
   readonly added?: number | undefined;
   /** Whether rows may come and go. */

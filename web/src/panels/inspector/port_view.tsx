@@ -2,7 +2,7 @@
 
 import { textOfDefault } from "../../model/default_text.ts";
 import { keyOf } from "../../model/element.ts";
-import { chain, type PortRef } from "../../model/ends.ts";
+import { chain, type DataPort } from "../../model/ends.ts";
 import type { PortDocument } from "../../model/generated/protocol.ts";
 import { portsOf } from "../../model/machine.ts";
 import { shortType } from "../../model/types.ts";
@@ -14,7 +14,7 @@ import type { InspectedState } from "./inspector_context.ts";
 import { PORT_TITLES, read, typesIn } from "./ports.tsx";
 import { useRenaming } from "./renaming.tsx";
 
-export function PortView({ inspected, port: ref }: { inspected: InspectedState; port: PortRef }) {
+export function PortView({ inspected, port: ref }: { inspected: InspectedState; port: DataPort }) {
   const { machine, state } = inspected;
   const port = portsOf(state, ref.kind).find(({ id }) => id === ref.id);
   if (!port) return null;
@@ -39,7 +39,7 @@ export function PortView({ inspected, port: ref }: { inspected: InspectedState; 
 
 interface FieldsProps {
   readonly inspected: InspectedState;
-  readonly element: PortRef;
+  readonly element: DataPort;
   readonly port: PortDocument;
 }
 

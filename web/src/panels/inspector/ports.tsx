@@ -2,7 +2,7 @@
 
 import { Plus } from "lucide-react";
 import { readDefault, textOfDefault } from "../../model/default_text.ts";
-import type { PortRef } from "../../model/ends.ts";
+import type { DataPort } from "../../model/ends.ts";
 import type { PortDocument, RuntimeValueDocument } from "../../model/generated/protocol.ts";
 import { type Machine, type PortKind, portsOf } from "../../model/machine.ts";
 import { COMMON_TYPES, shortType } from "../../model/types.ts";
@@ -17,7 +17,7 @@ import {
 import { removeElements } from "../../plan/states.ts";
 import { IconButton } from "../../ui/button.tsx";
 import { Checkbox, type Commit } from "../../ui/field.tsx";
-import type { Column } from "../../ui/table.tsx";
+import type { TableColumn } from "../../ui/table.tsx";
 import { Fold } from "./fold.tsx";
 import type { InspectedState, Made } from "./inspector_context.ts";
 import { PartTable, PasteButton, useAdded } from "./part_table.tsx";
@@ -45,9 +45,9 @@ export function Ports({ inspected, kind }: { inspected: InspectedState; kind: Po
   const { many, one } = PORT_TITLES[kind];
   const isLibrary = state.library != null;
   const canChange = !readOnly && !isLibrary;
-  const refOf = ({ id }: PortDocument): PortRef => ({ kind, path, id });
+  const refOf = ({ id }: PortDocument): DataPort => ({ kind, path, id });
   const remove = (port: PortDocument) => run(edit((now) => removeElements(now, [refOf(port)])));
-  const buttons: Column<PortDocument> = {
+  const buttons: TableColumn<PortDocument> = {
     key: "buttons",
     title: "Actions",
     hideTitle: true,
@@ -108,9 +108,9 @@ function ownColumns(
   { path, machine, edit }: InspectedState,
   kind: PortKind,
   canChange: boolean,
-  rename: (element: PortRef, name: string) => Commit,
-): readonly Column<PortDocument>[] {
-  const refOf = ({ id }: PortDocument): PortRef => ({ kind, path, id });
+  rename: (element: DataPort, name: string) => Commit,
+): readonly TableColumn<PortDocument>[] {
+  const refOf = ({ id }: PortDocument): DataPort => ({ kind, path, id });
   const value = (text: (port: PortDocument) => string) => (port: PortDocument) =>
     canChange ? text(port) : null;
   return [
@@ -169,8 +169,8 @@ function libraryColumns(
   { path, state, readOnly, edit }: InspectedState,
   kind: PortKind,
   run: (made: Made) => void,
-): readonly Column<PortDocument>[] {
-  const refOf = ({ id }: PortDocument): PortRef => ({ kind, path, id });
+): readonly TableColumn<PortDocument>[] {
+  const refOf = ({ id }: PortDocument): DataPort => ({ kind, path, id });
   const list = kind === "input" ? state.library?.inputs : state.library?.outputs;
   const set = new Map<number, RuntimeValueDocument>(list?.map((each) => [each.port, each]));
   const valueHere = (port: PortDocument) => set.get(port.id)?.value ?? port.default;

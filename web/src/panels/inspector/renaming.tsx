@@ -5,31 +5,31 @@ import type { ElementRef } from "../../model/element.ts";
 import { nameOf } from "../../model/ends.ts";
 import { lineAt, renameInScript, type ScriptUse, scriptUses } from "../../model/python.ts";
 import { renameElement } from "../../plan/rename_in_script.ts";
-import { type Draft, drafts } from "../../store/drafts.ts";
+import { drafts, type FieldDraft } from "../../store/drafts.ts";
 import { Button } from "../../ui/button.tsx";
 import { Dialog } from "../../ui/dialog.tsx";
-import type { Asked } from "../../ui/field.tsx";
+import type { CommitQuestion } from "../../ui/field.tsx";
 import type { InspectedState, Made } from "./inspector_context.ts";
 
-type Choice = "script" | "name" | "nothing";
+type RenamingChoice = "script" | "name" | "nothing";
 
-interface Question {
+interface RenamingQuestion {
   readonly from: string;
   readonly to: string;
   readonly script: string;
   readonly uses: readonly ScriptUse[];
-  readonly answer: (choice: Choice) => void;
+  readonly answer: (choice: RenamingChoice) => void;
 }
 
 /** The way to rename a port or outcome, and the dialog that asks, to be put somewhere. */
 export function useRenaming(
   inspected: InspectedState,
-): readonly [(element: ElementRef, name: string) => Made | Asked, ReactNode] {
-  const [question, setQuestion] = useState<Question | null>(null);
-  const asked = useRef<Asked | null>(null);
+): readonly [(element: ElementRef, name: string) => Made | CommitQuestion, ReactNode] {
+  const [question, setQuestion] = useState<RenamingQuestion | null>(null);
+  const asked = useRef<CommitQuestion | null>(null);
   const ask = (from: string, to: string, script: string, uses: readonly ScriptUse[]) =>
-    new Promise<Choice>((resolve) => {
-      const answer = (choice: Choice) => {
+    new Promise<RenamingChoice>((resolve) => {
+      const answer = (choice: RenamingChoice) => {
         setQuestion(null);
         resolve(choice);
       };
@@ -60,7 +60,7 @@ export function useRenaming(
   return [rename, question && <Asking {...question} />];
 }
 
-function draftOf({ tab, path }: InspectedState): Draft | undefined {
+function draftOf({ tab, path }: InspectedState): FieldDraft | undefined {
   return drafts.get({ machine: tab.session.id, path, field: "script" });
 }
 
@@ -84,7 +84,7 @@ function renameInDraft(
   drafts.keep({ ...draft, base, text: renameInScript(draft.text, uses, to) });
 }
 
-function Asking({ from, to, script, uses, answer }: Question) {
+function Asking({ from, to, script, uses, answer }: RenamingQuestion) {
   const lines = new Map(uses.map((use) => [lineAt(script, use.from).line, use]));
   const after = (use: ScriptUse) => {
     const { line } = lineAt(script, use.from);

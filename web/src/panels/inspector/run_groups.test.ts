@@ -1,6 +1,6 @@
 import { expect, test } from "vitest";
 import type { EventDetail } from "../../model/generated/protocol.ts";
-import type { Standing } from "../../store/standing.ts";
+import type { StateStatus } from "../../store/state_status.ts";
 import { runGroups } from "./run_groups.ts";
 
 const LIVE = {
@@ -14,7 +14,7 @@ const LIVE = {
   scoped: { n: 2 },
   until: null,
   seen: 25,
-} satisfies Standing;
+} satisfies StateStatus;
 
 const NOTHING = { detail: null, refusal: null };
 

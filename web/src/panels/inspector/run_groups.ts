@@ -2,7 +2,7 @@
 
 import type { Event } from "../../model/generated/protocol.ts";
 import type { PortKind } from "../../model/machine.ts";
-import type { Standing, Values } from "../../store/standing.ts";
+import type { StateStatus, Values } from "../../store/state_status.ts";
 import type { Detailed } from "../parts/value/use_detail.ts";
 
 export interface RunGroup {
@@ -18,17 +18,21 @@ export interface RunGroup {
 
 /** `entry` and `end`: the last entry and the last end with their values, where the moment does not have them; while they are asked
  * for, those before. */
-export function runGroups(standing: Standing, entry: Detailed, end: Detailed): readonly RunGroup[] {
-  const { active, left, scoped, until, seen } = standing;
+export function runGroups(
+  status: StateStatus,
+  entry: Detailed,
+  end: Detailed,
+): readonly RunGroup[] {
+  const { active, left, scoped, until, seen } = status;
   const inputs: RunGroup =
-    standing.inputs === undefined
+    status.inputs === undefined
       ? { kind: "input", title: "Inputs", ...ofEvent(entry, "inputs", until) }
-      : { kind: "input", title: "Inputs", values: standing.inputs, refusal: null, until };
+      : { kind: "input", title: "Inputs", values: status.inputs, refusal: null, until };
   const title = active ? "Outputs of its last end" : "Outputs";
   const outputs: RunGroup =
-    standing.outputs === undefined
+    status.outputs === undefined
       ? { kind: "output", title, ...ofEvent(end, "outputs", until) }
-      : { kind: "output", title, values: standing.outputs, refusal: null, until };
+      : { kind: "output", title, values: status.outputs, refusal: null, until };
   const variables: RunGroup = {
     kind: "scoped_variable",
     title: "Scoped variables",

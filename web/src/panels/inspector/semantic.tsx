@@ -17,7 +17,7 @@ import { refused } from "../../plan/plan.ts";
 import { setSemanticData } from "../../plan/states.ts";
 import { IconButton } from "../../ui/button.tsx";
 import { TextField } from "../../ui/field.tsx";
-import { type Column, Table } from "../../ui/table.tsx";
+import { Table, type TableColumn } from "../../ui/table.tsx";
 import { Fold } from "./fold.tsx";
 import type { InspectedState, Made } from "./inspector_context.ts";
 import { Refusal, useRefusal } from "./refusal.tsx";
@@ -96,7 +96,7 @@ function columnsOf(
   folded: ReadonlySet<string>,
   setFolded: (folded: ReadonlySet<string>) => void,
   run: (made: Made) => void,
-): readonly Column<SemanticRow>[] {
+): readonly TableColumn<SemanticRow>[] {
   const { path, state, readOnly, edit } = inspected;
   const data = state.semantic_data;
   const put = (next: JsonValue) => putData(inspected, next);

@@ -1,13 +1,13 @@
 /** Several selected elements in the inspector: what they have in common, and what can be done with all of them. */
 
-import type { Command, Context } from "../../commands/command.ts";
+import type { CommandContext, UserCommand } from "../../commands/command.ts";
 import { type ElementRef, keyOf } from "../../model/element.ts";
 import { nameOf } from "../../model/ends.ts";
 import { readLayout } from "../../model/layout_reader.ts";
 import { setBackground } from "../../plan/move.ts";
 import { isRefused, type Planned, refused, together } from "../../plan/plan.ts";
 import { Button } from "../../ui/button.tsx";
-import { type Column, Table } from "../../ui/table.tsx";
+import { Table, type TableColumn } from "../../ui/table.tsx";
 import { useHost } from "../context.tsx";
 import { type Bytes, Colour } from "./colour.tsx";
 import { Fold } from "./fold.tsx";
@@ -48,7 +48,7 @@ function Chosen({
   const counts = new Map<string, number>();
   for (const { kind } of elements)
     counts.set(ELEMENT_WORDS[kind], (counts.get(ELEMENT_WORDS[kind]) ?? 0) + 1);
-  const columns: readonly Column<ElementRef>[] = [
+  const columns: readonly TableColumn<ElementRef>[] = [
     { key: "name", title: "Name", cell: (element) => nameOf(context.machine, element) },
     {
       key: "kind",
@@ -94,7 +94,7 @@ function Actions({ run }: { run: InspectorContext["run"] }) {
   );
 }
 
-function isOffered({ id, menu, choices, enabled }: Command, now: Context): boolean {
+function isOffered({ id, menu, choices, enabled }: UserCommand, now: CommandContext): boolean {
   const isFitting = menu?.startsWith("Arrange/") === true || id === "edit.delete";
   return isFitting && !choices && enabled?.(now) !== false;
 }

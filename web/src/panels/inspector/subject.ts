@@ -1,14 +1,14 @@
 /** What the inspector is about: what is selected, as far as it is still there. */
 
 import type { ElementRef } from "../../model/element.ts";
-import { type ConnectionRef, isConnection, isPort, type PortRef } from "../../model/ends.ts";
+import { type ConnectionRef, type DataPort, isConnection, isPort } from "../../model/ends.ts";
 import type { Machine } from "../../model/machine.ts";
 import { isThere } from "../../store/selection.ts";
 
 export type Subject =
   | { readonly kind: "machine" }
   | { readonly kind: "state"; readonly path: string }
-  | { readonly kind: "port"; readonly port: PortRef }
+  | { readonly kind: "port"; readonly port: DataPort }
   | { readonly kind: "outcome"; readonly path: string; readonly id: number }
   | { readonly kind: "connection"; readonly connection: ConnectionRef }
   | { readonly kind: "several"; readonly elements: readonly ElementRef[] };

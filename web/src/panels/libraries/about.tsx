@@ -8,7 +8,7 @@ import { shortType } from "../../model/types.ts";
 import { Section } from "../../ui/section.tsx";
 import { useHost } from "../context.tsx";
 
-type Known = StateDocument | { readonly failed: string } | null;
+type KnownRoot = StateDocument | { readonly failed: string } | null;
 
 export function About({ library }: { readonly library: LibraryName }) {
   const known = useRoot(library);
@@ -25,13 +25,13 @@ export function About({ library }: { readonly library: LibraryName }) {
 }
 
 /** The root state of the library's machine; null until it is here. */
-function useRoot(library: LibraryName): Known {
+function useRoot(library: LibraryName): KnownRoot {
   const { context } = useHost();
-  const [known, setKnown] = useState<Known>(null);
+  const [known, setKnown] = useState<KnownRoot>(null);
   useEffect(() => {
     let wanted = true;
     setKnown(null);
-    const tell = (found: Known) => wanted && setKnown(found);
+    const tell = (found: KnownRoot) => wanted && setKnown(found);
     libraryStates(context(), library).then(
       ([root]) => tell(root ?? { failed: "The library is empty." }),
       (error: unknown) => tell({ failed: error instanceof Error ? error.message : String(error) }),

@@ -19,7 +19,7 @@ import { useActiveTab, useHost } from "../context.tsx";
 import { About } from "./about.tsx";
 import { Changed } from "./changed.tsx";
 import { libraryMenu } from "./menu.ts";
-import { foldersIn, matching, type Node, nodesOf } from "./nodes.ts";
+import { foldersIn, type LibraryTreeNode, matching, nodesOf } from "./nodes.ts";
 import { Usages } from "./usages.tsx";
 import "./libraries.css";
 
@@ -143,7 +143,7 @@ function drag({ path, name }: LibraryName, event: DragEvent<HTMLElement>): void 
   event.dataTransfer.effectAllowed = "copy";
 }
 
-function Row({ node }: { readonly node: Node }) {
+function Row({ node }: { readonly node: LibraryTreeNode }) {
   const Sign = node.library ? LibrarySign : node.folder === null ? Folder : FolderTree;
   return (
     <span className="libraries-row" title={node.folder ?? node.key}>

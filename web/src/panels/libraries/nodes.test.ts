@@ -1,5 +1,5 @@
 import { expect, test } from "vitest";
-import { foldersIn, matching, type Node, nodesOf } from "./nodes.ts";
+import { foldersIn, type LibraryTreeNode, matching, nodesOf } from "./nodes.ts";
 
 const nodes = nodesOf([
   {
@@ -19,7 +19,7 @@ const nodes = nodesOf([
   },
 ]);
 
-function text(all: readonly Node[]): readonly string[] {
+function text(all: readonly LibraryTreeNode[]): readonly string[] {
   return all.flatMap(({ key, library, children }) => [
     `${key}${library ? ` ${library.path}|${library.name}` : ""}`,
     ...text(children ?? []),

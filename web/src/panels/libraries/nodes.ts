@@ -1,23 +1,23 @@
 /** Library roots, folders and libraries as the nodes of a tree, and those that fit a filter. */
 
 import type { LibraryName, LibraryNode, LibraryRoot } from "../../model/generated/protocol.ts";
-import { match, queryOf, type Span } from "../../model/match.ts";
+import { match, queryOf, type TextSpan } from "../../model/match.ts";
 
-export interface Node {
+export interface LibraryTreeNode {
   /** The root and folders down to it, joined by `/`. */
   readonly key: string;
   readonly name: string;
   /** Null of a library. */
-  readonly children: readonly Node[] | null;
+  readonly children: readonly LibraryTreeNode[] | null;
   /** Of a library: how library states name it. */
   readonly library: LibraryName | null;
   /** Of a root: where it lies. */
   readonly folder: string | null;
   /** What fits the filter in its name. */
-  readonly spans: readonly Span[];
+  readonly spans: readonly TextSpan[];
 }
 
-export function nodesOf(roots: readonly LibraryRoot[]): readonly Node[] {
+export function nodesOf(roots: readonly LibraryRoot[]): readonly LibraryTreeNode[] {
   return roots.map(({ name, folder, children }) => ({
     key: name,
     name,
@@ -28,7 +28,7 @@ export function nodesOf(roots: readonly LibraryRoot[]): readonly Node[] {
   }));
 }
 
-function nodeOf(path: string, { name, kind, children }: LibraryNode): Node {
+function nodeOf(path: string, { name, kind, children }: LibraryNode): LibraryTreeNode {
   const key = `${path}/${name}`;
   const isLibrary = kind === "library";
   return {
@@ -42,10 +42,13 @@ function nodeOf(path: string, { name, kind, children }: LibraryNode): Node {
 }
 
 /** The nodes that fit, with everything inside them, and the folders around. */
-export function matching(nodes: readonly Node[], text: string): readonly Node[] {
+export function matching(
+  nodes: readonly LibraryTreeNode[],
+  text: string,
+): readonly LibraryTreeNode[] {
   const query = queryOf(text);
   if (query.words.length === 0) return nodes;
-  return nodes.flatMap((node): Node[] => {
+  return nodes.flatMap((node): LibraryTreeNode[] => {
     const found = match(query, node.name) ?? (match(query, node.key) ? { spans: [] } : null);
     if (found && node.folder === null) return [{ ...node, spans: found.spans }];
     const children = matching(node.children ?? [], text);
@@ -54,9 +57,9 @@ export function matching(nodes: readonly Node[], text: string): readonly Node[] 
 }
 
 /** Keys of all that can be opened. */
-export function foldersIn(nodes: readonly Node[]): ReadonlySet<string> {
+export function foldersIn(nodes: readonly LibraryTreeNode[]): ReadonlySet<string> {
   const keys = new Set<string>();
-  const add = ({ key, children }: Node) => {
+  const add = ({ key, children }: LibraryTreeNode) => {
     if (!children) return;
     keys.add(key);
     for (const child of children) add(child);

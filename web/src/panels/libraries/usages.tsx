@@ -10,9 +10,9 @@ import { Tree } from "../../ui/tree.tsx";
 import { type PanelHost, useHost } from "../context.tsx";
 import { goTo } from "../go_to.ts";
 
-type Known = LibraryUsages | { readonly failed: string } | null;
+type KnownUsages = LibraryUsages | { readonly failed: string } | null;
 
-interface Row {
+interface UsageItem {
   readonly key: string;
   readonly usage: LibraryUsage;
 }
@@ -27,14 +27,14 @@ export interface UsagesProps {
 export function Usages({ library, onClose }: UsagesProps) {
   const host = useHost();
   const known = useUsages(library);
-  const rows = useMemo<readonly Row[]>(
+  const rows = useMemo<readonly UsageItem[]>(
     () =>
       known && "usages" in known
         ? known.usages.map((usage, index) => ({ key: `${index}`, usage }))
         : [],
     [known],
   );
-  const open = ({ usage }: Row) => void goToUsage(host, usage);
+  const open = ({ usage }: UsageItem) => void goToUsage(host, usage);
   return (
     <Section
       title={`Where ${library.name} is used`}
@@ -70,14 +70,14 @@ export function Usages({ library, onClose }: UsagesProps) {
   );
 }
 
-function useUsages({ path, name }: LibraryName): Known {
+function useUsages({ path, name }: LibraryName): KnownUsages {
   const { context } = useHost();
-  const [known, setKnown] = useState<Known>(null);
+  const [known, setKnown] = useState<KnownUsages>(null);
   useEffect(() => {
     let wanted = true;
     setKnown(null);
     const query = `path=${encodeURIComponent(path)}&name=${encodeURIComponent(name)}`;
-    const tell = (found: Known) => wanted && setKnown(found);
+    const tell = (found: KnownUsages) => wanted && setKnown(found);
     context()
       .page.server.request<LibraryUsages>("GET", `/libraries/usages?${query}`)
       .then(tell, (error: unknown) =>

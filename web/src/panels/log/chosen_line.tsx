@@ -5,11 +5,11 @@ import { Button, IconButton } from "../../ui/button.tsx";
 import { useCommand } from "../context.tsx";
 import { moment } from "../moment.ts";
 import { sinceStart } from "../parts/duration.ts";
-import type { Entry } from "./entries.ts";
+import type { LogEntry } from "./entries.ts";
 import { TracebackView } from "./traceback_view.tsx";
 
-interface Props {
-  readonly entry: Entry;
+interface ChosenLineProps {
+  readonly entry: LogEntry;
   readonly stateName: string;
   /** Null where the page shows no run. */
   readonly onMoment: (() => void) | null;
@@ -18,7 +18,14 @@ interface Props {
   readonly onClose: () => void;
 }
 
-export function ChosenLine({ entry, stateName, onMoment, onState, onLine, onClose }: Props) {
+export function ChosenLine({
+  entry,
+  stateName,
+  onMoment,
+  onState,
+  onLine,
+  onClose,
+}: ChosenLineProps) {
   const run = useCommand();
   const { text, action, line, at_ms, level } = entry;
   return (

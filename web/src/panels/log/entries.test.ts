@@ -1,7 +1,7 @@
 import { describe, expect, it, test } from "vitest";
 import type { LogLevel } from "../../model/generated/protocol.ts";
 import type { Notice } from "../../store/page.ts";
-import { type Entry, entryOf, inOneLine, isWanted, lineEntry, merged } from "./entries.ts";
+import { entryOf, inOneLine, isWanted, type LogEntry, lineEntry, merged } from "./entries.ts";
 
 const NOTICES: readonly Notice[] = [
   { id: 1, at_ms: 10, level: "info", count: 1, text: "Connected again" },
@@ -9,7 +9,7 @@ const NOTICES: readonly Notice[] = [
   { id: 3, at_ms: 30, level: "error", count: 1, text: "Not saved: disk full" },
 ];
 
-function line(sequence: number, level: LogLevel, path: string, message: string): Entry {
+function line(sequence: number, level: LogLevel, path: string, message: string): LogEntry {
   const t_ns = sequence * 1e6;
   return lineEntry({ sequence, t_ns, path, level, stream: "stdout", message }, 15);
 }

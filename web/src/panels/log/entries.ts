@@ -5,9 +5,9 @@ import { isWithin } from "../../model/path.ts";
 import { readTraceback } from "../../model/traceback.ts";
 import { noticeText } from "../../store/notices.ts";
 import type { Notice } from "../../store/page.ts";
-import type { RunLine } from "../../store/run_log.ts";
+import type { RunLogLine } from "../../store/run_log.ts";
 
-export interface Entry {
+export interface LogEntry {
   readonly id: string;
   readonly at_ms: number;
   readonly level: LogLevel;
@@ -16,13 +16,13 @@ export interface Entry {
   readonly about?: Notice["about"];
   readonly action?: Notice["action"];
   /** Of the run's lines, the line. */
-  readonly line?: RunLine;
+  readonly line?: RunLogLine;
 }
 
 export const SOURCES = ["both", "run", "page"] as const;
-export type Source = (typeof SOURCES)[number];
+export type LogSource = (typeof SOURCES)[number];
 
-export interface LogQuery {
+export interface LogSelection {
   /** They matter at least so much. */
   readonly least: LogLevel;
   /** They have this text, or their state has it in its name, whatever the case. */
@@ -31,13 +31,13 @@ export interface LogQuery {
   readonly states: readonly string[] | null;
 }
 
-export function entryOf(notice: Notice): Entry {
+export function entryOf(notice: Notice): LogEntry {
   const { id, at_ms, level, about, action } = notice;
   return { id: `page ${id}`, at_ms, level, text: noticeText(notice), about, action };
 }
 
 /** `began_ms`: when the run began, by this browser's clock. */
-export function lineEntry(line: RunLine, began_ms: number): Entry {
+export function lineEntry(line: RunLogLine, began_ms: number): LogEntry {
   const at_ms = began_ms + line.t_ns / 1e6;
   return { id: `run ${line.sequence}`, at_ms, level: line.level, text: line.message, line };
 }
@@ -47,8 +47,8 @@ export const LEVELS: readonly LogLevel[] = ["verbose", "debug", "info", "warning
 
 /** Whether a line is wanted; `nameOf` tells the names of states. */
 export function isWanted(
-  { level, text, line, about }: Entry,
-  { least, query, states }: LogQuery,
+  { level, text, line, about }: LogEntry,
+  { least, query, states }: LogSelection,
   nameOf: (path: string) => string,
 ): boolean {
   if (LEVELS.indexOf(level) < LEVELS.indexOf(least)) return false;
@@ -60,10 +60,10 @@ export function isWanted(
 }
 
 /** Two lists by time, each of them already so. */
-export function merged(one: readonly Entry[], other: readonly Entry[]): readonly Entry[] {
+export function merged(one: readonly LogEntry[], other: readonly LogEntry[]): readonly LogEntry[] {
   if (one.length === 0) return other;
   if (other.length === 0) return one;
-  const all: Entry[] = [];
+  const all: LogEntry[] = [];
   let at = 0;
   for (const entry of one) {
     for (let next = other[at]; next && next.at_ms < entry.at_ms; next = other[at]) {

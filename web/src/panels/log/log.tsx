@@ -13,13 +13,13 @@ import { selectedStates } from "../../store/view.ts";
 import { Button } from "../../ui/button.tsx";
 import { Empty } from "../../ui/empty.tsx";
 import { useSignal } from "../../ui/signals.ts";
-import { type Column, Table } from "../../ui/table.tsx";
+import { Table, type TableColumn } from "../../ui/table.tsx";
 import { type PanelHost, useActiveTab, useHost } from "../context.tsx";
 import { goTo } from "../go_to.ts";
 import { preciseMoment } from "../moment.ts";
 import { reveal } from "../reveal.ts";
 import { ChosenLine } from "./chosen_line.tsx";
-import { type Entry, inOneLine, type LogQuery } from "./entries.ts";
+import { inOneLine, type LogEntry, type LogSelection } from "./entries.ts";
 import { FIRST_FILTER, LogBar } from "./log_bar.tsx";
 import { useRows } from "./rows.ts";
 import "./log.css";
@@ -34,20 +34,20 @@ export function Log() {
   const [filter, setFilter] = useState(FIRST_FILTER);
   const [chosen, setChosen] = useState<string | null>(null);
   const [, setCame] = useState(0);
-  const logQuery = useLogQuery(tab, filter);
-  const { rows, nameOf } = useRows(page, tab, watch, watch ? filter.source : "page", logQuery);
+  const selection = useLogSelection(tab, filter);
+  const { rows, nameOf } = useRows(page, tab, watch, watch ? filter.source : "page", selection);
   const shown = useSignal(watch?.playhead ?? LIVE);
   const here = shown === null ? undefined : hereOf(rows, shown);
   const columns = useMemo(() => columnsOf(watch !== null, nameOf), [watch, nameOf]);
   const entry = rows.find(({ id }) => id === chosen);
   const follow = (follows: boolean) =>
     setFilter((before) => (before.follows === follows ? before : { ...before, follows }));
-  const choose = (next: Entry) => {
+  const choose = (next: LogEntry) => {
     follow(false);
     setChosen(next.id);
     show(host, tab, next);
   };
-  const showMoment = (next: Entry) => {
+  const showMoment = (next: LogEntry) => {
     if (watch && next.line) watch.playhead.value = next.line.sequence;
   };
   return (
@@ -142,7 +142,7 @@ function Older({ watch, onCame }: { readonly watch: Watch; readonly onCame: () =
 }
 
 /** What is looked for; the same object while it is the same. */
-function useLogQuery(tab: OpenTab | null, filter: typeof FIRST_FILTER): LogQuery {
+function useLogSelection(tab: OpenTab | null, filter: typeof FIRST_FILTER): LogSelection {
   const { least, isOfSelection } = filter;
   const query = useDeferredValue(filter.query);
   const paths = useSignal(
@@ -158,7 +158,7 @@ function useLogQuery(tab: OpenTab | null, filter: typeof FIRST_FILTER): LogQuery
 }
 
 /** Selects what a line is about. */
-function show(host: PanelHost, tab: OpenTab | null, { line, about }: Entry): void {
+function show(host: PanelHost, tab: OpenTab | null, { line, about }: LogEntry): void {
   const { page } = host.context();
   if (about && page.active.peek()?.session.id === about.machine) reveal(host, about.element);
   if (!line || line.path === "" || !tab) return;
@@ -167,7 +167,7 @@ function show(host: PanelHost, tab: OpenTab | null, { line, about }: Entry): voi
 }
 
 /** Shows a line of the state's script. */
-function showLine(host: PanelHost, tab: OpenTab | null, entry: Entry, line: number): void {
+function showLine(host: PanelHost, tab: OpenTab | null, entry: LogEntry, line: number): void {
   if (entry.line) scriptLineRevealRequest.value = { path: entry.line.path, line };
   show(host, tab, entry);
 }
@@ -177,19 +177,22 @@ function clear({ notices }: Page): void {
 }
 
 /** The last line of the moment that is shown. */
-function hereOf(rows: readonly Entry[], shown: number): Entry | undefined {
+function hereOf(rows: readonly LogEntry[], shown: number): LogEntry | undefined {
   return rows.findLast(({ line }) => line !== undefined && line.sequence <= shown);
 }
 
-function classOf(row: Entry, here: Entry): string | undefined {
+function classOf(row: LogEntry, here: LogEntry): string | undefined {
   if (row === here) return "log-here";
   const isLater =
     row.line && here.line ? row.line.sequence > here.line.sequence : row.at_ms > here.at_ms;
   return isLater ? "log-later" : undefined;
 }
 
-function columnsOf(hasRun: boolean, nameOf: (path: string) => string): readonly Column<Entry>[] {
-  const state: Column<Entry> = {
+function columnsOf(
+  hasRun: boolean,
+  nameOf: (path: string) => string,
+): readonly TableColumn<LogEntry>[] {
+  const state: TableColumn<LogEntry> = {
     key: "state",
     title: "State",
     width: "minmax(80px, 160px)",
@@ -202,7 +205,7 @@ function columnsOf(hasRun: boolean, nameOf: (path: string) => string): readonly 
   return [TIME, LEVEL, ...(hasRun ? [state] : []), TEXT];
 }
 
-const TIME: Column<Entry> = {
+const TIME: TableColumn<LogEntry> = {
   key: "time",
   title: "When",
   width: "minmax(100px, max-content)",
@@ -210,14 +213,14 @@ const TIME: Column<Entry> = {
   cell: ({ at_ms }) => <span className="log-time">{preciseMoment(at_ms, Date.now())}</span>,
 };
 
-const LEVEL: Column<Entry> = {
+const LEVEL: TableColumn<LogEntry> = {
   key: "level",
   title: "Level",
   width: "70px",
   cell: ({ level }) => <span className={`log-${level}`}>{level}</span>,
 };
 
-const TEXT: Column<Entry> = {
+const TEXT: TableColumn<LogEntry> = {
   key: "text",
   title: "Text",
   width: "minmax(0, 1fr)",

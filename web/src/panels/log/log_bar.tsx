@@ -5,10 +5,10 @@ import type { ReactNode } from "react";
 import type { LogLevel } from "../../model/generated/protocol.ts";
 import { IconButton } from "../../ui/button.tsx";
 import { Checkbox, Select, TextField } from "../../ui/field.tsx";
-import type { Source } from "./entries.ts";
+import type { LogSource } from "./entries.ts";
 
 export interface LogFilter {
-  readonly source: Source;
+  readonly source: LogSource;
   readonly least: LogLevel;
   readonly query: string;
   /** Only of the selected states and of what is inside them. */
@@ -38,7 +38,7 @@ const LEAST = [
   { value: "error", title: "Errors" },
 ] as const;
 
-interface Props {
+interface LogBarProps {
   readonly filter: LogFilter;
   readonly onChange: (filter: LogFilter) => void;
   readonly hasRun: boolean;
@@ -47,7 +47,7 @@ interface Props {
   readonly children?: ReactNode;
 }
 
-export function LogBar({ filter, onChange, hasRun, onClear, children }: Props) {
+export function LogBar({ filter, onChange, hasRun, onClear, children }: LogBarProps) {
   const change = (part: Partial<LogFilter>) => onChange({ ...filter, ...part });
   return (
     <div className="log-bar">

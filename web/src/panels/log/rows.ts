@@ -8,17 +8,24 @@ import type { Watch } from "../../store/run.ts";
 import { runLog } from "../../store/run_log.ts";
 import { useSignal } from "../../ui/signals.ts";
 import { useThrottled } from "../../ui/throttled.ts";
-import { type Entry, entryOf, isWanted, type LogQuery, merged, type Source } from "./entries.ts";
+import {
+  entryOf,
+  isWanted,
+  type LogEntry,
+  type LogSelection,
+  type LogSource,
+  merged,
+} from "./entries.ts";
 import { Sieve } from "./sieve.ts";
 
 /** Nobody reads faster. */
 const PACE_MS = 250;
 
 const NEVER = signal(0);
-const NONE: readonly Entry[] = [];
+const NONE: readonly LogEntry[] = [];
 
 export interface Rows {
-  readonly rows: readonly Entry[];
+  readonly rows: readonly LogEntry[];
   /** How the log calls a state. */
   readonly nameOf: (path: string) => string;
 }
@@ -27,8 +34,8 @@ export function useRows(
   page: Page,
   tab: OpenTab | null,
   watch: Watch | null,
-  source: Source,
-  logQuery: LogQuery,
+  source: LogSource,
+  selection: LogSelection,
 ): Rows {
   const notices = useSignal(page.notices);
   useThrottled(watch?.journalVersion ?? NEVER, PACE_MS);
@@ -39,13 +46,13 @@ export function useRows(
   const ofPage = useMemo(() => {
     if (source === "run") return NONE;
     const kept = notices.filter(({ passing }) => !passing);
-    return kept.map(entryOf).filter((entry) => isWanted(entry, logQuery, nameOf));
-  }, [notices, source, logQuery, nameOf]);
+    return kept.map(entryOf).filter((entry) => isWanted(entry, selection, nameOf));
+  }, [notices, source, selection, nameOf]);
   const began_ms = useBegan(page, watch);
   const sieve = useMemo(() => {
     if (!watch || source === "page" || began_ms === null) return null;
-    return new Sieve(runLog(watch), logQuery, began_ms, nameOf);
-  }, [watch, source, logQuery, began_ms, nameOf]);
+    return new Sieve(runLog(watch), selection, began_ms, nameOf);
+  }, [watch, source, selection, began_ms, nameOf]);
   const ofRun = sieve?.rows() ?? NONE;
   const rows = useMemo(() => merged(ofRun, ofPage), [ofRun, ofPage]);
   return { rows, nameOf };

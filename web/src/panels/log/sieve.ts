@@ -1,37 +1,42 @@
 /** The wanted lines of a run's log, sifted as it grows: each line is looked at once. */
 
 import type { RunLog } from "../../store/run_log.ts";
-import { type Entry, isWanted, type LogQuery, lineEntry } from "./entries.ts";
+import { isWanted, type LogEntry, type LogSelection, lineEntry } from "./entries.ts";
 
 export class Sieve {
   readonly #log: RunLog;
-  readonly #query: LogQuery;
+  readonly #selection: LogSelection;
   readonly #began_ms: number;
   readonly #nameOf: (path: string) => string;
-  #kept: readonly Entry[] = [];
+  #kept: readonly LogEntry[] = [];
   #count = 0;
   #age = 0;
 
-  constructor(log: RunLog, logQuery: LogQuery, began_ms: number, nameOf: (path: string) => string) {
+  constructor(
+    log: RunLog,
+    selection: LogSelection,
+    began_ms: number,
+    nameOf: (path: string) => string,
+  ) {
     this.#log = log;
-    this.#query = logQuery;
+    this.#selection = selection;
     this.#began_ms = began_ms;
     this.#nameOf = nameOf;
     this.#age = log.age;
   }
 
   /** Those that there are by now; the same list while nothing was added. */
-  rows(): readonly Entry[] {
+  rows(): readonly LogEntry[] {
     this.#log.update();
     if (this.#log.age !== this.#age) {
       [this.#kept, this.#count, this.#age] = [[], 0, this.#log.age];
     }
     const { lines } = this.#log;
-    const fresh: Entry[] = [];
+    const fresh: LogEntry[] = [];
     for (; this.#count < lines.length; this.#count += 1) {
       const line = lines[this.#count];
       const entry = line && lineEntry(line, this.#began_ms);
-      if (entry && isWanted(entry, this.#query, this.#nameOf)) fresh.push(entry);
+      if (entry && isWanted(entry, this.#selection, this.#nameOf)) fresh.push(entry);
     }
     if (fresh.length > 0) this.#kept = this.#kept.concat(fresh);
     return this.#kept;

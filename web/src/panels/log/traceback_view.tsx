@@ -4,14 +4,14 @@ import { Fragment } from "react";
 import { readTraceback, type TracebackFrame } from "../../model/traceback.ts";
 import { Button } from "../../ui/button.tsx";
 
-interface Props {
+interface TracebackViewProps {
   readonly text: string;
   /** Leads to a line of the script. */
   readonly onLine: (line: number) => void;
 }
 
 /** A text that may have a traceback at its end. */
-export function TracebackView({ text, onLine }: Props) {
+export function TracebackView({ text, onLine }: TracebackViewProps) {
   const traceback = readTraceback(text);
   if (!traceback) return <pre className="log-text">{text}</pre>;
   const { frames, own, message, causes } = traceback;
@@ -50,7 +50,10 @@ export function TracebackView({ text, onLine }: Props) {
 }
 
 /** The line of one's own script. */
-function Own({ frame, onLine }: { readonly frame: TracebackFrame } & Pick<Props, "onLine">) {
+function Own({
+  frame,
+  onLine,
+}: { readonly frame: TracebackFrame } & Pick<TracebackViewProps, "onLine">) {
   const { line, function: name, code } = frame;
   return (
     <p className="log-own">

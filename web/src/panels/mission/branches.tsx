@@ -173,14 +173,14 @@ function isBefore({ phase, held: [hold] }: Active): boolean {
   return phase === "held" && hold !== undefined && hold.next !== null;
 }
 
-interface BarProps {
+interface BranchBarProps {
   readonly baseline: Baseline;
   readonly since_ms: number;
   readonly isLong: boolean;
 }
 
 /** The time in the state against how long it usually takes. */
-function Bar({ baseline: { typical_ms, max_ms }, since_ms, isLong }: BarProps) {
+function Bar({ baseline: { typical_ms, max_ms }, since_ms, isLong }: BranchBarProps) {
   const scale = Math.max(max_ms, since_ms, 1);
   const width = (ms: number) => ({ width: `${(ms / scale) * 100}%` });
   return (

@@ -5,7 +5,7 @@ import { useEffect, useState } from "react";
 import type { EventDetail } from "../../model/generated/protocol.ts";
 import { shortValue } from "../../model/short_value.ts";
 import { acknowledged, failures, openFailures } from "../../store/acknowledged.ts";
-import { didInWords, FAILURES_MAX, type Failure } from "../../store/failures.ts";
+import { didInWords, FAILURES_MAX, type RunFailure } from "../../store/failures.ts";
 import type { Watch } from "../../store/run.ts";
 import { RefusalError } from "../../store/server.ts";
 import { Button } from "../../ui/button.tsx";
@@ -83,20 +83,20 @@ export function countInWords(count: number): string {
   return count < FAILURES_MAX ? String(count) : `${FAILURES_MAX} or more`;
 }
 
-interface LineProps {
-  readonly failure: Failure;
+interface EventLineProps {
+  readonly failure: RunFailure;
   readonly watch: Watch;
   readonly names: Names;
   readonly isDone: boolean;
   readonly isUnmoved: boolean;
 }
 
-const SIGNS: Readonly<Record<Failure["level"], LucideIcon>> = {
+const SIGNS: Readonly<Record<RunFailure["level"], LucideIcon>> = {
   warning: TriangleAlert,
   error: CircleX,
 };
 
-function Line({ failure, watch, names, isDone, isUnmoved }: LineProps) {
+function Line({ failure, watch, names, isDone, isUnmoved }: EventLineProps) {
   const host = useHost();
   const run = useCommand();
   const { level, kind, path, reach, count, t_ns, sequence } = failure;

@@ -1,6 +1,6 @@
 /** What a glance has to tell: which mission, how it stands, and how long. As high whatever it says: what stands below stays there. */
 
-import { runStand, startedInWords, summaryStand } from "../../model/run_words.ts";
+import { runStatusWords, startedInWords, summaryStatusWords } from "../../model/run_words.ts";
 import { isGoingOn, runAge } from "../../store/age.ts";
 import { earlierRuns, expectedLength } from "../../store/baseline.ts";
 import { clock1s } from "../../store/clock1s.ts";
@@ -17,7 +17,7 @@ export function Head({ watch }: { readonly watch: Watch }) {
   const { page } = useHost().context();
   const now = useSignal(watch.now);
   const summary = useComputed(() => summaryOf(page, watch), [page, watch]);
-  const stand = now ? runStand(now) : summary && summaryStand(summary);
+  const status = now ? runStatusWords(now) : summary && summaryStatusWords(summary);
   const name = summary?.name ?? watch.id;
   return (
     <div className="mission-head">
@@ -26,12 +26,12 @@ export function Head({ watch }: { readonly watch: Watch }) {
         <OtherRuns watch={watch} />
       </div>
       <div className="mission-status shows-run">
-        {stand && (
+        {status && (
           <span className="mission-status-word" role="status" aria-label="How the run stands">
-            <StatusWord stand={stand} size={26} />
+            <StatusWord status={status} size={26} />
           </span>
         )}
-        <p className="mission-detail">{stand && stand.word !== "finished" && stand.detail}</p>
+        <p className="mission-detail">{status && status.word !== "finished" && status.detail}</p>
         <Times watch={watch} />
       </div>
     </div>

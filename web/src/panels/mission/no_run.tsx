@@ -2,7 +2,7 @@
 
 import { Radar } from "lucide-react";
 import { refusalOf } from "../../commands/command.ts";
-import { startedInWords, summaryStand } from "../../model/run_words.ts";
+import { startedInWords, summaryStatusWords } from "../../model/run_words.ts";
 import { clock1s } from "../../store/clock1s.ts";
 import { Button } from "../../ui/button.tsx";
 import { useComputed, useSignal } from "../../ui/signals.ts";
@@ -67,7 +67,7 @@ export function NoRun() {
   );
 }
 
-function RunList({ label, runs }: { readonly label: string; readonly runs: readonly RunLine[] }) {
+function RunList({ label, runs }: { readonly label: string; readonly runs: readonly RunInList[] }) {
   const run = useCommand();
   return (
     <ul className="mission-runs" aria-label={label}>
@@ -75,7 +75,7 @@ function RunList({ label, runs }: { readonly label: string; readonly runs: reado
         <li key={one.id}>
           <button type="button" onClick={() => run("run.show", one.id)}>
             <span className="mission-run-name">{one.name}</span>
-            <StatusWord stand={summaryStand(one)} />
+            <StatusWord status={summaryStatusWords(one)} />
             <small>
               began {startedInWords(one.started_ms, Date.now())}
               {one.author ? ` by ${one.author}` : ""}, <Length run={one} />
@@ -88,7 +88,7 @@ function RunList({ label, runs }: { readonly label: string; readonly runs: reado
 }
 
 /** Of a run that goes on until now: the list does not say each second how long that is. */
-function Length({ run }: { readonly run: RunLine }) {
+function Length({ run }: { readonly run: RunInList }) {
   const { page } = useHost().context();
   const text = useComputed(() => {
     if (!isGoingOn(run)) return duration(run.length_ms);
@@ -98,8 +98,8 @@ function Length({ run }: { readonly run: RunLine }) {
   return <>{text}</>;
 }
 
-type RunLine = Parameters<typeof summaryStand>[0];
+type RunInList = Parameters<typeof summaryStatusWords>[0];
 
-export function isGoingOn({ phase }: RunLine): boolean {
+export function isGoingOn({ phase }: RunInList): boolean {
   return phase === "live" || phase === "starting";
 }

@@ -4,7 +4,7 @@ import { readExpression } from "../../model/expression.ts";
 import { shortValue } from "../../model/short_value.ts";
 import { type OpenTab, runOf } from "../../store/page.ts";
 import type { Watch } from "../../store/run.ts";
-import { type Watched, watchedOf } from "../../store/watched_values.ts";
+import { type WatchedExpression, watchedOf } from "../../store/watched_values.ts";
 import { useComputed } from "../../ui/signals.ts";
 import { useActiveTab, useHost } from "../context.tsx";
 import { growing } from "../parts/duration.ts";
@@ -35,7 +35,7 @@ function List({ tab, watch }: { readonly tab: OpenTab; readonly watch: Watch }) 
 interface ValueProps {
   readonly tab: OpenTab;
   readonly watch: Watch;
-  readonly watched: Watched;
+  readonly watched: WatchedExpression;
 }
 
 function Value({ tab, watch, watched }: ValueProps) {
@@ -61,7 +61,7 @@ function Came({ watch, sequence }: { readonly watch: Watch; readonly sequence: n
   return <dd className="mission-pinned-when">{isPast ? `after ${growing(t_ms)}` : when}</dd>;
 }
 
-function nameOf({ target, expression }: Watched): string {
+function nameOf({ target, expression }: WatchedExpression): string {
   return expression === "value" ? target.name : `${target.name}: ${expression}`;
 }
 

@@ -13,7 +13,7 @@ import {
   type LucideIcon,
   TriangleAlert,
 } from "lucide-react";
-import type { RunStand, RunWord } from "../../model/run_words.ts";
+import type { RunStatusWords, RunWord } from "../../model/run_words.ts";
 
 const SIGNS: Readonly<Record<RunWord, LucideIcon>> = {
   starting: Loader,
@@ -29,20 +29,20 @@ const SIGNS: Readonly<Record<RunWord, LucideIcon>> = {
 };
 
 export function StatusWord({
-  stand,
+  status,
   size = 16,
 }: {
-  readonly stand: RunStand;
+  readonly status: RunStatusWords;
   readonly size?: number;
 }) {
-  const isBad = stand.word === "finished" && stand.tone !== "plain";
-  const Sign = isBad ? CircleX : SIGNS[stand.word];
+  const isBad = status.word === "finished" && status.tone !== "plain";
+  const Sign = isBad ? CircleX : SIGNS[status.word];
   return (
-    <span className={`mission-word mission-tone-${stand.tone}`}>
+    <span className={`mission-word mission-tone-${status.tone}`}>
       <Sign size={size} aria-hidden />
-      <span>{stand.word}</span>
-      {stand.word === "finished" && stand.detail && (
-        <span className="mission-status-outcome">{stand.detail}</span>
+      <span>{status.word}</span>
+      {status.word === "finished" && status.detail && (
+        <span className="mission-status-outcome">{status.detail}</span>
       )}
     </span>
   );

@@ -95,14 +95,14 @@ function isUnderWay(watch: Watch, question: number): boolean {
   );
 }
 
-interface EntryProps {
+interface AnswerEntryProps {
   readonly form: Form;
   readonly filled: Filled;
   readonly fault: string | null;
   readonly onFill: (filled: Filled) => void;
 }
 
-function Entry({ form, filled, fault, onFill }: EntryProps) {
+function Entry({ form, filled, fault, onFill }: AnswerEntryProps) {
   if (form.type === "buttons") return null;
   if (form.type === "checks") {
     return (

@@ -12,7 +12,7 @@ import { Button } from "../../ui/button.tsx";
 import { Empty } from "../../ui/empty.tsx";
 import { TextField } from "../../ui/field.tsx";
 import { useSignal } from "../../ui/signals.ts";
-import { type Column, Table } from "../../ui/table.tsx";
+import { Table, type TableColumn } from "../../ui/table.tsx";
 import { useActiveTab, useHost } from "../context.tsx";
 import { reveal } from "../reveal.ts";
 import "./problems.css";
@@ -122,7 +122,7 @@ function Chosen({ tab, problem }: { readonly tab: OpenTab; readonly problem: Mac
 
 const ICONS = { error: CircleAlert, warning: TriangleAlert, note: Info };
 
-function columnsOf(machine: Machine): readonly Column<MachineProblem>[] {
+function columnsOf(machine: Machine): readonly TableColumn<MachineProblem>[] {
   return [
     {
       key: "severity",

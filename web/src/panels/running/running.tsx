@@ -95,7 +95,7 @@ const PHASES: Readonly<Record<Phase, { readonly word: string; readonly Sign: Luc
   preempted: { word: "is being preempted", Sign: Undo2 },
 };
 
-interface RowProps {
+interface BranchRowProps {
   readonly tab: OpenTab;
   readonly watch: Watch;
   readonly lane: Active;
@@ -103,7 +103,7 @@ interface RowProps {
   readonly isLive: boolean;
 }
 
-function Row({ tab, watch, lane, sinceSnapshot_ms, isLive }: RowProps) {
+function Row({ tab, watch, lane, sinceSnapshot_ms, isLive }: BranchRowProps) {
   const host = useHost();
   const place = placeOfLane(lane);
   const { word, Sign } = PHASES[lane.phase];

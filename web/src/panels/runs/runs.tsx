@@ -5,7 +5,7 @@ import { MoreVertical, RefreshCw } from "lucide-react";
 import { memo, useState } from "react";
 import { lacks } from "../../commands/run_rules.ts";
 import type { RunSummary } from "../../model/generated/protocol.ts";
-import { startedInWords, summaryStand } from "../../model/run_words.ts";
+import { startedInWords, summaryStatusWords } from "../../model/run_words.ts";
 import { Button, IconButton } from "../../ui/button.tsx";
 import { Empty } from "../../ui/empty.tsx";
 import { TextField } from "../../ui/field.tsx";
@@ -13,7 +13,7 @@ import { ContextMenu, type MenuItem } from "../../ui/menu.tsx";
 import { useSignal } from "../../ui/signals.ts";
 import { useActiveTab, useCommand, useHost } from "../context.tsx";
 import { duration } from "../parts/duration.ts";
-import { RunStandView } from "../parts/run_stand.tsx";
+import { RunStatusView } from "../parts/run_status_mark.tsx";
 import { useIsOld } from "../run_age.ts";
 import { foundRuns } from "./found.ts";
 import "./runs.css";
@@ -75,7 +75,7 @@ export function Runs() {
 const Row = memo(RunRow, (one, other) => rowText(one.run) === rowText(other.run));
 
 function rowText(run: RunSummary): string {
-  const { word, detail } = summaryStand(run);
+  const { word, detail } = summaryStatusWords(run);
   return `${run.id} ${run.name} ${word} ${detail} ${isLive(run) ? "" : run.length_ms}`;
 }
 
@@ -89,7 +89,7 @@ function RunRow({ run }: { run: RunSummary }) {
   const watch = useShownRun(tab);
   const [menu, setMenu] = useState<{ x: number; y: number } | null>(null);
   const items = useItems(run, watch);
-  const stand = summaryStand(run);
+  const status = summaryStatusWords(run);
   const started = startedInWords(run.started_ms, Date.now());
   const by = run.author === null ? "" : ` · ${run.author}`;
   const isShown = watch === run.id;
@@ -106,11 +106,11 @@ function RunRow({ run }: { run: RunSummary }) {
       <button
         type="button"
         className="runs-open"
-        title={`${run.id}${stand.detail === "" ? "" : `: ${stand.detail}`}`}
+        title={`${run.id}${status.detail === "" ? "" : `: ${status.detail}`}`}
         onClick={() => command("run.show", run.id)}
       >
         <span className="runs-name">{run.name}</span>
-        <RunStandView stand={stand} />
+        <RunStatusView status={status} />
         <span className="runs-when">
           {started}
           {isLive(run) ? "" : ` · ${duration(run.length_ms)}`}

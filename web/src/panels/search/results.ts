@@ -1,16 +1,16 @@
 /** What the search shows: places of one machine or of all that are open, the best first. */
 
-import { type Hit, type SearchScope, search } from "../../model/search.ts";
+import { type SearchHit, type SearchScope, search } from "../../model/search.ts";
 import type { OpenTab } from "../../store/page.ts";
 
-export interface Result {
+export interface SearchResult {
   readonly key: string;
   readonly tab: OpenTab;
-  readonly hit: Hit;
+  readonly hit: SearchHit;
 }
 
 export interface Results {
-  readonly results: readonly Result[];
+  readonly results: readonly SearchResult[];
   readonly total: number;
 }
 

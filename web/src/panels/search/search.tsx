@@ -24,7 +24,7 @@ import { Tree } from "../../ui/tree.tsx";
 import { type PanelHost, useActiveTab, useHost } from "../context.tsx";
 import { goTo } from "../go_to.ts";
 import { KIND_ICONS } from "../kinds.ts";
-import { type Result, resultsIn, SHOWN_MAX } from "./results.ts";
+import { resultsIn, type SearchResult, SHOWN_MAX } from "./results.ts";
 import "./search.css";
 
 interface SearchRequest {
@@ -149,8 +149,8 @@ function Scopes({ scope, onChange }: ScopesProps) {
   );
 }
 
-interface ListProps {
-  readonly results: readonly Result[];
+interface ResultListProps {
+  readonly results: readonly SearchResult[];
   readonly total: number;
   readonly text: string;
   readonly several: boolean;
@@ -159,7 +159,7 @@ interface ListProps {
 const NONE: ReadonlySet<string> = new Set();
 const ROW_PX = 40;
 
-function List({ results, total, text, several }: ListProps) {
+function List({ results, total, text, several }: ResultListProps) {
   const host = useHost();
   const [chosen, setChosen] = useState<string | null>(null);
   const hovered = useRef<OpenTab | null>(null);
@@ -181,7 +181,7 @@ function List({ results, total, text, several }: ListProps) {
       />
     );
   }
-  const preview = (result: Result | null) => {
+  const preview = (result: SearchResult | null) => {
     const before = hovered.current;
     if (before && before !== result?.tab) before.view.hovered.value = null;
     hovered.current = result?.tab ?? null;
@@ -220,7 +220,7 @@ function countInWords(total: number): string {
   return total > SHOWN_MAX ? `${places}, the best ${SHOWN_MAX} of them` : places;
 }
 
-function show(host: PanelHost, { tab, hit }: Result): void {
+function show(host: PanelHost, { tab, hit }: SearchResult): void {
   if (hit.field === "script" && hit.line !== null) {
     scriptLineRevealRequest.value = { path: hit.element.path, line: hit.line };
   }
@@ -242,7 +242,7 @@ const WORDS: Readonly<Record<SearchField, string>> = {
   "semantic data": "semantic data",
 };
 
-function inWords({ tab, hit }: Result): string {
+function inWords({ tab, hit }: SearchResult): string {
   const { machine } = tab.session;
   const state = machine.state(hit.element.path)?.name ?? "";
   return hit.field === "name" ? state : `${WORDS[hit.field]} ${hit.text}, ${state}`;
@@ -252,7 +252,7 @@ function Row({
   result,
   several,
 }: {
-  readonly result: Result;
+  readonly result: SearchResult;
   readonly several: boolean;
 }): ReactNode {
   const { tab, hit } = result;

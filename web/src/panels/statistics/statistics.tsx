@@ -9,7 +9,7 @@ import { Button, IconButton } from "../../ui/button.tsx";
 import { Empty } from "../../ui/empty.tsx";
 import { TextField } from "../../ui/field.tsx";
 import { useSignal } from "../../ui/signals.ts";
-import { type Column, Table } from "../../ui/table.tsx";
+import { Table, type TableColumn } from "../../ui/table.tsx";
 import { useActiveTab, useCommand, useHost } from "../context.tsx";
 import { measured } from "../parts/duration.ts";
 import { reveal } from "../reveal.ts";
@@ -91,14 +91,14 @@ function factOf(statistics: Counted | null, isPast: boolean): string {
   return isPast ? `${many}, until this moment` : `${many}, up to event ${sequence}`;
 }
 
-interface RowsProps {
+interface StatisticsRowsProps {
   readonly tab: OpenTab;
   readonly states: readonly StateStatistics[];
   readonly query: string;
   readonly isNarrow: boolean;
 }
 
-function Rows({ tab, states, query, isNarrow }: RowsProps) {
+function Rows({ tab, states, query, isNarrow }: StatisticsRowsProps) {
   const host = useHost();
   const selection = useSignal(tab.view.selection);
   const [sort, setSort] = useState<Sort>({ key: "total", down: true });
@@ -148,12 +148,12 @@ function useNarrow(place: RefObject<HTMLElement | null>): boolean {
 function columnsOf(
   states: readonly StateStatistics[],
   isNarrow: boolean,
-): readonly Column<StateStatistics>[] {
+): readonly TableColumn<StateStatistics>[] {
   const all = allColumns(states);
   return isNarrow ? all.filter(({ key }) => key !== "min" && key !== "spread") : all;
 }
 
-function allColumns(states: readonly StateStatistics[]): readonly Column<StateStatistics>[] {
+function allColumns(states: readonly StateStatistics[]): readonly TableColumn<StateStatistics>[] {
   const scale = scaleOf(states);
   const time = (key: string, title: string, ns: (row: StateStatistics) => number) =>
     ({

@@ -14,7 +14,7 @@ const EVERY_MS = 3_000;
 /** What was counted, and until which event. */
 export type Counted = Pick<Statistics, "states" | "sequence">;
 
-export interface Asked {
+export interface RequestedStatistics {
   readonly statistics: Statistics | null;
   readonly refusal: string | null;
   /** Asks now. */
@@ -26,8 +26,11 @@ export function useStatistics(
   runs: Runs,
   watch: Watch,
   place: RefObject<HTMLElement | null>,
-): Asked {
-  const [found, setFound] = useState<Omit<Asked, "refresh">>({ statistics: null, refusal: null });
+): RequestedStatistics {
+  const [found, setFound] = useState<Omit<RequestedStatistics, "refresh">>({
+    statistics: null,
+    refusal: null,
+  });
   const isAsking = useRef(false);
   const refresh = useCallback(() => {
     if (isAsking.current) return;

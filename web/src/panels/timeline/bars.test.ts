@@ -1,7 +1,7 @@
 import { expect, test } from "vitest";
 import { Calls, NONE } from "../../store/calls.ts";
 import { Journal } from "../../store/journal.ts";
-import { Lanes, type Row } from "../../store/lanes.ts";
+import { type CallRow, RunLanes } from "../../store/lanes.ts";
 import { events, randomRun } from "../../store/testing/events.ts";
 import { barsOf, callAt } from "./bars.ts";
 
@@ -10,7 +10,7 @@ function rowsOf(entries: Parameters<Journal["add"]>[0]) {
   journal.add(entries, entries.length + 1);
   const calls = new Calls(journal);
   calls.follow();
-  const lanes = new Lanes(calls);
+  const lanes = new RunLanes(calls);
   lanes.follow();
   return { journal, calls, rows: lanes.all().flatMap((lane) => lane.rows) };
 }
@@ -35,7 +35,7 @@ test("calls are bars from their entry to their end, what goes on reaches up to n
 test("what left an error looks as what aborted, whatever its outcome", () => {
   const { calls, rows } = rowsOf(events("> R\n> R/A\n< R/A done: no way\n> R/B\n< R/B done"));
   const scale = { span: { from_ns: 0, to_ns: 10e6 }, width: 100, end_ns: 8e6 };
-  const looks = barsOf(calls, rows[1] as Row, scale).map((bar) => "look" in bar && bar.look);
+  const looks = barsOf(calls, rows[1] as CallRow, scale).map((bar) => "look" in bar && bar.look);
   expect(looks).toEqual(["aborted", "ended"]);
 });
 
@@ -55,7 +55,7 @@ test("each call that shows is drawn once, and a row costs no more than it is wid
     [0.5, 0.9],
   ] as const) {
     const span = { from_ns: from * end_ns, to_ns: to * end_ns };
-    const inSight = ({ calls: all }: Row) =>
+    const inSight = ({ calls: all }: CallRow) =>
       all.filter(
         (call) =>
           calls.began_ns(call) <= span.to_ns &&

@@ -2,11 +2,11 @@
  * together and how many of them failed. So a row costs as much as it is wide, however much happened. */
 
 import { type Calls, NONE } from "../../store/calls.ts";
-import { hasFailed, type Look, lookOf, type Row } from "../../store/lanes.ts";
-import type { Span } from "./span.ts";
+import { type CallLook, type CallRow, hasFailed, lookOf } from "../../store/lanes.ts";
+import type { TimeSpan } from "./span.ts";
 
 export type Bar =
-  | { readonly x: number; readonly width: number; readonly call: number; readonly look: Look }
+  | { readonly x: number; readonly width: number; readonly call: number; readonly look: CallLook }
   | {
       readonly x: number;
       readonly width: number;
@@ -21,7 +21,7 @@ export type Bar =
 const NARROW_PX = 2;
 
 export interface Scale {
-  readonly span: Span;
+  readonly span: TimeSpan;
   readonly width: number;
   /** Until when what goes on has come. */
   readonly end_ns: number;
@@ -36,7 +36,7 @@ export function timeAt({ span, width }: Scale, x: number): number {
 }
 
 /** From left to right. */
-export function barsOf(calls: Calls, row: Row, scale: Scale): readonly Bar[] {
+export function barsOf(calls: Calls, row: CallRow, scale: Scale): readonly Bar[] {
   const { journal } = calls;
   const bars: Bar[] = [];
   const first = journal.indexAt(scale.span.from_ns);
@@ -65,12 +65,12 @@ export function barsOf(calls: Calls, row: Row, scale: Scale): readonly Bar[] {
 }
 
 /** What left an error looks as what aborted, whatever its outcome. */
-function barLook(calls: Calls, call: number): Look {
+function barLook(calls: Calls, call: number): CallLook {
   return hasFailed(calls, call) ? "aborted" : lookOf(calls, call);
 }
 
 /** The place in the row behind the narrow calls that begin in the same pixels; a wide one at their end stands for itself. */
-function together(calls: Calls, row: Row, scale: Scale, x: number): number {
+function together(calls: Calls, row: CallRow, scale: Scale, x: number): number {
   const edge = Math.floor(x) + NARROW_PX;
   const behind = row.firstFrom(calls.journal.indexAt(timeAt(scale, edge)));
   const last = row.calls[behind - 1] ?? NONE;
@@ -81,7 +81,7 @@ function together(calls: Calls, row: Row, scale: Scale, x: number): number {
 }
 
 /** The call of a row at a time; NONE if nothing ran there. */
-export function callAt(calls: Calls, row: Row, t_ns: number, end_ns: number): number {
+export function callAt(calls: Calls, row: CallRow, t_ns: number, end_ns: number): number {
   const { journal } = calls;
   const place = row.firstFrom(journal.indexAt(t_ns + 1)) - 1;
   const call = row.calls[place] ?? NONE;

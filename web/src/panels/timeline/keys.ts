@@ -4,14 +4,18 @@
 import { stepPlayhead, toEnd, toEntry } from "../../store/moments.ts";
 import type { TimelineModel } from "./model.ts";
 
-export interface Key {
+export interface TimelineKey {
   readonly key: string;
   readonly ctrlKey: boolean;
   readonly altKey: boolean;
 }
 
 /** Does what the key stands for; false if it stands for nothing. */
-export function timelineKey(key: Key, model: TimelineModel, state: string | undefined): boolean {
+export function timelineKey(
+  key: TimelineKey,
+  model: TimelineModel,
+  state: string | undefined,
+): boolean {
   if (key.altKey) return false;
   const isDone = key.ctrlKey ? withCtrl(key.key, model, state) : alone(key.key, model, state);
   if (isDone) model.reveal();

@@ -1,7 +1,7 @@
 import { expect, test } from "vitest";
 import { Calls } from "../../store/calls.ts";
 import { Journal } from "../../store/journal.ts";
-import { Lanes } from "../../store/lanes.ts";
+import { RunLanes } from "../../store/lanes.ts";
 import { events } from "../../store/testing/events.ts";
 import { lanesIn, layoutOf, ROW_PX, rowAt } from "./layout.ts";
 
@@ -18,7 +18,7 @@ function told() {
   journal.add(entries, entries.length + 1);
   const calls = new Calls(journal);
   calls.follow();
-  const lanes = new Lanes(calls);
+  const lanes = new RunLanes(calls);
   lanes.follow();
   return { calls, lanes: lanes.all() };
 }

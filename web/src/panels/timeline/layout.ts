@@ -1,14 +1,14 @@
 /** Where lanes and their rows stand on the time line: a folded lane shows one row, what worked in it. */
 
 import type { Calls } from "../../store/calls.ts";
-import type { Lane, Row } from "../../store/lanes.ts";
-import type { Span } from "./span.ts";
+import type { CallRow, Lane } from "../../store/lanes.ts";
+import type { TimeSpan } from "./span.ts";
 
 export const ROW_PX = 18;
 const GAP_PX = 6;
 
 export interface LaneRow {
-  readonly row: Row;
+  readonly row: CallRow;
   readonly y: number;
 }
 
@@ -40,7 +40,7 @@ export function layoutOf(lanes: readonly Lane[], folded: ReadonlySet<string>): T
 }
 
 /** Lanes in which something ran in a part of the run's time. Those around them did, too. */
-export function lanesIn(calls: Calls, lanes: readonly Lane[], span: Span): readonly Lane[] {
+export function lanesIn(calls: Calls, lanes: readonly Lane[], span: TimeSpan): readonly Lane[] {
   const from = calls.journal.indexAt(span.from_ns);
   const until = calls.journal.indexAt(span.to_ns + 1);
   return lanes.filter(

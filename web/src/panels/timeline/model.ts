@@ -4,7 +4,7 @@
 import { type Signal, signal } from "@preact/signals-core";
 import { type Calls, callsOf, NONE } from "../../store/calls.ts";
 import { clock1s } from "../../store/clock1s.ts";
-import { Found } from "../../store/found.ts";
+import { JournalHits } from "../../store/journal_hits.ts";
 import { lanesOf } from "../../store/lanes.ts";
 import { showIndex, shownIndex } from "../../store/moments.ts";
 import type { Page } from "../../store/page.ts";
@@ -12,7 +12,7 @@ import { progressAt } from "../../store/progress.ts";
 import type { Watch } from "../../store/run.ts";
 import type { NameOf } from "../parts/happened.ts";
 import { lanesIn, layoutOf, type TimelineLayout } from "./layout.ts";
-import { fitted, type Span, type SpanRequest, spanOf, withTime, zoomed } from "./span.ts";
+import { fitted, type SpanRequest, spanOf, type TimeSpan, withTime, zoomed } from "./span.ts";
 
 /** What the pointer is at. */
 export interface Pointed {
@@ -33,7 +33,7 @@ export class TimelineModel {
   readonly folded: Signal<ReadonlySet<string>> = signal<ReadonlySet<string>>(new Set());
   /** Whether only branches show that ran in the part of time that shows. */
   readonly isOnlyInSight = signal(false);
-  readonly found: Signal<Found | null> = signal<Found | null>(null);
+  readonly found: Signal<JournalHits | null> = signal<JournalHits | null>(null);
   readonly query = signal("");
   /** The event of the journal that the search stands at. */
   readonly hit: Signal<number | null> = signal<number | null>(null);
@@ -62,7 +62,7 @@ export class TimelineModel {
     return journal.length > 0 ? journal.t_ns(journal.length - 1) : 0;
   }
 
-  get span(): Span {
+  get span(): TimeSpan {
     return spanOf(this.spanRequest.value, this.end_ns);
   }
 
@@ -126,7 +126,7 @@ export class TimelineModel {
       this.found.value = null;
       return;
     }
-    const found = new Found(this.watch.journal, query, nameOf);
+    const found = new JournalHits(this.watch.journal, query, nameOf);
     found.follow();
     this.found.value = found;
   }

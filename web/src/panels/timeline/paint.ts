@@ -1,9 +1,9 @@
 /** Paints the time line: rows of bars, and the ruler above with what is worth a mark. */
 
 import type { Calls } from "../../store/calls.ts";
-import type { Found } from "../../store/found.ts";
 import type { Gap } from "../../store/gaps.ts";
-import type { Look } from "../../store/lanes.ts";
+import type { JournalHits } from "../../store/journal_hits.ts";
+import type { CallLook } from "../../store/lanes.ts";
 import { NOTE_KINDS, type NoteKind, type Notes } from "../../store/notes.ts";
 import type { Inks } from "../../ui/inks.ts";
 import { sinceStart } from "../parts/duration.ts";
@@ -15,7 +15,7 @@ import { ticks } from "./span.ts";
 export interface Scene {
   readonly calls: Calls;
   readonly notes: Notes;
-  readonly found: Found | null;
+  readonly found: JournalHits | null;
   readonly layout: TimelineLayout;
   readonly scale: Scale;
   /** How far the rows are scrolled. */
@@ -39,7 +39,7 @@ export interface Scene {
 export const RULER_PX = 40;
 const NOTES_Y = 30;
 
-const LOOKS: Readonly<Record<Look, { readonly ink: string; readonly sign: string }>> = {
+const LOOKS: Readonly<Record<CallLook, { readonly ink: string; readonly sign: string }>> = {
   open: { ink: "--running", sign: "" },
   ended: { ink: "--canvas-trail", sign: "" },
   aborted: { ink: "--aborted", sign: "✕ " },
@@ -152,7 +152,7 @@ interface Rect {
 }
 
 /** The lower edge says how a call ended, by colour and by shape: whole, broken, or double. */
-function paintEdge(context: CanvasRenderingContext2D, look: Look, rect: Rect): void {
+function paintEdge(context: CanvasRenderingContext2D, look: CallLook, rect: Rect): void {
   const { left, top, width, height } = rect;
   const y = top + height - 2;
   if (look === "back" || look === "dropped") {

@@ -2,7 +2,7 @@
 
 import { errorInWords } from "../../store/failures.ts";
 import type { Journal } from "../../store/journal.ts";
-import { hasFailed, type Look, lookOf } from "../../store/lanes.ts";
+import { type CallLook, hasFailed, lookOf } from "../../store/lanes.ts";
 import type { OpenTab } from "../../store/page.ts";
 import { useSignal } from "../../ui/signals.ts";
 import { measured, sinceStart } from "../parts/duration.ts";
@@ -56,7 +56,7 @@ function errorAt(journal: Journal, end: number): string {
   return words.length > ERROR_MAX ? `${words.slice(0, ERROR_MAX - 1)}…` : words;
 }
 
-function endInWords(look: Look, outcome: string): string {
+function endInWords(look: CallLook, outcome: string): string {
   switch (look) {
     case "open":
       return "goes on";

@@ -1,12 +1,12 @@
 /** Which part of a run's time shows, and how it is moved: zoomed, panned, fitted, glued to now. */
 
-export interface Span {
+export interface TimeSpan {
   readonly from_ns: number;
   readonly to_ns: number;
 }
 
 /** What is wanted: all; or a part, which may go along with now. */
-export type SpanRequest = null | (Span & { readonly isFollowing: boolean });
+export type SpanRequest = null | (TimeSpan & { readonly isFollowing: boolean });
 
 /** No part is shorter. */
 const SHORTEST_NS = 2_000;
@@ -14,7 +14,7 @@ const SHORTEST_NS = 2_000;
 const ROOM = 0.02;
 
 /** What shows of a run that has come so far. */
-export function spanOf(spanRequest: SpanRequest, end_ns: number): Span {
+export function spanOf(spanRequest: SpanRequest, end_ns: number): TimeSpan {
   const whole = { from_ns: 0, to_ns: Math.max(SHORTEST_NS, end_ns * (1 + ROOM)) };
   if (spanRequest === null) return whole;
   if (!spanRequest.isFollowing) return spanRequest;
@@ -23,7 +23,7 @@ export function spanOf(spanRequest: SpanRequest, end_ns: number): Span {
 }
 
 /** Shows `factor` times as much, with what is at a time staying where it is. */
-export function zoomed(span: Span, factor: number, at_ns: number, end_ns: number): SpanRequest {
+export function zoomed(span: TimeSpan, factor: number, at_ns: number, end_ns: number): SpanRequest {
   const whole = spanOf(null, end_ns);
   const length = Math.max(SHORTEST_NS, (span.to_ns - span.from_ns) * factor);
   if (length >= whole.to_ns) return null;
@@ -31,12 +31,12 @@ export function zoomed(span: Span, factor: number, at_ns: number, end_ns: number
   return held({ from_ns: at_ns - part * length, to_ns: at_ns + (1 - part) * length }, end_ns);
 }
 
-export function panned(span: Span, by_ns: number, end_ns: number): SpanRequest {
+export function panned(span: TimeSpan, by_ns: number, end_ns: number): SpanRequest {
   return held({ from_ns: span.from_ns + by_ns, to_ns: span.to_ns + by_ns }, end_ns);
 }
 
 /** Shows this part with some room around. */
-export function fitted(part: Span, end_ns: number): SpanRequest {
+export function fitted(part: TimeSpan, end_ns: number): SpanRequest {
   const room = Math.max(SHORTEST_NS, part.to_ns - part.from_ns) * 0.1;
   return held({ from_ns: part.from_ns - room, to_ns: part.to_ns + room }, end_ns);
 }
@@ -49,7 +49,7 @@ export function withTime(spanRequest: SpanRequest, at_ns: number, end_ns: number
 }
 
 /** Inside of the run; at its end it goes along with it. */
-function held(span: Span, end_ns: number): SpanRequest {
+function held(span: TimeSpan, end_ns: number): SpanRequest {
   const whole = spanOf(null, end_ns);
   const length = span.to_ns - span.from_ns;
   if (length >= whole.to_ns) return null;
@@ -62,7 +62,7 @@ const STEPS = [1, 2, 5];
 
 /** Times at which the ruler has a mark, and how far they are from one another, in ms: so many at most. */
 export function ticks(
-  span: Span,
+  span: TimeSpan,
   most: number,
 ): { readonly step_ms: number; readonly at_ns: readonly number[] } {
   const step_ns = stepFor((span.to_ns - span.from_ns) / Math.max(1, most));

@@ -52,13 +52,13 @@ function OfTab({ tab }: { readonly tab: OpenTab }) {
   return <OfRun key={watch.id} tab={tab} watch={watch} model={timelineOf(page, watch)} />;
 }
 
-interface OfRunProps {
+interface TimelineProps {
   readonly tab: OpenTab;
   readonly watch: Watch;
   readonly model: TimelineModel;
 }
 
-function OfRun({ tab, watch, model }: OfRunProps) {
+function OfRun({ tab, watch, model }: TimelineProps) {
   const { page } = useHost().context();
   const { isOld } = useRunAge(page, watch);
   return (
@@ -74,7 +74,7 @@ function liveTitle(isLive: boolean, isOld: boolean): string {
   return isOld ? "The page shows the last that was heard" : "The page shows what is now";
 }
 
-function Bar({ tab, watch, model }: OfRunProps) {
+function Bar({ tab, watch, model }: TimelineProps) {
   const isLive = useSignal(watch.playhead) === null;
   const isOver = useSignal(watch.now)?.link === "over";
   const { page } = useHost().context();
@@ -140,7 +140,7 @@ function useSelectedStates(tab: OpenTab): readonly string[] {
   return selectedStates(tab.view);
 }
 
-function Now({ tab, watch }: Pick<OfRunProps, "tab" | "watch">) {
+function Now({ tab, watch }: Pick<TimelineProps, "tab" | "watch">) {
   const { when, what } = useMoment(tab, watch);
   return (
     <span className="timeline-now" title={what}>
@@ -150,7 +150,7 @@ function Now({ tab, watch }: Pick<OfRunProps, "tab" | "watch">) {
   );
 }
 
-function SearchField({ tab, model }: Pick<OfRunProps, "tab" | "model">) {
+function SearchField({ tab, model }: Pick<TimelineProps, "tab" | "model">) {
   const query = useSignal(model.query);
   const found = useSignal(model.found);
   const hit = useSignal(model.hit);
@@ -199,7 +199,7 @@ function inWords(count: number): string {
   return count.toLocaleString("en");
 }
 
-function Chart({ tab, watch, model }: OfRunProps) {
+function Chart({ tab, watch, model }: TimelineProps) {
   const ruler = useRef<HTMLCanvasElement>(null);
   const rows = useRef<HTMLCanvasElement>(null);
   const scroller = useRef<HTMLDivElement>(null);
@@ -249,7 +249,7 @@ function Chart({ tab, watch, model }: OfRunProps) {
   );
 }
 
-function Labels({ tab, watch, model }: OfRunProps) {
+function Labels({ tab, watch, model }: TimelineProps) {
   const host = useHost();
   useSignal(model.folded);
   useSignal(model.isOnlyInSight);

@@ -1,14 +1,14 @@
 /** Which states the tree shows: all, or those that fit a filter with the states around them. */
 
 import type { Machine } from "../../model/machine.ts";
-import { match, queryOf, type Span } from "../../model/match.ts";
+import { match, queryOf, type TextSpan } from "../../model/match.ts";
 import { idOf, parentOf } from "../../model/path.ts";
 
 export interface Filtered {
   /** The states that show; null for all. */
   readonly shown: ReadonlySet<string> | null;
   /** What fits in the names of those that fit themselves. */
-  readonly spans: ReadonlyMap<string, readonly Span[]>;
+  readonly spans: ReadonlyMap<string, readonly TextSpan[]>;
 }
 
 const ALL: Filtered = { shown: null, spans: new Map() };
@@ -18,7 +18,7 @@ export function filtered(machine: Machine, text: string): Filtered {
   const query = queryOf(text);
   if (query.words.length === 0) return ALL;
   const shown = new Set<string>();
-  const spans = new Map<string, readonly Span[]>();
+  const spans = new Map<string, readonly TextSpan[]>();
   const pending = [machine.root];
   for (let path = pending.pop(); path !== undefined; path = pending.pop()) {
     const state = machine.state(path);

@@ -5,7 +5,7 @@ import { type ReactNode, useCallback, useEffect, useMemo, useState } from "react
 import { type ElementKey, elementOf } from "../../model/element.ts";
 import type { Point } from "../../model/geometry.ts";
 import { type Machine, startOf } from "../../model/machine.ts";
-import type { Span } from "../../model/match.ts";
+import type { TextSpan } from "../../model/match.ts";
 import { inOrder } from "../../model/order.ts";
 import { idOf, lineage, parentOf } from "../../model/path.ts";
 import { KIND_WORDS } from "../../plan/legal.ts";
@@ -173,13 +173,13 @@ function inWords(machine: Machine, path: string): string {
   return `${state.name}, ${KIND_WORDS[state.kind]}${start}`;
 }
 
-interface RowProps {
+interface StateRowProps {
   readonly machine: Machine;
   readonly path: string;
-  readonly spans: readonly Span[];
+  readonly spans: readonly TextSpan[];
 }
 
-function Row({ machine, path, spans }: RowProps): ReactNode {
+function Row({ machine, path, spans }: StateRowProps): ReactNode {
   const state = machine.state(path);
   if (!state) return null;
   const Icon = KIND_ICONS[state.kind];

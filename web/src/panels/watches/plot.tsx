@@ -2,7 +2,7 @@
 
 import { useEffect, useRef, useState } from "react";
 import type uPlot from "uplot";
-import type { Point } from "../../store/series.ts";
+import type { SeriesPoint } from "../../store/series.ts";
 import { useSignal } from "../../ui/signals.ts";
 import { duration } from "../parts/duration.ts";
 import "uplot/dist/uPlot.min.css";
@@ -42,7 +42,7 @@ export function Plot({ watched }: { watched: WatchedValue }) {
       plot.current = null;
     };
   }, []);
-  // biome-ignore lint/correctness/useExhaustiveDependencies: the series stays the same object; `changed` and `grown` tell of it
+  // biome-ignore lint/correctness/useExhaustiveDependencies: the series stays the same object; `changed` and `journalVersion` tell of it
   useEffect(() => plot.current?.setData(dataOf(watched)), [watched, changed, journalVersion]);
   // biome-ignore lint/correctness/useExhaustiveDependencies: the line of the moment is read when it is drawn
   useEffect(() => plot.current?.redraw(false), [playhead]);
@@ -124,7 +124,7 @@ function show(plot: uPlot, { watched }: Latest): void {
 }
 
 /** The last point up to the cursor. */
-function pointAt(plot: uPlot, points: readonly Point[]): Point | null {
+function pointAt(plot: uPlot, points: readonly SeriesPoint[]): SeriesPoint | null {
   const left = plot.cursor.left ?? -1;
   if (left < 0) return null;
   const t_ns = plot.posToVal(left, "x") * 1e9;

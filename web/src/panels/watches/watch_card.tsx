@@ -9,7 +9,12 @@ import type { OpenTab } from "../../store/page.ts";
 import type { Watch } from "../../store/run.ts";
 import type { ChangeOfValue } from "../../store/series.ts";
 import { ValueHistory } from "../../store/value_history.ts";
-import { changeWatched, removeWatched, type Watched, WHOLE } from "../../store/watched_values.ts";
+import {
+  changeWatched,
+  removeWatched,
+  type WatchedExpression,
+  WHOLE,
+} from "../../store/watched_values.ts";
 import { IconButton } from "../../ui/button.tsx";
 import { TextField } from "../../ui/field.tsx";
 import { useSignal } from "../../ui/signals.ts";
@@ -23,7 +28,7 @@ import type { WatchedValue } from "./watched_value.ts";
 
 export interface WatchCardProps {
   readonly tab: OpenTab;
-  readonly watched: Watched;
+  readonly watched: WatchedExpression;
   readonly watch: Watch | null;
 }
 
@@ -90,14 +95,14 @@ function Head({ tab, watched }: Omit<WatchCardProps, "watch">) {
   );
 }
 
-interface InRunProps {
+interface WatchInRunProps {
   readonly tab: OpenTab;
-  readonly watched: Watched;
+  readonly watched: WatchedExpression;
   readonly watch: Watch;
   readonly expression: Expression;
 }
 
-function InRun({ tab, watched, watch, expression }: InRunProps) {
+function InRun({ tab, watched, watch, expression }: WatchInRunProps) {
   const { page } = useHost().context();
   const { target } = watched;
   const history = useMemo(
@@ -117,7 +122,7 @@ function InRun({ tab, watched, watch, expression }: InRunProps) {
   );
 }
 
-function Now({ tab, watched, watch, expression }: InRunProps) {
+function Now({ tab, watched, watch, expression }: WatchInRunProps) {
   const { page } = useHost().context();
   const now = useValue(page, tab, watch, watched.target);
   if (now.state === "coming") return <p className="watches-faint">…</p>;

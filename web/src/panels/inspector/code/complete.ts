@@ -32,7 +32,7 @@ export function nameCompletion(names: () => ScriptNames) {
   };
 }
 
-export interface Found {
+export interface FoundCompletions {
   /** What stands of it already. */
   readonly typed: string;
   readonly options: readonly Completion[];
@@ -47,7 +47,11 @@ const RETURN =
 const MEMBER = /\b(self\.logger|self|gvm|global_variable_manager|dialog)\.(\w*)$/;
 
 /** What fits behind the beginning of a line; `after` is the rest of the line. */
-export function completionsAt(before: string, after: string, names: ScriptNames): Found | null {
+export function completionsAt(
+  before: string,
+  after: string,
+  names: ScriptNames,
+): FoundCompletions | null {
   const port = PORT.exec(before);
   if (port) {
     const [, owner, quote = "", typed = ""] = port;
@@ -77,7 +81,7 @@ function texts(
   quote: string,
   typed: string,
   after: string,
-): Found {
+): FoundCompletions {
   const options = list.map(({ name, detail }) => {
     const closing = after.startsWith(quote) ? "" : quote;
     const apply = quote === "" ? JSON.stringify(name) : name + closing;

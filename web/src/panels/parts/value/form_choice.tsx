@@ -1,9 +1,9 @@
 /** The forms that a value can be shown in, as a row of switches. */
 
 import { useSignal } from "../../../ui/signals.ts";
-import { chooseForm, type Form, forms } from "./kept_choice.ts";
+import { chooseForm, forms, type ValueForm } from "./kept_choice.ts";
 
-const TITLES: Readonly<Record<Form, string>> = {
+const TITLES: Readonly<Record<ValueForm, string>> = {
   list: "List",
   table: "Table",
   image: "Image",
@@ -11,15 +11,15 @@ const TITLES: Readonly<Record<Form, string>> = {
 };
 
 /** The form that was chosen for values of this kind, or the first; null if there is none. */
-export function useForm(kind: string, options: readonly Form[]): Form | null {
+export function useForm(kind: string, options: readonly ValueForm[]): ValueForm | null {
   const chosen = useSignal(forms)[kind];
   return options.find((option) => option === chosen) ?? options[0] ?? null;
 }
 
 export interface FormChoiceProps {
   readonly kind: string;
-  readonly options: readonly Form[];
-  readonly form: Form | null;
+  readonly options: readonly ValueForm[];
+  readonly form: ValueForm | null;
   readonly name: string;
 }
 

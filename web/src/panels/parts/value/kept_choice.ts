@@ -3,18 +3,18 @@
 import { type ReadonlySignal, signal } from "@preact/signals-core";
 
 /** Which form of a value is shown where there are several. */
-export type Form = "list" | "table" | "image" | "plot";
+export type ValueForm = "list" | "table" | "image" | "plot";
 
 const KEY = "rafcon.value.forms";
 
-type Forms = Readonly<Record<string, Form>>;
+type Forms = Readonly<Record<string, ValueForm>>;
 
 const chosen = signal<Forms>(remembered());
 
 export const forms: ReadonlySignal<Forms> = chosen;
 
 /** Shows values of this kind in this form from now on. */
-export function chooseForm(kind: string, form: Form): void {
+export function chooseForm(kind: string, form: ValueForm): void {
   chosen.value = { ...chosen.peek(), [kind]: form };
   try {
     globalThis.localStorage?.setItem(KEY, JSON.stringify(chosen.peek()));

@@ -1,11 +1,11 @@
 /** Numbers in rows: as a table, a plot or an image. There are 256 at most, so all are drawn. */
 
 import { type PointerEvent, useEffect, useRef, useState } from "react";
-import { isColoured, type Numbers, range } from "../../../model/numbers.ts";
+import { isColoured, type NumberArray, range } from "../../../model/numbers.ts";
 import { shortNumber } from "../../../model/short_value.ts";
 
 export interface NumbersProps {
-  readonly numbers: Numbers;
+  readonly numbers: NumberArray;
   readonly name: string;
 }
 
@@ -152,7 +152,7 @@ export function NumbersImage({ numbers, name }: NumbersProps) {
 }
 
 /** Red, green, blue and opacity of each point. */
-export function pixelsOf(numbers: Numbers): Uint8ClampedArray {
+export function pixelsOf(numbers: NumberArray): Uint8ClampedArray {
   const { items, shape } = numbers;
   const [height = 1, width = 1, depth = 1] = shape;
   const [least, greatest] = range(items) ?? [0, 1];

@@ -6,7 +6,7 @@ import { portsOf } from "../../../model/machine.ts";
 import { originOf } from "../../../store/origin.ts";
 import type { OpenTab, Page } from "../../../store/page.ts";
 import type { Watch } from "../../../store/run.ts";
-import { pictureOf, standingOf } from "../../../store/standing.ts";
+import { pictureOf, stateStatusOf } from "../../../store/state_status.ts";
 import { valueIn } from "../../../store/value_history.ts";
 import { visitsOf } from "../../../store/visits.ts";
 import type { Target } from "../../../store/watched_values.ts";
@@ -24,7 +24,7 @@ export type ValueNow =
 const COMING: ValueNow = { state: "coming" };
 
 /** What is at hand, and else the event that tells. */
-type Found = ValueNow | { readonly state: "event"; readonly sequence: number };
+type FoundValue = ValueNow | { readonly state: "event"; readonly sequence: number };
 
 export function useValue(page: Page, tab: OpenTab, watch: Watch, target: Target): ValueNow {
   useEffect(() => watch.wantValues(), [watch]);
@@ -41,7 +41,7 @@ function told({ detail, refusal }: Detailed, target: Target): ValueNow {
   return { state: "there", value, sequence: detail.sequence };
 }
 
-function find(tab: OpenTab, watch: Watch, target: Target): Found {
+function find(tab: OpenTab, watch: Watch, target: Target): FoundValue {
   const { kind, path, name } = target;
   if (kind === "global") {
     const picture = pictureOf(watch);
@@ -50,17 +50,17 @@ function find(tab: OpenTab, watch: Watch, target: Target): Found {
     if (!isThere) return { state: "none", why: "no such global variable at this moment" };
     return { state: "there", value: picture.globals[name], sequence: null };
   }
-  const standing = standingOf(watch, path);
+  const status = stateStatusOf(watch, path);
   if (kind === "scoped_variable") {
-    if (!standing.scoped) return { state: "none", why: "its state is not active at this moment" };
+    if (!status.scoped) return { state: "none", why: "its state is not active at this moment" };
     return {
       state: "there",
-      value: standing.scoped[name],
+      value: status.scoped[name],
       sequence: writtenAt(tab, watch, target),
     };
   }
-  const turn = kind === "input" ? standing.entered : standing.left;
-  const values = kind === "input" ? standing.inputs : standing.outputs;
+  const turn = kind === "input" ? status.entered : status.left;
+  const values = kind === "input" ? status.inputs : status.outputs;
   if (!turn) return { state: "none", why: kind === "input" ? "not entered yet" : "not ended yet" };
   if (values === null) return { state: "none", why: "it was not kept" };
   if (values === undefined) return { state: "event", sequence: turn.sequence };

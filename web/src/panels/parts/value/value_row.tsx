@@ -8,7 +8,7 @@ import { pythonOf } from "../../../model/python_of.ts";
 import { type Read, read, typeWords } from "../../../model/wire.ts";
 import { Button, IconButton } from "../../../ui/button.tsx";
 import { FormChoice, useForm } from "./form_choice.tsx";
-import type { Form } from "./kept_choice.ts";
+import type { ValueForm } from "./kept_choice.ts";
 import { LongText } from "./long_text.tsx";
 import { NumbersImage, NumbersPlot, NumbersTable } from "./numbers_view.tsx";
 import { RecordsTable } from "./records_table.tsx";
@@ -150,13 +150,13 @@ function Inside({ found, name = "value", way, tree }: InsideProps) {
   }
 }
 
-interface RowsProps extends InsideProps {
+interface ValueRowsProps extends InsideProps {
   readonly found: Extract<Read, { kind: "list" | "array" }>;
   readonly name: string;
 }
 
 /** A list or array, in the form that was chosen for its kind. */
-function Rows({ found, name, way, tree }: RowsProps) {
+function Rows({ found, name, way, tree }: ValueRowsProps) {
   const numbers = numbersOf(found);
   const records = recordsOf(found);
   const options = formsOf(found, numbers?.shape.length ?? 0, records !== null);
@@ -183,7 +183,11 @@ function Rows({ found, name, way, tree }: RowsProps) {
 }
 
 /** The forms that there are, the usual one first. */
-function formsOf(found: RowsProps["found"], axes: number, isRecords: boolean): readonly Form[] {
+function formsOf(
+  found: ValueRowsProps["found"],
+  axes: number,
+  isRecords: boolean,
+): readonly ValueForm[] {
   if (isRecords) return ["table", "list"];
   if (found.kind === "list") {
     if (axes === 1) return ["list", "plot"];
@@ -207,7 +211,7 @@ function ArrayFacts({ found }: { found: Extract<Read, { kind: "array" }> }) {
   );
 }
 
-interface PartsProps {
+interface ValuePartsProps {
   readonly entries: readonly (readonly [string, unknown])[];
   readonly count: number;
   readonly way: string;
@@ -217,7 +221,7 @@ interface PartsProps {
 /** So many parts are made at a time. */
 const PARTS_STEP = 50;
 
-function Parts({ entries, count, way, tree }: PartsProps) {
+function Parts({ entries, count, way, tree }: ValuePartsProps) {
   const [shown, setShown] = useState(PARTS_STEP);
   const rest = entries.length - shown;
   return (

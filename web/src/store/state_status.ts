@@ -12,13 +12,13 @@ export interface Turn {
   readonly t_ns: number;
 }
 
-export interface End extends Turn {
+export interface VisitEnd extends Turn {
   readonly outcome: Outcome | null;
 }
 
 export type Values = Readonly<Record<string, unknown>>;
 
-export interface Standing {
+export interface StateStatus {
   /** Null while it is not active. */
   readonly active: Active | null;
   /** By what a branch is held before it; null while none is. */
@@ -26,7 +26,7 @@ export interface Standing {
   readonly visits: number;
   /** Its last entry and its last end up to the moment; null if there was none. */
   readonly entered: Turn | null;
-  readonly left: End | null;
+  readonly left: VisitEnd | null;
   /** Values that the moment's picture has; undefined where it has none: then the events tell. */
   readonly inputs: Values | null | undefined;
   readonly outputs: Values | null | undefined;
@@ -38,7 +38,7 @@ export interface Standing {
 }
 
 /** Reads signals: an effect or computed value is told when it may be another. */
-export function standingOf(watch: Watch, path: string): Standing {
+export function stateStatusOf(watch: Watch, path: string): StateStatus {
   watch.journalVersion.value;
   const until = watch.playhead.value;
   const visits = visitsOf(watch);
@@ -75,7 +75,7 @@ function turn(watch: Watch, visits: Visits, path: string, until: number | null):
   return { sequence: watch.journal.sequence(index), t_ns: watch.journal.t_ns(index) };
 }
 
-function end(watch: Watch, visits: Visits, path: string, until: number | null): End | null {
+function end(watch: Watch, visits: Visits, path: string, until: number | null): VisitEnd | null {
   const { journal } = watch;
   const index = visits.lastIndex("left", path, until);
   if (index === null) return null;

@@ -3,7 +3,7 @@ import { expect, test } from "vitest";
 import type { HistoryEntry, Picture } from "../model/generated/protocol.ts";
 import { Journal } from "./journal.ts";
 import type { RunSnapshot, Watch } from "./run.ts";
-import { standingOf } from "./standing.ts";
+import { stateStatusOf } from "./state_status.ts";
 
 const END = { id: 0, name: "success" };
 
@@ -66,24 +66,24 @@ function watchAt(playhead: number | null): Watch {
 }
 
 test("at a moment: how often it ran, how it ended last, and its values from the picture", () => {
-  const found = standingOf(watchAt(4), "R/A");
+  const found = stateStatusOf(watchAt(4), "R/A");
   expect(found.visits).toBe(2);
   expect(found.active?.phase).toBe("running");
   expect(found.entered?.sequence).toBe(4);
   expect(found.left?.outcome?.name).toBe("success");
   expect(found.inputs).toEqual({ n: 7 });
   expect(found.outputs).toEqual({ x: 1 });
-  expect(standingOf(watchAt(4), "R").scoped).toEqual({ n: 7 });
+  expect(stateStatusOf(watchAt(4), "R").scoped).toEqual({ n: 7 });
 });
 
 test("values of another moment are not taken for those of this one", () => {
-  const found = standingOf(watchAt(3), "R/A");
+  const found = stateStatusOf(watchAt(3), "R/A");
   expect(found.entered?.sequence).toBe(2);
   expect([found.inputs, found.outputs]).toEqual([undefined, undefined]);
 });
 
 test("live, an older picture gives no outputs of an end that is newer", () => {
-  const found = standingOf(watchAt(null), "R/A");
+  const found = stateStatusOf(watchAt(null), "R/A");
   expect(found.left?.outcome?.name).toBe("aborted");
   expect(found.outputs).toBeUndefined();
   expect(found.inputs).toEqual({ n: 7 });

@@ -1,10 +1,10 @@
 /** How a run stands: by colour, shape and word. */
 
-import type { RunStand } from "../../model/run_words.ts";
-import "./run_stand.css";
+import type { RunStatusWords } from "../../model/run_words.ts";
+import "./run_status_mark.css";
 
-export function RunStandView({ stand }: { stand: RunStand }) {
-  const { word, tone, detail } = stand;
+export function RunStatusView({ status }: { status: RunStatusWords }) {
+  const { word, tone, detail } = status;
   return (
     <span className={`run-stand run-tone-${tone}`} title={detail}>
       <span className={`run-dot run-dot-${tone}`} aria-hidden />

@@ -14,22 +14,22 @@ const ENDS_MAX = 64;
 const LEFT_OVER = 3;
 
 /** A transition that was taken: of its container, from the outcome of a child; from nothing: the start. */
-export interface Taken {
+export interface TakenTransition {
   readonly container: string;
   readonly from: string | null;
   readonly outcome: number;
 }
 
 /** The path of a child, or an outcome of its container. */
-export type Goal = string | number;
+export type TransitionGoal = string | number;
 
 /** What lies behind on a branch. */
-export interface Past {
+export interface RecentStep {
   /** The state that ended, or null if it is a transition alone. */
   readonly path: string | null;
-  readonly taken: Taken | null;
+  readonly taken: TakenTransition | null;
   /** Where the transition must have led: to this child, or to this outcome of its container. */
-  readonly goal: Goal;
+  readonly goal: TransitionGoal;
   /** The outcome by which the state ended; 0 of a transition alone. */
   readonly outcome: number;
   readonly sequence: number;
@@ -39,28 +39,28 @@ export interface Past {
 
 interface Item {
   readonly path: string | null;
-  readonly taken: Taken | null;
-  readonly goal: Goal;
+  readonly taken: TakenTransition | null;
+  readonly goal: TransitionGoal;
   readonly outcome: number;
   readonly sequence: number;
   /** How many states of the branch had ended by then. */
   readonly at: number;
 }
 
-interface Way {
+interface BranchPath {
   ends: number;
   items: Item[];
 }
 
-interface End {
+interface StateEnd {
   readonly path: string;
   readonly outcome: number;
 }
 
-export class Trail {
+export class RecentPath {
   readonly #isConcurrent: (path: string) => boolean;
-  readonly #ways = new Map<string, Way>();
-  readonly #ends = new Map<string, End[]>();
+  readonly #paths = new Map<string, BranchPath>();
+  readonly #ends = new Map<string, StateEnd[]>();
   readonly #branches = new Map<string, string>();
   #at = 0;
 
@@ -79,14 +79,14 @@ export class Trail {
   }
 
   /** What lies behind, of all branches, the oldest first. */
-  past(): readonly Past[] {
-    return [...this.#ways.values()].flatMap(({ ends, items }) =>
+  past(): readonly RecentStep[] {
+    return [...this.#paths.values()].flatMap(({ ends, items }) =>
       items.map(({ at, ...item }) => ({ ...item, age: ends - at })),
     );
   }
 
   /** Where the container goes on from: its child that ended last, or its start. */
-  from(container: string): Taken {
+  from(container: string): TakenTransition {
     const end = this.#ends.get(container)?.at(-1);
     return { container, from: end?.path ?? null, outcome: end?.outcome ?? 0 };
   }
@@ -110,10 +110,10 @@ export class Trail {
     }
     this.#ends.delete(path);
     if (parent === null || this.#isConcurrent(parent)) return;
-    const way = this.#way(this.branch(path));
+    const branchPath = this.#pathOf(this.branch(path));
     const taken = this.from(parent);
     const sequence = journal.sequence(index);
-    put(way, { path: null, taken, goal: path, outcome: 0, sequence, at: way.ends });
+    put(branchPath, { path: null, taken, goal: path, outcome: 0, sequence, at: branchPath.ends });
   }
 
   #left(journal: Journal, index: number): void {
@@ -124,13 +124,13 @@ export class Trail {
       return;
     }
     const sequence = journal.sequence(index);
-    const way = this.#way(this.branch(path));
+    const branchPath = this.#pathOf(this.branch(path));
     const isConcurrent = this.#isConcurrent(path);
-    if (isConcurrent) this.#join(path, way);
-    way.ends += 1;
+    if (isConcurrent) this.#join(path, branchPath);
+    branchPath.ends += 1;
     const taken = isConcurrent || !this.#ends.has(path) ? null : this.from(path);
     const outcome = journal.outcome(index)?.id ?? 0;
-    put(way, { path, taken, goal: outcome, outcome, sequence, at: way.ends });
+    put(branchPath, { path, taken, goal: outcome, outcome, sequence, at: branchPath.ends });
     if (parent !== null) this.#ended(parent, path, outcome);
   }
 
@@ -142,22 +142,22 @@ export class Trail {
   }
 
   /** The branches of a concurrency state end in the one around it. */
-  #join(path: string, way: Way): void {
-    for (const [branch, { ends, items }] of this.#ways) {
+  #join(path: string, branchPath: BranchPath): void {
+    for (const [branch, { ends, items }] of this.#paths) {
       if (parentOf(branch) !== path) continue;
-      this.#ways.delete(branch);
+      this.#paths.delete(branch);
       const kept = items.filter(({ at }) => ends - at < LEFT_OVER);
-      for (const item of kept) put(way, { ...item, at: way.ends - (ends - item.at) });
+      for (const item of kept) put(branchPath, { ...item, at: branchPath.ends - (ends - item.at) });
     }
   }
 
   /** The state is entered backwards: its end and all after it have not been. */
   #undo(path: string, parent: string | null): void {
-    const way = this.#way(this.branch(path));
-    const at = way.items.findLastIndex((item) => item.path === path);
+    const branchPath = this.#pathOf(this.branch(path));
+    const at = branchPath.items.findLastIndex((item) => item.path === path);
     if (at >= 0) {
-      way.ends = (way.items[at]?.at ?? 1) - 1;
-      way.items.length = at;
+      branchPath.ends = (branchPath.items[at]?.at ?? 1) - 1;
+      branchPath.items.length = at;
     }
     const ends = parent === null ? undefined : this.#ends.get(parent);
     if (ends?.at(-1)?.path === path) ends.pop();
@@ -165,24 +165,24 @@ export class Trail {
 
   /** The state is left backwards: the transition that led to it has not been taken. */
   #untake(path: string, parent: string): void {
-    const { items } = this.#way(this.branch(path));
+    const { items } = this.#pathOf(this.branch(path));
     const at = items.findLastIndex(
       (item) => item.path === null && item.taken?.container === parent,
     );
     if (at >= 0) items.splice(at, 1);
   }
 
-  #way(branch: string): Way {
-    const known = this.#ways.get(branch);
+  #pathOf(branch: string): BranchPath {
+    const known = this.#paths.get(branch);
     if (known) return known;
-    const way = { ends: 0, items: [] };
-    this.#ways.set(branch, way);
-    return way;
+    const path = { ends: 0, items: [] };
+    this.#paths.set(branch, path);
+    return path;
   }
 }
 
-function put(way: Way, item: Item): void {
-  way.items.push(item);
-  const oldest = way.items.findIndex(({ at }) => at > way.ends - STEPS);
-  if (oldest > 0) way.items.splice(0, oldest);
+function put(path: BranchPath, item: Item): void {
+  path.items.push(item);
+  const oldest = path.items.findIndex(({ at }) => at > path.ends - STEPS);
+  if (oldest > 0) path.items.splice(0, oldest);
 }

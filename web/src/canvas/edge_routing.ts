@@ -6,29 +6,29 @@ import { type PortPlace, waypointsOf } from "../model/layout_reader.ts";
 import { dataFlowsOf, transitionsOf } from "../model/machine.ts";
 import { curve } from "./curve.ts";
 import { Grid, same, touches } from "./grid.ts";
-import { Lanes, paceOf } from "./lanes.ts";
 import type { LayoutNode } from "./layout_node.ts";
 import {
-  Ends,
   type HeldRoutes,
   type Joined,
   joined,
-  type Line,
+  LineEnds,
+  type RoutedLine,
+  type RoutedSource,
   reachOf,
-  type Source,
   sourcesOf,
 } from "./lines.ts";
 import { nearFirst, routed } from "./route.ts";
+import { paceOf, RoutingLanes } from "./routing_lanes.ts";
 
-export class Wiring {
+export class EdgeRouting {
   /** Lines that are found by now, and in the end all in the machine's order. */
-  known: readonly Line[] = [];
+  known: readonly RoutedLine[] = [];
   /** Whether in the end the same ports are joined as before. */
   hasSameEnds = false;
   readonly #work: Iterator<undefined, void>;
 
   constructor(container: LayoutNode, held: HeldRoutes, before: LayoutNode | null) {
-    this.#work = this.#wire(container, held, before && new Past(before, container, held));
+    this.#work = this.#wire(container, held, before && new PreviousLines(before, container, held));
   }
 
   /** Goes on as long as it may; whether all is done. */
@@ -37,40 +37,44 @@ export class Wiring {
     return false;
   }
 
-  *#wire(container: LayoutNode, held: HeldRoutes, past: Past | null): Generator<undefined, void> {
-    const ends = new Ends(container);
+  *#wire(
+    container: LayoutNode,
+    held: HeldRoutes,
+    previous: PreviousLines | null,
+  ): Generator<undefined, void> {
+    const ends = new LineEnds(container);
     const reach = reachOf(container);
-    const all: (Line | null)[] = [];
+    const all: (RoutedLine | null)[] = [];
     const open: Open[] = [];
-    let isSame = past !== null;
-    for (const source of past?.sources ?? sourcesOf(container.state)) {
-      const before = past?.line(source);
-      if (before && past?.stays(before)) {
+    let isSame = previous !== null;
+    for (const source of previous?.sources ?? sourcesOf(container.state)) {
+      const before = previous?.line(source);
+      if (before && previous?.stays(before)) {
         all.push(before);
         continue;
       }
       const found = joined(container, ends, source, held);
       isSame &&= before?.from === found?.from && before?.to === found?.to;
       if (!found) continue;
-      const way = wayOf(found, before, past, reach);
+      const way = wayOf(found, before, previous, reach);
       if (!way) open.push({ ...found, index: all.length });
       all.push(way);
       yield;
     }
-    this.hasSameEnds = isSame && past?.lines.length === all.length;
+    this.hasSameEnds = isSame && previous?.lines.length === all.length;
     yield* this.#route(all, open, container);
   }
 
   /** Finds ways for the open ones. */
   *#route(
-    all: (Line | null)[],
+    all: (RoutedLine | null)[],
     open: readonly Open[],
     { childGrid, size }: LayoutNode,
   ): Generator<undefined, void> {
     if (open.length > 0) {
       const ready = all.filter((line) => line !== null);
       this.known = ready;
-      const lanes = new Lanes(childGrid.boxes, size, childGrid);
+      const lanes = new RoutingLanes(childGrid.boxes, size, childGrid);
       for (const { kind, points, to } of ready) if (kind === "transition") lanes.take(points, to);
       for (const { index, ...found } of nearFirst(open)) {
         const line = { ...found, ...routed(found, lanes) };
@@ -79,7 +83,7 @@ export class Wiring {
         yield;
       }
     }
-    this.known = all as readonly Line[];
+    this.known = all as readonly RoutedLine[];
   }
 }
 
@@ -91,11 +95,11 @@ interface Open extends Joined {
 /** With its way, if that is known or quickly found. */
 function wayOf(
   found: Joined,
-  before: Line | undefined,
-  past: Past | null,
+  before: RoutedLine | undefined,
+  previous: PreviousLines | null,
   reach: number,
-): Line | null {
-  if (before && past?.keepsWay(before, found)) return { ...before, ...found };
+): RoutedLine | null {
+  if (before && previous?.keepsWay(before, found)) return { ...before, ...found };
   if (found.kind === "transition") return null;
   return { ...found, ...curve(found.start, found.goal, found.by, reach) };
 }
@@ -105,10 +109,10 @@ const LED_AROUND = 2.3;
 const NEAR = 0.5;
 
 /** The lines that were there before, and what is no longer as it was. */
-class Past {
-  readonly lines: readonly Line[];
+class PreviousLines {
+  readonly lines: readonly RoutedLine[];
   /** What is to be joined, if that is the same as before. */
-  readonly sources: readonly Source[] | null;
+  readonly sources: readonly RoutedSource[] | null;
   readonly #container: LayoutNode;
   readonly #sameLayout: boolean;
   readonly #held: HeldRoutes;
@@ -119,7 +123,7 @@ class Past {
   #grid: Grid | null = null;
   #bounds: Box | null = null;
   #next = 0;
-  #byDocument: ReadonlyMap<object, Line> | null = null;
+  #byDocument: ReadonlyMap<object, RoutedLine> | null = null;
 
   constructor(before: LayoutNode, container: LayoutNode, held: HeldRoutes) {
     this.lines = before.lines;
@@ -157,7 +161,7 @@ class Past {
   }
 
   /** What a connection was before. They are asked for in the machine's order. */
-  line({ document }: Source): Line | undefined {
+  line({ document }: RoutedSource): RoutedLine | undefined {
     const next = this.lines[this.#next];
     if (next?.document === document) {
       this.#next++;
@@ -170,7 +174,7 @@ class Past {
   }
 
   /** Whether nothing about a line is different. */
-  stays(line: Line): boolean {
+  stays(line: RoutedLine): boolean {
     if (this.#moved.has(line.fromPath) || this.#moved.has(line.toPath)) return false;
     if (this.#held.size > 0 && this.#held.has(line.key)) return false;
     const { kind, id, by } = line;
@@ -181,7 +185,7 @@ class Past {
   }
 
   /** Whether a line leads where it led, although its ends may be called otherwise. */
-  keepsWay(line: Line, now: Joined): boolean {
+  keepsWay(line: RoutedLine, now: Joined): boolean {
     const ends = samePoints(
       [line.start.at, line.start.out, line.goal.at, line.goal.out],
       [now.start.at, now.start.out, now.goal.at, now.goal.out],
@@ -190,7 +194,7 @@ class Past {
   }
 
   /** Whether nothing comes or goes beside the way of a transition that looked for it. */
-  #isClear({ kind, by, box, points }: Line): boolean {
+  #isClear({ kind, by, box, points }: RoutedLine): boolean {
     const grid = this.#grid;
     if (!grid || !this.#bounds || kind === "data_flow" || by.length > 0) return true;
     if (!touches(box, this.#bounds)) return true;

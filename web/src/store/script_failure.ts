@@ -7,7 +7,7 @@ import type { Journal } from "./journal.ts";
 /** What happened between a script's error and its state's end is little, even in concurrency. */
 const LOOK_MAX = 5_000;
 
-export interface Failure {
+export interface ScriptFailure {
   readonly traceback: Traceback;
   /** The whole text. */
   readonly text: string;
@@ -22,7 +22,7 @@ export function failureAt(
   path: string,
   entered: number,
   left: number,
-): Failure | null {
+): ScriptFailure | null {
   for (let index = left; index >= Math.max(entered, left - LOOK_MAX); index -= 1) {
     const event = journal.other(index);
     if (event?.type !== "log" || event.level !== "error" || !isWithin(event.path, path)) continue;

@@ -5,7 +5,7 @@ import type { LayoutNode } from "./layout_node.ts";
 /** Less time than this is left to others. */
 const LEAST_MS = 6;
 
-export class Ahead {
+export class IdleRouter {
   #open: LayoutNode[] = [];
   #asked = 0;
 

@@ -31,7 +31,7 @@ const CROSS = 0.8;
 export const SHARED_FOR_UNIT = 0.75;
 const OUTSIDE = 60;
 
-export class Lanes {
+export class RoutingLanes {
   /** How far lines stay away from states and from each other. */
   readonly pace: number;
   readonly #boxes: readonly Box[];

@@ -6,7 +6,7 @@ import { ENTERED, type Journal, LEFT } from "./journal.ts";
 /** So many are found at most. */
 const HITS_MAX = 20_000;
 
-export class Found {
+export class JournalHits {
   /** Indices in the journal. */
   readonly hits: number[] = [];
   readonly #journal: Journal;
