@@ -88,11 +88,11 @@ export class Wire {
   }
 
   /** When a piece that is sent now arrives at the other side. */
-  arrival(way: "up" | "down", bytes: number, begun_ms: number): number {
+  arrival(direction: "up" | "down", bytes: number, begun_ms: number): number {
     const { oneWay_ms, bytesPerSecond, handshakes } = this.#pace;
     const from_ms = Math.max(Date.now(), begun_ms + handshakes * 2 * oneWay_ms);
-    const sent_ms = Math.max(from_ms, this.#free_ms[way]) + (bytes / bytesPerSecond) * 1_000;
-    if (bytesPerSecond !== Number.POSITIVE_INFINITY) this.#free_ms[way] = sent_ms;
+    const sent_ms = Math.max(from_ms, this.#free_ms[direction]) + (bytes / bytesPerSecond) * 1_000;
+    if (bytesPerSecond !== Number.POSITIVE_INFINITY) this.#free_ms[direction] = sent_ms;
     return sent_ms + oneWay_ms;
   }
 
@@ -123,12 +123,12 @@ class Pipe {
   #timer: ReturnType<typeof setTimeout> | undefined;
   over: () => void = () => {};
 
-  constructor(wire: Wire, way: "up" | "down", from: Socket, to: Socket) {
+  constructor(wire: Wire, direction: "up" | "down", from: Socket, to: Socket) {
     [this.#wire, this.#from, this.#to] = [wire, from, to];
     const begun_ms = Date.now();
     let last_ms = 0;
     const put = (data: Buffer | null) => {
-      last_ms = Math.max(last_ms, wire.arrival(way, data?.length ?? 0, begun_ms));
+      last_ms = Math.max(last_ms, wire.arrival(direction, data?.length ?? 0, begun_ms));
       this.#queue.push({ at_ms: last_ms, data });
       if (this.#waiting > WINDOW) from.pause();
       this.pump();

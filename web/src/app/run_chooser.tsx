@@ -7,8 +7,8 @@ import type { RunSummary } from "../model/generated/protocol.ts";
 import {
   type RunStatusWords,
   runStatusWords,
-  standInWords,
   startedInWords,
+  statusInWords,
   summaryStatusWords,
 } from "../model/run_words.ts";
 import { duration, growing } from "../panels/parts/duration.ts";
@@ -61,7 +61,7 @@ export function RunChooser({ tab }: { tab: OpenTab }) {
 function Announced({ watch }: { watch: Watch }) {
   const text = useDerived(() => {
     const now = watch.now.value;
-    return now ? `Run ${standInWords(runStatusWords(now))}` : "";
+    return now ? `Run ${statusInWords(runStatusWords(now))}` : "";
   }, [watch]);
   return (
     <span className="visually-hidden" role="status">
@@ -103,7 +103,7 @@ function useRuns(tab: OpenTab): () => readonly CommandMenuEntry[] {
   const more = useEntries(["run.show-as-ran", "run.leave", "run.follow"]);
   const entry = (run: RunSummary): CommandMenuEntry => ({
     id: run.id,
-    title: `${startedInWords(run.started_ms, Date.now())}  ${standInWords(summaryStatusWords(run))}`,
+    title: `${startedInWords(run.started_ms, Date.now())}  ${statusInWords(summaryStatusWords(run))}`,
     detail: run.author === null ? run.id : `${run.id}, started by ${run.author}`,
     checked: tab.run.value?.id === run.id,
     run: () => void commands.run("run.show", context(), run.id),

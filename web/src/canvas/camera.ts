@@ -60,6 +60,10 @@ export function flight(from: Camera, to: Camera, part: number): Camera {
   if (part >= 1) return to;
   const scale = from.scale * (to.scale / from.scale) ** part;
   const even = Math.abs(to.scale / from.scale - 1) < 1e-6;
-  const way = even ? part : (1 / from.scale - 1 / scale) / (1 / from.scale - 1 / to.scale);
-  return { x: from.x + (to.x - from.x) * way, y: from.y + (to.y - from.y) * way, scale };
+  const travelled = even ? part : (1 / from.scale - 1 / scale) / (1 / from.scale - 1 / to.scale);
+  return {
+    x: from.x + (to.x - from.x) * travelled,
+    y: from.y + (to.y - from.y) * travelled,
+    scale,
+  };
 }

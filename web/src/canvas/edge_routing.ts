@@ -56,9 +56,9 @@ export class EdgeRouting {
       const found = joined(container, ends, source, held);
       isSame &&= before?.from === found?.from && before?.to === found?.to;
       if (!found) continue;
-      const way = wayOf(found, before, previous, reach);
-      if (!way) open.push({ ...found, index: all.length });
-      all.push(way);
+      const line = wayOf(found, before, previous, reach);
+      if (!line) open.push({ ...found, index: all.length });
+      all.push(line);
       yield;
     }
     this.hasSameEnds = isSame && previous?.lines.length === all.length;

@@ -20,10 +20,10 @@ interface ClipboardText {
   readonly parts?: readonly InterfacePart[];
 }
 
-export function textOf({ selection, ways, parts }: Clip): string {
+export function textOf({ selection, ways: waypoints, parts }: Clip): string {
   const written: ClipboardText = {
     rafcon: selection,
-    ...(ways ? { ways } : {}),
+    ...(waypoints ? { ways: waypoints } : {}),
     ...(parts.length > 0 ? { parts } : {}),
   };
   return JSON.stringify(written);
@@ -33,10 +33,10 @@ export function textOf({ selection, ways, parts }: Clip): string {
 export function clipIn(text: string): Clip | null {
   if (!text.trimStart().startsWith("{")) return null;
   try {
-    const { rafcon, ways, parts } = JSON.parse(text) as ClipboardText;
+    const { rafcon, ways: waypoints, parts } = JSON.parse(text) as ClipboardText;
     const selection = typeof rafcon?.container === "string" ? (rafcon as Selection) : null;
     const known = Array.isArray(parts) ? parts.filter(isPart) : [];
-    return selection || known.length > 0 ? { selection, ways, parts: known } : null;
+    return selection || known.length > 0 ? { selection, ways: waypoints, parts: known } : null;
   } catch {
     return null;
   }

@@ -1,7 +1,7 @@
 /** Which run is shown, at which moment, beside which other; and what becomes of runs that are over. */
 
 import type { RunSummary } from "../model/generated/protocol.ts";
-import { standInWords, startedInWords, summaryStatusWords } from "../model/run_words.ts";
+import { startedInWords, statusInWords, summaryStatusWords } from "../model/run_words.ts";
 import { comparedRun } from "../store/compared_run.ts";
 import { isFollowed } from "../store/following.ts";
 import { entryToStartFrom } from "../store/moments.ts";
@@ -146,7 +146,7 @@ function choicesOf(
   tab?: OpenTab,
 ): readonly CommandChoice[] {
   return runs.map((run) => ({
-    title: `${startedInWords(run.started_ms, Date.now())}, ${standInWords(summaryStatusWords(run))}`,
+    title: `${startedInWords(run.started_ms, Date.now())}, ${statusInWords(summaryStatusWords(run))}`,
     detail: run.id,
     argument: run.id,
     ...(tab ? { checked: runOf(page)?.id === run.id } : {}),

@@ -67,16 +67,18 @@ function stepIn(watch: Watch | null, by: number): void {
   if (watch) stepPlayhead(watch, by);
 }
 
-function refusedEntry({ page, tab }: CommandContext, way: "before" | "after"): string | null {
+function refusedEntry({ page, tab }: CommandContext, direction: "before" | "after"): string | null {
   const watch = runOf(page);
   if (!watch) return NO_RUN;
   const [path] = tab ? selectedStates(tab.view) : [];
   if (path === undefined) return "no state is selected: select the one whose entries are wanted";
-  return entryOf(watch, path, way) === null ? `it was not entered ${way} this moment` : null;
+  return entryOf(watch, path, direction) === null
+    ? `it was not entered ${direction} this moment`
+    : null;
 }
 
-function goToEntry({ page, tab }: CommandContext, way: "before" | "after"): void {
+function goToEntry({ page, tab }: CommandContext, direction: "before" | "after"): void {
   const watch = runOf(page);
   const [path] = tab ? selectedStates(tab.view) : [];
-  if (watch && path !== undefined) toEntry(watch, path, way);
+  if (watch && path !== undefined) toEntry(watch, path, direction);
 }

@@ -81,8 +81,8 @@ test("a container tells where its connections can begin and end", () => {
   expect(connectionsIn(MACHINE, "R/A", "transition")).toEqual([]);
 });
 
-function reached(port: DataPort, way: "forwards" | "backwards"): readonly string[] {
-  return chain(MACHINE, port, way).map(
+function reached(port: DataPort, direction: "forwards" | "backwards"): readonly string[] {
+  return chain(MACHINE, port, direction).map(
     ({ port: { path, kind, id }, steps }) =>
       `${steps} ${MACHINE.state(path)?.name}.${nameOf(MACHINE, { kind, path, id })}`,
   );
@@ -115,8 +115,8 @@ test("values are followed into libraries and out of them", () => {
     state: (path: string) => (path === "R/L/M" ? root : plain.state(path)),
     children: (path: string) => (path === "R/L" ? ["R/L/M"] : plain.children(path)),
   };
-  const paths = (port: DataPort, way: "forwards" | "backwards") =>
-    chain(machine, port, way).map(({ port: { path }, steps }) => `${steps} ${path}`);
+  const paths = (port: DataPort, direction: "forwards" | "backwards") =>
+    chain(machine, port, direction).map(({ port: { path }, steps }) => `${steps} ${path}`);
   expect(paths({ kind: "input", path: "R", id: 0 }, "forwards")).toEqual(["1 R/L", "1 R/L/M"]);
   expect(paths({ kind: "output", path: "R/L/M", id: 1 }, "forwards")).toEqual(["0 R/L", "1 R"]);
   expect(paths({ kind: "input", path: "R/L/M", id: 0 }, "backwards")).toEqual(["0 R/L", "1 R"]);

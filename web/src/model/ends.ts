@@ -210,12 +210,12 @@ export interface Hop {
 export function chain(
   machine: Machine,
   port: DataPort,
-  way: "forwards" | "backwards",
+  direction: "forwards" | "backwards",
 ): readonly Hop[] {
   const seen = new Set([keyOf(port)]);
   const found: Hop[] = [];
   const walk = (from: DataPort, steps: number) => {
-    for (const { port: next, flow } of neighbours(machine, from, way)) {
+    for (const { port: next, flow } of neighbours(machine, from, direction)) {
       if (seen.has(keyOf(next))) continue;
       seen.add(keyOf(next));
       const hop = { port: next, steps: steps + (flow ? 1 : 0), flow };
@@ -230,25 +230,25 @@ export function chain(
 function neighbours(
   machine: Machine,
   port: DataPort,
-  way: "forwards" | "backwards",
+  direction: "forwards" | "backwards",
 ): readonly Pick<Hop, "port" | "flow">[] {
   const [near, far]: readonly [keyof ConnectionEnds, keyof ConnectionEnds] =
-    way === "forwards" ? ["from", "to"] : ["to", "from"];
+    direction === "forwards" ? ["from", "to"] : ["to", "from"];
   const key = keyOf(port);
   const flows = connectionsOf(machine, port.path, "data_flow").flatMap(({ element, ends }) => {
     const other = ends[far];
     return keyOf(ends[near]) === key && isPort(other) ? [{ port: other, flow: element }] : [];
   });
-  return [...flows, ...acrossLibrary(machine, port, way)];
+  return [...flows, ...acrossLibrary(machine, port, direction)];
 }
 
 /** A library state and the root of its content have the same ports. */
 function acrossLibrary(
   machine: Machine,
   { kind, path, id }: DataPort,
-  way: "forwards" | "backwards",
+  direction: "forwards" | "backwards",
 ): readonly Pick<Hop, "port" | "flow">[] {
-  const inwards = (kind === "input") === (way === "forwards");
+  const inwards = (kind === "input") === (direction === "forwards");
   if (kind === "scoped_variable") return [];
   const around = parentOf(path);
   const other = inwards ? machine.children(path)[0] : around;

@@ -1,6 +1,6 @@
 import { expect, test } from "vitest";
 import type { ActiveState, RunNow, RunStatus, RunSummary } from "./generated/protocol.ts";
-import { holdInWords, runStatusWords, standInWords, summaryStatusWords } from "./run_words.ts";
+import { holdInWords, runStatusWords, statusInWords, summaryStatusWords } from "./run_words.ts";
 
 const SUMMARY = {
   id: "drill-1",
@@ -42,7 +42,7 @@ function live(
 }
 
 function inShort(now: RunNow): string {
-  return standInWords(runStatusWords(now));
+  return statusInWords(runStatusWords(now));
 }
 
 test("a run that is over says by which outcome, and one that failed looks so", () => {
@@ -77,7 +77,7 @@ test("a run whose only branch has asked waits for an answer, also while its scri
   expect(inShort(live("running", [{ path: "R" }, asks], ["R/A"]))).toBe("waiting for an answer");
   expect(inShort(live("running", [{ path: "R" }, asks, { path: "R/B" }], ["R/A"]))).toBe("running");
   const line = (waits: RunSummary["waits"]) =>
-    standInWords(summaryStatusWords({ ...SUMMARY, phase: "live", waits }));
+    statusInWords(summaryStatusWords({ ...SUMMARY, phase: "live", waits }));
   expect([line(null), line("answer"), line("decision"), line("paused"), line("other")]).toEqual([
     "running",
     "waiting for an answer",

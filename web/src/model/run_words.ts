@@ -31,7 +31,7 @@ export function summaryStatusWords(run: RunSummary): RunStatusWords {
     case "starting":
       return { word: "starting", tone: "plain", detail: "" };
     case "live":
-      return waitingStand(run);
+      return waitingStatusWords(run);
     case "finished":
       return { word: "finished", tone: outcomeTone(run.outcome.id), detail: run.outcome.name };
     case "crashed":
@@ -44,7 +44,7 @@ export function summaryStatusWords(run: RunSummary): RunStatusWords {
 }
 
 /** Of a run that goes on: for what it waits, if it does. */
-function waitingStand({ waits }: RunSummary): RunStatusWords {
+function waitingStatusWords({ waits }: RunSummary): RunStatusWords {
   switch (waits) {
     case "answer":
       return waitingFor(AN_ANSWER);
@@ -81,7 +81,7 @@ export function runStatusWords(now: RunNow): RunStatusWords {
   if (isUndecided && snapshot.status !== "stopping") return UNDECIDED;
   switch (snapshot.status) {
     case "running":
-      return runningStand(snapshot);
+      return runningStatusWords(snapshot);
     case "paused":
       return { word: "paused", tone: "held", detail: snapshot.journal_problem ?? held };
     case "stepping":
@@ -94,7 +94,7 @@ export function runStatusWords(now: RunNow): RunStatusWords {
 }
 
 /** It waits if none of its branches is at work; a script that asks waits for people, whatever else it does. */
-function runningStand({ active, questions }: Snapshot): RunStatusWords {
+function runningStatusWords({ active, questions }: Snapshot): RunStatusWords {
   const asks = new Set(questions.map(({ path }) => path));
   const atWork = leaves(active).filter(
     ({ phase, path }) => phase === "preempted" || (phase === "running" && !asks.has(path)),
@@ -139,7 +139,7 @@ export function holdInWords(by: HeldBy): string {
 }
 
 /** `finished: success`. */
-export function standInWords({ word, detail }: RunStatusWords): string {
+export function statusInWords({ word, detail }: RunStatusWords): string {
   if (detail === "") return word;
   return word === "waiting" ? `${word} ${detail}` : `${word}: ${detail}`;
 }

@@ -17,7 +17,7 @@ export interface Level {
   /** Places of the ports of each child, as parts of its size, by their names in the file. */
   readonly ports: ReadonlyMap<string, ReadonlyMap<string, Point>>;
   /** Waypoints by the ids of the transitions; those without any are straight. */
-  readonly ways: ReadonlyMap<number, readonly Point[]>;
+  readonly routes: ReadonlyMap<number, readonly Point[]>;
 }
 
 /** What elk does: a graph without places in, the same with places out. */
@@ -207,10 +207,10 @@ function readLevel(state: StateDocument, answer: ElkNode): Level {
     boxes.set(id, { x: x + by.x, y: y + by.y, width: w, height: h });
     ports.set(id, parts(found ?? [], { width: w, height: h }));
   }
-  const ways = new Map(transitionsOf(state).map(({ id }) => [id, way(answer, id, by)]));
+  const routes = new Map(transitionsOf(state).map(({ id }) => [id, routePoints(answer, id, by)]));
   const inset = by.y * 0.2;
   const nameBox = { x: inset, y: inset, width: size.width - 2 * inset, height: by.y };
-  return { size, nameBox, boxes, ports, ways };
+  return { size, nameBox, boxes, ports, routes };
 }
 
 function parts(ports: readonly ElkPort[], size: Size): ReadonlyMap<string, Point> {
@@ -222,7 +222,7 @@ function parts(ports: readonly ElkPort[], size: Size): ReadonlyMap<string, Point
   );
 }
 
-function way(answer: ElkNode, id: number, by: Point): readonly Point[] {
+function routePoints(answer: ElkNode, id: number, by: Point): readonly Point[] {
   const found = answer.edges?.find((each) => each.id === `${id}`);
   const points = found?.sections?.flatMap(({ bendPoints }) => bendPoints ?? []) ?? [];
   return points.map(({ x, y }) => ({ x: x + by.x, y: y + by.y }));

@@ -57,7 +57,7 @@ class Arranging {
     const change: LayoutChange = {
       nameBox: { ...into(level.nameBox), ...scaled(level.nameBox, into) },
       ports,
-      waypoints: this.#ways(state, level, into),
+      waypoints: this.#waypoints(state, level, into),
     };
     const base = scaledLayout(state, box, factorOf(boxIn(this.#machine, path), box));
     const edits: Edit[] = [{ edit: "set_layout", path, layout: changed(base, change) }];
@@ -84,14 +84,18 @@ class Arranging {
     return [{ edit: "set_layout", path, layout }, ...rest];
   }
 
-  #ways(state: StateDocument, level: Level, into: Into): ReadonlyMap<string, readonly Point[]> {
+  #waypoints(
+    state: StateDocument,
+    level: Level,
+    into: Into,
+  ): ReadonlyMap<string, readonly Point[]> {
     const before = readLayout(state).waypoints;
-    const ways = new Map<string, readonly Point[]>([...before.keys()].map((key) => [key, []]));
-    for (const [id, points] of level.ways) {
+    const waypoints = new Map<string, readonly Point[]>([...before.keys()].map((key) => [key, []]));
+    for (const [id, points] of level.routes) {
       const key = `transition${id}`;
-      if (points.length > 0 || before.has(key)) ways.set(key, points.map(into));
+      if (points.length > 0 || before.has(key)) waypoints.set(key, points.map(into));
     }
-    return ways;
+    return waypoints;
   }
 }
 

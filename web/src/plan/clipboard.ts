@@ -49,7 +49,11 @@ export function clipOf(machine: Machine, elements: readonly ElementRef[]): Clip 
     elements.filter((element) => !isAlong(element)),
   );
   if (selection && !isRefused(selection)) {
-    return { selection, ways: home === null ? undefined : waysOf(machine, home, selection), parts };
+    return {
+      selection,
+      ways: home === null ? undefined : copiedWaypoints(machine, home, selection),
+      parts,
+    };
   }
   if (parts.length > 0) return { selection: null, parts };
   return selection ?? refused(NOTHING);
@@ -59,7 +63,7 @@ const NOTHING =
   "Select states inside the machine, ports or own outcomes to copy them: an income, aborted and preempted are everywhere.";
 
 /** Where the connections between what was copied bend. */
-function waysOf(
+function copiedWaypoints(
   machine: Machine,
   container: string,
   selection: Selection,
@@ -68,12 +72,12 @@ function waysOf(
   if (!state) return undefined;
   const points = (kind: "transition" | "data_flow") => (line: { readonly id: number }) =>
     waypointsOf(state, kind, line.id);
-  const ways = {
+  const waypoints = {
     transitions: (selection.transitions ?? []).map(points("transition")),
     data_flows: (selection.data_flows ?? []).map(points("data_flow")),
   };
-  return [...ways.transitions, ...ways.data_flows].some(({ length }) => length > 0)
-    ? ways
+  return [...waypoints.transitions, ...waypoints.data_flows].some(({ length }) => length > 0)
+    ? waypoints
     : undefined;
 }
 
@@ -91,7 +95,7 @@ export function partsIn({ selection, parts }: Clip): readonly InterfacePart[] {
 
 /** Pastes all that was copied; a state that holds no states gets the ports and outcomes only. */
 export function pasteClip(machine: Machine, clip: Clip, { container, owner }: PasteGoal): Planned {
-  const { selection, parts, ways } = clip;
+  const { selection, parts, ways: waypoints } = clip;
   const state = owner === null ? undefined : machine.state(owner);
   const takesParts = parts.length > 0 && state && !isContainer(state) && state.kind !== "library";
   if (owner !== null && (selection === null || takesParts)) {
@@ -100,7 +104,7 @@ export function pasteClip(machine: Machine, clip: Clip, { container, owner }: Pa
   if (container === null || selection === null) {
     return refused("Select the state into which it is to be pasted.");
   }
-  const states = paste(machine, container.path, selection, container.at, ways);
+  const states = paste(machine, container.path, selection, container.at, waypoints);
   if (isRefused(states) || parts.length === 0) return states;
   const more = pasteParts(machine, container.path, parts);
   if (isRefused(more)) return more;
@@ -188,9 +192,9 @@ export function paste(
   container: string,
   selection: Selection,
   at?: Point,
-  ways?: CopiedWaypoints,
+  waypoints?: CopiedWaypoints,
 ): Planned {
-  return pasted(machine, container, { selection, ways }, { middle: at }, "Paste");
+  return pasted(machine, container, { selection, ways: waypoints }, { middle: at }, "Paste");
 }
 
 interface Copied {
@@ -207,7 +211,7 @@ interface PastePlace {
 function pasted(
   machine: Machine,
   container: string,
-  { selection, ways }: Copied,
+  { selection, ways: waypoints }: Copied,
   pastePlace: PastePlace,
   verb: string,
 ): Planned {
@@ -229,7 +233,7 @@ function pasted(
       ...pins(machine, container, new Set()),
       { edit: "paste", path: container, selection: { ...selection, states }, ids: [...ids] },
       ...firstStart(machine, container, target, ids[0]),
-      ...(placement && ways ? bends(container, target, ways, placement) : []),
+      ...(placement && waypoints ? bends(container, target, waypoints, placement) : []),
     ]),
     select: ids.map((id) => ({ kind: "state", path: childPath(container, id) })),
   };
@@ -301,20 +305,20 @@ function into(
 function bends(
   path: string,
   target: StateDocument,
-  ways: CopiedWaypoints,
+  waypoints: CopiedWaypoints,
   placement: Placement,
 ): Edit[] {
   const lists = [
-    ["transition", target.kind === "hierarchy" ? ways.transitions : [], transitionsOf(target)],
-    ["data_flow", ways.data_flows, dataFlowsOf(target)],
+    ["transition", target.kind === "hierarchy" ? waypoints.transitions : [], transitionsOf(target)],
+    ["data_flow", waypoints.data_flows, dataFlowsOf(target)],
   ] as const;
   return lists.flatMap(([kind, lines, taken]) => {
     const next = taken.reduce((last, { id }) => Math.max(last, id), 0) + 1;
     return lines.flatMap((points, index) => {
       const element =
         kind === "transition" ? { transition: next + index } : { data_flow: next + index };
-      const way = points.map((point) => moved(point, placement));
-      return way.length > 0 ? [waypointsEdit(path, element, way)] : [];
+      const waypoints = points.map((point) => moved(point, placement));
+      return waypoints.length > 0 ? [waypointsEdit(path, element, waypoints)] : [];
     });
   });
 }
@@ -348,7 +352,7 @@ export function duplicate(machine: Machine, paths: readonly string[], by: Point)
   if (isRefused(selection)) return selection;
   const bounds = boundsOf(paths.map((path) => boxIn(machine, path)));
   const corner = bounds ? { x: bounds.x + by.x, y: bounds.y + by.y } : undefined;
-  const ways = waysOf(machine, container, selection);
-  const plan = pasted(machine, container, { selection, ways }, { corner }, "Duplicate");
+  const waypoints = copiedWaypoints(machine, container, selection);
+  const plan = pasted(machine, container, { selection, ways: waypoints }, { corner }, "Duplicate");
   return isRefused(plan) ? plan : { ...plan, name: `Duplicate ${statesInWords(machine, paths)}` };
 }

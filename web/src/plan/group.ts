@@ -47,14 +47,14 @@ export function group(
   const name = newName(machine, path, "Group");
   const place = groupPlace(machine, path, paths);
   const { box, nameBox } = place;
-  const ways = groupedWaypoints(machine, path, container, ids, place);
-  const layout = changed(null, { position: box, size: box, nameBox, waypoints: ways.inner });
+  const waypoints = groupedWaypoints(machine, path, container, ids, place);
+  const layout = changed(null, { position: box, size: box, nameBox, waypoints: waypoints.inner });
   const edits: Edit[] = [
     ...pins(machine, path, new Set(paths)),
     ...grouped(machine, paths, place),
     { edit: "group", path, states: [...ids], scoped_variables: [...scoped], id, name },
     { edit: "set_layout", path: childPath(path, id), layout },
-    ...ways.outer,
+    ...waypoints.outer,
   ];
   return {
     name: `Group ${statesInWords(machine, paths)}`,

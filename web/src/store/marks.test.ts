@@ -46,7 +46,7 @@ function eventOf(word: string): Event {
     : { type: "left", path, undoes, outcome: { id: Number(id), name: "" } };
 }
 
-function trailOf(text: string): RecentPath {
+function recentPathOf(text: string): RecentPath {
   const recentPath = new RecentPath((path) => {
     const state = MACHINE.state(path);
     return state !== undefined && isConcurrent(state);
@@ -81,7 +81,7 @@ const START = transitionOf(MACHINE, { container: "R", from: null, outcome: 0 }) 
 const AB = transitionOf(MACHINE, { container: "R", from: "R/A", outcome: 0 }) ?? "";
 
 test("states that ended and transitions that were taken stay for a while", () => {
-  const found = told(trailOf(">R >R/A <R/A >R/B <R/B"));
+  const found = told(recentPathOf(">R >R/A <R/A >R/B <R/B"));
   expect(found).toBe(
     [START, "R/A", AB, "R/B"]
       .map((what, index) => `${[2, 1, 1, 0][index]} ${what.replace("transition:", "")}`)
@@ -90,36 +90,36 @@ test("states that ended and transitions that were taken stay for a while", () =>
 });
 
 test("a transition is not taken where the run went on elsewhere", () => {
-  const jump = told(trailOf(">R >R/A <R/A >R/C"));
+  const jump = told(recentPathOf(">R >R/A <R/A >R/C"));
   expect(jump).toBe(`1 ${START.replace("transition:", "")}\n0 R/A\n0 `);
-  const stopped = told(trailOf(">R >R/A <R/A <R:-2"));
+  const stopped = told(recentPathOf(">R >R/A <R/A <R:-2"));
   expect(stopped.split("\n").at(-1)).toBe("0 R");
-  const done = told(trailOf(">R >R/C <R/C <R"));
+  const done = told(recentPathOf(">R >R/C <R/C <R"));
   expect(done.split("\n").at(-1)).toBe("0 R R:3");
 });
 
 test("each branch has its own way, and what ended of it stays in the one around", () => {
   const inside = ">R >R/C >R/C/X >R/C/Y >R/C/X/U <R/C/X/U";
-  const recentPath = trailOf(inside);
+  const recentPath = recentPathOf(inside);
   expect(recentPath.branch("R/C/X/U")).toBe("R/C/X");
   expect(told(recentPath)).toContain("0 R/C/X/U");
-  expect(told(trailOf(`${inside} <R/C/X <R/C/Y <R/C`))).toMatch(/1 R\/C\/Y\n0 R\/C$/);
+  expect(told(recentPathOf(`${inside} <R/C/X <R/C/Y <R/C`))).toMatch(/1 R\/C\/Y\n0 R\/C$/);
 });
 
 test("no more than a dozen steps stay", () => {
   const loop = Array.from({ length: 40 }, () => ">R/A <R/A").join(" ");
-  const ages = trailOf(`>R ${loop}`).past();
+  const ages = recentPathOf(`>R ${loop}`).past();
   expect(Math.max(...ages.map(({ age }) => age))).toBe(11);
 });
 
 test("a step back takes the last step away", () => {
-  const recentPath = trailOf(">R >R/A <R/A >R/B <R/B >R/B! <R/B!");
+  const recentPath = recentPathOf(">R >R/A <R/A >R/B <R/B >R/B! <R/B!");
   expect(told(recentPath)).toBe(`1 ${START.replace("transition:", "")}\n0 R/A`);
   expect(transitionOf(MACHINE, recentPath.from("R"), "R/B")).toBe(AB);
 });
 
 test("where a held branch goes next is its transition, if that leads there", () => {
-  const recentPath = trailOf(">R >R/A <R/A");
+  const recentPath = recentPathOf(">R >R/A <R/A");
   expect(transitionOf(MACHINE, recentPath.from("R"), "R/B")).toBe(AB);
   expect(transitionOf(MACHINE, recentPath.from("R"), "R/C")).toBe(null);
 });
@@ -136,25 +136,25 @@ const written = (marks: ReturnType<typeof stateMarks>) =>
     .join("\n");
 
 test("what runs is louder than what ran, and containers tell what runs inside", () => {
-  const recentPath = trailOf(">R >R/A <R/A >R/B");
+  const recentPath = recentPathOf(">R >R/A <R/A >R/B");
   const marks = stateMarks([active("R"), active("R/B")], recentPath, new Set());
   expect(written(marks)).toBe("R running 1\nR/A trail\nR/B running leaf");
   expect(marks.get("R/B")?.since_ms).toBe(2_500);
 });
 
 test("what ended because it was preempted says so", () => {
-  const marks = stateMarks([], trailOf(">R >R/A <R/A:-2"), new Set());
+  const marks = stateMarks([], recentPathOf(">R >R/A <R/A:-2"), new Set());
   expect(marks.get("R/A")).toMatchObject({ phase: "trail", preempted: true });
 });
 
 test("a held branch shows which state comes next", () => {
-  const marks = stateMarks([active("R", "held", "R/B")], trailOf(">R >R/A <R/A"), new Set());
+  const marks = stateMarks([active("R", "held", "R/B")], recentPathOf(">R >R/A <R/A"), new Set());
   expect(written(marks)).toBe("R held leaf\nR/A trail\nR/B next");
 });
 
 test("what waits is told around it, whatever failed there before", () => {
   const all = [active("R"), active("R/C"), active("R/C/X", "waiting"), active("R/C/Y")];
-  const marks = stateMarks(all, trailOf(">R"), new Set(["R/C/X/U", "R/C"]));
+  const marks = stateMarks(all, recentPathOf(">R"), new Set(["R/C/X/U", "R/C"]));
   const around = ["R", "R/C", "R/C/X", "R/C/Y"].map((path) => marks.get(path)?.loudestActive);
   expect(around).toEqual(["waiting", "waiting", "waiting", "running"]);
   expect(marks.get("R")?.loudest).toBe("failed");
@@ -162,7 +162,7 @@ test("what waits is told around it, whatever failed there before", () => {
 
 test("around a branch that waits all waits, unless something beside it is at work", () => {
   const phases = (...all: readonly Active[]) => {
-    const marks = stateMarks(all, trailOf(">R"), new Set());
+    const marks = stateMarks(all, recentPathOf(">R"), new Set());
     return all.map(({ path }) => `${path} ${marks.get(path)?.phase}`);
   };
   const waits = active("R/C/X", "waiting");
@@ -182,7 +182,7 @@ test("around a branch that waits all waits, unless something beside it is at wor
 test("what failed is told around it too, also while it runs again", () => {
   const marks = stateMarks(
     [active("R"), active("R/C"), active("R/C/X"), active("R/C/X/U"), active("R/C/Y")],
-    trailOf(">R"),
+    recentPathOf(">R"),
     new Set(["R/C/X/U"]),
   );
   expect(written(marks)).toBe(

@@ -91,17 +91,17 @@ function following(watch: Watch, session: MachineSession): ReadonlySignal<RunMar
     const state = session.machine.state(path);
     return state !== undefined && isConcurrent(state);
   };
-  const newTrail = () => new RecentPath(isConcurrentAt);
-  let live = newTrail();
+  const newRecentPath = () => new RecentPath(isConcurrentAt);
+  let live = newRecentPath();
   let version = session.machine.version;
   return computed(() => {
     watch.journalVersion.value;
     session.version.value;
-    if (version !== session.machine.version) live = newTrail();
+    if (version !== session.machine.version) live = newRecentPath();
     version = session.machine.version;
     const { journal } = watch;
     const until = shownUntil(watch);
-    const recentPath = until === null ? live : newTrail();
+    const recentPath = until === null ? live : newRecentPath();
     const index = until === null ? journal.length : journal.indexOf(until + 1);
     recentPath.follow(journal, index);
     const failed = failedStates(openFailures(watch).value, until ?? Number.POSITIVE_INFINITY);

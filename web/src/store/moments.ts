@@ -33,12 +33,12 @@ export function toEnd(watch: Watch, end: "first" | "last"): void {
 }
 
 /** The event by which a state was entered before the moment that is shown, or after it; null if it was not. */
-export function entryOf(watch: Watch, path: string, way: "before" | "after"): number | null {
+export function entryOf(watch: Watch, path: string, direction: "before" | "after"): number | null {
   const calls = callsOf(watch.journal);
   const begins = calls.of(path).map((call) => calls.begin(call));
   const now = shownIndex(watch);
   const found =
-    way === "before"
+    direction === "before"
       ? begins.findLast((begin) => begin < now)
       : watch.playhead.value === null
         ? undefined
@@ -47,8 +47,8 @@ export function entryOf(watch: Watch, path: string, way: "before" | "after"): nu
 }
 
 /** Goes to the entry of a state before the moment that is shown, or after it; false if there is none. */
-export function toEntry(watch: Watch, path: string, way: "before" | "after"): boolean {
-  const index = entryOf(watch, path, way);
+export function toEntry(watch: Watch, path: string, direction: "before" | "after"): boolean {
+  const index = entryOf(watch, path, direction);
   if (index !== null) showIndex(watch, index);
   return index !== null;
 }

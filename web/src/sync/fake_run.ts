@@ -109,7 +109,7 @@ export class FakeRun implements Server {
     }
   }
 
-  stand(now: RunNow): void {
+  setStatus(now: RunNow): void {
     for (const following of this.#of("run_status")) {
       this.#frame(following, { frame: "run_status", subscription: 2, status: now });
     }

@@ -86,7 +86,7 @@ export class Following {
     const status = this.#server.follow({
       topic: () => ({ topic: "machine_status", machine: this.#id }),
       frame: (frame) => {
-        if (frame.frame === "machine_status") this.#stands(frame.status);
+        if (frame.frame === "machine_status") this.#receiveStatus(frame.status);
       },
     });
     this.#unfollow = [history, status];
@@ -98,7 +98,7 @@ export class Following {
     else if (frame.frame === "ended") void this.#return(true);
   }
 
-  #stands(status: MachineStatus): void {
+  #receiveStatus(status: MachineStatus): void {
     this.#file = status.summary.file;
     this.#follows.status(status);
   }

@@ -93,7 +93,7 @@ export class OpenMachineSession implements MachineSession {
     this.#following = new Following(summary, ports.server, ports.clock, {
       revision: () => this.revision.peek(),
       revisions: (revisions) => this.#advance(revisions),
-      status: (status) => this.#stands(status),
+      status: (status) => this.#receiveStatus(status),
       whole: (whole) => this.#reset(whole),
       gone: (reason) => this.#tell("error", `it is gone: ${reason}`),
     });
@@ -250,7 +250,7 @@ export class OpenMachineSession implements MachineSession {
     this.#soonProblems();
   }
 
-  #stands(status: MachineStatus): void {
+  #receiveStatus(status: MachineStatus): void {
     this.status.value = status;
     const wasToldOf = this.#toldOfRecovery;
     this.#toldOfRecovery = status.summary.is_recovered;

@@ -63,7 +63,7 @@ export class Socket {
   readonly #followers = new Map<number, Follower>();
   readonly #outgoing: Outgoing;
   /** The one that is up. */
-  #line: SocketConnection | null = null;
+  #connection: SocketConnection | null = null;
   #dialled: SocketConnection | null = null;
   /** It was up, and may speak again. */
   #silent: SocketConnection | null = null;
@@ -88,9 +88,9 @@ export class Socket {
     this.#subscription += 1;
     const subscription = this.#subscription;
     this.#followers.set(subscription, follower);
-    if (this.#line) this.#subscribe(this.#line, subscription, follower);
+    if (this.#connection) this.#subscribe(this.#connection, subscription, follower);
     return () => {
-      if (this.#followers.delete(subscription)) this.#unsubscribe(this.#line, subscription);
+      if (this.#followers.delete(subscription)) this.#unsubscribe(this.#connection, subscription);
     };
   }
 
@@ -101,12 +101,12 @@ export class Socket {
 
   /** Sends it if there is a connection. */
   say(frame: ToServer): void {
-    this.#line?.wire.send(JSON.stringify(frame));
+    this.#connection?.wire.send(JSON.stringify(frame));
   }
 
   /** Dials at once if there is no connection, and none has just been dialled. */
   retry(): void {
-    if (this.#line || this.#isOver) return;
+    if (this.#connection || this.#isOver) return;
     const dialled_ms = this.#dialled?.dialled_ms ?? 0;
     if (this.#ports.clock.now() - dialled_ms < this.#ports.delay.old_ms) return;
     this.#tries = 0;
@@ -116,7 +116,7 @@ export class Socket {
 
   /** Something else came from the server: the network is there. */
   alive(): void {
-    if (this.#line) this.#line.waits_ms = null;
+    if (this.#connection) this.#connection.waits_ms = null;
   }
 
   /** Nobody is let in any more without a login. */
@@ -133,8 +133,8 @@ export class Socket {
 
   #drop(): void {
     this.#hangUp();
-    for (const line of [this.#line, this.#silent]) line?.wire.close();
-    [this.#line, this.#silent] = [null, null];
+    for (const connection of [this.#connection, this.#silent]) connection?.wire.close();
+    [this.#connection, this.#silent] = [null, null];
     this.#outgoing.down();
   }
 
@@ -150,12 +150,12 @@ export class Socket {
     this.#hangUp();
     const now_ms = clock.now();
     const wire = dial({
-      text: (text) => this.#hear(line, JSON.parse(text) as ToClient),
-      closed: (reason) => this.#closed(line, reason),
+      text: (text) => this.#hear(connection, JSON.parse(text) as ToClient),
+      closed: (reason) => this.#closed(connection, reason),
     });
     const times = { dialled_ms: now_ms, heard_ms: now_ms, waits_ms: null };
-    const line: SocketConnection = { wire, ...times, subscribed: new Set(), up: null };
-    this.#dialled = line;
+    const connection: SocketConnection = { wire, ...times, subscribed: new Set(), up: null };
+    this.#dialled = connection;
     this.#cancel = clock.after(delay.dial_ms(this.#unanswered), () => {
       this.#unanswered += 1;
       this.#hangUp();
@@ -163,14 +163,14 @@ export class Socket {
     });
   }
 
-  #closed(line: SocketConnection, reason: string): void {
-    if (line === this.#silent) this.#silent = null;
-    if (line === this.#dialled) {
+  #closed(connection: SocketConnection, reason: string): void {
+    if (connection === this.#silent) this.#silent = null;
+    if (connection === this.#dialled) {
       this.#hangUp();
       this.#unanswered = 0;
       this.#down(reason, this.#ports.clock.now(), () => void this.#again());
-    } else if (line === this.#line) {
-      this.#line = null;
+    } else if (connection === this.#connection) {
+      this.#connection = null;
       this.#lost(reason, this.#ports.clock.now());
     }
   }
@@ -197,7 +197,8 @@ export class Socket {
 
   async #again(): Promise<void> {
     const verdict = this.#tries > 1 ? await this.#verdict() : "welcome";
-    if (this.#line || this.#dialled || this.#isOver || this.link.peek().state !== "down") return;
+    if (this.#connection || this.#dialled || this.#isOver || this.link.peek().state !== "down")
+      return;
     if (verdict === "stranger") this.refuse("the server asks for a login");
     else if (verdict === "welcome") this.#dial();
     else {
@@ -215,11 +216,11 @@ export class Socket {
     return Promise.race([probe(), late]);
   }
 
-  #hear(line: SocketConnection, frame: ToClient): void {
-    if (line === this.#silent) this.#revive(line);
-    if (frame.frame === "welcome" && line === this.#dialled) this.#welcome(line, frame);
-    if (line !== this.#line) return;
-    this.#received(line);
+  #hear(connection: SocketConnection, frame: ToClient): void {
+    if (connection === this.#silent) this.#revive(connection);
+    if (frame.frame === "welcome" && connection === this.#dialled) this.#welcome(connection, frame);
+    if (connection !== this.#connection) return;
+    this.#received(connection);
     switch (frame.frame) {
       case "pong":
         this.#pong(frame.id, frame.now_ms);
@@ -234,20 +235,20 @@ export class Socket {
       case "answer":
         break;
       default:
-        this.#deliver(line, frame);
+        this.#deliver(connection, frame);
     }
   }
 
-  #received(line: SocketConnection): void {
+  #received(connection: SocketConnection): void {
     const now_ms = this.#ports.clock.now();
-    [line.heard_ms, line.waits_ms] = [now_ms, null];
+    [connection.heard_ms, connection.waits_ms] = [now_ms, null];
     const pulse = this.pulse.peek();
     if (pulse && now_ms - pulse.heard_ms >= 1_000) {
       this.pulse.value = { ...pulse, heard_ms: now_ms };
     }
   }
 
-  #welcome(line: SocketConnection, frame: Extract<ToClient, { frame: "welcome" }>): void {
+  #welcome(connection: SocketConnection, frame: Extract<ToClient, { frame: "welcome" }>): void {
     if (frame.protocol !== FRAMES_VERSION) {
       this.refuse("the server is of another version than this page: load the page again");
       return;
@@ -255,50 +256,51 @@ export class Socket {
     const { clock, delay } = this.#ports;
     const now_ms = clock.now();
     this.#cancel();
-    [this.#line, this.#dialled, this.#unanswered] = [line, null, 0];
+    [this.#connection, this.#dialled, this.#unanswered] = [connection, null, 0];
     this.#silent?.wire.close();
     this.#silent = null;
-    delay.dialled(now_ms - line.dialled_ms, frame.now_ms, now_ms);
-    line.up = { state: "up", session: frame.session, connection: frame.connection };
+    delay.dialled(now_ms - connection.dialled_ms, frame.now_ms, now_ms);
+    connection.up = { state: "up", session: frame.session, connection: frame.connection };
     // What was heard over the connection before is as old as that: the followers are asked before this one counts.
-    this.#catchUp(line);
+    this.#catchUp(connection);
     this.#tell(this.pulse.peek()?.delay_ms ?? null, frame.now_ms);
-    this.link.value = line.up;
-    this.#beat(line);
+    this.link.value = connection.up;
+    this.#beat(connection);
   }
 
   /** It only was silent: what was held back comes, and nothing is asked for again. */
-  #revive(line: SocketConnection): void {
+  #revive(connection: SocketConnection): void {
     this.#hangUp();
-    [this.#line, this.#silent, this.#tries, this.#unanswered] = [line, null, 0, 0];
-    this.#catchUp(line);
-    if (line.up) this.link.value = line.up;
-    this.#beat(line);
+    [this.#connection, this.#silent, this.#tries, this.#unanswered] = [connection, null, 0, 0];
+    this.#catchUp(connection);
+    if (connection.up) this.link.value = connection.up;
+    this.#beat(connection);
   }
 
   /** Subscribes to what is followed, and to nothing else. */
-  #catchUp(line: SocketConnection): void {
-    for (const subscription of [...line.subscribed]) {
-      if (!this.#followers.has(subscription)) this.#unsubscribe(line, subscription);
+  #catchUp(connection: SocketConnection): void {
+    for (const subscription of [...connection.subscribed]) {
+      if (!this.#followers.has(subscription)) this.#unsubscribe(connection, subscription);
     }
     for (const [subscription, follower] of this.#followers) {
-      if (!line.subscribed.has(subscription)) this.#subscribe(line, subscription, follower);
+      if (!connection.subscribed.has(subscription))
+        this.#subscribe(connection, subscription, follower);
     }
     this.#outgoing.up();
   }
 
   /** Asks whether the server is there, again and again. */
-  #beat(line: SocketConnection): void {
+  #beat(connection: SocketConnection): void {
     const { clock, delay } = this.#ports;
     const now_ms = clock.now();
-    line.waits_ms ??= now_ms;
+    connection.waits_ms ??= now_ms;
     this.say({ frame: "ping", id: delay.ask(now_ms) });
     this.#cancel();
     this.#cancel = clock.after(PING_MS, () => {
-      const silent_ms = line.waits_ms === null ? 0 : clock.now() - line.waits_ms;
-      if (silent_ms < delay.silent_ms) return this.#beat(line);
-      [this.#line, this.#silent] = [null, line];
-      this.#lost("the server has gone silent", line.heard_ms);
+      const silent_ms = connection.waits_ms === null ? 0 : clock.now() - connection.waits_ms;
+      if (silent_ms < delay.silent_ms) return this.#beat(connection);
+      [this.#connection, this.#silent] = [null, connection];
+      this.#lost("the server has gone silent", connection.heard_ms);
     });
   }
 
@@ -324,18 +326,18 @@ export class Socket {
     wire.send(JSON.stringify({ frame: "subscribe", subscription, topic: follower.topic() }));
   }
 
-  #unsubscribe(line: SocketConnection | null, subscription: number): void {
-    if (line?.subscribed.delete(subscription)) {
-      line.wire.send(JSON.stringify({ frame: "unsubscribe", subscription }));
+  #unsubscribe(connection: SocketConnection | null, subscription: number): void {
+    if (connection?.subscribed.delete(subscription)) {
+      connection.wire.send(JSON.stringify({ frame: "unsubscribe", subscription }));
     }
   }
 
-  #deliver(line: SocketConnection, frame: ToClient & { subscription: number }): void {
+  #deliver(connection: SocketConnection, frame: ToClient & { subscription: number }): void {
     const follower = this.#followers.get(frame.subscription);
     const isLast = frame.frame === "reset" || frame.frame === "ended";
     if (isLast) {
       this.#followers.delete(frame.subscription);
-      line.subscribed.delete(frame.subscription);
+      connection.subscribed.delete(frame.subscription);
     }
     follower?.frame(frame);
   }

@@ -56,7 +56,7 @@ describe("the history of a run", () => {
           else if (deed === "repeat") server.repeat(count, 5);
           else {
             server.end("run_history");
-            server.stand(now("live", server.events.length));
+            server.setStatus(now("live", server.events.length));
           }
         }
         server.tell(Number.POSITIVE_INFINITY);
@@ -88,10 +88,10 @@ describe("the history of a run", () => {
     happen(server, 2);
     server.tell(2);
     server.end("run_history");
-    server.stand(now("finished", 2));
+    server.setStatus(now("finished", 2));
     expect(server.count("run_history")).toBe(0);
     happen(server, 1);
-    server.stand(now("live", 2));
+    server.setStatus(now("live", 2));
     server.tell(9);
     expect(sequences(watch)).toEqual([1, 2, 3]);
   });
@@ -101,7 +101,7 @@ describe("the history of a run", () => {
     happen(server, 2);
     server.tell(1);
     server.end("run_history");
-    server.stand(now("finished", 2));
+    server.setStatus(now("finished", 2));
     server.tell(1);
     expect(sequences(watch)).toEqual([1, 2]);
   });
@@ -132,7 +132,7 @@ describe("the history of a run", () => {
     const { server, clock, watch } = setUp();
     server.end("run_status", { code: "busy", message: "busy" });
     clock.pass(1_000);
-    server.stand(now("live", 0));
+    server.setStatus(now("live", 0));
     expect([watch.now.value?.run.phase, watch.isCurrent.value]).toEqual(["live", true]);
   });
 });
@@ -145,25 +145,25 @@ describe("the truth about a run", () => {
       server.pulse.value = { ...times, server_ms };
     };
     told(5_000);
-    server.stand({ ...now("live", 0), now_ms: 4_000 });
+    server.setStatus({ ...now("live", 0), now_ms: 4_000 });
     expect(watch.proven_ms.value).toBe(5_000);
     told(9_000);
     server.breakUp();
     told(90_000);
     server.breakUp();
     expect(watch.proven_ms.value).toBe(9_000);
-    server.stand({ ...now("live", 0), now_ms: 91_000 });
+    server.setStatus({ ...now("live", 0), now_ms: 91_000 });
     expect(watch.proven_ms.value).toBe(91_000);
   });
 
   it("counts as heard once it came over the connection that there is", () => {
     const { server, watch } = setUp();
     expect(watch.isCurrent.value).toBe(false);
-    server.stand(now("live", 0));
+    server.setStatus(now("live", 0));
     expect(watch.isCurrent.value).toBe(true);
     server.breakUp();
     expect(watch.isCurrent.value).toBe(false);
-    server.stand(now("live", 0));
+    server.setStatus(now("live", 0));
     expect(watch.isCurrent.value).toBe(true);
   });
 });
@@ -350,7 +350,7 @@ describe("a moment", () => {
     await settle();
     clock.pass(10_000);
     expect(server.asked).toHaveLength(1);
-    server.stand(now("live", 4));
+    server.setStatus(now("live", 4));
     clock.pass(1_000);
     expect(server.asked).toHaveLength(2);
     server.first().answer(picture(4));

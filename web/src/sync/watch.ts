@@ -144,7 +144,7 @@ export class RunWatch implements Watch {
         return { topic: "run_status", run: this.id };
       },
       frame: (frame) => {
-        if (frame.frame === "run_status") this.#stands(frame.status);
+        if (frame.frame === "run_status") this.#receiveStatus(frame.status);
         else if (frame.frame === "ended") this.#again(frame.refusal, () => this.#followStatus());
       },
     });
@@ -173,7 +173,7 @@ export class RunWatch implements Watch {
     });
   }
 
-  #stands(now: RunNow): void {
+  #receiveStatus(now: RunNow): void {
     batch(() => {
       this.now.value = now;
       this.proven_ms.value = Math.max(now.now_ms, this.#server_ms() ?? now.now_ms);

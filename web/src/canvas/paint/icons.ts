@@ -101,22 +101,22 @@ export function paintIcon(context: PaintContext, mark: IconMark, colour: string)
   context.strokeStyle = colour;
   context.lineWidth = 1.4;
   context.beginPath();
-  for (const way of sign.fill ?? []) trace(context, way, mark, half * 0.9);
+  for (const outline of sign.fill ?? []) trace(context, outline, mark, half * 0.9);
   context.fill();
   context.beginPath();
   if (sign.ring) context.arc(mark.x, mark.y, half * 0.95, 0, 2 * Math.PI);
-  for (const way of sign.stroke ?? []) trace(context, way, mark, half * 0.9);
+  for (const outline of sign.stroke ?? []) trace(context, outline, mark, half * 0.9);
   context.stroke();
 }
 
 function trace(
   context: PaintContext,
-  way: readonly number[],
+  outline: readonly number[],
   { x, y }: IconMark,
   half: number,
 ): void {
-  for (let at = 0; at + 1 < way.length; at += 2) {
-    const [toX, toY] = [x + (way[at] ?? 0) * half, y + (way[at + 1] ?? 0) * half];
+  for (let at = 0; at + 1 < outline.length; at += 2) {
+    const [toX, toY] = [x + (outline[at] ?? 0) * half, y + (outline[at + 1] ?? 0) * half];
     if (at === 0) context.moveTo(toX, toY);
     else context.lineTo(toX, toY);
   }

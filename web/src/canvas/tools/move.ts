@@ -78,7 +78,7 @@ function copy(start: Moving, pointer: Pointer, context: ToolContext): MoveStep {
   if (target !== null && start.container !== null && target !== start.container) {
     return { cursor: "copy", ...intoContainer(start, target, pointer, context, "copy") };
   }
-  const { by, guides } = way(start, pointer, context);
+  const { by, guides } = dragOf(start, pointer, context);
   const overlay = { ...NO_OVERLAY, guides, ghosts: ghosts(start, by, context) };
   return {
     overlay,
@@ -99,14 +99,14 @@ function drop(start: Moving, pointer: Pointer, context: ToolContext): MoveStep {
 
 /** Within the container: along guide lines, and not out of it. */
 function within(start: Moving, pointer: Pointer, context: ToolContext): MoveStep {
-  const { by, guides } = way(start, pointer, context);
+  const { by, guides } = dragOf(start, pointer, context);
   if (isNone(by)) return { overlay: NO_OVERLAY, plan: () => null };
   const plan = move(context.machine, start.paths, inside(start, by, context));
   return { overlay: { ...preview(plan, context), guides }, plan: () => plan };
 }
 
 /** The way of the boxes, in the root's coordinates. */
-function way(
+function dragOf(
   start: Moving,
   pointer: Pointer,
   context: ToolContext,
@@ -241,7 +241,7 @@ function isConnected(path: string, container: string, { machine }: ToolContext):
 }
 
 function intoLine(start: Moving, route: Route, pointer: Pointer, context: ToolContext): MoveStep {
-  const { by } = way({ ...start, others: [] }, pointer, context);
+  const { by } = dragOf({ ...start, others: [] }, pointer, context);
   const [path = ""] = start.paths;
   const transition = { kind: "transition", path: route.path, id: route.id } as const;
   const at = inState(context.layout, route.path, plus(start.box, by));

@@ -6,7 +6,7 @@ import { GitCompare, RefreshCw, X } from "lucide-react";
 import { useEffect, useState } from "react";
 import { keyOf } from "../../model/element.ts";
 import type { Comparison, Parting, RunSummary } from "../../model/generated/protocol.ts";
-import { standInWords, startedInWords, summaryStatusWords } from "../../model/run_words.ts";
+import { startedInWords, statusInWords, summaryStatusWords } from "../../model/run_words.ts";
 import { comparedRun } from "../../store/compared_run.ts";
 import type { OpenTab, Page } from "../../store/page.ts";
 import type { Watch } from "../../store/run.ts";
@@ -154,7 +154,7 @@ function Chooser({ tab, watch, page }: ChooserProps) {
 }
 
 function inWords(run: RunSummary): string {
-  return `${startedInWords(run.started_ms, Date.now())}, ${standInWords(summaryStatusWords(run))}`;
+  return `${startedInWords(run.started_ms, Date.now())}, ${statusInWords(summaryStatusWords(run))}`;
 }
 
 interface ComparedProps extends CompareProps {

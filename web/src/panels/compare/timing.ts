@@ -50,10 +50,10 @@ export function sorted(
         return Math.abs(row.more_ms ?? -1);
     }
   };
-  const way = down ? 1 : -1;
+  const direction = down ? 1 : -1;
   return [...rows].sort((a, b) =>
     order === "names"
-      ? -way * a.names.localeCompare(b.names)
-      : way * (weight(b) - weight(a)) || a.names.localeCompare(b.names),
+      ? -direction * a.names.localeCompare(b.names)
+      : direction * (weight(b) - weight(a)) || a.names.localeCompare(b.names),
   );
 }

@@ -61,8 +61,8 @@ test("calls stand inside one another, what repeats as a loop of rounds", () => {
 test("a long list stands in parts, and the way to each call is known", () => {
   const calls = told(randomRun(5, 5_000));
   const nodes = new Nodes(calls);
-  const find = (all: readonly HistoryNode[], way: readonly string[], call: number): boolean => {
-    const [next, ...rest] = way;
+  const find = (all: readonly HistoryNode[], open: readonly string[], call: number): boolean => {
+    const [next, ...rest] = open;
     if (next === undefined) return all.some((node) => node.kind === "call" && node.call === call);
     const node = all.find(({ id }) => id === next);
     return node !== undefined && find(nodes.inside(node) ?? [], rest, call);

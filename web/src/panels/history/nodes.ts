@@ -59,21 +59,21 @@ export class Nodes {
 
   /** The ids of what has to be open for a call to show. */
   ancestors(call: number): readonly string[] {
-    const way: string[] = [];
+    const open: string[] = [];
     const outer: number[] = [];
     for (let at = call; at !== NONE; at = this.#calls.parent(at)) outer.unshift(at);
     let nodes = this.roots();
     for (const each of outer) {
       let node = nodes.find((one) => has(one, each));
       while (node && !(node.kind === "call" && node.call === each)) {
-        way.push(node.id);
+        open.push(node.id);
         node = this.inside(node)?.find((one) => has(one, each));
       }
-      if (!node) return way;
-      if (each !== call) way.push(node.id);
+      if (!node) return open;
+      if (each !== call) open.push(node.id);
       nodes = this.inside(node) ?? [];
     }
-    return way;
+    return open;
   }
 
   #of(call: number): readonly HistoryNode[] {

@@ -1,7 +1,7 @@
 /** Which runs a search finds. */
 
 import type { RunSummary } from "../../model/generated/protocol.ts";
-import { standInWords, summaryStatusWords } from "../../model/run_words.ts";
+import { statusInWords, summaryStatusWords } from "../../model/run_words.ts";
 
 /** Runs that have every word of the search in their name, id, folder, author or how they stand. */
 export function foundRuns(all: readonly RunSummary[], search: string): readonly RunSummary[] {
@@ -14,6 +14,6 @@ export function foundRuns(all: readonly RunSummary[], search: string): readonly 
 }
 
 function textOf(run: RunSummary): string {
-  const stand = standInWords(summaryStatusWords(run));
+  const stand = statusInWords(summaryStatusWords(run));
   return `${run.name} ${run.id} ${run.machine?.path ?? ""} ${run.author ?? ""} ${stand}`.toLowerCase();
 }

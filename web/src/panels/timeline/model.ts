@@ -132,11 +132,11 @@ export class TimelineModel {
   }
 
   /** Goes to the next hit after the moment that is shown, or the one before, around the ends. */
-  toHit(way: "before" | "after"): void {
+  toHit(direction: "before" | "after"): void {
     const found = this.found.value;
     if (!found || found.hits.length === 0) return;
     const from = this.hit.value ?? (this.shown === null ? -1 : this.shown - 1);
-    const place = way === "after" ? found.after(from) : found.before(from);
+    const place = direction === "after" ? found.after(from) : found.before(from);
     const hit = found.hits[place];
     if (hit === undefined) return;
     this.hit.value = hit;

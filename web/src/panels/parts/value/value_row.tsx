@@ -15,14 +15,14 @@ import { RecordsTable } from "./records_table.tsx";
 
 /** What of a value is open. */
 export interface ValueTree {
-  readonly isOpen: (way: string) => boolean;
-  readonly toggle: (way: string) => void;
+  readonly isOpen: (valuePath: string) => boolean;
+  readonly toggle: (valuePath: string) => void;
 }
 
 export interface ValueRowProps {
   readonly name: string | undefined;
   readonly value: unknown;
-  readonly way: string;
+  readonly valuePath: string;
   readonly tree: ValueTree;
   /** Buttons at the end of the line. */
   readonly actions?: ReactNode;
@@ -31,9 +31,9 @@ export interface ValueRowProps {
 /** A line has room for so much. */
 const LINE_MAX = 60;
 
-export function ValueRow({ name, value, way, tree, actions }: ValueRowProps) {
+export function ValueRow({ name, value, valuePath, tree, actions }: ValueRowProps) {
   const found = read(value);
-  const isOpen = tree.isOpen(way) && hasInside(found);
+  const isOpen = tree.isOpen(valuePath) && hasInside(found);
   const short = previewValue(value, LINE_MAX);
   const words = (
     <>
@@ -50,7 +50,7 @@ export function ValueRow({ name, value, way, tree, actions }: ValueRowProps) {
             className="value-fold"
             aria-expanded={isOpen}
             aria-label={`${name ?? "Value"}: ${short}`}
-            onClick={() => tree.toggle(way)}
+            onClick={() => tree.toggle(valuePath)}
           >
             <ChevronRight size={13} aria-hidden />
             {words}
@@ -64,7 +64,7 @@ export function ValueRow({ name, value, way, tree, actions }: ValueRowProps) {
       </div>
       {isOpen && (
         <div className="value-inside">
-          <Inside found={found} name={name} way={way} tree={tree} />
+          <Inside found={found} name={name} valuePath={valuePath} tree={tree} />
         </div>
       )}
     </div>
@@ -128,11 +128,11 @@ function hasInside(found: Read): boolean {
 interface InsideProps {
   readonly found: Read;
   readonly name: string | undefined;
-  readonly way: string;
+  readonly valuePath: string;
   readonly tree: ValueTree;
 }
 
-function Inside({ found, name = "value", way, tree }: InsideProps) {
+function Inside({ found, name = "value", valuePath, tree }: InsideProps) {
   switch (found.kind) {
     case "text":
       return <LongText text={found.text} count={found.count} />;
@@ -141,10 +141,12 @@ function Inside({ found, name = "value", way, tree }: InsideProps) {
     case "object":
       return <LongText text={found.shown} />;
     case "dict":
-      return <Parts entries={found.entries} count={found.count} way={way} tree={tree} />;
+      return (
+        <Parts entries={found.entries} count={found.count} valuePath={valuePath} tree={tree} />
+      );
     case "list":
     case "array":
-      return <Rows found={found} name={name} way={way} tree={tree} />;
+      return <Rows found={found} name={name} valuePath={valuePath} tree={tree} />;
     default:
       return null;
   }
@@ -156,7 +158,7 @@ interface ValueRowsProps extends InsideProps {
 }
 
 /** A list or array, in the form that was chosen for its kind. */
-function Rows({ found, name, way, tree }: ValueRowsProps) {
+function Rows({ found, name, valuePath, tree }: ValueRowsProps) {
   const numbers = numbersOf(found);
   const records = recordsOf(found);
   const options = formsOf(found, numbers?.shape.length ?? 0, records !== null);
@@ -174,7 +176,7 @@ function Rows({ found, name, way, tree }: ValueRowsProps) {
         <Parts
           entries={found.items.map((item, index) => [String(index), item] as const)}
           count={found.count}
-          way={way}
+          valuePath={valuePath}
           tree={tree}
         />
       )}
@@ -214,20 +216,26 @@ function ArrayFacts({ found }: { found: Extract<Read, { kind: "array" }> }) {
 interface ValuePartsProps {
   readonly entries: readonly (readonly [string, unknown])[];
   readonly count: number;
-  readonly way: string;
+  readonly valuePath: string;
   readonly tree: ValueTree;
 }
 
 /** So many parts are made at a time. */
 const PARTS_STEP = 50;
 
-function Parts({ entries, count, way, tree }: ValuePartsProps) {
+function Parts({ entries, count, valuePath, tree }: ValuePartsProps) {
   const [shown, setShown] = useState(PARTS_STEP);
   const rest = entries.length - shown;
   return (
     <>
       {entries.slice(0, shown).map(([name, value]) => (
-        <ValueRow key={name} name={name} value={value} way={`${way}\n${name}`} tree={tree} />
+        <ValueRow
+          key={name}
+          name={name}
+          value={value}
+          valuePath={`${valuePath}\n${name}`}
+          tree={tree}
+        />
       ))}
       {rest > 0 && (
         <Button kind="quiet" onClick={() => setShown(shown + PARTS_STEP)}>

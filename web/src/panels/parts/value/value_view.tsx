@@ -25,9 +25,9 @@ export function ValueView({ value, name, keep, openAtFirst = false, actions }: V
   const [parts, setParts] = useState<ReadonlySet<string>>(
     () => openParts(keep ?? ROOT) ?? new Set(openAtFirst ? [ROOT] : []),
   );
-  const toggle = (way: string) => {
+  const toggle = (valuePath: string) => {
     const next = new Set(parts);
-    if (!next.delete(way)) next.add(way);
+    if (!next.delete(valuePath)) next.add(valuePath);
     setParts(next);
     if (keep) keepOpen(keep, next);
   };
@@ -36,9 +36,9 @@ export function ValueView({ value, name, keep, openAtFirst = false, actions }: V
       <ValueRow
         name={name}
         value={value}
-        way={ROOT}
+        valuePath={ROOT}
         actions={actions}
-        tree={{ isOpen: (way) => parts.has(way), toggle }}
+        tree={{ isOpen: (valuePath) => parts.has(valuePath), toggle }}
       />
     </div>
   );
