@@ -4,9 +4,9 @@ import { join } from "node:path";
 import { act } from "react";
 import { afterEach, expect, test, vi } from "vitest";
 import { ARM, PlainMachineSession } from "../canvas/testing/driver.ts";
-import { click, unmount } from "../ui/mounted.tsx";
+import { click, unmount } from "../ui/testing/mounted.tsx";
 import { CanvasPlace } from "./canvas_place.tsx";
-import { shown } from "./shown.tsx";
+import { shown } from "./testing/shown.tsx";
 
 const LOOKS = readFileSync(join(import.meta.dirname, "centre.css"), "utf8");
 

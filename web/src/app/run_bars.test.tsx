@@ -2,9 +2,9 @@
 import { afterEach, beforeEach, expect, test, vi } from "vitest";
 import type { RunNow } from "../model/generated/protocol.ts";
 import { runLine, STARTED_MS, watched } from "../store/testing/watched.ts";
-import { settled, unmount } from "../ui/mounted.tsx";
+import { settled, unmount } from "../ui/testing/mounted.tsx";
 import { Bars } from "./bars.tsx";
-import { shown } from "./shown.tsx";
+import { shown } from "./testing/shown.tsx";
 
 beforeEach(() => void vi.useFakeTimers());
 afterEach(() => {

@@ -3,9 +3,9 @@ import { readFileSync } from "node:fs";
 import { join } from "node:path";
 import { afterEach, expect, test } from "vitest";
 import { runLine } from "../store/testing/watched.ts";
-import { unmount } from "../ui/mounted.tsx";
+import { unmount } from "../ui/testing/mounted.tsx";
 import { RunControls } from "./run_controls.tsx";
-import { shown } from "./shown.tsx";
+import { shown } from "./testing/shown.tsx";
 
 const LOOKS = readFileSync(join(import.meta.dirname, "run_controls.css"), "utf8");
 

@@ -1,6 +1,6 @@
 import { describe, expect, test } from "vitest";
 import { machineOf } from "../model/plain.ts";
-import { sketch } from "../model/sketch.ts";
+import { sketch } from "../model/testing/sketch.ts";
 import { MODES } from "../store/view.ts";
 import { layoutTreeOf } from "./layout_tree.ts";
 import type { RoutedLine } from "./lines.ts";

@@ -2,7 +2,7 @@ import { expect, test, vi } from "vitest";
 import type { Layouter } from "../plan/arrange.ts";
 import { allCommands } from "./all.ts";
 import { layOut } from "./layouter.ts";
-import { testContext } from "./stand.ts";
+import { testContext } from "./testing/context.ts";
 
 vi.mock("./layouter.ts", () => ({ layOut: vi.fn<Layouter>((graph) => Promise.resolve(graph)) }));
 

@@ -5,7 +5,7 @@ import type { Watch } from "../store/run.ts";
 import { allCommands } from "./all.ts";
 import { refusalOf } from "./command.ts";
 import { silenceLeft } from "./control.ts";
-import { type TestContext, testContext } from "./stand.ts";
+import { type TestContext, testContext } from "./testing/context.ts";
 
 /** A run in front by this browser's clock, which is so far behind the server's. */
 function controlled(

@@ -1,7 +1,7 @@
 import { expect, test } from "vitest";
 import type { Edit } from "../model/generated/protocol.ts";
 import { machineOf } from "../model/plain.ts";
-import { sketch } from "../model/sketch.ts";
+import { sketch } from "../model/testing/sketch.ts";
 import { type FieldDraft, openDrafts } from "../store/drafts.ts";
 import type { EditAnswer } from "../store/machine_session.ts";
 import type { OpenTab } from "../store/page.ts";

@@ -2,7 +2,7 @@ import { expect, test } from "vitest";
 import { RefusalError } from "../store/server.ts";
 import { allCommands } from "./all.ts";
 import { folderName } from "./save.ts";
-import { type TestContextOptions, testContext } from "./stand.ts";
+import { type TestContextOptions, testContext } from "./testing/context.ts";
 
 const MACHINE = `
   R "Drill" hierarchy 0 0 400 300 outcome done

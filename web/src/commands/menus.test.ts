@@ -2,7 +2,7 @@ import { expect, test } from "vitest";
 import { elementOf } from "../model/element.ts";
 import { allCommands } from "./all.ts";
 import { barMenu, type CommandMenuEntry, contextMenu, menuTitles } from "./menus.ts";
-import { type TestContext, type TestContextOptions, testContext } from "./stand.ts";
+import { type TestContext, type TestContextOptions, testContext } from "./testing/context.ts";
 
 const MACHINE = `
   R "Root" hierarchy 0 0 400 300 outcome done scoped count:int

@@ -2,7 +2,7 @@ import { expect, test } from "vitest";
 import type { EditAnswer } from "../store/machine_session.ts";
 import { select } from "../store/view.ts";
 import { ARRANGE } from "./arrange.ts";
-import { testContext } from "./stand.ts";
+import { testContext } from "./testing/context.ts";
 
 const GROUP = ARRANGE.find(({ id }) => id === "arrange.group");
 

@@ -5,7 +5,7 @@ import { keptBreakpoints, newBreakpoint } from "../store/breakpoints.ts";
 import type { Watch } from "../store/run.ts";
 import { allCommands } from "./all.ts";
 import { refusalOf } from "./command.ts";
-import { type TestContext, testContext } from "./stand.ts";
+import { type TestContext, testContext } from "./testing/context.ts";
 
 const COMMANDS = allCommands();
 const MACHINE = `

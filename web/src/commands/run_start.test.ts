@@ -5,7 +5,7 @@ import { keptBreakpoints, newBreakpoint } from "../store/breakpoints.ts";
 import type { Start, Watch } from "../store/run.ts";
 import { allCommands } from "./all.ts";
 import { startRun } from "./run_start.ts";
-import { type TestContextOptions, testContext } from "./stand.ts";
+import { type TestContextOptions, testContext } from "./testing/context.ts";
 
 const MACHINE = "R hierarchy outcome done\n  A execution outcome ok";
 const FILE = { project: "p", path: "drill" };

@@ -4,8 +4,8 @@ import { PlainMachineSession } from "../canvas/testing/driver.ts";
 import { elementOf } from "../model/element.ts";
 import { newView, select } from "../store/view.ts";
 import type { CommandContext } from "./command.ts";
-import { testContext } from "./stand.ts";
 import { libraryAround, whyNot } from "./subject.ts";
+import { testContext } from "./testing/context.ts";
 
 const MACHINE = `
   R hierarchy 0 0 400 300 outcome done

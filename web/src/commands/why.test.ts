@@ -2,7 +2,7 @@ import { expect, test } from "vitest";
 import type { ElementKey } from "../model/element.ts";
 import { allCommands } from "./all.ts";
 import { refusalOf } from "./command.ts";
-import { testContext } from "./stand.ts";
+import { testContext } from "./testing/context.ts";
 import { whyDisabled } from "./why.ts";
 
 const MACHINE = `

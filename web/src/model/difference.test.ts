@@ -2,7 +2,7 @@ import { describe, expect, it } from "vitest";
 import { differences, marksOf } from "./difference.ts";
 import type { Document, StateDocument } from "./generated/protocol.ts";
 import { machineOf } from "./plain.ts";
-import { sketch } from "./sketch.ts";
+import { sketch } from "./testing/sketch.ts";
 
 const TEXT = `
   R "Root" hierarchy 0 0 400 300 outcome done input speed:int=3

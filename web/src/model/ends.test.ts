@@ -10,7 +10,7 @@ import {
   nameOf,
 } from "./ends.ts";
 import { machineOf } from "./plain.ts";
-import { sketch } from "./sketch.ts";
+import { sketch } from "./testing/sketch.ts";
 
 const MACHINE = machineOf(
   sketch(`

@@ -2,7 +2,7 @@ import { expect, test } from "vitest";
 import type { StateDocument } from "./generated/protocol.ts";
 import { globalsOf } from "./globals.ts";
 import { machineOf } from "./plain.ts";
-import { sketch } from "./sketch.ts";
+import { sketch } from "./testing/sketch.ts";
 
 function scripted(states: readonly StateDocument[], scripts: Record<string, string>) {
   return states.map((state) => {

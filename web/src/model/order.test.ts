@@ -1,7 +1,7 @@
 import { expect, test } from "vitest";
 import { inOrder } from "./order.ts";
 import { machineOf } from "./plain.ts";
-import { sketch } from "./sketch.ts";
+import { sketch } from "./testing/sketch.ts";
 
 function check(text: string, expected: string): void {
   const machine = machineOf(sketch(text));

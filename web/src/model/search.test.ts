@@ -2,7 +2,7 @@ import { expect, test } from "vitest";
 import { match, queryOf } from "./match.ts";
 import { machineOf } from "./plain.ts";
 import { search } from "./search.ts";
-import { sketch } from "./sketch.ts";
+import { sketch } from "./testing/sketch.ts";
 
 const machine = machineOf(
   sketch(`

@@ -1,7 +1,7 @@
 import { expect, test } from "vitest";
 import { machineOf } from "./plain.ts";
-import { sketch } from "./sketch.ts";
 import { stateIndex } from "./state_index.ts";
+import { sketch } from "./testing/sketch.ts";
 
 const MACHINE = machineOf(
   sketch(`

@@ -5,10 +5,10 @@ import { type Box, intersects } from "../model/geometry.ts";
 import { childBox, readLayout, rootSize } from "../model/layout_reader.ts";
 import type { Machine } from "../model/machine.ts";
 import { machineOf } from "../model/plain.ts";
-import { sketch } from "../model/sketch.ts";
+import { sketch } from "../model/testing/sketch.ts";
 import { arrange, elkGraph } from "./arrange.ts";
 import { arranged } from "./arranged.ts";
-import { editsOf, reason } from "./testing.ts";
+import { editsOf, reason } from "./testing/plans.ts";
 
 const MISSION = `
   R "Root" hierarchy outcome done

@@ -11,7 +11,7 @@ import {
   reconnect,
 } from "./connect.ts";
 import { insertState } from "./insert.ts";
-import { drawn, editsOf, lines, reason } from "./testing.ts";
+import { drawn, editsOf, lines, reason } from "./testing/plans.ts";
 
 const machine = drawn(`
   R "Root" hierarchy 0 0 400 300 outcome done scoped found:list input speed:int

@@ -18,7 +18,7 @@ import {
   setBackground,
 } from "./move.ts";
 import { isRefused } from "./plan.ts";
-import { drawn, editsOf, lines, made, reason } from "./testing.ts";
+import { drawn, editsOf, lines, made, reason } from "./testing/plans.ts";
 
 const machine = drawn(`
   R "Root" hierarchy 0 0 400 300 outcome done

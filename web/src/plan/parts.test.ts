@@ -2,7 +2,7 @@ import { expect, test } from "vitest";
 import { clipOf, pasteClip } from "./clipboard.ts";
 import { partsOf, pasteParts } from "./parts.ts";
 import { isRefused } from "./plan.ts";
-import { drawn, lines, made, reason } from "./testing.ts";
+import { drawn, lines, made, reason } from "./testing/plans.ts";
 
 const machine = drawn(`
   R hierarchy 0 0 400 300 outcome done input speed:float=0.5 scoped found:list

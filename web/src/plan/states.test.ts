@@ -17,7 +17,7 @@ import {
   setId,
   setStart,
 } from "./states.ts";
-import { drawn, editsOf, lines, made, reason } from "./testing.ts";
+import { drawn, editsOf, lines, made, reason } from "./testing/plans.ts";
 
 const machine = drawn(`
   R "Root" hierarchy 0 0 100 100 outcome done scoped found:list

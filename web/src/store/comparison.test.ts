@@ -1,7 +1,7 @@
 import { signal } from "@preact/signals-core";
 import { describe, expect, it, vi } from "vitest";
 import type { Document } from "../model/generated/protocol.ts";
-import { sketch } from "../model/sketch.ts";
+import { sketch } from "../model/testing/sketch.ts";
 import { comparisonOf } from "./comparison.ts";
 import { OptimisticDocument, type TouchedPaths } from "./optimistic_document.ts";
 import type { OpenTab } from "./page.ts";

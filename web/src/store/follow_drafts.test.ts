@@ -1,6 +1,6 @@
 import { expect, test } from "vitest";
 import type { Edit } from "../model/generated/protocol.ts";
-import { sketch } from "../model/sketch.ts";
+import { sketch } from "../model/testing/sketch.ts";
 import { type FieldDraft, openDrafts } from "./drafts.ts";
 import { followDrafts } from "./follow_drafts.ts";
 import { OptimisticDocument, type TouchedPaths } from "./optimistic_document.ts";

@@ -2,7 +2,7 @@ import { expect, test } from "vitest";
 import type { Event, HistoryEntry, Phase } from "../model/generated/protocol.ts";
 import { isConcurrent } from "../model/machine.ts";
 import { machineOf } from "../model/plain.ts";
-import { sketch } from "../model/sketch.ts";
+import { sketch } from "../model/testing/sketch.ts";
 import type { Active } from "./active.ts";
 import { Journal } from "./journal.ts";
 import { failedStates, stateMarks, transitionOf } from "./marks.ts";

@@ -1,6 +1,6 @@
 import { expect, test } from "vitest";
 import { machineOf } from "../model/plain.ts";
-import { sketch } from "../model/sketch.ts";
+import { sketch } from "../model/testing/sketch.ts";
 import { nameSoon } from "./name_soon.ts";
 
 const OUTER = 'R hierarchy\n  L "Arm" library library=lib/arm';

@@ -1,7 +1,7 @@
 import { expect, test } from "vitest";
 import type { Picture } from "../model/generated/protocol.ts";
 import { machineOf } from "../model/plain.ts";
-import { sketch } from "../model/sketch.ts";
+import { sketch } from "../model/testing/sketch.ts";
 import { portValues } from "./port_values.ts";
 
 const MACHINE = machineOf(

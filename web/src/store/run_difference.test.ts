@@ -1,7 +1,7 @@
 import { signal } from "@preact/signals-core";
 import { afterEach, beforeEach, expect, test, vi } from "vitest";
 import { machineOf } from "../model/plain.ts";
-import { sketch } from "../model/sketch.ts";
+import { sketch } from "../model/testing/sketch.ts";
 import { Journal } from "./journal.ts";
 import type { OpenTab } from "./page.ts";
 import type { Runs, Watch } from "./run.ts";

@@ -1,6 +1,6 @@
 import { describe, expect, it } from "vitest";
 import { differences } from "../model/difference.ts";
-import { sketch } from "../model/sketch.ts";
+import { sketch } from "../model/testing/sketch.ts";
 import { OptimisticDocument } from "./optimistic_document.ts";
 import { StepChanges, stepChangeOf } from "./step_change.ts";
 

@@ -3,7 +3,7 @@ import type { DataPort } from "../model/ends.ts";
 import type { Event, HistoryEntry } from "../model/generated/protocol.ts";
 import { portsOf } from "../model/machine.ts";
 import { machineOf } from "../model/plain.ts";
-import { sketch } from "../model/sketch.ts";
+import { sketch } from "../model/testing/sketch.ts";
 import { Journal } from "./journal.ts";
 import { originOf } from "./origin.ts";
 import { failureAt } from "./script_failure.ts";

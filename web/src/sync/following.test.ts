@@ -1,8 +1,8 @@
 import { expect, test } from "vitest";
 import { type Follower, RefusalError, type Server } from "../store/server.ts";
-import { FakeClock } from "./fake_clock.ts";
-import { MACHINE } from "./fake_server.ts";
 import { Following } from "./following.ts";
+import { FakeClock } from "./testing/fake_clock.ts";
+import { MACHINE } from "./testing/fake_server.ts";
 
 async function settle(): Promise<void> {
   for (let turn = 0; turn < 20; turn += 1) await Promise.resolve();

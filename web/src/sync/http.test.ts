@@ -1,7 +1,7 @@
 import { afterEach, describe, expect, it, vi } from "vitest";
 import { REPEATED, RefusalError } from "../store/server.ts";
-import { FakeClock } from "./fake_clock.ts";
 import { requests } from "./http.ts";
+import { FakeClock } from "./testing/fake_clock.ts";
 
 /** A network in which a test says what comes of each request. */
 function setUp() {

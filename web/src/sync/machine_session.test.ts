@@ -1,13 +1,13 @@
 import fc from "fast-check";
 import { describe, expect, it } from "vitest";
 import type { Document, Edit } from "../model/generated/protocol.ts";
-import { sketch } from "../model/sketch.ts";
+import { sketch } from "../model/testing/sketch.ts";
 import type { Telling } from "../store/notices.ts";
-import { anyEdit } from "../store/predict/any_edit.ts";
-import { FakeClock } from "./fake_clock.ts";
-import { FakeServer, MACHINE } from "./fake_server.ts";
+import { anyEdit } from "../store/predict/testing/any_edit.ts";
 import { LibraryCache } from "./library_cache.ts";
 import { OpenMachineSession } from "./machine_session.ts";
+import { FakeClock } from "./testing/fake_clock.ts";
+import { FakeServer, MACHINE } from "./testing/fake_server.ts";
 
 const TEXT = `
   R "Root" hierarchy 0 0 400 300 outcome done input speed:int=3 scoped found:list

@@ -1,14 +1,14 @@
 import { describe, expect, it } from "vitest";
 import type { RunSummary, ServerStatus } from "../model/generated/protocol.ts";
-import { sketch } from "../model/sketch.ts";
+import { sketch } from "../model/testing/sketch.ts";
 import { memoryStore } from "../store/local_store.ts";
 import { type Follower, RefusalError } from "../store/server.ts";
 import { FIRST_SETTINGS } from "../store/settings.ts";
 import { twoTabs } from "../store/testing/two_tabs.ts";
 import { select } from "../store/view.ts";
-import { FakeClock } from "./fake_clock.ts";
-import { FakeServer, MACHINE } from "./fake_server.ts";
 import { startPage } from "./page.ts";
+import { FakeClock } from "./testing/fake_clock.ts";
+import { FakeServer, MACHINE } from "./testing/fake_server.ts";
 
 const FILE = { project: "p", path: "machine" };
 const RUN = { id: "r", machine: FILE, started_ms: 1, phase: "finished" } as unknown as RunSummary;

@@ -1,12 +1,12 @@
 import { signal } from "@preact/signals-core";
 import { describe, expect, it } from "vitest";
 import type { MachineStatus } from "../model/generated/protocol.ts";
-import { sketch } from "../model/sketch.ts";
+import { sketch } from "../model/testing/sketch.ts";
 import type { OpenTab } from "../store/page.ts";
 import { newView, select } from "../store/view.ts";
-import { FakeClock } from "./fake_clock.ts";
-import { FakeServer, MACHINE } from "./fake_server.ts";
 import { tellPresence } from "./presence.ts";
+import { FakeClock } from "./testing/fake_clock.ts";
+import { FakeServer, MACHINE } from "./testing/fake_server.ts";
 
 function setUp() {
   const server = new FakeServer(sketch("R hierarchy"));

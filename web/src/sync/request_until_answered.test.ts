@@ -1,7 +1,7 @@
 import { expect, test } from "vitest";
 import { RefusalError, type Server } from "../store/server.ts";
-import { FakeClock } from "./fake_clock.ts";
 import { requestUntilAnswered } from "./request_until_answered.ts";
+import { FakeClock } from "./testing/fake_clock.ts";
 
 function setUp(answers: readonly (RefusalError | string)[]) {
   const said: unknown[] = [];

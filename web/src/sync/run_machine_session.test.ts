@@ -1,11 +1,11 @@
 import { signal } from "@preact/signals-core";
 import { describe, expect, it } from "vitest";
 import type { Picture } from "../model/generated/protocol.ts";
-import { sketch } from "../model/sketch.ts";
-import { FakeClock } from "./fake_clock.ts";
-import { FakeRun } from "./fake_run.ts";
+import { sketch } from "../model/testing/sketch.ts";
 import { RunMachineSession } from "./run_machine_session.ts";
 import { followRuns } from "./runs.ts";
+import { FakeClock } from "./testing/fake_clock.ts";
+import { FakeRun } from "./testing/fake_run.ts";
 
 const FIRST = sketch("R hierarchy\n  A execution");
 const LATER = sketch("R hierarchy\n  A execution\n  B execution");

@@ -2,9 +2,9 @@ import { signal } from "@preact/signals-core";
 import { describe, expect, it } from "vitest";
 import type { RunSummary, ServerStatus } from "../model/generated/protocol.ts";
 import type { Link } from "../store/server.ts";
-import { FakeClock } from "./fake_clock.ts";
-import { FakeRun } from "./fake_run.ts";
 import { followRuns } from "./runs.ts";
+import { FakeClock } from "./testing/fake_clock.ts";
+import { FakeRun } from "./testing/fake_run.ts";
 
 const UP: Extract<Link, { state: "up" }> = {
   state: "up",

@@ -1,8 +1,8 @@
 import { describe, expect, it } from "vitest";
 import { FRAMES_VERSION, type ToClient, type ToServer } from "../model/generated/protocol.ts";
 import { Delay } from "./delay.ts";
-import { FakeClock } from "./fake_clock.ts";
 import { Socket, type WireNews } from "./socket.ts";
+import { FakeClock } from "./testing/fake_clock.ts";
 
 type Verdict = "welcome" | "stranger" | "silent" | "never";
 

@@ -1,8 +1,8 @@
 import fc from "fast-check";
 import { describe, expect, it } from "vitest";
 import type { Answer, Picture, RunNow, RunSummary } from "../model/generated/protocol.ts";
-import { FakeClock } from "./fake_clock.ts";
-import { FakeRun } from "./fake_run.ts";
+import { FakeClock } from "./testing/fake_clock.ts";
+import { FakeRun } from "./testing/fake_run.ts";
 import { RunWatch } from "./watch.ts";
 
 function setUp() {

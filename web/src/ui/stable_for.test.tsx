@@ -2,8 +2,8 @@
 import { act } from "react";
 import { afterEach, beforeEach, expect, test, vi } from "vitest";
 import { SLIP_MS } from "./confirm_press.ts";
-import { draw, mount, unmount } from "./mounted.tsx";
 import { useStableFor } from "./stable_for.ts";
+import { draw, mount, unmount } from "./testing/mounted.tsx";
 
 beforeEach(() => void vi.useFakeTimers());
 afterEach(() => {

@@ -3,9 +3,19 @@ import { afterEach, expect, test, vi } from "vitest";
 import type { Commit } from "./field.tsx";
 import { LostTexts, TextField } from "./field.tsx";
 import { ContextMenu } from "./menu.tsx";
-import { byRole, click, draw, leave, mount, press, settled, type, unmount } from "./mounted.tsx";
 import { Section } from "./section.tsx";
 import { Table } from "./table.tsx";
+import {
+  byRole,
+  click,
+  draw,
+  leave,
+  mount,
+  press,
+  settled,
+  type,
+  unmount,
+} from "./testing/mounted.tsx";
 import { Tree } from "./tree.tsx";
 
 afterEach(unmount);

@@ -1,6 +1,6 @@
 import { describe, expect, test } from "vitest";
 import { machineOf } from "../../model/plain.ts";
-import { sketch } from "../../model/sketch.ts";
+import { sketch } from "../../model/testing/sketch.ts";
 import type { RunMark } from "../../store/marks.ts";
 import { MODES } from "../../store/view.ts";
 import { layoutTreeOf } from "../layout_tree.ts";
@@ -8,7 +8,7 @@ import { NO_OVERLAY } from "../overlay.ts";
 import { PLAIN, type SceneInput } from "./input.ts";
 import { shortTime } from "./runs.ts";
 import { scene } from "./scene.ts";
-import { listText } from "./text.ts";
+import { listText } from "./testing/text.ts";
 
 const MACHINE = machineOf(
   sketch(`

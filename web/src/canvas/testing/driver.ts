@@ -6,7 +6,7 @@ import { elementOf, keyOf } from "../../model/element.ts";
 import type { Edit } from "../../model/generated/protocol.ts";
 import { centre, type Point } from "../../model/geometry.ts";
 import { machineOf } from "../../model/plain.ts";
-import { sketch } from "../../model/sketch.ts";
+import { sketch } from "../../model/testing/sketch.ts";
 import type { Dragged } from "../../store/dragged.ts";
 import type { EditAnswer, MachineSession, PendingEdit } from "../../store/machine_session.ts";
 import { OptimisticDocument } from "../../store/optimistic_document.ts";

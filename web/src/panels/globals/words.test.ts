@@ -1,6 +1,6 @@
 import { expect, test } from "vitest";
 import { machineOf } from "../../model/plain.ts";
-import { sketch } from "../../model/sketch.ts";
+import { sketch } from "../../model/testing/sketch.ts";
 import { countsInWords, found, placeInWords } from "./words.ts";
 
 test("a filter finds names with all its words", () => {

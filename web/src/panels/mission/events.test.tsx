@@ -4,8 +4,8 @@ import { afterEach, beforeEach, expect, test, vi } from "vitest";
 import type { Event } from "../../model/generated/protocol.ts";
 import { runLine, watched } from "../../store/testing/watched.ts";
 import { SLIP_MS } from "../../ui/confirm_press.ts";
-import { unmount } from "../../ui/mounted.tsx";
-import { shown } from "../shown.tsx";
+import { unmount } from "../../ui/testing/mounted.tsx";
+import { shown } from "../testing/shown.tsx";
 import { Events } from "./events.tsx";
 
 beforeEach(() => void vi.useFakeTimers());

@@ -2,8 +2,8 @@
 import { afterEach, beforeEach, expect, test, vi } from "vitest";
 import type { RunNow } from "../../model/generated/protocol.ts";
 import { runLine, STARTED_MS, watched } from "../../store/testing/watched.ts";
-import { settled, unmount } from "../../ui/mounted.tsx";
-import { shown } from "../shown.tsx";
+import { settled, unmount } from "../../ui/testing/mounted.tsx";
+import { shown } from "../testing/shown.tsx";
 import { LinkAge } from "./link_age.tsx";
 
 beforeEach(() => void vi.useFakeTimers());

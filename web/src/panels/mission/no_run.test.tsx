@@ -2,8 +2,8 @@
 import { act } from "react";
 import { afterEach, beforeEach, expect, test, vi } from "vitest";
 import { runLine, STARTED_MS } from "../../store/testing/watched.ts";
-import { unmount } from "../../ui/mounted.tsx";
-import { shown } from "../shown.tsx";
+import { unmount } from "../../ui/testing/mounted.tsx";
+import { shown } from "../testing/shown.tsx";
 import { NoRun } from "./no_run.tsx";
 
 beforeEach(() => void vi.useFakeTimers());

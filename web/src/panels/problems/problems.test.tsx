@@ -3,8 +3,8 @@ import { signal } from "@preact/signals-core";
 import { act } from "react";
 import { afterEach, expect, test } from "vitest";
 import type { MachineProblem } from "../../model/generated/protocol.ts";
-import { unmount } from "../../ui/mounted.tsx";
-import { shown } from "../shown.tsx";
+import { unmount } from "../../ui/testing/mounted.tsx";
+import { shown } from "../testing/shown.tsx";
 import { Problems } from "./problems.tsx";
 
 afterEach(unmount);

@@ -1,8 +1,8 @@
 // @vitest-environment happy-dom
 import { afterEach, expect, test } from "vitest";
 import { runLine } from "../../store/testing/watched.ts";
-import { unmount } from "../../ui/mounted.tsx";
-import { shown } from "../shown.tsx";
+import { unmount } from "../../ui/testing/mounted.tsx";
+import { shown } from "../testing/shown.tsx";
 import { Runs } from "./runs.tsx";
 
 afterEach(unmount);

@@ -1,7 +1,7 @@
 // @vitest-environment happy-dom
 import { afterEach, expect, test } from "vitest";
-import { unmount } from "../../ui/mounted.tsx";
-import { shown } from "../shown.tsx";
+import { unmount } from "../../ui/testing/mounted.tsx";
+import { shown } from "../testing/shown.tsx";
 import { StateTree } from "./tree.tsx";
 
 afterEach(unmount);

@@ -7,7 +7,7 @@ import type { SentCommand, Watch } from "../run.ts";
 
 export const STARTED_MS = 1_000_000;
 
-/** The line about a run of the machine that `commands/stand.ts` puts in front. */
+/** The line about a run of the machine that `commands/testing/context.ts` puts in front. */
 export function runLine(phase: "live" | "crashed" | "finished", id = "drill-1"): RunSummary {
   const machine = { project: "p", path: "drill" };
   const times = { started_ms: STARTED_MS, length_ms: 83, events: 4, bytes: 100 };

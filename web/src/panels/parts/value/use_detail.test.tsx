@@ -1,7 +1,7 @@
 // @vitest-environment happy-dom
 import { afterEach, expect, test } from "vitest";
 import type { Runs } from "../../../store/run.ts";
-import { draw, mount, settled, unmount } from "../../../ui/mounted.tsx";
+import { draw, mount, settled, unmount } from "../../../ui/testing/mounted.tsx";
 import { useDetail } from "./use_detail.ts";
 
 afterEach(unmount);

@@ -1,7 +1,7 @@
 // @vitest-environment happy-dom
 
 import { afterEach, beforeEach, expect, test } from "vitest";
-import { byRole, click, draw, mount, unmount } from "../../../ui/mounted.tsx";
+import { byRole, click, draw, mount, unmount } from "../../../ui/testing/mounted.tsx";
 import { placesOf } from "./long_text.tsx";
 import { pixelsOf } from "./numbers_view.tsx";
 import { ValueView } from "./value_view.tsx";

@@ -2,16 +2,16 @@
 
 import { signal } from "@preact/signals-core";
 import type { ReactElement } from "react";
-import { allCommands } from "../commands/all.ts";
-import { testContext } from "../commands/stand.ts";
-import type { RunSummary } from "../model/generated/protocol.ts";
-import { PanelHostProvider } from "../panels/context.tsx";
-import type { MachineSession } from "../store/machine_session.ts";
-import type { OpenTab, Page } from "../store/page.ts";
-import type { Watch } from "../store/run.ts";
-import { mount } from "../ui/mounted.tsx";
-import { SessionProvider } from "./provided.tsx";
-import { type AppSession, newSession } from "./session.ts";
+import { allCommands } from "../../commands/all.ts";
+import { testContext } from "../../commands/testing/context.ts";
+import type { RunSummary } from "../../model/generated/protocol.ts";
+import { PanelHostProvider } from "../../panels/context.tsx";
+import type { MachineSession } from "../../store/machine_session.ts";
+import type { OpenTab, Page } from "../../store/page.ts";
+import type { Watch } from "../../store/run.ts";
+import { mount } from "../../ui/testing/mounted.tsx";
+import { SessionProvider } from "../provided.tsx";
+import { type AppSession, newSession } from "../session.ts";
 
 /** Those of an engineer. */
 const RIGHTS = ["observe", "command", "start", "edit"] as const;

@@ -13,11 +13,11 @@ import type {
   RunSummary,
   StateDocument,
   ToClient,
-} from "../model/generated/protocol.ts";
-import { isSame } from "../model/json.ts";
-import { OptimisticDocument } from "../store/optimistic_document.ts";
-import { predictedWrites } from "../store/predict/predict.ts";
-import { type Follower, type Link, RefusalError, type Server } from "../store/server.ts";
+} from "../../model/generated/protocol.ts";
+import { isSame } from "../../model/json.ts";
+import { OptimisticDocument } from "../../store/optimistic_document.ts";
+import { predictedWrites } from "../../store/predict/predict.ts";
+import { type Follower, type Link, RefusalError, type Server } from "../../store/server.ts";
 
 const SESSION = {
   user: "anna",

@@ -1,6 +1,6 @@
 /** A picture as text, a mark a line: what tests read. */
 
-import type { BoxMark, DotMark, DrawList, IconMark, Layer, LineMark, TextMark } from "./list.ts";
+import type { BoxMark, DotMark, DrawList, IconMark, Layer, LineMark, TextMark } from "../list.ts";
 
 export function listText({ layers, wanted }: DrawList): string {
   const lines = layers.flatMap((layer, depth) =>

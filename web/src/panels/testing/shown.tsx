@@ -2,14 +2,14 @@
 
 import { signal } from "@preact/signals-core";
 import type { ReactElement } from "react";
-import { allCommands } from "../commands/all.ts";
-import { testContext } from "../commands/stand.ts";
-import type { RunSummary } from "../model/generated/protocol.ts";
-import type { MachineSession } from "../store/machine_session.ts";
-import type { OpenTab, Page } from "../store/page.ts";
-import type { Watch } from "../store/run.ts";
-import { mount } from "../ui/mounted.tsx";
-import { PanelHostProvider } from "./context.tsx";
+import { allCommands } from "../../commands/all.ts";
+import { testContext } from "../../commands/testing/context.ts";
+import type { RunSummary } from "../../model/generated/protocol.ts";
+import type { MachineSession } from "../../store/machine_session.ts";
+import type { OpenTab, Page } from "../../store/page.ts";
+import type { Watch } from "../../store/run.ts";
+import { mount } from "../../ui/testing/mounted.tsx";
+import { PanelHostProvider } from "../context.tsx";
 
 export interface Beside {
   readonly machine?: string;

@@ -11,8 +11,8 @@
  * Two spaces deeper is inside; lines with `>` are transitions and with `>>` data flows of the state around them. A library
  * state says `library=PATH/NAME`. */
 
-import type { Document, JsonValue, StateDocument, StateKind } from "./generated/protocol.ts";
-import { childPath, idOf } from "./path.ts";
+import type { Document, JsonValue, StateDocument, StateKind } from "../generated/protocol.ts";
+import { childPath, idOf } from "../path.ts";
 
 type Draft = { -readonly [K in keyof StateDocument]: StateDocument[K] };
 

@@ -1,10 +1,10 @@
 /** Plans as text, for tests. */
 
-import type { Edit } from "../model/generated/protocol.ts";
-import type { Machine } from "../model/machine.ts";
-import { machineOf } from "../model/plain.ts";
-import { sketch } from "../model/sketch.ts";
-import { isRefused, type Plan, type Planned } from "./plan.ts";
+import type { Edit } from "../../model/generated/protocol.ts";
+import type { Machine } from "../../model/machine.ts";
+import { machineOf } from "../../model/plain.ts";
+import { sketch } from "../../model/testing/sketch.ts";
+import { isRefused, type Plan, type Planned } from "../plan.ts";
 
 export function drawn(text: string): Machine {
   return machineOf(sketch(text));

@@ -8,14 +8,14 @@ import type {
   Refusal,
   RunNow,
   ToClient,
-} from "../model/generated/protocol.ts";
+} from "../../model/generated/protocol.ts";
 import {
   type Follower,
   type Link,
   RefusalError,
   type Server,
   type ServerPulse,
-} from "../store/server.ts";
+} from "../../store/server.ts";
 
 /** A request that waits for its answer. */
 export interface Asked {

@@ -1,6 +1,6 @@
 /** A clock that tests move on. */
 
-import type { Clock } from "./clock.ts";
+import type { Clock } from "../clock.ts";
 
 export class FakeClock implements Clock {
   #now = 1_000_000;

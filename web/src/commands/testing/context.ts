@@ -1,15 +1,15 @@
 /** A machine in front of commands, for tests: from short text, with what is selected, and a record of what was asked and edited. */
 
 import { signal } from "@preact/signals-core";
-import { type ElementKey, elementOf } from "../model/element.ts";
-import type { Edit, MachineProblem, MachineStatus, Right } from "../model/generated/protocol.ts";
-import { machineOf } from "../model/plain.ts";
-import { sketch } from "../model/sketch.ts";
-import type { MachineSession } from "../store/machine_session.ts";
-import type { OpenTab, Page } from "../store/page.ts";
-import { FIRST_SETTINGS } from "../store/settings.ts";
-import { newView, select } from "../store/view.ts";
-import type { CommandContext, Shell } from "./command.ts";
+import { type ElementKey, elementOf } from "../../model/element.ts";
+import type { Edit, MachineProblem, MachineStatus, Right } from "../../model/generated/protocol.ts";
+import { machineOf } from "../../model/plain.ts";
+import { sketch } from "../../model/testing/sketch.ts";
+import type { MachineSession } from "../../store/machine_session.ts";
+import type { OpenTab, Page } from "../../store/page.ts";
+import { FIRST_SETTINGS } from "../../store/settings.ts";
+import { newView, select } from "../../store/view.ts";
+import type { CommandContext, Shell } from "../command.ts";
 
 export interface TestContext extends CommandContext {
   readonly tab: OpenTab;

@@ -1,6 +1,6 @@
 /** Any edit of the kinds that are predicted, for tests: mostly one that can be made, sometimes not. */
 
-import type { Edit, Goal, PortList, StateDocument } from "../../model/generated/protocol.ts";
+import type { Edit, Goal, PortList, StateDocument } from "../../../model/generated/protocol.ts";
 import {
   dataFlowsOf,
   isContainer as holdsStates,
@@ -9,8 +9,8 @@ import {
   type PortKind,
   portsOf,
   transitionsOf,
-} from "../../model/machine.ts";
-import { idOf, parentOf } from "../../model/path.ts";
+} from "../../../model/machine.ts";
+import { idOf, parentOf } from "../../../model/path.ts";
 
 /** Gives one of the numbers from 0 to below the bound. */
 export type Pick = (bound: number) => number;
