@@ -22,7 +22,7 @@ export async function whileShown<T>(
     return await work(run);
   } finally {
     await server.ask("POST", `/runs/${run}/commands`, { id: "end", command: { type: "stop" } });
-    await isOver(server, run);
+    await untilOver(server, run);
   }
 }
 
@@ -34,7 +34,7 @@ function started(sheet: Sheet, machine: Size): Promise<string> {
   }, machine);
 }
 
-async function isOver(server: Server, run: string): Promise<void> {
+async function untilOver(server: Server, run: string): Promise<void> {
   for (;;) {
     const now = await server.ask<RunNow>("GET", `/runs/${run}`);
     if (now.run.phase !== "live") return;

@@ -33,7 +33,7 @@ export async function runBefore(setup: BenchSetup): Promise<void> {
   await open(sheet, MACHINE);
   await begun(sheet);
   await answered(sheet);
-  await isOver(sheet);
+  await untilOver(sheet);
   await sheet.context().close();
 }
 
@@ -45,7 +45,7 @@ export async function ofRun(setup: BenchSetup, theme: "light" | "dark", take: Ta
   await laidOut(sheet, "Debug");
   await lookAt(sheet, SLOW.slice(0, -1), SLOW);
   await begun(sheet);
-  await isActive(sheet, SLOW);
+  await untilActive(sheet, SLOW);
   await settled(sheet, VALUES_MS);
   await withoutNotices(sheet);
   await take(sheet, `live-${theme}`);
@@ -55,7 +55,7 @@ export async function ofRun(setup: BenchSetup, theme: "light" | "dark", take: Ta
   await withoutNotices(sheet);
   await take(sheet, `mission-control-${theme}`);
   await answered(sheet);
-  await isOver(sheet);
+  await untilOver(sheet);
   await laidOut(sheet, "Debug");
   await lookAt(sheet, FAILED.slice(0, -2), FAILED);
   await showEnd(sheet, FAILED);
@@ -102,7 +102,7 @@ async function lookAt(
   await settled(sheet);
 }
 
-async function isActive(sheet: Sheet, names: readonly string[]): Promise<void> {
+async function untilActive(sheet: Sheet, names: readonly string[]): Promise<void> {
   const path = await pathOf(sheet, names);
   await sheet.waitForFunction(
     (wanted) => {
@@ -143,7 +143,7 @@ async function answered(sheet: Sheet): Promise<void> {
   await sheet.getByRole("form").getByRole("button", { name: ASKER }).click();
 }
 
-async function isOver(sheet: Sheet): Promise<void> {
+async function untilOver(sheet: Sheet): Promise<void> {
   await sheet.waitForFunction(
     () => window.__rafcon.page.active.value?.run.value?.now.value?.run.phase === "finished",
     null,

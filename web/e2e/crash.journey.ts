@@ -27,7 +27,7 @@ const MACHINE = exampleWith("error_recovery", {
 const SETTING = { machines: { error_recovery: MACHINE }, open: "error_recovery" };
 const PRESSED = "PLUGIN/INSERT/PUSHIN/PRESSI";
 
-async function isOver(app: App): Promise<readonly string[]> {
+async function untilOver(app: App): Promise<readonly string[]> {
   await ended(app, "success");
   await toldToTheEnd(app);
   return app.sheet.evaluate(() => {
@@ -48,7 +48,7 @@ journey("a run that crashed is taken up on the recovery path", SETTING, async ({
   const dialog = app.sheet.getByRole("dialog", { name: "Take the run up again" });
   await dialog.getByText("Plug the cable in › Insert the plug › Push › Press").waitFor();
   await dialog.getByRole("button", { name: /^End them by aborted/ }).click();
-  const ends = await isOver(app);
+  const ends = await untilOver(app);
   expect(ends).toContain(`${PRESSED} aborted`);
   expect(ends).toContain("PLUGIN/CHOOSE turn the plug");
 });
@@ -65,7 +65,7 @@ journey("interrupted scripts wait until somebody decides", SETTING, async ({ app
   await bar.getByRole("button", { name: "Run again" }).click();
   await bar.waitFor({ state: "detached" });
   await press(app, "Resume");
-  await isOver(app);
+  await untilOver(app);
 });
 
 journey("a run by the rule abort goes on by itself", SETTING, async ({ app, server }) => {
@@ -74,7 +74,7 @@ journey("a run by the rule abort goes on by itself", SETTING, async ({ app, serv
   await dialog.getByLabel(/scripts that it interrupted/).selectOption("abort");
   await dialog.getByRole("button", { name: "Start", exact: true }).click();
   await crashIn(app, server, PRESSED, "tries");
-  expect(await isOver(app)).toContain("PLUGIN/CHOOSE turn the plug");
+  expect(await untilOver(app)).toContain("PLUGIN/CHOOSE turn the plug");
 });
 
 const SAYS = exampleWith("error_recovery", {
@@ -88,7 +88,7 @@ journey(
   async ({ app, server }) => {
     await press(app, "Start");
     await crashIn(app, server, PRESSED, "tries");
-    await isOver(app);
+    await untilOver(app);
     const policies = await app.sheet.evaluate(() =>
       [...(window.__rafcon.page.active.value?.run.value?.journal.others() ?? [])].flatMap(
         ([, event]) => (event.type === "resumed" ? [event.policy] : []),

@@ -8,7 +8,7 @@ import { examples } from "./support/places.ts";
 const HERE = { open: "hierarchy_and_data" };
 const FULL = "PACKER/ISFULL";
 
-async function isChanged(app: App, wanted: boolean): Promise<void> {
+async function untilChanged(app: App, wanted: boolean): Promise<void> {
   await app.until(
     ({ tab }, value) => tab?.session.status.value?.summary.is_changed === value,
     wanted,
@@ -23,9 +23,9 @@ function onDisk(project: string, machine: string, file = "core_data.json"): stri
 journey("an edit marks the tab, and saving writes the files", HERE, async ({ app, server }) => {
   await app.select(FULL);
   await app.press("Delete");
-  await isChanged(app, true);
+  await untilChanged(app, true);
   await app.press("Control+s");
-  await isChanged(app, false);
+  await untilChanged(app, false);
   expect(onDisk(server.place.project, "hierarchy_and_data")).not.toContain("ISFULL");
 });
 
@@ -97,7 +97,7 @@ journey(
     await app.press("Control+s");
     const dialog = app.sheet.getByRole("dialog", { name: /changed by another program/ });
     await dialog.getByRole("button", { name: /Save mine over it/ }).click();
-    await isChanged(app, false);
+    await untilChanged(app, false);
     expect(readFileSync(file, "utf8")).not.toContain("Pack two orders");
   },
 );
@@ -114,7 +114,7 @@ journey(
     await tabs.getByRole("tab", { name: /Pack an order/ }).click();
     await app.select(FULL);
     await app.press("Delete");
-    await isChanged(app, true);
+    await untilChanged(app, true);
     await app.press("Control+Alt+w");
     const dialog = app.sheet.getByRole("dialog", { name: /before it is closed/ });
     await dialog.getByRole("button", { name: /give up the edits/ }).click();

@@ -5,11 +5,11 @@ import { expect } from "vitest";
 import {
   endsWhole,
   goesOn,
-  isDownFor,
   linkIs,
   looksAlive,
   PACKER,
   startAndShow,
+  untilDownFor,
 } from "./support/honest.ts";
 import { journey } from "./support/journey.ts";
 import { endRun, eventually, missionOf, status } from "./support/mission.ts";
@@ -53,7 +53,7 @@ journey(
       await app.told(/was not heard for \d+ s|^No connection for/);
       await linkIs(app, "down");
       await app.sheet.getByText(/^No connection for/).waitFor();
-      await isDownFor(app, CUT_MS);
+      await untilDownFor(app, CUT_MS);
       wire.mend();
       await linkIs(app, "up");
       await old.waitFor({ state: "detached", timeout: 60_000 });

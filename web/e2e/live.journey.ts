@@ -7,11 +7,11 @@ import {
   ended,
   exampleWith,
   heldBefore,
-  isActive,
   perform,
   press,
   stopRun,
   toldToTheEnd,
+  untilActive,
 } from "./support/runs.ts";
 
 const PACKER = "PACKER";
@@ -45,7 +45,7 @@ journey(
   waiting(),
   async ({ app }) => {
     await perform(app, "run.start", undefined);
-    await isActive(app, FULL);
+    await untilActive(app, FULL);
     await ringed(app, FULL, "running");
     await ringed(app, PACKER, "running");
     await unringed(app, PART, "running");
@@ -123,7 +123,7 @@ journey("what runs now is listed, and leads there", waiting(), async ({ app }) =
   const list = await panel(app);
   await app.sheet.getByText("No run is shown").first().waitFor();
   await perform(app, "run.start", undefined);
-  await isActive(app, FULL);
+  await untilActive(app, FULL);
   const row = list.getByRole("button", { name: /Is the box full/ });
   await row.getByText("runs").waitFor();
   await row.click();
@@ -189,7 +189,7 @@ async function zoomFarOut(app: App): Promise<void> {
 
 journey("the camera follows what runs, until somebody moves it", waiting(), async ({ app }) => {
   await perform(app, "run.start", undefined);
-  await isActive(app, FULL);
+  await untilActive(app, FULL);
   await zoomFarOut(app);
   const small = await scale(app);
   const follow = app.sheet.getByRole("button", { name: "Follow what runs" });

@@ -8,12 +8,12 @@ import {
   control,
   endRun,
   eventually,
-  isOver,
   missionFolder,
   missionOf,
   openMission,
   startRun,
   status,
+  untilOver,
 } from "./support/mission.ts";
 import { answer } from "./support/runs.ts";
 import type { Server } from "./support/server.ts";
@@ -184,7 +184,7 @@ journey(
       await openMission(app, "drives");
       const mission = missionOf(app);
       const button = (name: string) => mission.getByRole("button", { name, exact: true });
-      const isRunning = () =>
+      const untilRunning = () =>
         app.until(({ tab }) => tab?.run.value?.now.value?.snapshot?.status === "running", null);
       const hammer = async (name: string, until: Locator) => {
         await button(name).focus();
@@ -200,9 +200,9 @@ journey(
       await mission.getByText("Running").waitFor();
       await Promise.all([button("Press again: stop").waitFor(), button("Stop").dblclick()]);
       await button("Stop").waitFor();
-      await isRunning();
+      await untilRunning();
       await hammer("Stop", status(app).getByText("finished"));
-      await isOver(app);
+      await untilOver(app);
     });
   },
 );

@@ -50,7 +50,7 @@ async function pulse(app: App) {
   return found;
 }
 
-const isFresh = (app: App) =>
+const untilFresh = (app: App) =>
   app.sheet.locator(".canvas-mount.is-old").waitFor({ state: "detached", timeout: 60_000 });
 
 journey(
@@ -63,7 +63,7 @@ journey(
       wire.reset();
       await linkIs(app, "down");
       await linkIs(app, "up");
-      await isFresh(app);
+      await untilFresh(app);
       await app.until(({ page }) => (page.server.pulse.value?.delay_ms ?? 0) >= 4_000, null);
       const seen = await listen(app);
       await goesOn(app, 150);
@@ -95,7 +95,7 @@ journey(
       await app.sheet.getByText(/^No connection for/).waitFor();
       wire.mend();
       await linkIs(app, "up");
-      await isFresh(app);
+      await untilFresh(app);
       expect((await pulse(app)).connection).toBe(connection);
       await goesOn(app);
       wire.slow({});
@@ -125,7 +125,7 @@ journey(
       expect(isCaughtUp).toBe(false);
       const { connection } = await pulse(app);
       await app.until(({ tab }, last) => (tab?.run.value?.journal.length ?? 0) >= last, sequence);
-      await isFresh(app);
+      await untilFresh(app);
       expect((await pulse(app)).connection).toBe(connection);
       expect((await seen()).filter((state) => state !== "old")).toEqual(["down", "up"]);
       const again = /^\/(projects|libraries|machines)/;

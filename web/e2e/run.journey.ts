@@ -9,7 +9,6 @@ import {
   ended,
   heldBefore,
   heldInside,
-  isActive,
   left,
   perform,
   press,
@@ -17,6 +16,7 @@ import {
   stands,
   stopRun,
   toldToTheEnd,
+  untilActive,
 } from "./support/runs.ts";
 import type { Server } from "./support/server.ts";
 
@@ -89,7 +89,7 @@ journey(
     await heldBefore(app, ONE_PART);
     await app.press("F4");
     await heldBefore(app, `${ONE_PART}/PICKIT`);
-    await isActive(app, ONE_PART);
+    await untilActive(app, ONE_PART);
     await app.press("F3");
     await heldBefore(app, `${PACKER}/ISFULL`);
     await expect.poll(count, { timeout: 20_000 }).toBe(1);
@@ -152,7 +152,7 @@ journey(
     await left(app, arm);
     await heldBefore(app, "SLFTST/WARNIN");
     await press(app, "Back");
-    await isActive(app, "SLFTST/ALLDEV");
+    await untilActive(app, "SLFTST/ALLDEV");
     await press(app, "Resume");
     await ended(app, "degraded");
   },
@@ -167,7 +167,7 @@ journey(
     await dialog.getByLabel("hidden_at_deg").fill("45");
     await dialog.getByLabel("limit_s").fill("600.0");
     await dialog.getByRole("button", { name: "Start", exact: true }).click();
-    await isActive(app, "SEARCH/ORTIME/LOOKER");
+    await untilActive(app, "SEARCH/ORTIME/LOOKER");
     await app.select("SEARCH/ORTIME/LOOKER");
     await app.command("Preempt state");
     await toldToTheEnd(app);

@@ -230,13 +230,13 @@ journey(
     };
     const run = await started(server, "hierarchy_and_data", { breakpoints: [point] });
     await shown(app, run);
-    const isHeld = () =>
+    const untilHeld = () =>
       app.until(
         ({ tab }) =>
           tab?.run.value?.now.value?.snapshot?.active.some(({ held }) => held.length > 0) ?? false,
         null,
       );
-    await isHeld();
+    await untilHeld();
     await app.panel("Timeline");
     const entries = () =>
       told(server, run).filter(

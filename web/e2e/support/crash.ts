@@ -4,7 +4,7 @@ import { expect, vi } from "vitest";
 import type { Picture } from "../../src/model/generated/protocol.ts";
 import type { App } from "./app.ts";
 import { runnersOf } from "./runner.ts";
-import { isActive, runInFront } from "./runs.ts";
+import { runInFront, untilActive } from "./runs.ts";
 import type { Server } from "./server.ts";
 
 /** Kills the program of the run in front once the state is active and has said that it works, by this global variable. */
@@ -14,16 +14,16 @@ export async function crashIn(
   path: string,
   variable: string,
 ): Promise<void> {
-  await isActive(app, path);
+  await untilActive(app, path);
   const run = await runInFront(app);
-  await hasSet(server, run, variable);
+  await untilSet(server, run, variable);
   const runners = runnersOf(server, run);
   expect(runners.length).toBe(1);
   for (const pid of runners) process.kill(pid, "SIGKILL");
 }
 
 /** Waits until the run is known to have set a global variable. */
-async function hasSet(server: Server, run: string, variable: string): Promise<void> {
+async function untilSet(server: Server, run: string, variable: string): Promise<void> {
   await vi.waitUntil(
     async () => {
       const { globals } = await server.ask<Picture>("GET", `/runs/${run}/moments`);

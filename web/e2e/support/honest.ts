@@ -61,7 +61,7 @@ export async function linkIs(app: App, state: "up" | "down"): Promise<void> {
 }
 
 /** Waits until the page knows that it has been without connection for so long. */
-export async function isDownFor(app: App, ms: number): Promise<void> {
+export async function untilDownFor(app: App, ms: number): Promise<void> {
   const look = () =>
     app.sheet.evaluate((wanted) => {
       const link = window.__rafcon.page.server.link.value;

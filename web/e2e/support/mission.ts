@@ -138,7 +138,7 @@ export function status(app: App) {
 }
 
 /** Waits until the run is over for this page. */
-export async function isOver(app: App): Promise<void> {
+export async function untilOver(app: App): Promise<void> {
   await status(app).getByText("finished").waitFor();
 }
 

@@ -66,7 +66,7 @@ export async function heldInside(app: App, path: string): Promise<void> {
 }
 
 /** Waits until the state is active. */
-export async function isActive(app: App, path: string): Promise<void> {
+export async function untilActive(app: App, path: string): Promise<void> {
   await app.until(
     ({ tab }, wanted) =>
       tab?.run.value?.now.value?.snapshot?.active.some((state) => state.path === wanted) ?? false,

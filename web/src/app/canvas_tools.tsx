@@ -15,7 +15,7 @@ import {
   ZoomIn,
   ZoomOut,
 } from "lucide-react";
-import { isFollowed } from "../store/following.ts";
+import { followedSignal } from "../store/following.ts";
 import type { OpenTab } from "../store/page.ts";
 import { IconButton } from "../ui/button.tsx";
 import { useSignal } from "../ui/signals.ts";
@@ -60,7 +60,7 @@ export function CanvasTools({ tab }: { tab: OpenTab }) {
   );
   const watch = useSignal(tab.run);
   const heat = useSignal(tab.view.heat);
-  const follows = useSignal(isFollowed(tab.view));
+  const follows = useSignal(followedSignal(tab.view));
   return (
     <>
       {watch && (

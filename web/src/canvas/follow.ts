@@ -5,7 +5,7 @@ import { effect } from "@preact/signals-core";
 import type { Box, Size } from "../model/geometry.ts";
 import { commonPath, parentOf } from "../model/path.ts";
 import { activeStates, lanes, placeOfLane } from "../store/active.ts";
-import { isFollowed } from "../store/following.ts";
+import { followedSignal } from "../store/following.ts";
 import type { OpenTab, Page } from "../store/page.ts";
 import type { Camera } from "../store/view.ts";
 import { screenBox } from "./camera.ts";
@@ -89,7 +89,7 @@ export function followRun(
   picture: CanvasPicture,
   flight: Flight,
 ): () => void {
-  const follows = isFollowed(view);
+  const follows = followedSignal(view);
   let goal: Camera | null = null;
   let last: Camera = view.camera.peek();
   let size = picture.size();

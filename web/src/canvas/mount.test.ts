@@ -2,7 +2,7 @@
 import { signal } from "@preact/signals-core";
 import { afterEach, beforeEach, expect, test, vi } from "vitest";
 import { dragged } from "../store/dragged.ts";
-import { isFollowed } from "../store/following.ts";
+import { followedSignal } from "../store/following.ts";
 import type { RunMark } from "../store/marks.ts";
 import type { Page } from "../store/page.ts";
 import { FIRST_SETTINGS } from "../store/settings.ts";
@@ -86,13 +86,13 @@ test("the whole machine is in view at first, and the camera comes back", () => {
 test("a canvas that comes back in another size has the same in its middle, and follows on", () => {
   const { view, mounted } = mounting();
   view.camera.value = { x: 100, y: 100, scale: 2 };
-  isFollowed(view).value = true;
+  followedSignal(view).value = true;
   mounted.dispose();
   vi.spyOn(HTMLElement.prototype, "clientWidth", "get").mockReturnValue(SIZE.width / 2);
   const again = mount(view);
   open.push(again.mounted);
   expect(view.camera.value).toEqual({ x: 225, y: 100, scale: 2 });
-  expect(isFollowed(view).value).toBe(true);
+  expect(followedSignal(view).value).toBe(true);
   expect(again.told).toEqual([]);
 });
 

@@ -3,7 +3,7 @@
 import type { RunSummary } from "../model/generated/protocol.ts";
 import { startedInWords, statusInWords, summaryStatusWords } from "../model/run_words.ts";
 import { comparedRun } from "../store/compared_run.ts";
-import { isFollowed } from "../store/following.ts";
+import { followedSignal } from "../store/following.ts";
 import { entryToStartFrom } from "../store/moments.ts";
 import { type OpenTab, type Page, runOf } from "../store/page.ts";
 import { liveRun, runsOfTab } from "../store/running.ts";
@@ -51,10 +51,10 @@ export const RUN_SHOW: readonly UserCommand[] = [
     title: "Follow what runs",
     detail: "The canvas goes along with the active states.",
     menu: "Run/7",
-    checked: ({ tab }) => tab !== null && isFollowed(tab.view).value,
+    checked: ({ tab }) => tab !== null && followedSignal(tab.view).value,
     refusal: ({ page }) => (runOf(page) ? null : NONE),
     run: ({ tab }) => {
-      if (tab) isFollowed(tab.view).value = !isFollowed(tab.view).peek();
+      if (tab) followedSignal(tab.view).value = !followedSignal(tab.view).peek();
     },
   },
   {

@@ -19,9 +19,9 @@ export async function startRun(
   more: Partial<Start> = {},
 ): Promise<Watch | null> {
   const { page, tab } = context;
-  if (!tab || !(await mayBeAnother(context, tab))) return null;
+  if (!tab || !(await confirmAnother(context, tab))) return null;
   const machine = await asOnDisk(context, tab);
-  if (!machine || !(await mayHaveErrors(context, tab))) return null;
+  if (!machine || !(await confirmErrors(context, tab))) return null;
   const breakpoints = allowed(context, keptBreakpoints(tab).peek());
   const id = await page.runs.start({ breakpoints, ...more, machine });
   await page.showRun(id);
@@ -29,7 +29,7 @@ export async function startRun(
 }
 
 /** A second run beside one that goes on is seldom meant: robots have one body. */
-async function mayBeAnother({ page, shell }: CommandContext, tab: OpenTab): Promise<boolean> {
+async function confirmAnother({ page, shell }: CommandContext, tab: OpenTab): Promise<boolean> {
   const live = runningBeside(page, tab);
   const [first] = live;
   if (!first) return true;
@@ -47,7 +47,7 @@ async function mayBeAnother({ page, shell }: CommandContext, tab: OpenTab): Prom
 }
 
 /** A machine with errors is started only if that is meant. */
-async function mayHaveErrors({ shell }: CommandContext, tab: OpenTab): Promise<boolean> {
+async function confirmErrors({ shell }: CommandContext, tab: OpenTab): Promise<boolean> {
   const problems = tab.session.fixed === null ? await tab.session.check() : null;
   const errors = (problems ?? []).filter(({ severity }) => severity === "error");
   if (errors.length === 0) return true;

@@ -26,11 +26,11 @@ export function useRunAge(page: Page, watch: Watch | null): RunAge {
 
 /** Whether what is shown of the run in front may be old. What shows it has the class `shows-run`, and is greyed then. */
 export function useIsOld(page: Page): boolean {
-  return useSignal(useMemo(() => isOldIn(page), [page]));
+  return useSignal(useMemo(() => oldSignal(page), [page]));
 }
 
 /** The same as a signal. */
-function isOldIn(page: Page) {
+function oldSignal(page: Page) {
   return computed(() => {
     const watch = runOf(page);
     return watch !== null && runAge(page, watch, clock1s.value).isOld;

@@ -62,7 +62,7 @@ function boxesIn(machine: Machine, path: string): ReadonlyMap<string, Box> {
 }
 
 /** No two states overlap, and all are inside of the state around them. */
-function isTidy(machine: Machine, path: string): void {
+function expectTidy(machine: Machine, path: string): void {
   const state = machine.state(path);
   const size = state && readLayout(state).size;
   const boxes = [...boxesIn(machine, path)];
@@ -74,12 +74,12 @@ function isTidy(machine: Machine, path: string): void {
     for (const [other, second] of boxes) {
       if (other !== child) expect(intersects(box, second), `${child} and ${other}`).toBe(false);
     }
-    isTidy(machine, child);
+    expectTidy(machine, child);
   }
 }
 
 test("all levels are tidy: nothing overlaps, everything is inside", async () => {
-  isTidy(await laidOut(sketch(MISSION), "R", true), "R");
+  expectTidy(await laidOut(sketch(MISSION), "R", true), "R");
 });
 
 test("it goes on from the start, and errors are handled below what goes on", async () => {
@@ -104,13 +104,13 @@ test("a loop back to the start by way of an error is laid out", async () => {
       T.ok > I
       A.ok > I
   `);
-  isTidy(await laidOut(recovery, "R", false), "R");
+  expectTidy(await laidOut(recovery, "R", false), "R");
 });
 
 test("one level keeps its size and scales what stands in it", async () => {
   const document = await laidOut(sketch(MISSION), "R", true);
   const again = await laidOut({ ...sketch(MISSION), states: statesOf(document) }, "R/B", false);
-  isTidy(again, "R");
+  expectTidy(again, "R");
   const size = (machine: Machine) => boxesIn(machine, "R").get("R/B");
   expect(size(again)).toEqual(size(document));
 });

@@ -21,7 +21,7 @@ interface Ignored {
 }
 
 /** Whether a connection may lead from one to the other, as it would be made by `connect`. */
-export function canConnect(machine: Machine, from: ElementRef, to: ElementRef): true | Refused {
+export function checkConnect(machine: Machine, from: ElementRef, to: ElementRef): true | Refused {
   const edits = connection(machine, from, to);
   return isRefused(edits) ? edits : true;
 }

@@ -5,7 +5,7 @@ import type { SessionView } from "./view.ts";
 
 const KNOWN = new WeakMap<SessionView, Signal<boolean>>();
 
-export function isFollowed(view: SessionView): Signal<boolean> {
+export function followedSignal(view: SessionView): Signal<boolean> {
   let known = KNOWN.get(view);
   if (!known) {
     known = signal(false);

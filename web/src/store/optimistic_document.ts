@@ -82,9 +82,9 @@ export class OptimisticDocument implements Machine {
     if (header !== this.#header) touched.add(this.#root);
     if (touched.size === 0) return touched;
     this.#nextVersion(touched);
-    const isLibrary = (path: string) =>
+    const libraryAt = (path: string) =>
       earlier.get(path)?.library ?? this.#states.get(path)?.library;
-    if ([...touched].some(isLibrary)) this.#graft.forget();
+    if ([...touched].some(libraryAt)) this.#graft.forget();
     return touched;
   }
 

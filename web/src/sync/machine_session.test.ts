@@ -154,16 +154,16 @@ describe("an open machine", () => {
 
   it("is checked once its problems were told, and not any more after an edit", async () => {
     const { server, session, clock } = setUp();
-    const isChecked = async () => {
+    const checked = async () => {
       const before = session.isChecked.value;
       clock.pass(1_000);
       await settle();
       return [before, session.isChecked.value];
     };
-    expect(await isChecked()).toEqual([false, true]);
+    expect(await checked()).toEqual([false, true]);
     server.make("x", RENAME);
     server.tell(1);
-    expect(await isChecked()).toEqual([false, true]);
+    expect(await checked()).toEqual([false, true]);
   });
 
   it("shows what the server has once nothing is on its way, whatever came in which order", async () => {

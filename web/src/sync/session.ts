@@ -69,7 +69,7 @@ function keep({ clock, own, shared, tabs, active, leaving }: SessionPorts): void
 
 async function restore(ports: SessionPorts, session: KeptTabs | null): Promise<void> {
   if (!session) return;
-  await isUp(ports.server);
+  await untilUp(ports.server);
   if (session.tabs.some(({ run }) => run !== null)) await ports.runs.refresh();
   const places = new Map<OpenTab, number>();
   for (const [at, kept] of frontFirst(session)) {
@@ -128,7 +128,7 @@ async function openAgain(ports: SessionPorts, file: MachineFile): Promise<OpenTa
 }
 
 /** Waits for the first connection. */
-function isUp(server: Server): Promise<void> {
+function untilUp(server: Server): Promise<void> {
   return new Promise((up) => {
     const stop = effect(() => {
       if (server.link.value.state !== "up") return;

@@ -3,7 +3,7 @@
 import { type ElementRef, elementOf, keyOf } from "../../model/element.ts";
 import { distance, intersects, type Point } from "../../model/geometry.ts";
 import type { Machine } from "../../model/machine.ts";
-import { canConnect } from "../../plan/connect.ts";
+import { checkConnect } from "../../plan/connect.ts";
 import { isRefused, type Refused, refused } from "../../plan/plan.ts";
 import { screenFromWorld, visibleBox, worldFromScreen } from "../camera.ts";
 import type { CanvasPort } from "../hit/look.ts";
@@ -57,8 +57,8 @@ function collect(path: string, data: boolean, context: ToolContext, found: Visib
 /** The order in which the keyboard walks targets: the nearest first, those of the state where it begins last. */
 export function nearerTo(at: Point, own: string): (one: VisiblePort, other: VisiblePort) => number {
   const away = ({ at: there }: VisiblePort) => (there.x - at.x) ** 2 + (there.y - at.y) ** 2;
-  const isOwn = ({ element }: VisiblePort) => (element.path === own ? 1 : 0);
-  return (one, other) => isOwn(one) - isOwn(other) || away(one) - away(other);
+  const ownRank = ({ element }: VisiblePort) => (element.path === own ? 1 : 0);
+  return (one, other) => ownRank(one) - ownRank(other) || away(one) - away(other);
 }
 
 export interface PortPair {
@@ -75,9 +75,9 @@ export function endsBetween(
   if (isData(one) !== isData(other)) {
     return refused("A transition joins outcomes and incomes, a data flow joins data ports.");
   }
-  const forth = canConnect(machine, one, other);
+  const forth = checkConnect(machine, one, other);
   if (forth === true) return { from: one, to: other };
-  const back = canConnect(machine, other, one);
+  const back = checkConnect(machine, other, one);
   return back === true ? { from: other, to: one } : forth;
 }
 
