@@ -15,7 +15,7 @@ const RUN = { id: "r", machine: FILE, started_ms: 1, phase: "finished" } as unkn
 const HOUSE: ServerStatus = { files_revision: 1, machines: [MACHINE], runs: [] };
 
 function setUp(
-  sheds = { own: memoryStore(), shared: memoryStore() },
+  stores = { own: memoryStore(), shared: memoryStore() },
   runs: readonly RunSummary[] = [],
 ) {
   const server = new FakeServer(sketch("R hierarchy\n  A execution"));
@@ -27,13 +27,13 @@ function setUp(
     return follow(follower);
   };
   const clock = new FakeClock();
-  const page = startPage({ server, clock, sheds });
+  const page = startPage({ server, clock, stores });
   const tellStatus = (status: ServerStatus) => {
     const follower = followers.find((each) => each.topic().topic === "server_status");
     follower?.frame({ frame: "server_status", subscription: 1, status });
   };
   const asked = (path: string) => server.asked.filter((each) => each === `GET ${path}`).length;
-  return { server, page, clock, sheds, tellStatus, asked };
+  return { server, page, clock, stores, tellStatus, asked };
 }
 
 async function settle(): Promise<void> {
@@ -100,13 +100,13 @@ describe("the page", () => {
   });
 
   it("comes back as it was", async () => {
-    const { page, clock, sheds } = setUp();
+    const { page, clock, stores } = setUp();
     const tab = await page.open(FILE);
     await settle();
     select(tab.view, [{ kind: "state", path: "R/A" }]);
     tab.view.camera.value = { x: 1, y: 2, scale: 3 };
     clock.pass(1_000);
-    const again = setUp({ own: memoryStore(), shared: sheds.shared }).page;
+    const again = setUp({ own: memoryStore(), shared: stores.shared }).page;
     expect(again.isRestoring.value).toBe(true);
     await settle();
     expect(again.isRestoring.value).toBe(false);
@@ -139,7 +139,7 @@ describe("the page", () => {
   });
 
   it("comes back with the runs that it showed, but for those that were deleted since", async () => {
-    const { server, page, clock, sheds } = setUp();
+    const { server, page, clock, stores } = setUp();
     server.runs = [RUN];
     await page.runs.refresh();
     await page.open(FILE);
@@ -149,21 +149,21 @@ describe("the page", () => {
     await page.open(FILE);
     clock.pass(1_000);
     expect(page.active.value).not.toBe(ran);
-    const again = setUp({ own: memoryStore(), shared: sheds.shared }, [RUN]).page;
+    const again = setUp({ own: memoryStore(), shared: stores.shared }, [RUN]).page;
     await settle();
     expect(again.tabs.value.map(({ run }) => run.value?.id)).toEqual(["r", "r"]);
     expect(again.tabs.value.map(({ session }) => session.fixed !== null)).toEqual([false, true]);
     expect(again.active.value).toBe(again.tabs.value[0]);
-    const later = setUp({ own: memoryStore(), shared: sheds.shared }).page;
+    const later = setUp({ own: memoryStore(), shared: stores.shared }).page;
     await settle();
     expect(later.tabs.value.map(({ run }) => run.value)).toEqual([null]);
   });
 
   it("remembers a machine as soon as it is open", async () => {
-    const { page, sheds } = setUp();
+    const { page, stores } = setUp();
     await settle();
     await page.open(FILE);
-    expect(setUp(sheds).page.isRestoring.value).toBe(true);
+    expect(setUp(stores).page.isRestoring.value).toBe(true);
   });
 
   it("asks for projects and libraries when files have changed, and only then", async () => {
@@ -233,7 +233,7 @@ describe("a page that is loaded again", () => {
     for (const file of files) await before.page.open(file);
     before.page.active.value = before.page.tabs.value[1] ?? null;
     before.clock.pass(1_000);
-    const again = setUp({ own: before.sheds.own, shared: before.sheds.shared });
+    const again = setUp({ own: before.stores.own, shared: before.stores.shared });
     again.server.hasMany = true;
     const fronts: string[] = [];
     again.page.active.subscribe((tab) => tab && fronts.push(tab.session.id));

@@ -39,14 +39,14 @@ export interface PageOptions {
   readonly server?: Server;
   readonly clock?: Clock;
   /** Where settings and open machines are kept; left out: in the browser. */
-  readonly sheds?: { readonly own: LocalStore; readonly shared: LocalStore };
+  readonly stores?: { readonly own: LocalStore; readonly shared: LocalStore };
 }
 
 /** The page, at work from now on. */
 export function startPage(options: PageOptions = {}): Page {
   const clock = options.clock ?? WALL_CLOCK;
   const server = options.server ?? connect(options.address ?? { url: "" });
-  const sheds = options.sheds ?? browserSheds();
+  const stores = options.stores ?? browserStores();
   const notices = signal<readonly Notice[]>([]);
   let told = 0;
   const tell: Page["tell"] = (notice) => {
@@ -62,18 +62,18 @@ export function startPage(options: PageOptions = {}): Page {
   });
   const libraryCache = new LibraryCache(server.request);
   const { projects, libraries } = followFiles(server, serverStatus, libraryCache);
-  const settings = followSettings(sheds.shared);
+  const settings = followSettings(stores.shared);
   const ports = { server, libraryCache, clock, newId: newIds(), tell };
   const runs = followRuns(ports, serverStatus, (run) => shownRuns(machines.tabs.peek()).has(run));
   const machines = openMachines(ports, settings, runs);
-  const isRestoring = followSession({ ...ports, ...sheds, ...machines, runs, leaving });
+  const isRestoring = followSession({ ...ports, ...stores, ...machines, runs, leaving });
   tellPresence(server, () => machines.active.value, clock);
   tellBreaks(server, clock, tell);
   const known = { serverStatus, projects, libraries, isRestoring };
   return { server, ...known, runs, notices, settings, tell, ...machines };
 }
 
-function browserSheds(): { readonly own: LocalStore; readonly shared: LocalStore } {
+function browserStores(): { readonly own: LocalStore; readonly shared: LocalStore } {
   if (typeof window === "undefined") return { own: memoryStore(), shared: memoryStore() };
   return {
     own: localStoreOf(() => window.sessionStorage),
