@@ -12,6 +12,7 @@ import { guardLeaving } from "./leaving.ts";
 import { Login, Unreachable } from "./login.tsx";
 import { Palette } from "./palette.tsx";
 import { PanelGuard } from "./panel_guard.tsx";
+import { preloadParts } from "./preload.ts";
 import { SessionProvider, useSession } from "./provided.tsx";
 import { tellOfRuns } from "./run_notices.ts";
 import type { AppSession } from "./session.ts";
@@ -65,6 +66,7 @@ function Inside() {
       listenToClipboard(session, document),
       guardLeaving(session, window),
       tellOfRuns(session),
+      preloadParts(session.page),
     ];
     return () => {
       for (const stop of stops) stop();

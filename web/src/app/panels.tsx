@@ -24,27 +24,40 @@ import {
 import type { FunctionComponent } from "react";
 import type { PanelSide } from "../commands/command.ts";
 import { countProblems } from "../model/problem.ts";
-import { Breakpoints } from "../panels/breakpoints/breakpoints.tsx";
-import { Compare } from "../panels/compare/compare.tsx";
-import { Differences } from "../panels/differences/differences.tsx";
-import { Edits } from "../panels/edits/edits.tsx";
-import { Globals } from "../panels/globals/globals.tsx";
 import { RunHistory } from "../panels/history/history.tsx";
-import { Inspector } from "../panels/inspector/inspector.tsx";
-import { Libraries } from "../panels/libraries/libraries.tsx";
 import { Log } from "../panels/log/log.tsx";
 import { Mission } from "../panels/mission/mission.tsx";
-import { Problems } from "../panels/problems/problems.tsx";
-import { Running } from "../panels/running/running.tsx";
-import { Runs } from "../panels/runs/runs.tsx";
-import { Search } from "../panels/search/search.tsx";
-import { Statistics } from "../panels/statistics/statistics.tsx";
 import { Timeline } from "../panels/timeline/timeline.tsx";
-import { StateTree } from "../panels/tree/tree.tsx";
-import { Watches } from "../panels/watches/watches.tsx";
 import { countUnacknowledged } from "../store/acknowledged.ts";
 import { breakpointsOf } from "../store/breakpoints.ts";
 import type { OpenTab } from "../store/page.ts";
+import { type OnDemand, onDemand } from "../ui/on_demand.tsx";
+
+// What mission control shows comes with the page, the rest when it is first shown.
+const Breakpoints = onDemand(
+  async () => (await import("../panels/breakpoints/breakpoints.tsx")).Breakpoints,
+);
+const Compare = onDemand(async () => (await import("../panels/compare/compare.tsx")).Compare);
+const Differences = onDemand(
+  async () => (await import("../panels/differences/differences.tsx")).Differences,
+);
+const Edits = onDemand(async () => (await import("../panels/edits/edits.tsx")).Edits);
+const Globals = onDemand(async () => (await import("../panels/globals/globals.tsx")).Globals);
+const Inspector = onDemand(
+  async () => (await import("../panels/inspector/inspector.tsx")).Inspector,
+);
+const Libraries = onDemand(
+  async () => (await import("../panels/libraries/libraries.tsx")).Libraries,
+);
+const Problems = onDemand(async () => (await import("../panels/problems/problems.tsx")).Problems);
+const Running = onDemand(async () => (await import("../panels/running/running.tsx")).Running);
+const Runs = onDemand(async () => (await import("../panels/runs/runs.tsx")).Runs);
+const Search = onDemand(async () => (await import("../panels/search/search.tsx")).Search);
+const Statistics = onDemand(
+  async () => (await import("../panels/statistics/statistics.tsx")).Statistics,
+);
+const StateTree = onDemand(async () => (await import("../panels/tree/tree.tsx")).StateTree);
+const Watches = onDemand(async () => (await import("../panels/watches/watches.tsx")).Watches);
 
 export interface Panel {
   readonly id: string;
@@ -118,6 +131,24 @@ export const PANELS: readonly Panel[] = [
     component: Differences,
     side: "bottom",
   },
+];
+
+/** What is loaded when it is first shown, or once the page has nothing else to do. */
+export const LATER: readonly OnDemand<never>[] = [
+  Breakpoints,
+  Compare,
+  Differences,
+  Edits,
+  Globals,
+  Inspector,
+  Libraries,
+  Problems,
+  Running,
+  Runs,
+  Search,
+  Statistics,
+  StateTree,
+  Watches,
 ];
 
 export function panelOf(id: string): Panel | undefined {

@@ -5,10 +5,14 @@ import type { Difference } from "../model/difference.ts";
 import { keyOf } from "../model/element.ts";
 import type { Machine } from "../model/machine.ts";
 import type { FieldChange } from "../model/state_fields.ts";
+import { onDemand } from "../ui/on_demand.tsx";
 import { Table, type TableColumn } from "../ui/table.tsx";
-import { TextDifference } from "../ui/text_difference.tsx";
 import { KIND_WORDS, summary, whereabouts } from "./difference_words.ts";
 import "./difference_list.css";
+
+const TextDifference = onDemand(
+  async () => (await import("../ui/text_difference.tsx")).TextDifference,
+);
 
 export interface DifferenceListProps {
   readonly label: string;

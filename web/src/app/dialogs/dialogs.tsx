@@ -1,19 +1,12 @@
 /** The dialogs that are open, one upon the other. */
 
-import type { FunctionComponent } from "react";
+import type { FunctionComponent, ReactElement } from "react";
+import { Dialog } from "../../ui/dialog.tsx";
+import { type OnDemand, onDemand } from "../../ui/on_demand.tsx";
 import { useSignal } from "../../ui/signals.ts";
 import { useSession } from "../provided.tsx";
 import type { OpenDialog } from "../session.ts";
-import { About } from "./about.tsx";
 import { Ask } from "./ask.tsx";
-import { BreakpointDialog } from "./breakpoint.tsx";
-import { Colour } from "./colour.tsx";
-import { Keys } from "./keys.tsx";
-import { LibraryChooser } from "./library_chooser.tsx";
-import { NewMachine } from "./new_machine.tsx";
-import { OpenMachine } from "./open_machine.tsx";
-import { SaveAs } from "./save_as.tsx";
-import { SettingsDialog } from "./settings.tsx";
 import { StartRunDialog } from "./start_run.tsx";
 import { TakeUp } from "./take_up.tsx";
 import "./dialogs.css";
@@ -23,6 +16,72 @@ export interface AskedDialogProps<Asks> {
   readonly asks: Asks;
   readonly answer: (answer: unknown) => void;
 }
+
+const framed = (words: ReactElement, { answer }: AskedDialogProps<never>) => (
+  <Dialog title="Not loaded" onClose={() => answer(null)}>
+    {words}
+  </Dialog>
+);
+
+// What commands a run comes with the page, the rest when it is first asked.
+const About = onDemand(
+  async () => (await import("./about.tsx")).About as FunctionComponent<AskedDialogProps<never>>,
+  framed,
+);
+const BreakpointDialog = onDemand(
+  async () =>
+    (await import("./breakpoint.tsx")).BreakpointDialog as FunctionComponent<
+      AskedDialogProps<never>
+    >,
+  framed,
+);
+const Colour = onDemand(
+  async () => (await import("./colour.tsx")).Colour as FunctionComponent<AskedDialogProps<never>>,
+  framed,
+);
+const Keys = onDemand(
+  async () => (await import("./keys.tsx")).Keys as FunctionComponent<AskedDialogProps<never>>,
+  framed,
+);
+const LibraryChooser = onDemand(
+  async () =>
+    (await import("./library_chooser.tsx")).LibraryChooser as FunctionComponent<
+      AskedDialogProps<never>
+    >,
+  framed,
+);
+const NewMachine = onDemand(
+  async () =>
+    (await import("./new_machine.tsx")).NewMachine as FunctionComponent<AskedDialogProps<never>>,
+  framed,
+);
+const OpenMachine = onDemand(
+  async () =>
+    (await import("./open_machine.tsx")).OpenMachine as FunctionComponent<AskedDialogProps<never>>,
+  framed,
+);
+const SaveAs = onDemand(
+  async () => (await import("./save_as.tsx")).SaveAs as FunctionComponent<AskedDialogProps<never>>,
+  framed,
+);
+const SettingsDialog = onDemand(
+  async () =>
+    (await import("./settings.tsx")).SettingsDialog as FunctionComponent<AskedDialogProps<never>>,
+  framed,
+);
+
+/** The dialogs that are loaded when they are first asked, or once the page has nothing else to do. */
+export const LATER_DIALOGS: readonly OnDemand<never>[] = [
+  About,
+  BreakpointDialog,
+  Colour,
+  Keys,
+  LibraryChooser,
+  NewMachine,
+  OpenMachine,
+  SaveAs,
+  SettingsDialog,
+];
 
 const DIALOGS: Readonly<Record<OpenDialog["name"], FunctionComponent<AskedDialogProps<never>>>> = {
   question: Ask,

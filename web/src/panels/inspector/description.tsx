@@ -1,15 +1,20 @@
 /** The description of a state: Markdown, shown as it reads, written as it stands. */
 
 import { Pencil } from "lucide-react";
-import { type KeyboardEvent, useId, useMemo, useState } from "react";
+import { type KeyboardEvent, useId, useState } from "react";
 import { setDescription } from "../../plan/states.ts";
 import { type DraftPlace, drafts } from "../../store/drafts.ts";
 import { Button, IconButton } from "../../ui/button.tsx";
+import { onDemand } from "../../ui/on_demand.tsx";
 import { useSignal } from "../../ui/signals.ts";
 import { Fold } from "./fold.tsx";
 import type { InspectedState } from "./inspector_context.ts";
-import { safeHtml } from "./markdown.ts";
 import { Refusal, useRefusal } from "./refusal.tsx";
+
+const Markdown = onDemand(async () => (await import("./markdown_text.tsx")).Markdown);
+
+/** What a description is shown by. */
+export const DESCRIPTION_PARTS = [Markdown];
 
 export function Description({ inspected }: { inspected: InspectedState }) {
   const { path, state, tab, readOnly } = inspected;
@@ -21,7 +26,7 @@ export function Description({ inspected }: { inspected: InspectedState }) {
   const writes = !readOnly && (isWriting || draft !== undefined);
   const pencil = (
     <IconButton
-      label={writes ? "Show the description as it reads" : "Edit the description"}
+      label={writes ? "Show the formatted description" : "Edit the description"}
       icon={<Pencil size={14} />}
       pressed={writes}
       onClick={() => setWriting(!writes)}
@@ -112,13 +117,3 @@ function Writing({ inspected: { path, state, edit }, place, onDone }: WritingPro
 }
 
 /** Text as Markdown; what could run or load anything is taken out. */
-function Markdown({ text }: { text: string }) {
-  const html = useMemo(() => safeHtml(text), [text]);
-  return (
-    <div
-      className="inspector-markdown"
-      // biome-ignore lint/security/noDangerouslySetInnerHtml: DOMPurify has taken out what could do harm
-      dangerouslySetInnerHTML={{ __html: html }}
-    />
-  );
-}

@@ -1,21 +1,20 @@
 /** The script of a state: written as a draft that the browser keeps until it is applied, one step of the history. */
 
 import { Check, RotateCcw } from "lucide-react";
-import { useEffect, useMemo, useRef } from "react";
-import { globalsOf } from "../../model/globals.ts";
-import { outcomesOf, portsOf } from "../../model/machine.ts";
 import { setScript } from "../../plan/states.ts";
 import { type DraftPlace, drafts } from "../../store/drafts.ts";
-import { scriptLineRevealRequest } from "../../store/script_line_reveal_request.ts";
 import { Button } from "../../ui/button.tsx";
+import { onDemand } from "../../ui/on_demand.tsx";
 import { useSignal } from "../../ui/signals.ts";
-import type { ScriptNames } from "./code/complete.ts";
-import { type ScriptEditor, scriptEditor } from "./code/script_editor.ts";
 import { Fold } from "./fold.tsx";
 import type { InspectedState } from "./inspector_context.ts";
 import { Refusal, useRefusal } from "./refusal.tsx";
-import { checkScript } from "./script_check.ts";
-import { ScriptConflict } from "./script_conflict.tsx";
+
+const ScriptCode = onDemand(async () => (await import("./script_code.tsx")).ScriptCode);
+const ScriptConflict = onDemand(async () => (await import("./script_conflict.tsx")).ScriptConflict);
+
+/** What the script of a state is shown by. */
+export const SCRIPT_PARTS = [ScriptCode, ScriptConflict];
 
 export function Script({ inspected }: { inspected: InspectedState }) {
   const { path, state, tab, readOnly, edit } = inspected;
@@ -40,7 +39,7 @@ export function Script({ inspected }: { inspected: InspectedState }) {
   };
   return (
     <Fold title="Script">
-      <Code
+      <ScriptCode
         key={path}
         inspected={inspected}
         text={text}
@@ -76,73 +75,4 @@ export function Script({ inspected }: { inspected: InspectedState }) {
       )}
     </Fold>
   );
-}
-
-interface CodeProps {
-  readonly inspected: InspectedState;
-  readonly text: string;
-  readonly onType: (text: string) => void;
-  readonly onApply: () => void;
-}
-
-/** The editor lives as long as the same state is shown; what comes from outside is put in. */
-function Code({ inspected, text, onType, onApply }: CodeProps) {
-  const place = useRef<HTMLDivElement>(null);
-  const editor = useRef<ScriptEditor | null>(null);
-  const latest = useRef({ inspected, onType, onApply, text });
-  latest.current = { inspected, onType, onApply, text };
-  const { page, path, tab } = inspected;
-  const check = useMemo(() => {
-    const state = tab.session.fixed === null ? { machine: tab.session.id, path } : null;
-    return checkScript(page, state);
-  }, [page, path, tab]);
-  useEffect(() => {
-    if (!place.current) return;
-    const made = scriptEditor(place.current, {
-      text: latest.current.text,
-      readOnly: latest.current.inspected.readOnly,
-      label: `Script of ${latest.current.inspected.state.name}`,
-      names: () => namesOf(latest.current.inspected),
-      check,
-      onRepair: async ({ name, edit }) => {
-        await latest.current.inspected.tab.session.edit(name, edit);
-      },
-      onType: (typed) => latest.current.onType(typed),
-      onApply: () => latest.current.onApply(),
-    });
-    editor.current = made;
-    return () => made.view.destroy();
-  }, [check]);
-  useEffect(() => editor.current?.put(text), [text]);
-  useEffect(() => editor.current?.setReadOnly(inspected.readOnly), [inspected.readOnly]);
-  const wanted = useSignal(scriptLineRevealRequest);
-  useEffect(() => {
-    if (wanted?.path !== inspected.path) return;
-    editor.current?.goTo(wanted.line);
-    scriptLineRevealRequest.value = null;
-  }, [wanted, inspected.path]);
-  const height = useRef(heightOf(text));
-  return <div ref={place} className="inspector-code" style={{ height: height.current }} />;
-}
-
-const LINE_PX = 18;
-const [SHORT_PX, TALL_PX] = [120, 420];
-
-/** As tall as its text at first; whoever wants it otherwise drags its corner. */
-function heightOf(text: string): number {
-  const lines = text.split("\n").length + 2;
-  return Math.min(TALL_PX, Math.max(SHORT_PX, lines * LINE_PX));
-}
-
-function namesOf({ state, machine }: InspectedState): ScriptNames {
-  const ports = (kind: "input" | "output") =>
-    portsOf(state, kind).map(({ name, data_type }) => ({ name, detail: data_type }));
-  return {
-    inputs: ports("input"),
-    outputs: ports("output"),
-    outcomes: outcomesOf(state)
-      .toSorted((one, other) => Number(one.id < 0) - Number(other.id < 0))
-      .map(({ name, id }) => ({ name, detail: `outcome ${id}` })),
-    globals: globalsOf(machine).map(({ name }) => ({ name, detail: "global variable" })),
-  };
 }

@@ -1,0 +1,31 @@
+/** Loads what is shown later, once the page is there, so that it is shown at once and also while the server is gone. A slow network
+ * is left to what somebody looks at. */
+
+import { effect } from "@preact/signals-core";
+import type { Page } from "../store/page.ts";
+import { preloadAll } from "../ui/on_demand.tsx";
+import { LATER_DIALOGS } from "./dialogs/dialogs.tsx";
+import { LATER } from "./panels.tsx";
+
+/** A network counts as quick if a question and its answer take no longer. */
+const QUICK_MS = 250;
+
+/** Begins as soon as the network has shown that it is quick. */
+export function preloadParts(page: Page): () => void {
+  let isBegun = false;
+  return effect(() => {
+    const delay_ms = page.server.pulse.value?.delay_ms ?? null;
+    if (isBegun || delay_ms === null || delay_ms > QUICK_MS) return;
+    isBegun = true;
+    void preloadEverything();
+  });
+}
+
+async function preloadEverything(): Promise<void> {
+  await preloadAll([...LATER, ...LATER_DIALOGS]);
+  const [{ SCRIPT_PARTS }, { DESCRIPTION_PARTS }] = await Promise.all([
+    import("../panels/inspector/script.tsx"),
+    import("../panels/inspector/description.tsx"),
+  ]);
+  await preloadAll([...SCRIPT_PARTS, ...DESCRIPTION_PARTS]);
+}
