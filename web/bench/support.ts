@@ -80,6 +80,7 @@ export async function freshPage(
   options: BrowserContextOptions = {},
 ): Promise<Sheet> {
   const context = await browser.newContext({ viewport: VIEW, ...options });
+  await context.addInitScript("window.__rafcon = null");
   const sheet = await context.newPage();
   sheet.on("pageerror", (error) => process.stderr.write(`the page: ${error.message}\n`));
   await sheet.goto(server.link);

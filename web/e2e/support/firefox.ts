@@ -79,6 +79,9 @@ export class Firefox {
     await firefox.#ask("session.new", { capabilities: {} });
     const { contexts } = await firefox.#ask("browsingContext.getTree", {});
     firefox.#context = (contexts as { context: string }[])[0]?.context ?? "";
+    await firefox.#ask("script.addPreloadScript", {
+      functionDeclaration: "() => { window.__rafcon = null; }",
+    });
     await firefox.#ask("browsingContext.setViewport", {
       context: firefox.#context,
       viewport: SIZE,

@@ -75,6 +75,7 @@ async function hands(server: Server, people: App[], setting: Setting): Promise<H
       ...setting.browser,
     });
     context.setDefaultTimeout(20_000);
+    await context.addInitScript("window.__rafcon = null");
     return known(new App(await context.newPage(), server));
   };
   const known = (app: App) => {
