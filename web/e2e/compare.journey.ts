@@ -21,7 +21,7 @@ journey(
     await shown(app, late);
     await app.panel("Compare runs");
     await app.sheet.getByLabel("The other run").selectOption(found);
-    const branches = app.sheet.getByRole("grid", { name: "Branches on which the runs part" });
+    const branches = app.sheet.getByRole("grid", { name: "Branches where the runs diverge" });
     await branches.getByText("first", { exact: true }).waitFor();
     expect(await branches.getByRole("row").count()).toBe(parted.length + 1);
     await branches.getByText("Timer ended by time is up").click();

@@ -45,20 +45,20 @@ journey("a run that crashed is taken up on the recovery path", SETTING, async ({
   await stands(app, "crashed");
   await app.told(/The program of this run died in “Press”/);
   await app.sheet.getByRole("button", { name: "Decide…" }).click();
-  const dialog = app.sheet.getByRole("dialog", { name: "Take the run up again" });
+  const dialog = app.sheet.getByRole("dialog", { name: "Resume the run" });
   await dialog.getByText("Plug the cable in › Insert the plug › Push › Press").waitFor();
-  await dialog.getByRole("button", { name: /^End them by aborted/ }).click();
+  await dialog.getByRole("button", { name: /^End them as aborted/ }).click();
   const ends = await untilOver(app);
   expect(ends).toContain(`${PRESSED} aborted`);
   expect(ends).toContain("PLUGIN/CHOOSE turn the plug");
 });
 
-journey("interrupted scripts wait until somebody decides", SETTING, async ({ app, server }) => {
+journey("interrupted scripts wait for a decision", SETTING, async ({ app, server }) => {
   await press(app, "Start");
   await crashIn(app, server, PRESSED, "tries");
   await stands(app, "crashed");
   await app.sheet.getByRole("button", { name: "Decide…" }).click();
-  const dialog = app.sheet.getByRole("dialog", { name: "Take the run up again" });
+  const dialog = app.sheet.getByRole("dialog", { name: "Resume the run" });
   await dialog.getByRole("button", { name: /^Decide for each state/ }).click();
   await app.told(/The crash interrupted a script/);
   const bar = app.sheet.locator(".bar", { hasText: "The crash interrupted" });
@@ -71,7 +71,7 @@ journey("interrupted scripts wait until somebody decides", SETTING, async ({ app
 journey("a run by the rule abort goes on by itself", SETTING, async ({ app, server }) => {
   await app.menu("Run", "Start with…");
   const dialog = app.sheet.getByRole("dialog", { name: /^Start / });
-  await dialog.getByLabel(/scripts that it interrupted/).selectOption("abort");
+  await dialog.getByLabel(/interrupted scripts/).selectOption("abort");
   await dialog.getByRole("button", { name: "Start", exact: true }).click();
   await crashIn(app, server, PRESSED, "tries");
   expect(await untilOver(app)).toContain("PLUGIN/CHOOSE turn the plug");

@@ -95,8 +95,8 @@ journey(
     const file = join(server.place.project, "hierarchy_and_data", "core_data.json");
     writeFileSync(file, readFileSync(file, "utf8").replace("Pack an order", "Pack two orders"));
     await app.press("Control+s");
-    const dialog = app.sheet.getByRole("dialog", { name: /changed by another program/ });
-    await dialog.getByRole("button", { name: /Save mine over it/ }).click();
+    const dialog = app.sheet.getByRole("dialog", { name: /Another program changed the files/ });
+    await dialog.getByRole("button", { name: /Overwrite with mine/ }).click();
     await untilChanged(app, false);
     expect(readFileSync(file, "utf8")).not.toContain("Pack two orders");
   },
@@ -116,8 +116,8 @@ journey(
     await app.press("Delete");
     await untilChanged(app, true);
     await app.press("Control+Alt+w");
-    const dialog = app.sheet.getByRole("dialog", { name: /before it is closed/ });
-    await dialog.getByRole("button", { name: /give up the edits/ }).click();
+    const dialog = app.sheet.getByRole("dialog", { name: /before closing/ });
+    await dialog.getByRole("button", { name: /discard the edits/ }).click();
     await app.until(({ page }) => page.tabs.value.length === 1, null);
   },
 );

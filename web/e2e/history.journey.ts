@@ -45,7 +45,7 @@ journey("what a step changed stands beside it", HERE, async ({ app }) => {
 
 journey("what differs from the disk is listed, and marked on the canvas", HERE, async ({ app }) => {
   await app.panel("Differences");
-  await app.sheet.getByRole("button", { name: "Compare with what lies on disk" }).click();
+  await app.sheet.getByRole("button", { name: "Compare with the version on disk" }).click();
   await expect.poll(() => app.sheet.getByText("No differences").count()).toBe(1);
   await rename(app, FULL, "Another name");
   const list = app.sheet.getByRole("grid", { name: "Differences" });

@@ -50,7 +50,7 @@ journey(
       await old.waitFor({ state: "detached" });
       wire.cut("silent");
       await old.waitFor({ timeout: 60_000 });
-      await app.told(/was not heard for \d+ s|^No connection for/);
+      await app.told(/No answer from the server for \d+ s|^No connection for/);
       await linkIs(app, "down");
       await app.sheet.getByText(/^No connection for/).waitFor();
       await untilDownFor(app, CUT_MS);
@@ -82,8 +82,8 @@ journey(
         const watch = window.__rafcon.page.active.value?.run.value;
         void watch?.command({ type: "pause" }, 500);
       });
-      const commands = app.sheet.getByRole("list", { name: "Commands under way" });
-      await commands.getByText(/Pause sent \d+\.\d s ago, no answer, and too late now/).waitFor();
+      const commands = app.sheet.getByRole("list", { name: "Pending commands" });
+      await commands.getByText(/Pause sent \d+\.\d s ago, expired without an answer/).waitFor();
       wire.mend();
       await commands.getByText("Pause expired: it was never carried out").waitFor();
       const status = await app.sheet.evaluate(
@@ -109,7 +109,7 @@ journey(
     await app.sheet.evaluate(() => {
       void window.__rafcon.page.active.value?.run.value?.command({ type: "pause" }, 600_000);
     });
-    const commands = app.sheet.getByRole("list", { name: "Commands under way" });
+    const commands = app.sheet.getByRole("list", { name: "Pending commands" });
     await commands.getByText(/Pause sent \d+\.\d s ago, not answered yet/).waitFor();
     const statusIs = (wanted: string) =>
       app.until(
@@ -132,13 +132,13 @@ journey(
     await goesOn(app);
     await app.sheet.keyboard.press("Control+Alt+m");
     await status(app).waitFor();
-    const live = missionOf(app).getByText("Live: server and robot are heard");
+    const live = missionOf(app).getByText("Live: server and robot respond");
     await live.waitFor();
     const old = app.sheet.locator(".canvas-mount.is-old");
     await old.waitFor({ state: "detached" });
     await whileStopped(server, run, async () => {
       await old.waitFor({ timeout: 60_000 });
-      const bar = missionOf(app).getByText(/^The server does not hear the robot: this is /);
+      const bar = missionOf(app).getByText(/^The server gets no answer from the robot: this is /);
       await bar.waitFor();
       const before = await bar.textContent();
       await eventually(async () => (await bar.textContent()) !== before);

@@ -37,7 +37,7 @@ const panel = async (app: App) => {
   await app.menu("View", "Layout");
   await app.sheet.getByRole("menuitem", { name: "Debug" }).click();
   await app.panel("Running");
-  return app.sheet.getByRole("list", { name: "What runs now" });
+  return app.sheet.getByRole("list", { name: "Active now" });
 };
 
 journey(
@@ -115,7 +115,7 @@ journey(
     await list.getByRole("button").first().waitFor();
     await perform(app, "run.live", undefined);
     await unringed(app, PACKER, "running");
-    await app.sheet.getByText("Nothing runs", { exact: true }).waitFor();
+    await app.sheet.getByText("Nothing is running", { exact: true }).waitFor();
   },
 );
 
@@ -129,7 +129,7 @@ journey("what runs now is listed, and leads there", waiting(), async ({ app }) =
   await row.click();
   await app.selected(`state:${FULL}`);
   await stopRun(app);
-  await app.sheet.getByText("Nothing runs").first().waitFor();
+  await app.sheet.getByText("Nothing is running").first().waitFor();
 });
 
 journey(
@@ -199,7 +199,7 @@ journey("the camera follows what runs, until somebody moves it", waiting(), asyn
   await app.sheet.getByRole("button", { name: "Follow what runs", pressed: true }).waitFor();
   await app.sheet.mouse.move(700, 400);
   await app.sheet.mouse.wheel(0, 200);
-  await app.told(/no longer follows what runs/);
+  await app.told(/no longer follows the active states/);
   await app.sheet.getByRole("button", { name: "Follow what runs", pressed: false }).waitFor();
   await app.sheet.getByRole("button", { name: "Follow again" }).click();
   await app.sheet.getByRole("button", { name: "Follow what runs", pressed: true }).waitFor();
@@ -215,7 +215,7 @@ journey(
     await app.sheet.getByRole("button", { name: "Heat: none" }).click();
     await app.sheet.getByRole("img", { name: "How often states ran: from 1× to 6×" }).waitFor();
     await app.press("Shift+h");
-    await app.sheet.getByRole("img", { name: /^How long states ran altogether/ }).waitFor();
+    await app.sheet.getByRole("img", { name: /^Total time in states/ }).waitFor();
     await app.press("Shift+h");
     await app.sheet.getByRole("button", { name: "Heat: none" }).waitFor();
   },

@@ -145,7 +145,7 @@ journey(
       await control(anna).getByRole("button", { name: "Take control" }).click();
       await control(bob).getByText("anna is in control").waitFor();
       const takeOver = control(bob).getByRole("button", { name: "Take over" });
-      await control(bob).getByText("possible once anna was silent for").waitFor();
+      await control(bob).getByText("of silence from anna").waitFor();
       expect(await takeOver.isDisabled()).toBe(true);
       await anna.sheet.close();
       await eventually(() => takeOver.isEnabled());
@@ -226,7 +226,7 @@ journey(
       await mission.getByRole("button", { name: /^1 event/ }).waitFor();
       expect(await places()).toEqual(asked);
       await server.end("SIGKILL");
-      await mission.getByText("The server is not heard").waitFor();
+      await mission.getByText("No answer from the server").waitFor();
       expect(await places()).toEqual(asked);
       await server.restart();
       await mission.getByText(/^Live/).waitFor();

@@ -76,10 +76,10 @@ crashed("after a crash scripts are aborted by mission control", async ({ app }) 
 });
 
 crashed("after a crash mission control asks for each script, and it decides", async ({ app }) => {
-  await take(app, "Take up and ask");
+  await take(app, "Resume and ask");
   const waiting = missionOf(app).getByRole("region", { name: "Interrupted scripts" });
   await waiting.getByText("Press").first().waitFor();
-  await waiting.getByRole("button", { name: "End by aborted" }).click();
+  await waiting.getByRole("button", { name: "End as aborted" }).click();
   await waiting.waitFor({ state: "detached" });
   await missionOf(app).getByRole("button", { name: "Resume", exact: true }).click();
   expect(await endsOfPress(app)).toEqual(["aborted"]);
@@ -93,7 +93,7 @@ crashed(
     await choices(vera).getByText("You cannot take it up: only operators").waitFor();
     await app.sheet.reload();
     await app.connected();
-    await choices(app).getByRole("button", { name: "Take up and ask" }).waitFor();
+    await choices(app).getByRole("button", { name: "Resume and ask" }).waitFor();
     await status(app).getByText("crashed").waitFor();
   },
 );

@@ -62,7 +62,7 @@ journey(
     await picture(app, "waits");
     await app.sheet.keyboard.press("Shift+F7");
     const asked = app.sheet.getByRole("dialog", { name: "Start another run?" });
-    await asked.getByText(/A run of “asks” goes on/).waitFor();
+    await asked.getByText(/A run of “asks” is active/).waitFor();
     await asked.getByRole("button", { name: "Cancel" }).click();
     await endRun(server, run);
   },

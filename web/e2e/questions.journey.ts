@@ -95,7 +95,7 @@ journey(
     const run = await startRun(server, "late");
     await openMission(app, "late");
     const mission = missionOf(app);
-    const closed = mission.getByRole("list", { name: "Questions that are closed" });
+    const closed = mission.getByRole("list", { name: "Closed questions" });
     const line = (question: string) => closed.getByRole("listitem").filter({ hasText: question });
     await line("Is the gripper empty?").getByText("nobody answered in time: “no”").waitFor();
     await line("May I go?").getByText("nobody answered in time", { exact: true }).waitFor();

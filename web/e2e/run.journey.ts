@@ -78,7 +78,7 @@ journey(
   "steps go into, over and out of a hierarchy, and back again with the data as they were",
   { open: "hierarchy_and_data" },
   async ({ app, server }) => {
-    await app.menu("Run", "Start held");
+    await app.menu("Run", "Start paused");
     await heldBefore(app, `${PACKER}/ISFULL`);
     const run = await runInFront(app);
     const count = async () => {
@@ -138,7 +138,7 @@ journey(
   async ({ app, server }) => {
     await boxed(server);
     await app.open("barrier_with_decider");
-    await app.menu("Run", "Start held");
+    await app.menu("Run", "Start paused");
     await heldBefore(app, "SLFTST/ALLDEV");
     await press(app, "Into");
     const [arm, camera] = ["SLFTST/ALLDEV/ARMBOX", "SLFTST/ALLDEV/CAMBOX"];
@@ -253,13 +253,13 @@ journey(
       );
     };
     await rename("Write the label");
-    await app.menu("Run", "Start held");
+    await app.menu("Run", "Start paused");
     await app.sheet.getByRole("button", { name: /^Save and start/ }).click();
     await heldBefore(app, `${PACKER}/ISFULL`);
     await rename("Print the label");
     await app.told(/edited since/);
     await app.sheet.getByRole("button", { name: "Take edits into the run" }).click();
-    await app.told(/goes by the edited machine/);
+    await app.told(/now uses the edited machine/);
     await app.sheet.getByText(/edited since/).waitFor({ state: "detached" });
     await press(app, "Resume");
     await ended(app, "success");
@@ -289,10 +289,10 @@ journey(
   "two runs of a machine go on at once, are switched between, and are found and deleted in the panel",
   { open: "hierarchy_and_data" },
   async ({ app, server }) => {
-    await app.menu("Run", "Start held");
+    await app.menu("Run", "Start paused");
     await heldBefore(app, `${PACKER}/ISFULL`);
     const first = await runInFront(app);
-    await app.menu("Run", "Start held");
+    await app.menu("Run", "Start paused");
     await answer(app, "Start another run?", "Start another");
     await app.until(({ tab }, id) => tab?.run.value?.id !== id, first);
     await heldBefore(app, `${PACKER}/ISFULL`);

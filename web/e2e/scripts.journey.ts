@@ -85,7 +85,7 @@ journey("a script that somebody else changed is compared", HERE, async ({ app, c
   await anna.select(LABEL);
   await write(anna, "# theirs");
   await anna.sheet.keyboard.press("Control+Enter");
-  await app.told("Somebody else changed this script while you were writing");
+  await app.told("Someone else changed this script while you were editing");
   expect(await script(app)).toContain("# theirs");
   await app.sheet.getByRole("button", { name: "Compare…" }).click();
   const both = app.sheet.getByRole("dialog", { name: "Two versions of the script" });
@@ -99,7 +99,7 @@ journey("a script that somebody else changed is compared", HERE, async ({ app, c
 
 journey("an outcome is led elsewhere by a choice", HERE, async ({ app }) => {
   await app.select(LABEL);
-  const goal = app.sheet.getByRole("combobox", { name: "Where aborted leads" });
+  const goal = app.sheet.getByRole("combobox", { name: "Target of aborted" });
   await goal.focus();
   await goal.selectOption({ label: "Pack one part" });
   await app.settled();
@@ -114,7 +114,7 @@ journey("an outcome is led elsewhere by a choice", HERE, async ({ app }) => {
 
 journey("the inspector stays where it is pinned", HERE, async ({ app }) => {
   await app.select(LABEL);
-  await app.sheet.getByRole("button", { name: "Stay at this" }).click();
+  await app.sheet.getByRole("button", { name: "Pin this selection" }).click();
   await app.select("PACKER/ISFULL");
   const name = app.sheet.getByLabel("Name", { exact: true });
   expect(await name.inputValue()).toBe("Label the box");

@@ -70,7 +70,7 @@ journey(
       (await server.ask<RunNow>("GET", `/runs/${run}`)).snapshot?.status;
     await openMission(app, "drives");
     const mission = missionOf(app);
-    const others = mission.getByLabel("Other runs that go on");
+    const others = mission.getByLabel("Other active runs");
     const branch = (name: string) => mission.getByRole("button", { name });
     await branch("Drive to the bay").waitFor();
     await others.selectOption(loads);

@@ -30,7 +30,7 @@ async function scrub(app: App, at: (moment: number) => Promise<void>): Promise<v
   for (const tenth of [...TENTHS].reverse()) {
     await mouse.move(x + (width * tenth) / 10, y, { steps: 3 });
     const playhead = await momentShown(app);
-    if (playhead === null) throw new Error(`at ${tenth} tenths the page shows what is now`);
+    if (playhead === null) throw new Error(`at ${tenth} tenths the page shows the current state`);
     await at(playhead);
   }
   await mouse.up();
@@ -50,12 +50,12 @@ journey(
     await app.panel("Timeline");
     await scrub(app, async (moment) => {
       await samePicture(app, server, run, moment);
-      const rows = app.sheet.getByRole("list", { name: "What runs now" });
+      const rows = app.sheet.getByRole("list", { name: "Active now" });
       const names = async () => (await rows.locator(".running-name").allTextContents()).sort();
       const wanted = innermost(replayed(server, run, moment));
       await expect.poll(names, { timeout: 20_000 }).toEqual(wanted);
     });
-    await app.sheet.getByRole("button", { name: "Back to the end" }).click();
+    await app.sheet.getByRole("button", { name: "Go to the end" }).click();
     await showsMoment(app, null);
   },
 );
@@ -132,7 +132,7 @@ journey(
     await app.click({ x: middle, y: rows.y + 30 });
     await app.selected("state:SEARCH/ORTIME");
     const playhead = await momentShown(app);
-    if (playhead === null) throw new Error("the page shows what is now");
+    if (playhead === null) throw new Error("the page shows the current state");
     await samePicture(app, server, run, playhead);
     expect(await activeShown(app)).toContain("SEARCH/ORTIME");
     const fold = app.sheet.getByRole("button", { name: "One row of Look around" });
@@ -279,7 +279,7 @@ journey(
     await app.sheet.getByRole("searchbox", { name: /^Search the history/ }).fill("pick from");
     const hits = app.sheet.getByRole("treeitem", { name: /Pick from the belt/ });
     await hits.nth(2).click({ button: "right" });
-    const menu = app.sheet.getByRole("menu", { name: "What can be done with this event" });
+    const menu = app.sheet.getByRole("menu", { name: "Actions for this event" });
     await menu.getByRole("menuitem", { name: "Start from here" }).click();
     await heldBefore(app, "PACKER/ONEPAR/PICKIT");
     const entries = () =>
@@ -307,7 +307,7 @@ journey(
     const near = await finished(server, "preemptive_with_timer", { inputs: { hidden_at_deg: 60 } });
     const compared = await server.ask<Comparison>("GET", `/runs/${near}/compare/${far}`);
     const [parted] = compared.parted;
-    if (!parted?.one || !parted.other) throw new Error("the runs do not part");
+    if (!parted?.one || !parted.other) throw new Error("the runs do not diverge");
     await shown(app, near);
     await app.panel("Compare runs");
     await app.sheet.getByLabel("The other run").selectOption(far);

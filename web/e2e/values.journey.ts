@@ -78,7 +78,7 @@ journey(
       .toBe('{"frame": "map", "joints": {"elbow": 1.5}, "position": [6, 2.5, -1]}');
 
     await inRun(app, "Inputs")
-      .getByRole("button", { name: "Show the moment when count came" })
+      .getByRole("button", { name: "Show the moment when count was set" })
       .click();
     await app.until(({ tab }) => (tab?.run.value?.playhead.value ?? null) !== null, null);
     await app.sheet.getByText("Outputs of its last end").waitFor();
@@ -132,8 +132,8 @@ journey("an expression is watched, plotted, and leads to its moments", slow, asy
   await now("200");
   await panel.getByRole("img", { name: "pose over time: 8 points" }).waitFor();
 
-  await panel.getByRole("button", { name: "Show the value of pose before" }).click();
-  await panel.getByRole("button", { name: "Show the value of pose before" }).click();
+  await panel.getByRole("button", { name: "Show the previous value of pose" }).click();
+  await panel.getByRole("button", { name: "Show the previous value of pose" }).click();
   await now("175");
   const moment = () =>
     app.sheet.evaluate(() => window.__rafcon.page.active.value?.run.value?.playhead.value ?? null);
@@ -211,7 +211,7 @@ journey(
     await value(app, "Outputs", "count", "6").waitFor();
     const none = await chip();
     await inRun(app, "Inputs")
-      .getByRole("button", { name: "Show the moment when count came" })
+      .getByRole("button", { name: "Show the moment when count was set" })
       .click();
     await expect.poll(chip).not.toBe(none);
     await value(app, "Outputs", "count", "5").waitFor();

@@ -117,7 +117,7 @@ export async function endRun(server: Server, run: string): Promise<void> {
 /** Shows a run in mission control by its list of runs. */
 export async function openMission(app: App, name: string): Promise<void> {
   await app.sheet.keyboard.press("Control+Alt+m");
-  const runs = app.sheet.getByRole("list", { name: "Runs that go on" });
+  const runs = app.sheet.getByRole("list", { name: "Active runs" });
   await runs.getByRole("button", { name }).click();
   await status(app).waitFor();
 }
@@ -132,9 +132,9 @@ export function control(app: App) {
   return missionOf(app).getByRole("region", { name: "Who is in control" });
 }
 
-/** How the run stands, in mission control. */
+/** State of the run, in mission control. */
 export function status(app: App) {
-  return app.sheet.getByRole("status", { name: "How the run stands" });
+  return app.sheet.getByRole("status", { name: "State of the run" });
 }
 
 /** Waits until the run is over for this page. */

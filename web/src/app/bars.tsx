@@ -82,7 +82,7 @@ function ReadOnlyBar({ tab }: { tab: OpenTab }) {
   if (!isWanted) return null;
   return (
     <Bar icon={<Eye size={16} aria-hidden />}>
-      You may look and not edit: ask an admin for the role engineer to change machines.
+      You can view this machine but not edit it. Ask an admin for the role engineer.
     </Bar>
   );
 }
@@ -96,7 +96,7 @@ function DiskBar({ tab }: { tab: OpenTab }) {
   const run = (id: string, argument?: unknown) => commands.run(id, context(), argument);
   const text =
     disk === "missing"
-      ? "The files of this machine are gone from disk: save it to put them back."
+      ? "The files of this machine were deleted from disk. Save to restore them."
       : "Another program changed the files of this machine on disk.";
   return (
     <Bar
@@ -139,7 +139,7 @@ function RecoveredBar({ tab }: { tab: OpenTab }) {
         </>
       }
     >
-      Edits that were not saved when the server ended are back. An undo takes each of them away.
+      Unsaved edits from before the server ended are restored. Undo removes them one by one.
     </Bar>
   );
 }

@@ -79,7 +79,7 @@ export function CanvasPlace({ tab }: { tab: OpenTab }) {
         <div className="canvas-fault" role="alert">
           <CircleAlert size={16} aria-hidden />
           <span>The picture of the machine is old: it cannot be drawn anew ({fault}).</span>
-          <Button onClick={() => picture?.redraw()}>Draw again</Button>
+          <Button onClick={() => picture?.redraw()}>Redraw</Button>
         </div>
       )}
       {watch && picture && <BranchSteps tab={tab} watch={watch} picture={picture} />}
@@ -87,7 +87,7 @@ export function CanvasPlace({ tab }: { tab: OpenTab }) {
       {watch && !isTold && <SentCommands watch={watch} />}
       {menu && (
         <ContextMenu
-          label="What can be done here"
+          label="Actions"
           at={menu.at}
           items={contextMenu({ commands, context: asOpened(context(), menu), keys }, menu.elements)}
           onClose={() => setMenu(null)}

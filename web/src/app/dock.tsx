@@ -80,7 +80,7 @@ export function Dock() {
     const failed = api.onDidOpenPopoutWindowFail(() =>
       session.page.tell({
         level: "warning",
-        text: "The browser did not open a window: allow pop-ups for this page and try again.",
+        text: "The browser blocked the window. Allow pop-ups for this page and try again.",
       }),
     );
     return () => {

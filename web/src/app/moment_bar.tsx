@@ -40,7 +40,7 @@ function OfMoment({ tab, watch, playhead }: MomentBarProps & { readonly playhead
   const run = (id: string) => commands.run(id, context());
   const isOver = useSignal(watch.now)?.link === "over";
   return (
-    <section className="moment-bar" aria-label="The moment that is shown">
+    <section className="moment-bar" aria-label="Shown moment">
       <History size={16} aria-hidden />
       <span className="moment-text" role="status">
         <strong className="moment-when">{when}</strong>
@@ -48,7 +48,7 @@ function OfMoment({ tab, watch, playhead }: MomentBarProps & { readonly playhead
         <span className="moment-soft">
           event {playhead} of {watch.journal.sequence(watch.journal.length - 1)}
           <Ago watch={watch} index={index} />
-          {!isHere && ", its values are on their way"}
+          {!isHere && ", loading its values"}
         </span>
       </span>
       <span className="moment-steps">
@@ -59,7 +59,7 @@ function OfMoment({ tab, watch, playhead }: MomentBarProps & { readonly playhead
       </span>
       <StartFromHere tab={tab} watch={watch} />
       <Button kind="primary" icon={<Radio size={14} />} onClick={() => run("run.live")}>
-        {isOver ? "Back to the end" : "Back to live"}
+        {isOver ? "Go to the end" : "Back to live"}
       </Button>
     </section>
   );
@@ -116,7 +116,7 @@ function StartFromHere(of: MomentBarProps) {
   return (
     <Button
       disabled={refusal !== null}
-      title={refusal ?? "The run begins again here, with the data it had then, and is held"}
+      title={refusal ?? "Restarts the run here with the data it had then, and pauses it"}
       onClick={() => commands.run("run.start-from-history", context())}
     >
       Start from here

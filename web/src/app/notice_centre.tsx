@@ -98,7 +98,7 @@ function Centre({ open, onClose }: { open: readonly Notice[]; onClose: () => voi
         )}
       </div>
       {open.length === 0 ? (
-        <p className="notice-none">Nothing is left. The log keeps what was said.</p>
+        <p className="notice-none">No notices. Earlier ones are in the log.</p>
       ) : (
         <ul className="notice-list">
           {open.map((notice) => (

@@ -98,7 +98,7 @@ export function ProjectTree(props: ProjectTreeProps) {
         }
       />
     ) : (
-      <Empty title="Nothing found" text={`No folder or machine has “${search}” in its name.`} />
+      <Empty title="Nothing found" text={`No folder or machine name contains “${search}”.`} />
     );
   }
   return (

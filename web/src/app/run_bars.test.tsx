@@ -26,10 +26,10 @@ async function bars(phase: "live" | "crashed", link: RunNow["link"]): Promise<re
 
 test("an engine that stands still is told as loudly as a crash, and one that is silent a little less", async () => {
   expect(await bars("live", "up")).toEqual([]);
-  expect(await bars("live", "stuck")).toEqual(["bar-danger status The run stands still"]);
+  expect(await bars("live", "stuck")).toEqual(["bar-danger status The run is stuck"]);
   expect(await bars("crashed", "over")).toEqual(["bar-danger status The program of this run died"]);
   expect(await bars("live", "silent")).toEqual([
-    "bar-warning status The run has not been heard of for 1 min 0 s",
+    "bar-warning status No answer from the run for 1 min 0 s",
   ]);
 });
 
@@ -39,7 +39,7 @@ test("of an engine that stands still it is said for how long, and what to do", a
   const { place } = shown((tab) => <Bars tab={tab} />, { watch });
   await settled();
   expect(place.querySelector(".bar-text")?.textContent).toBe(
-    "The run stands still: its program answers, but its engine has not moved for 1 min 0 s. " +
-      "Stop it; if the engine does not take the stop, the program is ended, and the run can be taken up.",
+    "The run is stuck: its program answers, but its engine has not moved for 1 min 0 s. " +
+      "Stop the run. If the engine does not respond, its program is ended and the run can be resumed.",
   );
 });

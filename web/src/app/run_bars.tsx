@@ -43,14 +43,14 @@ function OldBar({ watch }: { watch: Watch }) {
 
 function oldInWords(why: RunAge["why"], age: string, isCurrent: boolean): string {
   if (why === "engine")
-    return `The run stands still: its program answers, but its engine has not moved for ${age}. Stop it; if the engine does not take the stop, the program is ended, and the run can be taken up.`;
+    return `The run is stuck: its program answers, but its engine has not moved for ${age}. Stop the run. If the engine does not respond, its program is ended and the run can be resumed.`;
   if (why === "silence")
-    return `The run has not been heard of for ${age}: its program does not answer the server. What is shown is as old; the robot may be elsewhere.`;
+    return `No answer from the run for ${age}: its program does not respond to the server. What you see is that old; the robot may have moved on.`;
   if (why === "runner")
-    return `The server has lost the program that runs the machine, and looks for it. What is shown of the run is ${age} old; the robot may be elsewhere.`;
+    return `The server lost the connection to the run's program and is reconnecting. What you see of the run is ${age} old; the robot may have moved on.`;
   return isCurrent
-    ? `The server was not heard for ${age}, and is asked whether it is there. What is shown of the run is as old.`
-    : `The connection is back, and the server is asked how the run stands. What is shown of it is ${age} old.`;
+    ? `No answer from the server for ${age}; the page is checking the connection. What you see of the run is that old.`
+    : `Reconnected. The page is asking for the state of the run; what you see is ${age} old.`;
 }
 
 function CatchingUpBar({ watch }: { watch: Watch }) {

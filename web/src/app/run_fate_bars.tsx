@@ -56,7 +56,7 @@ function CrashBar({ tab, watch }: RunBarProps) {
       actions={
         <>
           <Button {...off} onClick={run("abort")}>
-            Recover: end by aborted
+            Recover: end as aborted
           </Button>
           <Button {...off} onClick={run("restart")}>
             Run again
@@ -120,7 +120,7 @@ function InterruptedBar({ tab, watch }: RunBarProps) {
         return (
           <span key={path} className="bar-choice">
             “{name}”<Button onClick={decide(path, "restart")}>Run again</Button>
-            <Button onClick={decide(path, "abort")}>End by aborted</Button>
+            <Button onClick={decide(path, "abort")}>End as aborted</Button>
           </span>
         );
       })}
@@ -148,7 +148,7 @@ function DiffersBar({ tab, watch }: RunBarProps) {
       actions={
         <>
           <Button onClick={() => commands.run("run.show-as-ran", context())}>
-            Show it as it ran
+            Show the machine as it ran
           </Button>
           {canReload && (
             <Button onClick={() => commands.run("run.reload", context())}>

@@ -173,7 +173,7 @@ function tellCrash(watch: Watch, name: () => string, tell: Tell): () => void {
   return effect(() => {
     const phase = watch.now.value?.run.phase ?? null;
     if (phase === "crashed" && before !== null && before !== "crashed") {
-      const text = `The program of ${name()} died: the run can be taken up`;
+      const text = `The program of ${name()} died: the run can be resumed`;
       tell({ topic: "crash", level: "error", text, title: "Mission control" });
     }
     before = phase;

@@ -29,7 +29,7 @@ export function SentCommands({ watch }: { watch: Watch }) {
   useSignal(askedQuestions(watch));
   const lines = sentLines(sent, seen, now_ms, (question) => answeredBy(watch, question));
   return (
-    <ul className="sent" aria-label="Commands under way" aria-live="polite">
+    <ul className="sent" aria-label="Pending commands" aria-live="polite">
       {lines.map(({ id, command, kind, words }) => (
         <li key={id} className={`sent-line sent-${kind}`}>
           {SIGNS[kind]}

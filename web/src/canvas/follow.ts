@@ -132,7 +132,7 @@ export function followRun(
     follows.value = false;
     page.tell({
       level: "info",
-      text: "The canvas no longer follows what runs: you moved it.",
+      text: "The canvas no longer follows the active states because you moved it.",
       action: { title: "Follow again", command: "run.follow" },
     });
   });

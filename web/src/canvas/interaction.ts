@@ -363,7 +363,7 @@ export class InteractionController {
     const port = from && firstPort(this.#host.tab.session.machine, from);
     const why =
       this.#host.whyFixed() ??
-      (port ? null : "Select a state or a port first: there the connection begins.");
+      (port ? null : "Select a state or port to start the connection from.");
     if (why !== null || !port) {
       this.#host.refuse(why ?? "");
       return;

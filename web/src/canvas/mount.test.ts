@@ -275,7 +275,7 @@ test("a name that somebody else changes meanwhile is said, and only Enter overwr
   void session.edit("Rename", { edit: "set_name", path: "R/A", name: "Theirs" });
   const said = () => place.querySelector("[role=alert]")?.textContent;
   expect(said()).toBe(
-    "It was renamed to “Theirs” meanwhile: Enter takes your name, Escape theirs.",
+    "Someone renamed it to “Theirs”. Press Enter to keep your name, Escape to take theirs.",
   );
   field.dispatchEvent(new FocusEvent("blur"));
   expect(session.machine.state("R/A")?.name).toBe("Theirs");

@@ -222,7 +222,9 @@ function openField(
     session.version.value;
     const now = session.machine.state(path)?.name;
     if (now === undefined || now === state.name) return;
-    field.warn(`It was renamed to “${now}” meanwhile: Enter takes your name, Escape theirs.`);
+    field.warn(
+      `Someone renamed it to “${now}”. Press Enter to keep your name, Escape to take theirs.`,
+    );
   });
   const stop = () => {
     stopCamera();

@@ -40,7 +40,7 @@ const TOGETHER: readonly UserCommand[] = [
   {
     id: "arrange.group",
     title: "Group",
-    detail: "Puts the selected states and scoped variables into a hierarchy of their own.",
+    detail: "Moves the selected states and scoped variables into a new hierarchy.",
     keys: ["G"],
     classic: ["Ctrl+G", "G"],
     menu: "Arrange/1",
@@ -76,7 +76,7 @@ const TOGETHER: readonly UserCommand[] = [
   {
     id: "arrange.substitute-template",
     title: "Substitute by the library's content",
-    detail: "Its states become states of this machine, free to be changed.",
+    detail: "Its states become editable states of this machine.",
     menu: "Arrange/1",
     enabled: (context) => canEdit(context) && isInner(context) && kindOfOnly(context) === "library",
     choices: () => [
@@ -230,7 +230,7 @@ async function layOutFrom(context: CommandContext, container: string | null, dee
   const isMade = await perform(context, (now) =>
     now.version === version
       ? arranged(now, container, levels)
-      : refused("The machine was changed while its layout was sought: try it again."),
+      : refused("The machine changed while its layout was computed. Try again."),
   );
   // Only the root takes another size.
   if (isMade && container === machine.root) context.canvas?.fit([]);
@@ -272,7 +272,7 @@ const LAID_OUT: readonly UserCommand[] = [
   {
     id: "arrange.fit-content",
     title: "Size to content",
-    detail: "Takes away what is free at the right and below.",
+    detail: "Trims free space at the right and bottom.",
     menu: "Arrange/3",
     enabled: (context) => {
       const path = onlyState(context);
@@ -324,7 +324,7 @@ const LOOKS: readonly UserCommand[] = [
   {
     id: "arrange.show-content",
     title: "Library content shows when opened",
-    detail: "Kept in the file, for everybody.",
+    detail: "Saved with the machine, for everyone.",
     menu: "Arrange/4",
     enabled: (context) => canEdit(context) && kindOfOnly(context) === "library",
     checked: (context) => {

@@ -76,7 +76,7 @@ export async function copyElements(
 
 /** What is said where there is nothing to paste. */
 export const NOTHING_COPIED =
-  "There are no states, ports or outcomes on the clipboard: copy some first, here or in another tab.";
+  "The clipboard has no states, ports or outcomes. Copy some first, here or in another tab.";
 
 /** What is on the clipboard; null if it is about something else. */
 export async function read(transfer: TextTransfer | null): Promise<Clip | null> {

@@ -16,19 +16,19 @@ export async function closeTab(context: CommandContext, tab: OpenTab): Promise<b
   }
   const name = tab.session.machine.state(tab.session.machine.root)?.name ?? "this machine";
   const choice = await shell.choose({
-    title: `Save “${name}” before it is closed?`,
-    text: "It has edits that do not lie on disk.",
+    title: `Save “${name}” before closing?`,
+    text: "It has unsaved edits.",
     choices: [
       { value: "save", title: "Save and close" },
       {
         value: "keep",
         title: "Close and keep the edits",
-        detail: "The server keeps them; they are back when the machine is opened again.",
+        detail: "The server keeps them and restores them when you open the machine again.",
       },
       {
         value: "discard",
-        title: "Close and give up the edits",
-        detail: "They cannot be had back.",
+        title: "Close and discard the edits",
+        detail: "They cannot be restored.",
       },
     ],
   });

@@ -9,34 +9,34 @@ export const CONTROL: readonly UserCommand[] = [
   {
     id: "control.request",
     title: "Ask for control",
-    detail: "Who is in control is told that you want it; if nobody is, you get it at once.",
+    detail: "Asks the user in control. If nobody is in control, you get it at once.",
     refusal: (context) => refusalOfMove(context, "request"),
     run: (context) => move(context, { move: "request" }),
   },
   {
     id: "control.withdraw",
-    title: "Withdraw the request for control, or the offer",
+    title: "Withdraw your request or offer of control",
     refusal: (context) => refusalOfMove(context, "withdraw"),
     run: (context) => move(context, { move: "withdraw" }),
   },
   {
     id: "control.accept",
     title: "Accept control",
-    detail: "Who is in control offers it to you.",
+    detail: "The user in control offers it to you.",
     refusal: (context) => refusalOfMove(context, "accept"),
     run: (context) => move(context, { move: "accept" }),
   },
   {
     id: "control.decline",
     title: "Decline control",
-    detail: "Who is in control offers it to you, and keeps it.",
+    detail: "The user in control keeps it.",
     refusal: (context) => refusalOfMove(context, "decline"),
     run: (context) => move(context, { move: "decline" }),
   },
   {
     id: "control.hand-over",
     title: "Hand control over",
-    detail: "Who has asked for it gets it at once; anybody else has to accept it first.",
+    detail: "A user who asked gets it at once; anyone else must accept it first.",
     refusal: (context) => refusalOfMove(context, "hand_over"),
     choices: askers,
     run: (context, argument) => handOver(context, argument),
@@ -44,21 +44,21 @@ export const CONTROL: readonly UserCommand[] = [
   {
     id: "control.release",
     title: "Release control",
-    detail: "Who asked first gets it; if nobody did, whoever commands next.",
+    detail: "The first user who asked gets it, or the next to give a command.",
     refusal: (context) => refusalOfMove(context, "release"),
     run: (context) => move(context, { move: "release" }),
   },
   {
     id: "control.take-over",
     title: "Take control over",
-    detail: "From somebody who was not heard for a while.",
+    detail: "From a user who has been silent for a while.",
     refusal: (context) => refusalOfMove(context, "take_over"),
     run: (context) => move(context, { move: "take_over" }),
   },
   {
     id: "control.override",
     title: "Take control from its holder…",
-    detail: "At once, from anybody: for admins, and on record.",
+    detail: "Takes control from anyone at once. Admins only; recorded.",
     refusal: (context) => refusalOfMove(context, "override"),
     run: override,
   },
@@ -76,7 +76,7 @@ async function handOver({ tab, shell }: CommandContext, argument: unknown): Prom
       : await shell.prompt({
           title: "Hand control over",
           label: "To the user",
-          check: (text) => (text.trim() === "" ? "Control is handed over to somebody." : null),
+          check: (text) => (text.trim() === "" ? "Hands control to a user." : null),
         });
   if (to) await watch?.control({ move: "hand_over", to: to.trim() });
 }
@@ -89,7 +89,7 @@ async function override({ page, tab, shell }: CommandContext): Promise<void> {
   const name = summaryOf(page, watch)?.name ?? watch.id;
   const isSure = await shell.confirm({
     title: `Take control from ${holder}?`,
-    text: `${holder} is in control of “${name}” and loses it at once. It stands in the history of the run that you took it.`,
+    text: `${holder} is in control of “${name}” and loses it at once. The run's history records that you took it.`,
     yes: "Take control",
     danger: true,
   });
@@ -147,7 +147,7 @@ function ofOther(
       return stillHeard(context);
     case "hand_over":
     case "release":
-      return "only who is in control can give it away";
+      return "only the user in control can give it away";
   }
 }
 
@@ -167,5 +167,5 @@ function stillHeard(context: CommandContext): string | null {
   const left_ms = silenceLeft(context, Date.now());
   if (left_ms === 0) return null;
   const holder = context.tab?.run.value?.now.value?.control.holder;
-  return `${holder} was heard lately: ask for control, or wait until ${holder} has been silent for long`;
+  return `${holder} is still active: ask for control, or wait until ${holder} has been silent for longer`;
 }

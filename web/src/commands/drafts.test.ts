@@ -45,7 +45,7 @@ test("drafts that cannot be applied stay, and it is told why", async () => {
   expect(await apply()).toBe(false);
   expect(edits).toEqual([]);
   expect(told).toHaveLength(2);
-  expect(told[0]).toContain("The script of Scan was changed by somebody else");
+  expect(told[0]).toContain("Someone else changed the script of Scan");
   expect(drafts.all.value.size).toBe(2);
 });
 

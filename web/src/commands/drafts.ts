@@ -35,7 +35,7 @@ async function apply(
   if (!state) return null;
   const now = (field === "script" ? state.script : state.description) ?? "";
   if (now !== base && now !== text) {
-    return `The ${field} of ${state.name} was changed by somebody else: yours is kept in the inspector, compare both there.`;
+    return `Someone else changed the ${field} of ${state.name}. The inspector keeps your version; compare both there.`;
   }
   if (now !== text) {
     const refusal = await send(session, planOf(draft, session));

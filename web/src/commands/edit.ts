@@ -24,7 +24,7 @@ export const EDIT: readonly UserCommand[] = [
   {
     id: "edit.undo",
     title: "Undo",
-    detail: "Takes back your own last step.",
+    detail: "Undoes your own last step.",
     keys: ["Ctrl+Z"],
     menu: "Edit/1",
     enabled: canEdit,
@@ -103,7 +103,7 @@ export const EDIT: readonly UserCommand[] = [
   {
     id: "edit.select-all",
     title: "Select all",
-    detail: "All states of the container that one works in.",
+    detail: "All states of the current container.",
     keys: ["Ctrl+A"],
     classic: ["Ctrl+Shift+Alt+A"],
     menu: "Edit/3",
@@ -129,7 +129,7 @@ export const EDIT: readonly UserCommand[] = [
   },
   {
     id: "edit.select-none",
-    title: "Select nothing",
+    title: "Clear selection",
     menu: "Edit/3",
     enabled: hasSelection,
     run: ({ tab }) => {

@@ -72,7 +72,7 @@ export const FILE: readonly UserCommand[] = [
   {
     id: "file.save-as",
     title: "Save as…",
-    detail: "Saves the machine in another folder, where it stays from now on.",
+    detail: "Saves the machine in another folder and continues there.",
     keys: ["Ctrl+Shift+S"],
     menu: "File/2",
     enabled: canEdit,
@@ -81,7 +81,7 @@ export const FILE: readonly UserCommand[] = [
   {
     id: "file.save-copy",
     title: "Save a copy…",
-    detail: "Saves the machine in another folder and stays where it lies.",
+    detail: "Saves the machine in another folder and continues here.",
     keys: ["Ctrl+Shift+Alt+S"],
     menu: "File/2",
     enabled: canEdit,
@@ -90,7 +90,7 @@ export const FILE: readonly UserCommand[] = [
   {
     id: "file.save-state",
     title: "Save state as machine or library…",
-    detail: "Saves the selected state with all inside as a machine of its own.",
+    detail: "Saves the selected state and its content as a separate machine.",
     keys: ["Ctrl+Alt+S"],
     menu: "File/2",
     needs: "select one state first",
@@ -110,15 +110,15 @@ export const FILE: readonly UserCommand[] = [
   },
   {
     id: "file.overwrite",
-    title: "Save over what lies on disk",
-    detail: "Also if another program changed it.",
+    title: "Overwrite the files on disk",
+    detail: "Even if another program changed them.",
     enabled: canEdit,
     run: (context) => saveTab(context, context.tab, true),
   },
   {
     id: "file.reload",
     title: "Reload from disk",
-    detail: "Makes the machine what lies on disk; an undo brings back what was.",
+    detail: "Replaces the machine by its files on disk. You can undo this.",
     classic: ["Shift+F5"],
     menu: "File/3",
     enabled: canEdit,
@@ -138,7 +138,7 @@ export const FILE: readonly UserCommand[] = [
     id: "file.open-library",
     title: "Open library separately",
     detail:
-      "Opens the machine of the selected library state in a tab of its own, if it lies in a project.",
+      "Opens the machine of the selected library state in its own tab, if it is in a project.",
     keys: ["Ctrl+Shift+Space"],
     menu: "File/3",
     needs: "select a library state first",
@@ -148,7 +148,7 @@ export const FILE: readonly UserCommand[] = [
   {
     id: "file.show-library",
     title: "Show in library tree",
-    detail: "Selects the library of the selected state in the panel of libraries.",
+    detail: "Selects the library of the selected state in the Libraries panel.",
     menu: "File/3",
     enabled: (context) => libraryAround(context) !== null,
     run: showLibrary,

@@ -57,13 +57,13 @@ test("saving over what another program changed asks, and loses nothing without a
   };
   expect(await done("file.save", { serve, answers: ["mine"] })).toEqual([
     `POST /machines/m1/save {"overwrite":false}`,
-    "ask The files were changed by another program",
+    "ask Another program changed the files",
     `POST /machines/m1/save {"overwrite":true}`,
   ]);
 });
 
 test("closing what is not saved asks, and takes no for an answer", async () => {
-  const title = "ask Save “Drill” before it is closed?";
+  const title = "ask Save “Drill” before closing?";
   expect(await done("file.close", { changed: true, answers: [null] })).toEqual([title]);
   expect(await done("file.close", { changed: true, answers: ["keep"] })).toEqual([title, "leave"]);
   expect(await done("file.close", { changed: true, answers: ["save"] })).toEqual([

@@ -6,7 +6,7 @@ export const HELP: readonly UserCommand[] = [
   {
     id: "help.palette",
     title: "Search everything…",
-    detail: "Commands, states, machines and libraries, by a few letters.",
+    detail: "Finds commands, states, machines and libraries.",
     keys: ["Ctrl+K"],
     menu: "Help/1",
     run: ({ shell }, argument) => shell.openPalette(argument as string | undefined),
@@ -21,7 +21,7 @@ export const HELP: readonly UserCommand[] = [
   {
     id: "help.keys",
     title: "Keys…",
-    detail: "Shows all keys, and changes them.",
+    detail: "Shows and changes all keys.",
     keys: ["?"],
     menu: "Help/1",
     run: async ({ shell }) => {

@@ -65,7 +65,7 @@ const LIBRARIES: readonly UserCommand[] = [
   {
     id: "insert.template",
     title: "Copy of a library…",
-    detail: "Puts the library's content here as states of this machine's own.",
+    detail: "Inserts the library's content as states of this machine.",
     menu: "Insert/1",
     enabled: canPlace,
     run: (context, argument) =>
@@ -204,8 +204,7 @@ const CONNECTIONS: readonly UserCommand[] = [
   {
     id: "insert.connect",
     title: "Connect…",
-    detail:
-      "Begins a connection at the selected port or state; Tab goes through what it may lead to.",
+    detail: "Starts a connection at the selected port or state. Tab cycles through the targets.",
     keys: ["C"],
     menu: "Insert/3",
     needs: "select one state, port or outcome first",
@@ -236,7 +235,7 @@ const CONNECTIONS: readonly UserCommand[] = [
 const INTO_TRANSITION: UserCommand = {
   id: "insert.into-transition",
   title: "Insert into transition",
-  detail: "The selected transition leads to the new state, which leads on to where it led.",
+  detail: "Inserts the new state into the selected transition.",
   menu: "Insert/3",
   enabled: (context) => canEdit(context) && transitionOf(context) !== null,
   choices: () => [

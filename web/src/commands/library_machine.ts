@@ -21,7 +21,7 @@ export function showLibrary(context: CommandContext): void {
   let nodes = context.page.libraries.peek().find((root) => root.name === rootName)?.children;
   for (const folder of folders) nodes = nodes?.find((node) => node.name === folder)?.children;
   if (!nodes?.some((node) => node.kind === "library" && node.name === name)) {
-    const text = `${path}/${name} is in none of the library roots: put it back, or name its root under LIBRARY_PATHS in config.yaml.`;
+    const text = `${path}/${name} is not in any library root. Put it back, or add its root to LIBRARY_PATHS in config.yaml.`;
     context.page.tell({ level: "warning", text });
     return;
   }
@@ -38,7 +38,7 @@ export async function openLibraryMachine(page: Page, library: LibraryName): Prom
   if (!place || !project) {
     page.tell({
       level: "warning",
-      text: `${library.path}/${library.name} lies in none of the projects that the server was started with: start it with that folder too to edit the library.`,
+      text: `${library.path}/${library.name} is not in any of the server's projects. To edit the library, start the server with that folder as well.`,
     });
     return;
   }

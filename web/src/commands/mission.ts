@@ -24,7 +24,7 @@ export const MISSION: readonly UserCommand[] = [
   {
     id: "mission.open",
     title: "Mission control",
-    detail: "How the mission stands, in large: questions, branches, events, who is in control.",
+    detail: "Shows the mission at a glance: questions, branches, events, who is in control.",
     keys: ["Ctrl+Alt+M"],
     menu: "View/4",
     run: ({ shell }) => {
@@ -35,8 +35,8 @@ export const MISSION: readonly UserCommand[] = [
   },
   {
     id: "mission.show",
-    title: "Show what wants a human",
-    detail: "Brings mission control into sight, in whatever layout.",
+    title: "Show what needs attention",
+    detail: "Shows mission control in any layout.",
     run: async ({ page, shell }, argument) => {
       if (typeof argument === "string") await toRun(page, argument);
       shell.showPanel(MISSION_PANEL);
@@ -45,7 +45,7 @@ export const MISSION: readonly UserCommand[] = [
   {
     id: "mission.acknowledge",
     title: "Acknowledge all events",
-    detail: "Failures and warnings of the run in front were seen.",
+    detail: "Marks the failures and warnings of the current run as seen.",
     enabled: ({ tab }) => {
       const watch = tab?.run.value;
       return watch != null && openFailures(watch).value.length > 0;

@@ -69,7 +69,7 @@ async function settle(): Promise<void> {
 test("what can be done goes by how the run stands, and says why not", () => {
   const goes = running();
   expect([why(goes, "run.pause"), why(goes, "run.step-mode")]).toEqual([null, null]);
-  expect(why(goes, "run.resume")).toMatch(/goes on already/);
+  expect(why(goes, "run.resume")).toMatch(/is already running/);
   expect(why(goes, "run.into")).toMatch(/pause the run/);
   const held = running({ status: "stepping", active: [HELD] });
   expect([why(held, "run.into"), why(held, "run.back"), why(held, "run.resume")]).toEqual([
@@ -78,7 +78,7 @@ test("what can be done goes by how the run stands, and says why not", () => {
     null,
   ]);
   expect(why(held, "run.step-mode")).toMatch(/step by step/);
-  expect(why(running({ phase: "crashed" }), "run.pause")).toMatch(/take it up/);
+  expect(why(running({ phase: "crashed" }), "run.pause")).toMatch(/resume it/);
   expect(why(running({ phase: "crashed" }), "run.take-up")).toBeNull();
   expect(why(testContext(MACHINE), "run.pause")).toMatch(/no run is shown/);
 });
@@ -156,7 +156,7 @@ test("the outcome of a state is chosen where it stands still, or comes next", ()
   expect(why(next, "run.force-outcome")).toBeNull();
   expect(command?.choices?.(next).map(({ title }) => title)).toContain("lost");
   const other = running({ status: "stepping", active: [HELD], selected: "R/B" });
-  expect(why(other, "run.force-outcome")).toMatch(/held, waits, or comes next/);
+  expect(why(other, "run.force-outcome")).toMatch(/paused, waits, or comes next/);
 });
 
 test("a breakpoint of a live run is the run's; its removal too", async () => {

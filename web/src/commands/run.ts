@@ -10,7 +10,7 @@ export const RUN: readonly UserCommand[] = [
   {
     id: "run.start",
     title: "Start",
-    detail: "Starts a run of the machine as it lies on disk.",
+    detail: "Starts a run of the saved machine.",
     keys: ["Shift+F7"],
     classic: ["F5", "Shift+F7"],
     menu: "Run/1",
@@ -20,8 +20,7 @@ export const RUN: readonly UserCommand[] = [
   {
     id: "run.start-with",
     title: "Start with…",
-    detail:
-      "With values for the inputs, held before the first state, with another rule for crashes.",
+    detail: "Sets input values, a pause before the first state, and what happens after a crash.",
     menu: "Run/1",
     refusal: cannotStart,
     run: async (context) => {
@@ -32,8 +31,8 @@ export const RUN: readonly UserCommand[] = [
   },
   {
     id: "run.start-held",
-    title: "Start held",
-    detail: "The run is held before its first state, to be stepped or resumed.",
+    title: "Start paused",
+    detail: "Pauses before the first state, to step or resume from there.",
     menu: "Run/1",
     refusal: cannotStart,
     run: (context) => startRun(context, { hold: true }),
@@ -52,14 +51,14 @@ export const RUN: readonly UserCommand[] = [
   {
     id: "run.pause",
     title: "Pause",
-    detail: "Holds every branch before its next state; scripts that run go on to their end.",
+    detail: "Pauses every branch before its next state. Running scripts finish.",
     refusal: cannotPause,
     run: (context) => sendCommand(context, "Pause", PAUSE),
   },
   {
     id: "run.resume",
     title: "Resume",
-    detail: "Lets what is held go on, and ends all steps.",
+    detail: "Continues everything that is paused and ends stepping.",
     refusal: cannotResume,
     run: (context, branch) =>
       sendCommand(context, "Resume", {
@@ -70,7 +69,7 @@ export const RUN: readonly UserCommand[] = [
   {
     id: "run.stop",
     title: "Stop",
-    detail: "Ends the run as if it were preempted; handlers run.",
+    detail: "Preempts the whole run. Handlers still run.",
     keys: ["F8"],
     menu: "Run/2",
     refusal: (context) => cannotCommand(context, { rest: true }),
@@ -83,7 +82,7 @@ export const RUN: readonly UserCommand[] = [
   {
     id: "run.kill",
     title: "Kill the runner…",
-    detail: "Ends the run's program at once; no handler runs. For what a stop cannot end.",
+    detail: "Ends the run's program at once. No handler runs. Use it when Stop has no effect.",
     menu: "Run/2",
     refusal: (context) => cannotCommand(context),
     run: async (context) => {
@@ -91,7 +90,7 @@ export const RUN: readonly UserCommand[] = [
       if (!watch) return;
       const isSure = await context.shell.confirm({
         title: "Kill the runner?",
-        text: "Its program ends at once: no handler runs, and devices stay as they are. The run can be taken up again.",
+        text: "Its program ends at once. No handler runs, and devices stay as they are. The run can be resumed later.",
         yes: "Kill",
         danger: true,
       });
@@ -119,7 +118,7 @@ function cannotResume(context: CommandContext): string | null {
   const why = cannotCommand(context);
   if (why !== null || canResume(context)) return why;
   const status = context.tab?.run.value?.now.value?.snapshot?.status;
-  return status === "stopping" ? "the run is being stopped" : "the run goes on already";
+  return status === "stopping" ? "the run is being stopped" : "the run is already running";
 }
 
 function confirmStop({ shell }: CommandContext, watch: Watch): Promise<boolean> {
@@ -127,8 +126,8 @@ function confirmStop({ shell }: CommandContext, watch: Watch): Promise<boolean> 
   return shell.confirm({
     title: isAgain ? "Stop once more?" : "Stop the run?",
     text: isAgain
-      ? "The run is being stopped already. A second stop preempts handlers too and starts no other."
-      : "All active states are preempted, then handlers run. A run that was stopped does not go on.",
+      ? "The run is already stopping. A second stop also preempts handlers and starts no new ones."
+      : "All active states are preempted, then handlers run. A stopped run cannot be resumed.",
     yes: isAgain ? "Stop handlers too" : "Stop the run",
     no: isAgain ? "Let handlers finish" : "Keep running",
     danger: true,

@@ -19,12 +19,12 @@ export interface Recovered {
 export const RUN_CRASH: readonly UserCommand[] = [
   {
     id: "run.take-up",
-    title: "Take the crashed run up…",
-    detail: "Another runner goes on where the run was when its runner died.",
+    title: "Resume the crashed run…",
+    detail: "Starts a new program that continues where the run was when its program died.",
     menu: "Run/2",
     refusal: ({ page, tab }) => {
       const phase = tab?.run.value?.now.value?.run.phase;
-      return phase === "crashed" ? lacks(page, "start") : "for runs whose runner died";
+      return phase === "crashed" ? lacks(page, "start") : "only for runs whose program died";
     },
     run: takeUp,
   },
@@ -32,7 +32,7 @@ export const RUN_CRASH: readonly UserCommand[] = [
     id: "run.recover",
     title: "Interrupted scripts",
     detail:
-      "Decides what becomes of scripts that a crash interrupted: of the selected state, or of all.",
+      "Decides what happens to scripts that a crash interrupted: in the selected state, or in all.",
     menu: "Run/6",
     refusal: (context) => {
       const isWaiting = interrupted(context).length > 0;
@@ -44,7 +44,7 @@ export const RUN_CRASH: readonly UserCommand[] = [
       const what = path === null ? "all" : "the selected";
       return [
         { title: `Run ${what} again`, argument: { path, policy: "restart" } },
-        { title: `End ${what} by aborted`, argument: { path, policy: "abort" } },
+        { title: `End ${what} as aborted`, argument: { path, policy: "abort" } },
       ];
     },
     run: (context, argument) => {
@@ -55,7 +55,7 @@ export const RUN_CRASH: readonly UserCommand[] = [
   {
     id: "run.reload",
     title: "Take edits into the run",
-    detail: "Saves the machine, and the run goes by it from now on.",
+    detail: "Saves the machine and updates the run to it.",
     menu: "Run/6",
     refusal: (context) => {
       const why = cannotCommand(context, { right: "edit" });
@@ -88,13 +88,13 @@ async function reload(context: CommandContext): Promise<void> {
   const sent = await watch.command({ type: "reload", wait: false });
   const why = failureOf(sent);
   if (why === null)
-    return page.tell({ level: "info", text: "The run goes by the edited machine." });
+    return page.tell({ level: "info", text: "The run now uses the edited machine." });
   if (sent.answer?.answer !== "refused") {
     return page.tell({ level: "warning", text: `Take edits into the run: ${why}` });
   }
   const waits = await shell.confirm({
     title: "The run cannot take the edits now",
-    text: `${why.replace(/\.$/, "")}. The run can take them as soon as that state is left.`,
+    text: `${why.replace(/\.$/, "")}. The run can take them once that state has ended.`,
     yes: "Take them then",
     no: "Not at all",
   });

@@ -11,7 +11,7 @@ export const RUN_PLACE: readonly UserCommand[] = [
   {
     id: "run.start-here",
     title: "Start here",
-    detail: "Begins at the selected state. What states before it would have given is missing.",
+    detail: "Starts at the selected state. Data from earlier states is missing.",
     keys: ["Ctrl+Alt+R"],
     classic: ["Ctrl+R", "Ctrl+Alt+R"],
     menu: "Run/4/Selected state",
@@ -27,7 +27,7 @@ export const RUN_PLACE: readonly UserCommand[] = [
   {
     id: "run.stop-here",
     title: "Run to here",
-    detail: "Runs until before the selected state, and is held there.",
+    detail: "Runs to the selected state and pauses before it.",
     keys: ["Ctrl+Shift+Alt+R"],
     classic: ["Ctrl+Shift+R", "Ctrl+Shift+Alt+R"],
     menu: "Run/4/Selected state",
@@ -42,13 +42,13 @@ export const RUN_PLACE: readonly UserCommand[] = [
   state(
     { id: "run.selected", type: "run_selected", afterwards: "hold" },
     "Run this state",
-    "Begins at the selected state, runs it, and is held.",
+    "Starts at the selected state, runs it, and pauses.",
     ["Ctrl+Alt+I", "Ctrl+Shift+I"],
   ),
   state(
     { id: "run.only-selected", type: "run_only_selected", afterwards: "stop" },
     "Run this state only",
-    "Begins at the selected state, runs it, and stops.",
+    "Starts at the selected state, runs it, and stops.",
     ["Ctrl+Alt+K", "Ctrl+Shift+K"],
   ),
 ];

@@ -26,7 +26,7 @@ export const RUN_POINTS: readonly UserCommand[] = [
   {
     id: "run.breakpoint",
     title: "Breakpoint",
-    detail: "Sets a breakpoint before the selected state, or takes its breakpoints away.",
+    detail: "Sets a breakpoint before the selected state, or removes its breakpoints.",
     keys: ["Ctrl+F9"],
     menu: "Run/5",
     checked: (context) => pointsAt(context, anyOnlyState(context)?.path ?? null).length > 0,
@@ -37,7 +37,7 @@ export const RUN_POINTS: readonly UserCommand[] = [
   {
     id: "run.edit-breakpoint",
     title: "Edit breakpoint…",
-    detail: "With a condition, from the n-th time on, for its branch or the whole run.",
+    detail: "Sets a condition, a hit count, and whether the branch or the whole run pauses.",
     menu: "Run/5",
     refusal: (context, argument) => {
       const isMeant = isObject(argument) || pathFor(context, argument) !== null;
@@ -63,12 +63,12 @@ export const RUN_POINTS: readonly UserCommand[] = [
     id: "run.force-outcome",
     title: "Choose the outcome",
     detail:
-      "Ends a state that is held or waits with an outcome, or skips the state before which the run is held.",
+      "Ends a paused or waiting state with an outcome, or skips the state the run is paused before.",
     menu: "Run/4/Selected state",
     refusal: (context, argument) =>
       cannotCommand(context) ??
       (!isObject(argument) && forcible(context) === null
-        ? "select a state that is held, waits, or comes next"
+        ? "select a state that is paused, waits, or comes next"
         : null),
     choices: outcomeChoices,
     run: (context, argument) => {
@@ -79,7 +79,7 @@ export const RUN_POINTS: readonly UserCommand[] = [
   {
     id: "run.preempt",
     title: "Preempt state",
-    detail: "Asks the selected active state, and all in it, to end.",
+    detail: "Asks the selected active state and everything in it to end.",
     menu: "Run/4/Selected state",
     refusal: (context, argument) => {
       const wanted = pathFor(context, argument);
@@ -103,7 +103,7 @@ export function cannotSetBreakpoints(context: CommandContext): string | null {
 export function cannotSetConditions({ page }: CommandContext): string | null {
   return lacks(page, "edit") === null
     ? null
-    : "a condition is Python, which only engineers and admins bring into a run";
+    : "a condition is Python code, which only engineers and admins may add to a run";
 }
 
 /** Sets it in the run that goes on, and for the next start. */

@@ -53,9 +53,9 @@ export function cannotCommand(
 
 function overInWords(watch: Watch): string {
   const now = watch.now.value;
-  if (!now) return "how the run stands is not known yet";
+  if (!now) return "the state of the run is not known yet";
   const { word } = runStatusWords(now);
-  if (word === "crashed") return "the run crashed: take it up first, or start another";
+  if (word === "crashed") return "the run crashed: resume it first, or start another";
   return word === "finished" ? "the run is over: start another" : "the run did not begin";
 }
 
@@ -75,7 +75,7 @@ export function cannotWhile(
 function notWhile(status: RunStatus): string {
   switch (status) {
     case "running":
-      return "the run goes on: pause it, or begin to step";
+      return "the run is running: pause it or turn step mode on";
     case "paused":
       return "the run is paused already";
     case "stepping":

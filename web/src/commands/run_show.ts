@@ -25,7 +25,7 @@ export const RUN_SHOW: readonly UserCommand[] = [
   {
     id: "run.show-as-ran",
     title: "Show the machine as it ran",
-    detail: "Opens the machine as the run goes by it in a tab of its own, beside the edited one.",
+    detail: "Opens the machine that the run uses in its own tab, next to the edited one.",
     menu: "Run/7",
     refusal: ({ page }, argument) => (runOf(page) || typeof argument === "string" ? null : NONE),
     run: ({ page }, argument) => {
@@ -36,7 +36,7 @@ export const RUN_SHOW: readonly UserCommand[] = [
   {
     id: "run.leave",
     title: "Show no run",
-    detail: "Takes the run off this tab; it goes on.",
+    detail: "Hides the run in this tab. The run continues.",
     menu: "Run/7",
     refusal: ({ page, tab }) => {
       if (tab?.session.fixed != null) return "this tab is the run's own: close it";
@@ -49,7 +49,7 @@ export const RUN_SHOW: readonly UserCommand[] = [
   {
     id: "run.follow",
     title: "Follow what runs",
-    detail: "The canvas goes along with the active states.",
+    detail: "Keeps the active states in view.",
     menu: "Run/7",
     checked: ({ tab }) => tab !== null && followedSignal(tab.view).value,
     refusal: ({ page }) => (runOf(page) ? null : NONE),
@@ -60,12 +60,12 @@ export const RUN_SHOW: readonly UserCommand[] = [
   {
     id: "run.live",
     title: "Back to now",
-    detail: "Shows how the run stands now, instead of an earlier moment.",
+    detail: "Shows the current state instead of an earlier moment.",
     menu: "Run/7",
     refusal: ({ page }) => {
       const watch = runOf(page);
       if (!watch) return NONE;
-      return watch.playhead.value === null ? "now is what is shown" : null;
+      return watch.playhead.value === null ? "the current state is already shown" : null;
     },
     run: ({ page }) => {
       const watch = runOf(page);
@@ -76,7 +76,7 @@ export const RUN_SHOW: readonly UserCommand[] = [
     id: "run.start-from-history",
     title: "Start from this moment",
     detail:
-      "The run begins again at an entry of its history, with the data it had then, and is held there.",
+      "Restarts the run at an entry of its history with the data it had then, and pauses there.",
     refusal: (context) => {
       const phase = context.tab?.run.value?.now.value?.run.phase;
       return phase === "crashed" || phase === "finished"
@@ -116,7 +116,7 @@ export const RUN_SHOW: readonly UserCommand[] = [
   {
     id: "run.delete",
     title: "Delete run…",
-    detail: "Gives up what was kept of the run.",
+    detail: "Deletes everything kept of the run.",
     menu: "Run/8/This run",
     refusal: ({ page }, argument) => {
       const id = idOf(page, argument);
@@ -186,7 +186,7 @@ async function remove({ page, shell }: CommandContext, argument: unknown): Promi
   if (id === null) return;
   const isSure = await shell.confirm({
     title: "Delete this run?",
-    text: `All that was kept of ${id} is deleted: events, values, the machine as it ran. It cannot be had back.`,
+    text: `Deletes everything kept of ${id}: events, values, the machine as it ran. This cannot be undone.`,
     yes: "Delete",
     danger: true,
   });

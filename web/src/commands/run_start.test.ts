@@ -41,7 +41,7 @@ test("edits that are not saved are saved first, left out, or nothing is started"
   const saved = setUp({ changed: true, answers: ["save"] });
   await startRun(saved.context);
   expect(saved.context.record).toEqual([
-    "ask Save before the start?",
+    "ask Save before starting?",
     'POST /machines/m1/save {"overwrite":false}',
     "show r2",
   ]);

@@ -35,7 +35,7 @@ async function confirmAnother({ page, shell }: CommandContext, tab: OpenTab): Pr
   if (!first) return true;
   const name = first.name === "" ? "this machine" : `“${first.name}”`;
   const goOn =
-    live.length === 1 ? `A run of ${name} goes on` : `${live.length} runs of ${name} go on`;
+    live.length === 1 ? `A run of ${name} is active` : `${live.length} runs of ${name} are active`;
   const began = startedInWords(first.started_ms, Date.now());
   const by = first.author === null ? "" : ` by ${first.author}`;
   return shell.confirm({
@@ -69,21 +69,21 @@ const SHOW_ERRORS = { value: "show", title: "Show the problems" } as const;
 const START_ANYWAY = {
   value: "start",
   title: "Start anyway",
-  detail: "States with errors abort, or the run waits at them.",
+  detail: "States with errors abort, or the run waits there.",
 } as const;
 
 /** The folder of the machine, saved if the user wants; null if nothing is to be started. */
 async function asOnDisk(context: CommandContext, tab: OpenTab): Promise<MachineFile | null> {
   if (tab.session.fixed !== null) {
     const file = fileOfTab(tab);
-    if (!file) throw new Error("the machine of this run lies in none of the projects");
+    if (!file) throw new Error("the machine of this run is not in any project");
     return file;
   }
   if (fileOfTab(tab) === null) return savedFirst(context, tab);
   if (!hasUnsaved(tab)) return fileOfTab(tab);
   const choice = await context.shell.choose({
-    title: "Save before the start?",
-    text: "The machine has edits that do not lie on disk. A run goes by what lies there.",
+    title: "Save before starting?",
+    text: "The machine has unsaved edits. A run uses the saved machine.",
     choices: canEdit(context) ? [SAVE, AS_IS] : [AS_IS],
   });
   if (choice === "save") return (await saveTab(context, tab)) ? fileOfTab(tab) : null;
@@ -93,8 +93,8 @@ async function asOnDisk(context: CommandContext, tab: OpenTab): Promise<MachineF
 const SAVE = { value: "save", title: "Save and start" } as const;
 const AS_IS = {
   value: "as-is",
-  title: "Start what lies on disk",
-  detail: "The edits stay here, and the run does not know them.",
+  title: "Start the saved machine",
+  detail: "The edits stay here and do not affect the run.",
 } as const;
 
 function hasUnsaved(tab: OpenTab): boolean {
@@ -130,7 +130,7 @@ function allowed({ page }: CommandContext, all: readonly Breakpoint[]): Breakpoi
   const plain = all.filter(({ condition }) => condition === null);
   if (plain.length < all.length) {
     const text =
-      "Breakpoints with conditions are left out: a condition is Python, which only engineers bring into a run.";
+      "Breakpoints with conditions are left out: a condition is Python code, which only engineers may add to a run.";
     page.tell({ level: "warning", text });
   }
   return plain;

@@ -12,28 +12,28 @@ export const RUN_STEP: readonly UserCommand[] = [
   {
     id: "run.step-mode",
     title: "Step mode",
-    detail: "Holds before the next state, and goes step by step from there.",
+    detail: "Pauses before the next state, to step from there.",
     keys: ["F6"],
     menu: "Run/3",
     checked: ({ tab }) => snapshotOf(tab?.run.value ?? null)?.status === "stepping",
     refusal: (context) => cannotWhile(context, ["running", "paused"]),
     run: (context) => sendCommand(context, "Step mode", { type: "step_mode" }),
   },
-  step("run.into", "Step into", "step_into", ["F4"], "To the next state, wherever that is."),
+  step("run.into", "Step into", "step_into", ["F4"], "Goes to the next state at any level."),
   step(
     "run.over",
     "Step over",
     "step_over",
     ["Shift+F4"],
-    "To the next state of the same container, or of one around it.",
+    "Goes to the next state of the same or an outer container.",
   ),
-  step("run.out", "Step out", "step_out", ["F3"], "To the next state of a container around."),
+  step("run.out", "Step out", "step_out", ["F3"], "Goes to the next state of an outer container."),
   step(
     "run.back",
     "Step back",
     "step_back",
     ["F9"],
-    "Undoes the last state: its script runs backward, its data are what they were.",
+    "Undoes the last state: runs its script backward and restores its data.",
   ),
 ];
 
@@ -64,7 +64,7 @@ function cannotStep(context: CommandContext, type: StepType): string | null {
   const snapshot = snapshotOf(context.tab?.run.value ?? null);
   if (why !== null || !snapshot) return why ?? "the run is starting";
   if (snapshot.status !== "paused" && snapshot.status !== "stepping") {
-    return "nothing is held: pause the run, or turn step mode on";
+    return "nothing is paused: pause the run or turn step mode on";
   }
   const waits = type === "step_back" && snapshot.active.some(({ phase }) => phase === "waiting");
   return isHeld(snapshot) || waits

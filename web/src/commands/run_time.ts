@@ -12,7 +12,7 @@ export const RUN_TIME: readonly UserCommand[] = [
   {
     id: "run.event-before",
     title: "One event back",
-    detail: "Shows the moment before the one that is shown; the run itself goes on.",
+    detail: "Shows the previous moment. The run itself continues.",
     keys: [","],
     menu: "Run/9/Moment",
     refusal: ({ page }) => {
@@ -25,19 +25,19 @@ export const RUN_TIME: readonly UserCommand[] = [
   {
     id: "run.event-after",
     title: "One event forward",
-    detail: "After the last event the page shows what is now.",
+    detail: "After the last event the page shows the current state.",
     keys: ["."],
     menu: "Run/9/Moment",
     refusal: ({ page }) => {
       const watch = runOf(page);
       if (!watch) return NO_RUN;
-      return watch.playhead.value === null ? "now is what is shown" : null;
+      return watch.playhead.value === null ? "the current state is already shown" : null;
     },
     run: ({ page }) => stepIn(runOf(page), 1),
   },
   {
     id: "run.entry-before",
-    title: "Entry of the selected state before",
+    title: "Previous entry of the selected state",
     keys: ["Alt+,"],
     menu: "Run/9/Moment",
     refusal: (context) => refusedEntry(context, "before"),
@@ -45,7 +45,7 @@ export const RUN_TIME: readonly UserCommand[] = [
   },
   {
     id: "run.entry-after",
-    title: "Entry of the selected state after",
+    title: "Next entry of the selected state",
     keys: ["Alt+."],
     menu: "Run/9/Moment",
     refusal: (context) => refusedEntry(context, "after"),
@@ -53,7 +53,7 @@ export const RUN_TIME: readonly UserCommand[] = [
   },
   {
     id: "run.first-event",
-    title: "Begin of the run",
+    title: "Beginning of the run",
     menu: "Run/9/Moment",
     refusal: ({ page }) => (runOf(page) ? null : NO_RUN),
     run: ({ page }) => {

@@ -36,16 +36,16 @@ export async function saveTab(
     if (!(error instanceof RefusalError) || error.code !== "changed_on_disk") throw error;
   }
   const choice = await shell.choose({
-    title: "The files were changed by another program",
-    text: "Somebody changed this machine on disk since it was read: a git pull, perhaps, or another editor.",
+    title: "Another program changed the files",
+    text: "This machine changed on disk after it was read, for example by a git pull or another editor.",
     choices: [
       { value: "compare", title: "Compare first", detail: "Shows both side by side." },
       {
         value: "theirs",
-        title: "Take what lies on disk",
-        detail: "An undo brings back what is here.",
+        title: "Load the version on disk",
+        detail: "You can undo this.",
       },
-      { value: "mine", title: "Save mine over it", detail: "What lies on disk is replaced." },
+      { value: "mine", title: "Overwrite with mine", detail: "Replaces the version on disk." },
     ],
   });
   if (choice === "compare") await compare(context);
@@ -77,14 +77,14 @@ export async function saveElsewhere(context: CommandContext, copy: boolean): Pro
   if (copy) {
     page.tell({
       level: "info",
-      text: `A copy lies in ${file.path}.`,
+      text: `A copy was saved in ${file.path}.`,
       action: { title: "Open it", command: "file.open", argument: file },
     });
   }
   return true;
 }
 
-/** Saves the selected state with all inside as a machine of its own. */
+/** Saves the selected state and its content as a separate machine. */
 export async function saveState(context: CommandContext): Promise<void> {
   const { page, tab, shell } = context;
   const path = onlyState(context);

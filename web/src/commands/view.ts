@@ -97,7 +97,7 @@ const MODES: readonly UserCommand[] = [
   {
     id: "view.data-flows",
     title: "Data flows",
-    detail: "Shows data flows of the selection, all, or none, in turn.",
+    detail: "Cycles between data flows of the selection, all, and none.",
     keys: ["D"],
     classic: ["Ctrl+D"],
     menu: "View/2",
@@ -120,7 +120,7 @@ const MODES: readonly UserCommand[] = [
   {
     id: "view.heat",
     title: "Heat",
-    detail: "Colours states by how often, or how long, they ran; nothing, in turn.",
+    detail: "Cycles between colours by number of runs, by time, and none.",
     keys: ["Shift+H"],
     menu: "View/2",
     needs: "start a run first, or choose one",
@@ -146,7 +146,7 @@ const MODES: readonly UserCommand[] = [
   {
     id: "view.library-content",
     title: "Library content",
-    detail: "Shows what is inside the selected library state, in place.",
+    detail: "Shows the content of the selected library state in place.",
     keys: ["Shift+L"],
     menu: "View/2",
     needs: "select a library state first",
@@ -197,7 +197,7 @@ const PANELS: readonly UserCommand[] = [
   {
     id: "view.focus",
     title: "Canvas only",
-    detail: "Takes all panels away, or brings them back.",
+    detail: "Hides or shows all panels.",
     keys: ["Ctrl+Alt+0"],
     menu: "View/3",
     run: ({ shell }) => shell.layouts.toggleFocus(),
@@ -261,7 +261,7 @@ const PANELS: readonly UserCommand[] = [
 ];
 
 const THEMES: readonly { value: Settings["theme"]; title: string }[] = [
-  { value: "system", title: "As the system" },
+  { value: "system", title: "Same as system" },
   { value: "dark", title: "Dark" },
   { value: "light", title: "Light" },
 ];

@@ -59,7 +59,7 @@ test.each([
     "speed is not known: write value, or len, abs, min, max, sum, mean, round of it (at character 1)",
   ],
   ["value; import os", 1, "; does not fit here (at character 6)"],
-  ["", 1, "the expression ends too early (at character 1)"],
+  ["", 1, "the expression is incomplete (at character 1)"],
 ])("%s of %j is refused in words", (text, value, reason) => {
   expect(at(text, value)).toBe(reason);
 });

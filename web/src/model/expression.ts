@@ -123,7 +123,7 @@ class ExpressionReader {
 
   #fail(why?: string): never {
     const { kind, text, at } = this.#next();
-    const found = kind === "end" ? "the expression ends too early" : `${text} does not fit here`;
+    const found = kind === "end" ? "the expression is incomplete" : `${text} does not fit here`;
     throw new WrongValue(`${why ?? found} (at character ${at + 1})`);
   }
 

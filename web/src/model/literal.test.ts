@@ -41,7 +41,7 @@ test.each([
   ["[1", "] is missing"],
   ["[1 2]", "comma"],
   ["'abc", "no end"],
-  ["1 2", "more behind"],
+  ["1 2", "unexpected text"],
   ["012", "begin with 0"],
   ["1j", "complex"],
   ["open('x')", "no literal"],

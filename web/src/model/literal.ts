@@ -9,10 +9,10 @@ export function parseLiteral(text: string): Literal {
   const reader = new LiteralReader(text);
   try {
     reader.space();
-    if (reader.atEnd()) return { refused: "nothing is written here: write None for no value" };
+    if (reader.atEnd()) return { refused: "the value is empty: write None for no value" };
     const value = reader.value(0);
     reader.space();
-    if (!reader.atEnd()) reader.fail("there is more behind the value");
+    if (!reader.atEnd()) reader.fail("unexpected text after the value");
     return { value };
   } catch (error) {
     if (error instanceof NoLiteral) return { refused: error.message };

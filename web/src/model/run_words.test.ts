@@ -93,5 +93,5 @@ test("what is held says by what, each reason once", () => {
   expect(inShort(live("stepping", [{ held }, { held }]))).toBe("stepping: held by breakpoint 3");
   const step = [{ next: "R/B", by: { type: "step" } as const }];
   expect(inShort(live("stepping", [{ held: step }]))).toBe("stepping");
-  expect(holdInWords({ type: "start" })).toBe("held at the start");
+  expect(holdInWords({ type: "start" })).toBe("paused at the start");
 });

@@ -126,15 +126,15 @@ function heldInWords(active: readonly ActiveState[]): string {
 export function holdInWords(by: HeldBy): string {
   switch (by.type) {
     case "pause":
-      return "held by the pause";
+      return "paused";
     case "step":
-      return "held by the step";
+      return "paused after a step";
     case "run_to":
-      return "held at the state to run to";
+      return "paused at the target state";
     case "breakpoint":
       return `held by breakpoint ${by.id}`;
     case "start":
-      return "held at the start";
+      return "paused at the start";
   }
 }
 

@@ -83,7 +83,7 @@ export function withKey(data: Semantic, keys: KeyPath, wanted: string): Changed 
   const pairs = pairsAt(data, outer);
   if (name === "") return { refused: "A key has a name: write one, or remove the row." };
   if (name !== key && pairs.some(([other]) => other === name)) {
-    return { refused: `There is a key ${name} already: choose another name.` };
+    return { refused: `The key ${name} already exists. Choose another name.` };
   }
   const next = pairs.map(([other, value]) => [other === key ? name : other, value] as const);
   return { data: withValue(data, outer, dictionary(next)) };

@@ -20,7 +20,7 @@ export function ElementMenu({ at, elements, onClose }: ElementMenuProps) {
   const keys = (id: string) => map.get(id) ?? [];
   return (
     <ContextMenu
-      label="What can be done with the selection"
+      label="Actions for the selection"
       at={at}
       items={contextMenu({ commands, context: now, keys }, elements)}
       onClose={onClose}

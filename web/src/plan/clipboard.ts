@@ -60,7 +60,7 @@ export function clipOf(machine: Machine, elements: readonly ElementRef[]): Clip 
 }
 
 const NOTHING =
-  "Select states inside the machine, ports or own outcomes to copy them: an income, aborted and preempted are everywhere.";
+  "Select states inside the machine, ports or own outcomes to copy. Every state has an income, aborted and preempted.";
 
 /** Where the connections between what was copied bend. */
 function copiedWaypoints(
@@ -102,7 +102,7 @@ export function pasteClip(machine: Machine, clip: Clip, { container, owner }: Pa
     return pasteParts(machine, owner, parts);
   }
   if (container === null || selection === null) {
-    return refused("Select the state into which it is to be pasted.");
+    return refused("Select the state to paste into.");
   }
   const states = paste(machine, container.path, selection, container.at, waypoints);
   if (isRefused(states) || parts.length === 0) return states;

@@ -44,7 +44,7 @@ function connection(
   if (isPort(to) && from.kind === "state") return toState(machine, to, from.path, ignored);
   if (isPort(from) || isPort(to)) {
     return refused(
-      "Values flow from port to port, transitions lead from an outcome to a state: these two do not go together.",
+      "Data flows connect ports, transitions connect an outcome with a state. These two cannot be connected.",
     );
   }
   return transition(machine, from, to, ignored);
@@ -141,7 +141,7 @@ function toNewOutcome(
   const outcome = freshNumber(outcomesOf(container));
   const name = freshName(source.name, names);
   const line = lineBetween(from, { kind: "outcome", path, id: outcome });
-  if (!line) return refused("A state leads to outcomes of the state around it only.");
+  if (!line) return refused("A state leads only to outcomes of its container.");
   const bad = lineRefused(machine, line);
   if (bad) return bad;
   const edits: Edit[] = [{ edit: "add_outcome", path, outcome, name }, lineEdit(machine, line)];

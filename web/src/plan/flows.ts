@@ -113,7 +113,7 @@ export function flowEdits(
 
 function pairRefused(source: PortAt, target: PortAt): Refused | null {
   if (source.path === target.path && source.port.id === target.port.id) {
-    return refused("A data flow leads to another port than the one where it begins.");
+    return refused("A data flow must end at another port.");
   }
   const variables = [source, target].every(({ kind }) => kind === "scoped_variable");
   if (variables && source.path === target.path) {
@@ -181,7 +181,7 @@ class Chain {
     const twin = this.#flows(path, container).some(
       (flow) => flow.to_state === to && flow.to_port === target.port.id,
     );
-    if (twin) return refused(`${this.#port.name} flows to ${target.port.name} already.`);
+    if (twin) return refused(`${this.#port.name} already flows to ${target.port.name}.`);
     this.#flow(path, container, to, target.port.id);
     return null;
   }

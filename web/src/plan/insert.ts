@@ -92,7 +92,9 @@ function goalOf({ to_state, to_outcome }: TransitionDocument): Goal {
 function insertRefused(container: StateDocument): Refused | null {
   return container.kind === "hierarchy"
     ? null
-    : refused(`${container.name} runs all its states at once: nothing stands between two of them.`);
+    : refused(
+        `${container.name} runs all its states at once. There is nothing between two of them.`,
+      );
 }
 
 function newcomer(

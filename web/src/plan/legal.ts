@@ -68,7 +68,7 @@ export function commonContainer(machine: Machine, paths: readonly string[]): str
     const parent = movableFrom(machine, path);
     if (typeof parent !== "string") return parent;
     if (common !== null && parent !== common) {
-      return refused("The states stand in different containers: choose states of one container.");
+      return refused("The states are in different containers. Choose states of one container.");
     }
     common = parent;
   }

@@ -50,7 +50,7 @@ export function move(machine: Machine, paths: readonly string[], wanted: Point):
     const box = boxIn(machine, path);
     return state ? boxEdits(state, path, { ...box, x: box.x + by.x, y: box.y + by.y }) : [];
   });
-  if (by.x === 0 && by.y === 0) return refused("The states stay where they are.");
+  if (by.x === 0 && by.y === 0) return refused("The states do not move.");
   edits.push(...shiftedBetween(machine, container, new Set(paths.map(idOf)), by));
   return { name: `Move ${statesInWords(machine, paths)}`, edit: together(edits) };
 }
@@ -137,10 +137,10 @@ export function moveInto(
   if (typeof from !== "string") return from;
   const target = containerAt(machine, container);
   if (isRefused(target)) return target;
-  if (from === container) return refused(`The states stand in ${target.name} already.`);
+  if (from === container) return refused(`The states are already in ${target.name}.`);
   const own = paths.find((path) => container === path || container.startsWith(`${path}/`));
   if (own !== undefined) {
-    return refused(`${machine.state(own)?.name} cannot stand inside itself: choose another place.`);
+    return refused(`${machine.state(own)?.name} cannot be inside itself. Choose another place.`);
   }
   const ids = arrivingIds(machine, container, paths.map(idOf));
   // Positions first: they are set where the states stand before.
@@ -399,7 +399,7 @@ function placed(
     const state = machine.state(path);
     return state ? boxEdits(state, path, box) : [];
   });
-  if (edits.length === 0) return refused("The states stand like this already.");
+  if (edits.length === 0) return refused("The states are already aligned like this.");
   return { name, edit: together(edits) };
 }
 

@@ -225,7 +225,7 @@ export function setStart(machine: Machine, path: string): Planned {
 export function clearStart(machine: Machine, container: string): Planned {
   const around = containerAt(machine, container);
   if (isRefused(around)) return around;
-  if (!startOf(around)) return refused(`${around.name} has no start already.`);
+  if (!startOf(around)) return refused(`${around.name} already has no start.`);
   const name = `Remove the start of ${around.name}`;
   return { name, edit: { edit: "set_start", path: container, to: null } };
 }
@@ -233,7 +233,7 @@ export function clearStart(machine: Machine, container: string): Planned {
 export function changeKind(machine: Machine, path: string, kind: StateKind): Planned {
   const state = stateAt(machine, path);
   if (isRefused(state)) return state;
-  if (state.kind === kind) return refused(`${state.name} is of this kind already.`);
+  if (state.kind === kind) return refused(`${state.name} is already of this kind.`);
   if (state.kind === "decider") {
     return refused(`${state.name} is the decider of its barrier and stays one.`);
   }

@@ -173,7 +173,7 @@ export function climb(
   const meeting = begin !== null && end !== null ? commonPath([begin, end]) : null;
   if (begin === null || end === null || meeting === null) return backwards();
   if (from.kind === "outcome" && isWithin(end, from.path)) {
-    return refused("A state does not lead into itself: begin at the income for its start.");
+    return refused("A state cannot lead into itself. Begin at its income to set its start.");
   }
   const up = ascend(machine, from, begin, meeting, ignored);
   if (isRefused(up)) return up;

@@ -10,7 +10,7 @@ import type { OpenTab } from "./page.ts";
 import { RefusalError, type Server } from "./server.ts";
 
 export type Against =
-  /** What lies on disk. */
+  /** Version on disk. */
   | { readonly kind: "saved" }
   /** A commit. */
   | { readonly kind: "version"; readonly commit: string }

@@ -179,7 +179,7 @@ function ofEvent(event: Event): FailureCause | null {
     }
     case "resumed": {
       const { crash, life } = event;
-      const text = `The program of the run died (${crash.reason}). It was taken up; this is life ${life}.`;
+      const text = `The program of the run died (${crash.reason}). The run was resumed; this is life ${life}.`;
       return { kind: "crash", level: "error", path: "", text };
     }
     default:

@@ -3,7 +3,7 @@
 import type { OpenTab, Page } from "./page.ts";
 
 const MAY_ONLY_LOOK =
-  "You may look at this machine but not edit it: ask an admin for the role engineer.";
+  "You can view this machine but not edit it. Ask an admin for the role engineer.";
 
 /** Whether the session may edit. While the server cannot be asked, what is done waits for it. */
 export function mayEdit({ server }: { readonly server: Pick<Page["server"], "link"> }): boolean {

@@ -255,7 +255,7 @@ export class OpenMachineSession implements MachineSession {
     const wasToldOf = this.#toldOfRecovery;
     this.#toldOfRecovery = status.summary.is_recovered;
     if (status.summary.is_recovered && !wasToldOf)
-      this.#tell("info", "edits that were not saved when the server ended are back");
+      this.#tell("info", "unsaved edits from before the server ended are restored");
   }
 
   #advance(revisions: readonly Revision[]): void {
@@ -291,7 +291,7 @@ export class OpenMachineSession implements MachineSession {
       this.#settle(null);
     });
     batch(() => this.#tellChange(null));
-    if (isOther) this.#tell("info", "it was read again from the server");
+    if (isOther) this.#tell("info", "it was reloaded from the server");
     void this.#look();
   }
 

@@ -211,7 +211,7 @@ describe("the page", () => {
       server.link.value = { ...up, session: { ...up.session, version: "1" } };
     }
     expect(page.notices.value.map(({ text }) => text)).toEqual([
-      "The server is of version 1 now, and this page of 0: load the page again",
+      "The server now has version 1, this page 0. Reload the page.",
     ]);
   });
 

@@ -205,7 +205,7 @@ function tellBreaks(server: Server, clock: Clock, tell: Page["tell"]): void {
       tell({ level: "info", text: `Connected again after ${Math.round(length_ms / 1_000)} s` });
     }
     if (version !== null && version !== link.session.version) {
-      const text = `The server is of version ${link.session.version} now, and this page of ${version}: load the page again`;
+      const text = `The server now has version ${link.session.version}, this page ${version}. Reload the page.`;
       tell({ level: "warning", text });
     }
     version ??= link.session.version;

@@ -31,6 +31,6 @@ function isLost({ status, code }: RefusalError): boolean {
 }
 
 function unknown({ message, code }: RefusalError): RefusalError {
-  const text = `nobody knows whether it was carried out: ${message}. Look at the list of runs before you try it again.`;
+  const text = `it is unknown whether it was carried out: ${message}. Check the list of runs before you try again.`;
   return new RefusalError({ code, message: text }, 0);
 }

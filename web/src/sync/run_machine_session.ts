@@ -30,8 +30,7 @@ export function runSessionId(run: string): string {
   return `run ${run}`;
 }
 
-const FIXED =
-  "This is the machine as the run went by it: edit the machine itself, it lies in its project.";
+const FIXED = "This is the machine that the run used. Edit the machine itself in its project.";
 const REFUSED = { refused: FIXED };
 
 export class RunMachineSession implements MachineSession {

@@ -7,7 +7,7 @@ export function isOthers(value: string, own: ReadonlySet<string>, text: string |
 
 /** What becomes of both texts. */
 export function meanwhileInWords(value: string, enter = "Enter"): string {
-  return `It ${changed(value)} meanwhile: ${enter} takes your text, Escape theirs.`;
+  return `It ${changed(value)} meanwhile. ${enter} keeps your text, Escape takes theirs.`;
 }
 
 /** Why a text whose field has gone was given up. */

@@ -68,7 +68,7 @@ test("what somebody else makes of a text while it is typed is said, and only Ent
   expect(said()).toBeUndefined();
   draw(name("theirs"));
   expect(said()).toBe(
-    "It was changed to “theirs” meanwhile: Enter takes your text, Escape theirs.",
+    "It was changed to “theirs” meanwhile. Enter keeps your text, Escape takes theirs.",
   );
   leave(input);
   await settled();

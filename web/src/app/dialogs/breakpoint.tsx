@@ -73,20 +73,20 @@ function Parts({ wanted, put, count, isCount, onCount }: BreakpointPartsProps) {
         disabled={unfit !== null}
         hint={
           unfit ??
-          "Knows inputs, scoped, gvm, and after the state outputs and outcome. Empty: always."
+          "Available: inputs, scoped, gvm; after the state also outputs and outcome. Empty: always."
         }
         onInput={(text) => put({ condition: text.trim() === "" ? null : text })}
       />
       <TextField
-        label="From which time on"
+        label="Starting with hit"
         type="number"
         value={count}
         refusal={isCount ? null : "a whole number from 1 on"}
-        hint="1: each time; 3: from the third time on that its condition is true"
+        hint="1: every hit; 3: from the third time its condition is true"
         onInput={onCount}
       />
       <Select
-        label="What is held"
+        label="What to pause"
         value={wanted.scope}
         options={SCOPE}
         onChange={(scope) => put({ scope })}
@@ -113,7 +113,7 @@ const SCOPE = [
 ] as const;
 
 const UNATTENDED = [
-  { value: "hold", title: "it holds all the same" },
+  { value: "hold", title: "pause anyway" },
   { value: "continue", title: "the run goes on" },
   { value: "stop", title: "the run is stopped" },
 ] as const;

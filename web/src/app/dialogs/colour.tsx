@@ -46,7 +46,7 @@ export function Colour({ asks, answer }: AskedDialogProps<Rgb | null>) {
       onClose={() => answer(null)}
       footer={
         <>
-          <Button onClick={() => answer({ rgb: null })}>No colour of its own</Button>
+          <Button onClick={() => answer({ rgb: null })}>No own colour</Button>
           <Button kind="primary" onClick={() => answer({ rgb: rgbOf(hex) })}>
             Use {hex}
           </Button>

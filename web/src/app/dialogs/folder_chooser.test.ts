@@ -25,10 +25,10 @@ test("slashes in the name make folders on the way, unless a machine stands in it
   expect(chosenFolder([PROJECT], PROJECT, "mars/rover/drill").file?.path).toBe("mars/rover/drill");
   expect(chosenFolder([PROJECT], MARS, "rover / drill").file?.path).toBe("mars/rover/drill");
   expect(chosenFolder([PROJECT], PROJECT, "moon/drill").refusal).toContain(
-    "a machine holds no others",
+    "cannot contain other machines",
   );
   for (const name of ["/drill", "mars//drill", "mars/", "../drill", ".git", "a\\b"])
-    expect(chosenFolder([PROJECT], PROJECT, name).refusal).toContain("a name each");
+    expect(chosenFolder([PROJECT], PROJECT, name).refusal).toContain("Enter a folder name");
 });
 
 test("it is said where it will lie, and as which library", () => {
@@ -45,14 +45,14 @@ test("it is said where it will lie, and as which library", () => {
     const { file } = chosenFolder([PROJECT], MARS, name);
     return file && placeInWords([project], roots, file);
   };
-  expect(at("drill")).toBe("It will lie in Missions / mars / drill, as the library skills/drill.");
+  expect(at("drill")).toBe("Location: Missions / mars / drill, as the library skills/drill.");
   expect(placeInWords([project], [], { project: "p", path: "drill" })).toBe(
-    "It will lie in Missions / drill.",
+    "Location: Missions / drill.",
   );
 });
 
 test("no machine is saved inside another, nor over what is there", () => {
-  expect(chosenFolder([PROJECT], MOON, "x").refusal).toContain("a machine holds no others");
+  expect(chosenFolder([PROJECT], MOON, "x").refusal).toContain("cannot contain other machines");
   expect(chosenFolder([PROJECT], PROJECT, "moon").refusal).toContain("already");
   expect(chosenFolder([], null, "x").refusal).toContain("no project");
 });

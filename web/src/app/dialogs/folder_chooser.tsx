@@ -25,14 +25,14 @@ export function chosenFolder(
   const names = name.split("/").map((part) => part.trim());
   if (!names.every(isName)) {
     return refused(
-      "A folder, or several joined by slashes: a name each, without a dot in front and without backslashes.",
+      "Enter a folder name, or several separated by slashes. A name must not start with a dot or contain backslashes.",
     );
   }
   let around = parent;
   for (const part of names) {
     if (around.kind === "machine") {
       return refused(
-        `${around.name} is a machine, and a machine holds no others: choose a folder beside it.`,
+        `${around.name} is a machine and cannot contain other machines. Choose a folder next to it.`,
       );
     }
     const there = around.children?.find((child) => child.name === part);
@@ -43,7 +43,7 @@ export function chosenFolder(
     around = there;
   }
   return refused(
-    `There is a ${around.kind} ${around.name} in ${parent.name} already: choose another name.`,
+    `${parent.name} already contains a ${around.kind} ${around.name}. Choose another name.`,
   );
 }
 
@@ -83,7 +83,7 @@ export function placeInWords(
   const project = projects.find((each) => each.id === file.project)?.name ?? file.project;
   const library = libraryOf(projects, roots, file);
   const place = [project, ...file.path.split("/")].join(" / ");
-  return `It will lie in ${place}${library === null ? "" : `, as the library ${library}`}.`;
+  return `Location: ${place}${library === null ? "" : `, as the library ${library}`}.`;
 }
 
 export interface FolderChooserProps {

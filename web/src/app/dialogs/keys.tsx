@@ -36,7 +36,7 @@ export function Keys({ answer }: AskedDialogProps<undefined>) {
           <TextField
             label="Find"
             type="search"
-            placeholder="What it does, or a key"
+            placeholder="Command or key"
             value={search}
             onInput={setSearch}
             autoFocus
@@ -145,7 +145,8 @@ function noteOn(
   id: string,
 ): string | null {
   const kept = keys.find(isKeptByBrowser);
-  if (kept !== undefined) return `the browser keeps ${shownKey(kept)} but in a window of its own`;
+  if (kept !== undefined)
+    return `the browser reserves ${shownKey(kept)} except in a separate window`;
   const others = keys.flatMap((key) => doubled.get(key) ?? []).filter((other) => other !== id);
   return others.length > 0 ? `also ${[...new Set(others)].join(", ")}` : null;
 }

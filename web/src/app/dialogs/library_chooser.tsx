@@ -100,8 +100,8 @@ export function LibraryChooser({
               title={search === "" ? "No libraries" : "Nothing found"}
               text={
                 search === ""
-                  ? "Libraries lie in the library roots that the server was started with."
-                  : `No library has “${search}” in its name.`
+                  ? "Libraries come from the library roots that the server was started with."
+                  : `No library name contains “${search}”.`
               }
             />
           ) : (

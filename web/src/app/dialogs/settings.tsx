@@ -21,14 +21,14 @@ export function SettingsDialog({ answer }: AskedDialogProps<undefined>) {
           label="Theme"
           value={settings.theme}
           options={[
-            { value: "system", title: "As the system" },
+            { value: "system", title: "Same as system" },
             { value: "dark", title: "Dark" },
             { value: "light", title: "Light" },
           ]}
           onChange={(theme) => change({ theme })}
         />
         <Select
-          label="The wheel, without a key"
+          label="Mouse wheel"
           value={settings.wheel}
           options={[
             { value: "zoom", title: "Zooms; with Shift it moves sideways" },

@@ -57,7 +57,7 @@ export function StartRunDialog({ asks: tab, answer }: AskedDialogProps<OpenTab>)
         <>
           <Button onClick={() => answer(null)}>Cancel</Button>
           <Button kind="primary" disabled={isRefused} onClick={done}>
-            {given.hold ? "Start held" : "Start"}
+            {given.hold ? "Start paused" : "Start"}
           </Button>
         </>
       }
@@ -71,18 +71,18 @@ export function StartRunDialog({ asks: tab, answer }: AskedDialogProps<OpenTab>)
       >
         <Inputs ports={ports} given={given} put={put} />
         <Checkbox
-          label="Hold before the first state, to step from there"
+          label="Pause before the first state, to step from there"
           checked={given.hold}
           onChange={(hold) => put({ hold })}
         />
         <Select
-          label="If the runner's program dies, scripts that it interrupted"
+          label="If the run's program dies, interrupted scripts"
           value={given.onCrash}
           options={ON_CRASH}
           onChange={(onCrash) => put({ onCrash })}
         />
         <Select
-          label="Of the run is kept"
+          label="Keep of the run"
           value={given.keeping}
           options={KEEPING}
           onChange={(keeping) => put({ keeping })}
@@ -94,9 +94,9 @@ export function StartRunDialog({ asks: tab, answer }: AskedDialogProps<OpenTab>)
 }
 
 const ON_CRASH = [
-  { value: "machine", title: "as the machine says, else wait for somebody to decide" },
-  { value: "ask", title: "wait until somebody decides" },
-  { value: "abort", title: "end by aborted, so that the machine recovers by itself" },
+  { value: "machine", title: "follow the machine's setting, else wait for a decision" },
+  { value: "ask", title: "wait for a decision" },
+  { value: "abort", title: "end as aborted, so that the machine recovers by itself" },
   { value: "restart", title: "run again" },
 ] as const;
 
@@ -115,7 +115,7 @@ function Inputs({ ports, given, put }: InputsProps) {
   if (ports.length === 0) return <p className="form-note">The machine has no inputs.</p>;
   return (
     <fieldset className="form-group">
-      <legend>Inputs, as Python writes values; left empty, the default counts</legend>
+      <legend>Inputs as Python values. Leave a field empty to use the default.</legend>
       {ports.map((port) => (
         <TextField
           key={port.id}

@@ -12,18 +12,19 @@ import type { AskedDialogProps } from "./dialogs.tsx";
 const CHOICES = [
   {
     value: "abort",
-    title: "End them by aborted",
-    detail: "The crash is their error. The machine's own recovery takes over, and the run goes on.",
+    title: "End them as aborted",
+    detail:
+      "The crash becomes their error. The machine's own recovery handles it and the run continues.",
   },
   {
     value: "restart",
     title: "Run them again",
-    detail: "With the inputs that they had. The run goes on.",
+    detail: "With the same inputs. The run continues.",
   },
   {
     value: "ask",
     title: "Decide for each state",
-    detail: "Nothing moves: each interrupted state waits until you choose for it.",
+    detail: "Nothing is running until you decide: each interrupted state waits for your choice.",
   },
 ] as const satisfies readonly { value: OnCrash; title: string; detail: string }[];
 
@@ -31,14 +32,12 @@ export function TakeUp({ asks: watch, answer }: AskedDialogProps<Watch>) {
   const names = useInterrupted(watch);
   return (
     <Dialog
-      title="Take the run up again"
+      title="Resume the run"
       width={520}
       onClose={() => answer(null)}
       footer={<Button onClick={() => answer(null)}>Cancel</Button>}
     >
-      <p>
-        The program of the run died. Another one goes on with the data that was there. It was in:
-      </p>
+      <p>The program of the run died. A new one continues with the saved data. The run was in:</p>
       <ul className="take-up-states">
         {names === null && <li>…</li>}
         {names?.map((name) => (
@@ -46,7 +45,7 @@ export function TakeUp({ asks: watch, answer }: AskedDialogProps<Watch>) {
         ))}
         {names?.length === 0 && <li>no state</li>}
       </ul>
-      <p>What becomes of scripts that were interrupted?</p>
+      <p>What should happen to interrupted scripts?</p>
       <div className="choices">
         {CHOICES.map(({ value, title, detail }) => (
           <button key={value} type="button" className="choice" onClick={() => answer(value)}>

@@ -269,7 +269,7 @@ function whyNone({ from, visible, at }: ConnectState, { machine }: ToolContext):
     .sort((one, other) => square(one.at, at) - square(other.at, at));
   const ends = nearest && endsBetween(machine, from, nearest.element);
   if (ends && !isLegal(ends)) return ends.refused;
-  return "Nothing on the screen can be connected to it: zoom out, or aim at a state.";
+  return "Nothing in view can be connected to it. Zoom out or point at a state.";
 }
 
 function square(one: Point, other: Point): number {

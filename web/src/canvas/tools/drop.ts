@@ -31,7 +31,7 @@ export function bringing(brought: Dragged, pointer: Pointer, context: ToolContex
 type DropStep = Pick<Gesture, "overlay" | "result">;
 
 function refusedHere(pointer: Pointer): DropStep {
-  const text = "States stand in hierarchies and concurrencies: drop it on one of them.";
+  const text = "States belong in hierarchies and concurrencies. Drop it on one of them.";
   const plan: Planned = { refused: text };
   return {
     overlay: { ...NO_OVERLAY, message: { at: pointer, text, bad: true } },

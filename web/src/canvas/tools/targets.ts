@@ -73,7 +73,7 @@ export function endsBetween(
   other: CanvasPort,
 ): PortPair | Refused {
   if (isData(one) !== isData(other)) {
-    return refused("A transition joins outcomes and incomes, a data flow joins data ports.");
+    return refused("A transition connects outcomes and incomes; a data flow connects data ports.");
   }
   const forth = checkConnect(machine, one, other);
   if (forth === true) return { from: one, to: other };

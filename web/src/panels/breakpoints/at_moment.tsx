@@ -21,8 +21,10 @@ export function AtMoment({ tab, watch }: AtMomentProps) {
   const nameOf = namesOf(tab.session);
   return (
     <Section title={`At event ${playhead}`} count={isHere ? all.length : undefined}>
-      {!isHere && <p className="breakpoints-whose">On their way.</p>}
-      {isHere && all.length === 0 && <p className="breakpoints-whose">There were none then.</p>}
+      {!isHere && <p className="breakpoints-whose">Loading…</p>}
+      {isHere && all.length === 0 && (
+        <p className="breakpoints-whose">There were none at this moment.</p>
+      )}
       <ul className="breakpoints-then">
         {all.map((breakpoint) => (
           <li key={breakpoint.id}>

@@ -30,7 +30,7 @@ export function Breakpoints() {
   return tab ? (
     <OfTab key={tab.session.id} tab={tab} />
   ) : (
-    <Empty title="No machine is open" text="Breakpoints of the machine in front stand here." />
+    <Empty title="No machine is open" text="Breakpoints of the open machine appear here." />
   );
 }
 
@@ -52,12 +52,12 @@ function OfTab({ tab }: { tab: OpenTab }) {
       {all.length === 0 ? (
         <Empty
           title="No breakpoints"
-          text="Click the left upper corner of a state on the canvas, or select a state and press Ctrl+F9: the run is held before it."
+          text="Click the upper left corner of a state on the canvas, or select a state and press Ctrl+F9. The run pauses before it."
         />
       ) : (
         <>
           <p className="breakpoints-whose">
-            {live ? "Of the run that goes on" : "For the next start, kept in this browser"}
+            {live ? "In the active run" : "For the next start, kept in this browser"}
           </p>
           <ul className="breakpoints-list">
             {all.map((breakpoint) => (

@@ -6,9 +6,9 @@ test("a breakpoint says what is not as ever", () => {
   const plain = newBreakpoint(1, "R/A");
   expect(breakpointInWords(plain)).toBe("before");
   expect(breakpointInWords({ ...plain, when: "after", hit_count: 3, scope: "run" })).toBe(
-    "after, from the 3rd time on, holds the whole run",
+    "after, from the 3rd time on, pauses the whole run",
   );
   expect(breakpointInWords({ ...plain, hit_count: 12, unattended: "continue" })).toBe(
-    "before, from the 12th time on, lets go while nobody is connected",
+    "before, from the 12th time on, continues while nobody is connected",
   );
 });

@@ -4,16 +4,16 @@ import type { Breakpoint, Unattended } from "../../model/generated/protocol.ts";
 
 const ALONE: Readonly<Record<Unattended, string>> = {
   hold: "",
-  continue: "lets go while nobody is connected",
+  continue: "continues while nobody is connected",
   stop: "stops the run while nobody is connected",
 };
 
-/** `before, from the 3rd time on, holds the whole run`. */
+/** `before, from the 3rd time on, pauses the whole run`. */
 export function breakpointInWords({ when, hit_count, scope, unattended }: Breakpoint): string {
   const parts = [
     when,
     hit_count > 1 ? `from the ${ordinal(hit_count)} time on` : "",
-    scope === "run" ? "holds the whole run" : "",
+    scope === "run" ? "pauses the whole run" : "",
     ALONE[unattended],
   ];
   return parts.filter((part) => part !== "").join(", ");

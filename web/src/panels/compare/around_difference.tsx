@@ -70,7 +70,7 @@ function Column({ tab, branch, side, title, watch, at, show }: ColumnProps) {
             </li>
           );
         })}
-        {journal.length === 0 && <li className="compare-soft">Its events are on their way.</li>}
+        {journal.length === 0 && <li className="compare-soft">Loading its events…</li>}
         {at === null && (
           <li className="compare-event compare-parted">
             <span className="compare-mark" aria-hidden>

@@ -23,7 +23,7 @@ export function Branches({ parted, chosen, choose }: BranchesProps) {
   });
   return (
     <Table
-      label="Branches on which the runs part"
+      label="Branches where the runs diverge"
       columns={[
         {
           key: "branch",

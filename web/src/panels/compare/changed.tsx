@@ -13,7 +13,7 @@ export interface ChangedProps {
 const ROWS_MAX = 10;
 
 export function Changed({ changed, show }: ChangedProps) {
-  if (changed.length === 0) return <p className="compare-soft">All data was the same.</p>;
+  if (changed.length === 0) return <p className="compare-soft">All data was equal.</p>;
   const value = (side: ComparedSide, title: string): TableColumn<DataChange> => ({
     key: side,
     title,
@@ -31,7 +31,7 @@ export function Changed({ changed, show }: ChangedProps) {
   });
   return (
     <Table
-      label="Data that was other"
+      label="Data that differed"
       columns={[
         {
           key: "names",

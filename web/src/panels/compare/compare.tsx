@@ -33,14 +33,15 @@ export function Compare() {
   ) : (
     <Empty
       title="No machine is open"
-      text="Two runs of the machine in front stand here side by side."
+      text="Two runs of the open machine appear here side by side."
     />
   );
 }
 
 function OfTab({ tab }: { readonly tab: OpenTab }) {
   const watch = useSignal(tab.run);
-  if (!watch) return <NoRun what="Beside another run it stands here: where they part, and why." />;
+  if (!watch)
+    return <NoRun what="Compare it with another run to see where they diverge, and why." />;
   return <OfRun key={watch.id} tab={tab} watch={watch} />;
 }
 
@@ -65,7 +66,7 @@ function OfRun({ tab, watch }: CompareProps) {
         <Empty
           icon={<GitCompare size={22} />}
           title="Choose another run"
-          text="Then it stands here where the two part first, which data was other before that, and how long each state took."
+          text="See where the two first diverge, which data differed before, and how long each state took."
         />
       )}
     </section>
@@ -142,7 +143,7 @@ function Chooser({ tab, watch, page }: ChooserProps) {
         onClick={() => void compareNow(page, watch)}
       />
       <IconButton
-        label="Compare no more"
+        label="Close comparison"
         icon={<X size={15} />}
         disabled={chosen === null}
         onClick={() => {
@@ -188,13 +189,13 @@ function Found({ tab, watch, other, comparison }: ComparedProps) {
     <div className="compare-body">
       <p className="compare-words" role="status">
         {parted.length === 0
-          ? `The runs do not part: ${alike} entries and ends are the same in both.`
-          : `${alike} entries and ends are the same in both, then they part${
+          ? `The runs do not diverge: ${alike} entries and ends are equal in both.`
+          : `${alike} entries and ends are equal in both, then they diverge${
               branches_parted > 1 ? ` on ${branches_parted} branches` : ""
             }.`}
       </p>
       {chosen && parted.length > 1 && (
-        <Section title="Branches that part" count={branches_parted}>
+        <Section title="Diverging branches" count={branches_parted}>
           <Branches parted={parted} chosen={chosen} choose={choose} />
           {branches_parted > parted.length && (
             <p className="compare-soft">The {parted.length} earliest stand here.</p>
@@ -206,7 +207,7 @@ function Found({ tab, watch, other, comparison }: ComparedProps) {
           <AroundDifference tab={tab} watch={watch} other={other} parted={chosen} show={show} />
         </Section>
       )}
-      <Section title="Data that was other before" count={changed.length}>
+      <Section title="Data that differed before" count={changed.length}>
         <Changed changed={changed} show={show} />
       </Section>
       <Section title="Time in states" count={timing.length}>

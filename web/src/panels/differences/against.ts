@@ -19,7 +19,7 @@ export function againstOptions(
   const others = tabs.filter((tab) => tab !== own);
   return [
     { value: "", title: "Nothing", against: null },
-    { value: "saved", title: "What lies on disk", against: { kind: "saved" } },
+    { value: "saved", title: "Version on disk", against: { kind: "saved" } },
     ...others.map((tab): AgainstOption => {
       const against = { kind: "tab", tab } as const;
       return { value: optionOf(against), title: `Tab: ${nameOf(tab)}`, against };

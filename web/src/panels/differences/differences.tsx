@@ -24,7 +24,7 @@ export function Differences() {
   ) : (
     <Empty
       title="No machine is open"
-      text="How the machine in front differs from its files, an earlier version or another machine stands here."
+      text="Differences between the open machine and its files, an earlier version or another machine appear here."
     />
   );
 }
@@ -88,10 +88,10 @@ function Found({ tab, comparison, shown }: DifferencesProps) {
   if (!against) {
     return (
       <Empty
-        title="Compared with nothing"
+        title="No comparison"
         text="Differences are listed here and marked on the canvas."
         action={{
-          title: "Compare with what lies on disk",
+          title: "Compare with the version on disk",
           onClick: () => void comparison.choose({ kind: "saved" }),
         }}
       />
@@ -106,7 +106,7 @@ function Found({ tab, comparison, shown }: DifferencesProps) {
   }
   if (!other) return <p className="differences-count">Reading…</p>;
   if (shown.length === 0) {
-    return <Empty title="No differences" text="Both machines say the same." />;
+    return <Empty title="No differences" text="Both machines are equal." />;
   }
   return (
     <DifferenceList

@@ -22,7 +22,7 @@ export function Edits() {
   return tab ? (
     <OfTab key={tab.session.id} tab={tab} />
   ) : (
-    <Empty title="No machine is open" text="Every step of the machine in front stands here." />
+    <Empty title="No machine is open" text="All edits of the open machine appear here." />
   );
 }
 
@@ -61,7 +61,7 @@ function OfTab({ tab }: { readonly tab: OpenTab }) {
         <span className="edits-gap" />
         <Button
           icon={<CornerUpLeft size={14} />}
-          title="Makes the machine what it was after the chosen step; this can be undone"
+          title="Restores the machine as it was after the chosen step. You can undo this."
           disabled={!canJump}
           onClick={() => chosen !== null && jump(chosen)}
         >

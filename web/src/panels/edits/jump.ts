@@ -12,7 +12,7 @@ export async function jumpTo(host: PanelHost, tab: OpenTab, revision: number): P
     return;
   }
   const yes = await shell.confirm({
-    title: "Take steps of others away?",
+    title: "Undo steps of other people?",
     text: `${capital(whatGoes(answer.refused))}. You can undo this afterwards.`,
     yes: "Go there anyway",
     no: "Stay",

@@ -19,11 +19,11 @@ export function StepDetail({ tab, node }: { readonly tab: OpenTab; readonly node
     const text =
       node.step === null
         ? "The machine as it was read from its files."
-        : "What this step changed was not seen by this page: it was made before the machine was opened here, or long ago.";
+        : "This page does not know what this step changed: it was made before the machine was opened here, or long ago.";
     return <div className="edits-step edits-hint">{text}</div>;
   }
   if (all.length === 0) {
-    return <div className="edits-step edits-hint">This step changed nothing that is shown.</div>;
+    return <div className="edits-step edits-hint">This step changed nothing visible.</div>;
   }
   return (
     <div className="edits-step">

@@ -35,7 +35,7 @@ export function Globals() {
   return tab ? (
     <OfTab key={tab.session.id} tab={tab} />
   ) : (
-    <Empty title="No machine is open" text="Global variables of the machine in front stand here." />
+    <Empty title="No machine is open" text="Global variables of the open machine appear here." />
   );
 }
 

@@ -33,7 +33,7 @@ export function InRun({ watch, query }: GlobalsInRunProps) {
         ))}
         {all.length === 0 && (
           <p className="globals-soft">
-            {isOnItsWay ? "Values are on their way." : "No global variable has a value then."}
+            {isOnItsWay ? "Loading values…" : "No global variable had a value at this moment."}
           </p>
         )}
       </div>

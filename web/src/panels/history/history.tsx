@@ -31,13 +31,13 @@ export function RunHistory() {
   return tab ? (
     <OfTab key={tab.session.id} tab={tab} />
   ) : (
-    <Empty title="No machine is open" text="What its runs did stands here, call by call." />
+    <Empty title="No machine is open" text="The calls of its runs appear here." />
   );
 }
 
 function OfTab({ tab }: { readonly tab: OpenTab }) {
   const watch = useSignal(tab.run);
-  if (!watch) return <NoRun what="What it does stands here, call by call." />;
+  if (!watch) return <NoRun what="Its calls appear here." />;
   return <OfRun key={watch.id} tab={tab} watch={watch} />;
 }
 
@@ -267,9 +267,7 @@ function Hits({ tab, watch, query, show, onMenu }: HistoryListProps & { readonly
   // biome-ignore lint/correctness/useExhaustiveDependencies: the list grows in place
   const roots = useMemo(() => [...hits], [hits, many]);
   if (many === 0) {
-    return (
-      <Empty title="Nothing found" text="States, outcomes and lines of the log are searched." />
-    );
+    return <Empty title="Nothing found" text="The search covers states, outcomes and log lines." />;
   }
   const shown = shownIndex(watch);
   const words = (index: number) => {
@@ -320,7 +318,7 @@ function Menu({
   const compare = host.commands.get("run.compare");
   return (
     <ContextMenu
-      label="What can be done with this event"
+      label="Actions for this event"
       at={at}
       onClose={onClose}
       items={[

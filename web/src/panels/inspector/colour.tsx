@@ -47,7 +47,7 @@ export function Colour({ label, value, disabled, onChange }: ColourProps) {
       {hex !== null && !disabled && (
         <IconButton
           className="inspector-mini"
-          label="Take the colour away"
+          label="Remove the colour"
           icon={<X size={13} />}
           onClick={() => onChange(null)}
         />

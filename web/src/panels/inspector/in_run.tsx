@@ -86,9 +86,7 @@ function OfRun({ inspected, watch }: { inspected: InspectedState; watch: Watch }
 
 function neverInWords({ next, until }: StateStatus): string {
   if (next) return `It comes next, ${holdInWords(next)}.`;
-  return until === null
-    ? "It has not run in this run so far."
-    : "At this moment it had not run yet.";
+  return until === null ? "It has not run yet in this run." : "It had not run yet at this moment.";
 }
 
 /** The event to ask for: none, if the values are at hand. */

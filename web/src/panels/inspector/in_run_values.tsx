@@ -197,7 +197,7 @@ function From({ inspected, watch, what, origin }: FromProps) {
       </span>
       <IconButton
         className="inspector-mini"
-        label={`Show the moment when ${what} came`}
+        label={`Show the moment when ${what} was set`}
         icon={<Clock size={13} />}
         onClick={() => {
           watch.playhead.value = origin.seen;

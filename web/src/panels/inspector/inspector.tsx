@@ -168,7 +168,7 @@ function Head({ inspected, subject, isPinned, onPin }: HeadProps) {
           />
         )}
         <IconButton
-          label={isPinned ? "Follow the selection again" : "Stay at this"}
+          label={isPinned ? "Follow the selection again" : "Pin this selection"}
           icon={isPinned ? <PinOff size={15} /> : <Pin size={15} />}
           pressed={isPinned}
           onClick={onPin}

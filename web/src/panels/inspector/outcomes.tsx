@@ -36,7 +36,7 @@ export function Outcomes({ inspected }: { inspected: InspectedState }) {
         inspected={inspected}
         container={around}
         outcome={outcome}
-        label={`Where ${outcome.name} leads`}
+        label={`Target of ${outcome.name}`}
         hideLabel
         run={run}
       />

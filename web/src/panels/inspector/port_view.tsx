@@ -25,7 +25,7 @@ export function PortView({ inspected, port: ref }: { inspected: InspectedState; 
         context={inspected}
         title="Fed by"
         hops={chain(machine, ref, "backwards")}
-        none="Nothing feeds it: it has its default."
+        none="Nothing feeds it. It uses its default."
       />
       <ChainTable
         context={inspected}

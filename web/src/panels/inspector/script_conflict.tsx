@@ -32,7 +32,7 @@ export function ScriptConflict({ theirs, mine, onMine, onTheirs, onKeep }: Scrip
   };
   return (
     <div className="inspector-warning" role="alert">
-      Somebody else changed this script while you were writing. Yours is kept here.
+      Someone else changed this script while you were editing. Your version is kept here.
       <div className="inspector-bar">
         <Button onClick={open}>Compare…</Button>
         <Button onClick={onTheirs}>Take theirs</Button>
@@ -53,8 +53,8 @@ export function ScriptConflict({ theirs, mine, onMine, onTheirs, onKeep }: Scrip
           }
         >
           <p className="inspector-sides">
-            <span>Theirs, as the machine has it now</span>
-            <span>Mine, which can be changed here</span>
+            <span>Theirs, in the machine now</span>
+            <span>Mine, editable here</span>
           </p>
           <Sides theirs={theirs} mine={mine} onChange={setMerged} />
         </Dialog>

@@ -221,7 +221,7 @@ function AsText({ inspected }: { inspected: InspectedState }) {
       readOnly={readOnly}
       value={JSON.stringify(state.semantic_data ?? {}, null, 2)}
       check={(text) => (parsed(text) === undefined ? reasonOf(text) : null)}
-      hint="Ctrl+Enter or leaving the field keeps it."
+      hint="Press Ctrl+Enter or leave the field to apply it."
       onCommit={commit}
     />
   );

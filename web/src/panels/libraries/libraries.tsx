@@ -86,7 +86,7 @@ export function Libraries() {
       </div>
       {tab && <Changed key={tab.session.id} tab={tab} />}
       {shown.length === 0 ? (
-        <Empty title="No library" text={`No library or folder has “${query}” in its name.`} />
+        <Empty title="No library" text={`No library or folder name contains “${query}”.`} />
       ) : (
         <Tree
           label="Libraries"

@@ -32,7 +32,7 @@ export function libraryMenu(
     {
       id: "copy",
       title: "Add as copy",
-      detail: "Its states become states of this machine, free to be changed.",
+      detail: "Its states become editable states of this machine.",
       disabled: !can("insert.template"),
       run: insert("insert.template"),
     },
@@ -51,7 +51,7 @@ export function libraryMenu(
     {
       id: "open",
       title: "Open",
-      detail: "In a tab of its own, if it lies in a project.",
+      detail: "Opens in its own tab if it is in a project.",
       run: () => void openLibraryMachine(page, library),
     },
     { id: "usages", title: "Show where it is used", run: () => showUsages(library) },

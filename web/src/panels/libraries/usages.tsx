@@ -41,10 +41,10 @@ export function Usages({ library, onClose }: UsagesProps) {
       count={rows.length}
       actions={<IconButton label="Close the list" icon={<X size={14} />} onClick={onClose} />}
     >
-      {known === null && <div className="libraries-soft">Looking through all machines…</div>}
+      {known === null && <div className="libraries-soft">Searching all machines…</div>}
       {known && "failed" in known && <div className="libraries-failed">{known.failed}</div>}
       {known && "usages" in known && rows.length === 0 && (
-        <Empty title="Nowhere" text="No machine of the projects and library roots uses it." />
+        <Empty title="Nowhere" text="No machine in the projects and library roots uses it." />
       )}
       {rows.length > 0 && (
         <div className="libraries-usages">
@@ -64,7 +64,7 @@ export function Usages({ library, onClose }: UsagesProps) {
         </div>
       )}
       {known && "is_cut" in known && known.is_cut && (
-        <div className="libraries-soft">There are more than are shown.</div>
+        <div className="libraries-soft">Not all are shown.</div>
       )}
     </Section>
   );
@@ -92,7 +92,7 @@ function useUsages({ path, name }: LibraryName): KnownUsages {
 
 function place({ file, library }: LibraryUsage): string {
   if (library) return `${library.path}/${library.name}`;
-  return file?.path ?? "a machine outside of the projects";
+  return file?.path ?? "a machine outside the projects";
 }
 
 function UsageRow({ usage }: { readonly usage: LibraryUsage }) {
@@ -117,7 +117,7 @@ async function goToUsage(host: PanelHost, { machine, file, path }: LibraryUsage)
     else {
       page.tell({
         level: "warning",
-        text: "The machine lies in none of the projects that the server was started with: start it with that folder too.",
+        text: "The machine is not in any of the server's projects. Start the server with that folder as well.",
       });
     }
   } catch (error) {

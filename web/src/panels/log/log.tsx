@@ -100,11 +100,11 @@ export function Log() {
 
 function Nothing({ isFiltered }: { readonly isFiltered: boolean }) {
   return isFiltered ? (
-    <Empty title="No line is like this" text="Take a part of the filter away to see more." />
+    <Empty title="No matching lines" text="Remove part of the filter to see more." />
   ) : (
     <Empty
-      title="Nothing was said yet"
-      text="What states print and log while they run stands here, with their errors; and what the page says: refused edits, saves, breaks of the connection."
+      title="The log is empty"
+      text="Output, log messages and errors of states appear here, along with messages of the page: refused edits, saves, lost connections."
     />
   );
 }

@@ -61,7 +61,7 @@ export function LogBar({ filter, onChange, hasRun, onClear, children }: LogBarPr
       />
       {hasRun && (
         <Select
-          label="Who says it"
+          label="Source"
           hideLabel
           value={filter.source}
           options={SOURCE_TITLES}
@@ -77,19 +77,23 @@ export function LogBar({ filter, onChange, hasRun, onClear, children }: LogBarPr
       />
       <Checkbox
         label="Of the selection"
-        title="Only what the selected states and those inside them say"
+        title="Only lines of the selected states and the states inside them"
         checked={filter.isOfSelection}
         onChange={(isOfSelection) => change({ isOfSelection })}
       />
       <Checkbox
         label="Follow"
-        title="Stay at the newest line"
+        title="Follow the newest line"
         checked={filter.follows}
         onChange={(follows) => change({ follows })}
       />
       <span className="log-gap" />
       {children}
-      <IconButton label="Clear what the page said" icon={<Eraser size={15} />} onClick={onClear} />
+      <IconButton
+        label="Clear messages of the page"
+        icon={<Eraser size={15} />}
+        onClick={onClear}
+      />
     </div>
   );
 }

@@ -52,7 +52,7 @@ function Asked({ watch, count }: { readonly watch: Watch; readonly count: number
     <button
       type="button"
       className={`mission-want ${isSoon(left_ms) ? "mission-want-soon" : ""}`}
-      title="Show what has the least time"
+      title="Show the most urgent question"
       onClick={(event) => show(event, `[data-question="${id}"]`)}
     >
       <CircleHelp size={18} aria-hidden />
@@ -67,7 +67,7 @@ function ToDecide({ count }: { readonly count: number }) {
     <button
       type="button"
       className="mission-want mission-want-crash"
-      title="Show what is to be decided after the crash"
+      title="Show decisions to make after the crash"
       onClick={(event) => show(event, ".mission-crash")}
     >
       <OctagonAlert size={18} aria-hidden />

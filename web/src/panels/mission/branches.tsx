@@ -47,7 +47,7 @@ export function Branches({ watch }: { readonly watch: Watch }) {
   const isPast = useComputed(() => watch.playhead.value !== null, [watch]);
   if (shown.length === 0) return <Nothing watch={watch} />;
   return (
-    <section className="mission-part" aria-label={isPast ? "What ran then" : "What runs now"}>
+    <section className="mission-part" aria-label={isPast ? "Active at this moment" : "Active now"}>
       <ul className={isPast ? "mission-cards mission-cards-past" : "mission-cards"}>
         {shown.slice(0, CARDS_MAX).map((lane) => (
           <Card
@@ -78,8 +78,8 @@ function Nothing({ watch }: { readonly watch: Watch }) {
   }, [commands, context]);
   if (phase === "live" || phase === "starting") {
     return (
-      <section className="mission-part" aria-label="What runs now">
-        <p className="mission-soft">Nothing runs.</p>
+      <section className="mission-part" aria-label="Active now">
+        <p className="mission-soft">Nothing is running.</p>
       </section>
     );
   }

@@ -191,8 +191,8 @@ function TakeOver({ holder }: { readonly holder: string }) {
       />
       <span className="mission-soft">
         {left > 0
-          ? `possible once ${holder} was silent for ${duration(left * 1_000)} more`
-          : `${holder} was not heard for long`}
+          ? `possible after ${duration(left * 1_000)} more of silence from ${holder}`
+          : `${holder} has been silent for long`}
       </span>
     </>
   );

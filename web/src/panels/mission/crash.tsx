@@ -24,18 +24,18 @@ const CHOICES: readonly {
 }[] = [
   {
     policy: "ask",
-    title: "Take up and ask",
+    title: "Resume and ask",
     means: "moves nothing by itself: interrupted scripts wait until you decide",
   },
   {
     policy: "restart",
     title: "Run scripts again",
-    means: "interrupted scripts begin anew with what they had",
+    means: "interrupted scripts restart with the same inputs",
   },
   {
     policy: "abort",
     title: "Abort scripts",
-    means: "interrupted states end by aborted, and the machine handles that",
+    means: "interrupted states end as aborted and the machine handles it",
   },
 ];
 
@@ -52,8 +52,8 @@ function TakeUp({ watch }: { readonly watch: Watch }) {
         The program of the run died
       </h3>
       <p>
-        {where !== "" && `It was at ${where}. `}Nothing moves on until the run is taken up. All that
-        happened is kept, and it can go on from there:
+        {where !== "" && `It was at ${where}. `}Nothing moves until the run is resumed. Everything
+        that happened is kept, and the run can continue from there:
       </p>
       <ul className="mission-choices mission-take-up">
         {CHOICES.map(({ policy, title, means }) => (
@@ -100,7 +100,7 @@ function Interrupted({ watch }: { readonly watch: Watch }) {
           <li key={path}>
             <strong>{pathInWords(names, path)}</strong>
             {decide(path, "restart", "Run again", <RotateCcw size={16} aria-hidden />)}
-            {decide(path, "abort", "End by aborted", <Undo2 size={16} aria-hidden />)}
+            {decide(path, "abort", "End as aborted", <Undo2 size={16} aria-hidden />)}
           </li>
         ))}
       </ul>

@@ -56,7 +56,8 @@ export function Events({ watch }: { readonly watch: Watch }) {
       </div>
       {all.length === 0 && (
         <p className="mission-soft">
-          Failures, warnings and passed deadlines of this run stand here until you have seen them.
+          Failures, warnings and missed deadlines of this run appear here until you acknowledge
+          them.
         </p>
       )}
       <ul className="mission-event-list">

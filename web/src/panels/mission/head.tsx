@@ -27,7 +27,7 @@ export function Head({ watch }: { readonly watch: Watch }) {
       </div>
       <div className="mission-status shows-run">
         {status && (
-          <span className="mission-status-word" role="status" aria-label="How the run stands">
+          <span className="mission-status-word" role="status" aria-label="State of the run">
             <StatusWord status={status} size={26} />
           </span>
         )}
@@ -71,11 +71,11 @@ function Times({ watch }: { readonly watch: Watch }) {
 }
 
 const HOW: Readonly<Record<string, string>> = {
-  usually: "Half of the earlier runs of this machine took no longer.",
-  "on average": "Of the few runs of this machine that ended well before.",
+  usually: "Half of the earlier runs of this machine were this short or shorter.",
+  "on average": "From the few earlier runs of this machine that succeeded.",
 };
 
-/** Other runs that go on, one press away. */
+/** Other active runs, one press away. */
 function OtherRuns({ watch }: { readonly watch: Watch }) {
   const { page } = useHost().context();
   const run = useCommand();
@@ -84,7 +84,7 @@ function OtherRuns({ watch }: { readonly watch: Watch }) {
   if (others.length === 0) return null;
   return (
     <label className="mission-switch">
-      <span className="visually-hidden">Other runs that go on</span>
+      <span className="visually-hidden">Other active runs</span>
       <select value="" onChange={(event) => run("run.show", event.currentTarget.value)}>
         <option value="" disabled>
           {others.length === 1 ? "1 other run" : `${others.length} other runs`}

@@ -6,10 +6,10 @@ import { useComputed } from "../../ui/signals.ts";
 import { useActiveTab, useHost } from "../context.tsx";
 
 const MAY: Readonly<Record<string, string>> = {
-  viewer: "you see everything and command nothing",
-  operator: "you may start, command and answer",
-  engineer: "you may command, and change machines",
-  admin: "you may do everything",
+  viewer: "you can view everything but not command",
+  operator: "you can start runs, command and answer",
+  engineer: "you can command and change machines",
+  admin: "you can do everything",
 };
 
 export function Identity() {

@@ -23,7 +23,9 @@ async function said(link: RunNow["link"]): Promise<string> {
 }
 
 test("mission control gives the alarm when the robot is not heard, or the engine stands still", async () => {
-  expect(await said("up")).toBe("Live: server and robot are heard (3 ms)");
+  expect(await said("up")).toBe("Live: server and robot respond (3 ms)");
   expect(await said("stuck")).toBe("! The engine of the run has not moved for 1:00.");
-  expect(await said("silent")).toBe("! The server does not hear the robot: this is 1:00 old.");
+  expect(await said("silent")).toBe(
+    "! The server gets no answer from the robot: this is 1:00 old.",
+  );
 });

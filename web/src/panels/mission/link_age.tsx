@@ -44,7 +44,7 @@ function IsHeard({ watch }: { readonly watch: Watch }) {
     <p className="mission-link">
       <Wifi size={16} aria-hidden />
       <span>
-        Live<span className="mission-link-who">: server and robot are heard</span>
+        Live<span className="mission-link-who">: server and robot respond</span>
         {delay}
       </span>
     </p>
@@ -53,6 +53,7 @@ function IsHeard({ watch }: { readonly watch: Watch }) {
 
 function oldInWords({ why, age_ms }: RunAge): string {
   if (why === "engine") return `The engine of the run has not moved for ${duration(age_ms)}.`;
-  const who = why === "link" ? "The server is not heard" : "The server does not hear the robot";
+  const who =
+    why === "link" ? "No answer from the server" : "The server gets no answer from the robot";
   return `${who}: this is ${duration(age_ms)} old.`;
 }

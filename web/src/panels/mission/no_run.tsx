@@ -33,33 +33,33 @@ export function NoRun() {
       <div className="mission-none" role="status">
         <Radar size={40} aria-hidden />
         <h2>{name}</h2>
-        <p>The run is on its way…</p>
+        <p>Loading the run…</p>
       </div>
     );
   }
   return (
     <div className="mission-none">
       <Radar size={40} aria-hidden />
-      <h2>{live.length === 0 ? "No mission runs" : "Which mission?"}</h2>
+      <h2>{live.length === 0 ? "No mission is running" : "Which mission?"}</h2>
       <p>
         {live.length === 0
           ? "Open a machine and start it. What the robot does, asks and reports is shown here."
           : "Choose a run to see what the robot does, and to steer it."}
       </p>
-      {live.length > 0 && <RunList label="Runs that go on" runs={live} />}
+      {live.length > 0 && <RunList label="Active runs" runs={live} />}
       <Button
         kind={live.length === 0 ? "primary" : "plain"}
         disabled={refusal !== null}
-        title={refusal === null ? "Start the machine in front" : `Start: ${refusal}`}
+        title={refusal === null ? "Start the open machine" : `Start: ${refusal}`}
         onClick={() => run("run.start")}
       >
-        Start the machine in front
+        Start the open machine
       </Button>
       {refusal && <p className="mission-why">Start: {refusal}.</p>}
       {over.length > 0 && (
         <>
           <h3>Over</h3>
-          <RunList label="Runs that are over" runs={over} />
+          <RunList label="Finished runs" runs={over} />
         </>
       )}
       <Identity />

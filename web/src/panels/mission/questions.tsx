@@ -33,7 +33,7 @@ export function Questions({ watch }: { readonly watch: Watch }) {
         />
       ))}
       {ended.length > 0 && (
-        <ul className="mission-closed" aria-label="Questions that are closed">
+        <ul className="mission-closed" aria-label="Closed questions">
           {ended.map((end) => (
             <Ended key={end.question.id} watch={watch} end={end} />
           ))}
@@ -58,7 +58,7 @@ function endInWords({ question, how, answer, author }: Closed): string {
   const words = answerInWords(question.form, answer);
   switch (how) {
     case "answered":
-      return `${author || "somebody"} answered “${words}”`;
+      return `${author || "Someone"} answered “${words}”`;
     case "timed_out":
       return words === "" ? "nobody answered in time" : `nobody answered in time: “${words}”`;
     case "withdrawn":

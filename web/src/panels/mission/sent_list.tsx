@@ -16,7 +16,7 @@ export function SentList({ watch }: { readonly watch: Watch }) {
   useSignal(askedQuestions(watch));
   const now_ms = useComputed(() => (watch.sent.value.length > 0 ? clock1s.value : 0), [watch]);
   return (
-    <ul className="mission-sent" aria-label="What you told the run" aria-live="polite">
+    <ul className="mission-sent" aria-label="Commands you sent" aria-live="polite">
       {sentLines(sent, seen, now_ms, (question) => answeredBy(watch, question))
         .filter((line) => !isToldElsewhere(line))
         .map((line) => (

@@ -62,11 +62,11 @@ function eventInWords(event: Event, nameOf: NameOf): string {
     case "resumed":
       return `Taken up after a crash: ${event.crash.reason}`;
     case "went_back":
-      return "The run began again at an earlier moment";
+      return "The run restarted at an earlier moment";
     case "forced":
       return `${nameOf(event.path)} was made to end by ${event.outcome.name}`;
     case "deadline_passed":
-      return `${nameOf(event.path)} passed its deadline`;
+      return `${nameOf(event.path)} missed its deadline`;
     case "finished":
       return `The run ended by ${event.outcome.name}`;
     case "paused":

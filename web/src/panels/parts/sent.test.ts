@@ -16,7 +16,7 @@ function line(answer: SentCommand["answer"], ago_ms = 800, dismissed: readonly s
 test("a command under way says since when, and never that it is done", () => {
   expect(line(null)).toBe("sent: sent 0.8 s ago, not answered yet");
   expect(line(null, 12_000)).toBe(
-    "sent: sent 12.0 s ago, no answer, and too late now: whether it was carried out is asked for",
+    "sent: sent 12.0 s ago, expired without an answer: checking whether it was carried out",
   );
 });
 

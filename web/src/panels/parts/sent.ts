@@ -58,7 +58,7 @@ function words({ answer, sent_ms, expiry_ms }: SentCommand, now_ms: number): str
     default: {
       const ago = `sent ${(Math.max(0, now_ms - sent_ms) / 1_000).toFixed(1)} s ago`;
       if (now_ms <= expiry_ms) return `${ago}, not answered yet`;
-      return `${ago}, no answer, and too late now: whether it was carried out is asked for`;
+      return `${ago}, expired without an answer: checking whether it was carried out`;
     }
   }
 }

@@ -22,7 +22,7 @@ export function Problems() {
   return tab ? (
     <OfTab key={tab.session.id} tab={tab} />
   ) : (
-    <Empty title="No machine is open" text="What is wrong with the machine in front stands here." />
+    <Empty title="No machine is open" text="Problems of the open machine appear here." />
   );
 }
 
@@ -80,7 +80,7 @@ function NoneFound({ tab }: { readonly tab: OpenTab }) {
     return (
       <Empty
         title="Not checked"
-        text="This is the machine of a run. Open the machine itself to have it checked."
+        text="This is the machine of a run. Open the machine itself to check it."
       />
     );
   }
@@ -88,7 +88,7 @@ function NoneFound({ tab }: { readonly tab: OpenTab }) {
     <Empty
       icon={<CircleCheck size={22} />}
       title="No problems"
-      text="Rules, files and scripts were checked. Each edit is checked again."
+      text="Rules, files and scripts are fine. Every edit is checked."
     />
   ) : (
     <Empty title="Checking…" text="Rules, files and scripts are being checked." />

@@ -1,4 +1,4 @@
-/** What runs now: one row a branch, those that want somebody first, with its time against the usual, what ended before it, and steps
+/** Active now: one row a branch, those that want somebody first, with its time against the usual, what ended before it, and steps
  * of this branch alone. */
 
 import { signal } from "@preact/signals-core";
@@ -44,7 +44,7 @@ export function Running() {
   return tab && watch ? (
     <OfRun key={watch.id} tab={tab} watch={watch} />
   ) : (
-    <NoRun what="Every active state stands here then, one row a branch." />
+    <NoRun what="Active states appear here, one row per branch." />
   );
 }
 
@@ -59,7 +59,7 @@ function OfRun({ tab, watch }: { readonly tab: OpenTab; readonly watch: Watch })
         {shown.length === 1 ? "1 branch" : `${shown.length} branches`}
         {playhead === null ? "" : ` at event ${playhead.toLocaleString("en")}`}
       </p>
-      <ul className="running-rows" aria-label="What runs now">
+      <ul className="running-rows" aria-label="Active now">
         {shown.slice(0, ROWS_MAX).map((lane) => (
           <Row
             key={lane.branch}
@@ -82,9 +82,9 @@ function Nothing({ watch }: { readonly watch: Watch }) {
   const phase = useComputed(() => watch.now.value?.run.phase ?? "starting", [watch]);
   const text =
     phase === "live" || phase === "starting"
-      ? "The run has not begun with its first state."
-      : "The run is over. Its time line shows what ran at any moment of it.";
-  return <Empty title="Nothing runs" text={text} />;
+      ? "The run has not entered its first state."
+      : "The run has ended. Its timeline shows what ran at any moment.";
+  return <Empty title="Nothing is running" text={text} />;
 }
 
 const PHASES: Readonly<Record<Phase, { readonly word: string; readonly Sign: LucideIcon }>> = {

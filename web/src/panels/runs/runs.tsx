@@ -33,7 +33,7 @@ export function Runs() {
     return (
       <Empty
         title="No runs yet"
-        text="Start the machine in front: its run is kept here, with all that happened in it."
+        text="Start the open machine: its run is kept here, with all that happened in it."
       />
     );
   }
@@ -54,7 +54,7 @@ export function Runs() {
           onClick={() => void page.runs.refresh()}
         />
       </div>
-      {found.length === 0 && <p className="runs-none">No run has these words.</p>}
+      {found.length === 0 && <p className="runs-none">No run matches.</p>}
       <ul className="runs-list" aria-label="Runs">
         {found.slice(0, most).map((run) => (
           <Row key={run.id} run={run} />
@@ -159,7 +159,7 @@ function useItems(run: RunSummary, inFront: string | null): () => readonly MenuI
     item("show", "Show", "run.show"),
     item("ran", "Show the machine as it ran", "run.show-as-ran"),
     {
-      ...item("compare", "Compare with the run in front", "run.compare"),
+      ...item("compare", "Compare with the current run", "run.compare"),
       disabled: inFront === null || inFront === run.id,
     },
     "separator",

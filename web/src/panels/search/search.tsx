@@ -133,7 +133,7 @@ interface ScopesProps {
 function Scopes({ scope, onChange }: ScopesProps) {
   return (
     <fieldset className="search-scopes">
-      <legend className="visually-hidden">Where to look</legend>
+      <legend className="visually-hidden">Search in</legend>
       {SCOPES.map(([value, title]) => (
         <button
           key={title}
@@ -167,8 +167,8 @@ function List({ results, total, text, several }: ResultListProps) {
     return (
       <Empty
         icon={<Sign size={22} />}
-        title="Find anything"
-        text="Names, ids, descriptions, scripts, ports, types, values and libraries are looked through as you type. Enter flies to what was found."
+        title="Search everywhere"
+        text="The search covers names, ids, descriptions, scripts, ports, types, values and libraries as you type. Press Enter to go to a result."
       />
     );
   }
@@ -177,7 +177,7 @@ function List({ results, total, text, several }: ResultListProps) {
       <Empty
         icon={<SearchX size={22} />}
         title="Nothing found"
-        text={`“${text}” is nowhere here: try fewer words, or look everywhere.`}
+        text={`“${text}” was not found here. Try fewer words, or search everywhere.`}
       />
     );
   }

@@ -26,7 +26,7 @@ function NoRun() {
   return (
     <Empty
       title="No run is shown"
-      text="Start a run, or open one in Runs: how often its states ran, how long and how they ended stands here."
+      text="Start a run or open one in Runs to see how often its states ran, how long, and how they ended."
     />
   );
 }
@@ -88,7 +88,7 @@ function factOf(statistics: Counted | null, isPast: boolean): string {
   if (!statistics) return "counting…";
   const { states, sequence } = statistics;
   const many = `${states.length} ${states.length === 1 ? "state" : "states"}`;
-  return isPast ? `${many}, until this moment` : `${many}, up to event ${sequence}`;
+  return isPast ? `${many}, up to this moment` : `${many}, up to event ${sequence}`;
 }
 
 interface StatisticsRowsProps {
@@ -108,7 +108,7 @@ function Rows({ tab, states, query, isNarrow }: StatisticsRowsProps) {
     rows.flatMap(({ path }) => (selection.has(`state:${path}`) ? [path] : [])),
   );
   if (rows.length === 0) {
-    const text = states.length === 0 ? "No state has ended so far." : "No state fits the filter.";
+    const text = states.length === 0 ? "No state has ended yet." : "No state matches the filter.";
     return <p className="statistics-none">{text}</p>;
   }
   return (

@@ -61,9 +61,9 @@ function endInWords(look: CallLook, outcome: string): string {
     case "open":
       return "goes on";
     case "back":
-      return "taken back by a step back";
+      return "undone by a step back";
     case "dropped":
-      return "broken off: the run went back, or its runner died";
+      return "interrupted: the run went back, or its program died";
     default:
       return `ended by ${outcome}`;
   }

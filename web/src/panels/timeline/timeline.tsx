@@ -41,14 +41,14 @@ export function Timeline() {
   return tab ? (
     <OfTab key={tab.session.id} tab={tab} />
   ) : (
-    <Empty title="No machine is open" text="What its runs do, and did, stands here over time." />
+    <Empty title="No machine is open" text="Its runs appear here over time." />
   );
 }
 
 function OfTab({ tab }: { readonly tab: OpenTab }) {
   const watch = useSignal(tab.run);
   const { page } = useHost().context();
-  if (!watch) return <NoRun what="Its states stand here over time, a lane for each branch." />;
+  if (!watch) return <NoRun what="Its states appear here over time, one lane per branch." />;
   return <OfRun key={watch.id} tab={tab} watch={watch} model={timelineOf(page, watch)} />;
 }
 
@@ -70,8 +70,8 @@ function OfRun({ tab, watch, model }: TimelineProps) {
 }
 
 function liveTitle(isLive: boolean, isOld: boolean): string {
-  if (!isLive) return "Shows what is now";
-  return isOld ? "The page shows the last that was heard" : "The page shows what is now";
+  if (!isLive) return "Shows the current state";
+  return isOld ? "The page shows the last known state" : "The page shows the current state";
 }
 
 function Bar({ tab, watch, model }: TimelineProps) {
@@ -98,7 +98,7 @@ function Bar({ tab, watch, model }: TimelineProps) {
       <SearchField tab={tab} model={model} />
       <span className="timeline-group">
         <IconButton
-          label="Only branches that ran in this time"
+          label="Only branches active in this period"
           icon={<ListFilter size={15} />}
           pressed={isOnlyInSight}
           onClick={() => {
@@ -178,7 +178,7 @@ function SearchField({ tab, model }: Pick<TimelineProps, "tab" | "model">) {
             : `${place === 0 ? "–" : inWords(place)} of ${inWords(many)}${found.isFull ? "+" : ""}`)}
       </span>
       <IconButton
-        label="Hit before"
+        label="Previous hit"
         keys="Shift+Enter"
         icon={<ChevronUp size={15} />}
         disabled={many === 0}
@@ -267,7 +267,7 @@ function Labels({ tab, watch, model }: TimelineProps) {
             className="timeline-fold"
             aria-expanded={!isFolded}
             aria-label={`${isFolded ? "All levels" : "One row"} of ${nameOf(lane.path)}`}
-            title={isFolded ? "Show all levels" : "Show what works only, in one row"}
+            title={isFolded ? "Show all levels" : "Show only the innermost states, in one row"}
             onClick={() => model.fold(lane.path)}
           >
             {isFolded ? <ChevronRight size={13} /> : <ChevronDown size={13} />}

@@ -31,7 +31,7 @@ export function StateTree() {
     <Empty
       icon={<ListTree size={22} />}
       title="No machine is open"
-      text="All states of the machine in front stand here, as a tree."
+      text="All states of the open machine appear here as a tree."
     />
   );
 }
@@ -70,7 +70,7 @@ function OfTab({ tab }: { readonly tab: OpenTab }) {
         />
       </div>
       {shown?.size === 0 ? (
-        <Empty title="No state" text={`No state has “${query}” in its name or id.`} />
+        <Empty title="No state" text={`No state name or id contains “${query}”.`} />
       ) : (
         <Tree
           label="States"

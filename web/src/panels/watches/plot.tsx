@@ -47,7 +47,7 @@ export function Plot({ watched }: { watched: WatchedValue }) {
   // biome-ignore lint/correctness/useExhaustiveDependencies: the line of the moment is read when it is drawn
   useEffect(() => plot.current?.redraw(false), [playhead]);
   if (isMissing) {
-    return <p className="watches-refusal">The plot could not be loaded: reload the page.</p>;
+    return <p className="watches-refusal">The plot did not load. Reload the page.</p>;
   }
   return (
     <div

@@ -57,7 +57,7 @@ export function WatchCard({ tab, watched, watch }: WatchCardProps) {
       {watch && "of" in read && (
         <InRun tab={tab} watched={watched} watch={watch} expression={read} />
       )}
-      {!watch && <p className="watches-faint">It has a value once a run is shown.</p>}
+      {!watch && <p className="watches-faint">Its value appears once a run is shown.</p>}
     </article>
   );
 }
@@ -87,7 +87,7 @@ function Head({ tab, watched }: Omit<WatchCardProps, "watch">) {
       )}
       <IconButton
         className="watches-mini"
-        label={`Watch ${name} no more`}
+        label={`Stop watching ${name}`}
         icon={<X size={13} />}
         onClick={() => removeWatched(tab, watched.id)}
       />
@@ -162,7 +162,7 @@ function Over({ watched }: { watched: WatchedValue }) {
       )}
       {points.length === 0 && changes.length > 0 && <Changes changes={changes} watch={watch} />}
       {isTold && history.series.count === 0 && (
-        <p className="watches-faint">No value so far in this run.</p>
+        <p className="watches-faint">No value yet in this run.</p>
       )}
     </>
   );
@@ -181,14 +181,14 @@ function Steps({ watched: { name, watch, history } }: { watched: WatchedValue })
     <div className="watches-steps">
       <IconButton
         className="watches-mini"
-        label={`Show the value of ${name} before`}
+        label={`Show the previous value of ${name}`}
         icon={<ChevronLeft size={14} />}
         disabled={!before}
         onClick={() => show(before?.sequence)}
       />
       <IconButton
         className="watches-mini"
-        label={`Show the value of ${name} after`}
+        label={`Show the next value of ${name}`}
         icon={<ChevronRight size={14} />}
         disabled={!after}
         onClick={() => show(after?.sequence)}

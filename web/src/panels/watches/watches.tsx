@@ -18,7 +18,7 @@ export function Watches() {
   return tab ? (
     <OfTab key={tab.session.id} tab={tab} />
   ) : (
-    <Empty title="No machine is open" text="Values of its runs that you watch stand here." />
+    <Empty title="No machine is open" text="Values that you watch appear here." />
   );
 }
 
