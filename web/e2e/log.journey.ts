@@ -96,8 +96,12 @@ journey(
     await app.panel("Problems");
     await app.panel("Log");
     await expect.poll(place, { timeout: 20_000 }).toBe(here);
-    await wheel(100_000);
-    await expect.poll(() => follow.isChecked(), { timeout: 20_000 }).toBe(true);
+    // Lines come while one scrolls: who wants the end scrolls on until it is there.
+    const scrollOn = async () => {
+      await wheel(100_000);
+      return follow.isChecked();
+    };
+    await expect.poll(scrollOn, { timeout: 20_000 }).toBe(true);
     await expect.poll(place, { timeout: 20_000 }).toBeGreaterThan(here + 200);
     await endRun(server, run);
   },
