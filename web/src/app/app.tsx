@@ -53,7 +53,7 @@ function Door() {
   if (wasIn || link.state === "up") return <Inside />;
   return (
     <Unreachable
-      reason={link.state === "down" ? `The server does not answer: ${link.reason}` : "Connecting…"}
+      reason={link.state === "down" ? `The server does not respond: ${link.reason}` : "Connecting…"}
     />
   );
 }
@@ -74,7 +74,7 @@ function Inside() {
   }, [session]);
   return (
     <div className="app">
-      <PanelGuard name="The upper edge">
+      <PanelGuard name="The top bar">
         <TopBar />
       </PanelGuard>
       <div className="app-dock">

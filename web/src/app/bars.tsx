@@ -28,7 +28,7 @@ export function Bars({ tab }: { tab: OpenTab }) {
       <RecoveredBar tab={tab} />
       <div className="bars-more">
         <IconButton
-          label={isOpen ? "Show one bar only" : "Show the other bars"}
+          label={isOpen ? "Show only one bar" : "Show the other bars"}
           icon={isOpen ? <ChevronUp size={15} /> : <ChevronDown size={15} />}
           onClick={() => setOpen(!isOpen)}
         />

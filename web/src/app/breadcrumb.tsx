@@ -73,7 +73,7 @@ interface Crumb {
 /** The states for which there is no room, as a menu. */
 function Between({ crumbs, go }: { crumbs: readonly Crumb[]; go: (to: string) => void }) {
   const [menu, setMenu] = useState<Point | null>(null);
-  const words = crumbs.length === 1 ? "The state between" : `The ${crumbs.length} states between`;
+  const words = crumbs.length === 1 ? "1 state in between" : `${crumbs.length} states in between`;
   return (
     <li className="breadcrumb-more">
       <button

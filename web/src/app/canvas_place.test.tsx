@@ -47,7 +47,7 @@ test("a picture that cannot be drawn is grey and says why, until it can be drawn
   pass();
   expect(look()).toEqual([
     "grayscale(1) opacity(0.45)",
-    "The picture of the machine is old: it cannot be drawn anew (no memory).",
+    "The canvas is out of date: it could not be redrawn (no memory).",
   ]);
   isBroken = false;
   click(place.querySelector(".canvas-fault button"));

@@ -78,7 +78,7 @@ export function CanvasPlace({ tab }: { tab: OpenTab }) {
       {fault !== null && (
         <div className="canvas-fault" role="alert">
           <CircleAlert size={16} aria-hidden />
-          <span>The picture of the machine is old: it cannot be drawn anew ({fault}).</span>
+          <span>The canvas is out of date: it could not be redrawn ({fault}).</span>
           <Button onClick={() => picture?.redraw()}>Redraw</Button>
         </div>
       )}

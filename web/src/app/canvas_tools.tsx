@@ -64,12 +64,12 @@ export function CanvasTools({ tab }: { tab: OpenTab }) {
   return (
     <>
       {watch && (
-        <div className="tool-group" role="toolbar" aria-label="The run on the canvas">
+        <div className="tool-group" role="toolbar" aria-label="Run on the canvas">
           {button(["run.follow", Crosshair], follows)}
           {button(["view.heat", Flame], heat !== "off", `: ${HEATS[heat]}`)}
         </div>
       )}
-      <div className="tool-group" role="toolbar" aria-label="What shows">
+      <div className="tool-group" role="toolbar" aria-label="Shown on the canvas">
         {MODES.map((mode) =>
           mode[0] === "view.data-flows"
             ? button(mode, modes.dataFlows !== "none", `: ${FLOWS[modes.dataFlows]}`)

@@ -18,7 +18,7 @@ export function HeatLegend({ tab }: { readonly tab: OpenTab }) {
   const [what, least, much] =
     mode === "count"
       ? ["How often states ran", "1×", `${most}×`]
-      : ["Total time in states", "0 s", duration(most)];
+      : ["How long states ran in total", "0 s", duration(most)];
   const when = isPast ? ", up to this moment" : "";
   return (
     <div className="heat-legend" role="img" aria-label={`${what}${when}: from ${least} to ${much}`}>

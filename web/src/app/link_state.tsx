@@ -26,7 +26,7 @@ export function LinkState() {
     );
   }
   const since_ms = link.state === "down" ? link.since_ms : now_ms;
-  const text = link.state === "down" ? `no link for ${agePhrase(now_ms - since_ms)}` : "connecting";
+  const text = link.state === "down" ? `offline for ${agePhrase(now_ms - since_ms)}` : "connecting";
   return (
     <span className="link link-down" role="status">
       <span className="link-dot" aria-hidden />

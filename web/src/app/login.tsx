@@ -49,8 +49,8 @@ export function Login({ reason }: { reason: string }) {
           Log in
         </button>
         <p className="login-hint">
-          The link that <code>rafcon serve</code> prints lets its owner in without a password.
-          Others get a user by <code>rafcon user add NAME --role engineer</code>.
+          The link that <code>rafcon serve</code> prints logs its owner in without a password.
+          Create other users with <code>rafcon user add NAME --role engineer</code>.
         </p>
       </form>
     </main>

@@ -85,7 +85,7 @@ function MachineTab({ tab, active }: { tab: OpenTab; active: boolean }) {
       >
         {name}
         {changed && (
-          <span className="tab-changed" title="has edits that are not saved">
+          <span className="tab-changed" title="has unsaved edits">
             <span className="visually-hidden">, changed</span>
           </span>
         )}

@@ -15,7 +15,7 @@ test("what nothing else catches is said, but for what browsers say of settling l
   stop();
   fail("later");
   expect(said.map((text) => text.split(". ")[0])).toEqual([
-    "The page failed: no such lane",
-    "The page failed: no file",
+    "Error in the page: no such lane",
+    "Error in the page: no file",
   ]);
 });

@@ -12,7 +12,7 @@ export function tellMishaps(page: Pick<Page, "tell">, view: Window): () => void 
     if (HARMLESS.test(text)) return;
     page.tell({
       level: "error",
-      text: `The page failed: ${text}. If something stops responding, reload the page. Edits are kept.`,
+      text: `Error in the page: ${text}. If something stops responding, reload the page. Your edits are kept.`,
     });
   };
   const failed = ({ error, message }: ErrorEvent) => tell(error, message);

@@ -98,7 +98,7 @@ function Centre({ open, onClose }: { open: readonly Notice[]; onClose: () => voi
         )}
       </div>
       {open.length === 0 ? (
-        <p className="notice-none">No notices. Earlier ones are in the log.</p>
+        <p className="notice-none">No notices. The log keeps earlier ones.</p>
       ) : (
         <ul className="notice-list">
           {open.map((notice) => (

@@ -92,7 +92,7 @@ function OpenPalette({ initial }: { initial: string }) {
         id={`${id}-list`}
         className="palette-list"
         role="listbox"
-        aria-label="Found"
+        aria-label="Results"
         tabIndex={-1}
       >
         {found.map((item, index) => (
@@ -105,7 +105,7 @@ function OpenPalette({ initial }: { initial: string }) {
             onReach={() => setAt(index)}
           />
         ))}
-        {found.length === 0 && <p className="palette-none">Nothing has “{query}” in it.</p>}
+        {found.length === 0 && <p className="palette-none">Nothing matches “{query}”.</p>}
       </div>
       <footer className="palette-foot">
         <span>

@@ -25,13 +25,13 @@ function InSession({ tab }: { tab: OpenTab }) {
     canvas.peek()?.fit(selection);
   };
   return (
-    <ul className="people" aria-label="Others in this machine">
+    <ul className="people" aria-label="Other users in this machine">
       {people.map((person) => (
         <li key={person.connection}>
           <button
             type="button"
             className={`person person-${person.connection % 6}`}
-            title={`${person.user} is here: go to what they have selected`}
+            title={`${person.user} is here: go to their selection`}
             onClick={() => go(person)}
           >
             {person.user}

@@ -62,7 +62,7 @@ export function useProjects(): readonly ProjectNode[] | null {
     Promise.all(projects.map(ask)).then(
       (found) => wanted && setNodes(found),
       (error: unknown) =>
-        page.tell({ level: "error", text: `The projects cannot be read: ${String(error)}` }),
+        page.tell({ level: "error", text: `The projects could not be read: ${String(error)}` }),
     );
     return () => {
       wanted = false;
@@ -92,7 +92,7 @@ export function ProjectTree(props: ProjectTreeProps) {
         title="No projects"
         text={
           <>
-            Machines lie in projects: folders that the server is started with, as in{" "}
+            Machines are stored in projects: folders that you pass to the server, as in{" "}
             <code>rafcon serve FOLDER</code>.
           </>
         }

@@ -39,7 +39,7 @@ test("of an engine that stands still it is said for how long, and what to do", a
   const { place } = shown((tab) => <Bars tab={tab} />, { watch });
   await settled();
   expect(place.querySelector(".bar-text")?.textContent).toBe(
-    "The run is stuck: its program answers, but its engine has not moved for 1 min 0 s. " +
+    "The run is stuck: its program responds, but its engine has made no progress for 1 min 0 s. " +
       "Stop the run. If the engine does not respond, its program is ended and the run can be resumed.",
   );
 });

@@ -43,14 +43,14 @@ function OldBar({ watch }: { watch: Watch }) {
 
 function oldInWords(why: RunAge["why"], age: string, isCurrent: boolean): string {
   if (why === "engine")
-    return `The run is stuck: its program answers, but its engine has not moved for ${age}. Stop the run. If the engine does not respond, its program is ended and the run can be resumed.`;
+    return `The run is stuck: its program responds, but its engine has made no progress for ${age}. Stop the run. If the engine does not respond, its program is ended and the run can be resumed.`;
   if (why === "silence")
-    return `No answer from the run for ${age}: its program does not respond to the server. What you see is that old; the robot may have moved on.`;
+    return `No answer from the run for ${age}: its program does not respond to the server. What you see is that old; the robot may be elsewhere by now.`;
   if (why === "runner")
-    return `The server lost the connection to the run's program and is reconnecting. What you see of the run is ${age} old; the robot may have moved on.`;
+    return `The server lost the connection to the run's program and is reconnecting. What you see of the run is ${age} old; the robot may be elsewhere by now.`;
   return isCurrent
     ? `No answer from the server for ${age}; the page is checking the connection. What you see of the run is that old.`
-    : `Reconnected. The page is asking for the state of the run; what you see is ${age} old.`;
+    : `Reconnected. The page is requesting the state of the run; what you see is ${age} old.`;
 }
 
 function CatchingUpBar({ watch }: { watch: Watch }) {

@@ -93,7 +93,7 @@ function useLastWords(watch: Watch, wanted: boolean): string {
       () => setText(""),
     );
   }, [page, watch, wanted]);
-  return text === "" ? "" : ` Its last words: ${text}`;
+  return text === "" ? "" : ` Its last output: ${text}`;
 }
 
 /** Somebody has to say what becomes of scripts that a crash has interrupted. */
@@ -125,8 +125,8 @@ function InterruptedBar({ tab, watch }: RunBarProps) {
         );
       })}
     >
-      The crash interrupted {paths.length === 1 ? "a script" : `${paths.length} scripts`}: what
-      becomes of {paths.length === 1 ? "it" : "them"}?
+      The crash interrupted {paths.length === 1 ? "a script" : `${paths.length} scripts`}. What
+      should happen to {paths.length === 1 ? "it" : "them"}?
     </Bar>
   );
 }
@@ -152,14 +152,14 @@ function DiffersBar({ tab, watch }: RunBarProps) {
           </Button>
           {canReload && (
             <Button onClick={() => commands.run("run.reload", context())}>
-              Take edits into the run
+              Apply edits to the run
             </Button>
           )}
           <Button onClick={() => setClosed(true)}>Hide</Button>
         </>
       }
     >
-      This machine was edited since: the run {isLive ? "goes" : "went"} by another one.
+      This machine has been edited since: the run {isLive ? "uses" : "used"} another version.
     </Bar>
   );
 }

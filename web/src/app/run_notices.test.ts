@@ -30,7 +30,7 @@ test("the newest failure is told, with how many there are", () => {
   const failure = at(1, { text: "NoPath: none" });
   expect(failuresInWords(failure, 1, "Plan")).toBe("Plan aborted: NoPath: none");
   expect(failuresInWords(failure, 3, "Plan")).toBe(
-    "3 failures, the last: Plan aborted: NoPath: none",
+    "3 failures, the latest: Plan aborted: NoPath: none",
   );
   expect(failuresInWords(at(1, { kind: "log", text: "no link" }), 1, "Plan")).toBe("Plan: no link");
 });
@@ -38,6 +38,6 @@ test("the newest failure is told, with how many there are", () => {
 test("a state that takes longer than ever is told with what was usual", () => {
   const baseline = { typical_ms: 3_000, isMedian: true, max_ms: 5_000, count: 14 };
   expect(longerInWords("Drill", { since_ms: 12_000, baseline })).toBe(
-    "Drill runs longer than ever: for 12 s, usually 3.0 s, at most 5.0 s (14 times)",
+    "Drill has run longer than ever before: 12 s, usually 3.0 s, at most 5.0 s (14 times)",
   );
 });

@@ -104,7 +104,7 @@ function tellFailures(watch: Watch, { session }: OpenTab, tell: Tell): () => voi
     told = last.sequence;
     const name = last.path === "" ? "" : await nameSoon(session, last.path);
     const text = failuresInWords(last, fresh.length, name);
-    tell({ topic: "failures", level: "error", text, title: "Look" });
+    tell({ topic: "failures", level: "error", text, title: "Show" });
   };
   const stop = effect(() => {
     const all = openFailures(watch).value;
@@ -143,7 +143,7 @@ export function failuresInWords(
 ): string {
   const did = [name, didInWords(kind)].filter((part) => part !== "").join(" ");
   const last = [did, text].filter((part) => part !== "").join(": ");
-  return count === 1 ? last : `${count} failures, the last: ${last}`;
+  return count === 1 ? last : `${count} failures, the latest: ${last}`;
 }
 
 /** Once for each time that a state takes longer than ever: it may hang. It is kept in the log, whatever is in sight. */
@@ -163,9 +163,9 @@ function tellLonger({ page }: AppSession, watch: Watch, { session }: OpenTab): (
   });
 }
 
-/** `Drill runs longer than ever: for 12 s, usually 3 s, at most 5 s (14 times)`. */
+/** `Drill has run longer than ever before: 12 s, usually 3 s, at most 5 s (14 times)`. */
 export function longerInWords(name: string, { since_ms, baseline }: Omit<Longer, "path">): string {
-  return `${name} runs longer than ever: for ${duration(since_ms)}, ${usualInWords(baseline, duration)}`;
+  return `${name} has run longer than ever before: ${duration(since_ms)}, ${usualInWords(baseline, duration)}`;
 }
 
 function tellCrash(watch: Watch, name: () => string, tell: Tell): () => void {

@@ -27,8 +27,8 @@ export function StartPage() {
   return (
     <main className="start">
       <header className="start-head">
-        <h1 className="start-title">What shall the robot do?</h1>
-        <p className="start-lead">Open a machine, or begin a new one.</p>
+        <h1 className="start-title">What should the robot do?</h1>
+        <p className="start-lead">Open a machine or create a new one.</p>
         <div className="start-actions">
           <Button
             kind="primary"
@@ -95,7 +95,7 @@ function Lately({ onOpen }: { onOpen: (file: MachineFile) => void }) {
                   </span>
                   <small>
                     {machine.file?.path ?? "not saved yet"}
-                    {machine.is_changed ? ", has edits that are not saved" : ""}
+                    {machine.is_changed ? ", has unsaved edits" : ""}
                   </small>
                 </button>
               </li>

@@ -62,7 +62,7 @@ function Sides() {
     [layouts],
   );
   return (
-    <div className="tool-group" role="toolbar" aria-label="Sides">
+    <div className="tool-group" role="toolbar" aria-label="Panel sides">
       {SIDES.map(([side, Icon], index) => (
         <IconButton
           key={side}

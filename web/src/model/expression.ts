@@ -190,7 +190,7 @@ class ExpressionReader {
       const inner = node;
       if (this.#take(".")) {
         const { kind, text } = this.#next();
-        if (kind !== "word") this.#fail("a name is missing behind the point");
+        if (kind !== "word") this.#fail("a name is missing after the point");
         this.#at += 1;
         node = (value) => memberOf(inner(value), text);
       } else if (this.#take("[")) {
@@ -226,7 +226,9 @@ class ExpressionReader {
     if (word === "None") return () => null;
     if (!FUNCTIONS.includes(word)) {
       this.#at -= 1;
-      return this.#fail(`${word} is not known: write ${NAME}, or ${FUNCTIONS.join(", ")} of it`);
+      return this.#fail(
+        `${word} is unknown: use ${NAME}, or one of the functions ${FUNCTIONS.join(", ")}`,
+      );
     }
     this.#want("(");
     const values: Evaluate[] = [];
@@ -244,7 +246,7 @@ class ExpressionReader {
 
 function tokensOf(text: string): readonly Token[] {
   if (text.length > LENGTH_MAX)
-    throw new WrongValue(`an expression has ${LENGTH_MAX} characters at most`);
+    throw new WrongValue(`an expression can have at most ${LENGTH_MAX} characters`);
   const tokens: Token[] = [];
   const end = text.trimEnd().length;
   TOKEN.lastIndex = 0;

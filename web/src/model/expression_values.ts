@@ -15,7 +15,7 @@ export function numberIn(value: JsonValue): number {
   if (found.kind === "number") return found.value;
   if (found.kind === "bool") return Number(found.value);
   if (found.kind === "array" && found.items?.length === 1) return found.items[0] ?? Number.NaN;
-  throw new WrongValue(`${typeWords(found)} is no number`);
+  throw new WrongValue(`${typeWords(found)} is not a number`);
 }
 
 /** Whether Python takes the value for true. */
@@ -44,7 +44,7 @@ export function memberOf(value: JsonValue, name: string): JsonValue {
   if (found.kind === "array" && name === "shape") return { __tuple__: [...found.shape] };
   if (found.kind === "array" && name === "dtype") return found.dtype;
   if (found.kind === "error" && name === "message") return found.message;
-  if (found.kind === "object") throw new WrongValue(`of ${found.of} only its text was kept`);
+  if (found.kind === "object") throw new WrongValue(`only the text of ${found.of} was kept`);
   throw new WrongValue(`${typeWords(found)} has no ${name}`);
 }
 
@@ -77,9 +77,9 @@ export function partOf(value: JsonValue, key: JsonValue): JsonValue {
 function indexIn(key: JsonValue, count: number): number {
   const wanted = numberIn(key);
   const index = wanted < 0 ? wanted + count : wanted;
-  if (!Number.isInteger(index)) throw new WrongValue(`${wanted} is no index`);
+  if (!Number.isInteger(index)) throw new WrongValue(`${wanted} is not an index`);
   if (index < 0 || index >= count)
-    throw new WrongValue(`[${wanted}] is beyond the end: there are ${count}`);
+    throw new WrongValue(`[${wanted}] is out of range: the length is ${count}`);
   return index;
 }
 
@@ -87,10 +87,10 @@ function indexIn(key: JsonValue, count: number): number {
 function rowOf(array: ReadArray, key: JsonValue): JsonValue {
   const { items, shape, sampled, steps } = array;
   const [count = 0, ...inner] = shape;
-  if (!items || shape.length === 0) throw new WrongValue("of this array no numbers were kept");
+  if (!items || shape.length === 0) throw new WrongValue("no numbers of this array were kept");
   const index = indexIn(key, count);
   const step = steps[0] ?? 1;
-  if (index % step !== 0) throw new WrongValue(`[${index}] was not kept: one in ${step} was`);
+  if (index % step !== 0) throw new WrongValue(`[${index}] was not kept: only one in ${step} was`);
   const size = sampled.slice(1).reduce((all, each) => all * each, 1);
   const row = items.slice((index / step) * size, (index / step + 1) * size);
   if (inner.length === 0) return row[0] ?? null;
@@ -129,7 +129,8 @@ function lengthOf(value: JsonValue): number {
 }
 
 function overAll(name: string, numbers: readonly number[]): number {
-  if (numbers.length === 0 && name !== "sum") throw new WrongValue(`${name} of nothing`);
+  if (numbers.length === 0 && name !== "sum")
+    throw new WrongValue(`${name} needs at least one number`);
   const sum = numbers.reduce((all, each) => all + each, 0);
   switch (name) {
     case "min":
@@ -154,6 +155,6 @@ function allIn(value: JsonValue): readonly number[] {
   if (found.kind === "list" && found.items.length < 2) return found.items.map(numberIn);
   if (found.kind === "array" && found.items) return found.items;
   const numbers = numbersOf(found);
-  if (!numbers) throw new WrongValue(`${typeWords(found)} has no numbers in a row`);
+  if (!numbers) throw new WrongValue(`${typeWords(found)} is not a list of numbers`);
   return numbers.items;
 }

@@ -78,7 +78,7 @@ class LiteralReader {
   }
 
   value(depth: number): JsonValue {
-    if (depth > DEPTH_MAX) this.fail(`values nest ${DEPTH_MAX} levels deep at most`);
+    if (depth > DEPTH_MAX) this.fail(`values can be nested at most ${DEPTH_MAX} levels deep`);
     const next = this.#next();
     switch (next) {
       case "[":
@@ -181,7 +181,7 @@ class LiteralReader {
     let text = "";
     while (!this.#take(quote)) {
       if (this.atEnd() || (quote.length === 1 && this.#next() === "\n")) {
-        this.fail(`the text has no end: ${quote} is missing`);
+        this.fail(`the text does not end: ${quote} is missing`);
       }
       if (this.#next() === "\\" && !raw) text += this.#escape();
       else text += this.#text.charAt(this.#at++);
@@ -199,7 +199,7 @@ class LiteralReader {
     const digits = this.#text.slice(this.#at, this.#at + length);
     const code = Number.parseInt(digits, 16);
     if (!/^[\da-fA-F]+$/.test(digits) || digits.length < length || code > 0x10ffff) {
-      this.fail(`\\${letter} wants ${length} hexadecimal digits`);
+      this.fail(`\\${letter} needs ${length} hexadecimal digits`);
     }
     this.#at += length;
     return String.fromCodePoint(code);
@@ -218,14 +218,14 @@ class LiteralReader {
     if (/[\d.]/.test(this.#next())) return this.#number(sign);
     const word = this.#match(WORD);
     if (word === "inf" || word === "nan") return special(sign, word);
-    return this.fail("a number is missing behind the sign");
+    return this.fail("a number is missing after the sign");
   }
 
   #number(sign: string): JsonValue {
     const found = this.#match(NUMBER).replaceAll("_", "");
-    if (found === "" || found === ".") this.fail("this is no number");
-    if (/[jJ]/.test(this.#next())) this.fail("complex numbers are no values here");
-    if (/[\p{L}\d_]/u.test(this.#next())) this.fail("this is no number");
+    if (found === "" || found === ".") this.fail("this is not a number");
+    if (/[jJ]/.test(this.#next())) this.fail("complex numbers are not supported");
+    if (/[\p{L}\d_]/u.test(this.#next())) this.fail("this is not a number");
     const isWhole = /^0[xob]/i.test(found) || !/[.e]/i.test(found);
     if (isWhole) return this.#whole(sign, found);
     const value = Number(sign + found);
@@ -235,7 +235,7 @@ class LiteralReader {
   }
 
   #whole(sign: string, digits: string): JsonValue {
-    if (/^0\d*[1-9]/.test(digits)) this.fail("a whole number does not begin with 0");
+    if (/^0\d*[1-9]/.test(digits)) this.fail("a whole number cannot start with 0");
     const value = BigInt(digits) * (sign === "" ? 1n : -1n);
     const safe = BigInt(Number.MAX_SAFE_INTEGER);
     return value >= -safe && value <= safe ? Number(value) : { __int__: String(value) };
@@ -254,7 +254,7 @@ class LiteralReader {
     if (hint !== undefined) this.fail(`Python writes ${hint} for ${word}`);
     if (TYPES.has(word)) return { __type__: `builtins.${word}` };
     if (word === "") return this.fail("a value is missing");
-    return this.fail(`${word} is no value: put it in quotes if it is a text`);
+    return this.fail(`${word} is not a value: put it in quotes if it is text`);
   }
 
   #call(word: string, depth: number): JsonValue {
@@ -266,7 +266,7 @@ class LiteralReader {
       const found = /^([-+]?)(nan|inf)(inity)?$/i.exec(argument.trim());
       if (found) return special(found[1] === "-" ? "-" : "", (found[2] ?? "").toLowerCase());
     }
-    return this.fail(`${word}(…) is no literal: write the value itself`);
+    return this.fail(`${word}(…) is not a literal: write the value itself`);
   }
 }
 

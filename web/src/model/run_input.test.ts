@@ -15,7 +15,7 @@ test.each([
 });
 
 test.each([
-  ["$speed", "int", /globals/],
+  ["$speed", "int", /global variable/],
   ["true", "bool", /True/],
   ["nan", "float", /cannot be given/],
   ["99999999999999999999", "int", /too large/],

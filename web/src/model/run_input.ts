@@ -6,7 +6,8 @@ import type { Literal } from "./literal.ts";
 
 /** The value of what was typed for an input of this type, or why it cannot be given to a run. */
 export function readInput(text: string, type: string): Literal {
-  if (text.trim().startsWith("$")) return { refused: "a run starts with values, not with globals" };
+  if (text.trim().startsWith("$"))
+    return { refused: "a run needs a value here, not a global variable" };
   const read = readDefault(text, type);
   if ("refused" in read) return read;
   try {
@@ -61,7 +62,7 @@ function dictionary(pairs: readonly [JsonValue, JsonValue][]): JsonValue {
   const isLikeNumber = (key: JsonValue) => /^-?\d+$/.test(String(key));
   const keys = pairs.map(([key]) => key);
   if (!keys.every(isNumber) && (!keys.every(isText) || keys.every(isLikeNumber))) {
-    throw new NotGiven("of dicts, only those whose keys are words or whole numbers can be given");
+    throw new NotGiven("a run only accepts dicts whose keys are texts or whole numbers");
   }
   return Object.fromEntries(pairs.map(([key, inner]) => [String(key), forRunner(inner)]));
 }

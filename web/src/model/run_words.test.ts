@@ -90,7 +90,7 @@ test("a run whose only branch has asked waits for an answer, also while its scri
 test("what is held says by what, each reason once", () => {
   const by = { type: "breakpoint", id: 3 } as const;
   const held = [{ next: "R/B", by }];
-  expect(inShort(live("stepping", [{ held }, { held }]))).toBe("stepping: held by breakpoint 3");
+  expect(inShort(live("stepping", [{ held }, { held }]))).toBe("stepping: breakpoint 3");
   const step = [{ next: "R/B", by: { type: "step" } as const }];
   expect(inShort(live("stepping", [{ held: step }]))).toBe("stepping");
   expect(holdInWords({ type: "start" })).toBe("paused at the start");

@@ -119,10 +119,26 @@ function outcomeTone(id: number): RunTone {
 function heldInWords(active: readonly ActiveState[]): string {
   const all = active.flatMap(({ held }) => held.map(({ by }) => by));
   const found = all.filter(({ type }) => type !== "step" && type !== "pause");
-  return [...new Set(found.map(holdInWords))].join(", ");
+  return [...new Set(found.map(reasonOfHold))].join(", ");
 }
 
-/** What something is held by: `held by breakpoint 3`. */
+/** Why something is held, after a word that says that it is: `breakpoint 3`. Empty: because somebody paused it. */
+export function reasonOfHold(by: HeldBy): string {
+  switch (by.type) {
+    case "pause":
+      return "";
+    case "step":
+      return "step finished";
+    case "run_to":
+      return "target state reached";
+    case "breakpoint":
+      return `breakpoint ${by.id}`;
+    case "start":
+      return "start of the run";
+  }
+}
+
+/** What something is held by: `paused by breakpoint 3`. */
 export function holdInWords(by: HeldBy): string {
   switch (by.type) {
     case "pause":
@@ -132,7 +148,7 @@ export function holdInWords(by: HeldBy): string {
     case "run_to":
       return "paused at the target state";
     case "breakpoint":
-      return `held by breakpoint ${by.id}`;
+      return `paused by breakpoint ${by.id}`;
     case "start":
       return "paused at the start";
   }

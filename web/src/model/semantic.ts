@@ -81,7 +81,7 @@ export function withKey(data: Semantic, keys: KeyPath, wanted: string): Changed 
   const key = keys.at(-1) ?? "";
   const outer = keys.slice(0, -1);
   const pairs = pairsAt(data, outer);
-  if (name === "") return { refused: "A key has a name: write one, or remove the row." };
+  if (name === "") return { refused: "A key needs a name: enter one, or remove the row." };
   if (name !== key && pairs.some(([other]) => other === name)) {
     return { refused: `The key ${name} already exists. Choose another name.` };
   }

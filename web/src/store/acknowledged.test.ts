@@ -128,8 +128,8 @@ test("deadlines, scripts that were cut off and crashes are told in words", () =>
     { type: "resumed", life: 2, crash: { reason: "signal 9", active: [] }, policy: "abort" },
   );
   expect(words(watch)).toEqual([
-    "1 deadline R/A has run for longer than its 1.5 s",
-    "2 cut-off R/A did not heed that it was preempted, and was cut off after 5 s",
+    "1 deadline R/A has run longer than its deadline of 1.5 s",
+    "2 cut-off R/A ignored its preemption and was cut off after 5 s",
     "3 crash  The program of the run died (signal 9). The run was resumed; this is life 2.",
   ]);
 });

@@ -170,11 +170,11 @@ function ofEvent(event: Event): FailureCause | null {
       return level === "warning" || level === "error" ? { kind: "log", level, path, text } : null;
     }
     case "deadline_passed": {
-      const text = `has run for longer than its ${seconds(event.deadline_ms)}`;
+      const text = `has run longer than its deadline of ${seconds(event.deadline_ms)}`;
       return { kind: "deadline", level: "warning", path: event.path, text };
     }
     case "cut_off": {
-      const text = `did not heed that it was preempted, and was cut off after ${seconds(event.grace_ms)}`;
+      const text = `ignored its preemption and was cut off after ${seconds(event.grace_ms)}`;
       return { kind: "cut-off", level: "warning", path: event.path, text };
     }
     case "resumed": {

@@ -7,10 +7,10 @@ test("a refusal speaks of states by their names, and of who took them away", () 
   const alive = (path: string) => (path === "R/A" ? "Scan" : undefined);
   const check = (text: string, expected: string) => expect(gone.named(text, alive)).toBe(expected);
   check(
-    "There is no state R/MIRJMM any more: somebody may have removed it.",
-    "There is no state “Serve” any more: ben has removed it.",
+    "The state R/MIRJMM no longer exists: someone may have removed it.",
+    "The state “Serve” no longer exists: ben removed it.",
   );
   check("R/A, state: there is no such outcome", "“Scan”, state: there is no such outcome");
-  check("R/MIRJMM: there is no such state", "“Serve”: there is no such state (ben has removed it)");
+  check("R/MIRJMM: there is no such state", "“Serve”: there is no such state (ben removed it)");
   check("nothing of http://a/b is known", "nothing of http://a/b is known");
 });

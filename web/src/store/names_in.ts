@@ -7,7 +7,7 @@ interface Gone {
 
 /** So many are remembered, the last ones. */
 const REMEMBERED = 1_000;
-const SOMEBODY = "somebody may have removed it";
+const SOMEBODY = "someone may have removed it";
 
 export class GoneStates {
   readonly #gone = new Map<string, Gone>();
@@ -34,7 +34,7 @@ export class GoneStates {
       return `“${gone.name}”`;
     });
     if (who === null) return named;
-    const by = `${who} has removed it`;
+    const by = `${who} removed it`;
     return named.includes(SOMEBODY) ? named.replace(SOMEBODY, by) : `${named} (${by})`;
   }
 }

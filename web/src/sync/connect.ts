@@ -17,7 +17,7 @@ export function connect(address: Address): Server & { readonly close: () => void
     alive: () => socket.alive(),
     onResponse: (method, path, status) => {
       if (path !== "/session") {
-        if (status === 401) socket.refuse("the server asks for a login");
+        if (status === 401) socket.refuse("the server requires a login");
       } else if (method === "POST" && status === 200) socket.retry();
       else if (method === "DELETE" && status < 300) socket.refuse("you have logged out");
     },
@@ -76,8 +76,8 @@ function dial({ url, token }: Address, news: WireNews): Wire {
   const query = token ? `?token=${encodeURIComponent(token)}` : "";
   const socket = new WebSocket(`${base.replace(/^http/, "ws")}/api/v1/socket${query}`);
   socket.onmessage = ({ data }) => news.text(String(data));
-  socket.onerror = () => news.closed("the connection broke");
-  socket.onclose = ({ reason }) => news.closed(reason === "" ? "the connection broke" : reason);
+  socket.onerror = () => news.closed("the connection was lost");
+  socket.onclose = ({ reason }) => news.closed(reason === "" ? "the connection was lost" : reason);
   return { send: (text) => socket.send(text), close: () => socket.close() };
 }
 

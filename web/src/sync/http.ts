@@ -111,7 +111,7 @@ async function read(answer: Response, came: () => void): Promise<string> {
 
 const NO_ANSWER: Refusal = {
   code: "no_answer",
-  message: "the server does not answer: it is asked again once it is there",
+  message: "the server does not respond: the page repeats the request when the server is back",
 };
 
 function refusal(text: string, status: number): Refusal {
@@ -123,5 +123,5 @@ function refusal(text: string, status: number): Refusal {
   } catch {
     // A proxy's page, not the server's words.
   }
-  return { code: "unreadable", message: `the server answered with status ${status}: try it again` };
+  return { code: "unreadable", message: `the server answered with status ${status}: try again` };
 }

@@ -93,7 +93,7 @@ describe("an open machine", () => {
     expect(notices).toEqual([
       {
         level: "warning",
-        text: "Root: “Start” was not done: it breaks a rule",
+        text: "Root: “Start” was not applied: it breaks a rule",
         about: { machine: "m", element: { kind: "state", path: "R" } },
       },
     ]);
@@ -136,7 +136,7 @@ describe("an open machine", () => {
     expect(touched).toEqual([null]);
     for (const path of ["R/M", "R/M"]) await session.loadLibrary(path);
     expect(notices.map((notice) => notice.text)).toEqual([
-      "R: what is inside tools/none cannot be shown: there is no such library",
+      "R: the content of tools/none cannot be shown: there is no such library",
     ]);
   });
 

@@ -95,7 +95,7 @@ export class OpenMachineSession implements MachineSession {
       revisions: (revisions) => this.#advance(revisions),
       status: (status) => this.#receiveStatus(status),
       whole: (whole) => this.#reset(whole),
-      gone: (reason) => this.#tell("error", `it is gone: ${reason}`),
+      gone: (reason) => this.#tell("error", `it is no longer open: ${reason}`),
     });
     void this.#look();
   }
@@ -156,7 +156,7 @@ export class OpenMachineSession implements MachineSession {
       if (!(error instanceof RefusalError)) throw error;
       if (error.status === 0 || this.#withoutContent.has(key)) return;
       this.#withoutContent.add(key);
-      this.#tell("warning", `what is inside ${key} cannot be shown: ${error.message}`, path);
+      this.#tell("warning", `the content of ${key} cannot be shown: ${error.message}`, path);
     }
   }
 
@@ -206,7 +206,7 @@ export class OpenMachineSession implements MachineSession {
       if (wasClosed && !this.#following.isOver && (await this.#following.reopen())) {
         await this.#send(id, ask);
       } else {
-        this.#refused(id, `${wasClosed ? "it is lost: " : ""}${messageOf(error)}`);
+        this.#refused(id, `${wasClosed ? "the edit is lost: " : ""}${messageOf(error)}`);
       }
     }
   }
@@ -214,7 +214,7 @@ export class OpenMachineSession implements MachineSession {
   #refused(id: string, reason: string): void {
     const asked = this.#onItsWay.all.find((each) => each.id === id);
     this.#renew(() => this.#onItsWay.refused(id, reason));
-    const text = `“${asked?.name}” was not done: ${this.named(reason)}`;
+    const text = `“${asked?.name}” was not applied: ${this.named(reason)}`;
     this.#tell("warning", text, placeOf(asked?.edit));
   }
 

@@ -55,7 +55,7 @@ describe("the page", () => {
   it("takes it that projects and libraries cannot be asked for, and asks again", async () => {
     const { server, tellStatus, asked } = setUp();
     const { request } = server;
-    const message = "the server does not answer";
+    const message = "the server does not respond";
     server.request = async (method, path) => {
       await request(method, path);
       throw new RefusalError({ code: "no_answer", message }, 0);
@@ -188,7 +188,7 @@ describe("the page", () => {
     };
     broken(500);
     broken(7_000);
-    expect(page.notices.value.map(({ text }) => text)).toEqual(["Connected again after 7 s"]);
+    expect(page.notices.value.map(({ text }) => text)).toEqual(["Reconnected after 7 s"]);
   });
 
   it("takes a wait for a login for no break", () => {
@@ -196,7 +196,7 @@ describe("the page", () => {
     const up = server.link.value;
     const since_ms = clock.now();
     server.link.value = { state: "down", since_ms, retry_ms: null, reason: "gone" };
-    server.link.value = { state: "refused", reason: "the server asks for a login" };
+    server.link.value = { state: "refused", reason: "the server requires a login" };
     clock.pass(9_000);
     server.link.value = { state: "connecting" };
     server.link.value = up;
@@ -211,7 +211,7 @@ describe("the page", () => {
       server.link.value = { ...up, session: { ...up.session, version: "1" } };
     }
     expect(page.notices.value.map(({ text }) => text)).toEqual([
-      "The server now has version 1, this page 0. Reload the page.",
+      "The server now has version 1, but this page has version 0. Reload the page.",
     ]);
   });
 

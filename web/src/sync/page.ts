@@ -202,10 +202,10 @@ function tellBreaks(server: Server, clock: Clock, tell: Page["tell"]): void {
     const length_ms = since === null ? 0 : clock.now() - since;
     since = null;
     if (length_ms >= NOTICED_MS) {
-      tell({ level: "info", text: `Connected again after ${Math.round(length_ms / 1_000)} s` });
+      tell({ level: "info", text: `Reconnected after ${Math.round(length_ms / 1_000)} s` });
     }
     if (version !== null && version !== link.session.version) {
-      const text = `The server now has version ${link.session.version}, this page ${version}. Reload the page.`;
+      const text = `The server now has version ${link.session.version}, but this page has version ${version}. Reload the page.`;
       tell({ level: "warning", text });
     }
     version ??= link.session.version;

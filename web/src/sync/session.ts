@@ -121,7 +121,7 @@ async function openAgain(ports: SessionPorts, file: MachineFile): Promise<OpenTa
     return await ports.open(file, true);
   } catch (error) {
     if (!(error instanceof RefusalError)) throw error;
-    const text = `${file.path} was open before and cannot be opened again: ${error.message}`;
+    const text = `${file.path} was open before but could not be reopened: ${error.message}`;
     ports.tell({ level: "warning", text });
     return null;
   }

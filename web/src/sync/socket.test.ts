@@ -63,7 +63,7 @@ describe("the socket", () => {
     welcome(FRAMES_VERSION + 1);
     expect(socket.link.peek()).toEqual({
       state: "refused",
-      reason: "the server is of another version than this page: load the page again",
+      reason: "the server and this page have different versions: reload the page",
     });
   });
 
@@ -240,7 +240,7 @@ describe("the socket", () => {
     await settle();
     expect(socket.link.value).toMatchObject({
       state: "down",
-      reason: "the server does not answer",
+      reason: "the server does not respond",
     });
   });
 });

@@ -199,11 +199,11 @@ export class Socket {
     const verdict = this.#tries > 1 ? await this.#verdict() : "welcome";
     if (this.#connection || this.#dialled || this.#isOver || this.link.peek().state !== "down")
       return;
-    if (verdict === "stranger") this.refuse("the server asks for a login");
+    if (verdict === "stranger") this.refuse("the server requires a login");
     else if (verdict === "welcome") this.#dial();
     else {
       const then = () => void this.#again();
-      this.#down("the server does not answer", this.#ports.clock.now(), then);
+      this.#down("the server does not respond", this.#ports.clock.now(), then);
     }
   }
 
@@ -250,7 +250,7 @@ export class Socket {
 
   #welcome(connection: SocketConnection, frame: Extract<ToClient, { frame: "welcome" }>): void {
     if (frame.protocol !== FRAMES_VERSION) {
-      this.refuse("the server is of another version than this page: load the page again");
+      this.refuse("the server and this page have different versions: reload the page");
       return;
     }
     const { clock, delay } = this.#ports;
@@ -300,7 +300,7 @@ export class Socket {
       const silent_ms = connection.waits_ms === null ? 0 : clock.now() - connection.waits_ms;
       if (silent_ms < delay.silent_ms) return this.#beat(connection);
       [this.#connection, this.#silent] = [null, connection];
-      this.#lost("the server has gone silent", connection.heard_ms);
+      this.#lost("the server stopped responding", connection.heard_ms);
     });
   }
 

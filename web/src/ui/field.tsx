@@ -147,7 +147,7 @@ function useDraft({
     const typedText = latest.current;
     if (typedText === null || !onCommit) return;
     if (typedText === value) return put(null);
-    const loses = (why: string) => lost(`${label} “${typedText}” was not taken over: ${why}`);
+    const loses = (why: string) => lost(`${label} “${typedText}” was not applied: ${why}`);
     if (isBehind && !overwrites) return isGone.current ? loses(givenUpInWords(value)) : undefined;
     const fault = check?.(typedText) ?? null;
     own.current.add(typedText);

@@ -7,12 +7,12 @@ export function isOthers(value: string, own: ReadonlySet<string>, text: string |
 
 /** What becomes of both texts. */
 export function meanwhileInWords(value: string, enter = "Enter"): string {
-  return `It ${changed(value)} meanwhile. ${enter} keeps your text, Escape takes theirs.`;
+  return `It ${changed(value)} in the meantime. ${enter} keeps your text, Escape takes theirs.`;
 }
 
 /** Why a text whose field has gone was given up. */
 export function givenUpInWords(value: string): string {
-  return `it ${changed(value)} meanwhile`;
+  return `it ${changed(value)} in the meantime`;
 }
 
 function changed(value: string): string {

@@ -68,7 +68,7 @@ test("what somebody else makes of a text while it is typed is said, and only Ent
   expect(said()).toBeUndefined();
   draw(name("theirs"));
   expect(said()).toBe(
-    "It was changed to “theirs” meanwhile. Enter keeps your text, Escape takes theirs.",
+    "It was changed to “theirs” in the meantime. Enter keeps your text, Escape takes theirs.",
   );
   leave(input);
   await settled();
@@ -92,7 +92,7 @@ test("a text that would overwrite somebody else's goes with its field, and that 
   await settled();
   expect(commit).not.toHaveBeenCalled();
   expect(lost.mock.calls).toEqual([
-    ["Name “mine” was not taken over: it was changed to “theirs” meanwhile"],
+    ["Name “mine” was not applied: it was changed to “theirs” in the meantime"],
   ]);
 });
 
@@ -315,7 +315,7 @@ test("a text that was refused when its field had gone is said elsewhere, with wh
   await type(document.querySelector("input"), "taken");
   unmount();
   await settled();
-  expect(said).toEqual(["Name “taken” was not taken over: There is one of this name."]);
+  expect(said).toEqual(["Name “taken” was not applied: There is one of this name."]);
 });
 
 test("a table names the cell that the keys are on, and counts its head among its rows", () => {

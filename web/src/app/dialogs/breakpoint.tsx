@@ -64,9 +64,14 @@ function Parts({ wanted, put, count, isCount, onCount }: BreakpointPartsProps) {
   const unfit = cannotSetConditions(context());
   return (
     <>
-      <Select label="Holds" value={wanted.when} options={WHEN} onChange={(when) => put({ when })} />
+      <Select
+        label="Pauses"
+        value={wanted.when}
+        options={WHEN}
+        onChange={(when) => put({ when })}
+      />
       <TextField
-        label="Condition, in Python"
+        label="Condition (Python)"
         mono
         value={wanted.condition ?? ""}
         placeholder={wanted.when === "after" ? 'outputs["count"] == 3' : 'inputs["count"] == 3'}
@@ -81,8 +86,8 @@ function Parts({ wanted, put, count, isCount, onCount }: BreakpointPartsProps) {
         label="Starting with hit"
         type="number"
         value={count}
-        refusal={isCount ? null : "a whole number from 1 on"}
-        hint="1: every hit; 3: from the third time its condition is true"
+        refusal={isCount ? null : "a whole number, 1 or greater"}
+        hint="1: every hit; 3: from the third hit that meets the condition"
         onInput={onCount}
       />
       <Select
@@ -114,6 +119,6 @@ const SCOPE = [
 
 const UNATTENDED = [
   { value: "hold", title: "pause anyway" },
-  { value: "continue", title: "the run goes on" },
-  { value: "stop", title: "the run is stopped" },
+  { value: "continue", title: "continue the run" },
+  { value: "stop", title: "stop the run" },
 ] as const;

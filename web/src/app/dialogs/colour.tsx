@@ -46,7 +46,7 @@ export function Colour({ asks, answer }: AskedDialogProps<Rgb | null>) {
       onClose={() => answer(null)}
       footer={
         <>
-          <Button onClick={() => answer({ rgb: null })}>No own colour</Button>
+          <Button onClick={() => answer({ rgb: null })}>Default colour</Button>
           <Button kind="primary" onClick={() => answer({ rgb: rgbOf(hex) })}>
             Use {hex}
           </Button>
@@ -68,7 +68,7 @@ export function Colour({ asks, answer }: AskedDialogProps<Rgb | null>) {
       </div>
       <label className="checkbox">
         <input type="color" value={hex} onChange={(event) => setHex(event.currentTarget.value)} />
-        <span>Another colour</span>
+        <span>Other colour</span>
       </label>
     </Dialog>
   );

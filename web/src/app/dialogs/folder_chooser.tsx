@@ -20,7 +20,7 @@ export function chosenFolder(
   name: string,
 ): ChosenFolder {
   const parent = place ?? nodes[0] ?? null;
-  if (!parent) return refused("There is no project to save in.");
+  if (!parent) return refused("There is no project to save to.");
   if (name.trim() === "") return refused("The folder needs a name.");
   const names = name.split("/").map((part) => part.trim());
   if (!names.every(isName)) {

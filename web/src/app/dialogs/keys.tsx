@@ -42,7 +42,7 @@ export function Keys({ answer }: AskedDialogProps<undefined>) {
             autoFocus
           />
           <Select
-            label="Map"
+            label="Key map"
             value={settings.keymap}
             options={[
               { value: "rafcon", title: "RAFCON" },
@@ -92,7 +92,7 @@ function grouped(
   for (const command of all) {
     const keys = (map.get(command.id) ?? []).map(shownKey).join(" ").toLowerCase();
     if (!command.title.toLowerCase().includes(wanted) && !keys.includes(wanted)) continue;
-    const title = command.menu?.split("/")[0] ?? "Others";
+    const title = command.menu?.split("/")[0] ?? "Other";
     groups.set(title, [...(groups.get(title) ?? []), command]);
   }
   return [...groups];
@@ -119,7 +119,7 @@ function KeysRow({ command, keys, isOwn, doubled, onSet, onReset }: KeysRowProps
           {shownKey(key)}
           <button
             type="button"
-            aria-label={`Take ${shownKey(key)} from ${command.title}`}
+            aria-label={`Remove ${shownKey(key)} from ${command.title}`}
             onClick={() => onSet(keys.filter((other) => other !== key))}
           >
             <X size={11} aria-hidden />
@@ -185,13 +185,13 @@ function Files() {
       const { keys, faults } = readKeys(await file.text(), (id) => commands.get(id) !== undefined);
       page.settings.value = { ...page.settings.peek(), keys };
       const count = Object.keys(keys).length;
-      const also = faults.length > 0 ? ` Left out: ${faults.join("; ")}.` : "";
+      const also = faults.length > 0 ? ` Skipped: ${faults.join("; ")}.` : "";
       page.tell({
         level: faults.length > 0 ? "warning" : "info",
-        text: `Keys of ${count} commands were read.${also}`,
+        text: `Imported the keys of ${count} commands.${also}`,
       });
     } catch (error) {
-      page.tell({ level: "error", text: `${file.name} is no file of keys: ${String(error)}` });
+      page.tell({ level: "error", text: `${file.name} is not a key map file: ${String(error)}` });
     }
   };
   const give = () => {

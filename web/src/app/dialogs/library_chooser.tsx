@@ -100,7 +100,7 @@ export function LibraryChooser({
               title={search === "" ? "No libraries" : "Nothing found"}
               text={
                 search === ""
-                  ? "Libraries come from the library roots that the server was started with."
+                  ? "Libraries come from the server's library roots."
                   : `No library name contains “${search}”.`
               }
             />

@@ -31,8 +31,8 @@ export function SettingsDialog({ answer }: AskedDialogProps<undefined>) {
           label="Mouse wheel"
           value={settings.wheel}
           options={[
-            { value: "zoom", title: "Zooms; with Shift it moves sideways" },
-            { value: "pan", title: "Moves; with Ctrl it zooms" },
+            { value: "zoom", title: "Zooms; with Shift, moves sideways" },
+            { value: "pan", title: "Moves; with Ctrl, zooms" },
           ]}
           onChange={(wheel) => change({ wheel })}
         />

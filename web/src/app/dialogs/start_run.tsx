@@ -76,13 +76,13 @@ export function StartRunDialog({ asks: tab, answer }: AskedDialogProps<OpenTab>)
           onChange={(hold) => put({ hold })}
         />
         <Select
-          label="If the run's program dies, interrupted scripts"
+          label="Interrupted scripts, if the run's program dies"
           value={given.onCrash}
           options={ON_CRASH}
           onChange={(onCrash) => put({ onCrash })}
         />
         <Select
-          label="Keep of the run"
+          label="Record"
           value={given.keeping}
           options={KEEPING}
           onChange={(keeping) => put({ keeping })}
@@ -94,7 +94,7 @@ export function StartRunDialog({ asks: tab, answer }: AskedDialogProps<OpenTab>)
 }
 
 const ON_CRASH = [
-  { value: "machine", title: "follow the machine's setting, else wait for a decision" },
+  { value: "machine", title: "follow the machine's setting, or wait for a decision" },
   { value: "ask", title: "wait for a decision" },
   { value: "abort", title: "end as aborted, so that the machine recovers by itself" },
   { value: "restart", title: "run again" },
@@ -102,7 +102,7 @@ const ON_CRASH = [
 
 const KEEPING = [
   { value: "full", title: "everything, with all values" },
-  { value: "status", title: "what happened, without values" },
+  { value: "status", title: "events only, without values" },
 ] as const;
 
 interface InputsProps {
