@@ -44,7 +44,7 @@ const TOGETHER: readonly UserCommand[] = [
     keys: ["G"],
     classic: ["Ctrl+G", "G"],
     menu: "Arrange/1",
-    needs: "select states of one container first, not the whole machine",
+    needs: "select states of one container, not the machine itself",
     enabled: (context) => canEdit(context) && siblings(context, 1),
     run: (context) =>
       perform(context, (m) => {
@@ -69,7 +69,7 @@ const TOGETHER: readonly UserCommand[] = [
     title: "Substitute by library…",
     keys: ["Ctrl+Shift+Alt+U"],
     menu: "Arrange/1",
-    needs: "select a state inside the machine, not all of it",
+    needs: "select a state inside the machine, not the machine itself",
     enabled: (context) => canEdit(context) && isInner(context),
     run: substituteByLibrary,
   },
@@ -194,9 +194,9 @@ const ALIGNMENTS: readonly (readonly [Alignment, string])[] = [
   ["left", "Left edges"],
   ["centre", "Centres"],
   ["right", "Right edges"],
-  ["top", "Upper edges"],
+  ["top", "Top edges"],
   ["middle", "Middles"],
-  ["bottom", "Lower edges"],
+  ["bottom", "Bottom edges"],
 ];
 
 const LINE_UP: MenuPlace = "Arrange/2/Align and distribute";
@@ -256,7 +256,7 @@ const LAID_OUT: readonly UserCommand[] = [
     title: "Automatic layout of this level",
     keys: ["Ctrl+Shift+L"],
     menu: "Arrange/3",
-    needs: "select something of this machine, not of a library",
+    needs: "select something in this machine, not in a library",
     enabled: (context) => canEdit(context) && levelToLayOut(context) !== null,
     run: (context) => layOutFrom(context, levelToLayOut(context), false),
   },
@@ -265,14 +265,14 @@ const LAID_OUT: readonly UserCommand[] = [
     title: "Automatic layout of all levels inside",
     keys: ["Ctrl+Shift+Alt+L"],
     menu: "Arrange/3",
-    needs: "select something of this machine, not of a library",
+    needs: "select something in this machine, not in a library",
     enabled: (context) => canEdit(context) && containerToLayOut(context) !== null,
     run: (context) => layOutFrom(context, containerToLayOut(context), true),
   },
   {
     id: "arrange.fit-content",
     title: "Size to content",
-    detail: "Trims free space at the right and bottom.",
+    detail: "Removes free space on the right and at the bottom.",
     menu: "Arrange/3",
     enabled: (context) => {
       const path = onlyState(context);
@@ -323,7 +323,7 @@ const LOOKS: readonly UserCommand[] = [
   },
   {
     id: "arrange.show-content",
-    title: "Library content shows when opened",
+    title: "Show library content when opened",
     detail: "Saved with the machine, for everyone.",
     menu: "Arrange/4",
     enabled: (context) => canEdit(context) && kindOfOnly(context) === "library",

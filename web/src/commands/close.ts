@@ -22,12 +22,12 @@ export async function closeTab(context: CommandContext, tab: OpenTab): Promise<b
       { value: "save", title: "Save and close" },
       {
         value: "keep",
-        title: "Close and keep the edits",
+        title: "Close and keep edits",
         detail: "The server keeps them and restores them when you open the machine again.",
       },
       {
         value: "discard",
-        title: "Close and discard the edits",
+        title: "Close and discard edits",
         detail: "They cannot be restored.",
       },
     ],

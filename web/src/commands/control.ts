@@ -75,7 +75,7 @@ async function handOver({ tab, shell }: CommandContext, argument: unknown): Prom
       ? argument
       : await shell.prompt({
           title: "Hand control over",
-          label: "To the user",
+          label: "User",
           check: (text) => (text.trim() === "" ? "Hands control to a user." : null),
         });
   if (to) await watch?.control({ move: "hand_over", to: to.trim() });
@@ -98,7 +98,7 @@ async function override({ page, tab, shell }: CommandContext): Promise<void> {
 
 function askers({ tab }: CommandContext): readonly CommandChoice[] {
   const requests = tab?.run.value?.now.value?.control.requests ?? [];
-  return requests.map((user) => ({ title: user, detail: "asks for it", argument: user }));
+  return requests.map((user) => ({ title: user, detail: "asks for control", argument: user }));
 }
 
 /** Why control cannot be moved so; null if it can. */
@@ -106,7 +106,7 @@ function refusalOfMove(context: CommandContext, wanted: ControlMove["move"]): st
   const why = cannotCommand(context, { rest: true });
   const control = context.tab?.run.value?.now.value?.control;
   const session = sessionOfPage(context.page);
-  if (why !== null || !control) return why ?? "who is in control is not known yet";
+  if (why !== null || !control) return why ?? "it is not known yet who is in control";
   if (!session) return "there is no connection to the server";
   const isMine = control.holder === session.user;
   return isMine ? ofHolder(control, wanted) : ofOther(context, control, session.user, wanted);
@@ -119,7 +119,7 @@ function ofHolder({ offered_to }: Control, wanted: ControlMove["move"]): string 
     case "release":
       return null;
     case "withdraw":
-      return offered_to === undefined ? "you offer it to nobody" : null;
+      return offered_to === undefined ? "you have not offered control" : null;
     default:
       return "you are in control";
   }
@@ -135,19 +135,19 @@ function ofOther(
   const asks = requests.includes(user);
   switch (wanted) {
     case "request":
-      return asks ? "you have asked for it" : null;
+      return asks ? "you have already asked for control" : null;
     case "withdraw":
-      return asks ? null : "you have not asked for it";
+      return asks ? null : "you have not asked for control";
     case "accept":
     case "decline":
-      return offered_to === user ? null : "nobody offers it to you";
+      return offered_to === user ? null : "nobody has offered you control";
     case "override":
       return holder === null ? "nobody is in control" : lacks(context.page, "administer");
     case "take_over":
       return stillHeard(context);
     case "hand_over":
     case "release":
-      return "only the user in control can give it away";
+      return "only the user in control can hand it over";
   }
 }
 

@@ -63,7 +63,7 @@ export const EDIT: readonly UserCommand[] = [
     id: "edit.paste",
     title: "Paste",
     detail:
-      "States at the pointer or into the selected container, ports and outcomes to the state.",
+      "Pastes states at the pointer or into the selected container, ports and outcomes into the state.",
     keys: ["Ctrl+V"],
     menu: "Edit/2",
     enabled: canEdit,
@@ -103,7 +103,7 @@ export const EDIT: readonly UserCommand[] = [
   {
     id: "edit.select-all",
     title: "Select all",
-    detail: "All states of the current container.",
+    detail: "Selects all states of the current container.",
     keys: ["Ctrl+A"],
     classic: ["Ctrl+Shift+Alt+A"],
     menu: "Edit/3",
@@ -148,7 +148,7 @@ export const EDIT: readonly UserCommand[] = [
   {
     id: "edit.find",
     title: "Find…",
-    detail: "In names, ids, ports, descriptions, scripts, values and libraries.",
+    detail: "Searches names, ids, ports, descriptions, scripts, values and libraries.",
     keys: ["Ctrl+F", "/"],
     menu: "Edit/4",
     enabled: ({ tab }) => tab !== null,

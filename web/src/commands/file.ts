@@ -17,7 +17,7 @@ export const FILE: readonly UserCommand[] = [
   {
     id: "file.new",
     title: "New machine…",
-    detail: "Makes an empty machine in a project and opens it.",
+    detail: "Creates an empty machine in a project and opens it.",
     keys: ["Ctrl+Alt+N"],
     classic: ["Ctrl+N", "Ctrl+Shift+Alt+N"],
     menu: "File/1",
@@ -118,7 +118,7 @@ export const FILE: readonly UserCommand[] = [
   {
     id: "file.reload",
     title: "Reload from disk",
-    detail: "Replaces the machine by its files on disk. You can undo this.",
+    detail: "Replaces the machine with its files on disk. You can undo this.",
     classic: ["Shift+F5"],
     menu: "File/3",
     enabled: canEdit,

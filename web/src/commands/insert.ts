@@ -25,7 +25,7 @@ const canPlace = (context: CommandContext) => canEdit(context) && placeForNew(co
 const STATES: readonly UserCommand[] = KINDS.map(([kind, title, keys, classic]) => ({
   id: `insert.${kind}`,
   title,
-  detail: "At the pointer, or into the selected container.",
+  detail: "Adds the state at the pointer, or to the selected container.",
   keys,
   classic,
   menu: "Insert/1",
@@ -269,8 +269,8 @@ function transitionOf(context: CommandContext) {
 /** What stands for the kind of what is selected: used by "Add" of the reference. */
 const ADD: UserCommand = {
   id: "insert.fitting",
-  title: "Add what fits",
-  detail: "A state into a container, an outcome to anything else.",
+  title: "Add state or outcome",
+  detail: "Adds a state to a container, an outcome to anything else.",
   classic: ["Ctrl+A"],
   enabled: hasOwner,
   run: (context) => {

@@ -66,6 +66,6 @@ test("a file of keys says what is wrong with it and gives the rest", () => {
   const text = `{"a": ["ctrl+q", "x+y"], "c": ["Z"], "b": "Z"}`;
   expect(readKeys(text, (id) => id !== "c")).toEqual({
     keys: { a: ["Ctrl+Q"] },
-    faults: ["a: x+y is no key", "there is no command c", "b: keys are a list of texts"],
+    faults: ["a: x+y is not a key", "there is no command c", "b: keys must be a list of texts"],
   });
 });

@@ -181,11 +181,11 @@ export function readKeys(
   const rafcon = typeof found === "object" && found !== null ? Object.entries(found as object) : [];
   for (const [id, wanted] of rafcon) {
     if (!isCommand(id)) faults.push(`there is no command ${id}`);
-    else if (!Array.isArray(wanted)) faults.push(`${id}: keys are a list of texts`);
+    else if (!Array.isArray(wanted)) faults.push(`${id}: keys must be a list of texts`);
     else {
       const read = wanted.map((each) => (typeof each === "string" ? readKey(each) : null));
       read.forEach((key, index) => {
-        if (key === null) faults.push(`${id}: ${String(wanted[index])} is no key`);
+        if (key === null) faults.push(`${id}: ${String(wanted[index])} is not a key`);
       });
       keys[id] = read.filter((key) => key !== null);
     }

@@ -24,7 +24,7 @@ export const MISSION: readonly UserCommand[] = [
   {
     id: "mission.open",
     title: "Mission control",
-    detail: "Shows the mission at a glance: questions, branches, events, who is in control.",
+    detail: "Shows the mission at a glance: questions, branches, events, the user in control.",
     keys: ["Ctrl+Alt+M"],
     menu: "View/4",
     run: ({ shell }) => {

@@ -77,7 +77,7 @@ test("what can be done goes by how the run stands, and says why not", () => {
     null,
     null,
   ]);
-  expect(why(held, "run.step-mode")).toMatch(/step by step/);
+  expect(why(held, "run.step-mode")).toMatch(/in step mode/);
   expect(why(running({ phase: "crashed" }), "run.pause")).toMatch(/resume it/);
   expect(why(running({ phase: "crashed" }), "run.take-up")).toBeNull();
   expect(why(testContext(MACHINE), "run.pause")).toMatch(/no run is shown/);
@@ -156,7 +156,7 @@ test("the outcome of a state is chosen where it stands still, or comes next", ()
   expect(why(next, "run.force-outcome")).toBeNull();
   expect(command?.choices?.(next).map(({ title }) => title)).toContain("lost");
   const other = running({ status: "stepping", active: [HELD], selected: "R/B" });
-  expect(why(other, "run.force-outcome")).toMatch(/paused, waits, or comes next/);
+  expect(why(other, "run.force-outcome")).toMatch(/paused, waiting, or next/);
 });
 
 test("a breakpoint of a live run is the run's; its removal too", async () => {
@@ -184,7 +184,7 @@ test("edits that touch an active state are taken once it is left, if the user wa
   const unwanted = running({ answer, answers: [false] });
   COMMANDS.run("run.reload", unwanted);
   await settle();
-  expect(unwanted.record).toContain("ask The run cannot take the edits now");
+  expect(unwanted.record).toContain("ask The edits cannot be applied now");
   expect(unwanted.commands).toEqual([{ type: "reload", wait: false }]);
   const wanted = running({ answer, answers: [true] });
   COMMANDS.run("run.reload", wanted);
@@ -217,7 +217,7 @@ test("a run that is over begins again at an entry of its history, for whoever ma
   expect(begun).toEqual([["restart", 7]]);
   const operator = running({ phase: "finished", rights: ["observe"] });
   expect(why(operator, "run.start-from-history")).toMatch(/start runs/);
-  expect(why(running({ phase: "not_started" }), "run.start-from-history")).toMatch(/did not begin/);
+  expect(why(running({ phase: "not_started" }), "run.start-from-history")).toMatch(/did not start/);
 });
 
 test("breakpoints are edited in a dialog, all removed at once, and switched for a state by a path alone", async () => {

@@ -124,7 +124,7 @@ function cannotResume(context: CommandContext): string | null {
 function confirmStop({ shell }: CommandContext, watch: Watch): Promise<boolean> {
   const isAgain = watch.now.peek()?.snapshot?.status === "stopping";
   return shell.confirm({
-    title: isAgain ? "Stop once more?" : "Stop the run?",
+    title: isAgain ? "Stop again?" : "Stop the run?",
     text: isAgain
       ? "The run is already stopping. A second stop also preempts handlers and starts no new ones."
       : "All active states are preempted, then handlers run. A stopped run cannot be resumed.",

@@ -36,7 +36,9 @@ export const RUN_CRASH: readonly UserCommand[] = [
     menu: "Run/6",
     refusal: (context) => {
       const isWaiting = interrupted(context).length > 0;
-      return cannotCommand(context) ?? (isWaiting ? null : "no script waits for a decision");
+      return (
+        cannotCommand(context) ?? (isWaiting ? null : "no interrupted script waits for a decision")
+      );
     },
     choices: (context) => {
       const selected = anyOnlyState(context)?.path ?? null;
@@ -54,8 +56,8 @@ export const RUN_CRASH: readonly UserCommand[] = [
   },
   {
     id: "run.reload",
-    title: "Take edits into the run",
-    detail: "Saves the machine and updates the run to it.",
+    title: "Apply edits to the run",
+    detail: "Saves the machine. The run uses it from now on.",
     menu: "Run/6",
     refusal: (context) => {
       const why = cannotCommand(context, { right: "edit" });
@@ -90,14 +92,14 @@ async function reload(context: CommandContext): Promise<void> {
   if (why === null)
     return page.tell({ level: "info", text: "The run now uses the edited machine." });
   if (sent.answer?.answer !== "refused") {
-    return page.tell({ level: "warning", text: `Take edits into the run: ${why}` });
+    return page.tell({ level: "warning", text: `Apply edits to the run: ${why}` });
   }
   const waits = await shell.confirm({
-    title: "The run cannot take the edits now",
-    text: `${why.replace(/\.$/, "")}. The run can take them once that state has ended.`,
-    yes: "Take them then",
-    no: "Not at all",
+    title: "The edits cannot be applied now",
+    text: `${why.replace(/\.$/, "")}. They can be applied once that state has ended.`,
+    yes: "Apply them then",
+    no: "Don't apply",
   });
   if (!waits) return;
-  await sendCommandTo(context, watch, "Take edits into the run", { type: "reload", wait: true });
+  await sendCommandTo(context, watch, "Apply edits to the run", { type: "reload", wait: true });
 }

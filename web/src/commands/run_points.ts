@@ -61,19 +61,19 @@ export const RUN_POINTS: readonly UserCommand[] = [
   },
   {
     id: "run.force-outcome",
-    title: "Choose the outcome",
+    title: "Force outcome",
     detail:
       "Ends a paused or waiting state with an outcome, or skips the state the run is paused before.",
     menu: "Run/4/Selected state",
     refusal: (context, argument) =>
       cannotCommand(context) ??
       (!isObject(argument) && forcible(context) === null
-        ? "select a state that is paused, waits, or comes next"
+        ? "select a state that is paused, waiting, or next"
         : null),
     choices: outcomeChoices,
     run: (context, argument) => {
       const { path, outcome } = argument as Forced;
-      return sendCommand(context, "Choose the outcome", { type: "force_outcome", path, outcome });
+      return sendCommand(context, "Force outcome", { type: "force_outcome", path, outcome });
     },
   },
   {
@@ -84,7 +84,7 @@ export const RUN_POINTS: readonly UserCommand[] = [
     refusal: (context, argument) => {
       const wanted = pathFor(context, argument);
       const isForcible = active(context).some(({ path }) => path === wanted);
-      return cannotCommand(context) ?? (isForcible ? null : "select a state that is active");
+      return cannotCommand(context) ?? (isForcible ? null : "select an active state");
     },
     run: async (context, argument) => {
       const path = pathFor(context, argument);

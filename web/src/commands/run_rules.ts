@@ -9,8 +9,9 @@ import type { CommandContext } from "./command.ts";
 import { anyOnlyState } from "./subject.ts";
 
 const NEEDED: Readonly<Partial<Record<Right, string>>> = {
-  command: "only operators, engineers and admins command runs: ask an admin for the role operator",
-  start: "only operators, engineers and admins start runs: ask an admin for the role operator",
+  command:
+    "only operators, engineers and admins may command runs: ask an admin for the role operator",
+  start: "only operators, engineers and admins may start runs: ask an admin for the role operator",
   edit: "only engineers and admins may do this: ask an admin for the role engineer",
   administer: "only admins may do this",
 };
@@ -56,7 +57,7 @@ function overInWords(watch: Watch): string {
   if (!now) return "the state of the run is not known yet";
   const { word } = runStatusWords(now);
   if (word === "crashed") return "the run crashed: resume it first, or start another";
-  return word === "finished" ? "the run is over: start another" : "the run did not begin";
+  return word === "finished" ? "the run has ended: start another" : "the run did not start";
 }
 
 /** Why a command that needs one of these can do nothing now. */
@@ -75,15 +76,15 @@ export function cannotWhile(
 function notWhile(status: RunStatus): string {
   switch (status) {
     case "running":
-      return "the run is running: pause it or turn step mode on";
+      return "the run is not paused: pause it or turn on step mode";
     case "paused":
-      return "the run is paused already";
+      return "the run is already paused";
     case "stepping":
-      return "the run goes step by step: resume lets it go on";
+      return "the run is in step mode: use Resume to continue";
     case "stopping":
       return "the run is being stopped";
     case "finished":
-      return "the run is over";
+      return "the run has ended";
   }
 }
 

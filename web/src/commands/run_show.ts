@@ -35,11 +35,11 @@ export const RUN_SHOW: readonly UserCommand[] = [
   },
   {
     id: "run.leave",
-    title: "Show no run",
+    title: "Hide run",
     detail: "Hides the run in this tab. The run continues.",
     menu: "Run/7",
     refusal: ({ page, tab }) => {
-      if (tab?.session.fixed != null) return "this tab is the run's own: close it";
+      if (tab?.session.fixed != null) return "this tab belongs to the run: close the tab";
       return runOf(page) ? null : NONE;
     },
     run: ({ tab }) => {
@@ -48,7 +48,7 @@ export const RUN_SHOW: readonly UserCommand[] = [
   },
   {
     id: "run.follow",
-    title: "Follow what runs",
+    title: "Follow active states",
     detail: "Keeps the active states in view.",
     menu: "Run/7",
     checked: ({ tab }) => tab !== null && followedSignal(tab.view).value,
@@ -116,13 +116,13 @@ export const RUN_SHOW: readonly UserCommand[] = [
   {
     id: "run.delete",
     title: "Delete run…",
-    detail: "Deletes everything kept of the run.",
+    detail: "Deletes all stored data of the run.",
     menu: "Run/8/This run",
     refusal: ({ page }, argument) => {
       const id = idOf(page, argument);
       if (id === null) return NONE;
       const phase = page.runs.all.value.find((run) => run.id === id)?.phase;
-      if (phase === "live" || phase === "starting") return "the run goes on: stop it first";
+      if (phase === "live" || phase === "starting") return "the run is active: stop it first";
       return lacks(page, "administer");
     },
     run: remove,
@@ -130,7 +130,7 @@ export const RUN_SHOW: readonly UserCommand[] = [
 ];
 
 const EXPORTS = [
-  ["jsonl", "Events, one a line (JSONL)"],
+  ["jsonl", "Events, one per line (JSONL)"],
   ["csv", "Table (CSV)"],
   ["mcap", "MCAP, for Foxglove"],
 ] as const;
@@ -186,7 +186,7 @@ async function remove({ page, shell }: CommandContext, argument: unknown): Promi
   if (id === null) return;
   const isSure = await shell.confirm({
     title: "Delete this run?",
-    text: `Deletes everything kept of ${id}: events, values, the machine as it ran. This cannot be undone.`,
+    text: `Deletes all stored data of ${id}: events, values, the machine as it ran. This cannot be undone.`,
     yes: "Delete",
     danger: true,
   });

@@ -40,7 +40,7 @@ async function confirmAnother({ page, shell }: CommandContext, tab: OpenTab): Pr
   const by = first.author === null ? "" : ` by ${first.author}`;
   return shell.confirm({
     title: "Start another run?",
-    text: `${goOn}, begun ${began}${by}. Both would run at the same time, perhaps on the same robot.`,
+    text: `${goOn}, started ${began}${by}. Both would run at the same time, perhaps on the same robot.`,
     yes: "Start another",
     danger: true,
   });

@@ -19,15 +19,15 @@ export const RUN_STEP: readonly UserCommand[] = [
     refusal: (context) => cannotWhile(context, ["running", "paused"]),
     run: (context) => sendCommand(context, "Step mode", { type: "step_mode" }),
   },
-  step("run.into", "Step into", "step_into", ["F4"], "Goes to the next state at any level."),
+  step("run.into", "Step into", "step_into", ["F4"], "Runs to the next state at any level."),
   step(
     "run.over",
     "Step over",
     "step_over",
     ["Shift+F4"],
-    "Goes to the next state of the same or an outer container.",
+    "Runs to the next state of the same or an outer container.",
   ),
-  step("run.out", "Step out", "step_out", ["F3"], "Goes to the next state of an outer container."),
+  step("run.out", "Step out", "step_out", ["F3"], "Runs to the next state of an outer container."),
   step(
     "run.back",
     "Step back",
@@ -64,10 +64,8 @@ function cannotStep(context: CommandContext, type: StepType): string | null {
   const snapshot = snapshotOf(context.tab?.run.value ?? null);
   if (why !== null || !snapshot) return why ?? "the run is starting";
   if (snapshot.status !== "paused" && snapshot.status !== "stepping") {
-    return "nothing is paused: pause the run or turn step mode on";
+    return "nothing is paused: pause the run or turn on step mode";
   }
   const waits = type === "step_back" && snapshot.active.some(({ phase }) => phase === "waiting");
-  return isHeld(snapshot) || waits
-    ? null
-    : "a script is at work: it can be stepped when it is held";
+  return isHeld(snapshot) || waits ? null : "a script is running: step once the run has paused";
 }

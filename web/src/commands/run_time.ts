@@ -25,7 +25,7 @@ export const RUN_TIME: readonly UserCommand[] = [
   {
     id: "run.event-after",
     title: "One event forward",
-    detail: "After the last event the page shows the current state.",
+    detail: "Shows the next moment. After the last event, shows the current state.",
     keys: ["."],
     menu: "Run/9/Moment",
     refusal: ({ page }) => {
@@ -53,7 +53,7 @@ export const RUN_TIME: readonly UserCommand[] = [
   },
   {
     id: "run.first-event",
-    title: "Beginning of the run",
+    title: "Start of the run",
     menu: "Run/9/Moment",
     refusal: ({ page }) => (runOf(page) ? null : NO_RUN),
     run: ({ page }) => {
@@ -71,9 +71,9 @@ function refusedEntry({ page, tab }: CommandContext, direction: "before" | "afte
   const watch = runOf(page);
   if (!watch) return NO_RUN;
   const [path] = tab ? selectedStates(tab.view) : [];
-  if (path === undefined) return "no state is selected: select the one whose entries are wanted";
+  if (path === undefined) return "no state is selected: select the state whose entries you want";
   return entryOf(watch, path, direction) === null
-    ? `it was not entered ${direction} this moment`
+    ? `the state was not entered ${direction} this moment`
     : null;
 }
 

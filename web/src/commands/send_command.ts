@@ -34,8 +34,8 @@ export function failureOf({ answer }: SentCommand): string | null {
     case "refused":
       return answer.reason;
     case "expired":
-      return "it came too late and was not carried out: the runner was not reached in time";
+      return "it expired and was not carried out: it did not reach the runner in time";
     default:
-      return `nobody knows what became of it: ${answer?.reason ?? "there was no answer"}`;
+      return `it is unknown whether it was carried out: ${answer?.reason ?? "there was no answer"}`;
   }
 }

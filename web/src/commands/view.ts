@@ -97,7 +97,7 @@ const MODES: readonly UserCommand[] = [
   {
     id: "view.data-flows",
     title: "Data flows",
-    detail: "Cycles between data flows of the selection, all, and none.",
+    detail: "Cycles through data flows of the selection, all, and none.",
     keys: ["D"],
     classic: ["Ctrl+D"],
     menu: "View/2",
@@ -120,7 +120,7 @@ const MODES: readonly UserCommand[] = [
   {
     id: "view.heat",
     title: "Heat",
-    detail: "Cycles between colours by number of runs, by time, and none.",
+    detail: "Cycles through colours by number of runs, by time, and none.",
     keys: ["Shift+H"],
     menu: "View/2",
     needs: "start a run first, or choose one",
@@ -139,7 +139,7 @@ const MODES: readonly UserCommand[] = [
       tab.view.heat.value = (argument as HeatMode | undefined) ?? next;
     },
   },
-  mode("names", "names", "Names of ports", ["N"]),
+  mode("names", "names", "Port names", ["N"]),
   mode("values", "values", "Values", ["V"], ["Ctrl+L", "V"]),
   mode("aborted", "aborted", "Aborted and preempted", ["A"], ["Ctrl+P"]),
   mode("grid", "grid", "Grid", ["Shift+G"]),
@@ -192,7 +192,7 @@ const PANELS: readonly UserCommand[] = [
     run: ({ shell }, argument) => shell.showPanel(argument as string),
   },
   side("left", "Left side", ["Ctrl+Alt+1"]),
-  side("bottom", "Lower side", ["Ctrl+Alt+2"]),
+  side("bottom", "Bottom side", ["Ctrl+Alt+2"]),
   side("right", "Right side", ["Ctrl+Alt+3"]),
   {
     id: "view.focus",

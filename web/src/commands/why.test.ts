@@ -21,7 +21,7 @@ const why = (id: string, key: ElementKey | "") => {
 
 test("a command that cannot be done says what it needs", () => {
   expect(why("arrange.substitute", "state:R")).toBe(
-    "select a state inside the machine, not all of it",
+    "select a state inside the machine, not the machine itself",
   );
   expect(why("arrange.ungroup", "state:R/A")).toBe(
     "select one hierarchy or concurrency inside the machine",

@@ -22,7 +22,7 @@ export function arranged(
   const state = containerAt(machine, container);
   if (isRefused(state)) return state;
   const level = levels.get(container);
-  if (!level) return refused(`${state.name} has nothing to arrange yet.`);
+  if (!level) return refused(`${state.name} contains nothing to arrange yet.`);
   const isRoot = parentOf(container) === null;
   const box = isRoot ? { ...boxIn(machine, container), ...level.size } : boxIn(machine, container);
   const edits = new Arranging(machine, levels).container(state, container, box, box, null);

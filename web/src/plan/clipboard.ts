@@ -225,7 +225,8 @@ function pasted(
     ? copies.flatMap((copy, index) => into(copy, index, placement))
     : copies.flat();
   const count = copies.length + (selection.scoped_variables?.length ?? 0);
-  if (count === 0) return refused("Nothing was copied yet: select states and copy them first.");
+  if (count === 0)
+    return refused("Nothing has been copied yet: select states and copy them first.");
   const what = copies.length > 0 ? counted(copies.length, "state") : "scoped variables";
   const plan: Plan = {
     name: `${verb} ${what}`,

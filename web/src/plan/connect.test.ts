@@ -54,7 +54,7 @@ test("an outcome leads out of the container, and the income to its start", () =>
 
 test("an outcome leads to one place", () => {
   expect(reason(connect(machine, outcome("R/A", 0), income("R/C")))).toBe(
-    "Scan.ok leads to Grasp already: drag the end of that transition elsewhere, or delete it first.",
+    "Scan.ok already leads to Grasp: drag the end of that transition elsewhere, or delete it first.",
   );
 });
 
@@ -89,7 +89,7 @@ test("values flow from outputs to inputs of the same type", () => {
   expect(reason(connect(machine, output("R/A", 0), input("R/B", 1)))).toBe(
     "pose is of the type list and does not fit force of the type float: change one of the types, or use object.",
   );
-  expect(reason(connect(machine, input("R/B", 0), input("R/B", 1)))).toContain("No value flows");
+  expect(reason(connect(machine, input("R/B", 0), input("R/B", 1)))).toContain("No value can flow");
   expect(reason(connect(machine, scoped("R", 0), scoped("R", 0)))).toContain("another port");
   expect(reason(connect(machine, output("R/A", 0), income("R/B")))).toContain(
     "cannot be connected",

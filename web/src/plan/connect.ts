@@ -90,7 +90,7 @@ function outcomeOf(machine: Machine, path: string): ElementRef | Refused {
   const id = freeOutcome(machine, path);
   const name = machine.state(path)?.name;
   return id === null
-    ? refused(`All outcomes of ${name} lead somewhere: add one, or move the end of a transition.`)
+    ? refused(`All outcomes of ${name} are connected: add one, or move the end of a transition.`)
     : { kind: "outcome", path, id };
 }
 
@@ -136,7 +136,7 @@ function toNewOutcome(
   if (isRefused(container)) return container;
   const child = machine.state(from.path);
   const source = child && outcomesOf(child).find(({ id }) => id === from.id);
-  if (!source) return refused("There is no such outcome any more: somebody may have removed it.");
+  if (!source) return refused("This outcome no longer exists: someone may have removed it.");
   const names = outcomesOf(container).map((each) => each.name);
   const outcome = freshNumber(outcomesOf(container));
   const name = freshName(source.name, names);
@@ -161,7 +161,7 @@ export function reconnect(
   const container = stateAt(machine, connected.path);
   if (isRefused(container)) return container;
   const ends = endsOf(machine, connected);
-  if (!ends) return refused("There is no such connection any more: somebody may have removed it.");
+  if (!ends) return refused("This connection no longer exists: someone may have removed it.");
   const data = connected.kind === "data_flow";
   const name = data ? "Change end of data flow" : "Change end of transition";
   const now = end === "from" ? { ...ends, from: target } : { ...ends, to: target };

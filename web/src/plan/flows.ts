@@ -37,8 +37,7 @@ export interface Course {
 export function portAt(machine: Machine, element: ElementRef & DataPort): PortAt | Refused {
   const state = machine.state(element.path);
   const port = state && portsOf(state, element.kind).find(({ id }) => id === element.id);
-  if (!state || !port)
-    return refused("There is no such port any more: somebody may have removed it.");
+  if (!state || !port) return refused("This port no longer exists: someone may have removed it.");
   return { path: element.path, kind: element.kind, port };
 }
 
@@ -84,7 +83,7 @@ function wrongWay(machine: Machine, one: PortAt, other: PortAt): Refused {
   const words = (at: PortAt) =>
     `the ${PORT_WORDS[at.kind]} ${at.port.name} of ${machine.state(at.path)?.name}`;
   return refused(
-    `No value flows between ${words(one)} and ${words(other)}: lead from an output of a state, or an input or scoped variable of the state around, to an input of a state, or an output or scoped variable of the state around.`,
+    `No value can flow between ${words(one)} and ${words(other)}: connect an output of a state, or an input or scoped variable of its container, to an input of a state, or an output or scoped variable of its container.`,
   );
 }
 
@@ -117,7 +116,9 @@ function pairRefused(source: PortAt, target: PortAt): Refused | null {
   }
   const variables = [source, target].every(({ kind }) => kind === "scoped_variable");
   if (variables && source.path === target.path) {
-    return refused("No value flows from one scoped variable to another: let a state pass it on.");
+    return refused(
+      "No value can flow from one scoped variable to another: let a state pass it on.",
+    );
   }
   const [from, to] = [source.port, target.port];
   return fits(from.data_type, to.data_type)
@@ -236,7 +237,7 @@ class Chain {
 /** The port that a state has to get so that a flow from or to the other port can end at it. */
 export function fittingPort(machine: Machine, other: PortAt, path: string): PortAt | Refused {
   const state = machine.state(path);
-  if (!state) return refused("There is no such state any more: somebody may have removed it.");
+  if (!state) return refused("This state no longer exists: someone may have removed it.");
   if (state.kind === "library") {
     return refused(
       `${state.name} is a library: its ports are those of the library, so connect to one of them.`,

@@ -102,7 +102,7 @@ function entriesRefused(
   const [one, other] = targets.map((id) => machine.state(childPath(path, id))?.name ?? id);
   if (one === undefined || other === undefined) return null;
   return refused(
-    `Transitions from outside lead to both ${one} and ${other}, and a group is entered at one state only: group others, or remove one of these transitions first.`,
+    `Transitions from outside lead to both ${one} and ${other}, but a group has only one start: group other states, or remove one of these transitions first.`,
   );
 }
 
@@ -357,12 +357,12 @@ export function substitute(
   if (typeof container !== "string") return container;
   const old = machine.state(path);
   const [model] = states;
-  if (!old || !model) return refused("There is nothing to put in the place of the state.");
+  if (!old || !model) return refused("There is nothing to replace the state with.");
   if (model.kind === "decider") return deciderRefused();
   const clash = states.some(({ path: inner }) => inner === `${model.path}/${idOf(path)}`);
   const id = clash ? newId(machine, container) : idOf(path);
   const [first, ...rest] = drawnInto(underId(states, id), boxIn(machine, path));
-  if (!first) return refused("There is nothing to put in the place of the state.");
+  if (!first) return refused("There is nothing to replace the state with.");
   const name = keepName ? old.name : model.name;
   const layout = changed(first.layout, { ports: portsFrom(old, first) });
   const edits: Edit[] = [

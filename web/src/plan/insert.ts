@@ -32,16 +32,14 @@ export function insertState(
     element.kind === "transition"
       ? transitionsOf(container).find(({ id }) => id === element.id)
       : undefined;
-  if (!found) return refused("There is no such transition any more: somebody may have removed it.");
+  if (!found) return refused("This transition no longer exists: someone may have removed it.");
   const goal = goalOf(found);
   const comer = typeof state === "string" ? standing(machine, found, element.path, state) : null;
   if (comer && isRefused(comer)) return comer;
   const added = typeof state === "string" ? null : newcomer(machine, element.path, state, at);
   const outcome = comer ? comer.outcome : added && wayOut(added);
   if (outcome === null) {
-    return refused(
-      `${added?.name} has no outcome by which it could go on: put it beside the transition.`,
-    );
+    return refused(`${added?.name} has no outcome to continue from: put it beside the transition.`);
   }
   const id = comer?.id ?? added?.path ?? "";
   const transition = freshNumber(transitionsOf(container));
@@ -93,7 +91,7 @@ function insertRefused(container: StateDocument): Refused | null {
   return container.kind === "hierarchy"
     ? null
     : refused(
-        `${container.name} runs all its states at once. There is nothing between two of them.`,
+        `${container.name} runs all its states at once. Nothing can be inserted between two of them.`,
       );
 }
 
@@ -137,14 +135,12 @@ function standing(
   }
   const id = idOf(path);
   if (transition.from_state === id || goalIs(transition, id)) {
-    return refused(`The transition leads from or to ${state.name} already.`);
+    return refused(`The transition already leads from or to ${state.name}.`);
   }
   const free = freeOutcome(machine, path);
   if (free !== null) return { id, outcome: free, edits: [] };
   if (state.kind === "library" || outcomesOf(state).some((outcome) => outcome.id >= 0)) {
-    return refused(
-      `All outcomes of ${state.name} lead somewhere: add one, or delete a transition.`,
-    );
+    return refused(`All outcomes of ${state.name} are connected: add one, or delete a transition.`);
   }
   return { id, outcome: 0, edits: [{ edit: "add_outcome", path, outcome: 0, name: "success" }] };
 }

@@ -18,7 +18,7 @@ export const KIND_WORDS: Readonly<Record<StateKind, string>> = {
 export function stateAt(machine: Machine, path: string): StateDocument | Refused {
   const state = machine.state(path);
   if (!state) {
-    return refused(`There is no state ${path} any more: somebody may have removed it.`);
+    return refused(`The state ${path} no longer exists: someone may have removed it.`);
   }
   if (machine.isInLibrary(path)) {
     return refused(`${state.name} belongs to a library: open the library and change it there.`);
@@ -34,7 +34,7 @@ export function containerAt(machine: Machine, path: string): StateDocument | Ref
     return refused(`${state.name} is a library: open it and change its content there.`);
   }
   return refused(
-    `${state.name} is ${article(KIND_WORDS[state.kind])} and holds no states: make it a hierarchy first.`,
+    `${state.name} is ${article(KIND_WORDS[state.kind])} and cannot contain states: make it a hierarchy first.`,
   );
 }
 
@@ -43,7 +43,7 @@ export function interfaceAt(machine: Machine, path: string): StateDocument | Ref
   const state = stateAt(machine, path);
   if (isRefused(state) || state.kind !== "library") return state;
   return refused(
-    `${state.name} is a library: its outcomes and ports are those of the library, change them there.`,
+    `${state.name} is a library: its outcomes and ports are those of the library. Change them there.`,
   );
 }
 
@@ -56,7 +56,7 @@ export function movableFrom(machine: Machine, path: string): string | Refused {
     return refused(`${state.name} is the root of the machine: choose states inside it.`);
   }
   if (state.kind === "decider") {
-    return refused(`${state.name} is the decider of its barrier, which keeps it.`);
+    return refused(`${state.name} is the decider of its barrier and stays there.`);
   }
   return parent;
 }

@@ -63,7 +63,9 @@ test("a state goes into another container with a place and an id of its own ther
     'move_states R states=["A"] to=R/C ids=["A"]',
   ]);
   expect(reason(moveInto(machine, ["R/C"], "R/C", { x: 0, y: 0 }))).toContain("itself");
-  expect(reason(moveInto(machine, ["R/A"], "R/B", { x: 0, y: 0 }))).toContain("holds no states");
+  expect(reason(moveInto(machine, ["R/A"], "R/B", { x: 0, y: 0 }))).toContain(
+    "cannot contain states",
+  );
 });
 
 test("what is too large for a container is made smaller", () => {
@@ -153,7 +155,7 @@ test("children of an ungrouped state stand where they showed", () => {
     "set_position R/C/D element=state position=[30,130]",
     "ungroup R state=C fresh=[]",
   ]);
-  expect(reason(ungroup(machine, "R/A"))).toContain("holds no states");
+  expect(reason(ungroup(machine, "R/A"))).toContain("cannot contain states");
 });
 
 test("what only fitted by way of an object port keeps a state together", () => {
@@ -190,7 +192,7 @@ test("copies come with what is between them, and beside what is there", () => {
   const inner = editsOf(paste(machine, "R/C", selection, { x: 80, y: 60 }));
   expect(inner.at(-1)).toMatchObject({ edit: "paste", path: "R/C", ids: ["A", "B"] });
   expect(made(duplicate(machine, ["R/A"], { x: 5, y: 5 })).name).toBe("Duplicate Scan");
-  expect(reason(paste(machine, "R/A", selection))).toContain("holds no states");
+  expect(reason(paste(machine, "R/A", selection))).toContain("cannot contain states");
 });
 
 test("copies keep the waypoints of what connects them, where they come to stand", () => {

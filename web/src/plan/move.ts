@@ -320,7 +320,7 @@ export function setWaypoints(
     y: Math.min(size.height, Math.max(0, y)),
   }));
   const what = element.kind === "transition" ? "transition" : "data flow";
-  const name = points.length === 0 ? `Straighten ${what}` : `Change the way of a ${what}`;
+  const name = points.length === 0 ? `Straighten ${what}` : `Reroute ${what}`;
   return { name, edit: waypointsEdit(element.path, layoutElement(element), within) };
 }
 
@@ -421,7 +421,7 @@ export function showContent(machine: Machine, path: string, shown: boolean): Pla
   const state = stateAt(machine, path);
   if (isRefused(state)) return state;
   if (state.kind !== "library")
-    return refused(`${state.name} is no library: it shows its content.`);
+    return refused(`${state.name} is not a library: its content is always shown.`);
   const layout = changed(state.layout, { showsContent: shown });
   const name = `${shown ? "Show" : "Hide"} content of ${state.name}`;
   return { name, edit: { edit: "set_layout", path, layout } };

@@ -97,23 +97,23 @@ export function addPort(
 }
 
 function nameRefused(what: string, name: string, taken: readonly string[]): Refused | undefined {
-  if (name === "") return refused(`The name of ${article(what)} has at least one character.`);
+  if (name === "") return refused(`The name of ${article(what)} must have at least one character.`);
   return taken.includes(name)
-    ? refused(`There is another ${what} with the name ${name}: choose one that is free.`)
+    ? refused(`Another ${what} has the name ${name}: choose a different one.`)
     : undefined;
 }
 
 function typeRefused(type: string): Refused | undefined {
   return isTypeName(type)
     ? undefined
-    : refused(`${type} is no type: write it as in Python, such as int or numpy.ndarray.`);
+    : refused(`${type} is not a type: write it as in Python, such as int or numpy.ndarray.`);
 }
 
 function valueRefused(name: string, value: JsonValue, type: string): Refused | undefined {
   return valueFits(value, type)
     ? undefined
     : refused(
-        `${python(value)} is not of the type ${type}, which ${name} has: change one of both.`,
+        `${python(value)} is not of the type ${type}, which ${name} has: change one of the two.`,
       );
 }
 
@@ -136,7 +136,7 @@ export function renameOutcome(machine: Machine, element: ElementRef, name: strin
 }
 
 function gone(what: string, state: StateDocument): Refused {
-  return refused(`There is no such ${what} at ${state.name} any more.`);
+  return refused(`${state.name} no longer has this ${what}.`);
 }
 
 interface FoundPort {
@@ -179,7 +179,7 @@ function flowsRefused(machine: Machine, at: DataPort, type: string): Refused | u
     const found = typeAt(machine, other);
     if (found === null || (gives ? fits(type, found) : fits(found, type))) continue;
     return refused(
-      `A data flow connects it with ${endInWords(machine, container, other)} of the type ${shortType(found)}, which ${type} does not fit: delete the flow first, or use object.`,
+      `A data flow connects it with ${endInWords(machine, container, other)} of the type ${shortType(found)}, which does not fit ${type}: delete the data flow first, or use object.`,
     );
   }
   return undefined;
@@ -252,7 +252,7 @@ export function setPortDefault(machine: Machine, element: ElementRef, value: Jso
 function libraryPort(machine: Machine, element: ElementRef): FoundPort | Refused {
   const found = findPort(machine, element, stateAt);
   if (isRefused(found) || found.state.kind === "library") return found;
-  return refused(`${found.state.name} is no library: change the default of ${found.port.name}.`);
+  return refused(`${found.state.name} is not a library: change the default of ${found.port.name}.`);
 }
 
 /** Sets what a library gets at a port instead of its default. */
@@ -282,7 +282,7 @@ export function useRuntimeValue(machine: Machine, element: ElementRef, used: boo
   const known = values?.some((value) => value.port === at.id) ?? false;
   const name = `${used ? "Use" : "Do not use"} the value of ${port.name}`;
   if (known) return { name, edit: { edit: "use_runtime_value", ...place, used } };
-  if (!used) return refused(`${port.name} has the library's default already.`);
+  if (!used) return refused(`${port.name} already has the library's default.`);
   const edit: Edit = { edit: "set_runtime_value", ...place, value: port.default ?? null };
   return { name, edit };
 }

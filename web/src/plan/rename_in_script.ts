@@ -51,7 +51,7 @@ export function renameElement(
 /** Another name for a global variable in every script of the machine; libraries keep theirs. */
 export function renameGlobal(machine: Machine, from: string, to: string): Planned {
   const name = to.trim();
-  if (name === "") return refused(`A global variable has a name: ${from} keeps its own.`);
+  if (name === "") return refused(`A global variable needs a name: ${from} keeps its name.`);
   const edits: Edit[] = [];
   for (const path of machine.paths()) {
     const script = machine.state(path)?.script ?? "";
@@ -61,7 +61,7 @@ export function renameGlobal(machine: Machine, from: string, to: string): Planne
   }
   edits.push(...defaultsOf(machine, from, name));
   if (edits.length === 0)
-    return refused(`No script of this machine calls ${from} by its name in quotes.`);
+    return refused(`No script of this machine uses the name ${from} in quotes.`);
   return { name: `Rename global variable ${from}`, edit: together(edits) };
 }
 

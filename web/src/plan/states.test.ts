@@ -56,7 +56,7 @@ test("the first state of a hierarchy is its start", () => {
   const edits = editsOf(addState(empty, "R", "hierarchy"));
   expect(edits.map(({ edit }) => edit)).toEqual(["add_state", "set_start"]);
   expect(reason(addState(machine, "R/A", "execution"))).toBe(
-    "Scan is an execution state and holds no states: make it a hierarchy first.",
+    "Scan is an execution state and cannot contain states: make it a hierarchy first.",
   );
 });
 
@@ -86,7 +86,7 @@ test("connections go before their ends, and what cannot go says why", () => {
     "remove_state R state=B",
   ]);
   expect(reason(removeElements(machine, [{ kind: "outcome", path: "R/A", id: -1 }]))).toContain(
-    "every state has",
+    "outcome of every state",
   );
   expect(reason(removeElements(machine, [{ kind: "state", path: "R" }]))).toContain("root");
   expect(reason(removeElements(machine, [{ kind: "input", path: "R/L", id: 0 }]))).toContain(
@@ -98,7 +98,7 @@ test("names, ids and kinds", () => {
   expect(lines(rename(machine, "R/A", " Look "))).toEqual(["set_name R/A name=Look"]);
   expect(reason(rename(machine, "R/A", "a/b"))).toContain("a slash");
   expect(made(setId(machine, "R/A", "LOOK")).select).toEqual([{ kind: "state", path: "R/LOOK" }]);
-  expect(reason(setId(machine, "R/A", "B"))).toContain("free");
+  expect(reason(setId(machine, "R/A", "B"))).toContain("a different one");
   expect(lines(setStart(machine, "R/B"))).toEqual(['set_start R to={"state":"B"}']);
   expect(lines(changeKind(machine, "R/A", "barrier"))).toEqual(["set_kind R/A kind=barrier"]);
   expect(reason(changeKind(machine, "R/L", "hierarchy"))).toContain("library");
@@ -112,7 +112,7 @@ test("new ports and outcomes have names and ids that are free", () => {
   expect(reason(addPort(machine, "R/A", "scoped_variable"))).toContain("containers");
   expect(reason(addPort(machine, "R/L", "input"))).toContain("library");
   expect(reason(renamePort(machine, { kind: "output", path: "R/A", id: 0 }, "count"))).toBe(
-    "There is another output with the name count: choose one that is free.",
+    "Another output has the name count: choose a different one.",
   );
 });
 

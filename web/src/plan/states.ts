@@ -130,7 +130,7 @@ function removal(machine: Machine, element: ElementRef): Edit | Refused {
       return { edit: "remove_state", path: container, state: idOf(path) };
     }
     case "income":
-      return refused("Every state has an income: delete the transition that begins there.");
+      return refused("Every state has an income: delete the transition that starts there.");
     case "transition":
     case "data_flow": {
       const state = stateAt(machine, path);
@@ -156,7 +156,7 @@ function partRemoval(
   }
   if (id === ABORTED || id === PREEMPTED) {
     const name = outcomesOf(state).find((outcome) => outcome.id === id)?.name ?? "This outcome";
-    return refused(`${name} is an outcome that every state has: leave it unconnected instead.`);
+    return refused(`${name} is an outcome of every state: leave it unconnected instead.`);
   }
   return { edit: "remove_outcome", path, outcome: id };
 }
@@ -182,7 +182,7 @@ export function rename(machine: Machine, path: string, name: string): Planned {
   const state = stateAt(machine, path);
   if (isRefused(state)) return state;
   const text = name.trim();
-  if (text === "") return refused(`A state has a name: ${state.name} keeps its own.`);
+  if (text === "") return refused(`A state needs a name: ${state.name} keeps its name.`);
   if (text.includes("/")) return refused("The name of a state cannot contain a slash (/).");
   return { name: `Rename ${state.name}`, edit: { edit: "set_name", path, name: text } };
 }
@@ -193,7 +193,7 @@ export function setId(machine: Machine, path: string, id: string): Planned {
   if (isRefused(state)) return state;
   const text = id.trim();
   if (text === "" || text.includes("/")) {
-    return refused("An id has at least one character and no /.");
+    return refused("An id must have at least one character and cannot contain a slash (/).");
   }
   if (state.kind === "decider") return refused("The decider of a barrier keeps its id.");
   const parent = parentOf(path);
@@ -202,7 +202,7 @@ export function setId(machine: Machine, path: string, id: string): Planned {
     (idOf(parent) === text ||
       machine.children(parent).some((other) => other !== path && idOf(other) === text));
   const inner = machine.children(path).some((child) => idOf(child) === text);
-  if (taken || inner) return refused(`Another state has the id ${text}: take one that is free.`);
+  if (taken || inner) return refused(`Another state has the id ${text}: choose a different one.`);
   const now = parent === null ? text : `${parent}/${text}`;
   const select: readonly ElementRef[] = [{ kind: "state", path: now }];
   return { name: `Change id of ${state.name}`, edit: { edit: "set_id", path, id: text }, select };
@@ -239,13 +239,14 @@ export function changeKind(machine: Machine, path: string, kind: StateKind): Pla
   }
   if (state.kind === "library") {
     return refused(
-      `${state.name} runs a library: put a copy of its content in its place first (Substitute as template).`,
+      `${state.name} runs a library: replace it with a copy of its content first (Substitute by the library's content).`,
     );
   }
   if (kind === "library") {
     return refused("A state becomes a library state by substitution: choose a library for it.");
   }
-  if (kind === "decider") return refused("Only a barrier has a decider, and it comes with it.");
+  if (kind === "decider")
+    return refused("Only a barrier has a decider, and it is created with the barrier.");
   const edit: Edit = { edit: "set_kind", path, kind };
   return { name: `Make ${state.name} a ${KIND_WORDS[kind]}`, edit };
 }
@@ -271,7 +272,7 @@ export function setSemanticData(machine: Machine, path: string, value: JsonValue
   const state = stateAt(machine, path);
   if (isRefused(state)) return state;
   if (value !== null && (typeof value !== "object" || Array.isArray(value))) {
-    return refused("Semantic data are keys with values: put the value under a key.");
+    return refused("Semantic data consists of keys with values: put the value under a key.");
   }
   const isEmpty = value !== null && Object.keys(value).length === 0;
   const edit: Edit = {

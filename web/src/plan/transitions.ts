@@ -82,7 +82,7 @@ function endRefused(machine: Machine, { container, from, to }: PossibleTransitio
   for (const id of [from?.state, "state" in to ? to.state : undefined]) {
     const path = id === undefined ? null : childPath(container, id);
     if (path !== null && !machine.state(path)) {
-      return refused(`There is no state ${path} any more: somebody may have removed it.`);
+      return refused(`The state ${path} no longer exists: someone may have removed it.`);
     }
   }
   return null;
@@ -100,7 +100,7 @@ function twinRefused(
   const outcome = nameOf(machine, { kind: "outcome", path: at, id: from.outcome });
   const goal = goalName(machine, path, twin);
   return refused(
-    `${machine.state(at)?.name}.${outcome} leads to ${goal} already: drag the end of that transition elsewhere, or delete it first.`,
+    `${machine.state(at)?.name}.${outcome} already leads to ${goal}: drag the end of that transition elsewhere, or delete it first.`,
   );
 }
 
@@ -173,7 +173,7 @@ export function climb(
   const meeting = begin !== null && end !== null ? commonPath([begin, end]) : null;
   if (begin === null || end === null || meeting === null) return backwards();
   if (from.kind === "outcome" && isWithin(end, from.path)) {
-    return refused("A state cannot lead into itself. Begin at its income to set its start.");
+    return refused("A state cannot lead into itself. Start at its income to set its start state.");
   }
   const up = ascend(machine, from, begin, meeting, ignored);
   if (isRefused(up)) return up;
@@ -189,7 +189,7 @@ export function climb(
 
 function backwards(): Refused {
   return refused(
-    "A transition leads from an outcome of a state to another state, or to an outcome of the state around it.",
+    "A transition leads from an outcome of a state to another state, or to an outcome of its container.",
   );
 }
 
@@ -281,7 +281,7 @@ function descend(machine: Machine, meeting: string, end: string, to: ElementRef)
   if (end === meeting) return { edits: [], to };
   if (to.kind === "outcome") {
     return refused(
-      `Only states inside ${machine.state(to.path)?.name} lead to its outcomes: begin inside it.`,
+      `Only states inside ${machine.state(to.path)?.name} can lead to its outcomes: start inside it.`,
     );
   }
   const edits: Edit[] = [];
@@ -306,7 +306,7 @@ function startAt(machine: Machine, path: string, child: string): Edit[] | Refuse
   if (start?.to_outcome == null && start?.to_state === idOf(child)) return [];
   if (start) {
     return refused(
-      `${outer} is entered at its start only: make ${inner} its start, or lead to ${outer} itself.`,
+      `${outer} is entered only at its start: make ${inner} its start, or lead to ${outer} itself.`,
     );
   }
   return [{ edit: "set_start", path, to: { state: idOf(child) } }];
