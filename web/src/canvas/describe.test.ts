@@ -25,7 +25,7 @@ test("elements are said in words", () => {
   expect(described(machine, { kind: "state", path: "R/C" }, { run })).toBe(
     "Box, waits for an answer, failed before, hierarchy, 1 state, 1 outcome",
   );
-  expect(say({ kind: "state", path: "R/X" })).toBe("no longer there");
+  expect(say({ kind: "state", path: "R/X" })).toBe("no longer exists");
 });
 
 test("a state says what it does in a run, and its breakpoint", () => {
@@ -33,7 +33,7 @@ test("a state says what it does in a run, and its breakpoint", () => {
     described(machine, { kind: "state", path: "R/C" }, signs).split(", hierarchy")[0];
   const phase = (name: MarkPhase) => ({ phase: name, failed: false, detail: null }) as RunMark;
   expect(say({ run: phase("running") })).toBe("Box, runs");
-  expect(say({ run: phase("held"), breakpoint: "on" })).toBe("Box, is held, breakpoint");
+  expect(say({ run: phase("held"), breakpoint: "on" })).toBe("Box, is paused, breakpoint");
   expect(say({ run: phase("failed") })).toBe("Box, failed");
   expect(say({ breakpoint: "off" })).toBe("Box, breakpoint off");
 });
@@ -42,7 +42,7 @@ test("what somebody may want to know at once is said without being asked for", (
   const say = (phase: MarkPhase, detail: string | null = null) =>
     urgentWords(machine, "R/C", { run: { phase, failed: false, detail } as RunMark });
   expect(say("waiting", "an answer")).toBe("Box waits for an answer");
-  expect(say("held")).toBe("Box is held");
+  expect(say("held")).toBe("Box is paused");
   expect(say("next")).toBe("Box comes next");
   expect(say("running")).toBe("");
   expect(urgentWords(machine, "R/C", { breakpoint: "on" })).toBe("");

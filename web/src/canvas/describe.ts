@@ -18,7 +18,7 @@ export interface Signs {
 /** What is said of an element; of a state also the signs that stand at it. */
 export function described(machine: Machine, element: ElementRef, signs: Signs = {}): string {
   const state = machine.state(element.path);
-  if (!state) return "no longer there";
+  if (!state) return "no longer exists";
   if (element.kind === "state") return stateInWords(machine, element.path, state, signs);
   if (isConnection(element)) {
     const word = element.kind === "transition" ? "transition" : "data flow";
@@ -67,7 +67,7 @@ const BREAKPOINT_WORDS = { on: "breakpoint", off: "breakpoint off" };
 const RUN_WORDS: Readonly<Partial<Record<RunMark["phase"], string>>> = {
   running: "runs",
   waiting: "waits",
-  held: "is held",
+  held: "is paused",
   next: "comes next",
   preempted: "is being preempted",
   failed: "failed",

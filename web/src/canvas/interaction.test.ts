@@ -126,7 +126,9 @@ test("a copy that is let go over a container goes into it", () => {
 
 test("what a move into a container costs is said at the pointer", () => {
   const canvas = driver().press("A").drag({ x: 450, y: 600 });
-  expect(canvas.controller.overlay.value.message?.text).toBe("Move into “Box”; 2 connections go");
+  expect(canvas.controller.overlay.value.message?.text).toBe(
+    "Move into “Box”; removes 2 connections",
+  );
 });
 
 test("nudges in a row are one step, and end before anything else is done", async () => {

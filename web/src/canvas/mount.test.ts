@@ -203,9 +203,9 @@ test("what the selected state comes to in a run is said, and its breakpoint stan
   expect(said()).toBe("");
   extras.value = { runs: new Map([["R/A", held]]), breakpoints: new Map([["R/A", "on"]]) };
   vi.advanceTimersByTime(1_000);
-  expect(said()).toBe("Scan is held");
+  expect(said()).toBe("Scan is paused");
   const active = root.querySelector(`#${root.getAttribute("aria-activedescendant")}`);
-  expect(active?.textContent).toMatch(/^Scan, is held, breakpoint, /);
+  expect(active?.textContent).toMatch(/^Scan, is paused, breakpoint, /);
   extras.value = {};
   vi.advanceTimersByTime(1_000);
   expect(said()).toBe("");

@@ -23,7 +23,7 @@ export function summary(difference: Difference): string {
       ? "with 1 state inside"
       : `with ${difference.inside} states inside`;
   }
-  if (difference.isLayout) return "place on the screen";
+  if (difference.isLayout) return "position on the canvas";
   return difference.fields
     .map(({ field, old, now, isText }) =>
       isText ? field : `${field}: ${shown(old)} → ${shown(now)}`,

@@ -30,7 +30,7 @@ const ICONS: Readonly<Partial<Record<MarkPhase, Icon>>> = {
 const WORDS: Readonly<Partial<Record<MarkPhase, string>>> = {
   running: "running",
   waiting: "waits",
-  held: "held",
+  held: "paused",
   next: "next",
   failed: "failed",
   preempted: "preempted",

@@ -42,7 +42,7 @@ test("a data flow is drawn the other way round too", () => {
 test("dropped on a state it makes the ports that it needs, over levels", () => {
   const canvas = driver().press("A.pose").drag("D");
   expect(canvas.controller.overlay.value.message?.text).toContain(
-    "Makes the input “pose” in “Inner”",
+    "Adds the input “pose” to “Inner”",
   );
   canvas.release();
   expect(canvas.text()).toContain(
@@ -52,7 +52,7 @@ test("dropped on a state it makes the ports that it needs, over levels", () => {
 
 test("dropped on the border of the container an outcome becomes one of the container", () => {
   const canvas = driver().press("D.ok").drag({ x: 598, y: 600 });
-  expect(canvas.controller.overlay.value.message?.text).toBe("Makes the outcome “ok_0” of “Box”");
+  expect(canvas.controller.overlay.value.message?.text).toBe("Adds the outcome “ok_0” to “Box”");
 });
 
 test("what is not legal is said at the pointer, and refused when it is let go", () => {

@@ -226,9 +226,9 @@ function said(plan: Plan, name: string): string {
   const edits = editsOf(plan.edit);
   const port = edits.find((edit) => edit.edit === "add_port");
   const outcome = edits.find((edit) => edit.edit === "add_outcome");
-  if (outcome) return `Makes the outcome “${outcome.name}” of “${name}”`;
+  if (outcome) return `Adds the outcome “${outcome.name}” to “${name}”`;
   return port
-    ? `Makes the ${port.list.replace("_", " ")} “${port.name}” in “${name}”`
+    ? `Adds the ${port.list.replace("_", " ")} “${port.name}” to “${name}”`
     : `To “${name}”`;
 }
 
@@ -257,7 +257,7 @@ function chosen(
   }
   const there = screenFromWorld(context.camera, port.at);
   const owner = context.machine.state(port.element.path)?.name ?? port.element.path;
-  const message = `To ${port.name} of “${owner}”: Enter connects, arrows choose another`;
+  const message = `To ${port.name} of “${owner}”: Enter connects, arrow keys choose another`;
   const aim = { ...atPort(visible, port, context), message };
   return shown(connectState, aim, { ...pointer, ...there }, context, index);
 }
@@ -269,7 +269,7 @@ function whyNone({ from, visible, at }: ConnectState, { machine }: ToolContext):
     .sort((one, other) => square(one.at, at) - square(other.at, at));
   const ends = nearest && endsBetween(machine, from, nearest.element);
   if (ends && !isLegal(ends)) return ends.refused;
-  return "Nothing in view can be connected to it. Zoom out or point at a state.";
+  return "Nothing in view can be connected. Zoom out or point at a state.";
 }
 
 function square(one: Point, other: Point): number {

@@ -47,7 +47,7 @@ test("with Alt a copy is made", () => {
 test("a state goes into another container, and out of it", async () => {
   const canvas = driver().press("A").drag({ x: 450, y: 500 });
   const { drop, message } = canvas.controller.overlay.value;
-  expect([drop, message?.text]).toEqual(["state:R/C", "Move into “Box”; 2 connections go"]);
+  expect([drop, message?.text]).toEqual(["state:R/C", "Move into “Box”; removes 2 connections"]);
   await canvas.release().answered();
   expect(canvas.text()).toContain('move_states R ["A"] R/C ["A"]');
   expect(canvas.isClear()).toBe(true);

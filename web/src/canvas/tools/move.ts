@@ -186,7 +186,7 @@ function intoContainer(
   const plan = (how === "copy" ? duplicateInto : moveInto)(machine, start.paths, target, at);
   const name = machine.state(target)?.name ?? target;
   const lost = how === "copy" ? 0 : lostConnections(machine, start.paths);
-  const cost = lost === 0 ? "" : `; ${counted(lost, "connection")} ${lost === 1 ? "goes" : "go"}`;
+  const cost = lost === 0 ? "" : `; removes ${counted(lost, "connection")}`;
   const message = isRefused(plan)
     ? { at: pointer, text: plan.refused, bad: true }
     : {

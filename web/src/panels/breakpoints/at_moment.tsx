@@ -23,7 +23,7 @@ export function AtMoment({ tab, watch }: AtMomentProps) {
     <Section title={`At event ${playhead}`} count={isHere ? all.length : undefined}>
       {!isHere && <p className="breakpoints-whose">Loading…</p>}
       {isHere && all.length === 0 && (
-        <p className="breakpoints-whose">There were none at this moment.</p>
+        <p className="breakpoints-whose">No breakpoints at this moment.</p>
       )}
       <ul className="breakpoints-then">
         {all.map((breakpoint) => (

@@ -175,10 +175,10 @@ function Row({ tab, breakpoint, refusal }: BreakpointRowProps) {
       <div className="breakpoint-words">
         {holds && (
           <span className="breakpoint-holds">
-            <CirclePause size={13} aria-hidden /> holds
+            <CirclePause size={13} aria-hidden /> pausing
           </span>
         )}
-        {isGone ? "its state is gone" : breakpointInWords(breakpoint)}
+        {isGone ? "its state no longer exists" : breakpointInWords(breakpoint)}
         {hits !== null && hits > 0 && (
           <span className="breakpoint-hits">{hits === 1 ? "1 hit" : `${hits} hits`}</span>
         )}

@@ -58,7 +58,7 @@ function Column({ tab, branch, side, title, watch, at, show }: ColumnProps) {
               <button
                 type="button"
                 className={`compare-event ${isIt ? "compare-parted" : ""}`}
-                aria-label={`${isIt ? "They part here: " : ""}${happenedInWords(happening, nameOf)}, in ${title.toLowerCase()}`}
+                aria-label={`${isIt ? "Runs diverge here: " : ""}${happenedInWords(happening, nameOf)}, in ${title.toLowerCase()}`}
                 onClick={() => show(side, happening.sequence)}
               >
                 <span className="compare-mark" aria-hidden>
@@ -70,13 +70,13 @@ function Column({ tab, branch, side, title, watch, at, show }: ColumnProps) {
             </li>
           );
         })}
-        {journal.length === 0 && <li className="compare-soft">Loading its events…</li>}
+        {journal.length === 0 && <li className="compare-soft">Loading events…</li>}
         {at === null && (
           <li className="compare-event compare-parted">
             <span className="compare-mark" aria-hidden>
               ≠
             </span>
-            Nothing more happened here
+            No further events here
           </li>
         )}
       </ol>

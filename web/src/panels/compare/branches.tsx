@@ -63,12 +63,12 @@ function Step({ step }: { readonly step: Happened | null }) {
   );
 }
 
-/** `Look ended by seen`. */
+/** `Look ended with seen`. */
 export function stepInWords(step: Happened | null): string {
-  if (!step) return "nothing more";
+  if (!step) return "no further events";
   const name = nameIn(step.names);
   if (!step.outcome) return `${name} entered${step.backwards ? " backwards" : ""}`;
-  return step.backwards ? `${name} taken back` : `${name} ended by ${step.outcome.name}`;
+  return step.backwards ? `${name} undone` : `${name} ended with ${step.outcome.name}`;
 }
 
 function nameIn(names: string): string {

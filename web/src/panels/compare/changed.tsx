@@ -13,7 +13,7 @@ export interface ChangedProps {
 const ROWS_MAX = 10;
 
 export function Changed({ changed, show }: ChangedProps) {
-  if (changed.length === 0) return <p className="compare-soft">All data was equal.</p>;
+  if (changed.length === 0) return <p className="compare-soft">All data is equal.</p>;
   const value = (side: ComparedSide, title: string): TableColumn<DataChange> => ({
     key: side,
     title,

@@ -34,11 +34,11 @@ test("the first step that is other is told in words", () => {
     stepInWords({ ...step, outcome }),
     stepInWords({ ...step, outcome, backwards: true }),
   ]).toEqual([
-    "nothing more",
+    "no further events",
     "Look entered",
     "Look entered backwards",
-    "Look ended by seen",
-    "Look taken back",
+    "Look ended with seen",
+    "Look undone",
   ]);
 });
 

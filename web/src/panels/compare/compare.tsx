@@ -198,7 +198,7 @@ function Found({ tab, watch, other, comparison }: ComparedProps) {
         <Section title="Diverging branches" count={branches_parted}>
           <Branches parted={parted} chosen={chosen} choose={choose} />
           {branches_parted > parted.length && (
-            <p className="compare-soft">The {parted.length} earliest stand here.</p>
+            <p className="compare-soft">Only the {parted.length} earliest are shown.</p>
           )}
         </Section>
       )}

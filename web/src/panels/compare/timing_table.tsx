@@ -68,7 +68,7 @@ function columnsOf(
         <button
           type="button"
           className="compare-value compare-time"
-          title={`${count} times, on average: show the first in ${title.toLowerCase()}`}
+          title={`Average of ${count} times: show the first in ${title.toLowerCase()}`}
           onClick={() => show(side, row)}
         >
           {measured(mean_ms)}

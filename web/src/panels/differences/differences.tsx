@@ -66,7 +66,7 @@ function OfTab({ tab }: { readonly tab: OpenTab }) {
           disabled={!against}
           onClick={() => void comparison.refresh()}
         />
-        <Checkbox label="Places on the screen" checked={hasLayout} onChange={setLayout} />
+        <Checkbox label="Positions on the canvas" checked={hasLayout} onChange={setLayout} />
         {against && <span className="differences-count">{counted(shown)}</span>}
       </div>
       <Found tab={tab} comparison={comparison} shown={shown} />
@@ -106,7 +106,7 @@ function Found({ tab, comparison, shown }: DifferencesProps) {
   }
   if (!other) return <p className="differences-count">Reading…</p>;
   if (shown.length === 0) {
-    return <Empty title="No differences" text="Both machines are equal." />;
+    return <Empty title="No differences" text="Both machines are identical." />;
   }
   return (
     <DifferenceList

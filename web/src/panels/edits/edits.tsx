@@ -71,7 +71,7 @@ function OfTab({ tab }: { readonly tab: OpenTab }) {
       <div className="edits-body">
         <div className="edits-rows">
           <Table
-            label="Steps, the newest first"
+            label="Steps, newest first"
             columns={columnsOf(rows, tree.current, saved)}
             rows={rows}
             id={(row) => String(row.node.revision)}
@@ -90,9 +90,9 @@ function OfTab({ tab }: { readonly tab: OpenTab }) {
 const CELL_PADDING_PX = 16;
 
 const PLACES = {
-  current: "the machine is here",
+  current: "current step",
   done: "",
-  undone: "taken back",
+  undone: "undone",
   branch: "on another branch",
 } as const;
 
@@ -116,7 +116,7 @@ function columnsOf(
       cell: ({ node: { step, revision }, place }) => (
         <span className={`edits-${place}`} title={PLACES[place]}>
           {step === null ? "As it was opened" : nameOf(step.kind, step.name)}
-          {place === "undone" && <span className="visually-hidden"> (taken back)</span>}
+          {place === "undone" && <span className="visually-hidden"> (undone)</span>}
           {revision === current && <span className="edits-saved">now</span>}
           {revision === saved && <span className="edits-saved">saved</span>}
         </span>
@@ -124,7 +124,7 @@ function columnsOf(
     },
     {
       key: "author",
-      title: "Who",
+      title: "User",
       width: "minmax(60px, 1fr)",
       cell: ({ node: { step } }) => step?.author ?? "",
     },

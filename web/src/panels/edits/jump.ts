@@ -8,20 +8,20 @@ export async function jumpTo(host: PanelHost, tab: OpenTab, revision: number): P
   const answer = await tab.session.jump(revision, false);
   if (!("refused" in answer)) return;
   if (answer.code !== "others_edits") {
-    page.tell({ level: "warning", text: `Not gone to that step: ${answer.refused}` });
+    page.tell({ level: "warning", text: `Could not go to that step: ${answer.refused}` });
     return;
   }
   const yes = await shell.confirm({
-    title: "Undo steps of other people?",
+    title: "Undo steps of other users?",
     text: `${capital(whatGoes(answer.refused))}. You can undo this afterwards.`,
     yes: "Go there anyway",
-    no: "Stay",
+    no: "Cancel",
     danger: true,
   });
   if (!yes) return;
   const again = await tab.session.jump(revision, true);
   if ("refused" in again) {
-    page.tell({ level: "warning", text: `Not gone to that step: ${again.refused}` });
+    page.tell({ level: "warning", text: `Could not go to that step: ${again.refused}` });
   }
 }
 

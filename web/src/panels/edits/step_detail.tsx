@@ -23,12 +23,12 @@ export function StepDetail({ tab, node }: { readonly tab: OpenTab; readonly node
     return <div className="edits-step edits-hint">{text}</div>;
   }
   if (all.length === 0) {
-    return <div className="edits-step edits-hint">This step changed nothing visible.</div>;
+    return <div className="edits-step edits-hint">This step has no visible changes.</div>;
   }
   return (
     <div className="edits-step">
       <DifferenceList
-        label="What the step changed"
+        label="Changes of this step"
         all={all}
         old={stepChange.before}
         now={stepChange.after}

@@ -56,7 +56,7 @@ function OfTab({ tab }: { tab: OpenTab }) {
     ) : (
       <Empty
         title="No global variables"
-        text='Scripts share values by gvm.set_variable("name", value) and gvm.get_variable("name"): every name stands here with its places.'
+        text='Scripts share values with gvm.set_variable("name", value) and gvm.get_variable("name"). Each name appears here with its uses.'
       />
     );
   }

@@ -58,16 +58,16 @@ export function RenameGlobal({ page, tab, variable, taken, onClose }: RenameGlob
       />
       {wanted !== variable.name && taken.includes(wanted) && (
         <p className="globals-warning" role="note">
-          There is a variable {wanted} already: both would be the same from then on.
+          A variable {wanted} already exists: renaming would merge the two.
         </p>
       )}
       {foreign > 0 && (
         <p className="globals-warning" role="note">
-          Libraries keep the old name: {foreign === 1 ? "one place" : `${foreign} places`}, to be
-          changed in the libraries themselves.
+          Libraries keep the old name: {foreign === 1 ? "one place" : `${foreign} places`}. Rename
+          it in the libraries themselves.
         </p>
       )}
-      <ul className="globals-places" aria-label="Places that follow">
+      <ul className="globals-places" aria-label="Places to rename">
         {own.map((use) => (
           <Place key={`${use.path} ${use.line} ${use.text}`} tab={tab} use={use} />
         ))}

@@ -236,9 +236,9 @@ function End({ call, calls }: { readonly call: number; readonly calls: Calls }) 
   const look = lookOf(calls, call);
   const isBad = hasFailed(calls, call);
   const words = {
-    open: "● goes on",
-    back: "↶ taken back",
-    dropped: "⇥ broken off",
+    open: "● active",
+    back: "↶ undone",
+    dropped: "⇥ interrupted",
     aborted: "✕ aborted",
     preempted: "⊘ preempted",
     ended: calls.outcome(call)?.name ?? "",
@@ -272,11 +272,11 @@ function Hits({ tab, watch, query, show, onMenu }: HistoryListProps & { readonly
   const shown = shownIndex(watch);
   const words = (index: number) => {
     const happening = watch.journal.at(index);
-    return happening ? happenedInWords(happening, nameOf) : "too long ago to be here";
+    return happening ? happenedInWords(happening, nameOf) : "no longer loaded";
   };
   return (
     <Tree<number>
-      label="What was found in the run"
+      label="Search results in the run"
       roots={roots}
       id={String}
       childrenOf={() => null}
@@ -325,7 +325,7 @@ function Menu({
         { id: "show", title: "Show this moment", run: () => showIndex(watch, index) },
         {
           id: "end",
-          title: "Show the moment of its end",
+          title: "Show the moment it ended",
           disabled: end === NONE,
           run: () => showIndex(watch, end),
         },

@@ -43,7 +43,7 @@ export function Colour({ label, value, disabled, onChange }: ColourProps) {
         disabled={disabled}
         data-none={hex === null}
       />
-      <span className="inspector-faint">{hex ?? "of the theme"}</span>
+      <span className="inspector-faint">{hex ?? "from the theme"}</span>
       {hex !== null && !disabled && (
         <IconButton
           className="inspector-mini"

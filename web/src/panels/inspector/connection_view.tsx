@@ -58,7 +58,7 @@ export function ConnectionView({ inspected, connection }: ConnectionViewProps) {
               disabled={points === 0}
               onClick={() => run(edit((now) => setWaypoints(now, element, [])))}
             >
-              Clear waypoints
+              Remove waypoints
             </Button>
             <Button
               icon={<Trash2 size={14} />}

@@ -51,11 +51,11 @@ export function Connections({ inspected, kind }: ConnectionsProps) {
           kind={kind}
           container={parent}
           rows={around}
-          title={hasInside ? "Around it" : null}
+          title={hasInside ? "Outside" : null}
         />
       )}
       {hasInside && (
-        <Group inspected={inspected} kind={kind} container={path} rows={inside} title="Inside it" />
+        <Group inspected={inspected} kind={kind} container={path} rows={inside} title="Inside" />
       )}
     </Fold>
   );

@@ -104,12 +104,12 @@ function Writing({ inspected: { path, state, edit }, place, onDone }: WritingPro
         onKeyDown={key}
       />
       <span id={`${id}-hint`} className="field-hint">
-        Ctrl+Enter or leaving the field keeps it, Escape gives it up.
+        Ctrl+Enter or leaving the field applies it, Escape discards it.
       </span>
       <Refusal text={refusal} />
       {draft && draft.base !== base && (
         <p className="inspector-warning" role="note">
-          Somebody else changed the description meanwhile. It reads: {base || "(nothing)"}
+          Someone else changed the description in the meantime. It now reads: {base || "(nothing)"}
         </p>
       )}
     </div>

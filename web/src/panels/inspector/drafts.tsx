@@ -38,14 +38,14 @@ function Row({ context, draft }: { context: InspectorContext; draft: FieldDraft 
       ) : (
         <details>
           <summary>
-            {field} of {path}, which is gone
+            {field} of {path}, which no longer exists
           </summary>
           <pre>{text}</pre>
         </details>
       )}
       <IconButton
         className="inspector-mini"
-        label={`Give up the ${field} of ${state?.name ?? path}`}
+        label={`Discard the ${field} of ${state?.name ?? path}`}
         icon={<Trash2 size={13} />}
         onClick={() => drafts.drop(draft)}
       />

@@ -123,7 +123,7 @@ function LibraryOf({ inspected, run }: PartProps) {
       />
       {library.missing && (
         <p className="inspector-warning" role="note">
-          The library was not found: {library.missing}
+          Library not found: {library.missing}
         </p>
       )}
     </>

@@ -25,8 +25,8 @@ const PHASE_WORDS: Readonly<Record<Phase, string>> = {
   running: "runs",
   waiting: "waits",
   interrupted: "interrupted by a crash",
-  held: "held",
-  preempted: "is asked to end",
+  held: "paused",
+  preempted: "being preempted",
 };
 
 export function InRun({ inspected }: { inspected: InspectedState }) {
@@ -85,7 +85,7 @@ function OfRun({ inspected, watch }: { inspected: InspectedState; watch: Watch }
 }
 
 function neverInWords({ next, until }: StateStatus): string {
-  if (next) return `It comes next, ${holdInWords(next)}.`;
+  if (next) return `It runs next, ${holdInWords(next)}.`;
   return until === null ? "It has not run yet in this run." : "It had not run yet at this moment.";
 }
 

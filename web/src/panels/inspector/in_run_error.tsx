@@ -77,11 +77,11 @@ function Place({
       )}
       {traceback.causes.map(({ message }) => (
         <p key={message} className="in-run-cause">
-          because of {message}
+          caused by {message}
         </p>
       ))}
       <Button kind="quiet" pressed={isWhole} onClick={() => setWhole(!isWhole)}>
-        {isWhole ? "Hide the traceback" : `Whole traceback (${framesInWords(frames.length)})`}
+        {isWhole ? "Hide traceback" : `Full traceback (${framesInWords(frames.length)})`}
       </Button>
       {isWhole && <pre className="in-run-traceback">{text}</pre>}
     </>

@@ -44,7 +44,7 @@ export function Inspector() {
     return (
       <Empty
         title="Nothing to inspect"
-        text="Open a machine: what you select in it is shown and edited here."
+        text="Open a machine and select an element to view and edit it here."
       />
     );
   }
@@ -208,7 +208,7 @@ function Way({ inspected, isOfState }: { inspected: InspectedState; isOfState: b
   const { path, state, machine } = inspected;
   const around = lineage(path).slice(0, isOfState ? -1 : undefined);
   return (
-    <nav className="inspector-way" aria-label="States around it">
+    <nav className="inspector-way" aria-label="Enclosing states">
       {around.map((each) => (
         <button
           key={each}
@@ -237,7 +237,7 @@ function InLibrary({ inspected }: { inspected: InspectedState }) {
     <div className="inspector-note" role="note">
       <p>
         This belongs to the library {machine.state(library)?.library?.name ?? path} and is the same
-        wherever that is used: it is changed in the library itself.
+        wherever the library is used. Edit it in the library itself.
       </p>
       <Button icon={<ExternalLink size={14} />} onClick={open}>
         Open library

@@ -46,7 +46,7 @@ export function MachineView({ inspected }: { inspected: InspectedState }) {
             readOnly
             value={file ? `${file.project}/${file.path}` : "not saved yet"}
           />
-          <TextField label="Made (UTC)" readOnly value={header.creation_time} />
+          <TextField label="Created (UTC)" readOnly value={header.creation_time} />
           <TextField
             label="Written by"
             readOnly

@@ -49,7 +49,7 @@ export function OutcomeView({ inspected, id }: { inspected: InspectedState; id: 
         {asking}
       </Fold>
       {leading.length > 0 && (
-        <Fold title="Reached from inside by" count={leading.length}>
+        <Fold title="Reached from inside through" count={leading.length}>
           <Leading inspected={inspected} rows={leading} />
         </Fold>
       )}

@@ -22,7 +22,7 @@ export function Place({ inspected }: { inspected: InspectedState }) {
   const put = (side: keyof Box) => (text: string) =>
     edit((now) => {
       const value = Number(text);
-      if (!Number.isFinite(value)) return refused(`${text} is no number.`);
+      if (!Number.isFinite(value)) return refused(`${text} is not a number.`);
       return resize(now, path, { ...boxIn(now, path), [side]: value }, withContent);
     });
   const field = (side: keyof Box, label: string) => (
@@ -36,7 +36,7 @@ export function Place({ inspected }: { inspected: InspectedState }) {
     />
   );
   return (
-    <Fold title="Size and place" openAtFirst={false}>
+    <Fold title="Size and position" openAtFirst={false}>
       <div className="inspector-grid">
         {!isRoot && field("x", "x")}
         {!isRoot && field("y", "y")}
@@ -44,11 +44,7 @@ export function Place({ inspected }: { inspected: InspectedState }) {
         {field("height", "Height")}
       </div>
       {!readOnly && (
-        <Checkbox
-          label="Another size scales the content"
-          checked={withContent}
-          onChange={setWithContent}
-        />
+        <Checkbox label="Scale content on resize" checked={withContent} onChange={setWithContent} />
       )}
       <Colour
         key={`colour ${path}`}

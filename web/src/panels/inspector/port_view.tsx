@@ -25,13 +25,13 @@ export function PortView({ inspected, port: ref }: { inspected: InspectedState; 
         context={inspected}
         title="Fed by"
         hops={chain(machine, ref, "backwards")}
-        none="Nothing feeds it. It uses its default."
+        none="Nothing feeds this port. It uses its default."
       />
       <ChainTable
         context={inspected}
         title="Feeds"
         hops={chain(machine, ref, "forwards")}
-        none="It feeds nothing."
+        none="This port feeds nothing."
       />
     </>
   );

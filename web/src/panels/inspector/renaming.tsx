@@ -100,16 +100,16 @@ function Asking({ from, to, script, uses, answer }: RenamingQuestion) {
       footer={
         <>
           <Button onClick={() => answer("nothing")}>Cancel</Button>
-          <Button onClick={() => answer("name")}>The name only</Button>
+          <Button onClick={() => answer("name")}>Name only</Button>
           <Button kind="primary" onClick={() => answer("script")}>
-            Also in the script
+            Name and script
           </Button>
         </>
       }
     >
       <p>
-        The script calls it by its name in{" "}
-        {uses.length === 1 ? "one place" : `${uses.length} places`}. Connections follow in any case.
+        The script uses the name in {uses.length === 1 ? "one place" : `${uses.length} places`}.
+        Connections are kept in both cases.
       </p>
       <ul className="inspector-changes">
         {[...lines].map(([line, use]) => (

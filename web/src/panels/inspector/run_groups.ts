@@ -28,7 +28,7 @@ export function runGroups(
     status.inputs === undefined
       ? { kind: "input", title: "Inputs", ...ofEvent(entry, "inputs", until) }
       : { kind: "input", title: "Inputs", values: status.inputs, refusal: null, until };
-  const title = active ? "Outputs of its last end" : "Outputs";
+  const title = active ? "Outputs at its last end" : "Outputs";
   const outputs: RunGroup =
     status.outputs === undefined
       ? { kind: "output", title, ...ofEvent(end, "outputs", until) }

@@ -53,8 +53,8 @@ export function ScriptConflict({ theirs, mine, onMine, onTheirs, onKeep }: Scrip
           }
         >
           <p className="inspector-sides">
-            <span>Theirs, in the machine now</span>
-            <span>Mine, editable here</span>
+            <span>Theirs (in the machine now)</span>
+            <span>Mine (editable)</span>
           </p>
           <Sides theirs={theirs} mine={mine} onChange={setMerged} />
         </Dialog>

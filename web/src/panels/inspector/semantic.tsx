@@ -46,7 +46,7 @@ export function Semantic({ inspected }: { inspected: InspectedState }) {
       {!readOnly && (
         <>
           <IconButton
-            label="Add key with keys inside"
+            label="Add group of keys"
             icon={<FolderPlus size={14} />}
             onClick={() => add({})}
           />
@@ -64,7 +64,7 @@ export function Semantic({ inspected }: { inspected: InspectedState }) {
       {asText ? (
         <AsText inspected={inspected} />
       ) : rows.length === 0 ? (
-        <p className="inspector-none">No semantic data: notes for planners, tools and people.</p>
+        <p className="inspector-none">No semantic data (notes for planners, tools and people).</p>
       ) : (
         <Table
           label={`Semantic data of ${state.name}`}
@@ -210,7 +210,9 @@ function AsText({ inspected }: { inspected: InspectedState }) {
   const commit = (text: string) =>
     edit((now) => {
       const data = parsed(text);
-      return data === undefined ? refused("This is no JSON.") : setSemanticData(now, path, data);
+      return data === undefined
+        ? refused("This is not valid JSON.")
+        : setSemanticData(now, path, data);
     });
   return (
     <TextField
@@ -221,7 +223,7 @@ function AsText({ inspected }: { inspected: InspectedState }) {
       readOnly={readOnly}
       value={JSON.stringify(state.semantic_data ?? {}, null, 2)}
       check={(text) => (parsed(text) === undefined ? reasonOf(text) : null)}
-      hint="Press Ctrl+Enter or leave the field to apply it."
+      hint="Ctrl+Enter or leaving the field applies it."
       onCommit={commit}
     />
   );
@@ -240,6 +242,6 @@ function reasonOf(text: string): string {
     JSON.parse(text);
     return "";
   } catch (error) {
-    return `This is no JSON: ${error instanceof Error ? error.message : String(error)}`;
+    return `This is not valid JSON: ${error instanceof Error ? error.message : String(error)}`;
   }
 }

@@ -82,7 +82,7 @@ function Actions({ run }: { run: InspectorContext["run"] }) {
   const now = context();
   const offered = commands.all().filter((command) => isOffered(command, now));
   return (
-    <Fold title="All of them">
+    <Fold title="All selected">
       <div className="inspector-buttons">
         {offered.map(({ id, title, detail, keys }) => (
           <Button key={id} title={detail ?? title} keys={keys?.[0]} onClick={() => run(id)}>
@@ -117,9 +117,9 @@ function Background({ context, paths }: { context: InspectorContext; paths: read
       return { name: `Colour ${counted(paths.length, "state")}`, edit: together(edits) };
     });
   return (
-    <Fold title="Looks">
+    <Fold title="Appearance">
       <Colour
-        label={colours.size > 1 ? "Background colour (several now)" : "Background colour"}
+        label={colours.size > 1 ? "Background colour (mixed)" : "Background colour"}
         value={colours.size > 1 ? null : only}
         onChange={(colour) => run(paint(colour))}
       />

@@ -58,7 +58,7 @@ export function Libraries() {
       <Empty
         icon={<LibrarySign size={22} />}
         title="No libraries"
-        text="Machines in library roots can be used as states. Name roots under LIBRARY_PATHS in config.yaml, or start the server with --library-path name=folder."
+        text="Machines in library roots can be used as states. List the roots under LIBRARY_PATHS in config.yaml, or start the server with --library-path name=folder."
       />
     );
   }
@@ -119,7 +119,7 @@ export function Libraries() {
       {used && <Usages library={used} onClose={() => setUsed(null)} />}
       {menu && (
         <ContextMenu
-          label={`What can be done with ${menu.library.name}`}
+          label={`Actions for ${menu.library.name}`}
           at={menu.at}
           items={libraryMenu(host, menu.library, setUsed)}
           onClose={() => setMenu(null)}

@@ -44,7 +44,10 @@ export function Usages({ library, onClose }: UsagesProps) {
       {known === null && <div className="libraries-soft">Searching all machines…</div>}
       {known && "failed" in known && <div className="libraries-failed">{known.failed}</div>}
       {known && "usages" in known && rows.length === 0 && (
-        <Empty title="Nowhere" text="No machine in the projects and library roots uses it." />
+        <Empty
+          title="Not used"
+          text="No machine in the projects and library roots uses this library."
+        />
       )}
       {rows.length > 0 && (
         <div className="libraries-usages">
@@ -64,7 +67,7 @@ export function Usages({ library, onClose }: UsagesProps) {
         </div>
       )}
       {known && "is_cut" in known && known.is_cut && (
-        <div className="libraries-soft">Not all are shown.</div>
+        <div className="libraries-soft">Not all uses are shown.</div>
       )}
     </Section>
   );

@@ -29,7 +29,7 @@ export function ChosenLine({
   const run = useCommand();
   const { text, action, line, at_ms, level } = entry;
   return (
-    <section className="log-full" aria-label="The chosen line">
+    <section className="log-full" aria-label="Selected line">
       <div className="log-about">
         <span className={`log-${level}`}>{level}</span>
         <span className="log-time">
@@ -57,7 +57,7 @@ export function ChosenLine({
         {action && (
           <Button onClick={() => run(action.command, action.argument)}>{action.title}</Button>
         )}
-        <IconButton label="Close the chosen line" icon={<X size={15} />} onClick={onClose} />
+        <IconButton label="Close selected line" icon={<X size={15} />} onClick={onClose} />
       </div>
       <TracebackView key={entry.id} text={text} onLine={onLine} />
     </section>

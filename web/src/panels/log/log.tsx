@@ -104,7 +104,7 @@ function Nothing({ isFiltered }: { readonly isFiltered: boolean }) {
   ) : (
     <Empty
       title="The log is empty"
-      text="Output, log messages and errors of states appear here, along with messages of the page: refused edits, saves, lost connections."
+      text="Output, log messages and errors of states appear here. So do messages of the page: refused edits, saves, lost connections."
     />
   );
 }
@@ -123,7 +123,7 @@ function Older({ watch, onCame }: { readonly watch: Watch; readonly onCame: () =
       onCame();
     } catch (error) {
       if (!(error instanceof RefusalError)) throw error;
-      page.tell({ level: "warning", text: `Older lines cannot be had: ${error.message}` });
+      page.tell({ level: "warning", text: `Could not load older lines: ${error.message}` });
     } finally {
       setAsking(false);
     }
@@ -132,11 +132,11 @@ function Older({ watch, onCame }: { readonly watch: Watch; readonly onCame: () =
     <Button
       kind="quiet"
       icon={<ArrowUp size={14} />}
-      title={`Lines before event ${log.from.toLocaleString("en")} are not here`}
+      title={`Lines before event ${log.from.toLocaleString("en")} are not loaded`}
       disabled={isAsking}
       onClick={() => void ask()}
     >
-      {isAsking ? "Asking…" : "Show older ones"}
+      {isAsking ? "Loading…" : "Show older lines"}
     </Button>
   );
 }

@@ -32,8 +32,8 @@ const SOURCE_TITLES = [
 
 const LEAST = [
   { value: "verbose", title: "Everything" },
-  { value: "debug", title: "Debug and more" },
-  { value: "info", title: "Info and more" },
+  { value: "debug", title: "Debug and above" },
+  { value: "info", title: "Info and above" },
   { value: "warning", title: "Warnings and errors" },
   { value: "error", title: "Errors" },
 ] as const;
@@ -76,7 +76,7 @@ export function LogBar({ filter, onChange, hasRun, onClear, children }: LogBarPr
         onChange={(least) => change({ least })}
       />
       <Checkbox
-        label="Of the selection"
+        label="Selection only"
         title="Only lines of the selected states and the states inside them"
         checked={filter.isOfSelection}
         onChange={(isOfSelection) => change({ isOfSelection })}
@@ -89,11 +89,7 @@ export function LogBar({ filter, onChange, hasRun, onClear, children }: LogBarPr
       />
       <span className="log-gap" />
       {children}
-      <IconButton
-        label="Clear messages of the page"
-        icon={<Eraser size={15} />}
-        onClick={onClear}
-      />
+      <IconButton label="Clear page messages" icon={<Eraser size={15} />} onClick={onClear} />
     </div>
   );
 }

@@ -24,14 +24,16 @@ export function TracebackView({ text, onLine }: TracebackViewProps) {
       {causes.map((cause, index) => (
         // biome-ignore lint/suspicious/noArrayIndexKey: causes stay where they are
         <Fragment key={index}>
-          <p className="log-cause">because of</p>
+          <p className="log-cause">caused by</p>
           <pre className="log-text log-raised">{cause.message}</pre>
           {cause.own && <Own frame={cause.own} onLine={onLine} />}
         </Fragment>
       ))}
       {frames.length > 0 && (
         <details className="log-frames">
-          <summary>{frames.length === 1 ? "The traceback" : `All ${frames.length} frames`}</summary>
+          <summary>
+            {frames.length === 1 ? "Full traceback" : `All ${frames.length} frames`}
+          </summary>
           <ol>
             {frames.map((frame, index) => (
               <FrameView

@@ -85,7 +85,7 @@ function ToAcknowledge({ count }: { readonly count: number }) {
     <button
       type="button"
       className="mission-want mission-want-event"
-      title="Show what went wrong"
+      title="Show the failures"
       onClick={(event) => show(event, ".mission-events")}
     >
       <TriangleAlert size={18} aria-hidden />

@@ -13,7 +13,7 @@ import {
 import { refusalOf } from "../../commands/command.ts";
 import type { Outcome, Phase } from "../../model/generated/protocol.ts";
 import { ABORTED, PREEMPTED } from "../../model/machine.ts";
-import { holdInWords } from "../../model/run_words.ts";
+import { reasonOfHold } from "../../model/run_words.ts";
 import { type Active, placeOfLane } from "../../store/active.ts";
 import {
   type Baseline,
@@ -61,7 +61,7 @@ export function Branches({ watch }: { readonly watch: Watch }) {
         ))}
       </ul>
       {shown.length > CARDS_MAX && (
-        <p className="mission-soft">and {shown.length - CARDS_MAX} branches more</p>
+        <p className="mission-soft">and {shown.length - CARDS_MAX} more branches</p>
       )}
     </section>
   );
@@ -85,8 +85,8 @@ function Nothing({ watch }: { readonly watch: Watch }) {
   }
   if (phase === "crashed" || phase === undefined) return null;
   return (
-    <section className="mission-part mission-over" aria-label="The run is over">
-      <p>The run is over.</p>
+    <section className="mission-part mission-over" aria-label="The run has ended">
+      <p>The run has ended.</p>
       <Button
         icon={<Play size={16} aria-hidden />}
         disabled={refusal !== null}
@@ -154,7 +154,7 @@ function Card({ lane, names, last, baseline, sinceSnapshot_ms }: CardProps) {
 const PHASES: Readonly<Record<Phase, { readonly word: string; readonly Sign: LucideIcon }>> = {
   running: { word: "runs", Sign: CirclePlay },
   waiting: { word: "waits", Sign: Hourglass },
-  held: { word: "held", Sign: CirclePause },
+  held: { word: "paused", Sign: CirclePause },
   interrupted: { word: "interrupted by a crash", Sign: OctagonAlert },
   preempted: { word: "is being preempted", Sign: Undo2 },
 };
@@ -162,8 +162,9 @@ const PHASES: Readonly<Record<Phase, { readonly word: string; readonly Sign: Luc
 function phaseInWords({ phase, detail, held: [hold] }: Active, word: string): string {
   if (phase === "waiting") return detail ? `waits for ${detail}` : word;
   if (phase === "held" && hold) {
-    const by = hold.by.type === "pause" ? "" : `: ${holdInWords(hold.by)}`;
-    return hold.next === null ? `held${by}` : `held before this state${by}`;
+    const reason = reasonOfHold(hold.by);
+    const by = reason === "" ? "" : `: ${reason}`;
+    return hold.next === null ? `paused${by}` : `paused before this state${by}`;
   }
   return word;
 }

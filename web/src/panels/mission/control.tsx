@@ -40,7 +40,7 @@ export function ControlPart({ watch }: { readonly watch: Watch }) {
         <span>
           {holder === null ? (
             <>
-              <strong>Nobody</strong> is in control: whoever commands first gets it.
+              <strong>Nobody</strong> is in control: the first user to give a command gets control.
             </>
           ) : (
             <>
@@ -54,7 +54,7 @@ export function ControlPart({ watch }: { readonly watch: Watch }) {
         </span>
       </p>
       {requests.length > 0 && (
-        <ul className="mission-askers" aria-label="Who asks for control">
+        <ul className="mission-askers" aria-label="Requests for control">
           {requests.map((asker) => (
             <li key={asker}>
               <Hand size={16} aria-hidden />
@@ -139,7 +139,7 @@ function Moves({
   const { page } = useHost().context();
   const missing = useComputed(() => lacks(page, "command"), [page]);
   if (missing !== null) {
-    return <p className="mission-why">You cannot be in control: {missing}.</p>;
+    return <p className="mission-why">You cannot take control: {missing}.</p>;
   }
   if (isMine) {
     return (
@@ -191,8 +191,8 @@ function TakeOver({ holder }: { readonly holder: string }) {
       />
       <span className="mission-soft">
         {left > 0
-          ? `possible after ${duration(left * 1_000)} more of silence from ${holder}`
-          : `${holder} has been silent for long`}
+          ? `possible after ${holder} has been silent for ${duration(left * 1_000)} more`
+          : `${holder} has been silent for a while`}
       </span>
     </>
   );

@@ -25,7 +25,7 @@ const CHOICES: readonly {
   {
     policy: "ask",
     title: "Resume and ask",
-    means: "moves nothing by itself: interrupted scripts wait until you decide",
+    means: "nothing runs by itself: interrupted scripts wait for your decision",
   },
   {
     policy: "restart",
@@ -35,7 +35,7 @@ const CHOICES: readonly {
   {
     policy: "abort",
     title: "Abort scripts",
-    means: "interrupted states end as aborted and the machine handles it",
+    means: "interrupted states end as aborted, and the machine handles that",
   },
 ];
 
@@ -69,7 +69,7 @@ function TakeUp({ watch }: { readonly watch: Watch }) {
           </li>
         ))}
       </ul>
-      {refusal && <p className="mission-why">You cannot take it up: {refusal}.</p>}
+      {refusal && <p className="mission-why">You cannot resume it: {refusal}.</p>}
     </section>
   );
 }
@@ -93,7 +93,7 @@ function Interrupted({ watch }: { readonly watch: Watch }) {
   return (
     <section className="mission-part mission-crash" aria-label="Interrupted scripts">
       <h3>
-        <TriangleAlert size={20} aria-hidden />A crash interrupted what ran
+        <TriangleAlert size={20} aria-hidden />A crash interrupted running scripts
       </h3>
       <ul className="mission-choices mission-decide">
         {waiting.map(({ path }) => (

@@ -73,7 +73,7 @@ export function Events({ watch }: { readonly watch: Watch }) {
         ))}
       </ul>
       {shown.length > SHOWN_MAX && (
-        <p className="mission-soft">and {shown.length - SHOWN_MAX} older ones</p>
+        <p className="mission-soft">and {shown.length - SHOWN_MAX} older events</p>
       )}
     </section>
   );
@@ -131,11 +131,11 @@ function Line({ failure, watch, names, isDone, isUnmoved }: EventLineProps) {
         )}
         {around.length > 0 && <p className="mission-soft">in {around.join(" › ")}</p>}
         {reach !== path && (
-          <p className="mission-soft">and with it everything up to {pathInWords(names, reach)}</p>
+          <p className="mission-soft">and all states up to {pathInWords(names, reach)}</p>
         )}
       </div>
       {isDone ? (
-        <span className="mission-soft">seen</span>
+        <span className="mission-soft">acknowledged</span>
       ) : (
         <Button disabled={!isUnmoved} onClick={() => run("mission.acknowledge", sequence)}>
           Acknowledge

@@ -71,8 +71,8 @@ function Times({ watch }: { readonly watch: Watch }) {
 }
 
 const HOW: Readonly<Record<string, string>> = {
-  usually: "Half of the earlier runs of this machine were this short or shorter.",
-  "on average": "From the few earlier runs of this machine that succeeded.",
+  usually: "Half of the earlier runs of this machine took this long or less.",
+  "on average": "Average of the few earlier runs of this machine that succeeded.",
 };
 
 /** Other active runs, one press away. */
@@ -91,7 +91,7 @@ function OtherRuns({ watch }: { readonly watch: Watch }) {
         </option>
         {others.map(({ id, name, started_ms }) => (
           <option key={id} value={id}>
-            {name}, began {startedInWords(started_ms, Date.now())}
+            {name}, started {startedInWords(started_ms, Date.now())}
           </option>
         ))}
       </select>

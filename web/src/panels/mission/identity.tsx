@@ -6,9 +6,9 @@ import { useComputed } from "../../ui/signals.ts";
 import { useActiveTab, useHost } from "../context.tsx";
 
 const MAY: Readonly<Record<string, string>> = {
-  viewer: "you can view everything but not command",
-  operator: "you can start runs, command and answer",
-  engineer: "you can command and change machines",
+  viewer: "you can view everything but not command runs",
+  operator: "you can start and command runs, and answer questions",
+  engineer: "you can command runs and change machines",
   admin: "you can do everything",
 };
 

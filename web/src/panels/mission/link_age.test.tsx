@@ -24,8 +24,8 @@ async function said(link: RunNow["link"]): Promise<string> {
 
 test("mission control gives the alarm when the robot is not heard, or the engine stands still", async () => {
   expect(await said("up")).toBe("Live: server and robot respond (3 ms)");
-  expect(await said("stuck")).toBe("! The engine of the run has not moved for 1:00.");
+  expect(await said("stuck")).toBe("! The engine of the run has made no progress for 1:00.");
   expect(await said("silent")).toBe(
-    "! The server gets no answer from the robot: this is 1:00 old.",
+    "! The server gets no answer from the robot: what you see is 1:00 old.",
   );
 });

@@ -18,7 +18,8 @@ export function LinkAge({ watch }: { readonly watch: Watch }) {
       <p className="mission-band mission-band-past">
         <History size={16} aria-hidden />
         <span>
-          Branches and values: {duration(age.age_ms)} before the newest event. All else is live.
+          Branches and values: {duration(age.age_ms)} before the newest event. Everything else is
+          live.
         </span>
         <Button onClick={() => run("run.live")}>Back to now</Button>
       </p>
@@ -52,8 +53,9 @@ function IsHeard({ watch }: { readonly watch: Watch }) {
 }
 
 function oldInWords({ why, age_ms }: RunAge): string {
-  if (why === "engine") return `The engine of the run has not moved for ${duration(age_ms)}.`;
+  if (why === "engine")
+    return `The engine of the run has made no progress for ${duration(age_ms)}.`;
   const who =
     why === "link" ? "No answer from the server" : "The server gets no answer from the robot";
-  return `${who}: this is ${duration(age_ms)} old.`;
+  return `${who}: what you see is ${duration(age_ms)} old.`;
 }

@@ -63,7 +63,7 @@ function JournalProblem({ watch }: { readonly watch: Watch }) {
   return (
     <p className="mission-band mission-band-old" role="alert">
       <HardDrive size={16} aria-hidden />
-      <span>What happens cannot be written down any more: {problem}</span>
+      <span>The journal can no longer be written: {problem}</span>
     </p>
   );
 }

@@ -58,7 +58,7 @@ export function NoRun() {
       {refusal && <p className="mission-why">Start: {refusal}.</p>}
       {over.length > 0 && (
         <>
-          <h3>Over</h3>
+          <h3>Finished</h3>
           <RunList label="Finished runs" runs={over} />
         </>
       )}
@@ -77,7 +77,7 @@ function RunList({ label, runs }: { readonly label: string; readonly runs: reado
             <span className="mission-run-name">{one.name}</span>
             <StatusWord status={summaryStatusWords(one)} />
             <small>
-              began {startedInWords(one.started_ms, Date.now())}
+              started {startedInWords(one.started_ms, Date.now())}
               {one.author ? ` by ${one.author}` : ""}, <Length run={one} />
             </small>
           </button>

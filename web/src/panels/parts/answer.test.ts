@@ -37,10 +37,10 @@ describe("an answer", () => {
   it("is refused where the robot would refuse it", () => {
     const refusal = (text: string) => refusalOfFilled(NUMBER, { text, checked: [] });
     expect(["", "x", "0", "10", "1.5", "9"].map(refusal)).toEqual([
-      "A number is needed.",
-      "A number is needed.",
-      "0 is too small; the least is 1.",
-      "10 is too large; the most is 9.5.",
+      "Enter a number.",
+      "Enter a number.",
+      "0 is too small; the minimum is 1.",
+      "10 is too large; the maximum is 9.5.",
       "1.5 is not a whole number.",
       null,
     ]);
@@ -55,7 +55,7 @@ describe("an answer", () => {
     expect(answerInWords(CHECKS, { button: 0, checked: [true, true] })).toBe("OK: left, right");
     expect(answerInWords(TEXT, { button: 1, text: "" })).toBe("Cancel: “”");
     const question = { form: NUMBER, default: { button: 0, number: 3 } } as unknown as Question;
-    expect(deadlineInWords(question)).toBe("then “OK: 3” counts");
+    expect(deadlineInWords(question)).toBe("then “OK: 3” is used");
     expect(deadlineInWords({ ...question, default: null })).toBe("then the state fails");
   });
 });

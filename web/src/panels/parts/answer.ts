@@ -25,13 +25,13 @@ export function firstFilled(form: Form): Filled {
 export function refusalOfFilled(form: Form, { text }: Filled): string | null {
   if (form.type !== "number") return null;
   const number = numberOf(text);
-  if (number === null) return "A number is needed.";
+  if (number === null) return "Enter a number.";
   if (form.whole && !Number.isInteger(number)) return `${number} is not a whole number.`;
   if (form.minimum !== null && number < form.minimum) {
-    return `${number} is too small; the least is ${form.minimum}.`;
+    return `${number} is too small; the minimum is ${form.minimum}.`;
   }
   if (form.maximum !== null && number > form.maximum) {
-    return `${number} is too large; the most is ${form.maximum}.`;
+    return `${number} is too large; the maximum is ${form.maximum}.`;
   }
   return null;
 }
@@ -62,7 +62,7 @@ export function answerInWords(form: Form, answer: JsonValue | null): string {
 export function deadlineInWords({ form, default: fallback }: Question): string {
   return fallback === null
     ? "then the state fails"
-    : `then “${answerInWords(form, fallback)}” counts`;
+    : `then “${answerInWords(form, fallback)}” is used`;
 }
 
 /** The range of a number in words; empty if it has none. */

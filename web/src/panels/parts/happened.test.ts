@@ -25,12 +25,12 @@ test("events are told in words, with names", () => {
     crash`);
   expect(words(told)).toEqual([
     "Look entered",
-    "Look ended by seen",
+    "Look ended with seen",
     "Look entered backwards",
-    "Look taken back",
+    "Look undone",
     "Look: careful",
     "Look dropped",
-    "Taken up after a crash: killed",
+    "Resumed after a crash: killed",
   ]);
 });
 

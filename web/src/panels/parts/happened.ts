@@ -32,13 +32,13 @@ function askFor(session: MachineSession, path: string): void {
   void session.loadLibrary(library);
 }
 
-/** `Look entered`, `Look ended by seen`, `Look: careful`. */
+/** `Look entered`, `Look ended with seen`, `Look: careful`. */
 export function happenedInWords(happening: Happening, nameOf: NameOf): string {
   if (happening.kind === "other") return eventInWords(happening.event, nameOf);
   const name = nameOf(happening.path);
   if (happening.kind === "entered") return `${name} entered${happening.isBack ? " backwards" : ""}`;
-  if (happening.isBack) return `${name} taken back`;
-  return `${name} ended by ${happening.outcome?.name ?? "nothing"}`;
+  if (happening.isBack) return `${name} undone`;
+  return `${name} ended with ${happening.outcome?.name ?? "nothing"}`;
 }
 
 function eventInWords(event: Event, nameOf: NameOf): string {
@@ -46,9 +46,9 @@ function eventInWords(event: Event, nameOf: NameOf): string {
     case "log":
       return event.path === "" ? event.message : `${nameOf(event.path)}: ${event.message}`;
     case "hit":
-      return `Breakpoint at ${nameOf(event.path)} ${event.held ? "held" : "passed"}`;
+      return `Breakpoint at ${nameOf(event.path)} ${event.held ? "paused" : "passed"}`;
     case "held":
-      return `${nameOf(event.path)} held${event.next ? ` before ${nameOf(event.next)}` : ""}`;
+      return `${nameOf(event.path)} paused${event.next ? ` before ${nameOf(event.next)}` : ""}`;
     case "commanded":
       return commandInWords(
         event.envelope.command.type,
@@ -60,21 +60,23 @@ function eventInWords(event: Event, nameOf: NameOf): string {
     case "closed":
       return `Question ${event.id} ${event.how.replace("_", " ")}`;
     case "resumed":
-      return `Taken up after a crash: ${event.crash.reason}`;
+      return `Resumed after a crash: ${event.crash.reason}`;
     case "went_back":
       return "The run restarted at an earlier moment";
     case "forced":
-      return `${nameOf(event.path)} was made to end by ${event.outcome.name}`;
+      return `${nameOf(event.path)} was forced to end with ${event.outcome.name}`;
     case "deadline_passed":
       return `${nameOf(event.path)} missed its deadline`;
     case "finished":
-      return `The run ended by ${event.outcome.name}`;
+      return `The run ended with ${event.outcome.name}`;
     case "paused":
-      return event.paused ? "Paused" : "Goes on";
+      return event.paused ? "Paused" : "Resumed";
     case "stopping":
       return "Stopping";
     case "root":
-      return event.change === "" ? "The machine was read" : `The machine changed: ${event.change}`;
+      return event.change === ""
+        ? "The machine was loaded"
+        : `The machine changed: ${event.change}`;
     case "waiting":
       return `${nameOf(event.path)} waits: ${event.reason}`;
     case "damaged":

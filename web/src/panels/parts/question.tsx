@@ -57,7 +57,7 @@ export function QuestionForm({ watch, question, asker, isUnmoved }: QuestionForm
       <p className="question-asker">
         <CircleHelp size={16} aria-hidden />
         <span>
-          {asker} asks{question.timeout_ms === null ? ", without a deadline" : ""}
+          {asker} asks{question.timeout_ms === null ? ", without a timeout" : ""}
         </span>
       </p>
       <TimeLeft watch={watch} question={question} />
@@ -149,7 +149,7 @@ function TimeLeft({ watch, question }: Pick<QuestionFormProps, "watch" | "questi
   return (
     <p className={`question-time ${isSoon(left) ? "question-soon" : ""}`} role="timer">
       <Timer size={16} aria-hidden />
-      <strong>{left === 0 ? "time is over" : `${duration(left)} left`}</strong>
+      <strong>{left === 0 ? "time is up" : `${duration(left)} left`}</strong>
       <span>{deadlineInWords(question)}</span>
       <span className="question-bar" aria-hidden>
         <span style={{ width: `${share * 100}%` }} />

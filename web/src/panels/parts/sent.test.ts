@@ -38,9 +38,9 @@ test("what was carried out late is shown as long as what was at once", () => {
 });
 
 test("what was not carried out stays until it was seen", () => {
-  expect(line({ answer: "expired" }, 60_000)).toBe("expired: expired: it was never carried out");
+  expect(line({ answer: "expired" }, 60_000)).toBe("expired: expired and was not carried out");
   expect(line({ answer: "refused", reason: "no" }, 60_000)).toBe("refused: was refused: no");
-  expect(line({ answer: "lost", reason: "cut" }, 60_000)).toContain("nobody knows");
+  expect(line({ answer: "lost", reason: "cut" }, 60_000)).toContain("it is unknown whether");
   expect(line({ answer: "expired" }, 60_000, ["1"])).toBe(undefined);
 });
 
@@ -50,6 +50,6 @@ test("an answer that came after that of somebody else says who has answered", ()
   const times = { sent_ms: NOW_MS, expiry_ms: NOW_MS, answered_ms: NOW_MS };
   const words = (by: string | null) =>
     sentLines([{ id: "2", command, answer, ...times }], new Set(), NOW_MS, () => by)[0]?.words;
-  expect(words("bob")).toBe("was not needed any more: bob has answered");
+  expect(words("bob")).toBe("was no longer needed: bob has already answered");
   expect(words(null)).toBe("was refused: bob holds control of this run");
 });

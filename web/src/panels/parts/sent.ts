@@ -42,7 +42,7 @@ function lateAnswer(
 ): string | null {
   if (command.type !== "answer_question" || answer?.answer !== "refused") return null;
   const other = answeredBy(command.question);
-  return other === null ? null : `was not needed any more: ${other} has answered`;
+  return other === null ? null : `was no longer needed: ${other} has already answered`;
 }
 
 function words({ answer, sent_ms, expiry_ms }: SentCommand, now_ms: number): string {
@@ -52,9 +52,9 @@ function words({ answer, sent_ms, expiry_ms }: SentCommand, now_ms: number): str
     case "refused":
       return `was refused: ${answer.reason}`;
     case "expired":
-      return "expired: it was never carried out";
+      return "expired and was not carried out";
     case "lost":
-      return `got no answer, and nobody knows whether it was carried out: ${answer.reason}`;
+      return `got no answer; it is unknown whether it was carried out: ${answer.reason}`;
     default: {
       const ago = `sent ${(Math.max(0, now_ms - sent_ms) / 1_000).toFixed(1)} s ago`;
       if (now_ms <= expiry_ms) return `${ago}, not answered yet`;

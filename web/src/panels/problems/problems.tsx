@@ -55,7 +55,7 @@ function OfTab({ tab }: { readonly tab: OpenTab }) {
       </div>
       <div className="problems-rows">
         <Table
-          label="Problems, the worst first"
+          label="Problems, most severe first"
           columns={columns}
           rows={rows}
           id={idOf}
@@ -104,7 +104,7 @@ function Chosen({ tab, problem }: { readonly tab: OpenTab; readonly problem: Mac
     setBusy(false);
   };
   return (
-    <section className="problems-chosen" aria-label="The chosen problem">
+    <section className="problems-chosen" aria-label="Selected problem">
       <p>{problem.message}</p>
       {(problem.repairs ?? []).map((repair) => (
         <Button

@@ -90,7 +90,7 @@ function Nothing({ watch }: { readonly watch: Watch }) {
 const PHASES: Readonly<Record<Phase, { readonly word: string; readonly Sign: LucideIcon }>> = {
   running: { word: "runs", Sign: CirclePlay },
   waiting: { word: "waits", Sign: Hourglass },
-  held: { word: "held", Sign: CirclePause },
+  held: { word: "paused", Sign: CirclePause },
   interrupted: { word: "interrupted by a crash", Sign: OctagonAlert },
   preempted: { word: "is being preempted", Sign: Undo2 },
 };

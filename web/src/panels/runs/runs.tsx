@@ -33,7 +33,7 @@ export function Runs() {
     return (
       <Empty
         title="No runs yet"
-        text="Start the open machine: its run is kept here, with all that happened in it."
+        text="Start the open machine: its run is kept here with its full history."
       />
     );
   }
@@ -49,7 +49,7 @@ export function Runs() {
           onInput={setSearch}
         />
         <IconButton
-          label="Look for runs that were started elsewhere"
+          label="Check for runs started elsewhere"
           icon={<RefreshCw size={14} />}
           onClick={() => void page.runs.refresh()}
         />
@@ -118,7 +118,7 @@ function RunRow({ run }: { run: RunSummary }) {
         </span>
       </button>
       <IconButton
-        label={`What can be done with the run ${run.id}`}
+        label={`Actions for the run ${run.id}`}
         icon={<MoreVertical size={14} />}
         onClick={(event) => {
           const box = event.currentTarget.getBoundingClientRect();
@@ -149,7 +149,7 @@ function useShownRun(tab: ReturnType<typeof useActiveTab>): string | null {
 function useItems(run: RunSummary, inFront: string | null): () => readonly MenuItem[] {
   const command = useCommand();
   const { page } = useHost().context();
-  const refusal = isLive(run) ? "the run goes on: stop it first" : lacks(page, "administer");
+  const refusal = isLive(run) ? "the run is active: stop it first" : lacks(page, "administer");
   const item = (id: string, title: string, name: string, argument: unknown = run.id) => ({
     id,
     title,

@@ -191,7 +191,7 @@ function List({ results, total, text, several }: ResultListProps) {
     <>
       <output className="search-count">{countInWords(total)}</output>
       <Tree
-        label="What was found"
+        label="Search results"
         roots={results}
         id={({ key }) => key}
         childrenOf={() => null}

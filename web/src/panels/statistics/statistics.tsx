@@ -64,7 +64,7 @@ function OfRun({ tab, watch }: { tab: OpenTab; watch: Watch }) {
           kind="quiet"
           icon={<Flame size={14} />}
           pressed={heat !== "off"}
-          title="Colour the states of the canvas by how long they ran"
+          title="Colour the states on the canvas by how long they ran"
           onClick={() => command("view.heat", heat === "off" ? "time" : "off")}
         >
           Heat on the canvas

@@ -59,12 +59,12 @@ function errorAt(journal: Journal, end: number): string {
 function endInWords(look: CallLook, outcome: string): string {
   switch (look) {
     case "open":
-      return "goes on";
+      return "active";
     case "back":
       return "undone by a step back";
     case "dropped":
       return "interrupted: the run went back, or its program died";
     default:
-      return `ended by ${outcome}`;
+      return `ended with ${outcome}`;
   }
 }

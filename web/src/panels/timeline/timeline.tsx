@@ -70,7 +70,7 @@ function OfRun({ tab, watch, model }: TimelineProps) {
 }
 
 function liveTitle(isLive: boolean, isOld: boolean): string {
-  if (!isLive) return "Shows the current state";
+  if (!isLive) return "Show the current state";
   return isOld ? "The page shows the last known state" : "The page shows the current state";
 }
 
@@ -174,7 +174,7 @@ function SearchField({ tab, model }: Pick<TimelineProps, "tab" | "model">) {
       <span className="timeline-hits" role="status">
         {found &&
           (many === 0
-            ? "Nothing"
+            ? "No hits"
             : `${place === 0 ? "–" : inWords(place)} of ${inWords(many)}${found.isFull ? "+" : ""}`)}
       </span>
       <IconButton

@@ -46,7 +46,7 @@ export function WatchCard({ tab, watched, watch }: WatchCardProps) {
     <article className="watches-card" aria-label={`${watched.target.name}: ${expression}`}>
       <Head tab={tab} watched={watched} />
       <TextField
-        label={`What of ${watched.target.name} is watched`}
+        label={`Watched expression of ${watched.target.name}`}
         hideLabel
         mono
         value={expression}
@@ -208,7 +208,7 @@ function Changes({ changes, watch }: { changes: readonly ChangeOfValue[]; watch:
   const playhead = useSignal(watch.playhead);
   const here = changes.findLast(({ sequence }) => playhead !== null && sequence <= playhead);
   return (
-    <ol className="watches-changes" aria-label="Last changes, the newest first">
+    <ol className="watches-changes" aria-label="Last changes, newest first">
       {changes
         .slice(-CHANGES_SHOWN)
         .reverse()

@@ -50,7 +50,7 @@ function OfTab({ tab }: { tab: OpenTab }) {
       {all.length === 0 && (
         <Empty
           title="Nothing is watched"
-          text="Press the eye beside a value in the inspector, drag a value here, or choose one of the selected state above."
+          text="Press the eye beside a value in the inspector, drag a value here, or choose a value of the selected state above."
         />
       )}
       {all.map((watched) => (

@@ -64,7 +64,7 @@ function find(tab: OpenTab, watch: Watch, target: Target): FoundValue {
   if (!turn) return { state: "none", why: kind === "input" ? "not entered yet" : "not ended yet" };
   if (values === null) return { state: "none", why: "it was not kept" };
   if (values === undefined) return { state: "event", sequence: turn.sequence };
-  if (!Object.hasOwn(values, name)) return { state: "none", why: "nothing was given" };
+  if (!Object.hasOwn(values, name)) return { state: "none", why: "no value was given" };
   return { state: "there", value: values[name], sequence: turn.sequence };
 }
 

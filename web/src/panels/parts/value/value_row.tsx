@@ -208,7 +208,7 @@ function ArrayFacts({ found }: { found: Extract<Read, { kind: "array" }> }) {
     <p className="value-fact">
       {found.of} of {found.dtype}
       {size !== "" && `, ${size}`}
-      {!isWhole && `; shown is one in ${found.steps.join(" × ")}`}
+      {!isWhole && `; showing one in ${found.steps.join(" × ")}`}
     </p>
   );
 }
@@ -244,7 +244,7 @@ function Parts({ entries, count, valuePath, tree }: ValuePartsProps) {
       )}
       {rest <= 0 && count > entries.length && (
         <p className="value-fact">
-          {count - entries.length} more were not kept: a run keeps 256 values of one.
+          {count - entries.length} more were not kept: a run keeps 256 items of a value.
         </p>
       )}
     </>

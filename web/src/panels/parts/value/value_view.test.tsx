@@ -74,7 +74,7 @@ test("an array is told with what was taken of it", () => {
   };
   const place = mount(<ValueView name="grid" value={array} openAtFirst />);
   expect(place.textContent).toContain("float64 ⟨4×4⟩");
-  expect(place.textContent).toContain("ndarray of float64, 4 × 4; shown is one in 2 × 2");
+  expect(place.textContent).toContain("ndarray of float64, 4 × 4; showing one in 2 × 2");
   const heads = [...place.querySelectorAll("tbody th")].map((head) => head.textContent);
   expect(heads).toEqual(["0", "2"]);
   expect(place.querySelector("tbody tr:last-child")?.textContent).toBe("23nan");
