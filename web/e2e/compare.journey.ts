@@ -24,18 +24,18 @@ journey(
     const branches = app.sheet.getByRole("grid", { name: "Branches where the runs diverge" });
     await branches.getByText("first", { exact: true }).waitFor();
     expect(await branches.getByRole("row").count()).toBe(parted.length + 1);
-    await branches.getByText("Timer ended by time is up").click();
+    await branches.getByText("Timer ended with time is up").click();
     await showsMoment(app, timer.one.sequence);
-    const sides = app.sheet.getByRole("button", { name: /^They part here/ });
+    const sides = app.sheet.getByRole("button", { name: /^Runs diverge here/ });
     await expect
       .poll(() => sides.allTextContents())
       .toEqual([
-        expect.stringContaining("Timer ended by time is up"),
-        expect.stringContaining("Timer ended by preempted"),
+        expect.stringContaining("Timer ended with time is up"),
+        expect.stringContaining("Timer ended with preempted"),
       ]);
     await branches.getByText("first", { exact: true }).click();
     await showsMoment(app, first.one.sequence);
-    await branches.getByText("Timer ended by time is up").click();
+    await branches.getByText("Timer ended with time is up").click();
     await sides.last().click();
     await app.until(({ tab }, id) => tab?.run.value?.id === id, found);
     await showsMoment(app, timer.other.sequence);

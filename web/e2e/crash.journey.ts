@@ -71,7 +71,7 @@ journey("interrupted scripts wait for a decision", SETTING, async ({ app, server
 journey("a run by the rule abort goes on by itself", SETTING, async ({ app, server }) => {
   await app.menu("Run", "Start with…");
   const dialog = app.sheet.getByRole("dialog", { name: /^Start / });
-  await dialog.getByLabel(/interrupted scripts/).selectOption("abort");
+  await dialog.getByLabel(/^Interrupted scripts/).selectOption("abort");
   await dialog.getByRole("button", { name: "Start", exact: true }).click();
   await crashIn(app, server, PRESSED, "tries");
   expect(await untilOver(app)).toContain("PLUGIN/CHOOSE turn the plug");

@@ -117,7 +117,7 @@ journey(
     await untilChanged(app, true);
     await app.press("Control+Alt+w");
     const dialog = app.sheet.getByRole("dialog", { name: /before closing/ });
-    await dialog.getByRole("button", { name: /discard the edits/ }).click();
+    await dialog.getByRole("button", { name: /discard edits/ }).click();
     await app.until(({ page }) => page.tabs.value.length === 1, null);
   },
 );
@@ -201,7 +201,7 @@ journey(
     await server.restart();
     await app.settled();
     await app.until(
-      ({ page }) => page.notices.value.some(({ text }) => text.includes("was not done")),
+      ({ page }) => page.notices.value.some(({ text }) => text.includes("was not applied")),
       null,
     );
   },

@@ -18,7 +18,7 @@ journey("a state is found by the palette, and flown to", HERE, async ({ app }) =
 journey("words of a script are found by the search", HERE, async ({ app }) => {
   await app.panel("Search");
   await app.sheet.getByPlaceholder("Names, ports, scripts, values…").fill("the label says");
-  const found = app.sheet.getByLabel("What was found");
+  const found = app.sheet.getByLabel("Search results");
   await found
     .getByText(/Label the box/)
     .first()
@@ -61,7 +61,7 @@ journey("a problem is listed with its way out, and leads to its place", HERE, as
   await app.press("Delete");
   await app.settled();
   await app.panel("Problems");
-  const list = app.sheet.getByRole("grid", { name: "Problems, the worst first" });
+  const list = app.sheet.getByRole("grid", { name: "Problems, most severe first" });
   await list.getByRole("row").nth(1).dblclick();
   await app.until(({ tab }) => (tab?.view.selection.value.size ?? 0) === 1, null);
 });

@@ -21,7 +21,7 @@ async function rename(app: App, path: string, name: string): Promise<void> {
 journey("the history goes back to any step, and on to another branch", HERE, async ({ app }) => {
   for (const name of ["One", "Two", "Three"]) await rename(app, FULL, name);
   await app.panel("Edits");
-  const steps = app.sheet.getByRole("grid", { name: "Steps, the newest first" });
+  const steps = app.sheet.getByRole("grid", { name: "Steps, newest first" });
   await steps.getByText("Rename to One").click();
   await app.sheet.getByRole("button", { name: "Go to this step" }).click();
   await expect.poll(async () => (await app.state(FULL)).name).toBe("One");
@@ -37,7 +37,7 @@ journey("the history goes back to any step, and on to another branch", HERE, asy
 journey("what a step changed stands beside it", HERE, async ({ app }) => {
   await rename(app, FULL, "Another name");
   await app.panel("Edits");
-  const steps = app.sheet.getByRole("grid", { name: "Steps, the newest first" });
+  const steps = app.sheet.getByRole("grid", { name: "Steps, newest first" });
   await steps.getByText("Rename to Another name").click();
   const detail = app.sheet.getByRole("region", { name: "How Another name differs" });
   await expect.poll(() => detail.textContent()).toContain("Is the box full → Another name");

@@ -85,7 +85,7 @@ journey(
       const commands = app.sheet.getByRole("list", { name: "Pending commands" });
       await commands.getByText(/Pause sent \d+\.\d s ago, expired without an answer/).waitFor();
       wire.mend();
-      await commands.getByText("Pause expired: it was never carried out").waitFor();
+      await commands.getByText("Pause expired and was not carried out").waitFor();
       const status = await app.sheet.evaluate(
         () => window.__rafcon.page.active.value?.run.value?.now.value?.snapshot?.status,
       );
@@ -138,7 +138,9 @@ journey(
     await old.waitFor({ state: "detached" });
     await whileStopped(server, run, async () => {
       await old.waitFor({ timeout: 60_000 });
-      const bar = missionOf(app).getByText(/^The server gets no answer from the robot: this is /);
+      const bar = missionOf(app).getByText(
+        /^The server gets no answer from the robot: what you see is /,
+      );
       await bar.waitFor();
       const before = await bar.textContent();
       await eventually(async () => (await bar.textContent()) !== before);

@@ -32,7 +32,7 @@ journey("a port gets another name, type and default", HERE, async ({ app }) => {
     2.5,
   );
   await write(app, table, "count", 2, "no number");
-  await app.sheet.getByRole("alert").filter({ hasText: "no is no value" }).waitFor();
+  await app.sheet.getByRole("alert").filter({ hasText: "no is not a value" }).waitFor();
   await app.sheet.keyboard.press("Escape");
   expect((await app.state(LABEL)).inputs?.find(({ name }) => name === "count")?.default).toBe(0);
 });

@@ -22,7 +22,7 @@ journey("a command gets another key", HERE, async ({ app }) => {
 journey("who comes from the reference takes its keys", HERE, async ({ app }) => {
   await app.command("Keys…");
   const dialog = app.sheet.getByRole("dialog", { name: "Keys" });
-  await dialog.getByLabel("Map").selectOption("classic");
+  await dialog.getByLabel("Key map").selectOption("classic");
   await app.sheet.keyboard.press("Escape");
   await app.select("PACKER");
   await app.press("Control+Alt+e");
@@ -36,7 +36,9 @@ journey(
   async ({ app }) => {
     await app.select("PACKER");
     await app.press("Control+Shift+Alt+u");
-    await app.told("Substitute by library…: select a state inside the machine, not all of it");
+    await app.told(
+      "Substitute by library…: select a state inside the machine, not the machine itself",
+    );
     await app.press("Escape");
     await app.press("Delete");
     await app.told("Delete: select something first");

@@ -18,7 +18,9 @@ journey("a library is put in the place of a state, which keeps its name", HERE, 
   await app.select(path);
   await menuOf(app, "grasp");
   await app.sheet.getByRole("menuitem", { name: "Substitute selected state" }).click();
-  await app.sheet.getByRole("menuitem", { name: "By the library, keep its name" }).click();
+  await app.sheet
+    .getByRole("menuitem", { name: "With the library, keep the state's name" })
+    .click();
   await app.until(({ tab }, at) => tab?.session.machine.state(at)?.library?.name === "grasp", path);
   await app.settled();
   expect((await app.state(path)).name).toBe("Announce the patrol");

@@ -192,17 +192,17 @@ journey("the camera follows what runs, until somebody moves it", waiting(), asyn
   await untilActive(app, FULL);
   await zoomFarOut(app);
   const small = await scale(app);
-  const follow = app.sheet.getByRole("button", { name: "Follow what runs" });
+  const follow = app.sheet.getByRole("button", { name: "Follow active states" });
   await follow.click();
   await app.until(({ tab }, was) => (tab?.view.camera.value.scale ?? 0) > was * 3, small);
   await ringed(app, FULL, "running");
-  await app.sheet.getByRole("button", { name: "Follow what runs", pressed: true }).waitFor();
+  await app.sheet.getByRole("button", { name: "Follow active states", pressed: true }).waitFor();
   await app.sheet.mouse.move(700, 400);
   await app.sheet.mouse.wheel(0, 200);
   await app.told(/no longer follows the active states/);
-  await app.sheet.getByRole("button", { name: "Follow what runs", pressed: false }).waitFor();
+  await app.sheet.getByRole("button", { name: "Follow active states", pressed: false }).waitFor();
   await app.sheet.getByRole("button", { name: "Follow again" }).click();
-  await app.sheet.getByRole("button", { name: "Follow what runs", pressed: true }).waitFor();
+  await app.sheet.getByRole("button", { name: "Follow active states", pressed: true }).waitFor();
   await stopRun(app);
 });
 
@@ -215,7 +215,7 @@ journey(
     await app.sheet.getByRole("button", { name: "Heat: none" }).click();
     await app.sheet.getByRole("img", { name: "How often states ran: from 1× to 6×" }).waitFor();
     await app.press("Shift+h");
-    await app.sheet.getByRole("img", { name: /^Total time in states/ }).waitFor();
+    await app.sheet.getByRole("img", { name: /^How long states ran in total/ }).waitFor();
     await app.press("Shift+h");
     await app.sheet.getByRole("button", { name: "Heat: none" }).waitFor();
   },

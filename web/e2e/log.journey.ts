@@ -69,7 +69,7 @@ journey(
     await log(app).getByText("the wheel sticks").waitFor({ state: "detached" });
     await sheet.getByLabel("Filter the log").fill("");
     await app.select(await app.path("Turn"));
-    await sheet.getByRole("checkbox", { name: "Of the selection" }).check();
+    await sheet.getByRole("checkbox", { name: "Selection only" }).check();
     await log(app).getByText("hello").waitFor({ state: "detached" });
     await log(app).getByText("the wheel sticks").waitFor();
     await expect.poll(() => log(app).getByRole("row").count(), { timeout: 20_000 }).toBe(1);
@@ -148,9 +148,9 @@ journey(
     const { sheet } = app;
     await sheet.getByLabel("Level", { exact: true }).selectOption("error");
     await log(app).getByText("KeyError: 'out' — script.py line 3").first().click();
-    const chosen = sheet.getByRole("region", { name: "The chosen line" });
+    const chosen = sheet.getByRole("region", { name: "Selected line" });
     await chosen.getByText('return way["out"]').first().waitFor();
-    await chosen.getByText("The traceback").waitFor();
+    await chosen.getByText("Full traceback").waitFor();
     expect(await chosen.locator("details").getAttribute("open")).toBe(null);
     await chosen.getByRole("button", { name: "Copy" }).click();
     await expect.poll(() => app.copied(), { timeout: 20_000 }).toContain("Traceback");

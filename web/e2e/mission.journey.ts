@@ -65,7 +65,7 @@ journey(
       await mine.getByText("How heavy is the box, in kg?").waitFor();
       await app.sheet.getByRole("button", { name: "1 question" }).waitFor();
       await hers.getByLabel("Your answer").fill("31");
-      await hers.getByText("31 is too large; the most is 30.").waitFor();
+      await hers.getByText("31 is too large; the maximum is 30.").waitFor();
       expect(await hers.getByRole("button", { name: "OK" }).isDisabled()).toBe(true);
       await hers.getByLabel("Your answer").fill("12.5");
       await hers.getByRole("button", { name: "OK" }).click();
@@ -114,7 +114,7 @@ journey(
       const offer = async () => {
         await control(anna).getByRole("button", { name: "Hand over to…" }).click();
         const asked = anna.sheet.getByRole("dialog", { name: "Hand control over" });
-        await asked.getByLabel("To the user").fill("bob");
+        await asked.getByLabel("User").fill("bob");
         await anna.sheet.keyboard.press("Enter");
         await control(bob).getByText("anna offers you control").waitFor();
       };
@@ -145,7 +145,7 @@ journey(
       await control(anna).getByRole("button", { name: "Take control" }).click();
       await control(bob).getByText("anna is in control").waitFor();
       const takeOver = control(bob).getByRole("button", { name: "Take over" });
-      await control(bob).getByText("of silence from anna").waitFor();
+      await control(bob).getByText("possible after anna has been silent").waitFor();
       expect(await takeOver.isDisabled()).toBe(true);
       await anna.sheet.close();
       await eventually(() => takeOver.isEnabled());
@@ -165,9 +165,9 @@ journey(
       const mission = missionOf(vera);
       await mission.getByText("How heavy is the box, in kg?").waitFor();
       await mission.getByText("You are vera: viewer").waitFor();
-      await mission.getByText(/^Only operators, engineers and admins command runs/).waitFor();
+      await mission.getByText(/^Only operators, engineers and admins may command runs/).waitFor();
       await mission.getByText("You cannot answer: only operators").waitFor();
-      await mission.getByText("You cannot be in control: only operators").waitFor();
+      await mission.getByText("You cannot take control: only operators").waitFor();
       for (const name of ["Stop", "Pause", "Resume", "Step", "Cancel"]) {
         const button = mission.getByRole("button", { name, exact: true });
         expect(await button.isDisabled(), name).toBe(true);
@@ -195,7 +195,7 @@ journey(
         await vi.waitUntil(strike, { timeout: 20_000, interval: 100 });
       };
       const carriedOut = mission.getByText("Pause was carried out");
-      await Promise.all([carriedOut.waitFor(), hammer("Pause", mission.getByText("Paused"))]);
+      await Promise.all([carriedOut.waitFor(), hammer("Pause", status(app).getByText("paused"))]);
       await button("Resume").click();
       await mission.getByText("Running").waitFor();
       await Promise.all([button("Press again: stop").waitFor(), button("Stop").dblclick()]);

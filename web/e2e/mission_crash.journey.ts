@@ -90,7 +90,7 @@ crashed(
   async ({ app, colleague }, run) => {
     const vera = await colleague("vera", "viewer");
     await vera.sheet.goto(`${vera.server.url}/?layout=mission&run=${run}`);
-    await choices(vera).getByText("You cannot take it up: only operators").waitFor();
+    await choices(vera).getByText("You cannot resume it: only operators").waitFor();
     await app.sheet.reload();
     await app.connected();
     await choices(app).getByRole("button", { name: "Resume and ask" }).waitFor();

@@ -48,13 +48,13 @@ journey(
     const mission = missionOf(app);
     const form = (question: string) => mission.getByRole("form", { name: question });
     const text = form("What stands on the box?");
-    await text.getByText("then “OK: “nothing”” counts").waitFor();
+    await text.getByText("then “OK: “nothing”” is used").waitFor();
     expect(await text.getByLabel("Your answer").inputValue()).toBe("box 7");
     await text.getByLabel("Your answer").fill("box 9");
     await text.getByRole("button", { name: "OK" }).click();
     await mission.getByText("owner answered “OK: “box 9””").waitFor();
     const boxes = form("Which grippers are clean?");
-    await boxes.getByText(/without a deadline/).waitFor();
+    await boxes.getByText(/without a timeout/).waitFor();
     expect(await boxes.getByLabel("left").isChecked()).toBe(true);
     await boxes.getByLabel("left").uncheck();
     await boxes.getByLabel("right").check();

@@ -58,7 +58,7 @@ journey(
     const dialog = app.sheet.getByRole("dialog", { name: /^Start / });
     const wanted = dialog.getByLabel("wanted: int");
     await wanted.fill("two");
-    await dialog.getByText(/is no value/).waitFor();
+    await dialog.getByText(/is not a value/).waitFor();
     await wanted.fill("2");
     await dialog.getByRole("button", { name: "Start", exact: true }).click();
     await ended(app, "success");
@@ -193,11 +193,11 @@ journey(
     await app.sheet.getByText("For the next start, kept in this browser").waitFor();
     await app.sheet.getByRole("button", { name: "Edit breakpoint 1" }).click();
     const dialog = app.sheet.getByRole("dialog", { name: "Breakpoint 1" });
-    await dialog.getByLabel("Condition, in Python").fill('inputs["count"] == 2');
+    await dialog.getByLabel("Condition (Python)").fill('inputs["count"] == 2');
     await dialog.getByRole("button", { name: "Set", exact: true }).click();
     await press(app, "Start");
     await heldBefore(app, ONE_PART);
-    await app.sheet.locator(".run-chooser").getByText("held by breakpoint 1").waitFor();
+    await app.sheet.locator(".run-chooser").getByText("breakpoint 1").waitFor();
     const picture = await server.ask<Picture>("GET", `/runs/${await runInFront(app)}/moments`);
     expect(picture.active.find(({ path }) => path === PACKER)?.scoped["count"]).toBe(2);
     await app.sheet.getByText("1 hit").waitFor();
@@ -258,7 +258,7 @@ journey(
     await heldBefore(app, `${PACKER}/ISFULL`);
     await rename("Print the label");
     await app.told(/edited since/);
-    await app.sheet.getByRole("button", { name: "Take edits into the run" }).click();
+    await app.sheet.getByRole("button", { name: "Apply edits to the run" }).click();
     await app.told(/now uses the edited machine/);
     await app.sheet.getByText(/edited since/).waitFor({ state: "detached" });
     await press(app, "Resume");
@@ -314,12 +314,12 @@ journey(
     await stopRun(app);
     await app.sheet.getByLabel("Find runs").fill("success");
     await app.sheet
-      .getByRole("button", { name: new RegExp(`done with the run ${second}`) })
+      .getByRole("button", { name: new RegExp(`Actions for the run ${second}`) })
       .click();
     await app.sheet.getByRole("menuitem", { name: "Show the machine as it ran" }).click();
     await app.until(({ tab }) => tab?.session.fixed !== null, null);
     await app.sheet
-      .getByRole("button", { name: new RegExp(`done with the run ${second}`) })
+      .getByRole("button", { name: new RegExp(`Actions for the run ${second}`) })
       .click();
     await app.sheet.getByRole("menuitem", { name: "Delete…" }).click();
     await answer(app, "Delete this run?", "Delete");

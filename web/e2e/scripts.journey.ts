@@ -29,7 +29,7 @@ journey("a renamed port is renamed in the script, once that was seen", HERE, asy
   await app.sheet.keyboard.press("Enter");
   const asked = app.sheet.getByRole("dialog", { name: "Rename weight_g to grams" });
   expect(await asked.getByText("inputs['grams']").count()).toBe(1);
-  await asked.getByRole("button", { name: "Also in the script" }).click();
+  await asked.getByRole("button", { name: "Name and script" }).click();
   await app.settled();
   expect(await script(app)).toContain("inputs['grams'] / 1000");
   expect((await app.state(LABEL)).inputs?.map(({ name }) => name)).toContain("grams");

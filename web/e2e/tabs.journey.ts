@@ -4,7 +4,14 @@ import { expect, vi } from "vitest";
 import type { RunNow } from "../src/model/generated/protocol.ts";
 import type { App } from "./support/app.ts";
 import { journey } from "./support/journey.ts";
-import { endRun, missionFolder, missionOf, openMission, startRun } from "./support/mission.ts";
+import {
+  endRun,
+  missionFolder,
+  missionOf,
+  openMission,
+  startRun,
+  status,
+} from "./support/mission.ts";
 import { heldBefore, press, stopRun } from "./support/runs.ts";
 
 const PART = "PACKER/ONEPAR";
@@ -84,7 +91,7 @@ journey(
       },
       { timeout: 20_000, interval: 100 },
     );
-    await mission.getByText("Paused").waitFor();
+    await status(app).getByText("paused").waitFor();
     expect(await statusOf(drives)).toBe("running");
     await others.selectOption(drives);
     await branch("Drive to the bay").waitFor();

@@ -176,7 +176,7 @@ journey(
     await field.press("Shift+Enter");
     await showsMoment(app, entries[1]?.sequence);
     await field.fill("no such words");
-    await app.sheet.getByText("Nothing", { exact: true }).waitFor();
+    await app.sheet.getByText("No hits", { exact: true }).waitFor();
   },
 );
 
@@ -205,7 +205,7 @@ journey(
     );
     await showsMoment(app, turns[1]?.sequence);
     await app.sheet.getByRole("searchbox", { name: /^Search the history/ }).fill("seen");
-    const hit = app.sheet.getByRole("treeitem", { name: /Look ended by seen/ });
+    const hit = app.sheet.getByRole("treeitem", { name: /Look ended with seen/ });
     await hit.dblclick();
     const seen = told(server, run).find(
       ({ event }) => event.type === "left" && event.outcome.name === "seen",
@@ -258,7 +258,7 @@ journey(
     await showsMoment(app, null);
     await app.panel("Run history");
     await app.sheet
-      .getByRole("treeitem", { name: /broken off/ })
+      .getByRole("treeitem", { name: /interrupted/ })
       .first()
       .waitFor();
     await server.ask("POST", `/runs/${run}/commands`, {
@@ -311,11 +311,11 @@ journey(
     await shown(app, near);
     await app.panel("Compare runs");
     await app.sheet.getByLabel("The other run").selectOption(far);
-    const part = app.sheet.getByRole("button", { name: /^They part here/ });
+    const part = app.sheet.getByRole("button", { name: /^Runs diverge here/ });
     await part.nth(1).waitFor();
     expect(await part.allTextContents()).toEqual([
-      expect.stringContaining("Look ended by seen"),
-      expect.stringContaining("Look ended by nothing here"),
+      expect.stringContaining("Look ended with seen"),
+      expect.stringContaining("Look ended with nothing here"),
     ]);
     await part.first().click();
     await showsMoment(app, parted.one.sequence);

@@ -57,10 +57,10 @@ journey(
     await anna.press("Delete");
     await app.until(({ tab }, path) => tab?.session.machine.state(path) === undefined, FULL);
     await app.panel("Edits");
-    const steps = app.sheet.getByRole("grid", { name: "Steps, the newest first" });
+    const steps = app.sheet.getByRole("grid", { name: "Steps, newest first" });
     await steps.getByText("As it was opened").click();
     await app.sheet.getByRole("button", { name: "Go to this step" }).click();
-    await app.sheet.getByRole("button", { name: "Stay", exact: true }).click();
+    await app.sheet.getByRole("button", { name: "Cancel", exact: true }).click();
     expect((await app.children()).length).toBe(2);
     await app.sheet.getByRole("button", { name: "Go to this step" }).click();
     await app.sheet.getByRole("button", { name: "Go there anyway" }).click();

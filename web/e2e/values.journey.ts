@@ -67,7 +67,7 @@ journey(
     await value(app, "Outputs", "0", "6").waitFor();
 
     await outputs.getByRole("button", { name: /^ranges:/ }).click();
-    await outputs.getByText("of float64, 500; shown is one in 2").waitFor();
+    await outputs.getByText("of float64, 500; showing one in 2").waitFor();
     await outputs.getByRole("img", { name: "ranges: 250 numbers from 0 to 2988" }).waitFor();
     await outputs.getByRole("group", { name: "Show ranges as" }).getByText("Table").click();
     await outputs.getByRole("row", { name: "498 2988" }).waitFor();
@@ -81,7 +81,7 @@ journey(
       .getByRole("button", { name: "Show the moment when count was set" })
       .click();
     await app.until(({ tab }) => (tab?.run.value?.playhead.value ?? null) !== null, null);
-    await app.sheet.getByText("Outputs of its last end").waitFor();
+    await app.sheet.getByText("Outputs at its last end").waitFor();
     await value(app, "Outputs", "count", "5").waitFor();
     await value(app, "Outputs", "0", "5").waitFor();
   },
@@ -119,12 +119,12 @@ journey("an expression is watched, plotted, and leads to its moments", slow, asy
   await inRun(app, "Outputs").getByRole("button", { name: "Watch pose" }).click();
   await app.sheet.getByRole("button", { name: "Show watches" }).click();
   const panel = app.sheet.getByRole("region", { name: "Watched values" });
-  const field = panel.getByLabel("What of pose is watched");
+  const field = panel.getByLabel("Watched expression of pose");
   await field.fill("value.speed");
   await field.press("Enter");
   await panel.getByText('there is no "speed"').waitFor();
   await field.fill("value.joints.");
-  await panel.getByText("a name is missing behind the point").waitFor();
+  await panel.getByText("a name is missing after the point").waitFor();
   await field.fill("value.joints.elbow * 100");
   await field.press("Enter");
   const now = (number: string) =>
@@ -148,8 +148,8 @@ journey("an expression is watched, plotted, and leads to its moments", slow, asy
   await app.sheet.reload();
   await app.connected();
   await perform(app, "view.panel", "watches");
-  await panel.getByLabel("What of pose is watched").waitFor();
-  expect(await panel.getByLabel("What of pose is watched").inputValue()).toBe(
+  await panel.getByLabel("Watched expression of pose").waitFor();
+  expect(await panel.getByLabel("Watched expression of pose").inputValue()).toBe(
     "value.joints.elbow * 100",
   );
 });
@@ -183,7 +183,7 @@ journey(
     await panel.getByText("Nothing is watched").waitFor();
     await over(app, panel);
     await app.sheet.mouse.up();
-    await panel.getByLabel("What of count is watched").waitFor();
+    await panel.getByLabel("Watched expression of count").waitFor();
     const shown = async () => Number(await panel.locator(".value-short").first().textContent());
     await expect.poll(shown, POLL).toBeGreaterThan(0);
     const before = await shown();
@@ -281,6 +281,6 @@ journey("an error says where in the script it came up", few(2), async (hands) =>
   await error.getByText('raise ValueError("the cup is out of reach")').waitFor();
   await error.getByRole("button", { name: "Grasp, line 2" }).click();
   await app.sheet.locator(".cm-activeLine", { hasText: "raise ValueError" }).waitFor();
-  await error.getByRole("button", { name: "Whole traceback (2 frames)" }).click();
+  await error.getByRole("button", { name: "Full traceback (2 frames)" }).click();
   await error.getByText("Traceback (most recent call last)").waitFor();
 });
