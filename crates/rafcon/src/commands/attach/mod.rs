@@ -42,9 +42,9 @@ pub(super) fn attach(
     let has_keys = has_keys(raw.output, environment);
     let console = has_keys.then(|| Console::new(true));
     let view = view(raw.output, environment, names_of_run(machine_of(&folder)), console);
-    let join = Join { from: raw.from, every_event: view.every_event(), values: false };
+    let join = Join { from: raw.from, every_event: view.every_event() };
     let mut wires = EventQueue::new(event_queue::signals()?, has_keys)?;
-    wires.join(control.try_clone()?)?;
+    wires.join(control.try_clone()?, Some(&folder))?;
     let prefix = format!("attach-{}", std::process::id());
     let visit = Visit::new(join, &environment.user, prefix, AttachOptions::of_a_guest());
     let visit = visit.asking_for_the_engine();

@@ -31,7 +31,7 @@ impl RemoteAttach<'_> {
     /// Follows the run until it ends or the user leaves.
     pub(in crate::commands) fn until_the_end(self) -> Result<VisitEnd> {
         let Self { server, run, mut wires, view, from, manners, environment, clock } = self;
-        let join = Join { from, every_event: view.every_event(), values: false };
+        let join = Join { from, every_event: view.every_event() };
         let line = Box::new(follow(server, run, &mut wires, clock)?);
         let visit = Visit::new(join, &environment.user, remote::unique("attach")?, manners);
         Guest { visit, view, line, clock }.until_the_end(&wires)

@@ -312,7 +312,7 @@ mod tests {
                 Cause::Wish(Wish::Leave),
             ],
             &expect![[r#"
-                Send(Join(Join { from: 0, every_event: false, values: false }))
+                Send(Join(Join { from: 0, every_event: false }))
                 Send(Command(Envelope { id: "attach-1", author: "ana", decided_on: None, expiry: None, command: Pause }))
                 Note("refused: the run is running")
                 Send(Inspect { id: "attach-2", path: "A" })
@@ -327,7 +327,7 @@ mod tests {
             AttachOptions::of_a_guest(),
             vec![Cause::Hello(Hello::ours()), entered("A"), Cause::Silence],
             &expect![[r#"
-                Send(Join(Join { from: 0, every_event: false, values: false }))
+                Send(Join(Join { from: 0, every_event: false }))
                 Show(Event { sequence: 1, t_ns: 0, event: Entered { path: "A", inputs: None, undoes: None } })
                 Lost { active: ["A"] }, exit code 7
                 error: its runner is gone; to go on: rafcon resume RUN"#]],
@@ -346,7 +346,7 @@ mod tests {
                 Cause::Silence,
             ],
             &expect![[r#"
-                Send(Join(Join { from: 0, every_event: false, values: false }))
+                Send(Join(Join { from: 0, every_event: false }))
                 Show(Event { sequence: 1, t_ns: 0, event: Entered { path: "A", inputs: None, undoes: None } })
                 Note("stopping; press Ctrl-C again to kill")
                 Send(Command(Envelope { id: "attach-1", author: "ana", decided_on: None, expiry: None, command: Stop }))
@@ -384,7 +384,7 @@ mod tests {
         }
         let lines: Vec<String> = acts.iter().map(|act| format!("{act:?}")).collect();
         expect![[r#"
-            Send(Join(Join { from: 0, every_event: false, values: false }))
+            Send(Join(Join { from: 0, every_event: false }))
             Send(Ping { id: 1 })
             Send(Ping { id: 2 })
             Send(Ping { id: 3 })
@@ -403,8 +403,8 @@ mod tests {
             AttachOptions::of_a_guest(),
             vec![Cause::Hello(hello)],
             &expect![[r#"
-            Refused("the other side (version 0.0.1) speaks protocol 0, this one speaks 2: install the rafcon binary and its extension from the same build"), exit code 1
-            error: the other side (version 0.0.1) speaks protocol 0, this one speaks 2: install the rafcon binary and its extension from the same build"#]],
+            Refused("the other side (version 0.0.1) speaks protocol 0, this one speaks 3: install the rafcon binary and its extension from the same build"), exit code 1
+            error: the other side (version 0.0.1) speaks protocol 0, this one speaks 3: install the rafcon binary and its extension from the same build"#]],
         );
     }
 }
