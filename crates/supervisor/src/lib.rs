@@ -16,8 +16,8 @@
 //! }
 //! ```
 
-mod begin;
 pub mod clock;
+mod connection;
 mod exit;
 pub mod extension;
 mod interpreter;
@@ -27,9 +27,8 @@ pub mod remains;
 mod restart_policy;
 mod resume;
 mod runs;
-pub mod socket;
 
-pub use begin::{BeginError, begin};
+pub use connection::{BeginError, JoinError, begin, connect};
 pub use exit::Exit;
 pub use extension::NoExtension;
 pub use interpreter::{Interpreter, NoInterpreter};
@@ -38,4 +37,3 @@ pub use program_environment::ProgramEnvironment;
 pub use restart_policy::{Next, RestartPolicy, RunnerDeath};
 pub use resume::{machine_of, policy_of, resume_launch};
 pub use runs::{FindError, MakeError, Runs, meant};
-pub use socket::JoinError;

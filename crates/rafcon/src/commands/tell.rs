@@ -2,15 +2,15 @@
 
 use crate::cli;
 use crate::clock::Clock;
-use crate::commands::attach::envelope;
 use crate::commands::remote;
 use crate::environment::Environment;
 use crate::event_queue::Line as _;
 use crate::failure::{Usage, complain};
+use crate::follow::envelope;
 use crate::runs;
 use anyhow::{Context as _, Result, bail};
 use rafcon_protocol::{Answer, Command, Hello, Join, ToRunner, ToViewer, decode, encode};
-use rafcon_supervisor::{clock, socket};
+use rafcon_supervisor::{clock, connect};
 use serde_json::{Map, Value};
 use std::io::{self, BufRead as _, BufReader, Write as _};
 use std::process::ExitCode;
@@ -29,7 +29,7 @@ pub(super) fn tell(raw: &cli::Tell, environment: &Environment) -> Result<ExitCod
         return said(server.command(&run, &envelope)?.answer);
     }
     let folder = runs::find(&raw.runs, environment, &raw.run)?;
-    let mut control = socket::connect(&folder)?;
+    let mut control = connect(&folder)?;
     let mut lines = BufReader::new(control.try_clone()?).lines();
     let mut next = || {
         lines

@@ -111,7 +111,7 @@ pub(super) fn launch(
     let Process { child, control } = process;
     let exit = reap(child).map_err(LaunchError::Thread);
     let exit = exit.inspect_err(|_| group.kill())?;
-    let control = begin(control, launch).inspect_err(|_| group.kill())?;
+    begin(&control, launch).inspect_err(|_| group.kill())?;
     let heard = match hear(&control) {
         Ok(FirstMessage::Begun(loaded)) => return Ok(Launched { loaded, control, exit }),
         Ok(FirstMessage::Refused(reason)) => return Err(LaunchError::Load(reason)),

@@ -8,7 +8,7 @@ use rafcon_protocol::{
     Answer, Envelope, FrameError, Hello, Join, StateData, ToRunner, ToViewer, VersionMismatch,
     decode, encode,
 };
-use rafcon_supervisor::{JoinError, socket};
+use rafcon_supervisor::{JoinError, connect};
 use serde::de::DeserializeOwned;
 use std::io;
 use std::path::PathBuf;
@@ -53,8 +53,8 @@ pub(super) struct RunnerConnection {
 
 /// Joins the run in `folder`.
 pub(super) async fn open(folder: PathBuf, join: Join) -> Result<RunnerConnection, LinkError> {
-    let connect = move || socket::connect(&folder);
-    let stream = tokio::task::spawn_blocking(connect).await.map_err(io::Error::other)??;
+    let connected = move || connect(&folder);
+    let stream = tokio::task::spawn_blocking(connected).await.map_err(io::Error::other)??;
     stream.set_nonblocking(true)?;
     let (lines, mut out) = UnixStream::from_std(stream)?.into_split();
     let mut lines = BufReader::with_capacity(BUFFER_BYTES, lines);

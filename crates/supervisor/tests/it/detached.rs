@@ -6,8 +6,8 @@ use rafcon_protocol::{
 };
 use rafcon_storage::{Naming, save};
 use rafcon_supervisor::{
-    Exit, Interpreter, NoExtension, Process, ProgramEnvironment, Start, begin, extension, is_alive,
-    socket,
+    Exit, Interpreter, NoExtension, Process, ProgramEnvironment, Start, begin, connect, extension,
+    is_alive,
 };
 use rustix::process::{Pid, getpgid};
 use std::fs;
@@ -65,12 +65,13 @@ fn a_run_outlives_whoever_started_it() {
     let mut process = spawn(&extension().unwrap(), &output);
     let child = Pid::from_child(&process.child);
     assert_eq!(getpgid(Some(child)).unwrap(), child);
-    let mut told = messages(begin(process.control, launch).unwrap());
+    begin(&process.control, launch).unwrap();
+    let mut told = messages(process.control);
     assert!(matches!(told.next(), Some(ToViewer::Loaded { .. })));
     drop(told);
     assert!(is_alive(&output));
 
-    let control = socket::connect(&run).unwrap();
+    let control = connect(&run).unwrap();
     say(&control, &encode(&Hello::ours()).unwrap());
     let join = Join { from: 1, every_event: true, values: false };
     say(&control, &encode(&ToRunner::Join(join)).unwrap());

@@ -4,13 +4,13 @@ use super::{report, request, view};
 use crate::cli;
 use crate::client::{Fault, Server};
 use crate::clock::Clock;
-use crate::commands::attach::{self, AttachOptions, RemoteAttach, VisitEnd, has_keys};
+use crate::commands::attach::{self, RemoteAttach, has_keys};
 use crate::commands::remote::{self, refuse, refuse_runs};
 use crate::console::Console;
 use crate::environment::Environment;
 use crate::event_queue::{self, EventQueue};
 use crate::failure::{Usage, complain};
-use crate::supervisor;
+use crate::follow::{End, Role};
 use crate::view::Names;
 use anyhow::Result;
 use rafcon_protocol::Afterwards;
@@ -37,10 +37,10 @@ pub(super) fn run(
     let request = start_run(raw, server)?;
     // Listened to before there is a run, so that none is left alone by Ctrl-C.
     let at = Follow { server, output: raw.output, environment, clock };
-    let wires = EventQueue::new(event_queue::signals()?, has_keys(raw.output, environment))?;
+    let queue = EventQueue::new(event_queue::signals()?, has_keys(raw.output, environment))?;
     let deadline = timeout.map(|timeout| clock.now().saturating_add(timeout));
     match begun(clock, || server.start(&request)) {
-        Ok(run) => at.until_the_end(&run.id, wires, 1, AttachOptions::of_the_host(deadline)),
+        Ok(run) => at.until_the_end(&run.id, queue, 1, deadline),
         Err(fault) => at.not_begun(fault),
     }
 }
@@ -59,12 +59,12 @@ pub(super) fn resume(
     let policy = request::on_crash(raw.policy);
     let request = ResumeRun { id: remote::unique("resume")?, policy, from: raw.from };
     let at = Follow { server, output: raw.output, environment, clock };
-    let wires = EventQueue::new(event_queue::signals()?, has_keys(raw.output, environment))?;
+    let queue = EventQueue::new(event_queue::signals()?, has_keys(raw.output, environment))?;
     let deadline = timeout.map(|timeout| clock.now().saturating_add(timeout));
     match begun(clock, || server.resume(&before.id, &request)) {
         Ok(run) => {
             let from = before.events + 1;
-            at.until_the_end(&run.id, wires, from, AttachOptions::of_the_host(deadline))
+            at.until_the_end(&run.id, queue, from, deadline)
         }
         Err(fault) => at.not_begun(fault),
     }
@@ -157,28 +157,29 @@ impl Follow<'_> {
     fn until_the_end(
         self,
         run: &str,
-        wires: EventQueue,
+        queue: EventQueue,
         from: u64,
-        manners: AttachOptions,
+        deadline: Option<Duration>,
     ) -> Result<ExitCode> {
         let Self { server, output, environment, clock } = self;
         let console = has_keys(output, environment).then(|| Console::new(true));
         let view = view(output, environment, remote::names(server, run), console);
-        let stay = RemoteAttach { server, run, wires, view, from, manners, environment, clock };
-        let end = stay.until_the_end()?;
+        let role = (Role::Host, deadline);
+        let visit = RemoteAttach { server, run, queue, view, from, role, environment, clock };
+        let end = visit.until_the_end()?;
         let named = format!("{run} --server {}", server.address);
         match &end {
-            VisitEnd::Left | VisitEnd::Refused(_) => {
+            End::Finished { timed_out: false, .. } => {}
+            End::Finished { .. } | End::Killed { .. } | End::Died(_) => {
+                complain(&report::text(&end, &mut remote::names(server, run)));
+            }
+            End::Left | End::LoadFailed { .. } | End::NotStarted { .. } => {
                 if let Some(text) = attach::words(&end, &named) {
                     complain(&text);
                 }
             }
-            VisitEnd::Finished { timed_out: false, .. } => {}
-            VisitEnd::Finished { .. } | VisitEnd::Killed { .. } | VisitEnd::Lost { .. } => {
-                complain(&report::text(&end.for_view(), &mut remote::names(server, run)));
-            }
         }
-        if let VisitEnd::Killed { .. } | VisitEnd::Lost { .. } = end {
+        if let End::Killed { .. } | End::Died(_) = end {
             complain(&report::way_out(&named));
         }
         Ok(ExitCode::from(end.code()))
@@ -188,10 +189,10 @@ impl Follow<'_> {
     fn not_begun(self, fault: Fault) -> Result<ExitCode> {
         let end = match fault {
             Fault::Refused { refusal, .. } if refusal.code == "load_failed" => {
-                supervisor::End::LoadFailed { reason: refusal.message }
+                End::LoadFailed { reason: refusal.message }
             }
             Fault::Refused { refusal, .. } if refusal.code == "not_started" => {
-                supervisor::End::NotStarted { reason: refusal.message, said: Vec::new() }
+                End::NotStarted { reason: refusal.message, said: Vec::new() }
             }
             fault => return Err(fault.into()),
         };

@@ -1,18 +1,16 @@
-//! The loop of a run: causes from the wires to the supervisor, its actions to runner and view; and from one runner to the
-//! next. Decides nothing itself.
+//! The runners of a run, one after the other: each is started, followed to its end, and followed by the next if its death allows
+//! that. Decides nothing itself.
 
 use super::place::Place;
 use crate::clock::Clock;
-use crate::event_queue::{self, Cause, EventQueue};
+use crate::event_queue::{self, EventQueue};
 use crate::failure::complain;
-use crate::supervisor::{Action, End, Supervisor};
-use crate::view::{Nothing, View};
+use crate::follow::{End, Follower, Role, RunLoop};
+use crate::view::View;
 use anyhow::Result;
-use rafcon_protocol::{Hello, Launch, OnCrash, encode};
+use rafcon_protocol::{Launch, OnCrash};
 use rafcon_supervisor::clock::salt;
-use rafcon_supervisor::{Group, Next, RestartPolicy, Start, remains};
-use serde::Serialize;
-use std::io::{self, Write as _};
+use rafcon_supervisor::{BeginError, Group, Next, RestartPolicy, Start, begin, remains};
 use std::os::unix::net::UnixStream;
 use std::path::Path;
 use std::time::Duration;
@@ -35,26 +33,26 @@ pub(super) struct RunEnvironment<'a> {
 /// Runs the machine to its end, by as many runners as that takes and its policy allows.
 pub(super) fn follow(launch: Launch, place: &Place, outside: RunEnvironment<'_>) -> Result<End> {
     let RunEnvironment { start, mut view, has_keys, clock, author, timeout } = outside;
-    let mut wires = EventQueue::new(event_queue::signals()?, has_keys)?;
+    let mut queue = EventQueue::new(event_queue::signals()?, has_keys)?;
     let deadline = timeout.map(|timeout| clock.now().saturating_add(timeout));
     let (mut lives, mut launch) = (RestartPolicy::default(), launch);
     loop {
         let process = start.spawn()?;
         let (control, group) = (process.control.try_clone()?, process.group());
-        wires.connect(process)?;
-        let left = deadline.map(|deadline| deadline.saturating_sub(clock.now()));
+        queue.connect(process)?;
+        say(&control, group, launch.clone());
         let prefix = format!("run-{}-{}", std::process::id(), salt(0));
-        let supervisor = Supervisor::new(launch.clone(), clock.now(), left, (author, &prefix));
-        let mut drive = Drive { supervisor, view, control, group, clock };
-        drive.send(&Hello::ours());
-        let mut end = drive.until_the_end(&wires);
+        let follower = Follower::new(Role::Owner, author, prefix, deadline);
+        let line = Box::new(control);
+        let mut run = RunLoop { follower, view, line, group: Some(group), clock };
+        let mut end = run.until_the_end(&queue).inspect_err(|_| group.kill())?;
         add_running(&mut end, place.folder());
-        drive.end_as_kept(&mut end, place);
+        end_as_kept(&mut run, &mut end, place)?;
         let End::Died(death) = &end else {
-            drive.show(|view| view.end(&end));
+            run.show(|view| view.end(&end))?;
             return Ok(end);
         };
-        let is_stopped = drive.supervisor.is_stopped_by_itself();
+        let is_stopped = run.follower.is_stopped_by_itself();
         let policy = if is_stopped { OnCrash::Ask } else { place.on_crash(launch.on_crash) };
         match lives.next(clock.now(), death, policy) {
             Next::Again(resume, crash) if place.is_kept() => {
@@ -64,107 +62,40 @@ pub(super) fn follow(launch: Launch, place: &Place, outside: RunEnvironment<'_>)
                     ("begun", (launch.resume, launch.crash.clone()))
                 };
                 let note = format!("the runner died ({}); the run is {what} again", death.reason);
-                drive.show(|view| view.note(&note));
+                run.show(|view| view.note(&note))?;
                 (launch.resume, launch.crash) = again;
-                view = drive.view;
+                view = run.view;
             }
             Next::Again(..) | Next::Ask(_) => {
-                drive.show(|view| view.end(&end));
+                run.show(|view| view.end(&end))?;
                 return Ok(end);
             }
         }
     }
 }
 
-struct Drive {
-    supervisor: Supervisor,
-    view: Box<dyn View>,
-    control: UnixStream,
-    group: Group,
-    clock: Clock,
+/// Says what to run. A runner that is gone already is noticed by its end.
+fn say(control: &UnixStream, group: Group, launch: Launch) {
+    match begin(control, launch) {
+        Ok(()) | Err(BeginError::Gone(_)) => {}
+        Err(error @ (BeginError::Launch(_) | BeginError::Silent(_))) => {
+            complain(&format!("error: {error}"));
+            group.kill();
+        }
+    }
 }
 
-impl Drive {
-    fn until_the_end(&mut self, wires: &EventQueue) -> End {
-        let mut actions = Vec::new();
-        loop {
-            let cause = self.next(wires);
-            let cause = self.by_itself(cause);
-            let now = self.clock.now();
-            self.supervisor.handle(now, cause, &mut actions);
-            for action in actions.drain(..) {
-                self.act(action);
-            }
-            self.show(|view| view.refresh(now));
-            if let Some(end) = self.supervisor.end(now) {
-                return end.clone();
-            }
-        }
+/// A runner that died after the run had ended took nothing along but its last word.
+fn end_as_kept(run: &mut RunLoop, end: &mut End, place: &Place) -> Result<()> {
+    if !matches!(end, End::Died(_)) || !place.is_kept() {
+        return Ok(());
     }
-
-    fn next(&self, wires: &EventQueue) -> Cause {
-        let now = self.clock.now();
-        let until = self.supervisor.wake_at().map(|at| at.saturating_sub(now));
-        wires.next([until, self.view.rhythm()].into_iter().flatten().min())
+    let Some((time, event)) = remains::kept_end(place.folder()) else { return Ok(()) };
+    if let Some(kept) = End::kept(&event) {
+        run.show(|view| view.event(time, event))?;
+        *end = kept;
     }
-
-    /// What concerns this program alone; a key becomes what it stands for.
-    fn by_itself(&mut self, cause: Cause) -> Cause {
-        match cause {
-            Cause::Key(key) => return self.view.key(key).map_or(Cause::Tick, Cause::Wish),
-            Cause::HungUp if self.view.rhythm().is_some() => self.view = Box::new(Nothing),
-            Cause::Suspend => {
-                self.show(|view| view.set_aside());
-                let stop = signal_hook::consts::SIGTSTP;
-                signal_hook::low_level::emulate_default_handler(stop).unwrap_or_default();
-            }
-            _ => {}
-        }
-        cause
-    }
-
-    fn act(&mut self, action: Action) {
-        let now = self.clock.now();
-        match action {
-            Action::Send(message) => self.send(&message),
-            Action::Kill => self.group.kill(),
-            Action::Loaded { name, states } => self.show(|view| view.loaded(&name, states)),
-            Action::Event(time, event) => self.show(|view| view.event(time, event)),
-            Action::Snapshot(snapshot) => self.show(|view| view.snapshot(now, snapshot)),
-            Action::Inspected { path, data } => self.show(|view| view.inspected(&path, data)),
-            Action::Note(text) => self.show(|view| view.note(&text)),
-        }
-    }
-
-    /// A runner that died after the run had ended took nothing along but its last word.
-    fn end_as_kept(&mut self, end: &mut End, place: &Place) {
-        if !matches!(end, End::Died(_)) || !place.is_kept() {
-            return;
-        }
-        let Some((time, event)) = remains::kept_end(place.folder()) else { return };
-        if let Some(kept) = End::kept(&event) {
-            self.show(|view| view.event(time, event));
-            *end = kept;
-        }
-    }
-
-    /// A runner that does not listen any more is noticed by its silence.
-    fn send(&mut self, message: &impl Serialize) {
-        match encode(message) {
-            Ok(line) => self.control.write_all(&line).unwrap_or_default(),
-            Err(error) => {
-                complain(&format!("error: this cannot be said to the runner: {error}"));
-                self.group.kill();
-            }
-        }
-    }
-
-    /// Whoever looked on is gone: the run goes on unseen.
-    fn show(&mut self, what: impl FnOnce(&mut dyn View) -> io::Result<()>) {
-        if what(self.view.as_mut()).is_err() {
-            self.view = Box::new(Nothing);
-        }
-    }
+    Ok(())
 }
 
 /// The runner's own marks of what runs are better than its last messages: they were made before each script began.

@@ -2,7 +2,7 @@
 
 use super::place::Place;
 use crate::failure::complain;
-use crate::supervisor::End;
+use crate::follow::End;
 use crate::view::Names;
 use rafcon_supervisor::{RunnerDeath, remains};
 use std::collections::BTreeMap;
@@ -80,7 +80,7 @@ fn block(head: &str, lines: &[String]) -> String {
 #[cfg(test)]
 mod tests {
     use super::text;
-    use crate::supervisor::End;
+    use crate::follow::End;
     use crate::view::Names;
     use expect_test::{Expect, expect};
     use rafcon_model::notation;

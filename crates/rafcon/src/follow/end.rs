@@ -1,6 +1,6 @@
 //! How a run can end, and what the program's exit code says about it.
 
-use rafcon_protocol::{Answer, Event, Outcome};
+use rafcon_protocol::{Event, Outcome};
 use rafcon_supervisor::RunnerDeath;
 
 /// Why there is nothing more to do.
@@ -13,7 +13,7 @@ pub(crate) enum End {
         /// Whether `--timeout` made it stop.
         timed_out: bool,
     },
-    /// The machine could not be loaded.
+    /// The machine could not be loaded, or the run lets nobody in.
     LoadFailed {
         /// What, where, and the way out.
         reason: String,
@@ -82,14 +82,5 @@ impl End {
             Self::Died(_) => 7,
             Self::Left => 0,
         }
-    }
-}
-
-/// What the user should know about the answer to a command of ours.
-pub(super) fn refusal(answer: Answer) -> Option<String> {
-    match answer {
-        Answer::Applied => None,
-        Answer::Refused { reason } => Some(format!("the runner refused: {reason}")),
-        Answer::Expired => Some("the command came too late".to_owned()),
     }
 }
