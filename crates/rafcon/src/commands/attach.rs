@@ -4,18 +4,16 @@ use crate::cli;
 use crate::client::{Server, follow};
 use crate::clock::Clock;
 use crate::commands::remote;
-use crate::commands::run::{names_of_run, view};
-use crate::console::Console;
+use crate::commands::run::{has_keys, keyboard, names_of_run, view};
 use crate::environment::Environment;
 use crate::event_queue::{self, EventQueue};
 use crate::failure::complain;
 use crate::follow::{End, Follower, Role, RunLoop};
 use crate::runs;
-use crate::view::View;
 use anyhow::Result;
 use rafcon_protocol::{Hello, Join, encode};
 use rafcon_supervisor::{connect, machine_of};
-use std::io::{self, IsTerminal as _, Write as _};
+use std::io::Write as _;
 use std::process::ExitCode;
 use std::sync::Arc;
 use std::time::Duration;
@@ -27,15 +25,18 @@ pub(super) fn attach(
     clock: Clock,
 ) -> Result<ExitCode> {
     if let Some(server) = remote::server(&raw.remote, environment)? {
-        return at_server(raw, &server, environment, clock);
+        remote::refuse_runs(&raw.runs, environment)?;
+        let run = remote::run(&server, &raw.run)?.id;
+        let at = AtServer { server: &server, output: raw.output, environment, clock };
+        let end = at.follow(&run, at.queue()?, raw.from, (Role::Guest, None))?;
+        return Ok(ended(&end, &at.named(&run)));
     }
     let folder = runs::find(&raw.runs, environment, &raw.run)?;
     let mut control = connect(&folder)?;
-    let has_keys = has_keys(raw.output, environment);
-    let console = has_keys.then(|| Console::new(true));
-    let view = view(raw.output, environment, names_of_run(machine_of(&folder)), console);
+    let keyboard = keyboard(raw.output, environment, true);
+    let mut queue = EventQueue::new(event_queue::signals()?, keyboard.is_some())?;
+    let view = view(raw.output, environment, names_of_run(machine_of(&folder)), keyboard);
     let join = Join { from: raw.from, every_event: view.every_event(), values: false };
-    let mut queue = EventQueue::new(event_queue::signals()?, has_keys)?;
     queue.join(control.try_clone()?)?;
     let prefix = format!("attach-{}", std::process::id());
     let follower = Follower::new(Role::Guest, &environment.user, prefix, None);
@@ -47,67 +48,55 @@ pub(super) fn attach(
     Ok(ended(&end, &runs::id(&folder)))
 }
 
-fn at_server(
-    raw: &cli::Attach,
-    server: &Arc<Server>,
-    environment: &Environment,
-    clock: Clock,
-) -> Result<ExitCode> {
-    remote::refuse_runs(&raw.runs, environment)?;
-    let run = remote::run(server, &raw.run)?.id;
-    let has_keys = has_keys(raw.output, environment);
-    let console = has_keys.then(|| Console::new(true));
-    let view = view(raw.output, environment, remote::names(server, &run), console);
-    let queue = EventQueue::new(event_queue::signals()?, has_keys)?;
-    let (from, run, role) = (raw.from, run.as_str(), (Role::Guest, None));
-    let visit = RemoteAttach { server, run, queue, view, from, role, environment, clock };
-    let end = visit.until_the_end()?;
-    Ok(ended(&end, &format!("{run} --server {}", server.address)))
-}
-
-/// What following a run at a server needs.
-pub(super) struct RemoteAttach<'a> {
+/// How runs at a server are followed.
+pub(super) struct AtServer<'a> {
     pub(super) server: &'a Arc<Server>,
-    /// The run's id.
-    pub(super) run: &'a str,
-    pub(super) queue: EventQueue,
-    pub(super) view: Box<dyn View>,
-    /// The first event that is told; 0: from now on.
-    pub(super) from: u64,
-    /// What this program has to do with the run, and when the machine is stopped.
-    pub(super) role: (Role, Option<Duration>),
+    pub(super) output: cli::Output,
     pub(super) environment: &'a Environment,
     pub(super) clock: Clock,
 }
 
-impl RemoteAttach<'_> {
-    /// Follows the run until it ends or the user leaves.
-    pub(super) fn until_the_end(self) -> Result<End> {
-        let Self { server, run, mut queue, view, from, role, environment, clock } = self;
+impl AtServer<'_> {
+    /// Signals and keys, listened to from now on.
+    pub(super) fn queue(&self) -> Result<EventQueue> {
+        EventQueue::new(event_queue::signals()?, has_keys(self.output, self.environment))
+    }
+
+    /// Follows a run from this event on (0: from now on) until it ends or the user leaves; the machine is stopped at the
+    /// deadline.
+    pub(super) fn follow(
+        &self,
+        run: &str,
+        mut queue: EventQueue,
+        from: u64,
+        (role, deadline): (Role, Option<Duration>),
+    ) -> Result<End> {
+        let Self { server, output, environment, clock } = *self;
+        let keyboard = keyboard(output, environment, true);
+        let view = view(output, environment, remote::names(server, run), keyboard);
         let join = Join { from, every_event: view.every_event(), values: false };
         let line = Box::new(follow(server, run, &mut queue, clock)?);
-        let ((role, deadline), prefix) = (role, remote::unique("attach")?);
-        let follower = Follower::new(role, &environment.user, prefix, deadline).joining(join);
+        let (user, prefix) = (&environment.user, remote::unique("attach")?);
+        let follower = Follower::new(role, user, prefix, deadline).joining(join);
         RunLoop { follower, view, line, group: None, clock }.until_the_end_is_shown(&queue)
+    }
+
+    /// How commands name a run.
+    pub(super) fn named(&self, run: &str) -> String {
+        format!("{run} --server {}", self.server.address)
     }
 }
 
-/// Whether the keyboard is for the view.
-pub(super) fn has_keys(output: cli::Output, environment: &Environment) -> bool {
-    let is_terminal = io::stdout().is_terminal() && io::stdin().is_terminal();
-    output == cli::Output::Text && is_terminal && !environment.dumb_terminal
-}
-
 /// Tells the user about an end; `run` is how commands name it.
-fn ended(end: &End, run: &str) -> ExitCode {
+pub(super) fn ended(end: &End, run: &str) -> ExitCode {
     if let Some(text) = words(end, run) {
         complain(&text);
     }
     ExitCode::from(end.code())
 }
 
-/// What the user is told about an end besides what is shown; `run` is how commands name it.
-pub(super) fn words(end: &End, run: &str) -> Option<String> {
+/// What the user is told about an end besides what is shown.
+fn words(end: &End, run: &str) -> Option<String> {
     match end {
         End::Finished { .. } | End::Killed { .. } => None,
         End::Left => Some(format!("left; it goes on (rafcon attach {run} joins it again)")),

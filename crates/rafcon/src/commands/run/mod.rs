@@ -8,7 +8,6 @@ mod request;
 
 use crate::cli;
 use crate::clock::Clock;
-use crate::commands::attach::has_keys;
 use crate::commands::remote;
 use crate::console::Console;
 use crate::environment::Environment;
@@ -83,9 +82,9 @@ impl RunSetup<'_> {
         let interpreter = Interpreter::choose(self.raw.python.as_deref(), surroundings)?;
         let extension = extension::find(surroundings)?;
         let start = Start { interpreter: &interpreter, extension: &extension };
-        let has_keys = has_keys(self.output, self.environment);
-        let console = has_keys.then(|| Console::new(false));
-        let view = view(self.output, self.environment, names(), console);
+        let keyboard = keyboard(self.output, self.environment, false);
+        let has_keys = keyboard.is_some();
+        let view = view(self.output, self.environment, names(), keyboard);
         let launch = Launch { every_event: view.every_event(), ..launch };
         let outside = RunEnvironment {
             start: &start,
@@ -96,7 +95,7 @@ impl RunSetup<'_> {
             timeout: self.timeout,
         };
         let end = drive::follow(launch, place, outside)?;
-        report::end(&end, place, names);
+        report::end(&end, place.kept_run(), Some(place.folder()), names);
         Ok(ExitCode::from(end.code()))
     }
 }
@@ -105,18 +104,32 @@ fn is_terminal(environment: &Environment) -> bool {
     io::stdout().is_terminal() && !environment.dumb_terminal
 }
 
+/// Whether the keyboard is for the view.
+pub(super) fn has_keys(output: cli::Output, environment: &Environment) -> bool {
+    output == cli::Output::Text && is_terminal(environment) && io::stdin().is_terminal()
+}
+
+/// The keyboard, if it is for the view: of a run that can be left (`may_leave`) or ends with this program.
+pub(super) fn keyboard(
+    output: cli::Output,
+    environment: &Environment,
+    may_leave: bool,
+) -> Option<Console> {
+    has_keys(output, environment).then(|| Console::new(may_leave))
+}
+
 /// What shows a run.
 pub(super) fn view(
     output: cli::Output,
     environment: &Environment,
     names: Names,
-    console: Option<Console>,
+    keyboard: Option<Console>,
 ) -> Box<dyn View> {
     match output {
         cli::Output::Json => Box::new(Json::new(io::stdout())),
         cli::Output::Text if is_terminal(environment) => {
             let paint = Paint { colour: !environment.no_color, unicode: environment.unicode };
-            Box::new(Live::new(paint, names, console))
+            Box::new(Live::new(paint, names, keyboard))
         }
         cli::Output::Text => Box::new(Lines::new(io::stdout(), names)),
     }

@@ -35,10 +35,10 @@ impl Place {
         matches!(self, Self::Kept(_))
     }
 
-    /// Its name, if it is kept.
-    pub(super) fn id(&self) -> Option<&str> {
+    /// Its name, if it can be taken up again.
+    pub(super) fn kept_run(&self) -> Option<&str> {
         let Self::Kept(folder) = self else { return None };
-        folder.file_name()?.to_str()
+        folder.file_name()?.to_str().filter(|_| self.keeps_itself())
     }
 
     /// Whether anything has happened in the run.
