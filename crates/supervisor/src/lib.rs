@@ -18,22 +18,17 @@
 
 pub mod clock;
 mod connection;
-mod exit;
 pub mod extension;
 mod interpreter;
 mod process;
-mod program_environment;
 pub mod remains;
 mod restart_policy;
-mod resume;
 mod runs;
 
 pub use connection::{BeginError, JoinError, begin, connect};
-pub use exit::Exit;
 pub use extension::NoExtension;
-pub use interpreter::{Interpreter, NoInterpreter};
-pub use process::{Group, Process, Start, StartError, is_alive};
-pub use program_environment::ProgramEnvironment;
+pub use interpreter::{Interpreter, NoInterpreter, ProgramEnvironment};
+pub use process::{Exit, Group, Process, Start, StartError, is_alive};
+pub use remains::{KeptRun, machine_of, policy_of, resume_launch};
 pub use restart_policy::{Next, RestartPolicy, RunnerDeath};
-pub use resume::{machine_of, policy_of, resume_launch};
 pub use runs::{FindError, MakeError, Runs, meant};

@@ -123,8 +123,7 @@ mod tests {
         let death = RunnerDeath {
             reason: "its runner is gone".to_owned(),
             active: vec!["A".to_owned()],
-            said: Vec::new(),
-            is_cut_off: false,
+            ..RunnerDeath::default()
         };
         check(&End::Left, &expect!["left; it goes on (rafcon attach RUN joins it again)"]);
         check(

@@ -370,14 +370,11 @@ impl Follower {
         if self.role == Role::Owner && !self.is_greeted {
             return End::NotStarted { reason, said };
         }
-        let is_cut_off = self.process.exit().is_some_and(Exit::is_cut_off);
+        let exit = self.process.exit();
+        let is_cut_off = exit.is_some_and(Exit::is_cut_off);
+        let is_wanted = exit.is_some_and(Exit::is_stopped);
         let active = self.active.paths().to_vec();
-        End::Died(RunnerDeath { reason, active, said, is_cut_off })
-    }
-
-    /// Whether the runner ended itself to bring the run to a stop.
-    pub(crate) fn is_stopped_by_itself(&self) -> bool {
-        self.process.exit().is_some_and(Exit::is_stopped)
+        End::Died(RunnerDeath { reason, active, said, is_cut_off, is_wanted })
     }
 }
 

@@ -155,7 +155,7 @@ mod tests {
             reason: "killed by signal 11 (SIGSEGV)".to_owned(),
             active: vec!["A/B".to_owned()],
             said: vec!["Segmentation fault".to_owned()],
-            is_cut_off: false,
+            ..RunnerDeath::default()
         };
         check(
             vec![log()],

@@ -1,6 +1,7 @@
 //! Starting a runner that outlives the server, until it says that its run begins. Knows processes; must never know why one is
 //! started. Takes its time: never on a thread that talks.
 
+use super::leftovers::{OUTPUT_FILE, last_line};
 use crate::Settings;
 use rafcon_protocol::api::LoadedMachine;
 use rafcon_protocol::{FrameError, Hello, Launch, ToViewer, VersionMismatch, decode};
@@ -17,8 +18,6 @@ use std::thread;
 use std::time::Duration;
 use tokio::sync::oneshot;
 
-/// What a runner and its scripts write past the capture of script output, in the run's folder.
-pub(super) const OUTPUT_FILE: &str = "output";
 /// How long a machine may take to load.
 const LOAD_TIMEOUT: Duration = Duration::from_mins(2);
 
@@ -123,7 +122,7 @@ pub(super) fn launch(
         return Ok(Launched { loaded: None, control, exit: known(ended) });
     }
     heard?;
-    let said = super::output::last_line(&output);
+    let said = last_line(&output);
     Err(LaunchError::Ended { exit: ended.to_string(), said })
 }
 

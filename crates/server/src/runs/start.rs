@@ -14,7 +14,7 @@ use crate::{Failure, ServerState};
 use axum::http::StatusCode;
 use rafcon_protocol::api::{RunPhase, RunSummary, StartRun};
 use rafcon_protocol::{Keeping, Launch};
-use rafcon_supervisor::{Next, RestartPolicy, RunnerDeath, clock};
+use rafcon_supervisor::{KeptRun, Next, RestartPolicy, RunnerDeath, clock};
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -178,7 +178,7 @@ fn made(
         .write(&folder)
         .map_err(|error| no_room(&format!("cannot write into {}: {error}", folder.display())))
         .and_then(|()| {
-            launched(server, asked, &folder, &words(server, machine, asked, &folder))
+            launched(server, asked, &folder, words(server, machine, asked, &folder))
                 .map_err(|error| not_launched(&error))
         });
     match begun {
@@ -197,19 +197,20 @@ fn launched(
     server: &ServerState,
     asked: &StartRun,
     folder: &Path,
-    words: &Launch,
+    mut words: Launch,
 ) -> Result<Launched, LaunchError> {
     let mut lives = RestartPolicy::default();
+    let kept = KeptRun { policy: asked.on_crash.unwrap_or_default(), has_begun: false };
     loop {
         let error = match launch(&server.settings, folder, words.clone()) {
             Err(error) if error.is_death() => error,
             other => return other,
         };
         let (now, reason) = (Duration::from_millis(clock::since_1970_ms()), error.to_string());
-        let death = RunnerDeath { reason, active: Vec::new(), said: Vec::new(), is_cut_off: false };
-        let policy = asked.on_crash.unwrap_or_default();
-        if let Next::Ask(_) = lives.next(now, &death, policy) {
-            return Err(error);
+        let death = RunnerDeath { reason, ..RunnerDeath::default() };
+        match lives.next(now, &death, kept, words) {
+            Next::Again(again) => words = *again,
+            Next::Ask(_) => return Err(error),
         }
     }
 }

@@ -1,6 +1,6 @@
 //! What lies in the folder of a run, in one line. Knows folders, requests and journals; may take its time.
 
-use super::launch::OUTPUT_FILE;
+use super::leftovers::OUTPUT_FILE;
 use super::request::RunRequest;
 use crate::projects::Projects;
 use rafcon_protocol::Keeping;

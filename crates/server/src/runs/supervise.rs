@@ -4,10 +4,10 @@
 //! Knows the order of things. Must never know who asks for them.
 
 use super::launch::Launched;
+use super::leftovers;
 use super::link;
 use super::request::RunRequest;
 use super::run::Run;
-use super::runner_end;
 use super::summary::FolderSummary;
 use super::take_up;
 use crate::ServerState;
@@ -15,7 +15,7 @@ use crate::failure::reason;
 use rafcon_protocol::OnCrash;
 use rafcon_protocol::api::{RunPhase, RunSummary};
 use rafcon_storage::journal::{has_begun, writer_of};
-use rafcon_supervisor::{Exit, Next, RestartPolicy, clock, policy_of};
+use rafcon_supervisor::{Exit, KeptRun, Next, RestartPolicy, clock, resume_launch};
 use std::os::unix::net::UnixStream;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -137,10 +137,12 @@ impl RunSupervisor {
         let (server, folder) = (Arc::clone(&self.server), self.run.folder().to_path_buf());
         let look = move || {
             let looked = super::summary::look(&folder, &server.projects)?;
-            let policy = policy_of(&folder);
-            Some((looked, policy, runner_end::of(&folder, exit)))
+            let kept = KeptRun::of(&folder, None);
+            let words = resume_launch(&folder, kept.policy, None);
+            Some((looked, leftovers::death(&folder, exit), kept, words))
         };
-        let Ok(Some((looked, policy, fate))) = tokio::task::spawn_blocking(look).await else {
+        let Ok(Some((looked, mut death, kept, words))) = tokio::task::spawn_blocking(look).await
+        else {
             self.run.release();
             return false;
         };
@@ -150,20 +152,14 @@ impl RunSupervisor {
         let Some(request) = ours else {
             return self.end(&summary);
         };
-        let next = if self.run.take_stop_by_force() {
-            Next::Ask("it did not take a stop, so its process was ended")
-        } else if fate.is_killed {
-            Next::Ask("somebody killed it")
-        } else {
-            let now = Duration::from_millis(clock::since_1970_ms());
-            self.lives.next(now, &fate.death, policy)
-        };
-        match next {
+        death.is_wanted |= self.run.take_stop_by_force();
+        let now = Duration::from_millis(clock::since_1970_ms());
+        match self.lives.next(now, &death, kept, words) {
             Next::Ask(_) => self.leave_for_decision(&summary, request).await,
-            Next::Again(resume, crash) => {
+            Next::Again(words) => {
                 summary.phase = RunPhase::Starting;
                 self.run.apply_summary(&summary);
-                match take_up::again(&self.server, &self.run, resume, crash).await {
+                match take_up::again(&self.server, &self.run, *words).await {
                     Ok(launched) => {
                         self.control = Some(launched.control);
                         self.run.set_exit(launched.exit);

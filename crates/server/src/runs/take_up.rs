@@ -13,8 +13,8 @@ use crate::blocking::blocking;
 use crate::failure::reason;
 use crate::{Failure, ServerState};
 use axum::http::StatusCode;
+use rafcon_protocol::Launch;
 use rafcon_protocol::api::{ResumeRun, RunPhase, RunSummary};
-use rafcon_protocol::{Crash, Launch, Resume};
 use rafcon_supervisor::resume_launch;
 use std::io;
 use std::sync::Arc;
@@ -140,15 +140,10 @@ fn begun(
 pub(super) async fn again(
     server: &Arc<ServerState>,
     run: &Arc<Run>,
-    resume: Resume,
-    crash: Crash,
+    words: Launch,
 ) -> Result<Launched, LaunchError> {
     let (server, run) = (Arc::clone(server), Arc::clone(run));
-    let begin = move || {
-        let words = resume_launch(run.folder(), resume.policy, resume.from);
-        let words = Launch { resume: Some(resume), crash: Some(crash), ..words };
-        launch(&server.settings, run.folder(), words)
-    };
+    let begin = move || launch(&server.settings, run.folder(), words);
     let begun = tokio::task::spawn_blocking(begin).await;
     begun.unwrap_or_else(|stopped| Err(LaunchError::Thread(io::Error::other(stopped))))
 }

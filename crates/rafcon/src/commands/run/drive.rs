@@ -8,9 +8,9 @@ use crate::failure::complain;
 use crate::follow::{End, Follower, Role, RunLoop};
 use crate::view::View;
 use anyhow::Result;
-use rafcon_protocol::{Launch, OnCrash};
+use rafcon_protocol::Launch;
 use rafcon_supervisor::clock::salt;
-use rafcon_supervisor::{BeginError, Group, Next, RestartPolicy, Start, begin, remains};
+use rafcon_supervisor::{BeginError, Group, KeptRun, Next, RestartPolicy, Start, begin, remains};
 use std::os::unix::net::UnixStream;
 use std::path::Path;
 use std::time::Duration;
@@ -48,29 +48,24 @@ pub(super) fn follow(launch: Launch, place: &Place, outside: RunEnvironment<'_>)
         let mut end = run.until_the_end(&queue).inspect_err(|_| group.kill())?;
         add_running(&mut end, place.folder());
         end_as_kept(&mut run, &mut end, place)?;
-        let End::Died(death) = &end else {
+        let again = match &end {
+            End::Died(death) if place.is_kept() => {
+                let kept = KeptRun::of(place.folder(), launch.on_crash);
+                let what = if kept.has_begun { "taken up" } else { "begun" };
+                let note = format!("the runner died ({}); the run is {what} again", death.reason);
+                match lives.next(clock.now(), death, kept, launch) {
+                    Next::Again(again) => Some((again, note)),
+                    Next::Ask(_) => None,
+                }
+            }
+            _ => None,
+        };
+        let Some((again, note)) = again else {
             run.show(|view| view.end(&end))?;
             return Ok(end);
         };
-        let is_stopped = run.follower.is_stopped_by_itself();
-        let policy = if is_stopped { OnCrash::Ask } else { place.on_crash(launch.on_crash) };
-        match lives.next(clock.now(), death, policy) {
-            Next::Again(resume, crash) if place.is_kept() => {
-                let (what, again) = if place.has_begun() {
-                    ("taken up", (Some(resume), Some(crash)))
-                } else {
-                    ("begun", (launch.resume, launch.crash.clone()))
-                };
-                let note = format!("the runner died ({}); the run is {what} again", death.reason);
-                run.show(|view| view.note(&note))?;
-                (launch.resume, launch.crash) = again;
-                view = run.view;
-            }
-            Next::Again(..) | Next::Ask(_) => {
-                run.show(|view| view.end(&end))?;
-                return Ok(end);
-            }
-        }
+        run.show(|view| view.note(&note))?;
+        (launch, view) = (*again, run.view);
     }
 }
 

@@ -1,10 +1,7 @@
 //! The folder of a run: kept among the runs, or only for as long as the run lasts.
 
 use anyhow::{Context as _, Result};
-use rafcon_protocol::OnCrash;
 use rafcon_storage::journal::folder::ABOUT_FILE;
-use rafcon_storage::journal::has_begun;
-use rafcon_supervisor::policy_of;
 use std::path::{Path, PathBuf};
 
 /// Where a run keeps its files.
@@ -41,18 +38,8 @@ impl Place {
         folder.file_name()?.to_str().filter(|_| self.keeps_itself())
     }
 
-    /// Whether anything has happened in the run.
-    pub(super) fn has_begun(&self) -> bool {
-        has_begun(self.folder())
-    }
-
-    /// What becomes of scripts that a crash has interrupted, as the run keeps it; as it was asked for, if it keeps nothing yet.
-    pub(super) fn on_crash(&self, asked: Option<OnCrash>) -> OnCrash {
-        if self.keeps_itself() { policy_of(self.folder()) } else { asked.unwrap_or_default() }
-    }
-
     /// Whether it says what it is, so that it can be taken up again.
-    pub(super) fn keeps_itself(&self) -> bool {
+    fn keeps_itself(&self) -> bool {
         self.folder().join(ABOUT_FILE).exists()
     }
 }
@@ -60,11 +47,9 @@ impl Place {
 impl Drop for Place {
     /// A run that never began leaves no folder.
     fn drop(&mut self) {
-        if let Self::Kept(folder) = self
-            && !folder.join(ABOUT_FILE).exists()
-        {
+        if self.is_kept() && !self.keeps_itself() {
             // What cannot be removed is in nobody's way.
-            std::fs::remove_dir_all(folder).unwrap_or_default();
+            std::fs::remove_dir_all(self.folder()).unwrap_or_default();
         }
     }
 }

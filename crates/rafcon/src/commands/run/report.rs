@@ -105,7 +105,7 @@ mod tests {
             reason: "killed by signal 11 (SIGSEGV)".to_owned(),
             active: vec!["ROOT/SCANID".to_owned(), "ROOT/X".to_owned()],
             said: vec!["Fatal Python error: Segmentation fault".to_owned()],
-            is_cut_off: false,
+            ..RunnerDeath::default()
         };
         check(
             &End::Died(death),

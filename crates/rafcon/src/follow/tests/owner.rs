@@ -239,7 +239,7 @@ fn a_runner_that_dies_leaves_what_was_active_and_what_it_said() {
             1: show Entered { path: "A/C", inputs: None, undoes: None }
             1: show Left { path: "A/B", outcome: Outcome { id: 0, name: "done" }, outputs: None, error: None, undoes: None }
             2: show Log { path: "", level: Error, stream: Stderr, message: "Fatal Python error: Segmentation fault" }
-            2: Died(RunnerDeath { reason: "killed by signal 11 (SIGSEGV)", active: ["A", "A/C"], said: ["Fatal Python error: Segmentation fault"], is_cut_off: false }), exit code 7
+            2: Died(RunnerDeath { reason: "killed by signal 11 (SIGSEGV)", active: ["A", "A/C"], said: ["Fatal Python error: Segmentation fault"], is_cut_off: false, is_wanted: false }), exit code 7
         "#]],
     );
 }
@@ -264,7 +264,7 @@ fn a_snapshot_may_come_before_events_that_it_knows_and_after_events_that_it_does
             1: show Log { path: "", level: Error, stream: Stderr, message: "no event" }
             1: show Entered { path: "A/B", inputs: None, undoes: None }
             1: Snapshot(Snapshot { status: Running, active: [ActiveState { path: "A", name: "", phase: Running, since_ms: 0, branch: "", detail: None, held: [] }], states_run: 0, elapsed_ms: 0, sequence: 5, disk_safe: 0, journal_problem: None, breakpoints: [], questions: [] })
-            2: Died(RunnerDeath { reason: "killed by signal 11 (SIGSEGV)", active: ["A", "A/B"], said: ["no event"], is_cut_off: false }), exit code 7
+            2: Died(RunnerDeath { reason: "killed by signal 11 (SIGSEGV)", active: ["A", "A/B"], said: ["no event"], is_cut_off: false, is_wanted: false }), exit code 7
         "#]],
     );
 }
@@ -278,7 +278,7 @@ fn a_child_that_holds_the_socket_does_not_keep_us_waiting() {
          2 tick",
         &expect![[r#"
             0: Loaded { name: "M", states: 2, problems: [], run: "" }
-            2: Died(RunnerDeath { reason: "exit status 1", active: [], said: [], is_cut_off: false }), exit code 7
+            2: Died(RunnerDeath { reason: "exit status 1", active: [], said: [], is_cut_off: false, is_wanted: false }), exit code 7
         "#]],
     );
 }
@@ -354,7 +354,7 @@ fn a_script_that_closes_the_connection_ends_the_run() {
             0: Loaded { name: "M", states: 2, problems: [], run: "" }
             1: show Entered { path: "A", inputs: None, undoes: None }
             4: Kill
-            4: Died(RunnerDeath { reason: "it closed its control connection and went on", active: ["A"], said: [], is_cut_off: false }), exit code 7
+            4: Died(RunnerDeath { reason: "it closed its control connection and went on", active: ["A"], said: [], is_cut_off: false, is_wanted: false }), exit code 7
         "#]],
     );
 }

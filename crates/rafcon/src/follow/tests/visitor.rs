@@ -83,7 +83,7 @@ fn a_runner_that_dies_is_told_with_the_way_out() {
         &expect![[r#"
             Send(Join(Join { from: 0, every_event: false, values: false }))
             Show(Event { sequence: 1, t_ns: 0, event: Entered { path: "A", inputs: None, undoes: None } })
-            Died(RunnerDeath { reason: "its runner is gone", active: ["A"], said: [], is_cut_off: false }), exit code 7"#]],
+            Died(RunnerDeath { reason: "its runner is gone", active: ["A"], said: [], is_cut_off: false, is_wanted: false }), exit code 7"#]],
     );
 }
 
