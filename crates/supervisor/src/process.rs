@@ -7,7 +7,7 @@
 //! that reads from it would be stopped by the kernel. What it writes comes to us by pipes. A *detached* runner has nothing
 //! that ends with us: no input, and a file for what it writes, which is locked for as long as somebody may write to it.
 
-use crate::Interpreter;
+use crate::{Interpreter, NoExtension, NoInterpreter, ProgramEnvironment, find_extension};
 use parking_lot::Mutex;
 use rustix::io::FdFlags;
 use rustix::process::{Pid, Signal};
@@ -34,12 +34,12 @@ const UNREACHED: i32 = 88;
 static INHERITING: Mutex<()> = Mutex::new(());
 
 /// What is needed to start a runner.
-#[derive(Debug, Clone, Copy)]
-pub struct Start<'a> {
+#[derive(Debug, Clone)]
+pub struct Start {
     /// Which Python.
-    pub interpreter: &'a Interpreter,
+    pub interpreter: Interpreter,
     /// The extension's file.
-    pub extension: &'a Path,
+    pub extension: PathBuf,
 }
 
 /// A runner that was started.
@@ -58,6 +58,12 @@ pub struct Group(Pid);
 /// Why a runner was not started.
 #[derive(Debug, thiserror::Error)]
 pub enum StartError {
+    /// There is no Python.
+    #[error(transparent)]
+    NoInterpreter(#[from] NoInterpreter),
+    /// There is no extension.
+    #[error(transparent)]
+    NoExtension(#[from] NoExtension),
     /// There is no control socket.
     #[error("cannot make a pair of sockets")]
     Sockets(#[source] io::Error),
@@ -82,7 +88,16 @@ pub enum StartError {
     },
 }
 
-impl Start<'_> {
+impl Start {
+    /// Finds interpreter and extension; the interpreter may be `named`.
+    pub fn find(
+        named: Option<&Path>,
+        surroundings: &ProgramEnvironment,
+    ) -> Result<Self, StartError> {
+        let interpreter = Interpreter::choose(named, surroundings)?;
+        Ok(Self { interpreter, extension: find_extension(surroundings)? })
+    }
+
     /// Starts it beside a terminal.
     pub fn spawn(&self) -> Result<Process, StartError> {
         let stdin = if io::stdin().is_terminal() { Stdio::null() } else { Stdio::inherit() };
@@ -104,7 +119,7 @@ impl Start<'_> {
         let mut command = Command::new(&self.interpreter.program);
         command
             .args(["-c", BOOTSTRAP])
-            .env("RAFCON_EXTENSION_FILE", self.extension)
+            .env("RAFCON_EXTENSION_FILE", &self.extension)
             .env("RAFCON_CONTROL_FD", theirs.as_raw_fd().to_string())
             .stdin(stdin)
             .stdout(stdout)

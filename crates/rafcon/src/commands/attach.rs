@@ -6,7 +6,7 @@ use crate::clock::Clock;
 use crate::commands::remote;
 use crate::commands::run::{has_keys, keyboard, names_of_run, view};
 use crate::environment::Environment;
-use crate::event_queue::{self, EventQueue};
+use crate::event_queue::EventQueue;
 use crate::failure::complain;
 use crate::follow::{End, Follower, Role, RunLoop};
 use crate::runs;
@@ -34,7 +34,7 @@ pub(super) fn attach(
     let folder = runs::find(&raw.runs, environment, &raw.run)?;
     let mut control = connect(&folder)?;
     let keyboard = keyboard(raw.output, environment, true);
-    let mut queue = EventQueue::new(event_queue::signals()?, keyboard.is_some())?;
+    let mut queue = EventQueue::new(keyboard.is_some())?;
     let view = view(raw.output, environment, names_of_run(machine_of(&folder)), keyboard);
     let join = Join { from: raw.from, every_event: view.every_event(), values: false };
     queue.join(control.try_clone()?)?;
@@ -59,7 +59,7 @@ pub(super) struct AtServer<'a> {
 impl AtServer<'_> {
     /// Signals and keys, listened to from now on.
     pub(super) fn queue(&self) -> Result<EventQueue> {
-        EventQueue::new(event_queue::signals()?, has_keys(self.output, self.environment))
+        EventQueue::new(has_keys(self.output, self.environment))
     }
 
     /// Follows a run from this event on (0: from now on) until it ends or the user leaves; the machine is stopped at the

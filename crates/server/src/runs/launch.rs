@@ -6,10 +6,7 @@ use crate::Settings;
 use rafcon_protocol::api::LoadedMachine;
 use rafcon_protocol::{FrameError, Hello, Launch, ToViewer, VersionMismatch, decode};
 use rafcon_storage::journal::{Reader, has_begun};
-use rafcon_supervisor::{
-    BeginError, Exit, Interpreter, NoExtension, NoInterpreter, Process, Start, StartError, begin,
-    extension,
-};
+use rafcon_supervisor::{BeginError, Exit, Process, Start, StartError, begin};
 use std::io::{self, BufRead as _, BufReader};
 use std::os::unix::net::UnixStream;
 use std::path::Path;
@@ -35,12 +32,6 @@ pub(super) struct Launched {
 /// Why there is no run.
 #[derive(Debug, thiserror::Error)]
 pub(super) enum LaunchError {
-    /// There is no Python.
-    #[error(transparent)]
-    Interpreter(#[from] NoInterpreter),
-    /// There is no extension.
-    #[error(transparent)]
-    Extension(#[from] NoExtension),
     /// There is no process.
     #[error(transparent)]
     Start(#[from] StartError),
@@ -100,9 +91,7 @@ pub(super) fn launch(
     folder: &Path,
     launch: Launch,
 ) -> Result<Launched, LaunchError> {
-    let interpreter = Interpreter::choose(settings.python.as_deref(), &settings.surroundings)?;
-    let extension = extension::find(&settings.surroundings)?;
-    let start = Start { interpreter: &interpreter, extension: &extension };
+    let start = Start::find(settings.python.as_deref(), &settings.surroundings)?;
     let output = folder.join(OUTPUT_FILE);
     let before = events(folder);
     let process = start.spawn_detached(&output)?;

@@ -3,10 +3,10 @@
 //!
 //! Knows the order of things. Must never know who asks for them.
 
+use super::folder_files::RunRequest;
 use super::launch::Launched;
 use super::leftovers;
 use super::link;
-use super::request::RunRequest;
 use super::run::Run;
 use super::summary::FolderSummary;
 use super::take_up;
@@ -51,29 +51,24 @@ fn look_after(server: &Arc<ServerState>, run: &Arc<Run>) {
     tokio::spawn(life.go_on());
 }
 
-/// Looks after a runner that was just started, and waits until it can be commanded: until then it knows that somebody looks on.
-pub(super) async fn follow_ours(server: &Arc<ServerState>, run: &Arc<Run>, launched: Launched) {
-    let control = adopt(run, launched);
-    follow(server, run);
-    run.linked().await;
-    drop(control);
-}
-
-/// The same for a run that is in our hand.
-pub(super) async fn look_after_ours(server: &Arc<ServerState>, run: &Arc<Run>, launched: Launched) {
-    let control = adopt(run, launched);
-    look_after(server, run);
-    run.linked().await;
-    drop(control);
-}
-
-fn adopt(run: &Run, launched: Launched) -> UnixStream {
+/// Looks after a runner that was just started, of a run that is in our hand already if `is_claimed`, and waits until it can be
+/// commanded: until then it knows that somebody looks on.
+pub(super) async fn follow_ours(
+    server: &Arc<ServerState>,
+    run: &Arc<Run>,
+    launched: Launched,
+    is_claimed: bool,
+) {
     let Launched { loaded, control, exit } = launched;
     if let Some(loaded) = loaded {
         run.set_loaded(loaded);
     }
     run.set_exit(exit);
-    control
+    if is_claimed || run.try_claim() {
+        look_after(server, run);
+    }
+    run.linked().await;
+    drop(control);
 }
 
 /// What was known about a run may be true no more: looks, and follows it if it lives.

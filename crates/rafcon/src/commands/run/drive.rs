@@ -1,71 +1,139 @@
-//! The runners of a run, one after the other: each is started, followed to its end, and followed by the next if its death allows
+//! A run on this computer: where it keeps its files, and its runners, one after the other. Each is started, followed to its end, and followed by the next if its death allows
 //! that. Decides nothing itself.
 
-use super::place::Place;
+use super::{keyboard, view};
+use crate::cli;
 use crate::clock::Clock;
-use crate::event_queue::{self, EventQueue};
+use crate::environment::Environment;
+use crate::event_queue::EventQueue;
 use crate::failure::complain;
 use crate::follow::{End, Follower, Role, RunLoop};
-use crate::view::View;
-use anyhow::Result;
-use rafcon_protocol::Launch;
+use crate::view::Names;
+use anyhow::{Context as _, Result};
+use rafcon_protocol::{Event, Launch};
+use rafcon_storage::journal::folder::ABOUT_FILE;
 use rafcon_supervisor::clock::salt;
-use rafcon_supervisor::{BeginError, Group, KeptRun, Next, RestartPolicy, Start, begin, remains};
+use rafcon_supervisor::{
+    BeginError, Group, KeptRun, Next, RestartPolicy, RunnerDeath, Start, begin, remains,
+};
 use std::os::unix::net::UnixStream;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-/// What a run needs from the outside.
-pub(super) struct RunEnvironment<'a> {
-    /// How runners are started.
-    pub(super) start: &'a Start<'a>,
-    /// What shows it.
-    pub(super) view: Box<dyn View>,
-    /// Whether there is a keyboard.
-    pub(super) has_keys: bool,
-    pub(super) clock: Clock,
-    /// Who gives commands.
-    pub(super) author: &'a str,
-    /// When the machine is stopped.
-    pub(super) timeout: Option<Duration>,
+/// Where a run keeps its files.
+#[derive(Debug)]
+pub(super) enum Place {
+    /// Among the runs.
+    Kept(PathBuf),
+    /// Nowhere for good.
+    Passing(tempfile::TempDir),
 }
 
-/// Runs the machine to its end, by as many runners as that takes and its policy allows.
-pub(super) fn follow(launch: Launch, place: &Place, outside: RunEnvironment<'_>) -> Result<End> {
-    let RunEnvironment { start, mut view, has_keys, clock, author, timeout } = outside;
-    let mut queue = EventQueue::new(event_queue::signals()?, has_keys)?;
-    let deadline = timeout.map(|timeout| clock.now().saturating_add(timeout));
-    let (mut lives, mut launch) = (RestartPolicy::default(), launch);
-    loop {
-        let process = start.spawn()?;
-        let (control, group) = (process.control.try_clone()?, process.group());
-        queue.connect(process)?;
-        say(&control, group, launch.clone());
-        let prefix = format!("run-{}-{}", std::process::id(), salt(0));
-        let follower = Follower::new(Role::Owner, author, prefix, deadline);
-        let line = Box::new(control);
-        let mut run = RunLoop { follower, view, line, group: Some(group), clock };
-        let mut end = run.until_the_end(&queue).inspect_err(|_| group.kill())?;
-        add_running(&mut end, place.folder());
-        end_as_kept(&mut run, &mut end, place)?;
-        let again = match &end {
-            End::Died(death) if place.is_kept() => {
-                let kept = KeptRun::of(place.folder(), launch.on_crash);
-                let what = if kept.has_begun { "taken up" } else { "begun" };
-                let note = format!("the runner died ({}); the run is {what} again", death.reason);
-                match lives.next(clock.now(), death, kept, launch) {
-                    Next::Again(again) => Some((again, note)),
-                    Next::Ask(_) => None,
-                }
-            }
-            _ => None,
-        };
-        let Some((again, note)) = again else {
-            run.show(|view| view.end(&end))?;
-            return Ok(end);
-        };
-        run.show(|view| view.note(&note))?;
-        (launch, view) = (*again, run.view);
+impl Place {
+    /// A folder that goes with the run.
+    pub(super) fn passing() -> Result<Self> {
+        let folder = tempfile::Builder::new().prefix("rafcon-run-").tempdir();
+        Ok(Self::Passing(folder.context("cannot make a folder for the run")?))
+    }
+
+    pub(super) fn folder(&self) -> &Path {
+        match self {
+            Self::Kept(folder) => folder,
+            Self::Passing(folder) => folder.path(),
+        }
+    }
+
+    /// Whether the run can be taken up again.
+    pub(super) fn is_kept(&self) -> bool {
+        matches!(self, Self::Kept(_))
+    }
+
+    /// Its name, if it can be taken up again.
+    pub(super) fn kept_run(&self) -> Option<&str> {
+        let Self::Kept(folder) = self else { return None };
+        folder.file_name()?.to_str().filter(|_| self.keeps_itself())
+    }
+
+    /// Whether it says what it is, so that it can be taken up again.
+    fn keeps_itself(&self) -> bool {
+        self.folder().join(ABOUT_FILE).exists()
+    }
+}
+
+impl Drop for Place {
+    /// A run that never began leaves no folder.
+    fn drop(&mut self) {
+        if self.is_kept() && !self.keeps_itself() {
+            // What cannot be removed is in nobody's way.
+            std::fs::remove_dir_all(self.folder()).unwrap_or_default();
+        }
+    }
+}
+
+/// How a run is started and shown.
+pub(super) struct RunSetup<'a> {
+    pub(super) python: &'a cli::Python,
+    pub(super) output: cli::Output,
+    /// When the machine is stopped.
+    pub(super) timeout: Option<Duration>,
+    pub(super) environment: &'a Environment,
+    pub(super) clock: Clock,
+}
+
+impl RunSetup<'_> {
+    /// Runs the machine to its end, by as many runners as that takes and its policy allows.
+    pub(super) fn follow(self, mut launch: Launch, place: &Place, names: Names) -> Result<End> {
+        let Self { python, output, timeout, environment, clock } = self;
+        let start = Start::find(python.python.as_deref(), &environment.surroundings)?;
+        let keyboard = keyboard(output, environment, false);
+        let has_keys = keyboard.is_some();
+        let mut view = view(output, environment, names, keyboard);
+        launch.every_event = view.every_event();
+        let mut queue = EventQueue::new(has_keys)?;
+        let deadline = timeout.map(|timeout| clock.now().saturating_add(timeout));
+        let mut lives = RestartPolicy::default();
+        loop {
+            let process = start.spawn()?;
+            let (control, group) = (process.control.try_clone()?, process.group());
+            queue.connect(process)?;
+            say(&control, group, launch.clone());
+            let prefix = format!("run-{}-{}", std::process::id(), salt(0));
+            let follower = Follower::new(Role::Owner, &environment.user, prefix, deadline);
+            let line = Box::new(control);
+            let mut run = RunLoop { follower, view, line, group: Some(group), clock };
+            let mut end = run.until_the_end(&queue).inspect_err(|_| group.kill())?;
+            add_running(&mut end, place.folder());
+            end_as_kept(&mut run, &mut end, place)?;
+            let Some((next, note)) = again(&mut lives, clock.now(), &end, place, launch) else {
+                run.show(|view| view.end(&end))?;
+                return Ok(end);
+            };
+            run.show(|view| view.note(&note))?;
+            (launch, view) = (next, run.view);
+        }
+    }
+}
+
+/// What the next runner is told, and the user about it, if one follows a runner that ended so and was told `launch`.
+fn again(
+    lives: &mut RestartPolicy,
+    now: Duration,
+    end: &End,
+    place: &Place,
+    launch: Launch,
+) -> Option<(Launch, String)> {
+    let End::Died(death) = end else { return None };
+    if !place.is_kept() {
+        return None;
+    }
+    let kept = KeptRun::of(place.folder(), launch.on_crash);
+    let what = if kept.has_begun { "taken up" } else { "begun" };
+    match lives.next(now, death, kept, launch) {
+        Next::Again(launch) => {
+            let note = format!("the runner died ({}); the run is {what} again", death.reason);
+            Some((*launch, note))
+        }
+        Next::Ask(_) => None,
     }
 }
 
@@ -82,22 +150,23 @@ fn say(control: &UnixStream, group: Group, launch: Launch) {
 
 /// A runner that died after the run had ended took nothing along but its last word.
 fn end_as_kept(run: &mut RunLoop, end: &mut End, place: &Place) -> Result<()> {
-    if !matches!(end, End::Died(_)) || !place.is_kept() {
-        return Ok(());
-    }
-    let Some((time, event)) = remains::kept_end(place.folder()) else { return Ok(()) };
-    if let Some(kept) = End::kept(&event) {
+    if let End::Died(_) = end
+        && place.is_kept()
+        && let Some((time, event)) = remains::kept_end(place.folder())
+        && let Event::Finished { outcome, .. } = &event
+    {
+        *end = End::Finished { outcome: outcome.clone(), timed_out: false };
         run.show(|view| view.event(time, event))?;
-        *end = kept;
     }
     Ok(())
 }
 
 /// The runner's own marks of what runs are better than its last messages: they were made before each script began.
 fn add_running(end: &mut End, folder: &Path) {
-    let Some(known) = end.active_mut() else { return };
-    let running = remains::running(folder);
-    if !running.is_empty() {
-        *known = running;
+    if let End::Killed { active, .. } | End::Died(RunnerDeath { active, .. }) = end {
+        let running = remains::running(folder);
+        if !running.is_empty() {
+            *active = running;
+        }
     }
 }

@@ -2,7 +2,6 @@
 
 mod at_server;
 mod drive;
-mod place;
 mod report;
 mod request;
 
@@ -15,10 +14,9 @@ use crate::failure::Usage;
 use crate::runs;
 use crate::view::{Json, Lines, Live, Names, Paint, View};
 use anyhow::Result;
-use drive::RunEnvironment;
-use place::Place;
+use drive::{Place, RunSetup};
 use rafcon_protocol::Launch;
-use rafcon_supervisor::{Interpreter, Start, extension, resume_launch};
+use rafcon_supervisor::resume_launch;
 use request::Request;
 use std::io::{self, IsTerminal as _};
 use std::path::PathBuf;
@@ -38,10 +36,9 @@ pub(super) fn run(raw: &cli::Run, environment: &Environment, clock: Clock) -> Re
         }
     };
     let launch = request.launch(&place)?;
-    let names = || request.names();
-    let timeout = request.timeout;
-    RunSetup { raw: &raw.python, output: raw.output, timeout, environment, clock }
-        .run(launch, &place, &names)
+    let (python, output, timeout) = (&raw.python, raw.output, request.timeout);
+    let setup = RunSetup { python, output, timeout, environment, clock };
+    ended(setup, launch, &place, || request.names())
 }
 
 /// Takes a run up again until it ends.
@@ -56,10 +53,9 @@ pub(super) fn resume(
     let place = Place::Kept(runs::find(&raw.runs, environment, &raw.run)?);
     let launch = resume_launch(place.folder(), request::on_crash(raw.policy), raw.from);
     let machine = launch.machine.clone();
-    let names = move || names_of_run(machine.clone());
     let timeout = raw.timeout.map(request::timeout).transpose()?;
-    RunSetup { raw: &raw.python, output: raw.output, timeout, environment, clock }
-        .run(launch, &place, &names)
+    let setup = RunSetup { python: &raw.python, output: raw.output, timeout, environment, clock };
+    ended(setup, launch, &place, || names_of_run(machine.clone()))
 }
 
 /// The names of the machine that lies where that of a run was.
@@ -67,37 +63,16 @@ pub(super) fn names_of_run(machine: PathBuf) -> Names {
     Names::new(move || crate::machine::Source::of(machine).load_quietly().ok().map(|l| l.machine))
 }
 
-/// What is needed besides the launch.
-struct RunSetup<'a> {
-    raw: &'a cli::Python,
-    output: cli::Output,
-    timeout: Option<std::time::Duration>,
-    environment: &'a Environment,
-    clock: Clock,
-}
-
-impl RunSetup<'_> {
-    fn run(self, launch: Launch, place: &Place, names: &dyn Fn() -> Names) -> Result<ExitCode> {
-        let surroundings = &self.environment.surroundings;
-        let interpreter = Interpreter::choose(self.raw.python.as_deref(), surroundings)?;
-        let extension = extension::find(surroundings)?;
-        let start = Start { interpreter: &interpreter, extension: &extension };
-        let keyboard = keyboard(self.output, self.environment, false);
-        let has_keys = keyboard.is_some();
-        let view = view(self.output, self.environment, names(), keyboard);
-        let launch = Launch { every_event: view.every_event(), ..launch };
-        let outside = RunEnvironment {
-            start: &start,
-            view,
-            has_keys,
-            clock: self.clock,
-            author: &self.environment.user,
-            timeout: self.timeout,
-        };
-        let end = drive::follow(launch, place, outside)?;
-        report::end(&end, place.kept_run(), Some(place.folder()), names);
-        Ok(ExitCode::from(end.code()))
-    }
+/// Runs it to its end, and tells the user about one that is not the machine's.
+fn ended(
+    setup: RunSetup<'_>,
+    launch: Launch,
+    place: &Place,
+    names: impl Fn() -> Names,
+) -> Result<ExitCode> {
+    let end = setup.follow(launch, place, names())?;
+    report::end(&end, place.kept_run(), Some(place.folder()), names);
+    Ok(ExitCode::from(end.code()))
 }
 
 fn is_terminal(environment: &Environment) -> bool {
