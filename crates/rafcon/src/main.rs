@@ -10,7 +10,6 @@ mod event_queue;
 mod failure;
 mod follow;
 mod machine;
-mod runs;
 mod templates;
 mod view;
 

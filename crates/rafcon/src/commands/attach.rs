@@ -3,13 +3,13 @@
 use crate::cli;
 use crate::client::{Server, follow};
 use crate::clock::Clock;
+use crate::commands::kept::{find_run, run_id};
 use crate::commands::remote;
 use crate::commands::run::{has_keys, keyboard, names_of_run, view};
 use crate::environment::Environment;
 use crate::event_queue::EventQueue;
 use crate::failure::complain;
 use crate::follow::{End, Follower, Role, RunLoop};
-use crate::runs;
 use anyhow::Result;
 use rafcon_protocol::{Hello, Join, encode};
 use rafcon_supervisor::{connect, machine_of};
@@ -31,7 +31,7 @@ pub(super) fn attach(
         let end = at.follow(&run, at.queue()?, raw.from, (Role::Guest, None))?;
         return Ok(ended(&end, &at.named(&run)));
     }
-    let folder = runs::find(&raw.runs, environment, &raw.run)?;
+    let folder = find_run(&raw.runs, environment, &raw.run)?;
     let mut control = connect(&folder)?;
     let keyboard = keyboard(raw.output, environment, true);
     let mut queue = EventQueue::new(keyboard.is_some())?;
@@ -45,7 +45,7 @@ pub(super) fn attach(
     let line = Box::new(control);
     let end =
         RunLoop { follower, view, line, group: None, clock }.until_the_end_is_shown(&queue)?;
-    Ok(ended(&end, &runs::id(&folder)))
+    Ok(ended(&end, &run_id(&folder)))
 }
 
 /// How runs at a server are followed.

@@ -2,12 +2,12 @@
 
 use crate::cli;
 use crate::clock::Clock;
+use crate::commands::kept::find_run;
 use crate::commands::remote;
 use crate::environment::Environment;
 use crate::event_queue::Line as _;
 use crate::failure::{Usage, complain};
 use crate::follow::envelope;
-use crate::runs;
 use anyhow::{Context as _, Result, bail};
 use rafcon_protocol::{Answer, Command, Hello, Join, ToRunner, ToViewer, decode, encode};
 use rafcon_supervisor::{clock, connect};
@@ -28,7 +28,7 @@ pub(super) fn tell(raw: &cli::Tell, environment: &Environment) -> Result<ExitCod
         let envelope = envelope.dated(now_ms.saturating_sub(waited_ms));
         return said(server.command(&run, &envelope)?.answer);
     }
-    let folder = runs::find(&raw.runs, environment, &raw.run)?;
+    let folder = find_run(&raw.runs, environment, &raw.run)?;
     let mut control = connect(&folder)?;
     let mut lines = BufReader::new(control.try_clone()?).lines();
     let mut next = || {

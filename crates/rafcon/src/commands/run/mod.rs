@@ -7,11 +7,11 @@ mod request;
 
 use crate::cli;
 use crate::clock::Clock;
+use crate::commands::kept::{find_run, make_run, runs_folder};
 use crate::commands::remote;
 use crate::console::Console;
 use crate::environment::Environment;
 use crate::failure::Usage;
-use crate::runs;
 use crate::view::{Json, Lines, Live, Names, Paint, View};
 use anyhow::Result;
 use drive::{Place, RunSetup};
@@ -31,8 +31,8 @@ pub(super) fn run(raw: &cli::Run, environment: &Environment, clock: Clock) -> Re
     let place = match raw.keeping.keep {
         cli::Level::Off => Place::passing()?,
         cli::Level::Full | cli::Level::Status => {
-            let runs = runs::folder(&raw.runs, environment)?;
-            Place::Kept(runs::make(&runs, &request.machine_name())?)
+            let runs = runs_folder(&raw.runs, environment)?;
+            Place::Kept(make_run(&runs, &request.machine_name())?)
         }
     };
     let launch = request.launch(&place)?;
@@ -50,7 +50,7 @@ pub(super) fn resume(
     if let Some(server) = remote::server(&raw.remote, environment)? {
         return at_server::resume(raw, &server, environment, clock);
     }
-    let place = Place::Kept(runs::find(&raw.runs, environment, &raw.run)?);
+    let place = Place::Kept(find_run(&raw.runs, environment, &raw.run)?);
     let launch = resume_launch(place.folder(), request::on_crash(raw.policy), raw.from);
     let machine = launch.machine.clone();
     let timeout = raw.timeout.map(request::timeout).transpose()?;
