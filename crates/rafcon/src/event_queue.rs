@@ -34,7 +34,7 @@ pub(crate) const STUCK: &str = "the run stands still: its program is heard, but 
                                 program if need be";
 
 /// Something that happened.
-#[derive(Debug)]
+#[derive(Debug, PartialEq)]
 pub(crate) enum Cause {
     /// The runner said who it is.
     Hello(Hello),
@@ -70,11 +70,6 @@ pub(crate) enum Cause {
     Tick,
 }
 
-/// Listens to signals from now on; to be called before a runner is started, so that none is left alone by Ctrl-C.
-pub(crate) fn signals() -> Result<Signals> {
-    Signals::new([SIGINT, SIGTERM, SIGHUP, SIGTSTP]).context("cannot listen to signals")
-}
-
 /// The way to a run that is somebody else's: its socket, or a server.
 pub(crate) trait Line {
     /// Says something to the run.
@@ -108,8 +103,11 @@ pub(crate) struct EventQueue {
 const ALWAYS: u32 = 0;
 
 impl EventQueue {
-    /// Connects the signals, and the keyboard if there is one.
-    pub(crate) fn new(signals: Signals, has_keys: bool) -> Result<Self> {
+    /// Connects the signals, and the keyboard if there is one; to be called before a runner is started, so that none is left alone
+    /// by Ctrl-C.
+    pub(crate) fn new(has_keys: bool) -> Result<Self> {
+        let signals = Signals::new([SIGINT, SIGTERM, SIGHUP, SIGTSTP]);
+        let signals = signals.context("cannot listen to signals")?;
         let (queue, causes) = sync_channel(QUEUE);
         let wires = Self { queue, causes, life: ALWAYS };
         wires.source("signals", ALWAYS, move |queue| forward(signals, queue))?;

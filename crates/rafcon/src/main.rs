@@ -8,9 +8,8 @@ mod console;
 mod environment;
 mod event_queue;
 mod failure;
+mod follow;
 mod machine;
-mod runs;
-mod supervisor;
 mod templates;
 mod view;
 

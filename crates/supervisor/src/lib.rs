@@ -5,37 +5,28 @@
 //! whoever follows it: the command line and the server both do, each in its own way.
 //!
 //! ```no_run
-//! use rafcon_supervisor::{Interpreter, Process, Runs, Start, ProgramEnvironment, extension};
+//! use rafcon_supervisor::{Process, ProgramEnvironment, Runs, Start};
 //!
 //! fn start(surroundings: &ProgramEnvironment) -> Result<Process, Box<dyn std::error::Error>> {
-//!     let interpreter = Interpreter::choose(None, surroundings)?;
-//!     let extension = extension::find(surroundings)?;
 //!     let folder = Runs::new(None, surroundings)?.make("pick")?;
 //!     println!("its files will be in {}", folder.display());
-//!     Ok(Start { interpreter: &interpreter, extension: &extension }.spawn()?)
+//!     Ok(Start::find(None, surroundings)?.spawn()?)
 //! }
 //! ```
 
-mod begin;
 pub mod clock;
-mod exit;
-pub mod extension;
+mod connection;
 mod interpreter;
 mod process;
-mod program_environment;
 pub mod remains;
 mod restart_policy;
-mod resume;
 mod runs;
-pub mod socket;
 
-pub use begin::{BeginError, begin};
-pub use exit::Exit;
-pub use extension::NoExtension;
-pub use interpreter::{Interpreter, NoInterpreter};
-pub use process::{Group, Process, Start, StartError, is_alive};
-pub use program_environment::ProgramEnvironment;
+pub use connection::{BeginError, JoinError, begin, connect};
+pub use interpreter::{
+    Interpreter, NoExtension, NoInterpreter, ProgramEnvironment, find_extension,
+};
+pub use process::{Exit, Group, Process, Start, StartError, is_alive};
+pub use remains::{KeptRun, machine_of, policy_of, resume_launch};
 pub use restart_policy::{Next, RestartPolicy, RunnerDeath};
-pub use resume::{machine_of, policy_of, resume_launch};
 pub use runs::{FindError, MakeError, Runs, meant};
-pub use socket::JoinError;

@@ -1,4 +1,4 @@
-//! Starting a runner and ending it by force.
+//! A runner's process: how it is started and ended by force, and how it ended by itself, in words.
 //!
 //! The runner leads a process group of its own, so that neither Ctrl-C nor a terminal that hangs up reaches it. It
 //! inherits one end of a socket pair and nothing else of ours.
@@ -7,32 +7,39 @@
 //! that reads from it would be stopped by the kernel. What it writes comes to us by pipes. A *detached* runner has nothing
 //! that ends with us: no input, and a file for what it writes, which is locked for as long as somebody may write to it.
 
-use crate::Interpreter;
+use crate::{Interpreter, NoExtension, NoInterpreter, ProgramEnvironment, find_extension};
 use parking_lot::Mutex;
 use rustix::io::FdFlags;
 use rustix::process::{Pid, Signal};
+use std::fmt;
 use std::fs::{File, OpenOptions, TryLockError};
 use std::io::{self, IsTerminal as _};
 use std::os::fd::AsRawFd as _;
 use std::os::unix::fs::OpenOptionsExt as _;
 use std::os::unix::net::UnixStream;
-use std::os::unix::process::CommandExt as _;
+use std::os::unix::process::{CommandExt as _, ExitStatusExt as _};
 use std::path::{Path, PathBuf};
-use std::process::{Child, Command, Stdio};
+use std::process::{Child, Command, ExitStatus, Stdio};
 
 const BOOTSTRAP: &str = include_str!("bootstrap.py");
+/// Exit status of a runner that ended itself because a script ignored its grace period.
+const CUT_OFF: i32 = 86;
+/// Exit status of a runner that ended itself because its engine failed.
+const BROKEN: i32 = 87;
+/// Exit status of a runner that ended itself because its engine did not take a stop.
+const UNREACHED: i32 = 88;
 
 /// Held while a socket can be inherited: another runner that starts at that moment would keep it open, and its owner's end
 /// would not be heard.
 static INHERITING: Mutex<()> = Mutex::new(());
 
 /// What is needed to start a runner.
-#[derive(Debug, Clone, Copy)]
-pub struct Start<'a> {
+#[derive(Debug, Clone)]
+pub struct Start {
     /// Which Python.
-    pub interpreter: &'a Interpreter,
+    pub interpreter: Interpreter,
     /// The extension's file.
-    pub extension: &'a Path,
+    pub extension: PathBuf,
 }
 
 /// A runner that was started.
@@ -51,6 +58,12 @@ pub struct Group(Pid);
 /// Why a runner was not started.
 #[derive(Debug, thiserror::Error)]
 pub enum StartError {
+    /// There is no Python.
+    #[error(transparent)]
+    NoInterpreter(#[from] NoInterpreter),
+    /// There is no extension.
+    #[error(transparent)]
+    NoExtension(#[from] NoExtension),
     /// There is no control socket.
     #[error("cannot make a pair of sockets")]
     Sockets(#[source] io::Error),
@@ -75,7 +88,16 @@ pub enum StartError {
     },
 }
 
-impl Start<'_> {
+impl Start {
+    /// Finds interpreter and extension; the interpreter may be `named`.
+    pub fn find(
+        named: Option<&Path>,
+        surroundings: &ProgramEnvironment,
+    ) -> Result<Self, StartError> {
+        let interpreter = Interpreter::choose(named, surroundings)?;
+        Ok(Self { interpreter, extension: find_extension(surroundings)? })
+    }
+
     /// Starts it beside a terminal.
     pub fn spawn(&self) -> Result<Process, StartError> {
         let stdin = if io::stdin().is_terminal() { Stdio::null() } else { Stdio::inherit() };
@@ -97,7 +119,7 @@ impl Start<'_> {
         let mut command = Command::new(&self.interpreter.program);
         command
             .args(["-c", BOOTSTRAP])
-            .env("RAFCON_EXTENSION_FILE", self.extension)
+            .env("RAFCON_EXTENSION_FILE", &self.extension)
             .env("RAFCON_CONTROL_FD", theirs.as_raw_fd().to_string())
             .stdin(stdin)
             .stdout(stdout)
@@ -135,5 +157,60 @@ impl Group {
     /// Ends every process of the group at once. A group that is gone is what was wanted.
     pub fn kill(self) {
         rustix::process::kill_process_group(self.0, Signal::KILL).unwrap_or_default();
+    }
+}
+
+/// How a process ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Exit(pub ExitStatus);
+
+impl Exit {
+    /// Whether the runner ended itself, because a script did not end in its grace period.
+    pub fn is_cut_off(self) -> bool {
+        self.0.code() == Some(CUT_OFF)
+    }
+
+    /// Whether the runner ended itself to bring the run to a stop.
+    pub fn is_stopped(self) -> bool {
+        self.0.code() == Some(UNREACHED)
+    }
+}
+
+impl fmt::Display for Exit {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match (self.0.signal(), self.0.code()) {
+            (Some(signal), _) => {
+                let name = signal_hook::low_level::signal_name(signal).unwrap_or("unknown signal");
+                write!(f, "killed by signal {signal} ({name})")
+            }
+            (None, Some(BROKEN)) => {
+                f.write_str("its engine failed inside RAFCON itself; please report it")
+            }
+            (None, Some(UNREACHED)) => {
+                f.write_str("its engine did not take a stop in time, so it ended itself")
+            }
+            (None, Some(code)) => write!(f, "exit status {code}"),
+            (None, None) => f.write_str("ended"),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Exit;
+    use std::os::unix::process::ExitStatusExt as _;
+    use std::process::ExitStatus;
+
+    #[test]
+    fn an_exit_is_told_in_words() {
+        let told = |raw| {
+            let exit = Exit(ExitStatus::from_raw(raw));
+            (exit.to_string(), exit.is_cut_off())
+        };
+        assert_eq!(told(0), ("exit status 0".to_owned(), false));
+        assert_eq!(told(86 << 8), ("exit status 86".to_owned(), true));
+        let engine_failed = "its engine failed inside RAFCON itself; please report it";
+        assert_eq!(told(87 << 8), (engine_failed.to_owned(), false));
+        assert_eq!(told(11), ("killed by signal 11 (SIGSEGV)".to_owned(), false));
     }
 }

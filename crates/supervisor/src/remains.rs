@@ -1,11 +1,12 @@
-//! What a dead runner left in the folder of its run: the marks of running scripts, and the journal. What cannot be read has
-//! nothing to say here.
+//! What a run keeps in its folder that whoever takes it up again must know: what it says about itself, the marks of running
+//! scripts, and the journal. What cannot be read has nothing to say here.
 
-use rafcon_protocol::{Event, active};
-use rafcon_storage::journal::{Reader, Record};
+use rafcon_protocol::{Crash, Event, Launch, OnCrash, Resume, active};
+use rafcon_storage::journal::folder::ABOUT_FILE;
+use rafcon_storage::journal::{About, Reader, Record, has_begun};
 use std::collections::BTreeMap;
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 /// So many of the last events are looked through for logs.
@@ -43,4 +44,93 @@ pub fn last_logged(folder: &Path, active: &[String]) -> BTreeMap<String, String>
         }
     }
     found
+}
+
+/// What a run has kept about itself, for who decides whether it goes on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct KeptRun {
+    /// What becomes of scripts that a crash has interrupted.
+    pub policy: OnCrash,
+    /// Whether anything has happened in it.
+    pub has_begun: bool,
+}
+
+impl KeptRun {
+    /// The run in `folder`, as it keeps itself; with the policy that was asked for if it keeps nothing yet.
+    pub fn of(folder: &Path, asked: Option<OnCrash>) -> Self {
+        let keeps_itself = folder.join(ABOUT_FILE).exists();
+        let policy = if keeps_itself { policy_of(folder) } else { asked.unwrap_or_default() };
+        Self { policy, has_begun: has_begun(folder) }
+    }
+}
+
+/// The launch that takes up the run in `folder`: as `policy` says, from the end or from the event `from`.
+pub fn resume_launch(folder: &Path, policy: OnCrash, from: Option<u64>) -> Launch {
+    Launch {
+        machine: machine_of(folder),
+        run_folder: Some(folder.to_path_buf()),
+        resume: Some(Resume { policy, from }),
+        crash: Some(Crash {
+            reason: "its runner ended before the run did".to_owned(),
+            active: running(folder),
+        }),
+        listen: true,
+        ..Launch::default()
+    }
+}
+
+/// Where the machine of a run was, as the run keeps it; an empty path if it does not say.
+pub fn machine_of(folder: &Path) -> PathBuf {
+    let about = about(folder);
+    let machine = about.as_ref().and_then(|about| about.get("machine")?.as_str());
+    machine.map(PathBuf::from).unwrap_or_default()
+}
+
+/// What becomes of scripts that a crash has interrupted, as the run keeps it.
+pub fn policy_of(folder: &Path) -> OnCrash {
+    about(folder)
+        .and_then(|about| serde_json::from_value(about.get("on_crash")?.clone()).ok())
+        .unwrap_or_default()
+}
+
+/// What a run says about itself; nothing if its file is missing or damaged.
+fn about(folder: &Path) -> Option<serde_json::Value> {
+    About::json(folder).ok()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{policy_of, resume_launch};
+    use expect_test::{Expect, expect};
+    use rafcon_protocol::OnCrash;
+
+    fn check(about: Option<&str>, expect: &Expect) {
+        let folder = tempfile::tempdir().unwrap();
+        if let Some(about) = about {
+            std::fs::write(folder.path().join("run.json"), about).unwrap();
+        }
+        let launch = resume_launch(folder.path(), OnCrash::Restart, Some(7));
+        assert_eq!(launch.run_folder.as_deref(), Some(folder.path()));
+        let facts = (launch.machine, launch.resume, launch.listen, policy_of(folder.path()));
+        expect.assert_eq(&format!("{facts:?}"));
+    }
+
+    #[test]
+    fn a_run_is_taken_up_as_it_says_itself() {
+        check(
+            Some(r#"{"machine": "/m/pick", "on_crash": "abort"}"#),
+            &expect![[
+                r#"("/m/pick", Some(Resume { policy: Restart, from: Some(7) }), true, Abort)"#
+            ]],
+        );
+    }
+
+    #[test]
+    fn a_run_that_says_nothing_asks() {
+        let nothing =
+            &expect![[r#"("", Some(Resume { policy: Restart, from: Some(7) }), true, Ask)"#]];
+        for about in [None, Some("{"), Some("{}"), Some(r#"{"on_crash": "dance"}"#)] {
+            check(about, nothing);
+        }
+    }
 }

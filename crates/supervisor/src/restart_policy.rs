@@ -1,6 +1,8 @@
-//! Whether a run whose runner died goes on by itself, and how. Pure.
+//! The runners of one run, one after the other: whether a run whose runner died goes on by itself, and how. Pure; for the command
+//! line and the server alike.
 
-use rafcon_protocol::{Crash, OnCrash, Resume};
+use crate::KeptRun;
+use rafcon_protocol::{Crash, Launch, OnCrash, Resume};
 use std::collections::VecDeque;
 use std::time::Duration;
 
@@ -10,7 +12,7 @@ const DEATHS_MAX: usize = 5;
 const WINDOW: Duration = Duration::from_mins(1);
 
 /// What is known about a runner that ended in the middle of a run.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct RunnerDeath {
     /// Signal or exit status.
     pub reason: String,
@@ -20,6 +22,8 @@ pub struct RunnerDeath {
     pub said: Vec<String>,
     /// The runner ended itself, because a script did not end in its grace period.
     pub is_cut_off: bool,
+    /// Its end was wanted: somebody killed it, or it did not take a stop.
+    pub is_wanted: bool,
 }
 
 /// The deaths of a run's runners.
@@ -29,17 +33,27 @@ pub struct RestartPolicy {
 }
 
 /// What follows a death.
-#[derive(Debug, PartialEq, Eq)]
+#[derive(Debug, PartialEq)]
 pub enum Next {
-    /// Another runner takes the run up.
-    Again(Resume, Crash),
+    /// Another runner, which is told this.
+    Again(Box<Launch>),
     /// The user decides; why.
     Ask(&'static str),
 }
 
 impl RestartPolicy {
-    /// A runner died at `now`; `policy` is what the run keeps about crashes.
-    pub fn next(&mut self, now: Duration, death: &RunnerDeath, policy: OnCrash) -> Next {
+    /// A runner died at `now` that was told `launch`; `kept` is what the run has kept about itself. A run that has not begun is
+    /// begun again.
+    pub fn next(
+        &mut self,
+        now: Duration,
+        death: &RunnerDeath,
+        kept: KeptRun,
+        launch: Launch,
+    ) -> Next {
+        if death.is_wanted {
+            return Next::Ask("its end was wanted");
+        }
         self.deaths.push_back(now);
         while self.deaths.front().is_some_and(|first| *first + WINDOW < now) {
             self.deaths.pop_front();
@@ -48,31 +62,47 @@ impl RestartPolicy {
             return Next::Ask("it died too often in the last minute");
         }
         // A script that was cut off because it ignored its grace period is aborted: that is what the period is for.
-        let policy = if death.is_cut_off { OnCrash::Abort } else { policy };
+        let policy = if death.is_cut_off { OnCrash::Abort } else { kept.policy };
         if policy == OnCrash::Ask {
             return Next::Ask("nothing moves until you decide");
         }
+        if !kept.has_begun {
+            return Next::Again(Box::new(launch));
+        }
         let crash = Crash { reason: death.reason.clone(), active: death.active.clone() };
-        Next::Again(Resume { policy, from: None }, crash)
+        let resume = Resume { policy, from: None };
+        Next::Again(Box::new(Launch { resume: Some(resume), crash: Some(crash), ..launch }))
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::{Next, RestartPolicy, RunnerDeath};
+    use crate::KeptRun;
     use expect_test::{Expect, expect};
-    use rafcon_protocol::OnCrash;
+    use rafcon_protocol::{Launch, OnCrash};
     use std::time::Duration;
 
-    fn check(policy: OnCrash, is_cut_off: bool, seconds: &[u64], expect: &Expect) {
-        let reason = "killed by signal 9 (SIGKILL)".to_owned();
-        let death =
-            RunnerDeath { reason, active: vec!["R/A".to_owned()], said: Vec::new(), is_cut_off };
+    fn death() -> RunnerDeath {
+        RunnerDeath {
+            reason: "killed by signal 9 (SIGKILL)".to_owned(),
+            active: vec!["R/A".to_owned()],
+            ..RunnerDeath::default()
+        }
+    }
+
+    fn check(policy: OnCrash, death: &RunnerDeath, seconds: &[u64], expect: &Expect) {
+        check_kept(KeptRun { policy, has_begun: true }, death, seconds, expect);
+    }
+
+    fn check_kept(kept: KeptRun, death: &RunnerDeath, seconds: &[u64], expect: &Expect) {
         let mut lives = RestartPolicy::default();
         let told = seconds.iter().map(|second| {
-            match lives.next(Duration::from_secs(*second), &death, policy) {
-                Next::Again(resume, crash) => {
-                    format!("{second} s: {:?} {:?}\n", resume.policy, crash.active)
+            match lives.next(Duration::from_secs(*second), death, kept, Launch::default()) {
+                Next::Again(launch) => {
+                    let Launch { resume, crash, .. } = *launch;
+                    let (policy, active) = (resume.map(|it| it.policy), crash.map(|it| it.active));
+                    format!("{second} s: {policy:?} {active:?}\n")
                 }
                 Next::Ask(why) => format!("{second} s: {why}\n"),
             }
@@ -84,7 +114,7 @@ mod tests {
     fn the_policy_decides() {
         check(
             OnCrash::Ask,
-            false,
+            &death(),
             &[1],
             &expect![[r"
             1 s: nothing moves until you decide
@@ -92,19 +122,43 @@ mod tests {
         );
         check(
             OnCrash::Restart,
-            false,
+            &death(),
             &[1],
             &expect![[r#"
-            1 s: Restart ["R/A"]
+            1 s: Some(Restart) Some(["R/A"])
         "#]],
         );
         check(
             OnCrash::Ask,
-            true,
+            &RunnerDeath { is_cut_off: true, ..death() },
             &[1],
             &expect![[r#"
-            1 s: Abort ["R/A"]
+            1 s: Some(Abort) Some(["R/A"])
         "#]],
+        );
+    }
+
+    #[test]
+    fn a_run_that_has_not_begun_is_begun_again() {
+        check_kept(
+            KeptRun { policy: OnCrash::Abort, has_begun: false },
+            &death(),
+            &[1],
+            &expect![[r"
+            1 s: None None
+        "]],
+        );
+    }
+
+    #[test]
+    fn a_run_that_was_to_end_is_left_alone() {
+        check(
+            OnCrash::Restart,
+            &RunnerDeath { is_wanted: true, ..death() },
+            &[1],
+            &expect![[r"
+            1 s: its end was wanted
+        "]],
         );
     }
 
@@ -112,16 +166,16 @@ mod tests {
     fn a_run_that_dies_again_and_again_is_left_alone() {
         check(
             OnCrash::Abort,
-            false,
+            &death(),
             &[0, 1, 2, 3, 4, 5, 70],
             &expect![[r#"
-            0 s: Abort ["R/A"]
-            1 s: Abort ["R/A"]
-            2 s: Abort ["R/A"]
-            3 s: Abort ["R/A"]
-            4 s: Abort ["R/A"]
+            0 s: Some(Abort) Some(["R/A"])
+            1 s: Some(Abort) Some(["R/A"])
+            2 s: Some(Abort) Some(["R/A"])
+            3 s: Some(Abort) Some(["R/A"])
+            4 s: Some(Abort) Some(["R/A"])
             5 s: it died too often in the last minute
-            70 s: Abort ["R/A"]
+            70 s: Some(Abort) Some(["R/A"])
         "#]],
         );
     }

@@ -177,7 +177,7 @@ impl Follower<'_> {
         for (id, path) in todo.inspect.drain(..) {
             self.inspect(id, path);
         }
-        todo.causes.drain(..).try_for_each(|told| self.queue.send(told.into()))
+        todo.causes.drain(..).try_for_each(|cause| self.queue.send(cause))
     }
 
     /// Asks what a state holds, beside everything else.

@@ -24,39 +24,9 @@ pub(super) struct Todo {
     /// To be said to the server.
     pub(super) frames: Vec<ToServer>,
     /// To be given to whoever follows the run.
-    pub(super) causes: Vec<Told>,
+    pub(super) causes: Vec<Cause>,
     /// States whose data is asked for, with the id of the request.
     pub(super) inspect: Vec<(String, String)>,
-}
-
-/// A cause, as far as a session can be one.
-#[derive(Debug, PartialEq)]
-pub(super) enum Told {
-    /// Who is there.
-    Hello(Hello),
-    /// What the run says.
-    Messages(Vec<ToViewer>),
-    /// The runner is gone.
-    Silence,
-    /// The connection is.
-    Cut(String),
-    /// It is back.
-    Mended(String),
-    /// Nothing will be told.
-    Refused(String),
-}
-
-impl From<Told> for Cause {
-    fn from(told: Told) -> Self {
-        match told {
-            Told::Hello(hello) => Self::Hello(hello),
-            Told::Messages(messages) => Self::Messages(messages),
-            Told::Silence => Self::Silence,
-            Told::Cut(reason) => Self::Cut(reason),
-            Told::Mended(how) => Self::Mended(how),
-            Told::Refused(reason) => Self::Refused(reason),
-        }
-    }
 }
 
 /// How the server is heard.
@@ -168,7 +138,7 @@ impl Session {
                 if protocol == VERSION {
                     self.welcome(todo);
                 } else {
-                    todo.causes.push(Told::Refused(other_version(protocol, &session.version)));
+                    todo.causes.push(Cause::Refused(other_version(protocol, &session.version)));
                 }
             }
             ToClient::Events { subscription: HISTORY, next, events } => {
@@ -191,7 +161,7 @@ impl Session {
             ToClient::Answer(CommandAnswer { id, answer }) => self.answered(id, answer, todo),
             ToClient::Refused { id: Some(id), refusal } => self.refused(id, refusal, now_ms, todo),
             ToClient::Refused { id: None, refusal } => {
-                todo.causes.push(Told::Refused(refusal.message));
+                todo.causes.push(Cause::Refused(refusal.message));
             }
             ToClient::Ended { subscription, refusal } => self.ended(subscription, refusal, todo),
             _ => {}
@@ -217,7 +187,7 @@ impl Session {
         let last = self.crashed.map_or(0, |(_, last)| last);
         if is_due && self.is_up() && self.next.is_some_and(|next| next > last) {
             self.is_over = true;
-            todo.causes.push(Told::Silence);
+            todo.causes.push(Cause::Silence);
         }
     }
 
@@ -225,16 +195,16 @@ impl Session {
     pub(super) fn cut(&mut self, reason: &str, todo: &mut Todo) {
         if self.connection != Connection::Cut {
             self.connection = Connection::Cut;
-            todo.causes.push(Told::Cut(format!("no connection ({reason}); trying again")));
+            todo.causes.push(Cause::Cut(format!("no connection ({reason}); trying again")));
         }
     }
 
     fn welcome(&mut self, todo: &mut Todo) {
         if self.wanted.is_none() {
-            todo.causes.push(Told::Hello(Hello::ours()));
+            todo.causes.push(Cause::Hello(Hello::ours()));
         }
         if std::mem::replace(&mut self.connection, Connection::Up) == Connection::Cut {
-            todo.causes.push(Told::Mended("the connection is back".to_owned()));
+            todo.causes.push(Cause::Mended("the connection is back".to_owned()));
         }
         self.runner = Runner::Heard;
         self.subscribe(todo);
@@ -279,7 +249,7 @@ impl Session {
         };
         self.is_over |= new.iter().any(is_end);
         if !new.is_empty() {
-            todo.causes.push(Told::Messages(new));
+            todo.causes.push(Cause::Messages(new));
         }
     }
 
@@ -297,12 +267,12 @@ impl Session {
         let phase = now.run.phase.clone();
         messages.extend(aged(now).map(ToViewer::Snapshot));
         if !messages.is_empty() {
-            todo.causes.push(Told::Messages(messages));
+            todo.causes.push(Cause::Messages(messages));
         }
         self.linked(link, todo);
         match phase {
             RunPhase::NotStarted { reason } | RunPhase::Unreadable { reason } => {
-                todo.causes.push(Told::Refused(reason));
+                todo.causes.push(Cause::Refused(reason));
             }
             _ if self.held_back && is_linked => self.say_again(todo),
             _ => {}
@@ -319,18 +289,18 @@ impl Session {
         };
         if std::mem::replace(&mut self.runner, runner) != runner {
             todo.causes.push(match runner {
-                Runner::Heard => Told::Mended("the run is heard again".to_owned()),
+                Runner::Heard => Cause::Mended("the run is heard again".to_owned()),
                 Runner::Silent => {
-                    Told::Cut("the run is not heard: its program does not answer".to_owned())
+                    Cause::Cut("the run is not heard: its program does not answer".to_owned())
                 }
-                Runner::Stuck => Told::Cut(STUCK.to_owned()),
+                Runner::Stuck => Cause::Cut(STUCK.to_owned()),
             });
         }
     }
 
     fn answered(&mut self, id: String, answer: Answer, todo: &mut Todo) {
         self.commands.retain(|envelope| envelope.id != id);
-        todo.causes.push(Told::Messages(vec![ToViewer::Answer { id, answer }]));
+        todo.causes.push(Cause::Messages(vec![ToViewer::Answer { id, answer }]));
     }
 
     /// A command that found no runner is said again when there is one, and one that had no answer after a while; other refusals
@@ -354,10 +324,10 @@ impl Session {
 
     fn ended(&mut self, subscription: u32, refusal: Option<Refusal>, todo: &mut Todo) {
         match refusal {
-            Some(refusal) => todo.causes.push(Told::Refused(refusal.message)),
+            Some(refusal) => todo.causes.push(Cause::Refused(refusal.message)),
             None if subscription == HISTORY && !self.is_over => {
                 self.is_over = true;
-                todo.causes.push(Told::Silence);
+                todo.causes.push(Cause::Silence);
             }
             None => {}
         }

@@ -1,18 +1,54 @@
-//! What the commands that read runs have in common: which run is meant, and how things are written.
+//! What the commands about kept runs have in common: where they lie, which one is meant, and how things are written.
 
 use crate::cli;
 use crate::environment::Environment;
-use crate::runs;
+use crate::failure::{Usage, complain};
 use crate::view::{Paint, time};
 use anyhow::{Context as _, Result};
 use rafcon_storage::journal::Reader;
+use rafcon_supervisor::{FindError, Runs};
 use std::io::{self, BufWriter, IsTerminal as _, StdoutLock};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::Duration;
+
+/// The folder of all runs: the one that the user names, or the usual place.
+pub(super) fn runs_folder(named: &cli::Runs, environment: &Environment) -> Result<Runs> {
+    Ok(Runs::new(named.runs.as_deref(), &environment.surroundings)?)
+}
+
+/// The folder of the run that the user means.
+pub(super) fn find_run(
+    named: &cli::Runs,
+    environment: &Environment,
+    text: &str,
+) -> Result<PathBuf> {
+    find_run_in(&runs_folder(named, environment)?, text)
+}
+
+/// The same, in a folder of runs that is known.
+pub(super) fn find_run_in(runs: &Runs, text: &str) -> Result<PathBuf> {
+    runs.find(text).map_err(|error| match error {
+        FindError::None { .. } | FindError::Many { .. } => Usage(error.to_string()).into(),
+        FindError::Here(_) | FindError::Read { .. } => error.into(),
+    })
+}
+
+/// Makes the folder of a new run, and deletes old ones. What cannot be deleted stops no run.
+pub(super) fn make_run(runs: &Runs, machine: &str) -> Result<PathBuf> {
+    if let Err(error) = runs.give_up_old_ones() {
+        complain(&format!("warning: old runs stay: {error}"));
+    }
+    Ok(runs.make(machine)?)
+}
+
+/// The id of the run in this folder.
+pub(super) fn run_id(folder: &Path) -> String {
+    folder.file_name().unwrap_or_default().to_string_lossy().into_owned()
+}
 
 /// Opens the run that the user means.
 pub(super) fn open(raw: &cli::KeptRun, environment: &Environment) -> Result<Reader> {
-    open_folder(&runs::find(&raw.runs, environment, &raw.run)?)
+    open_folder(&find_run(&raw.runs, environment, &raw.run)?)
 }
 
 /// Opens the run in a folder.

@@ -1,9 +1,10 @@
 //! `rafcon serve`: from the words of the command line to a server's settings. What a server does, `rafcon-server` knows.
 
+use super::kept::runs_folder;
 use crate::cli;
 use crate::environment::{self, Environment};
 use crate::failure::complain;
-use crate::{machine, runs};
+use crate::machine;
 use anyhow::{Context as _, Result, bail};
 use rafcon_server::{Server, Settings};
 use std::io::{self, Write as _};
@@ -17,7 +18,7 @@ pub(super) fn serve(raw: &cli::Serve, environment: &Environment) -> Result<ExitC
 }
 
 fn settings(raw: &cli::Serve, environment: &Environment) -> Result<Settings> {
-    let runs = runs::folder(&raw.runs, environment)?.folder().to_owned();
+    let runs = runs_folder(&raw.runs, environment)?.folder().to_owned();
     let mut settings = Settings::new(state(&raw.state, environment)?, runs);
     settings.projects = raw.projects.iter().map(|folder| project(folder)).collect::<Result<_>>()?;
     settings.libraries = machine::library_roots(&raw.libraries)?;

@@ -2,17 +2,17 @@
 
 use crate::cli;
 use crate::clock::Clock;
-use crate::commands::attach::envelope;
+use crate::commands::kept::find_run;
 use crate::commands::remote;
 use crate::environment::Environment;
 use crate::event_queue::Line as _;
 use crate::failure::{Usage, complain};
-use crate::runs;
+use crate::follow::envelope;
 use anyhow::{Result, bail};
 use rafcon_protocol::{
     Answer, Command, FrameKind, Hello, Join, ToRunner, ToViewer, decode, encode, read_frame,
 };
-use rafcon_supervisor::{clock, socket};
+use rafcon_supervisor::{clock, connect};
 use serde_json::{Map, Value};
 use std::io::{self, BufRead as _, BufReader, Write as _};
 use std::process::ExitCode;
@@ -30,8 +30,8 @@ pub(super) fn tell(raw: &cli::Tell, environment: &Environment) -> Result<ExitCod
         let envelope = envelope.dated(now_ms.saturating_sub(waited_ms));
         return said(server.command(&run, &envelope)?.answer);
     }
-    let folder = runs::find(&raw.runs, environment, &raw.run)?;
-    let mut control = socket::connect(&folder)?;
+    let folder = find_run(&raw.runs, environment, &raw.run)?;
+    let mut control = connect(&folder)?;
     let mut runner = BufReader::new(control.try_clone()?);
     control.write_all(&encode(&Hello::ours())?)?;
     let mut hello = String::new();

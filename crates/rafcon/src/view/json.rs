@@ -1,7 +1,7 @@
 //! A run as JSON, one object a line, `finished` last (`docs/protocol.md`).
 
 use super::View;
-use crate::supervisor::End;
+use crate::follow::End;
 use rafcon_protocol::{Event, Snapshot};
 use rafcon_supervisor::RunnerDeath;
 use serde::Serialize;
@@ -98,7 +98,7 @@ impl<W: Write> View for Json<W> {
 #[cfg(test)]
 mod tests {
     use super::{Json, View as _};
-    use crate::supervisor::End;
+    use crate::follow::End;
     use expect_test::{Expect, expect};
     use rafcon_protocol::{Event, LogLevel, Outcome, Stream};
     use rafcon_supervisor::RunnerDeath;
@@ -155,7 +155,7 @@ mod tests {
             reason: "killed by signal 11 (SIGSEGV)".to_owned(),
             active: vec!["A/B".to_owned()],
             said: vec!["Segmentation fault".to_owned()],
-            is_cut_off: false,
+            ..RunnerDeath::default()
         };
         check(
             vec![log()],

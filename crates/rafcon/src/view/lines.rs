@@ -2,7 +2,7 @@
 
 use super::text::{Paint, Style, TextLine, counted, harmless};
 use super::{Names, View, notable, summary};
-use crate::supervisor::End;
+use crate::follow::End;
 use rafcon_protocol::{Event, LogLevel, Snapshot};
 use std::io::{self, BufWriter, Write};
 use std::time::Duration;
@@ -127,7 +127,7 @@ pub(crate) fn log_lines(time: Duration, name: &str, log: LogLevel, message: &str
 #[cfg(test)]
 mod tests {
     use super::{Lines, Names, View as _};
-    use crate::supervisor::End;
+    use crate::follow::End;
     use expect_test::expect;
     use rafcon_model::notation;
     use rafcon_protocol::{Event, LogLevel, Outcome, Stream};

@@ -20,7 +20,7 @@ pub(crate) use text::{Paint, Style, TextLine, counted, harmless, time};
 pub(crate) use value::shown;
 
 use crate::console::{Key, Wish};
-use crate::supervisor::End;
+use crate::follow::End;
 use rafcon_protocol::{Event, Snapshot, StateData};
 use std::io;
 use std::time::Duration;

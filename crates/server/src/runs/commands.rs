@@ -1,8 +1,8 @@
 //! Commands of runs: whether they may be given, on their way to the runner, and their answers. Knows rights, control and
 //! links; must never know what a command does.
 
+use super::folder_files::key;
 use super::link::{Link, NotSent};
-use super::request::key;
 use super::run::Run;
 use super::talk::{self, LinkError};
 use crate::access::{Who, of_command};

@@ -1,14 +1,12 @@
 //! Starting a runner that outlives the server, until it says that its run begins. Knows processes; must never know why one is
 //! started. Takes its time: never on a thread that talks.
 
+use super::leftovers::{OUTPUT_FILE, last_line};
 use crate::Settings;
 use rafcon_protocol::api::LoadedMachine;
 use rafcon_protocol::{FrameError, Hello, Launch, ToViewer, VersionMismatch, decode, read_frame};
 use rafcon_storage::journal::{Reader, has_begun};
-use rafcon_supervisor::{
-    BeginError, Exit, Interpreter, NoExtension, NoInterpreter, Process, Start, StartError, begin,
-    extension,
-};
+use rafcon_supervisor::{BeginError, Exit, Process, Start, StartError, begin};
 use std::io::{self, BufRead as _, BufReader};
 use std::os::unix::net::UnixStream;
 use std::path::Path;
@@ -17,8 +15,6 @@ use std::thread;
 use std::time::Duration;
 use tokio::sync::oneshot;
 
-/// What a runner and its scripts write past the capture of script output, in the run's folder.
-pub(super) const OUTPUT_FILE: &str = "output";
 /// How long a machine may take to load.
 const LOAD_TIMEOUT: Duration = Duration::from_mins(2);
 
@@ -36,12 +32,6 @@ pub(super) struct Launched {
 /// Why there is no run.
 #[derive(Debug, thiserror::Error)]
 pub(super) enum LaunchError {
-    /// There is no Python.
-    #[error(transparent)]
-    Interpreter(#[from] NoInterpreter),
-    /// There is no extension.
-    #[error(transparent)]
-    Extension(#[from] NoExtension),
     /// There is no process.
     #[error(transparent)]
     Start(#[from] StartError),
@@ -101,9 +91,7 @@ pub(super) fn launch(
     folder: &Path,
     launch: Launch,
 ) -> Result<Launched, LaunchError> {
-    let interpreter = Interpreter::choose(settings.python.as_deref(), &settings.surroundings)?;
-    let extension = extension::find(&settings.surroundings)?;
-    let start = Start { interpreter: &interpreter, extension: &extension };
+    let start = Start::find(settings.python.as_deref(), &settings.surroundings)?;
     let output = folder.join(OUTPUT_FILE);
     let before = events(folder);
     let process = start.spawn_detached(&output)?;
@@ -111,7 +99,7 @@ pub(super) fn launch(
     let Process { child, control } = process;
     let exit = reap(child).map_err(LaunchError::Thread);
     let exit = exit.inspect_err(|_| group.kill())?;
-    let control = begin(control, launch).inspect_err(|_| group.kill())?;
+    begin(&control, launch).inspect_err(|_| group.kill())?;
     let heard = match hear(&control) {
         Ok(FirstMessage::Begun(loaded)) => return Ok(Launched { loaded, control, exit }),
         Ok(FirstMessage::Refused(reason)) => return Err(LaunchError::Load(reason)),
@@ -123,7 +111,7 @@ pub(super) fn launch(
         return Ok(Launched { loaded: None, control, exit: known(ended) });
     }
     heard?;
-    let said = super::output::last_line(&output);
+    let said = last_line(&output);
     Err(LaunchError::Ended { exit: ended.to_string(), said })
 }
 

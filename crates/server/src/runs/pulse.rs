@@ -1,14 +1,16 @@
 //! Whether a runner is there: while nothing changes it says nothing by itself, and one that hangs looks the same. So it is asked,
 //! for as long as somebody looks on.
 //!
-//! Knows questions and answers. Must never know what else a runner says, nor whom it matters to.
+//! Knows questions and answers, and how many look on. Must never know what else a runner says, nor whom it matters to.
 
 use super::link::Link;
 use super::run::Run;
 use rafcon_supervisor::clock;
 use std::convert::Infallible;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
 use std::time::Duration;
+use tokio::sync::watch;
 use tokio::time::sleep;
 
 /// So often a runner is asked.
@@ -96,6 +98,41 @@ pub(super) async fn keep_asking(run: &Run, link: &Link, pulse: &RunnerPulse) -> 
             }
             sleep(ASK_EVERY).await;
         }
+    }
+}
+
+/// Those who look at how a run stands.
+#[derive(Debug)]
+pub(crate) struct Onlookers(Arc<watch::Sender<usize>>);
+
+/// One of them, until it is dropped.
+#[derive(Debug)]
+pub(crate) struct Onlooker(Arc<watch::Sender<usize>>);
+
+impl Default for Onlookers {
+    fn default() -> Self {
+        Self(Arc::new(watch::Sender::new(0)))
+    }
+}
+
+impl Onlookers {
+    /// Somebody looks on.
+    pub(crate) fn join(&self) -> Onlooker {
+        self.0.send_modify(|count| *count += 1);
+        Onlooker(Arc::clone(&self.0))
+    }
+
+    /// Waits until somebody looks on.
+    pub(super) async fn wait_for_onlooker(&self) {
+        let mut count = self.0.subscribe();
+        // The sender lives as long as we do.
+        drop(count.wait_for(|count| *count > 0).await);
+    }
+}
+
+impl Drop for Onlooker {
+    fn drop(&mut self) {
+        self.0.send_modify(|count| *count -= 1);
     }
 }
 

@@ -1,6 +1,6 @@
 //! What is asked about runs: how they begin, stand and are commanded. Knows requests and answers; the work is done next door.
 
-use super::{Run, commands, output, start, take_up};
+use super::{Run, commands, leftovers, start, take_up};
 use crate::access::Who;
 use crate::blocking::blocking;
 use crate::extract::{Body, Path, Query};
@@ -260,8 +260,8 @@ async fn written(
     Query(end): Query<OutputEnd>,
 ) -> Result<Json<RunOutput>, Failure> {
     let run = server.runs.get(&run).await?;
-    let bytes = end.bytes.unwrap_or(output::USUAL_BYTES);
-    blocking(move || output::tail(run.folder(), bytes).map(Json)).await
+    let bytes = end.bytes.unwrap_or(leftovers::USUAL_BYTES);
+    blocking(move || leftovers::tail(run.folder(), bytes).map(Json)).await
 }
 
 /// How a run stood after its last event.

@@ -3,9 +3,9 @@
 //! Knows the latest truth. Must never know how it is found out, nor wait for whoever wants to know it.
 
 use super::control::Holding;
-use super::holder_file;
+use super::folder_files;
 use super::link::Link;
-use super::onlookers::Onlookers;
+use super::pulse::Onlookers;
 use super::ring::Ring;
 use crate::state::ServerState;
 use rafcon_locks::Mutex;
@@ -60,7 +60,7 @@ impl Run {
     /// The run in `folder`, as it was found.
     pub(super) fn new(server: &ServerState, folder: PathBuf, summary: &RunSummary) -> Self {
         let (silence, now_ms) = (server.settings.control_silence, clock::since_1970_ms());
-        let holding = holder_file::read(&folder).go_on(now_ms);
+        let holding = folder_files::read_holding(&folder).go_on(now_ms);
         let now = RunNow {
             run: summary.clone(),
             loaded: None,
@@ -325,7 +325,7 @@ impl Run {
         let _one_after_the_other = self.keeping.lock();
         // Nobody waits for the disk to be heard.
         let holding = self.holding.lock().clone();
-        if let Err(error) = holder_file::write(&self.folder, &holding) {
+        if let Err(error) = folder_files::write_holding(&self.folder, &holding) {
             let (id, tell) = (&self.id, self.tell);
             tell(&format!("who commands run {id} is not kept: {error}"));
         }

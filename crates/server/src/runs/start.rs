@@ -3,8 +3,8 @@
 //! Knows requests and folders of runs. Must never know what becomes of a run afterwards.
 
 use super::StartRequestState;
+use super::folder_files::RunRequest;
 use super::launch::{LaunchError, Launched, launch};
-use super::request::RunRequest;
 use super::run::Run;
 use super::supervise;
 use crate::access::{Who, of_start};
@@ -14,8 +14,9 @@ use crate::{Failure, ServerState};
 use axum::http::StatusCode;
 use rafcon_protocol::api::{RunPhase, RunSummary, StartRun};
 use rafcon_protocol::{Keeping, Launch};
-use rafcon_supervisor::{Next, RestartPolicy, RunnerDeath, clock};
+use rafcon_supervisor::{KeptRun, Next, RestartPolicy, RunnerDeath, clock};
 use std::fs;
+use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Duration;
@@ -33,13 +34,17 @@ pub(crate) async fn start(
     check(&asked)?;
     who.must(of_start(&asked))?;
     let (server, author) = (Arc::clone(server), who.user.clone());
-    let started = tokio::spawn(async move { once(&server, &author, asked).await });
-    started.await.unwrap_or_else(|_stopped| Err(unfinished()))
+    to_its_end(async move { once(&server, &author, asked).await }).await
 }
 
-fn unfinished() -> Failure {
-    let message = "the server could not finish this request: ask again with the same id";
-    Failure::new(StatusCode::SERVICE_UNAVAILABLE, "not_finished", message)
+/// Carries out a request, also if whoever asks goes away meanwhile.
+pub(super) async fn to_its_end(
+    request: impl Future<Output = Result<RunSummary, Failure>> + Send + 'static,
+) -> Result<RunSummary, Failure> {
+    tokio::spawn(request).await.unwrap_or_else(|_stopped| {
+        let message = "the server could not finish this request: ask again with the same id";
+        Err(Failure::new(StatusCode::SERVICE_UNAVAILABLE, "not_finished", message))
+    })
 }
 
 /// What is wrong with a request by itself.
@@ -146,7 +151,7 @@ async fn begin(
     let (folder, launched) = blocking(made).await?;
     let found = supervise::look(server, folder.clone()).await;
     let run = found.ok_or_else(|| not_kept(&folder))?;
-    supervise::follow_ours(server, &run, launched).await;
+    supervise::follow_ours(server, &run, launched, false).await;
     let here = Arc::clone(server);
     // Old runs make room behind the back of whoever asks.
     drop(tokio::task::spawn_blocking(move || {
@@ -174,11 +179,9 @@ fn made(
     let name = machine.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let folder = folder.map_or_else(|| server.runs.folder().make(&name), Ok);
     let folder = folder.map_err(|error| no_room(&reason(&error)))?;
-    let begun = request
-        .write(&folder)
-        .map_err(|error| no_room(&format!("cannot write into {}: {error}", folder.display())))
-        .and_then(|()| {
-            launched(server, asked, &folder, &words(server, machine, asked, &folder))
+    let begun =
+        request.write(&folder).map_err(|error| cannot_write(&folder, &error)).and_then(|()| {
+            launched(server, asked, &folder, words(server, machine, asked, &folder))
                 .map_err(|error| not_launched(&error))
         });
     match begun {
@@ -197,21 +200,27 @@ fn launched(
     server: &ServerState,
     asked: &StartRun,
     folder: &Path,
-    words: &Launch,
+    mut words: Launch,
 ) -> Result<Launched, LaunchError> {
     let mut lives = RestartPolicy::default();
+    let kept = KeptRun { policy: asked.on_crash.unwrap_or_default(), has_begun: false };
     loop {
         let error = match launch(&server.settings, folder, words.clone()) {
             Err(error) if error.is_death() => error,
             other => return other,
         };
         let (now, reason) = (Duration::from_millis(clock::since_1970_ms()), error.to_string());
-        let death = RunnerDeath { reason, active: Vec::new(), said: Vec::new(), is_cut_off: false };
-        let policy = asked.on_crash.unwrap_or_default();
-        if let Next::Ask(_) = lives.next(now, &death, policy) {
-            return Err(error);
+        let death = RunnerDeath { reason, ..RunnerDeath::default() };
+        match lives.next(now, &death, kept, words) {
+            Next::Again(again) => words = *again,
+            Next::Ask(_) => return Err(error),
         }
     }
+}
+
+/// Why a request could not be written down, as an answer.
+pub(super) fn cannot_write(folder: &Path, error: &io::Error) -> Failure {
+    no_room(&format!("cannot write into {}: {error}", folder.display()))
 }
 
 fn no_room(why: &str) -> Failure {
@@ -251,9 +260,7 @@ pub(super) fn not_launched(error: &LaunchError) -> Failure {
         | LaunchError::Lost
         | LaunchError::Silent(_)
         | LaunchError::Begin(_) => (StatusCode::UNPROCESSABLE_ENTITY, "not_started"),
-        LaunchError::Interpreter(_)
-        | LaunchError::Extension(_)
-        | LaunchError::Start(_)
+        LaunchError::Start(_)
         | LaunchError::Thread(_)
         | LaunchError::Frame(_)
         | LaunchError::Version(_) => (StatusCode::SERVICE_UNAVAILABLE, "no_runner"),

@@ -1,7 +1,7 @@
 //! What lies in the folder of a run, in one line. Knows folders, requests and journals; may take its time.
 
-use super::launch::OUTPUT_FILE;
-use super::request::RunRequest;
+use super::folder_files::RunRequest;
+use super::leftovers::OUTPUT_FILE;
 use crate::projects::Projects;
 use rafcon_protocol::Keeping;
 use rafcon_protocol::api::{RunPhase, RunSummary};

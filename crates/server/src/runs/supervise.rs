@@ -3,11 +3,11 @@
 //!
 //! Knows the order of things. Must never know who asks for them.
 
+use super::folder_files::RunRequest;
 use super::launch::Launched;
+use super::leftovers;
 use super::link;
-use super::request::RunRequest;
 use super::run::Run;
-use super::runner_end;
 use super::summary::FolderSummary;
 use super::take_up;
 use crate::ServerState;
@@ -15,7 +15,7 @@ use crate::failure::reason;
 use rafcon_protocol::OnCrash;
 use rafcon_protocol::api::{RunPhase, RunSummary};
 use rafcon_storage::journal::{has_begun, writer_of};
-use rafcon_supervisor::{Exit, Next, RestartPolicy, clock, policy_of};
+use rafcon_supervisor::{Exit, KeptRun, Next, RestartPolicy, clock, resume_launch};
 use std::os::unix::net::UnixStream;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -51,29 +51,24 @@ fn look_after(server: &Arc<ServerState>, run: &Arc<Run>) {
     tokio::spawn(life.go_on());
 }
 
-/// Looks after a runner that was just started, and waits until it can be commanded: until then it knows that somebody looks on.
-pub(super) async fn follow_ours(server: &Arc<ServerState>, run: &Arc<Run>, launched: Launched) {
-    let control = adopt(run, launched);
-    follow(server, run);
-    run.linked().await;
-    drop(control);
-}
-
-/// The same for a run that is in our hand.
-pub(super) async fn look_after_ours(server: &Arc<ServerState>, run: &Arc<Run>, launched: Launched) {
-    let control = adopt(run, launched);
-    look_after(server, run);
-    run.linked().await;
-    drop(control);
-}
-
-fn adopt(run: &Run, launched: Launched) -> UnixStream {
+/// Looks after a runner that was just started, of a run that is in our hand already if `is_claimed`, and waits until it can be
+/// commanded: until then it knows that somebody looks on.
+pub(super) async fn follow_ours(
+    server: &Arc<ServerState>,
+    run: &Arc<Run>,
+    launched: Launched,
+    is_claimed: bool,
+) {
     let Launched { loaded, control, exit } = launched;
     if let Some(loaded) = loaded {
         run.set_loaded(loaded);
     }
     run.set_exit(exit);
-    control
+    if is_claimed || run.try_claim() {
+        look_after(server, run);
+    }
+    run.linked().await;
+    drop(control);
 }
 
 /// What was known about a run may be true no more: looks, and follows it if it lives.
@@ -137,10 +132,12 @@ impl RunSupervisor {
         let (server, folder) = (Arc::clone(&self.server), self.run.folder().to_path_buf());
         let look = move || {
             let looked = super::summary::look(&folder, &server.projects)?;
-            let policy = policy_of(&folder);
-            Some((looked, policy, runner_end::of(&folder, exit)))
+            let kept = KeptRun::of(&folder, None);
+            let words = resume_launch(&folder, kept.policy, None);
+            Some((looked, leftovers::death(&folder, exit), kept, words))
         };
-        let Ok(Some((looked, policy, fate))) = tokio::task::spawn_blocking(look).await else {
+        let Ok(Some((looked, mut death, kept, words))) = tokio::task::spawn_blocking(look).await
+        else {
             self.run.release();
             return false;
         };
@@ -150,20 +147,14 @@ impl RunSupervisor {
         let Some(request) = ours else {
             return self.end(&summary);
         };
-        let next = if self.run.take_stop_by_force() {
-            Next::Ask("it did not take a stop, so its process was ended")
-        } else if fate.is_killed {
-            Next::Ask("somebody killed it")
-        } else {
-            let now = Duration::from_millis(clock::since_1970_ms());
-            self.lives.next(now, &fate.death, policy)
-        };
-        match next {
+        death.is_wanted |= self.run.take_stop_by_force();
+        let now = Duration::from_millis(clock::since_1970_ms());
+        match self.lives.next(now, &death, kept, words) {
             Next::Ask(_) => self.leave_for_decision(&summary, request).await,
-            Next::Again(resume, crash) => {
+            Next::Again(words) => {
                 summary.phase = RunPhase::Starting;
                 self.run.apply_summary(&summary);
-                match take_up::again(&self.server, &self.run, resume, crash).await {
+                match take_up::again(&self.server, &self.run, *words).await {
                     Ok(launched) => {
                         self.control = Some(launched.control);
                         self.run.set_exit(launched.exit);

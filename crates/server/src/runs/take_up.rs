@@ -3,18 +3,17 @@
 //! Knows requests and launches. Must never know what the run does then.
 
 use super::commands;
+use super::folder_files::RunRequest;
 use super::launch::{LaunchError, Launched, launch};
-use super::request::RunRequest;
 use super::run::Run;
-use super::start::not_launched;
+use super::start::{cannot_write, not_launched, to_its_end};
 use super::supervise;
 use crate::access::Who;
 use crate::blocking::blocking;
 use crate::failure::reason;
 use crate::{Failure, ServerState};
-use axum::http::StatusCode;
+use rafcon_protocol::Launch;
 use rafcon_protocol::api::{ResumeRun, RunPhase, RunSummary};
-use rafcon_protocol::{Crash, Launch, Resume};
 use rafcon_supervisor::resume_launch;
 use std::io;
 use std::sync::Arc;
@@ -29,11 +28,7 @@ pub(crate) async fn resume(
     crate::request_id::check(&asked.id)?;
     let run = server.runs.get(run).await?;
     let (server, who) = (Arc::clone(server), who.clone());
-    let resumed = tokio::spawn(async move { once(&server, &who, &run, asked).await });
-    resumed.await.unwrap_or_else(|_stopped| {
-        let message = "the server could not finish this request: ask again with the same id";
-        Err(Failure::new(StatusCode::SERVICE_UNAVAILABLE, "not_finished", message))
-    })
+    to_its_end(async move { once(&server, &who, &run, asked).await }).await
 }
 
 async fn once(
@@ -72,7 +67,7 @@ async fn once(
         Ok(launched) => {
             run.set_phase(RunPhase::Live);
             server.audit().note(&who.user, "run_resumed", run.id());
-            supervise::look_after_ours(server, run, launched).await;
+            supervise::follow_ours(server, run, launched, true).await;
             Ok(run.summary())
         }
         Err(failure) => {
@@ -112,12 +107,8 @@ fn begun(
     before: Option<RunRequest>,
 ) -> Result<Launched, Failure> {
     let folder = run.folder();
-    let unwritten = |error: io::Error| {
-        let message = format!("cannot write into {}: {error}", folder.display());
-        Failure::new(StatusCode::SERVICE_UNAVAILABLE, "no_folder", message)
-    };
     let request = before.clone().unwrap_or_default().taking_up(author, &asked.id);
-    request.write(folder).map_err(unwritten)?;
+    request.write(folder).map_err(|error| cannot_write(folder, &error))?;
     let words = resume_launch(folder, asked.policy, asked.from);
     match launch(&server.settings, folder, words) {
         Ok(launched) => {
@@ -140,15 +131,10 @@ fn begun(
 pub(super) async fn again(
     server: &Arc<ServerState>,
     run: &Arc<Run>,
-    resume: Resume,
-    crash: Crash,
+    words: Launch,
 ) -> Result<Launched, LaunchError> {
     let (server, run) = (Arc::clone(server), Arc::clone(run));
-    let begin = move || {
-        let words = resume_launch(run.folder(), resume.policy, resume.from);
-        let words = Launch { resume: Some(resume), crash: Some(crash), ..words };
-        launch(&server.settings, run.folder(), words)
-    };
+    let begin = move || launch(&server.settings, run.folder(), words);
     let begun = tokio::task::spawn_blocking(begin).await;
     begun.unwrap_or_else(|stopped| Err(LaunchError::Thread(io::Error::other(stopped))))
 }

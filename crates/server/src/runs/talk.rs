@@ -9,7 +9,7 @@ use rafcon_protocol::{
     ToViewer, VersionMismatch, decode, encode, read_frame_head,
 };
 use rafcon_storage::journal::Broken;
-use rafcon_supervisor::{JoinError, socket};
+use rafcon_supervisor::{JoinError, connect};
 use std::io;
 use std::path::PathBuf;
 use tokio::io::{AsyncBufReadExt as _, AsyncReadExt as _, AsyncWriteExt as _, BufReader};
@@ -56,8 +56,8 @@ pub(super) struct RunnerConnection {
 
 /// Joins the run in `folder`.
 pub(super) async fn open(folder: PathBuf, join: Join) -> Result<RunnerConnection, LinkError> {
-    let connect = move || socket::connect(&folder);
-    let stream = tokio::task::spawn_blocking(connect).await.map_err(io::Error::other)??;
+    let connected = move || connect(&folder);
+    let stream = tokio::task::spawn_blocking(connected).await.map_err(io::Error::other)??;
     stream.set_nonblocking(true)?;
     let (frames, mut out) = UnixStream::from_std(stream)?.into_split();
     let mut frames = BufReader::with_capacity(BUFFER_BYTES, frames);

@@ -8,8 +8,8 @@ use rafcon_protocol::{
 use rafcon_storage::journal::stream::StreamReader;
 use rafcon_storage::{Naming, save};
 use rafcon_supervisor::{
-    Exit, Interpreter, NoExtension, Process, ProgramEnvironment, Start, begin, extension, is_alive,
-    socket,
+    Exit, Interpreter, NoExtension, Process, ProgramEnvironment, Start, begin, connect,
+    find_extension, is_alive,
 };
 use rustix::process::{Pid, getpgid};
 use std::fs;
@@ -31,12 +31,13 @@ const MACHINE: &str = r#"execution LONELY "Lonely"
 fn extension() -> Result<PathBuf, NoExtension> {
     let test = std::env::current_exe().unwrap();
     let program = test.parent().and_then(Path::parent).map(|folder| folder.join("rafcon"));
-    extension::find(&ProgramEnvironment { program, ..ProgramEnvironment::default() })
+    find_extension(&ProgramEnvironment { program, ..ProgramEnvironment::default() })
 }
 
 fn spawn(extension: &Path, output: &Path) -> Process {
     let interpreter = Interpreter::choose(None, &ProgramEnvironment::default()).unwrap();
-    Start { interpreter: &interpreter, extension }.spawn_detached(output).unwrap()
+    let extension = extension.to_path_buf();
+    Start { interpreter, extension }.spawn_detached(output).unwrap()
 }
 
 /// A run that is held before its first state, in a folder that outlives whoever started it.
@@ -86,12 +87,13 @@ fn a_run_outlives_whoever_started_it() {
     let mut process = spawn(&extension().unwrap(), &output);
     let child = Pid::from_child(&process.child);
     assert_eq!(getpgid(Some(child)).unwrap(), child);
-    let mut told = messages(begin(process.control, launch).unwrap());
+    begin(&process.control, launch).unwrap();
+    let mut told = messages(process.control);
     assert!(matches!(told.next(), Some(ToViewer::Loaded { .. })));
     drop(told);
     assert!(is_alive(&output));
 
-    let control = socket::connect(&run).unwrap();
+    let control = connect(&run).unwrap();
     say(&control, &encode(&Hello::ours()).unwrap());
     let join = Join { from: 1, every_event: true };
     say(&control, &encode(&ToRunner::Join(join)).unwrap());
@@ -143,7 +145,7 @@ fn a_group_that_is_killed_is_not_alive() {
 #[test]
 fn an_output_that_cannot_be_opened_is_named() {
     let interpreter = Interpreter::choose(None, &ProgramEnvironment::default()).unwrap();
-    let start = Start { interpreter: &interpreter, extension: Path::new("/nowhere/extension.so") };
+    let start = Start { interpreter, extension: PathBuf::from("/nowhere/extension.so") };
     let error = start.spawn_detached(Path::new("/nowhere/output")).unwrap_err();
     assert_eq!(
         error.to_string(),

@@ -1,10 +1,9 @@
 //! `rafcon compare`: where two runs part, which data differed before, and where they took their time.
 
-use super::kept::{open_folder, out, paint, span};
+use super::kept::{find_run_in, open_folder, out, paint, runs_folder, span};
 use super::kept_at_server::Keeper;
 use crate::cli;
 use crate::environment::Environment;
-use crate::runs;
 use crate::view::{Style, TextLine, counted, harmless, outcome_style, shown};
 use anyhow::Result;
 use rafcon_protocol::api::{Comparison, DataChange, Happened, Parting, TimeTaken, Timing};
@@ -40,9 +39,9 @@ pub(super) fn compare(raw: &cli::Compare, environment: &Environment) -> Result<E
 
 /// Two runs of this computer, and their ids.
 fn here(raw: &cli::Compare, environment: &Environment) -> Result<(Comparison, [String; 2])> {
-    let runs = runs::folder(&raw.runs, environment)?;
-    let mut one = open_folder(&runs::find_in(&runs, &raw.one)?)?;
-    let mut other = open_folder(&runs::find_in(&runs, &raw.other)?)?;
+    let runs = runs_folder(&raw.runs, environment)?;
+    let mut one = open_folder(&find_run_in(&runs, &raw.one)?)?;
+    let mut other = open_folder(&find_run_in(&runs, &raw.other)?)?;
     let compared = journal::compare(&mut one, &mut other)?;
     one.check()?;
     other.check()?;

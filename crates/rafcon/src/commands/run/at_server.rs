@@ -4,13 +4,11 @@ use super::{report, request, view};
 use crate::cli;
 use crate::client::{Fault, Server};
 use crate::clock::Clock;
-use crate::commands::attach::{self, AttachOptions, RemoteAttach, VisitEnd, has_keys};
+use crate::commands::attach::{self, AtServer};
 use crate::commands::remote::{self, refuse, refuse_runs};
-use crate::console::Console;
 use crate::environment::Environment;
-use crate::event_queue::{self, EventQueue};
 use crate::failure::{Usage, complain};
-use crate::supervisor;
+use crate::follow::{End, Role};
 use crate::view::Names;
 use anyhow::Result;
 use rafcon_protocol::Afterwards;
@@ -35,14 +33,8 @@ pub(super) fn run(
     fits(raw, environment)?;
     let timeout = raw.timeout.map(request::timeout).transpose()?;
     let request = start_run(raw, server)?;
-    // Listened to before there is a run, so that none is left alone by Ctrl-C.
-    let at = Follow { server, output: raw.output, environment, clock };
-    let wires = EventQueue::new(event_queue::signals()?, has_keys(raw.output, environment))?;
-    let deadline = timeout.map(|timeout| clock.now().saturating_add(timeout));
-    match begun(clock, || server.start(&request)) {
-        Ok(run) => at.until_the_end(&run.id, wires, 1, AttachOptions::of_the_host(deadline)),
-        Err(fault) => at.not_begun(fault),
-    }
+    let at = AtServer { server, output: raw.output, environment, clock };
+    begin(&at, timeout, 1, || server.start(&request))
 }
 
 /// Has a server take a run up again, until it ends.
@@ -58,16 +50,8 @@ pub(super) fn resume(
     let before = remote::run(server, &raw.run)?;
     let policy = request::on_crash(raw.policy);
     let request = ResumeRun { id: remote::unique("resume")?, policy, from: raw.from };
-    let at = Follow { server, output: raw.output, environment, clock };
-    let wires = EventQueue::new(event_queue::signals()?, has_keys(raw.output, environment))?;
-    let deadline = timeout.map(|timeout| clock.now().saturating_add(timeout));
-    match begun(clock, || server.resume(&before.id, &request)) {
-        Ok(run) => {
-            let from = before.events + 1;
-            at.until_the_end(&run.id, wires, from, AttachOptions::of_the_host(deadline))
-        }
-        Err(fault) => at.not_begun(fault),
-    }
+    let at = AtServer { server, output: raw.output, environment, clock };
+    begin(&at, timeout, before.events + 1, || server.resume(&before.id, &request))
 }
 
 /// Refuses what is the server's to decide.
@@ -145,59 +129,41 @@ fn begun(clock: Clock, ask: impl Fn() -> Result<RunSummary, Fault>) -> Result<Ru
     }
 }
 
-/// How a run at a server is followed.
-struct Follow<'a> {
-    server: &'a Arc<Server>,
-    output: cli::Output,
-    environment: &'a Environment,
-    clock: Clock,
+/// Asks for a run and follows it from this event on until it ends.
+fn begin(
+    at: &AtServer<'_>,
+    timeout: Option<Duration>,
+    from: u64,
+    ask: impl Fn() -> Result<RunSummary, Fault>,
+) -> Result<ExitCode> {
+    // Listened to before there is a run, so that none is left alone by Ctrl-C.
+    let queue = at.queue()?;
+    let deadline = timeout.map(|timeout| at.clock.now().saturating_add(timeout));
+    let run = match begun(at.clock, ask) {
+        Ok(run) => run.id,
+        Err(fault) => return not_begun(at, fault),
+    };
+    let end = at.follow(&run, queue, from, (Role::Host, deadline))?;
+    let named = at.named(&run);
+    if let End::Left = end {
+        return Ok(attach::ended(&end, &named));
+    }
+    report::end(&end, Some(&named), None, || remote::names(at.server, &run));
+    Ok(ExitCode::from(end.code()))
 }
 
-impl Follow<'_> {
-    fn until_the_end(
-        self,
-        run: &str,
-        wires: EventQueue,
-        from: u64,
-        manners: AttachOptions,
-    ) -> Result<ExitCode> {
-        let Self { server, output, environment, clock } = self;
-        let console = has_keys(output, environment).then(|| Console::new(true));
-        let view = view(output, environment, remote::names(server, run), console);
-        let stay = RemoteAttach { server, run, wires, view, from, manners, environment, clock };
-        let end = stay.until_the_end()?;
-        let named = format!("{run} --server {}", server.address);
-        match &end {
-            VisitEnd::Left | VisitEnd::Refused(_) => {
-                if let Some(text) = attach::words(&end, &named) {
-                    complain(&text);
-                }
-            }
-            VisitEnd::Finished { timed_out: false, .. } => {}
-            VisitEnd::Finished { .. } | VisitEnd::Killed { .. } | VisitEnd::Lost { .. } => {
-                complain(&report::text(&end.for_view(), &mut remote::names(server, run)));
-            }
+/// A run that did not begin is shown as on this computer.
+fn not_begun(at: &AtServer<'_>, fault: Fault) -> Result<ExitCode> {
+    let end = match fault {
+        Fault::Refused { refusal, .. } if refusal.code == "load_failed" => {
+            End::LoadFailed { reason: refusal.message }
         }
-        if let VisitEnd::Killed { .. } | VisitEnd::Lost { .. } = end {
-            complain(&report::way_out(&named));
+        Fault::Refused { refusal, .. } if refusal.code == "not_started" => {
+            End::NotStarted { reason: refusal.message, said: Vec::new() }
         }
-        Ok(ExitCode::from(end.code()))
-    }
-
-    /// A run that did not begin is shown as on this computer.
-    fn not_begun(self, fault: Fault) -> Result<ExitCode> {
-        let end = match fault {
-            Fault::Refused { refusal, .. } if refusal.code == "load_failed" => {
-                supervisor::End::LoadFailed { reason: refusal.message }
-            }
-            Fault::Refused { refusal, .. } if refusal.code == "not_started" => {
-                supervisor::End::NotStarted { reason: refusal.message, said: Vec::new() }
-            }
-            fault => return Err(fault.into()),
-        };
-        let mut view = view(self.output, self.environment, Names::new(|| None), None);
-        view.end(&end)?;
-        complain(&report::text(&end, &mut Names::new(|| None)));
-        Ok(ExitCode::from(end.code()))
-    }
+        fault => return Err(fault.into()),
+    };
+    view(at.output, at.environment, Names::new(|| None), None).end(&end)?;
+    report::end(&end, None, None, || Names::new(|| None));
+    Ok(ExitCode::from(end.code()))
 }

@@ -2,24 +2,21 @@
 
 mod at_server;
 mod drive;
-mod place;
 mod report;
 mod request;
 
 use crate::cli;
 use crate::clock::Clock;
-use crate::commands::attach::has_keys;
+use crate::commands::kept::{find_run, make_run, runs_folder};
 use crate::commands::remote;
 use crate::console::Console;
 use crate::environment::Environment;
 use crate::failure::Usage;
-use crate::runs;
 use crate::view::{Json, Lines, Live, Names, Paint, View};
 use anyhow::Result;
-use drive::RunEnvironment;
-use place::Place;
+use drive::{Place, RunSetup};
 use rafcon_protocol::Launch;
-use rafcon_supervisor::{Interpreter, Start, extension, resume_launch};
+use rafcon_supervisor::resume_launch;
 use request::Request;
 use std::io::{self, IsTerminal as _};
 use std::path::PathBuf;
@@ -34,15 +31,14 @@ pub(super) fn run(raw: &cli::Run, environment: &Environment, clock: Clock) -> Re
     let place = match raw.keeping.keep {
         cli::Level::Off => Place::passing()?,
         cli::Level::Full | cli::Level::Status => {
-            let runs = runs::folder(&raw.runs, environment)?;
-            Place::Kept(runs::make(&runs, &request.machine_name())?)
+            let runs = runs_folder(&raw.runs, environment)?;
+            Place::Kept(make_run(&runs, &request.machine_name())?)
         }
     };
     let launch = request.launch(&place)?;
-    let names = || request.names();
-    let timeout = request.timeout;
-    RunSetup { raw: &raw.python, output: raw.output, timeout, environment, clock }
-        .run(launch, &place, &names)
+    let (python, output, timeout) = (&raw.python, raw.output, request.timeout);
+    let setup = RunSetup { python, output, timeout, environment, clock };
+    ended(setup, launch, &place, || request.names())
 }
 
 /// Takes a run up again until it ends.
@@ -54,13 +50,12 @@ pub(super) fn resume(
     if let Some(server) = remote::server(&raw.remote, environment)? {
         return at_server::resume(raw, &server, environment, clock);
     }
-    let place = Place::Kept(runs::find(&raw.runs, environment, &raw.run)?);
+    let place = Place::Kept(find_run(&raw.runs, environment, &raw.run)?);
     let launch = resume_launch(place.folder(), request::on_crash(raw.policy), raw.from);
     let machine = launch.machine.clone();
-    let names = move || names_of_run(machine.clone());
     let timeout = raw.timeout.map(request::timeout).transpose()?;
-    RunSetup { raw: &raw.python, output: raw.output, timeout, environment, clock }
-        .run(launch, &place, &names)
+    let setup = RunSetup { python: &raw.python, output: raw.output, timeout, environment, clock };
+    ended(setup, launch, &place, || names_of_run(machine.clone()))
 }
 
 /// The names of the machine that lies where that of a run was.
@@ -68,41 +63,34 @@ pub(super) fn names_of_run(machine: PathBuf) -> Names {
     Names::new(move || crate::machine::Source::of(machine).load_quietly().ok().map(|l| l.machine))
 }
 
-/// What is needed besides the launch.
-struct RunSetup<'a> {
-    raw: &'a cli::Python,
-    output: cli::Output,
-    timeout: Option<std::time::Duration>,
-    environment: &'a Environment,
-    clock: Clock,
-}
-
-impl RunSetup<'_> {
-    fn run(self, launch: Launch, place: &Place, names: &dyn Fn() -> Names) -> Result<ExitCode> {
-        let surroundings = &self.environment.surroundings;
-        let interpreter = Interpreter::choose(self.raw.python.as_deref(), surroundings)?;
-        let extension = extension::find(surroundings)?;
-        let start = Start { interpreter: &interpreter, extension: &extension };
-        let has_keys = has_keys(self.output, self.environment);
-        let console = has_keys.then(|| Console::new(false));
-        let view = view(self.output, self.environment, names(), console);
-        let launch = Launch { every_event: view.every_event(), ..launch };
-        let outside = RunEnvironment {
-            start: &start,
-            view,
-            has_keys,
-            clock: self.clock,
-            author: &self.environment.user,
-            timeout: self.timeout,
-        };
-        let end = drive::follow(launch, place, outside)?;
-        report::end(&end, place, names);
-        Ok(ExitCode::from(end.code()))
-    }
+/// Runs it to its end, and tells the user about one that is not the machine's.
+fn ended(
+    setup: RunSetup<'_>,
+    launch: Launch,
+    place: &Place,
+    names: impl Fn() -> Names,
+) -> Result<ExitCode> {
+    let end = setup.follow(launch, place, names())?;
+    report::end(&end, place.kept_run(), Some(place.folder()), names);
+    Ok(ExitCode::from(end.code()))
 }
 
 fn is_terminal(environment: &Environment) -> bool {
     io::stdout().is_terminal() && !environment.dumb_terminal
+}
+
+/// Whether the keyboard is for the view.
+pub(super) fn has_keys(output: cli::Output, environment: &Environment) -> bool {
+    output == cli::Output::Text && is_terminal(environment) && io::stdin().is_terminal()
+}
+
+/// The keyboard, if it is for the view: of a run that can be left (`may_leave`) or ends with this program.
+pub(super) fn keyboard(
+    output: cli::Output,
+    environment: &Environment,
+    may_leave: bool,
+) -> Option<Console> {
+    has_keys(output, environment).then(|| Console::new(may_leave))
 }
 
 /// What shows a run.
@@ -110,13 +98,13 @@ pub(super) fn view(
     output: cli::Output,
     environment: &Environment,
     names: Names,
-    console: Option<Console>,
+    keyboard: Option<Console>,
 ) -> Box<dyn View> {
     match output {
         cli::Output::Json => Box::new(Json::new(io::stdout())),
         cli::Output::Text if is_terminal(environment) => {
             let paint = Paint { colour: !environment.no_color, unicode: environment.unicode };
-            Box::new(Live::new(paint, names, console))
+            Box::new(Live::new(paint, names, keyboard))
         }
         cli::Output::Text => Box::new(Lines::new(io::stdout(), names)),
     }

@@ -1,22 +1,29 @@
 //! What is said on the error output about a run that did not come to its end.
 
-use super::place::Place;
 use crate::failure::complain;
-use crate::supervisor::End;
+use crate::follow::End;
 use crate::view::Names;
 use rafcon_supervisor::{RunnerDeath, remains};
 use std::collections::BTreeMap;
+use std::path::Path;
 
-/// Tells the user; a run that finished has been shown already.
-pub(super) fn end(end: &End, place: &Place, names: impl FnOnce() -> Names) {
-    if !matches!(end, End::Finished { timed_out: false, .. }) {
-        let mut names = names();
-        let logged = end.active().map(|active| remains::last_logged(place.folder(), active));
-        complain(&(text(end, &mut names) + &said(&logged.unwrap_or_default(), &mut names)));
-        let kept = place.id().filter(|_| place.keeps_itself());
-        if let (End::Died(_) | End::Killed { .. }, Some(run)) = (end, kept) {
-            complain(&way_out(run));
-        }
+/// Tells the user; a run that finished has been shown already. `run` is how commands name it, if it can be taken up again, and
+/// `folder` where it lies, if that is on this computer.
+pub(super) fn end(
+    end: &End,
+    run: Option<&str>,
+    folder: Option<&Path>,
+    names: impl FnOnce() -> Names,
+) {
+    if matches!(end, End::Finished { timed_out: false, .. }) {
+        return;
+    }
+    let mut names = names();
+    let logged =
+        end.active().zip(folder).map(|(active, folder)| remains::last_logged(folder, active));
+    complain(&(text(end, &mut names) + &said(&logged.unwrap_or_default(), &mut names)));
+    if let (End::Died(_) | End::Killed { .. }, Some(run)) = (end, run) {
+        complain(&way_out(run));
     }
 }
 
@@ -28,14 +35,14 @@ fn said(logged: &BTreeMap<String, String>, names: &mut Names) -> String {
 }
 
 /// How a run goes on that was cut off; `run` is how commands name it.
-pub(super) fn way_out(run: &str) -> String {
+fn way_out(run: &str) -> String {
     format!(
         "  everything up to there is kept; to go on:\n    rafcon resume {run} --policy abort   (the recovery transitions of what was running take over)\n    rafcon resume {run}                  (nothing moves until you decide)"
     )
 }
 
 /// An end in words.
-pub(super) fn text(end: &End, names: &mut Names) -> String {
+fn text(end: &End, names: &mut Names) -> String {
     match end {
         End::Finished { timed_out: false, .. } | End::Left => String::new(),
         End::Finished { timed_out: true, .. } => {
@@ -80,7 +87,7 @@ fn block(head: &str, lines: &[String]) -> String {
 #[cfg(test)]
 mod tests {
     use super::text;
-    use crate::supervisor::End;
+    use crate::follow::End;
     use crate::view::Names;
     use expect_test::{Expect, expect};
     use rafcon_model::notation;
@@ -98,7 +105,7 @@ mod tests {
             reason: "killed by signal 11 (SIGSEGV)".to_owned(),
             active: vec!["ROOT/SCANID".to_owned(), "ROOT/X".to_owned()],
             said: vec!["Fatal Python error: Segmentation fault".to_owned()],
-            is_cut_off: false,
+            ..RunnerDeath::default()
         };
         check(
             &End::Died(death),

@@ -1,7 +1,7 @@
 //! What `rafcon run` was asked for, checked: what is here can no longer be wrong.
 
 use super::breakpoint;
-use super::place::Place;
+use super::drive::Place;
 use crate::cli;
 use crate::failure::Usage;
 use crate::machine::Source;

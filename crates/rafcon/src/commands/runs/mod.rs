@@ -2,11 +2,10 @@
 
 mod at_server;
 
-use super::kept::{out, paint};
+use super::kept::{out, paint, runs_folder};
 use super::remote;
 use crate::cli;
 use crate::environment::Environment;
-use crate::runs;
 use crate::view::{Style, TextLine, counted, harmless, outcome_style, time};
 use anyhow::{Context as _, Result};
 use rafcon_protocol::Outcome;
@@ -21,7 +20,7 @@ pub(super) fn runs(raw: &cli::ListRuns, environment: &Environment) -> Result<Exi
     if let Some(server) = remote::server(&raw.remote, environment)? {
         return at_server::runs(raw, &server, environment);
     }
-    let runs = runs::folder(&raw.runs, environment)?;
+    let runs = runs_folder(&raw.runs, environment)?;
     if raw.prune {
         return prune(raw, &runs);
     }

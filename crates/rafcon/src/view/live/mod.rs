@@ -7,7 +7,7 @@ use super::lines::log_lines;
 use super::text::{Paint, Style, TextLine, counted, harmless, time};
 use super::{Names, View, notable, summary};
 use crate::console::{Console, Key, Wish};
-use crate::supervisor::End;
+use crate::follow::End;
 use rafcon_protocol::{Command, Event, LogLevel, Snapshot, StateData};
 use std::collections::BTreeMap;
 use std::io;

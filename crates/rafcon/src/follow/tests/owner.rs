@@ -1,11 +1,10 @@
-//! The life of a run as text: causes in, actions and exit code out.
+//! The life of a run whose process is ours, as text: causes in, actions and exit code out.
 
-use super::{Action, Supervisor};
 use crate::event_queue::Cause;
+use crate::follow::{Action, Follower, Role};
 use expect_test::{Expect, expect};
 use rafcon_protocol::{
-    ActiveState, Event, Hello, Launch, Outcome, Phase, RunStatus, Snapshot, Stream, ToRunner,
-    ToViewer,
+    ActiveState, Event, Hello, Outcome, Phase, RunStatus, Snapshot, Stream, ToRunner, ToViewer,
 };
 use rafcon_supervisor::Exit;
 use std::fmt::Write as _;
@@ -15,12 +14,8 @@ use std::time::Duration;
 
 /// Runs a script of `seconds word argument`, with a timeout of ten seconds. The number of an event is that of its line.
 fn check(script: &str, expect: &Expect) {
-    let mut run = Supervisor::new(
-        Launch::default(),
-        Duration::ZERO,
-        Some(Duration::from_secs(10)),
-        ("ana", "run"),
-    );
+    let deadline = Some(Duration::from_secs(10));
+    let mut run = Follower::new(Role::Owner, "ana", "run".to_owned(), deadline);
     let mut seen = String::new();
     let lines = script.lines().map(str::trim).filter(|line| !line.is_empty());
     for (number, line) in (1..).zip(lines) {
@@ -116,10 +111,12 @@ fn outcome(id: i64) -> Outcome {
 
 fn shown(action: &Action) -> String {
     match action {
-        Action::Send(ToRunner::Launch(_)) => "send launch".to_owned(),
         Action::Send(ToRunner::Command(envelope)) => format!("send {:?}", envelope.command),
-        Action::Event(_, Event::Finished { .. }) => "show finished".to_owned(),
-        Action::Event(_, event) => format!("show {event:?}"),
+        Action::Show(ToViewer::Event { event: Event::Finished { .. }, .. }) => {
+            "show finished".to_owned()
+        }
+        Action::Show(ToViewer::Event { event, .. }) => format!("show {event:?}"),
+        Action::Show(shown) => format!("{shown:?}"),
         other => format!("{other:?}"),
     }
 }
@@ -135,8 +132,7 @@ fn a_run_ends_by_its_outcome() {
          2 silence
          2 exited 0",
         &expect![[r#"
-            0: send launch
-            0: Loaded { name: "M", states: 2 }
+            0: Loaded { name: "M", states: 2, problems: [], run: "" }
             1: show Entered { path: "A", inputs: None, undoes: None }
             1: show Left { path: "A", outcome: Outcome { id: 0, name: "done" }, outputs: None, error: None, undoes: None }
             2: show finished
@@ -155,8 +151,7 @@ fn ctrl_c_stops_and_a_second_one_kills() {
          2 silence
          2 exited 9",
         &expect![[r#"
-            0: send launch
-            0: Loaded { name: "M", states: 2 }
+            0: Loaded { name: "M", states: 2, problems: [], run: "" }
             1: Note("stopping; press Ctrl-C again to kill")
             1: send Stop
             2: Kill
@@ -175,8 +170,7 @@ fn a_machine_that_stops_after_ctrl_c_was_preempted() {
          2 exited 0
          3 tick",
         &expect![[r#"
-            0: send launch
-            0: Loaded { name: "M", states: 2 }
+            0: Loaded { name: "M", states: 2, problems: [], run: "" }
             1: Note("stopping; press Ctrl-C again to kill")
             1: send Stop
             2: show finished
@@ -197,8 +191,7 @@ fn a_machine_that_hangs_is_stopped_when_its_time_is_over_and_then_killed() {
          13 silence
          13 exited 9",
         &expect![[r#"
-            0: send launch
-            0: Loaded { name: "M", states: 2 }
+            0: Loaded { name: "M", states: 2, problems: [], run: "" }
             10: Note("the time is over; stopping")
             10: send Stop
             13: Kill
@@ -217,8 +210,7 @@ fn a_machine_that_stops_in_time_was_timed_out_all_the_same() {
          11 silence
          11 exited 0",
         &expect![[r#"
-            0: send launch
-            0: Loaded { name: "M", states: 2 }
+            0: Loaded { name: "M", states: 2, problems: [], run: "" }
             10: Note("the time is over; stopping")
             10: send Stop
             11: show finished
@@ -241,14 +233,13 @@ fn a_runner_that_dies_leaves_what_was_active_and_what_it_said() {
          2 stderr Fatal Python error: Segmentation fault
          2 drained",
         &expect![[r#"
-            0: send launch
-            0: Loaded { name: "M", states: 2 }
+            0: Loaded { name: "M", states: 2, problems: [], run: "" }
             1: show Entered { path: "A", inputs: None, undoes: None }
             1: show Entered { path: "A/B", inputs: None, undoes: None }
             1: show Entered { path: "A/C", inputs: None, undoes: None }
             1: show Left { path: "A/B", outcome: Outcome { id: 0, name: "done" }, outputs: None, error: None, undoes: None }
             2: show Log { path: "", level: Error, stream: Stderr, message: "Fatal Python error: Segmentation fault" }
-            2: Died(RunnerDeath { reason: "killed by signal 11 (SIGSEGV)", active: ["A", "A/C"], said: ["Fatal Python error: Segmentation fault"], is_cut_off: false }), exit code 7
+            2: Died(RunnerDeath { reason: "killed by signal 11 (SIGSEGV)", active: ["A", "A/C"], said: ["Fatal Python error: Segmentation fault"], is_cut_off: false, is_wanted: false }), exit code 7
         "#]],
     );
 }
@@ -267,14 +258,13 @@ fn a_snapshot_may_come_before_events_that_it_knows_and_after_events_that_it_does
          2 silence
          2 drained",
         &expect![[r#"
-            0: send launch
-            0: Loaded { name: "M", states: 2 }
+            0: Loaded { name: "M", states: 2, problems: [], run: "" }
             1: Snapshot(Snapshot { status: Running, active: [ActiveState { path: "A", name: "", phase: Running, since_ms: 0, branch: "", detail: None, held: [] }], states_run: 0, elapsed_ms: 0, sequence: 5, disk_safe: 0, journal_problem: None, breakpoints: [], questions: [] })
             1: show Entered { path: "A", inputs: None, undoes: None }
             1: show Log { path: "", level: Error, stream: Stderr, message: "no event" }
             1: show Entered { path: "A/B", inputs: None, undoes: None }
             1: Snapshot(Snapshot { status: Running, active: [ActiveState { path: "A", name: "", phase: Running, since_ms: 0, branch: "", detail: None, held: [] }], states_run: 0, elapsed_ms: 0, sequence: 5, disk_safe: 0, journal_problem: None, breakpoints: [], questions: [] })
-            2: Died(RunnerDeath { reason: "killed by signal 11 (SIGSEGV)", active: ["A", "A/B"], said: ["no event"], is_cut_off: false }), exit code 7
+            2: Died(RunnerDeath { reason: "killed by signal 11 (SIGSEGV)", active: ["A", "A/B"], said: ["no event"], is_cut_off: false, is_wanted: false }), exit code 7
         "#]],
     );
 }
@@ -287,9 +277,8 @@ fn a_child_that_holds_the_socket_does_not_keep_us_waiting() {
          1 exited 256
          2 tick",
         &expect![[r#"
-            0: send launch
-            0: Loaded { name: "M", states: 2 }
-            2: Died(RunnerDeath { reason: "exit status 1", active: [], said: [], is_cut_off: false }), exit code 7
+            0: Loaded { name: "M", states: 2, problems: [], run: "" }
+            2: Died(RunnerDeath { reason: "exit status 1", active: [], said: [], is_cut_off: false, is_wanted: false }), exit code 7
         "#]],
     );
 }
@@ -328,7 +317,6 @@ fn a_machine_that_does_not_load() {
          0 silence
          0 exited 0",
         &expect![[r#"
-            0: send launch
             0: LoadFailed { reason: "there is no machine in /x" }, exit code 1
         "#]],
     );
@@ -345,8 +333,7 @@ fn a_runner_that_stays_after_its_end_is_killed() {
          4 silence
          4 exited 9",
         &expect![[r#"
-            0: send launch
-            0: Loaded { name: "M", states: 2 }
+            0: Loaded { name: "M", states: 2, problems: [], run: "" }
             1: show finished
             4: Kill
             4: Finished { outcome: Outcome { id: 0, name: "done" }, timed_out: false }, exit code 0
@@ -364,11 +351,10 @@ fn a_script_that_closes_the_connection_ends_the_run() {
          4 tick
          4 exited 9",
         &expect![[r#"
-            0: send launch
-            0: Loaded { name: "M", states: 2 }
+            0: Loaded { name: "M", states: 2, problems: [], run: "" }
             1: show Entered { path: "A", inputs: None, undoes: None }
             4: Kill
-            4: Died(RunnerDeath { reason: "it closed its control connection and went on", active: ["A"], said: [], is_cut_off: false }), exit code 7
+            4: Died(RunnerDeath { reason: "it closed its control connection and went on", active: ["A"], said: [], is_cut_off: false, is_wanted: false }), exit code 7
         "#]],
     );
 }

@@ -1,16 +1,19 @@
-//! What a server wrote down before it started or took up a run, so that another server knows: who asked, by which id, and
-//! since when this computer is up. Knows a file in the run's folder.
+//! What a server keeps in the folder of a run, so that another server knows: who commands it; and, written down before it is
+//! started or taken up, who asked for that, by which id, and since when this computer is up. Must never know the rules.
 
-use super::holder_file::replace;
+use super::control::Holding;
 use rafcon_protocol::api::{MachineFile, StartRun};
 use serde::{Deserialize, Serialize};
-use std::fs;
-use std::io;
+use std::fs::{self, OpenOptions};
+use std::io::{self, Write as _};
+use std::os::unix::fs::OpenOptionsExt as _;
 use std::path::Path;
 use std::time::Duration;
 
-/// The file's name.
-pub(super) const REQUEST_FILE: &str = "request.json";
+/// The file of a request.
+const REQUEST_FILE: &str = "request.json";
+/// The file of who holds control.
+const CONTROL_FILE: &str = "control.json";
 /// So long a run that has not begun waits for the same request.
 const REMEMBERED: Duration = Duration::from_hours(24);
 /// Where Linux tells one start of the computer from another.
@@ -122,10 +125,37 @@ fn boot() -> String {
     fs::read_to_string(BOOT_FILE).unwrap_or_default().trim().to_owned()
 }
 
+/// What the run in `folder` keeps; nobody holds it if it keeps nothing that can be read.
+pub(super) fn read_holding(folder: &Path) -> Holding {
+    let bytes = fs::read(folder.join(CONTROL_FILE)).unwrap_or_default();
+    serde_json::from_slice(&bytes).unwrap_or_default()
+}
+
+/// Keeps it: there is the old file or the new one, whatever happens.
+pub(super) fn write_holding(folder: &Path, holding: &Holding) -> io::Result<()> {
+    replace(&folder.join(CONTROL_FILE), &serde_json::to_vec(holding)?, false)
+}
+
+/// Writes a file for its owner only, as a whole; with `synced` it outlives a power cut.
+fn replace(path: &Path, bytes: &[u8], synced: bool) -> io::Result<()> {
+    let fresh = path.with_extension("new");
+    let mut options = OpenOptions::new();
+    let mut file = options.write(true).create(true).truncate(true).mode(0o600).open(&fresh)?;
+    file.write_all(bytes)?;
+    if synced {
+        file.sync_all()?;
+    }
+    fs::rename(&fresh, path)?;
+    let folder = path.parent().filter(|_| synced);
+    folder.map_or(Ok(()), |folder| fs::File::open(folder)?.sync_all())
+}
+
 #[cfg(test)]
 mod tests {
-    use super::{REQUEST_FILE, RunRequest};
+    use super::{CONTROL_FILE, REQUEST_FILE, RunRequest, read_holding, write_holding};
+    use crate::runs::control::Holding;
     use std::os::unix::fs::PermissionsExt as _;
+    use std::time::Duration;
 
     #[test]
     fn a_request_is_read_as_it_was_written_and_is_for_its_owner_only() {
@@ -149,5 +179,20 @@ mod tests {
         assert!(!RunRequest { boot: "another".to_owned(), ..request.clone() }.may_go_on());
         assert!(!RunRequest { is_left_alone: true, ..request.clone() }.may_go_on());
         assert_eq!(request.author, "ana");
+    }
+
+    #[test]
+    fn who_holds_a_run_is_kept_for_its_owner_only_and_has_time_again() {
+        let folder = tempfile::tempdir().unwrap();
+        assert_eq!(read_holding(folder.path()), Holding::default());
+        let mut holding = Holding::default();
+        holding.command("ana", 5, Duration::ZERO).unwrap();
+        write_holding(folder.path(), &holding).unwrap();
+        let told = read_holding(folder.path()).go_on(70).told(Duration::ZERO);
+        assert_eq!((told.holder.as_deref(), told.since_ms, told.heard_ms), (Some("ana"), 5, 70));
+        let file = folder.path().join(CONTROL_FILE);
+        assert_eq!(file.metadata().unwrap().permissions().mode() & 0o777, 0o600);
+        std::fs::write(file, "nonsense").unwrap();
+        assert_eq!(read_holding(folder.path()), Holding::default());
     }
 }

@@ -1,8 +1,12 @@
-//! The first words to a runner that was started: who we are, and what it is to run.
+//! The connection to a runner: of who started it, with the first words that say what to run, and of who joins a run that goes on.
 
 use rafcon_protocol::{FrameError, Hello, Launch, ToRunner, encode};
+use rafcon_storage::journal::folder::SOCKET_FILE;
+use std::fs::File;
 use std::io::{self, Write as _};
+use std::os::fd::AsRawFd as _;
 use std::os::unix::net::UnixStream;
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 /// How long a runner may take to read its first words.
@@ -22,15 +26,15 @@ pub enum BeginError {
     Silent(#[source] io::Error),
 }
 
-/// Says hello and what to run. What the runner says comes from the socket that is handed back, its own hello first, which is
-/// to be checked. Nobody needs to listen for long: from `loaded` on the run goes on by itself.
-pub fn begin(mut control: UnixStream, launch: Launch) -> Result<UnixStream, BeginError> {
+/// Says hello and what to run. What the runner says comes from the same socket, its own hello first, which is to be checked: who
+/// started a run is one of its viewers, as those who join it. Nobody needs to listen for long: from `loaded` on the run goes on
+/// by itself.
+pub fn begin(mut control: &UnixStream, launch: Launch) -> Result<(), BeginError> {
     let mut words = encode(&Hello::ours())?;
     words.extend(encode(&ToRunner::Launch(launch))?);
     control.set_write_timeout(Some(LAUNCH_TIMEOUT)).map_err(BeginError::Gone)?;
     control.write_all(&words).map_err(untold)?;
-    control.set_write_timeout(None).map_err(BeginError::Gone)?;
-    Ok(control)
+    control.set_write_timeout(None).map_err(BeginError::Gone)
 }
 
 fn untold(error: io::Error) -> BeginError {
@@ -38,6 +42,43 @@ fn untold(error: io::Error) -> BeginError {
         io::ErrorKind::WouldBlock | io::ErrorKind::TimedOut => BeginError::Silent(error),
         _ => BeginError::Gone(error),
     }
+}
+
+/// Why a run cannot be joined.
+#[derive(Debug, thiserror::Error)]
+pub enum JoinError {
+    /// Its folder cannot be opened.
+    #[error("cannot open the run's folder {}", folder.display())]
+    Folder {
+        /// Which one.
+        folder: PathBuf,
+        /// Why not.
+        source: io::Error,
+    },
+    /// Nobody listens.
+    #[error(
+        "nobody runs {run}: `rafcon history {run}` shows what happened, `rafcon resume {run}` takes it up again if it did \
+         not end"
+    )]
+    Nobody {
+        /// The run's id.
+        run: String,
+        /// Why not.
+        source: io::Error,
+    },
+}
+
+/// Connects to the runner of the run in `folder`. The folder is named by its descriptor: a socket's path may be short only.
+pub fn connect(folder: &Path) -> Result<UnixStream, JoinError> {
+    let open = File::open(folder)
+        .map_err(|source| JoinError::Folder { folder: folder.to_path_buf(), source })?;
+    let short = Path::new("/proc/self/fd").join(open.as_raw_fd().to_string()).join(SOCKET_FILE);
+    UnixStream::connect(&short)
+        .or_else(|_no_proc| UnixStream::connect(folder.join(SOCKET_FILE)))
+        .map_err(|source| {
+            let run = folder.file_name().unwrap_or_default().to_string_lossy().into_owned();
+            JoinError::Nobody { run, source }
+        })
 }
 
 #[cfg(test)]
@@ -51,7 +92,8 @@ mod tests {
     fn a_runner_is_told_who_speaks_and_then_what_to_run() {
         let (ours, theirs) = UnixStream::pair().unwrap();
         let launch = Launch { listen: true, ..Launch::default() };
-        drop(begin(ours, launch.clone()).unwrap());
+        begin(&ours, launch.clone()).unwrap();
+        drop(ours);
         let lines: Vec<_> = BufReader::new(theirs).lines().map(Result::unwrap).collect();
         assert_eq!(decode::<Hello>(&lines[0]).unwrap(), Hello::ours());
         assert_eq!(decode::<ToRunner>(&lines[1]).unwrap(), ToRunner::Launch(launch));
@@ -62,7 +104,7 @@ mod tests {
     fn a_runner_that_is_gone_is_told_nothing() {
         let (ours, theirs) = UnixStream::pair().unwrap();
         drop(theirs);
-        let error = begin(ours, Launch::default()).unwrap_err().to_string();
+        let error = begin(&ours, Launch::default()).unwrap_err().to_string();
         assert_eq!(error, "the runner ended before it was told what to run; its output says why");
     }
 }

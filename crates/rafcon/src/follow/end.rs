@@ -1,6 +1,6 @@
 //! How a run can end, and what the program's exit code says about it.
 
-use rafcon_protocol::{Answer, Event, Outcome};
+use rafcon_protocol::Outcome;
 use rafcon_supervisor::RunnerDeath;
 
 /// Why there is nothing more to do.
@@ -13,7 +13,7 @@ pub(crate) enum End {
         /// Whether `--timeout` made it stop.
         timed_out: bool,
     },
-    /// The machine could not be loaded.
+    /// The machine could not be loaded, or the run lets nobody in.
     LoadFailed {
         /// What, where, and the way out.
         reason: String,
@@ -39,24 +39,7 @@ pub(crate) enum End {
 }
 
 impl End {
-    /// The end that this event is, if it is one: that of a run whose runner kept it and could not tell it any more.
-    pub(crate) fn kept(event: &Event) -> Option<Self> {
-        let Event::Finished { outcome, .. } = event else { return None };
-        Some(Self::Finished { outcome: outcome.clone(), timed_out: false })
-    }
-
     /// The states that were active when the run was cut off.
-    pub(crate) fn active_mut(&mut self) -> Option<&mut Vec<String>> {
-        match self {
-            Self::Killed { active, .. } | Self::Died(RunnerDeath { active, .. }) => Some(active),
-            Self::Finished { .. }
-            | Self::LoadFailed { .. }
-            | Self::NotStarted { .. }
-            | Self::Left => None,
-        }
-    }
-
-    /// The same, to look at.
     pub(crate) fn active(&self) -> Option<&[String]> {
         match self {
             Self::Killed { active, .. } | Self::Died(RunnerDeath { active, .. }) => Some(active),
@@ -82,14 +65,5 @@ impl End {
             Self::Died(_) => 7,
             Self::Left => 0,
         }
-    }
-}
-
-/// What the user should know about the answer to a command of ours.
-pub(super) fn refusal(answer: Answer) -> Option<String> {
-    match answer {
-        Answer::Applied => None,
-        Answer::Refused { reason } => Some(format!("the runner refused: {reason}")),
-        Answer::Expired => Some("the command came too late".to_owned()),
     }
 }

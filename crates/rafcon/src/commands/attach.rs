@@ -1,0 +1,136 @@
+//! `rafcon attach`: a second pair of eyes and hands on a run that goes on, on this computer or at a server.
+
+use crate::cli;
+use crate::client::{Server, follow};
+use crate::clock::Clock;
+use crate::commands::kept::{find_run, run_id};
+use crate::commands::remote;
+use crate::commands::run::{has_keys, keyboard, names_of_run, view};
+use crate::environment::Environment;
+use crate::event_queue::EventQueue;
+use crate::failure::complain;
+use crate::follow::{End, Follower, Role, RunLoop};
+use anyhow::Result;
+use rafcon_protocol::{Hello, Join, encode};
+use rafcon_supervisor::{connect, machine_of};
+use std::io::Write as _;
+use std::process::ExitCode;
+use std::sync::Arc;
+use std::time::Duration;
+
+/// Follows a run until it ends or the user leaves.
+pub(super) fn attach(
+    raw: &cli::Attach,
+    environment: &Environment,
+    clock: Clock,
+) -> Result<ExitCode> {
+    if let Some(server) = remote::server(&raw.remote, environment)? {
+        remote::refuse_runs(&raw.runs, environment)?;
+        let run = remote::run(&server, &raw.run)?.id;
+        let at = AtServer { server: &server, output: raw.output, environment, clock };
+        let end = at.follow(&run, at.queue()?, raw.from, (Role::Guest, None))?;
+        return Ok(ended(&end, &at.named(&run)));
+    }
+    let folder = find_run(&raw.runs, environment, &raw.run)?;
+    let mut control = connect(&folder)?;
+    let keyboard = keyboard(raw.output, environment, true);
+    let mut queue = EventQueue::new(keyboard.is_some())?;
+    let view = view(raw.output, environment, names_of_run(machine_of(&folder)), keyboard);
+    let join = Join { from: raw.from, every_event: view.every_event() };
+    queue.join(control.try_clone()?, Some(&folder))?;
+    let prefix = format!("attach-{}", std::process::id());
+    let follower = Follower::new(Role::Guest, &environment.user, prefix, None);
+    let follower = follower.joining(join).asking_for_the_engine();
+    control.write_all(&encode(&Hello::ours())?)?;
+    let line = Box::new(control);
+    let end =
+        RunLoop { follower, view, line, group: None, clock }.until_the_end_is_shown(&queue)?;
+    Ok(ended(&end, &run_id(&folder)))
+}
+
+/// How runs at a server are followed.
+pub(super) struct AtServer<'a> {
+    pub(super) server: &'a Arc<Server>,
+    pub(super) output: cli::Output,
+    pub(super) environment: &'a Environment,
+    pub(super) clock: Clock,
+}
+
+impl AtServer<'_> {
+    /// Signals and keys, listened to from now on.
+    pub(super) fn queue(&self) -> Result<EventQueue> {
+        EventQueue::new(has_keys(self.output, self.environment))
+    }
+
+    /// Follows a run from this event on (0: from now on) until it ends or the user leaves; the machine is stopped at the
+    /// deadline.
+    pub(super) fn follow(
+        &self,
+        run: &str,
+        mut queue: EventQueue,
+        from: u64,
+        (role, deadline): (Role, Option<Duration>),
+    ) -> Result<End> {
+        let Self { server, output, environment, clock } = *self;
+        let keyboard = keyboard(output, environment, true);
+        let view = view(output, environment, remote::names(server, run), keyboard);
+        let join = Join { from, every_event: view.every_event() };
+        let line = Box::new(follow(server, run, &mut queue, clock)?);
+        let (user, prefix) = (&environment.user, remote::unique("attach")?);
+        let follower = Follower::new(role, user, prefix, deadline).joining(join);
+        RunLoop { follower, view, line, group: None, clock }.until_the_end_is_shown(&queue)
+    }
+
+    /// How commands name a run.
+    pub(super) fn named(&self, run: &str) -> String {
+        format!("{run} --server {}", self.server.address)
+    }
+}
+
+/// Tells the user about an end; `run` is how commands name it.
+pub(super) fn ended(end: &End, run: &str) -> ExitCode {
+    if let Some(text) = words(end, run) {
+        complain(&text);
+    }
+    ExitCode::from(end.code())
+}
+
+/// What the user is told about an end besides what is shown.
+fn words(end: &End, run: &str) -> Option<String> {
+    match end {
+        End::Finished { .. } | End::Killed { .. } => None,
+        End::Left => Some(format!("left; it goes on (rafcon attach {run} joins it again)")),
+        End::Died(_) => Some(format!("error: its runner is gone; to go on: rafcon resume {run}")),
+        End::LoadFailed { reason } | End::NotStarted { reason, .. } => {
+            Some(format!("error: {reason}"))
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::words;
+    use crate::follow::End;
+    use expect_test::{Expect, expect};
+    use rafcon_supervisor::RunnerDeath;
+
+    fn check(end: &End, expect: &Expect) {
+        expect.assert_eq(&words(end, "RUN").unwrap_or_default());
+    }
+
+    #[test]
+    fn an_end_that_is_not_the_run_s_is_told_with_the_way_out() {
+        let death = RunnerDeath {
+            reason: "its runner is gone".to_owned(),
+            active: vec!["A".to_owned()],
+            ..RunnerDeath::default()
+        };
+        check(&End::Left, &expect!["left; it goes on (rafcon attach RUN joins it again)"]);
+        check(
+            &End::Died(death),
+            &expect!["error: its runner is gone; to go on: rafcon resume RUN"],
+        );
+        check(&End::LoadFailed { reason: "no room".to_owned() }, &expect!["error: no room"]);
+        check(&End::Killed { timed_out: false, active: Vec::new() }, &expect![""]);
+    }
+}

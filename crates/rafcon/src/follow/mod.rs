@@ -1,0 +1,393 @@
+//! One run as the command line follows it, whether this program has started it, asked for it or only looks on: what is to be
+//! done when something happens.
+//!
+//! Knows deadlines, what Ctrl-C means and the reasons of an end. Must never know sockets, processes, terminals or clocks: causes
+//! and the time come in, actions go out.
+
+mod end;
+mod known;
+mod run_loop;
+
+use crate::console::Wish;
+use crate::event_queue::{Cause, STUCK};
+pub(crate) use end::End;
+use known::{Active, ProcessEnd, Pulse};
+use rafcon_protocol::{
+    Answer, Command, EnginePulse, Envelope, Event, Hello, Join, LogLevel, Stream, ToRunner,
+    ToViewer,
+};
+use rafcon_supervisor::{Exit, RunnerDeath};
+pub(crate) use run_loop::RunLoop;
+use std::time::Duration;
+
+/// How long a machine may take to stop after its time is over, before it is killed.
+const GRACE: Duration = Duration::from_secs(3);
+/// How long a process may outlive its own end, or its last word its process.
+const EXIT_TIMEOUT: Duration = Duration::from_secs(2);
+
+/// What is to be done.
+#[derive(Debug, PartialEq)]
+pub(crate) enum Action {
+    /// Say this to the run.
+    Send(ToRunner),
+    /// End the runner's process group at once.
+    Kill,
+    /// Show this.
+    Show(ToViewer),
+    /// Show that nothing is heard any more, or that it is again.
+    Heard(bool),
+    /// Tell the user.
+    Note(String),
+}
+
+/// What this program has to do with the run.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Role {
+    /// It looks on, and may leave at any time.
+    Guest,
+    /// The run was begun for it at a server: the run ends when it says so, and it may leave a run that does not.
+    Host,
+    /// It has started the runner's process, and stays until that has ended.
+    Owner,
+}
+
+/// Follows one run.
+#[derive(Debug)]
+pub(crate) struct Follower {
+    role: Role,
+    /// What is wanted from a run that is joined: said in answer to its hello.
+    join: Option<Join>,
+    /// The hello was said and is understood.
+    is_greeted: bool,
+    /// When the machine is stopped because its time is over.
+    deadline: Option<Duration>,
+    timed_out: bool,
+    /// When patience ends and the run is killed.
+    kill_at: Option<Duration>,
+    /// The run was told to end at once.
+    is_kill_sent: bool,
+    /// How often the user asked to stop.
+    interrupts: u32,
+    /// Who gives commands.
+    author: String,
+    /// How the ids of our commands begin: nobody else's do.
+    prefix: String,
+    commands: u32,
+    active: Active,
+    /// Whether the engine takes inputs, if nobody else asks that.
+    pulse: Option<Pulse>,
+    process: ProcessEnd,
+    /// The last moment in the run's own time.
+    run_ns: u64,
+    end: Option<End>,
+}
+
+impl Follower {
+    /// A run of which nothing is known yet. `author` gives commands, whose ids begin with `prefix`; the machine is stopped at
+    /// `deadline`.
+    pub(crate) fn new(
+        role: Role,
+        author: &str,
+        prefix: String,
+        deadline: Option<Duration>,
+    ) -> Self {
+        Self {
+            role,
+            join: None,
+            is_greeted: false,
+            deadline,
+            timed_out: false,
+            kill_at: None,
+            is_kill_sent: false,
+            interrupts: 0,
+            author: author.to_owned(),
+            prefix,
+            commands: 0,
+            active: Active::default(),
+            pulse: None,
+            process: ProcessEnd::default(),
+            run_ns: 0,
+            end: None,
+        }
+    }
+
+    /// The same, of a run that goes on: it is told what is wanted.
+    pub(crate) fn joining(self, join: Join) -> Self {
+        Self { join: Some(join), ..self }
+    }
+
+    /// The same, which also finds out whether the engine takes inputs: at a server, that one does.
+    pub(crate) fn asking_for_the_engine(self) -> Self {
+        Self { pulse: Some(Pulse::default()), ..self }
+    }
+
+    /// Takes one cause in.
+    pub(crate) fn handle(&mut self, now: Duration, cause: Cause, out: &mut Vec<Action>) {
+        match cause {
+            Cause::Hello(hello) => self.hello(&hello, out),
+            Cause::Messages(messages) => {
+                for message in messages {
+                    self.message(now, message, out);
+                }
+            }
+            Cause::Nonsense(what) => {
+                out.push(Action::Note(format!("the runner's words make no sense: {what}")));
+            }
+            Cause::Cut(reason) => out.extend([Action::Heard(false), Action::Note(reason)]),
+            Cause::Mended(how) => out.extend([Action::Heard(true), Action::Note(how)]),
+            Cause::Refused(reason) => self.finish(End::LoadFailed { reason }),
+            Cause::Silence => self.silence(now),
+            Cause::Drained(stream) => self.process.drained(stream),
+            Cause::Raw(stream, line) => self.raw(stream, line, out),
+            Cause::Exited(exit) => self.process.exited(now, exit),
+            Cause::Interrupt => self.interrupt(out),
+            Cause::Wish(Wish::Leave) | Cause::HungUp if self.role != Role::Owner => {
+                self.finish(End::Left);
+            }
+            Cause::Wish(wish) => self.wish(wish, out),
+            Cause::Key(_) | Cause::HungUp | Cause::Suspend | Cause::Tick => {}
+        }
+        self.watch(now, out);
+    }
+
+    /// The reason of the end, once there is nothing more to wait for.
+    pub(crate) fn end(&self, now: Duration) -> Option<&End> {
+        let is_over = self.role != Role::Owner || self.process.is_over(now);
+        self.end.as_ref().filter(|_| is_over)
+    }
+
+    /// When the next tick is needed at the latest.
+    pub(crate) fn wake_at(&self) -> Option<Duration> {
+        let asks = self.pulse.as_ref().filter(|_| self.is_greeted).map(Pulse::due);
+        [self.deadline, self.kill_at, self.process.settled_at(), asks].into_iter().flatten().min()
+    }
+
+    fn hello(&mut self, hello: &Hello, out: &mut Vec<Action>) {
+        match (hello.check(), self.role) {
+            (Ok(()), _) => {
+                self.is_greeted = true;
+                out.extend(self.join.take().map(|join| Action::Send(ToRunner::Join(join))));
+            }
+            (Err(mismatch), Role::Owner) => {
+                let reason = mismatch.to_string();
+                self.finish(End::NotStarted { reason, said: Vec::new() });
+                out.push(Action::Kill);
+            }
+            (Err(mismatch), Role::Guest | Role::Host) => {
+                self.finish(End::LoadFailed { reason: mismatch.to_string() });
+            }
+        }
+    }
+
+    fn message(&mut self, now: Duration, message: ToViewer, out: &mut Vec<Action>) {
+        self.active.told(&message);
+        match message {
+            ToViewer::LoadFailed { reason } => self.finish(End::LoadFailed { reason }),
+            ToViewer::Answer { answer, .. } => out.extend(self.refusal(answer).map(Action::Note)),
+            ToViewer::Pong { engine, .. } => self.reached(engine, out),
+            ToViewer::Loaded { name, states, run, problems } => {
+                let none = Vec::new();
+                out.push(Action::Show(ToViewer::Loaded { name, states, run, problems: none }));
+                if self.role != Role::Guest {
+                    out.extend(
+                        problems
+                            .into_iter()
+                            .map(|problem| log(0, LogLevel::Warning, Stream::Engine, problem)),
+                    );
+                }
+            }
+            ToViewer::Event { sequence, t_ns, event } => {
+                self.run_ns = t_ns;
+                if let Event::Finished { outcome, .. } = &event {
+                    let (outcome, timed_out) = (outcome.clone(), self.timed_out);
+                    self.finish(End::Finished { outcome, timed_out });
+                    self.kill_at = Some(now + EXIT_TIMEOUT);
+                }
+                out.push(Action::Show(ToViewer::Event { sequence, t_ns, event }));
+            }
+            ToViewer::Snapshot(_) | ToViewer::Inspection { .. } => out.push(Action::Show(message)),
+        }
+    }
+
+    /// What the user should know about the answer to a command of ours.
+    fn refusal(&self, answer: Answer) -> Option<String> {
+        match answer {
+            Answer::Applied => None,
+            Answer::Refused { reason } if self.role == Role::Owner => {
+                Some(format!("the runner refused: {reason}"))
+            }
+            Answer::Refused { reason } => Some(format!("refused: {reason}")),
+            Answer::Expired => Some("the command came too late".to_owned()),
+        }
+    }
+
+    /// Whether the engine takes inputs, said when that changes.
+    fn reached(&mut self, engine: Option<EnginePulse>, out: &mut Vec<Action>) {
+        let changed = engine.and_then(|engine| self.pulse.as_mut()?.answered(engine));
+        let Some(is_reached) = changed else { return };
+        let text = if is_reached { "the run is heard again" } else { STUCK };
+        out.extend([Action::Heard(is_reached), Action::Note(text.to_owned())]);
+    }
+
+    /// Output that no script was caught writing: a line of the log, without a state.
+    fn raw(&mut self, stream: Stream, line: String, out: &mut Vec<Action>) {
+        let level = if stream == Stream::Stderr { LogLevel::Error } else { LogLevel::Info };
+        if stream == Stream::Stderr {
+            self.process.said(&line);
+        }
+        if self.is_greeted || self.end.is_some() {
+            out.push(log(self.run_ns, level, stream, line));
+        }
+    }
+
+    /// Ctrl-C: a guest leaves; everybody else stops the run, then kills it, and a run at a server is left alone at last.
+    fn interrupt(&mut self, out: &mut Vec<Action>) {
+        self.interrupts += 1;
+        let takes_a_stop = match self.role {
+            Role::Guest => false,
+            Role::Host => true,
+            Role::Owner => self.is_greeted && self.end.is_none(),
+        };
+        match (self.interrupts, self.role) {
+            (1, _) if takes_a_stop => {
+                self.say("stopping; press Ctrl-C again to kill", Command::Stop, out);
+            }
+            (_, Role::Owner) => self.kill(self.killed(), out),
+            (2, Role::Host) => {
+                self.have_killed("killing; press Ctrl-C again to leave it alone", out);
+            }
+            (_, Role::Guest | Role::Host) => self.finish(End::Left),
+        }
+    }
+
+    /// What the user asked for by a key.
+    fn wish(&mut self, wish: Wish, out: &mut Vec<Action>) {
+        match wish {
+            Wish::Send(command) => self.send(command, out),
+            Wish::Inspect(path) => {
+                let id = self.next_id();
+                out.push(Action::Send(ToRunner::Inspect { id, path }));
+            }
+            Wish::Say(text) => out.push(Action::Note(text)),
+            Wish::Leave => {}
+        }
+    }
+
+    fn say(&mut self, text: &str, command: Command, out: &mut Vec<Action>) {
+        out.push(Action::Note(text.to_owned()));
+        self.send(command, out);
+    }
+
+    fn send(&mut self, command: Command, out: &mut Vec<Action>) {
+        let envelope = envelope(self.next_id(), &self.author, command);
+        out.push(Action::Send(ToRunner::Command(envelope)));
+    }
+
+    fn next_id(&mut self) -> String {
+        self.commands += 1;
+        format!("{}-{}", self.prefix, self.commands)
+    }
+
+    /// Nothing more is heard. Of a process of ours that is normal at the end, and a defect of a script before; any other runner
+    /// is gone, as we wanted, or not.
+    fn silence(&mut self, now: Duration) {
+        match self.role {
+            Role::Owner => {
+                self.process.silent();
+                self.kill_at.get_or_insert(now + EXIT_TIMEOUT);
+            }
+            Role::Guest | Role::Host if self.is_kill_sent => self.finish(self.killed()),
+            Role::Guest | Role::Host => self.finish(self.death("its runner is gone".to_owned())),
+        }
+    }
+
+    /// What the time alone brings about, and the death of a process that has said its last word.
+    fn watch(&mut self, now: Duration, out: &mut Vec<Action>) {
+        if let Some(exit) = self.process.last_word(now).filter(|_| self.end.is_none()) {
+            self.finish(self.death(exit.to_string()));
+        }
+        if self.deadline.is_some_and(|at| now >= at) {
+            self.deadline = None;
+            self.time_is_over(now, out);
+        }
+        if self.kill_at.is_some_and(|at| now >= at) {
+            self.kill_at = None;
+            self.patience_is_over(out);
+        }
+        let pulse = self.pulse.as_mut().filter(|_| self.is_greeted);
+        out.extend(pulse.and_then(|pulse| pulse.question(now)).map(Action::Send));
+    }
+
+    fn time_is_over(&mut self, now: Duration, out: &mut Vec<Action>) {
+        if self.end.is_some() {
+            return;
+        }
+        self.timed_out = true;
+        if self.role == Role::Owner && !self.is_greeted {
+            self.kill_at = Some(now);
+            return;
+        }
+        self.kill_at = Some(now + GRACE);
+        self.say("the time is over; stopping", Command::Stop, out);
+    }
+
+    fn patience_is_over(&mut self, out: &mut Vec<Action>) {
+        match self.role {
+            Role::Owner if self.process.exit().is_some() => {}
+            Role::Owner if self.timed_out => self.kill(self.killed(), out),
+            Role::Owner => {
+                let reason = "it closed its control connection and went on".to_owned();
+                self.kill(self.death(reason), out);
+            }
+            Role::Guest | Role::Host => self.have_killed("it did not stop; killing", out),
+        }
+    }
+
+    /// Has the run kill itself, which is somebody else's process.
+    fn have_killed(&mut self, text: &str, out: &mut Vec<Action>) {
+        self.kill_at = None;
+        self.is_kill_sent = true;
+        self.say(text, Command::Kill, out);
+    }
+
+    /// Ends a process of ours at once.
+    fn kill(&mut self, end: End, out: &mut Vec<Action>) {
+        self.finish(end);
+        out.push(Action::Kill);
+    }
+
+    /// The first reason counts.
+    fn finish(&mut self, end: End) {
+        self.end.get_or_insert(end);
+    }
+
+    fn killed(&self) -> End {
+        End::Killed { timed_out: self.timed_out, active: self.active.paths().to_vec() }
+    }
+
+    fn death(&self, reason: String) -> End {
+        let said = self.process.tail();
+        if self.role == Role::Owner && !self.is_greeted {
+            return End::NotStarted { reason, said };
+        }
+        let exit = self.process.exit();
+        let is_cut_off = exit.is_some_and(Exit::is_cut_off);
+        let is_wanted = exit.is_some_and(Exit::is_stopped);
+        let active = self.active.paths().to_vec();
+        End::Died(RunnerDeath { reason, active, said, is_cut_off, is_wanted })
+    }
+}
+
+/// A line of the log that no state has written.
+fn log(t_ns: u64, level: LogLevel, stream: Stream, message: String) -> Action {
+    let event = Event::Log { path: String::new(), level, stream, message };
+    Action::Show(ToViewer::Event { sequence: 0, t_ns, event })
+}
+
+/// A command of the person at this terminal.
+pub(crate) fn envelope(id: String, author: &str, command: Command) -> Envelope {
+    Envelope { id, author: author.to_owned(), decided_on: None, expiry: None, command }
+}
+
+#[cfg(test)]
+mod tests;

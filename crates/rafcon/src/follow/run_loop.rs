@@ -1,0 +1,108 @@
+//! The loop in which a run is followed: causes from the event queue to the follower, what it decides to run, process and view.
+//! Decides nothing itself, and does not know how the run is reached.
+
+use super::{Action, End, Follower};
+use crate::clock::Clock;
+use crate::event_queue::{Cause, EventQueue, Line};
+use crate::view::{Nothing, View};
+use anyhow::Result;
+use rafcon_protocol::ToViewer;
+use rafcon_supervisor::Group;
+use std::io;
+use std::time::Duration;
+
+/// A run that is followed.
+pub(crate) struct RunLoop {
+    pub(crate) follower: Follower,
+    pub(crate) view: Box<dyn View>,
+    pub(crate) line: Box<dyn Line>,
+    /// The runner's processes, if this program has started them: such a run goes on unseen when its view is gone.
+    pub(crate) group: Option<Group>,
+    pub(crate) clock: Clock,
+}
+
+impl RunLoop {
+    /// Follows the run until there is nothing more to wait for.
+    pub(crate) fn until_the_end(&mut self, queue: &EventQueue) -> Result<End> {
+        let mut actions = Vec::new();
+        loop {
+            let cause = self.next(queue);
+            let cause = self.by_itself(cause);
+            let now = self.clock.now();
+            self.follower.handle(now, cause, &mut actions);
+            for action in actions.drain(..) {
+                self.act(action)?;
+            }
+            self.show(|view| view.refresh(now))?;
+            if let Some(end) = self.follower.end(now) {
+                return Ok(end.clone());
+            }
+        }
+    }
+
+    /// The same, and shows the end.
+    pub(crate) fn until_the_end_is_shown(mut self, queue: &EventQueue) -> Result<End> {
+        let end = self.until_the_end(queue)?;
+        self.show(|view| view.end(&end))?;
+        Ok(end)
+    }
+
+    /// Shows something. Without a view, a run of ours goes on unseen; a guest has nothing more to do here.
+    pub(crate) fn show(
+        &mut self,
+        what: impl FnOnce(&mut dyn View) -> io::Result<()>,
+    ) -> Result<()> {
+        let shown = what(self.view.as_mut());
+        if shown.is_err() && self.group.is_some() {
+            self.view = Box::new(Nothing);
+            return Ok(());
+        }
+        Ok(shown?)
+    }
+
+    fn next(&self, queue: &EventQueue) -> Cause {
+        let until = self.follower.wake_at().map(|at| at.saturating_sub(self.clock.now()));
+        queue.next([until, self.view.rhythm()].into_iter().flatten().min())
+    }
+
+    /// What concerns this program alone; a key becomes what it stands for.
+    fn by_itself(&mut self, cause: Cause) -> Cause {
+        match cause {
+            Cause::Key(key) => return self.view.key(key).map_or(Cause::Tick, Cause::Wish),
+            Cause::HungUp if self.group.is_some() && self.view.rhythm().is_some() => {
+                self.view = Box::new(Nothing);
+            }
+            Cause::Suspend => {
+                self.view.set_aside().unwrap_or_default();
+                let stop = signal_hook::consts::SIGTSTP;
+                signal_hook::low_level::emulate_default_handler(stop).unwrap_or_default();
+            }
+            _ => {}
+        }
+        cause
+    }
+
+    fn act(&mut self, action: Action) -> Result<()> {
+        let now = self.clock.now();
+        match action {
+            Action::Send(message) => self.line.say(&message),
+            Action::Kill => {
+                self.group.iter().for_each(|group| group.kill());
+                Ok(())
+            }
+            Action::Show(message) => self.show(|view| show(view, now, message)),
+            Action::Heard(is_heard) => self.show(|view| view.heard(now, is_heard)),
+            Action::Note(text) => self.show(|view| view.note(&text)),
+        }
+    }
+}
+
+fn show(view: &mut dyn View, now: Duration, message: ToViewer) -> io::Result<()> {
+    match message {
+        ToViewer::Loaded { name, states, .. } => view.loaded(&name, states),
+        ToViewer::Event { t_ns, event, .. } => view.event(Duration::from_nanos(t_ns), event),
+        ToViewer::Snapshot(snapshot) => view.snapshot(now, snapshot),
+        ToViewer::Inspection { path, data, .. } => view.inspected(&path, data),
+        ToViewer::LoadFailed { .. } | ToViewer::Answer { .. } | ToViewer::Pong { .. } => Ok(()),
+    }
+}

@@ -1,0 +1,4 @@
+//! Runs that are followed, from cause to action.
+
+mod owner;
+mod visitor;
