@@ -1,6 +1,9 @@
-//! Messages to lines and back.
+//! Messages to bytes and back: what a viewer says, and both hellos, are lines of JSON; what a runner says after its hello are
+//! frames, each with its kind and its length before it.
 
+use crate::ToViewer;
 use serde::{Serialize, de::DeserializeOwned};
+use std::io::{self, BufRead, Read as _};
 
 /// A line that is not a message.
 #[derive(Debug, thiserror::Error)]
@@ -26,8 +29,88 @@ pub fn decode<T: DeserializeOwned>(line: &str) -> Result<T, FrameError> {
         .map_err(|source| FrameError { line: line.chars().take(120).collect(), source })
 }
 
+/// Bytes before the content of a frame: its kind, then the length of the content, little-endian.
+pub const FRAME_HEAD: usize = 5;
+/// No content of a frame is longer.
+const FRAME_BYTES_MAX: u32 = 1 << 30;
+
+/// What the content of a frame is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum FrameKind {
+    /// A [`ToViewer`] as JSON.
+    Message,
+    /// Events as blocks of the journal's items (`docs/journal.md`).
+    Events,
+    /// Something of a newer runner, to be skipped.
+    Unknown,
+}
+
+impl FrameKind {
+    fn byte(self) -> u8 {
+        match self {
+            Self::Message => b'm',
+            Self::Events => b'e',
+            Self::Unknown => 0,
+        }
+    }
+}
+
+/// What stands before the content of a frame.
+pub fn frame_head(kind: FrameKind, length: usize) -> [u8; FRAME_HEAD] {
+    let length = u32::try_from(length).unwrap_or(u32::MAX).to_le_bytes();
+    [kind.byte(), length[0], length[1], length[2], length[3]]
+}
+
+/// The kind of a frame and the length of its content; an error if no frame begins so.
+pub fn read_frame_head(head: [u8; FRAME_HEAD]) -> io::Result<(FrameKind, usize)> {
+    let [kind, length @ ..] = head;
+    let length = u32::from_le_bytes(length);
+    if length > FRAME_BYTES_MAX {
+        let what = format!("a runner sent a frame of {length} bytes, which is more than any has");
+        return Err(io::Error::new(io::ErrorKind::InvalidData, what));
+    }
+    let kind = match kind {
+        b'm' => FrameKind::Message,
+        b'e' => FrameKind::Events,
+        _ => FrameKind::Unknown,
+    };
+    Ok((kind, length as usize))
+}
+
+/// A message of a runner as a frame.
+pub fn encode_frame(message: &ToViewer) -> Result<Vec<u8>, FrameError> {
+    let mut frame = vec![0; FRAME_HEAD];
+    serde_json::to_writer(&mut frame, message)
+        .map_err(|source| FrameError { line: "(our own message)".to_owned(), source })?;
+    let head = frame_head(FrameKind::Message, frame.len() - FRAME_HEAD);
+    frame[..FRAME_HEAD].copy_from_slice(&head);
+    Ok(frame)
+}
+
+/// Reads the next frame into `content`; nothing at the end, which a connection that breaks within a frame is too.
+pub fn read_frame(from: &mut impl BufRead, content: &mut Vec<u8>) -> io::Result<Option<FrameKind>> {
+    let mut head = [0; FRAME_HEAD];
+    if is_end(from.read_exact(&mut head))? {
+        return Ok(None);
+    }
+    let (kind, length) = read_frame_head(head)?;
+    content.clear();
+    // As it comes: a broken length takes no memory.
+    let count = from.take(length as u64).read_to_end(content)?;
+    Ok((count == length).then_some(kind))
+}
+
+fn is_end(read: io::Result<()>) -> io::Result<bool> {
+    match read {
+        Ok(()) => Ok(false),
+        Err(error) if error.kind() == io::ErrorKind::UnexpectedEof => Ok(true),
+        Err(error) => Err(error),
+    }
+}
+
 #[cfg(test)]
 mod tests {
+    use super::{FrameKind, encode_frame, read_frame};
     use crate::{Command, Envelope, ToRunner, ToViewer, decode, encode};
     use expect_test::{Expect, expect};
 
@@ -56,24 +139,26 @@ mod tests {
     }
 
     #[test]
-    fn an_event_is_read_as_any_message_is() {
-        let lines = [
-            r#"{"message":"event","sequence":7,"t_ns":9,"event":{"type":"entered","path":"R/A","inputs":{"a":[1,2.5]}}}"#,
-            r#"{"t_ns":9,"event":{"path":"R/A","type":"paused","more":1},"sequence":7,"message":"event"}"#,
-            r#"{"message":"event","sequence":7,"t_ns":9,"event":{"type":"hallo"}}"#,
-            r#"{"message":"event","sequence":-7,"t_ns":9,"event":{"type":"stopping"}}"#,
-            r#"{"message":"pong","id":1,"now_ms":2}"#,
-            "nonsense",
-        ];
-        for line in lines {
-            let read =
-                |read: Result<ToViewer, crate::FrameError>| read.map_err(|error| error.to_string());
-            assert_eq!(read(ToViewer::read(line)), read(decode(line)), "{line}");
+    fn frames_are_read_as_they_were_written_and_a_cut_one_is_the_end() {
+        let message = ToViewer::Pong { id: 1, now_ms: 2, engine: None };
+        let bytes = [encode_frame(&message).unwrap(), encode_frame(&message).unwrap()].concat();
+        for length in 0..=bytes.len() {
+            let (mut from, mut content, mut count) = (&bytes[..length], Vec::new(), 0);
+            while let Some(kind) = read_frame(&mut from, &mut content).unwrap() {
+                assert_eq!(kind, FrameKind::Message);
+                let text = std::str::from_utf8(&content).unwrap();
+                assert_eq!(decode::<ToViewer>(text).unwrap(), message);
+                count += 1;
+            }
+            assert_eq!(count, length / (bytes.len() / 2));
         }
-        assert!(matches!(
-            ToViewer::read(lines[0]),
-            Ok(ToViewer::Event { sequence: 7, t_ns: 9, .. })
-        ));
+    }
+
+    #[test]
+    fn a_frame_without_measure_is_refused() {
+        let error = read_frame(&mut &b"{\"message\":"[..], &mut Vec::new()).unwrap_err();
+        expect!["a runner sent a frame of 1936026914 bytes, which is more than any has"]
+            .assert_eq(&error.to_string());
     }
 
     #[test]

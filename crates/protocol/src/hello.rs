@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 /// The version of the vocabulary. Both sides must have the same one: binary and extension are built together.
-pub const VERSION: u32 = 2;
+pub const VERSION: u32 = 3;
 
 /// Who speaks.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]

@@ -2,7 +2,7 @@
 //!
 //! Knows what is said. Must never know how it travels: sockets, files and threads are somebody else's.
 //!
-//! A message is one JSON object on one line ([`frame`]). The first line each way is a [`Hello`]; a different
+//! A message is one JSON object, on a line or in a frame ([`frame`]). The first line each way is a [`Hello`]; a different
 //! [`VERSION`] ends the talk with a reason. The vocabulary is in `docs/protocol.md`.
 
 pub mod active;
@@ -28,7 +28,10 @@ pub use command::{Answer, Command, Envelope, Expiry, Given};
 pub use event::{
     ActiveState, Event, HeldBy, Hold, LogLevel, Outcome, Phase, RunStatus, Snapshot, Stream, Values,
 };
-pub use frame::{FrameError, decode, encode};
+pub use frame::{
+    FRAME_HEAD, FrameError, FrameKind, decode, encode, encode_frame, frame_head, read_frame,
+    read_frame_head,
+};
 pub use hello::{Hello, VERSION, VersionMismatch};
 pub use launch::{Beginning, Launch};
 pub use message::{EnginePulse, Join, StateData, ToRunner, ToViewer};

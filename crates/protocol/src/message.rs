@@ -1,8 +1,7 @@
 //! Everything that is said after the hello.
 
-use crate::{Answer, Envelope, Event, FrameError, Launch, Snapshot, Values, decode};
+use crate::{Answer, Envelope, Event, Launch, Snapshot, Values};
 use serde::{Deserialize, Serialize};
-use serde_json::value::RawValue;
 
 /// From a viewer (command line, server) to the runner.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -37,9 +36,6 @@ pub struct Join {
     /// Whether it wants every event, or only snapshots and what is rare.
     #[serde(default)]
     pub every_event: bool,
-    /// Whether events come with values.
-    #[serde(default)]
-    pub values: bool,
 }
 
 /// From the runner to a viewer.
@@ -72,7 +68,8 @@ pub enum ToViewer {
         /// Its data; `None` if it is not active.
         data: Option<StateData>,
     },
-    /// Something happened.
+    /// Something happened. Runners send events as bytes ([`crate::FrameKind::Events`]); this is one that was read.
+    #[serde(skip)]
     Event {
         /// Counts from 1, without gaps.
         sequence: u64,
@@ -101,36 +98,6 @@ pub enum ToViewer {
         #[serde(default)]
         engine: Option<EnginePulse>,
     },
-}
-
-/// The message of an event, whose event is read by itself: an enum with its tag inside is kept as a whole before it is read, and
-/// one inside another twice.
-#[derive(Deserialize)]
-struct EventMessage<'l> {
-    #[expect(dead_code, reason = "anything else is not read any further")]
-    message: EventTag,
-    sequence: u64,
-    t_ns: u64,
-    #[serde(borrow)]
-    event: &'l RawValue,
-}
-
-#[derive(Deserialize)]
-#[serde(rename_all = "snake_case")]
-enum EventTag {
-    Event,
-}
-
-impl ToViewer {
-    /// Reads one line, as [`decode`] does, but keeps an event in memory once before it is read, and not twice.
-    pub fn read(line: &str) -> Result<Self, FrameError> {
-        if let Ok(EventMessage { message: _, sequence, t_ns, event }) = serde_json::from_str(line)
-            && let Ok(event) = serde_json::from_str(event.get())
-        {
-            return Ok(Self::Event { sequence, t_ns, event });
-        }
-        decode(line)
-    }
 }
 
 /// Whether the engine of a run takes inputs, as the runner found out for this answer.

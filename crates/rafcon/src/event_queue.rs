@@ -4,15 +4,17 @@
 
 use crate::console::{Key, Wish};
 use anyhow::{Context as _, Result};
-use rafcon_protocol::{Hello, Stream, ToRunner, ToViewer, decode, encode};
+use rafcon_protocol::{FrameKind, Hello, Stream, ToRunner, ToViewer, decode, encode, read_frame};
+use rafcon_storage::journal::stream::StreamReader;
 use rafcon_supervisor::clock::since_1970_ms;
 use rafcon_supervisor::{Exit, Process};
 use rustix::event::{PollFd, PollFlags, Timespec};
 use rustix::io::Errno;
 use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM, SIGTSTP};
 use signal_hook::iterator::Signals;
-use std::io::{BufRead as _, BufReader, Read, Write as _};
+use std::io::{BufRead, BufReader, ErrorKind, Read, Write as _};
 use std::os::unix::net::UnixStream;
+use std::path::Path;
 use std::process::Child;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};
 use std::thread;
@@ -119,7 +121,7 @@ impl EventQueue {
     pub(crate) fn connect(&mut self, process: Process) -> Result<()> {
         let Process { mut child, control } = process;
         let (stdout, stderr) = (child.stdout.take(), child.stderr.take());
-        self.join(control)?;
+        self.join(control, None)?;
         let life = self.life;
         if let Some(stdout) = stdout {
             self.source("stdout", life, move |queue| raw(Stream::Stdout, stdout, queue))?;
@@ -130,9 +132,10 @@ impl EventQueue {
         self.source("exit", life, move |queue| exit(child, queue))
     }
 
-    /// Connects a runner that is somebody else's.
-    pub(crate) fn join(&mut self, control: UnixStream) -> Result<()> {
-        self.listen("messages", move |queue| messages(control, queue))
+    /// Connects a runner that is somebody else's; its run lies in `folder`.
+    pub(crate) fn join(&mut self, control: UnixStream, folder: Option<&Path>) -> Result<()> {
+        let events = StreamReader::new(0, false, folder.map(Path::to_path_buf));
+        self.listen("messages", move |queue| messages(control, queue, events))
     }
 
     /// Connects another source of causes about a run that is somebody else's.
@@ -242,41 +245,55 @@ pub(crate) struct Gone;
 /// Whether it goes on.
 pub(crate) type Flow = Result<(), Gone>;
 
-fn messages(control: UnixStream, queue: &Queue) -> Flow {
-    let mut lines = BufReader::with_capacity(64 * 1024, control);
-    if let Some(line) = line(&mut lines) {
+fn messages(control: UnixStream, queue: &Queue, mut events: StreamReader) -> Flow {
+    let mut frames = BufReader::with_capacity(64 * 1024, control);
+    if let Some(line) = line(&mut frames) {
         queue.send(decode(&line).map_or_else(nonsense, Cause::Hello))?;
     }
-    while let Some(first) = line(&mut lines) {
-        let mut batch = Vec::new();
-        let mut next = Some(first);
-        while let Some(text) = next {
-            match ToViewer::read(&text) {
-                Ok(message) => batch.push(message),
-                Err(error) => queue.send(nonsense(error))?,
+    let mut content = Vec::new();
+    loop {
+        match read_frame(&mut frames, &mut content) {
+            Ok(Some(FrameKind::Message)) => {
+                let message = decode(&String::from_utf8_lossy(&content));
+                queue.send(
+                    message.map_or_else(nonsense, |message| Cause::Messages(vec![message])),
+                )?;
             }
-            let more = batch.len() < BATCH && lines.buffer().contains(&b'\n');
-            next = if more { line(&mut lines) } else { None };
+            Ok(Some(FrameKind::Events)) => {
+                let mut batch = Vec::new();
+                let show = |sequence, t_ns, event| {
+                    batch.push(ToViewer::Event { sequence, t_ns, event });
+                };
+                let read = events.read(&content, show);
+                while !batch.is_empty() {
+                    let rest = batch.split_off(batch.len().min(BATCH));
+                    queue.send(Cause::Messages(std::mem::replace(&mut batch, rest)))?;
+                }
+                if let Err(broken) = read {
+                    queue.send(nonsense(broken))?;
+                }
+            }
+            Ok(Some(FrameKind::Unknown)) => {}
+            Err(error) if error.kind() == ErrorKind::InvalidData => {
+                queue.send(nonsense(error))?;
+                return queue.send(Cause::Silence);
+            }
+            // A broken connection is an end like any other.
+            Ok(None) | Err(_) => return queue.send(Cause::Silence),
         }
-        queue.send(Cause::Messages(batch))?;
     }
-    queue.send(Cause::Silence)
 }
 
-#[expect(clippy::needless_pass_by_value, reason = "it is the mapping of an error")]
-fn nonsense(error: rafcon_protocol::FrameError) -> Cause {
+fn nonsense(error: impl std::error::Error) -> Cause {
     Cause::Nonsense(error.to_string())
 }
 
 /// The next line; nothing at the end, which a broken connection is too.
-fn line(lines: &mut BufReader<UnixStream>) -> Option<String> {
+fn line(lines: &mut impl BufRead) -> Option<String> {
     let mut text = Vec::new();
     match lines.read_until(b'\n', &mut text) {
         Ok(0) | Err(_) => None,
-        Ok(_) => Some(
-            String::from_utf8(text)
-                .unwrap_or_else(|error| String::from_utf8_lossy(error.as_bytes()).into_owned()),
-        ),
+        Ok(_) => Some(String::from_utf8_lossy(&text).into_owned()),
     }
 }
 

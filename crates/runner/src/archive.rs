@@ -1,7 +1,7 @@
-//! The journal of the run, as its own viewers read it: what memory has given up, and values. Knows how to open it; must never
-//! keep anybody from writing it.
+//! The journal of the run, as its own viewers read it: what memory has given up. Knows how to open it; must never keep anybody
+//! from writing it.
 
-use rafcon_storage::journal::{JournalError, Reader, Record, Stored, ValueNumber};
+use rafcon_storage::journal::{Reader, Record};
 use std::path::Path;
 
 /// Events read at once.
@@ -26,15 +26,6 @@ impl Archive {
         let records: Vec<_> =
             wanted.map(|entry| (entry.sequence, entry.t_ns, entry.record)).collect();
         (!records.is_empty()).then_some(records)
-    }
-
-    /// A value; nothing if it was given up.
-    pub(crate) fn value(
-        &mut self,
-        folder: Option<&Path>,
-        number: ValueNumber,
-    ) -> Result<Option<Stored>, JournalError> {
-        self.open(folder).map_or(Ok(None), |reader| reader.value(number))
     }
 
     fn open(&mut self, folder: Option<&Path>) -> Option<&mut Reader> {

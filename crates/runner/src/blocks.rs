@@ -1,27 +1,26 @@
-//! What happened lately, in memory: encoded records in blocks, the oldest given up for the newest. Knows bytes and numbers;
+//! What happened lately, in memory: the stream of events in blocks, the oldest given up for the newest. Knows bytes and numbers;
 //! must never know who reads.
 
-use rafcon_storage::journal::record::Items;
-use rafcon_storage::journal::{Item, Record};
+use rafcon_storage::journal::stream::{EventBlock, StreamItem};
 use std::collections::VecDeque;
 
 /// A block is full with so many bytes.
 const BLOCK_BYTES: usize = 64 << 10;
-/// From one entry point of a block to the next, in bytes: what a reader decodes in vain at most.
+/// From one entry point of a block to the next, in bytes: what a reader walks in vain at most.
 const MARK_EVERY: usize = 4 << 10;
 
-/// Where a record begins.
+/// Where an event begins.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub(crate) struct Mark {
     /// Its number.
     pub(crate) sequence: u64,
-    /// The time of the record before it.
+    /// The time of the event before it.
     pub(crate) before_ns: u64,
     /// Its first byte.
     pub(crate) start: usize,
 }
 
-/// Records that lie one after the other.
+/// Items that lie one after the other.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Piece {
     pub(crate) mark: Mark,
@@ -29,15 +28,17 @@ pub(crate) struct Piece {
     pub(crate) end: usize,
 }
 
-/// Records that happened at once, encoded.
+/// Events that happened at once, with the definitions that they need.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Encoded<'b> {
     pub(crate) bytes: &'b [u8],
-    /// How many records there are.
+    /// How many events there are.
     pub(crate) count: u64,
-    /// The time of the record before them.
+    /// The time of the event before them.
     pub(crate) before_ns: u64,
-    /// Those that every viewer is told: their numbers count from 0.
+    /// The time of the last of them.
+    pub(crate) last_ns: u64,
+    /// What every viewer is sent: numbers count from 0.
     pub(crate) rare: &'b [Piece],
 }
 
@@ -47,7 +48,7 @@ pub(crate) struct Blocks {
     list: VecDeque<RecordBlock>,
     bytes: usize,
     limit: usize,
-    /// The number of the next record.
+    /// The number of the next event.
     next: u64,
 }
 
@@ -56,25 +57,27 @@ struct RecordBlock {
     bytes: Vec<u8>,
     marks: Vec<Mark>,
     rare: Vec<Piece>,
+    /// Where the next event will begin.
+    end: Mark,
 }
 
 impl Blocks {
-    /// Nothing yet; the next record has the number `next`, and about `limit` bytes are kept.
+    /// Nothing yet; the next event has the number `next`, and about `limit` bytes are kept.
     pub(crate) fn new(next: u64, limit: usize) -> Self {
         Self { list: VecDeque::new(), bytes: 0, limit, next }
     }
 
-    /// The number of the next record.
+    /// The number of the next event.
     pub(crate) fn next(&self) -> u64 {
         self.next
     }
 
-    /// The number of the oldest record that is still there.
+    /// The number of the oldest event that is still there.
     pub(crate) fn first(&self) -> u64 {
-        self.list.front().and_then(|block| block.marks.first()).map_or(self.next, |m| m.sequence)
+        self.list.front().map_or(self.next, RecordBlock::first)
     }
 
-    /// Adds records.
+    /// Adds events.
     pub(crate) fn push(&mut self, new: Encoded<'_>) {
         if self.list.back().is_none_or(|block| block.bytes.len() >= BLOCK_BYTES) {
             let room = self.room();
@@ -98,20 +101,21 @@ impl Blocks {
         room
     }
 
-    /// Copies records with numbers from `from` to before `end` to `into`: those of one block, or the rare ones of it. Gives
-    /// the number to go on with.
+    /// Copies events with numbers from `from` to before `end` to `into`: those of one block, or the rare ones of it. Gives the
+    /// number to go on with.
     pub(crate) fn read(&self, from: u64, end: u64, rare: bool, into: &mut Chunk) -> u64 {
-        into.begin(from, end);
+        into.clear();
         let after = self.list.partition_point(|block| block.first() <= from);
         let Some(block) = after.checked_sub(1).and_then(|index| self.list.get(index)) else {
             return from;
         };
+        let next = block.end.sequence.min(end).max(from);
         if rare {
-            block.rare_from(from).for_each(|piece| into.push(&block.bytes, *piece));
-        } else {
-            into.push(&block.bytes, block.all_from(from));
+            block.rare_between(from, next).for_each(|piece| into.push(&block.bytes, *piece));
+        } else if from < next {
+            into.take(block, from, next);
         }
-        self.list.get(after).map_or(self.next, RecordBlock::first).min(end)
+        next
     }
 }
 
@@ -133,17 +137,23 @@ impl RecordBlock {
         }
         self.rare.extend(new.rare.iter().map(|piece| piece.moved(first, start)));
         self.bytes.extend_from_slice(new.bytes);
+        self.end =
+            Mark { sequence: first + new.count, before_ns: new.last_ns, start: self.bytes.len() };
     }
 
-    fn all_from(&self, from: u64) -> Piece {
-        let after = self.marks.partition_point(|mark| mark.sequence <= from);
-        let mark = after.checked_sub(1).and_then(|index| self.marks.get(index));
-        Piece { mark: mark.copied().unwrap_or_default(), end: self.bytes.len() }
+    /// The last entry point at or before event `sequence`.
+    fn mark(&self, sequence: u64) -> Mark {
+        if sequence == self.end.sequence {
+            return self.end;
+        }
+        let after = self.marks.partition_point(|mark| mark.sequence <= sequence);
+        after.checked_sub(1).and_then(|index| self.marks.get(index)).copied().unwrap_or_default()
     }
 
-    fn rare_from(&self, from: u64) -> impl Iterator<Item = &Piece> {
+    fn rare_between(&self, from: u64, end: u64) -> impl Iterator<Item = &Piece> {
         let first = self.rare.partition_point(|piece| piece.mark.sequence < from);
-        self.rare[first..].iter()
+        let after = self.rare.partition_point(|piece| piece.mark.sequence < end);
+        self.rare[first..after].iter()
     }
 }
 
@@ -156,20 +166,22 @@ impl Piece {
     }
 }
 
-/// Records copied out for a reader; it is used again and again.
+/// Events copied out for a reader; it is used again and again.
 #[derive(Debug, Default)]
 pub(crate) struct Chunk {
     bytes: Vec<u8>,
     pieces: Vec<Piece>,
-    from: u64,
-    end: u64,
+    /// The last piece is more than is wanted: where the walk to its end begins, and the first event that is too many.
+    tail: Option<(Mark, u64)>,
+    /// Where the reader goes on, in the block that begins with this event.
+    place: Option<(u64, Mark)>,
 }
 
 impl Chunk {
-    fn begin(&mut self, from: u64, end: u64) {
+    fn clear(&mut self) {
         self.bytes.clear();
         self.pieces.clear();
-        (self.from, self.end) = (from, end);
+        self.tail = None;
     }
 
     fn push(&mut self, bytes: &[u8], piece: Piece) {
@@ -179,20 +191,57 @@ impl Chunk {
         self.pieces.push(Piece { mark, end: self.bytes.len() });
     }
 
-    /// The records with number and time.
-    pub(crate) fn records(&self) -> impl Iterator<Item = (u64, u64, Record)> {
-        let records = self.pieces.iter().flat_map(|piece| {
-            let items = Items::new(&self.bytes[piece.mark.start..piece.end], piece.mark.before_ns);
-            let records = items.filter_map(|item| match item {
-                Ok(Item::Record(t_ns, record)) => Some((t_ns, record)),
-                Ok(Item::Definition(_)) | Err(_) => None,
-            });
-            (piece.mark.sequence..).zip(records)
-        });
-        let wanted = self.from..self.end;
-        records
-            .filter(move |(sequence, _)| wanted.contains(sequence))
-            .map(|(sequence, (t_ns, record))| (sequence, t_ns, record))
+    /// Takes the events of a block from number `from` to before `end`.
+    fn take(&mut self, block: &RecordBlock, from: u64, end: u64) {
+        let here = block.first();
+        let mark = match self.place.take() {
+            Some((first, mark)) if first == here && mark.sequence == from => mark,
+            _ => block.mark(from),
+        };
+        self.push(&block.bytes, Piece { mark, end: block.end.start });
+        if end == block.end.sequence {
+            self.place = Some((here, block.end));
+            return;
+        }
+        let near = block.mark(end);
+        let near = if near.start < mark.start { mark } else { near };
+        self.tail = Some((Mark { start: near.start - mark.start, ..near }, end));
+        self.place = Some((here, Mark { start: mark.start, ..Mark::default() }));
+    }
+
+    /// Cuts off what is too much. Not part of reading: that holds up who writes.
+    pub(crate) fn trim(&mut self) {
+        let Some((near, end)) = self.tail.take() else { return };
+        let block = EventBlock {
+            first: near.sequence,
+            t_before: near.before_ns,
+            items: &self.bytes[near.start..],
+        };
+        let (mut items, mut mark) = (block.items(), near);
+        while mark.sequence < end
+            && let Some(Ok(item)) = items.next()
+        {
+            if let StreamItem::Event { .. } = item {
+                let (sequence, before_ns, rest) = items.position();
+                mark = Mark { sequence, before_ns, start: self.bytes.len() - rest };
+            }
+        }
+        self.bytes.truncate(mark.start);
+        if let Some(piece) = self.pieces.last_mut() {
+            piece.end = mark.start;
+        }
+        if let Some((_, place)) = &mut self.place {
+            *place = Mark { start: place.start + mark.start, ..mark };
+        }
+    }
+
+    /// The events as blocks of a stream.
+    pub(crate) fn blocks(&self) -> impl Iterator<Item = EventBlock<'_>> {
+        self.pieces.iter().map(|piece| EventBlock {
+            first: piece.mark.sequence,
+            t_before: piece.mark.before_ns,
+            items: &self.bytes[piece.mark.start..piece.end],
+        })
     }
 }
 
@@ -200,6 +249,8 @@ impl Chunk {
 mod tests {
     use super::{Blocks, Chunk, Encoded, Mark, Piece};
     use expect_test::{Expect, expect};
+    use proptest::prelude::*;
+    use rafcon_storage::journal::stream::StreamItem;
     use rafcon_storage::journal::{Item, PlaceNumber, Record};
 
     /// A long line that every viewer is told.
@@ -225,18 +276,30 @@ mod tests {
             let mark = Mark { sequence: 1, before_ns: before, start: bytes.len() };
             Item::Record(number * 10 + 5, line(number)).write(&mut before, &mut bytes);
             let rare = [Piece { mark, end: bytes.len() }];
-            blocks.push(Encoded { bytes: &bytes, count: 2, before_ns, rare: &rare });
+            let last_ns = before;
+            blocks.push(Encoded { bytes: &bytes, count: 2, before_ns, last_ns, rare: &rare });
         }
         blocks
+    }
+
+    /// Numbers and times of the events in a chunk from number `from` on: an entry point may lie before it.
+    fn events(chunk: &Chunk, from: u64) -> Vec<(u64, u64)> {
+        let items = chunk.blocks().flat_map(|block| block.items().collect::<Vec<_>>());
+        let events = items.filter_map(|item| match item.unwrap() {
+            StreamItem::Event { sequence, t_ns, .. } => Some((sequence, t_ns)),
+            _ => None,
+        });
+        events.filter(|(sequence, _)| *sequence >= from).collect()
     }
 
     fn check(lines: u64, from: u64, end: u64, rare: bool, expect: &Expect) {
         let blocks = blocks(lines);
         let mut chunk = Chunk::default();
         let next = blocks.read(from.max(blocks.first()), end, rare, &mut chunk);
-        let records: Vec<(u64, u64)> = chunk.records().map(|(number, t, _)| (number, t)).collect();
-        let shown = records.get(..3).unwrap_or(&records);
-        expect.assert_eq(&format!("{shown:?} of {}, next {next}", records.len()));
+        chunk.trim();
+        let events = events(&chunk, from);
+        let shown = events.get(..3).unwrap_or(&events);
+        expect.assert_eq(&format!("{shown:?} of {}, next {next}", events.len()));
     }
 
     #[test]
@@ -260,5 +323,26 @@ mod tests {
     #[test]
     fn the_oldest_are_given_up() {
         check(100, 1, 999, false, &expect!["[(163, 810), (164, 815), (165, 820)] of 18, next 181"]);
+    }
+
+    proptest! {
+        /// However much becomes readable at a time, a reader that goes on where it was gets each event once, and nothing before
+        /// what it asked for.
+        #[test]
+        fn a_reader_that_goes_on_gets_each_event_once(steps in prop::collection::vec(0..30_u64, 1..40)) {
+            let blocks = blocks(20);
+            let (mut chunk, mut from, mut end, mut seen) = (Chunk::default(), 1, 1, Vec::new());
+            for step in steps {
+                end = (end + step).min(blocks.next());
+                while from < end {
+                    let next = blocks.read(from, end, false, &mut chunk);
+                    chunk.trim();
+                    prop_assert!(seen.is_empty() || events(&chunk, 0).first().is_none_or(|event| event.0 == from));
+                    seen.extend(events(&chunk, from).into_iter().map(|(sequence, _)| sequence));
+                    from = next;
+                }
+                prop_assert_eq!(&seen, &(1..from).collect::<Vec<_>>());
+            }
+        }
     }
 }

@@ -1,7 +1,7 @@
-//! The talk with one viewer: lines in, lines out. Knows messages; must never know what they lead to.
+//! The talk with one viewer: lines in, frames out. Knows messages; must never know what they lead to.
 
 use rafcon_locks::Mutex;
-use rafcon_protocol::{FrameError, Hello, ToViewer, decode, encode};
+use rafcon_protocol::{FrameError, Hello, ToViewer, decode, encode, encode_frame};
 use serde::de::DeserializeOwned;
 use std::collections::BTreeSet;
 use std::io::{self, BufRead as _, BufReader, Read, Write as _};
@@ -140,14 +140,14 @@ pub(crate) fn open(socket: Socket) -> Result<Line, TalkError> {
 impl Sender {
     /// Sends one message. A viewer that is gone is not an error: the run goes on.
     pub(crate) fn send(&self, message: &ToViewer) {
-        if let Ok(line) = encode(message) {
-            self.send_lines(&line);
+        if let Ok(frame) = encode_frame(message) {
+            self.send_frame(&frame);
         }
     }
 
-    /// Sends lines that are encoded already.
-    pub(crate) fn send_lines(&self, lines: &[u8]) {
-        if !self.is_lost() && self.write(lines).is_err() {
+    /// Sends a frame that is encoded already.
+    pub(crate) fn send_frame(&self, frame: &[u8]) {
+        if !self.is_lost() && self.write(frame).is_err() {
             self.lose();
         }
     }
@@ -162,8 +162,8 @@ impl Sender {
         self.lost.load(Ordering::Relaxed)
     }
 
-    fn write(&self, lines: &[u8]) -> io::Result<()> {
-        (&self.socket.lock().0.0).write_all(lines)
+    fn write(&self, bytes: &[u8]) -> io::Result<()> {
+        (&self.socket.lock().0.0).write_all(bytes)
     }
 }
 

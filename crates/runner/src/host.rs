@@ -213,7 +213,7 @@ impl Watch {
 
 /// What the viewer that launched the run is told.
 fn first(launch: &Launch, from: u64) -> Join {
-    Join { from, every_event: launch.every_event, values: false }
+    Join { from, every_event: launch.every_event }
 }
 
 fn open_door(launch: &Launch) -> io::Result<Option<(ViewerListener, ListenerCloser)>> {

@@ -38,7 +38,6 @@ mod pulse;
 mod questions;
 mod record_encoder;
 mod record_events;
-mod record_renderer;
 mod recorder;
 mod restore_values;
 mod resume;

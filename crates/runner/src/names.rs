@@ -3,52 +3,45 @@
 use rafcon_engine::{Datum, Engine, Node, NodeId, PathId};
 use rafcon_locks::RwLock;
 use rafcon_model::{KindName, Port, PortId};
+use rafcon_storage::journal::stream::{EventBlock, PlaceHistory, write_place};
 use rafcon_storage::journal::{Place, PlaceNumber};
 use smol_str::SmolStr;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// The definitions of each place, with the number of the first record that they hold for.
-type Definitions = Vec<(u64, Arc<Place>)>;
-
 /// All places that were recorded.
 #[derive(Debug, Default)]
 pub(crate) struct Names {
-    places: RwLock<Vec<Definitions>>,
+    places: RwLock<PlaceHistory>,
 }
 
 impl Names {
     /// From record `from` on, the number stands for `place`.
     pub(crate) fn define(&self, from: u64, number: PlaceNumber, place: Arc<Place>) {
-        let mut places = self.places.write();
-        let index = number.0 as usize;
-        if places.len() <= index {
-            places.resize_with(index + 1, Vec::new);
-        }
-        places[index].push((from, place));
-    }
-
-    /// What the number stands for in record `sequence`.
-    pub(crate) fn at(&self, number: PlaceNumber, sequence: u64) -> Option<Arc<Place>> {
-        let places = self.places.read();
-        let definitions = places.get(number.0 as usize)?;
-        let holds = definitions.iter().rfind(|(from, _)| *from <= sequence)?;
-        Some(Arc::clone(&holds.1))
+        self.places.write().define(from, number, place);
     }
 
     /// What the number stands for now, if it was recorded.
     pub(crate) fn latest(&self, number: PlaceNumber) -> Option<Arc<Place>> {
-        self.at(number, u64::MAX)
+        self.places.read().at(number, u64::MAX).cloned()
     }
-}
 
-impl Names {
+    /// All definitions so far, as blocks of a stream: for who has not seen what was sent before.
+    pub(crate) fn write(&self, out: &mut Vec<u8>) {
+        let mut items = Vec::new();
+        for (number, from, place) in self.places.read().all() {
+            items.clear();
+            write_place(number, place, &mut items);
+            EventBlock { first: from, t_before: 0, items: &items }.write(out);
+        }
+    }
+
     /// Numbers for further places, after those that have one.
     pub(crate) fn numbering(&self) -> Numbering {
         let places = self.places.read();
-        let latest = (0..).map(PlaceNumber).zip(places.iter().map(|known| known.last()));
-        let named = latest.filter_map(|(number, known)| Some((known?.1.path.clone(), number)));
-        let next = u32::try_from(places.len()).unwrap_or(u32::MAX);
+        let latest = places.latest();
+        let next = u32::try_from(latest.len()).unwrap_or(u32::MAX);
+        let named = latest.filter_map(|(number, place)| Some((place?.path.clone(), number)));
         Numbering { kept: named.collect(), next }
     }
 }

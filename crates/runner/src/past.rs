@@ -1,11 +1,11 @@
-//! What has happened so far, for scripts that ask: as far back as memory goes. Knows records and their words; must never know
-//! how a script sees them.
+//! What has happened so far, for scripts that ask: as far back as memory goes. Knows events; must never know how a script sees
+//! them.
 
-use crate::archive::Archive;
 use crate::blocks::Chunk;
-use crate::record_renderer::RecordRenderer;
 use crate::{Clock, Driver, Scripts};
 use rafcon_protocol::Event;
+use rafcon_storage::journal::stream::StreamReader;
+use std::path::Path;
 
 /// Events looked back at, at most.
 const EVENTS_MAX: u64 = 20_000;
@@ -17,28 +17,29 @@ pub struct PastEvent {
     pub sequence: u64,
     /// When it happened, in ms since 1970 UTC.
     pub epoch_ms: u64,
-    /// What happened; values are missing that are not on disk yet.
+    /// What happened.
     pub event: Event,
 }
 
 impl<S: Scripts> Driver<S> {
     /// The states that were entered and left, oldest first. Called on any thread, outside the interpreter.
     pub fn past(&self) -> Vec<PastEvent> {
-        let (recorder, mut chunk, mut archive) =
-            (self.recorder(), Chunk::default(), Archive::default());
-        let wording = RecordRenderer::new(recorder, &mut archive, true);
-        let (began, mut found) = (self.began_ms(), Vec::new());
+        let (recorder, mut chunk) = (self.recorder(), Chunk::default());
         let mut next = (recorder.last() + 1).saturating_sub(EVENTS_MAX).max(1);
+        let mut reader = StreamReader::new(next, true, recorder.folder().map(Path::to_path_buf));
+        let (began, mut found) = (self.began_ms(), Vec::new());
+        let mut show = |sequence, t_ns, event| {
+            if matches!(event, Event::Entered { .. } | Event::Left { .. }) {
+                found.push(PastEvent { sequence, epoch_ms: began + t_ns / 1_000_000, event });
+            }
+        };
+        let mut places = Vec::new();
+        recorder.names().write(&mut places);
+        // What this process wrote can be read.
+        reader.read(&places, &mut show).unwrap_or_default();
         while recorder.recent(&mut next, &mut chunk) {
-            for (sequence, t_ns, record) in chunk.records() {
-                let event = wording.event(sequence, record);
-                let wanted =
-                    |event: &Event| matches!(event, Event::Entered { .. } | Event::Left { .. });
-                found.extend(event.filter(wanted).map(|event| PastEvent {
-                    sequence,
-                    epoch_ms: began + t_ns / 1_000_000,
-                    event,
-                }));
+            for block in chunk.blocks() {
+                reader.read_block(&block, &mut show).unwrap_or_default();
             }
         }
         found

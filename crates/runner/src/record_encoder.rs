@@ -3,17 +3,16 @@
 
 use crate::blocks::{Encoded, Mark, Piece};
 use crate::keep::{Keep, KeptValue};
+use rafcon_storage::journal::stream::{NO_CONTENT, VALUE_LIFE};
 use rafcon_storage::journal::{Batch, Kept, Left, Place, PlaceNumber, Record, ValueNumber};
 use std::num::NonZeroU64;
-
-/// A value is named by no more than so many records after it was defined; then it is defined again. So a journal may forget a
-/// value with the records that could name it.
-const VALUE_LIFE: u64 = 100_000;
 
 /// What is being written. It is used again and again, and allocates nothing once it has its size.
 #[derive(Debug)]
 pub(crate) struct RecordEncoder {
     batch: Batch,
+    /// The same as a stream for viewers: definitions before the records that need them, values without content.
+    stream: Vec<u8>,
     /// The number of the batch's first record.
     first: u64,
     rare: Vec<Piece>,
@@ -36,6 +35,7 @@ impl RecordEncoder {
     pub(crate) fn after(last: u64, t_ns: u64, numbered: u64) -> Self {
         Self {
             batch: Batch::new(t_ns),
+            stream: Vec::new(),
             first: last + 1,
             rare: Vec::new(),
             values: Vec::new(),
@@ -56,9 +56,10 @@ impl RecordEncoder {
     /// The same for the memory.
     pub(crate) fn encoded(&self) -> Encoded<'_> {
         Encoded {
-            bytes: self.batch.records(),
+            bytes: &self.stream,
             count: u64::from(self.batch.count()),
             before_ns: self.batch.t_before(),
+            last_ns: self.batch.t_last(),
             rare: &self.rare,
         }
     }
@@ -67,12 +68,15 @@ impl RecordEncoder {
     pub(crate) fn clear(&mut self) {
         self.first = self.next();
         self.batch.clear();
+        self.stream.clear();
         self.rare.clear();
     }
 
-    /// The place stands for this from the next record on.
+    /// The place stands for this from the next record on. Every viewer is told: a rare record may name it.
     pub(crate) fn define(&mut self, number: PlaceNumber, place: &Place) {
-        self.batch.define_place(number, place);
+        let mark = self.mark();
+        self.stream.extend_from_slice(self.batch.define_place(number, place));
+        self.rare.push(Piece { mark, end: self.stream.len() });
     }
 
     /// Names a value; it is one of the next record's.
@@ -94,7 +98,8 @@ impl RecordEncoder {
         value.number(next.saturating_sub(VALUE_LIFE)).unwrap_or_else(|| {
             self.numbered += 1;
             let number = ValueNumber(self.numbered);
-            self.batch.define_value(number, value.stored());
+            self.stream.extend_from_slice(self.batch.define_value(number, value.stored()));
+            self.stream.extend_from_slice(&NO_CONTENT);
             value.set_number(number, next);
             number
         })
@@ -107,31 +112,44 @@ impl RecordEncoder {
 
     /// A state began with the values named before.
     pub(crate) fn entered(&mut self, t_ns: u64, place: PlaceNumber, undoes: Option<NonZeroU64>) {
+        let start = self.batch.records().len();
         self.batch.entered(t_ns, place, self.values.drain(..), undoes);
+        self.stream.extend_from_slice(&self.batch.records()[start..]);
     }
 
     /// A state ended with the values named before.
     pub(crate) fn left(&mut self, t_ns: u64, end: StateEnd, error: Option<&Kept>) {
         let StateEnd { place, outcome, undoes } = end;
+        let start = self.batch.records().len();
         let left = Left { place, outcome, outputs: self.values.drain(..), error, undoes };
         self.batch.left(t_ns, left);
+        self.stream.extend_from_slice(&self.batch.records()[start..]);
     }
 
     /// A scoped variable got a value.
     pub(crate) fn scoped(&mut self, t_ns: u64, place: PlaceNumber, port: u64, value: &Kept) {
+        let start = self.batch.records().len();
         self.batch.scoped(t_ns, place, port, value);
+        self.stream.extend_from_slice(&self.batch.records()[start..]);
     }
 
     /// Anything else.
     pub(crate) fn note(&mut self, t_ns: u64, record: &Record) {
-        let mark = Mark {
+        let mark = self.mark();
+        let start = self.batch.records().len();
+        self.batch.record(t_ns, record);
+        self.stream.extend_from_slice(&self.batch.records()[start..]);
+        if is_rare(record) {
+            self.rare.push(Piece { mark, end: self.stream.len() });
+        }
+    }
+
+    /// Where the next item of the stream begins.
+    fn mark(&self) -> Mark {
+        Mark {
             sequence: u64::from(self.batch.count()),
             before_ns: self.batch.t_last(),
-            start: self.batch.records().len(),
-        };
-        self.batch.record(t_ns, record);
-        if is_rare(record) {
-            self.rare.push(Piece { mark, end: self.batch.records().len() });
+            start: self.stream.len(),
         }
     }
 }
@@ -150,9 +168,10 @@ pub(crate) fn is_rare(record: &Record) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use super::{RecordEncoder, VALUE_LIFE};
+    use super::RecordEncoder;
     use crate::keep::{Keep, KeptValue};
     use rafcon_storage::journal::record::Content;
+    use rafcon_storage::journal::stream::VALUE_LIFE;
     use rafcon_storage::journal::{Kept, PlaceNumber, Stored, ValueNumber};
 
     #[test]

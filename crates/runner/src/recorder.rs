@@ -253,7 +253,10 @@ impl Recorder {
         let begin = from.max(ring.blocks.first().min(ring.tellable()));
         let end = ring.tellable().max(begin);
         let next = ring.blocks.read(begin, end, rare, into).max(begin);
-        Read { next, missed: begin - from, closed: ring.closed && next >= end }
+        let closed = ring.closed && next >= end;
+        drop(ring);
+        into.trim();
+        Read { next, missed: begin - from, closed }
     }
 
     /// Copies records from number `next` on to `into`, also those that are not safe yet, and puts `next` behind them; false if

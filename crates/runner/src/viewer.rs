@@ -5,10 +5,10 @@ use crate::blocks::Chunk;
 use crate::connection::Sender;
 use crate::driver::Driver;
 use crate::record_encoder::is_rare;
-use crate::record_renderer::RecordRenderer;
 use crate::{Clock, Scripts, snapshot};
-use rafcon_protocol::{Event, Join, LogLevel, Stream, ToViewer, encode};
-use rafcon_storage::journal::Record;
+use rafcon_protocol::{FRAME_HEAD, FrameKind, Join, LogLevel, Stream, ToViewer, frame_head};
+use rafcon_storage::journal::stream::EventBlock;
+use rafcon_storage::journal::{Item, Record};
 use std::time::Duration;
 
 /// While things happen, they are told in bundles this far apart.
@@ -31,7 +31,8 @@ pub(crate) struct Viewer<'d, S: Scripts> {
     seen: u64,
     chunk: Chunk,
     archive: Archive,
-    lines: Vec<u8>,
+    /// The frame of events that is sent next: room for its head, then blocks.
+    frame: Vec<u8>,
 }
 
 impl<'d, S: Scripts> Viewer<'d, S> {
@@ -48,12 +49,14 @@ impl<'d, S: Scripts> Viewer<'d, S> {
             seen: 0,
             chunk: Chunk::default(),
             archive: Archive::default(),
-            lines: Vec::new(),
+            frame: vec![0; FRAME_HEAD],
         }
     }
 
     /// Tells everything until the run is over and told, or the viewer is gone.
     pub(crate) fn follow(mut self) {
+        self.driver.recorder().names().write(&mut self.frame);
+        self.flush();
         while !self.sender.is_lost() {
             if self.tell_new() {
                 return;
@@ -96,8 +99,12 @@ impl<'d, S: Scripts> Viewer<'d, S> {
                 return;
             };
             self.next = page.last().map_or(end, |(sequence, ..)| sequence + 1);
-            let rare = !self.join.every_event;
-            self.send(page.into_iter().filter(|(.., record)| !rare || is_rare(record)));
+            for (sequence, t_ns, record) in page {
+                if self.join.every_event || is_rare(&record) {
+                    self.push(sequence, t_ns, record);
+                }
+            }
+            self.flush();
             self.tell_snapshot();
         }
     }
@@ -106,45 +113,31 @@ impl<'d, S: Scripts> Viewer<'d, S> {
         let message = format!(
             "this viewer reads too slowly: {missed} events were left out before event {next}"
         );
-        let event = Event::Log {
-            path: String::new(),
-            level: LogLevel::Warning,
-            stream: Stream::Engine,
-            message,
-        };
-        let t_ns = self.driver.clock().now_ns();
-        self.push(&ToViewer::Event { sequence: next.saturating_sub(1), t_ns, event });
-    }
-
-    fn send_chunk(&mut self) {
-        let chunk = std::mem::take(&mut self.chunk);
-        self.send(chunk.records());
-        self.chunk = chunk;
-    }
-
-    /// Sends records that the viewer wants, with number and time.
-    fn send(&mut self, records: impl Iterator<Item = (u64, u64, Record)>) {
-        let mut archive = std::mem::take(&mut self.archive);
-        let wording = RecordRenderer::new(self.driver.recorder(), &mut archive, self.join.values);
-        for (sequence, t_ns, record) in records {
-            if let Some(event) = wording.event(sequence, record) {
-                self.push(&ToViewer::Event { sequence, t_ns, event });
-            }
-        }
-        self.archive = archive;
+        let (level, stream) = (LogLevel::Warning, Stream::Engine);
+        let record = Record::Log { place: None, level, stream, message };
+        self.push(next.saturating_sub(1), self.driver.clock().now_ns(), record);
         self.flush();
     }
 
-    fn flush(&mut self) {
-        if !self.lines.is_empty() {
-            self.sender.send_lines(&self.lines);
-            self.lines.clear();
-        }
+    fn send_chunk(&mut self) {
+        self.chunk.blocks().for_each(|block| block.write(&mut self.frame));
+        self.flush();
     }
 
-    fn push(&mut self, message: &ToViewer) {
-        if let Ok(line) = encode(message) {
-            self.lines.extend_from_slice(&line);
+    /// Adds one event to the next frame.
+    fn push(&mut self, sequence: u64, t_ns: u64, record: Record) {
+        let mut items = Vec::new();
+        Item::Record(t_ns, record).write(&mut t_ns.clone(), &mut items);
+        EventBlock { first: sequence, t_before: t_ns, items: &items }.write(&mut self.frame);
+    }
+
+    /// Sends the frame, if there is anything in it.
+    fn flush(&mut self) {
+        let length = self.frame.len() - FRAME_HEAD;
+        if length > 0 {
+            self.frame[..FRAME_HEAD].copy_from_slice(&frame_head(FrameKind::Events, length));
+            self.sender.send_frame(&self.frame);
+            self.frame.truncate(FRAME_HEAD);
         }
     }
 

@@ -8,8 +8,8 @@ import type { StateDocument } from "../../src/model/generated/protocol.ts";
 import type { Box, Point } from "../../src/model/geometry.ts";
 import { childBox, portPlaces, rootSize } from "../../src/model/layout_reader.ts";
 import { lineage } from "../../src/model/path.ts";
-import type { Page } from "../../src/store/page.ts";
-import type { Camera } from "../../src/store/view.ts";
+import type { Page } from "../../src/store/page/page.ts";
+import type { Camera } from "../../src/store/page/view.ts";
 import type { Server } from "./server.ts";
 
 /** How long one waits for what has to come, and how often one looks. */

@@ -1,8 +1,8 @@
 /** What wants a human at once, in every layout: open questions and crashed runs, one press from where they are answered. */
 
 import { CircleHelp, TriangleAlert } from "lucide-react";
-import { openQuestions } from "../store/questions.ts";
-import type { Watch } from "../store/run.ts";
+import { openQuestions } from "../store/history/questions.ts";
+import type { Watch } from "../store/history/run.ts";
 import { useDerived, useSession } from "./provided.tsx";
 import { type AppSession, isInMission } from "./session.ts";
 import "./attention_buttons.css";

@@ -2,8 +2,8 @@
 
 import { ChevronDown, ChevronUp, Eye, FileWarning, LifeBuoy, Unplug } from "lucide-react";
 import { useEffect, useState } from "react";
-import type { OpenTab } from "../store/page.ts";
-import { mayEdit } from "../store/rights.ts";
+import type { OpenTab } from "../store/page/page.ts";
+import { mayEdit } from "../store/page/rights.ts";
 import { Button, IconButton } from "../ui/button.tsx";
 import { useSignal } from "../ui/signals.ts";
 import { agePhrase } from "./age.ts";

@@ -11,7 +11,7 @@ import { contextMenu } from "../commands/menus.ts";
 import type { ElementRef } from "../model/element.ts";
 import type { Point } from "../model/geometry.ts";
 import { useIsOld } from "../panels/run_age.ts";
-import type { OpenTab } from "../store/page.ts";
+import type { OpenTab } from "../store/page/page.ts";
 import { Button } from "../ui/button.tsx";
 import { ContextMenu } from "../ui/menu.tsx";
 import { useSignal } from "../ui/signals.ts";

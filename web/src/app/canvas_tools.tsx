@@ -15,8 +15,8 @@ import {
   ZoomIn,
   ZoomOut,
 } from "lucide-react";
-import { followedSignal } from "../store/following.ts";
-import type { OpenTab } from "../store/page.ts";
+import { followedSignal } from "../store/page/following.ts";
+import type { OpenTab } from "../store/page/page.ts";
 import { IconButton } from "../ui/button.tsx";
 import { useSignal } from "../ui/signals.ts";
 import { useShownKey } from "./keys_shown.ts";

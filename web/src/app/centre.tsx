@@ -1,7 +1,7 @@
 /** The middle of the page: the machine in front on its canvas, with where one is and what shows; or how to begin. */
 
 import { MISSION_PANEL } from "../commands/mission.ts";
-import { mayEdit } from "../store/rights.ts";
+import { mayEdit } from "../store/page/rights.ts";
 import { useSignal } from "../ui/signals.ts";
 import { Bars } from "./bars.tsx";
 import { Breadcrumb } from "./breadcrumb.tsx";

@@ -2,7 +2,7 @@
 
 import { HEAT_LEVELS } from "../canvas/scene/input.ts";
 import { duration } from "../panels/parts/duration.ts";
-import type { OpenTab } from "../store/page.ts";
+import type { OpenTab } from "../store/page/page.ts";
 import { useSignal } from "../ui/signals.ts";
 import { useDerived } from "./provided.tsx";
 import { heatNow } from "./run_extras.ts";

@@ -2,8 +2,8 @@
  * and what the address asks for: `?layout=mission`. */
 
 import { MISSION_LAYOUT } from "../commands/mission.ts";
-import type { Page } from "../store/page.ts";
-import { sessionOfPage } from "../store/running.ts";
+import type { Page } from "../store/page/page.ts";
+import { sessionOfPage } from "../store/run/running.ts";
 
 export function initialLayout(page: Page): string {
   return sessionOfPage(page)?.role === "operator" ? MISSION_LAYOUT : "Edit";

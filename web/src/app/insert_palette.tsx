@@ -1,7 +1,7 @@
 /** The kinds of states, to be dragged onto the canvas or put into what is selected by a click. */
 
 import { shownKey } from "../commands/keys.ts";
-import { DRAGGED_TYPE, dragged } from "../store/dragged.ts";
+import { DRAGGED_TYPE, dragged } from "../store/page/dragged.ts";
 import { useSignal } from "../ui/signals.ts";
 import { useKeys } from "./keys_shown.ts";
 import { KIND_ICONS, KIND_TITLES, NEW_KINDS } from "./kinds.ts";

@@ -1,7 +1,7 @@
 /** Who is not known to the server says who they are. */
 
 import { useState } from "react";
-import { RefusalError } from "../store/server.ts";
+import { RefusalError } from "../store/page/server.ts";
 import { Button } from "../ui/button.tsx";
 import { TextField } from "../ui/field.tsx";
 import { useSession } from "./provided.tsx";

@@ -4,7 +4,7 @@ import { Plus, X } from "lucide-react";
 import { type KeyboardEvent, useState } from "react";
 import { entryOf } from "../commands/menus.ts";
 import { isChanged } from "../commands/save.ts";
-import type { OpenTab } from "../store/page.ts";
+import type { OpenTab } from "../store/page/page.ts";
 import { IconButton } from "../ui/button.tsx";
 import { ContextMenu } from "../ui/menu.tsx";
 import { useSignal } from "../ui/signals.ts";

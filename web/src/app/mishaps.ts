@@ -1,6 +1,6 @@
 /** Mistakes of the program that nothing else catches are said to the user: what fails silently looks as if it worked. */
 
-import type { Page } from "../store/page.ts";
+import type { Page } from "../store/page/page.ts";
 
 /** Browsers report this of layouts that settle one frame later; nothing is wrong. */
 const HARMLESS = /^ResizeObserver loop/;

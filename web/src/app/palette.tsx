@@ -7,7 +7,7 @@ import { shownKey } from "../commands/keys.ts";
 import type { LibraryNode } from "../model/generated/protocol.ts";
 import { type Machine, namesTo } from "../model/machine.ts";
 import { stateIndex } from "../model/state_index.ts";
-import { select } from "../store/view.ts";
+import { select } from "../store/page/view.ts";
 import { useSignal } from "../ui/signals.ts";
 import { useKeys } from "./keys_shown.ts";
 import { KIND_ICONS } from "./kinds.ts";

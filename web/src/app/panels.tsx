@@ -28,9 +28,9 @@ import { RunHistory } from "../panels/history/history.tsx";
 import { Log } from "../panels/log/log.tsx";
 import { Mission } from "../panels/mission/mission.tsx";
 import { Timeline } from "../panels/timeline/timeline.tsx";
-import { countUnacknowledged } from "../store/acknowledged.ts";
-import { breakpointsOf } from "../store/breakpoints.ts";
-import type { OpenTab } from "../store/page.ts";
+import type { OpenTab } from "../store/page/page.ts";
+import { countUnacknowledged } from "../store/run/acknowledged.ts";
+import { breakpointsOf } from "../store/run/breakpoints.ts";
 import { type OnDemand, onDemand } from "../ui/on_demand.tsx";
 
 // What mission control shows comes with the page, the rest when it is first shown.

@@ -1,8 +1,8 @@
 /** Who else has the machine in front open. */
 
 import type { Presence } from "../model/generated/protocol.ts";
-import type { OpenTab } from "../store/page.ts";
-import { select } from "../store/view.ts";
+import type { OpenTab } from "../store/page/page.ts";
+import { select } from "../store/page/view.ts";
 import { useSignal } from "../ui/signals.ts";
 import { useSession } from "./provided.tsx";
 

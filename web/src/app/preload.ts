@@ -2,7 +2,7 @@
  * is left to what somebody looks at. */
 
 import { effect } from "@preact/signals-core";
-import type { Page } from "../store/page.ts";
+import type { Page } from "../store/page/page.ts";
 import { preloadAll } from "../ui/on_demand.tsx";
 import { LATER_DIALOGS } from "./dialogs/dialogs.tsx";
 import { LATER } from "./panels.tsx";

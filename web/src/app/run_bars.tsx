@@ -3,10 +3,10 @@
 
 import { History, RefreshCw, Unplug } from "lucide-react";
 import { useRunAge } from "../panels/run_age.ts";
-import type { RunAge } from "../store/age.ts";
-import { historyLag } from "../store/history_lag.ts";
-import type { OpenTab } from "../store/page.ts";
-import type { Watch } from "../store/run.ts";
+import { historyLag } from "../store/history/history_lag.ts";
+import type { Watch } from "../store/history/run.ts";
+import type { OpenTab } from "../store/page/page.ts";
+import type { RunAge } from "../store/run/age.ts";
 import { useSignal } from "../ui/signals.ts";
 import { agePhrase } from "./age.ts";
 import { Bar } from "./bar.tsx";

@@ -14,12 +14,12 @@ import {
 import { duration, growing } from "../panels/parts/duration.ts";
 import { RunStatusView } from "../panels/parts/run_status_mark.tsx";
 import { useRunAge } from "../panels/run_age.ts";
-import { isGoingOn, truthAge } from "../store/age.ts";
-import { clock1s } from "../store/clock1s.ts";
-import type { OpenTab } from "../store/page.ts";
-import type { Watch } from "../store/run.ts";
-import { elapsedNow } from "../store/run_clock.ts";
-import { runsOfTab } from "../store/running.ts";
+import type { Watch } from "../store/history/run.ts";
+import { clock1s } from "../store/page/clock1s.ts";
+import type { OpenTab } from "../store/page/page.ts";
+import { isGoingOn, truthAge } from "../store/run/age.ts";
+import { elapsedNow } from "../store/run/run_clock.ts";
+import { runsOfTab } from "../store/run/running.ts";
 import { ContextMenu } from "../ui/menu.tsx";
 import { useSignal } from "../ui/signals.ts";
 import { agePhrase } from "./age.ts";

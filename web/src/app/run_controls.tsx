@@ -13,7 +13,7 @@ import {
 } from "lucide-react";
 import { type ReactNode, useRef, useState } from "react";
 import { refusalOf } from "../commands/command.ts";
-import { liveRun, runningBeside, snapshotOf } from "../store/running.ts";
+import { liveRun, runningBeside, snapshotOf } from "../store/run/running.ts";
 import { Button, IconButton } from "../ui/button.tsx";
 import { ContextMenu } from "../ui/menu.tsx";
 import { useSignal } from "../ui/signals.ts";

@@ -4,14 +4,14 @@ import { computed, effect, type ReadonlySignal } from "@preact/signals-core";
 import type { Extras } from "../canvas/picture.ts";
 import { HEAT_LEVELS, type ValueChip } from "../canvas/scene/input.ts";
 import { shortValue } from "../model/short_value.ts";
-import { breakpointsOf } from "../store/breakpoints.ts";
-import { type CountUntil, countsUntil } from "../store/counts_until.ts";
-import { heatOf } from "../store/heat.ts";
-import { runMarks } from "../store/marks.ts";
-import type { OpenTab, Page } from "../store/page.ts";
-import { portValues } from "../store/port_values.ts";
-import type { Watch } from "../store/run.ts";
-import { sinceSnapshot } from "../store/since_snapshot.ts";
+import { type CountUntil, countsUntil } from "../store/history/counts_until.ts";
+import type { Watch } from "../store/history/run.ts";
+import type { OpenTab, Page } from "../store/page/page.ts";
+import { breakpointsOf } from "../store/run/breakpoints.ts";
+import { heatOf } from "../store/run/heat.ts";
+import { runMarks } from "../store/run/marks.ts";
+import { portValues } from "../store/run/port_values.ts";
+import { sinceSnapshot } from "../store/run/since_snapshot.ts";
 
 /** So many letters of a value are shown when it is pointed at. */
 const FULL = 320;

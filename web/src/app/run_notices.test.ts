@@ -1,5 +1,5 @@
 import { expect, test } from "vitest";
-import type { RunFailure } from "../store/failures.ts";
+import type { RunFailure } from "../store/history/failures.ts";
 import { failuresInWords, failuresSince, longerInWords } from "./run_notices.ts";
 
 const at = (sequence: number, some: Partial<RunFailure>): RunFailure => ({

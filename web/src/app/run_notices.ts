@@ -5,15 +5,15 @@ import { effect } from "@preact/signals-core";
 import { MISSION_PANEL } from "../commands/mission.ts";
 import type { Control } from "../model/generated/protocol.ts";
 import { duration } from "../panels/parts/duration.ts";
-import { openFailures } from "../store/acknowledged.ts";
-import { usualInWords } from "../store/baseline.ts";
-import { didInWords, type RunFailure } from "../store/failures.ts";
-import { type Longer, longerThanEver } from "../store/longer.ts";
-import { nameSoon } from "../store/name_soon.ts";
-import type { Notice, OpenTab } from "../store/page.ts";
-import { openQuestions } from "../store/questions.ts";
-import type { Watch } from "../store/run.ts";
-import { sessionOfPage, summaryOf } from "../store/running.ts";
+import { nameSoon } from "../store/document/name_soon.ts";
+import { didInWords, type RunFailure } from "../store/history/failures.ts";
+import { openQuestions } from "../store/history/questions.ts";
+import type { Watch } from "../store/history/run.ts";
+import type { Notice, OpenTab } from "../store/page/page.ts";
+import { openFailures } from "../store/run/acknowledged.ts";
+import { usualInWords } from "../store/run/baseline.ts";
+import { type Longer, longerThanEver } from "../store/run/longer.ts";
+import { sessionOfPage, summaryOf } from "../store/run/running.ts";
 import type { AppSession } from "./session.ts";
 
 /** Failures that come together are told together. */

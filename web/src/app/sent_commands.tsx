@@ -5,9 +5,9 @@ import { Check, CircleHelp, Hourglass, Send, TriangleAlert, X } from "lucide-rea
 import { type ReactNode, useEffect, useState } from "react";
 import { commandInWords } from "../model/command_words.ts";
 import { sentLines } from "../panels/parts/sent.ts";
-import { dismiss, dismissed } from "../store/dismissed.ts";
-import { answeredBy, askedQuestions } from "../store/questions.ts";
-import type { SentCommand, Watch } from "../store/run.ts";
+import { dismiss, dismissed } from "../store/history/dismissed.ts";
+import { answeredBy, askedQuestions } from "../store/history/questions.ts";
+import type { SentCommand, Watch } from "../store/history/run.ts";
 import { IconButton } from "../ui/button.tsx";
 import { useSignal } from "../ui/signals.ts";
 import "./sent_commands.css";

@@ -4,7 +4,7 @@ import { type ReadonlySignal, type Signal, signal } from "@preact/signals-core";
 import type { CanvasControl } from "../canvas/control.ts";
 import type { CommandContext, Commands, Dialogs, Layouts, Shell } from "../commands/command.ts";
 import { MISSION_PANEL } from "../commands/mission.ts";
-import type { OpenTab, Page } from "../store/page.ts";
+import type { OpenTab, Page } from "../store/page/page.ts";
 import type { UserQuestion } from "./question.ts";
 
 /** A dialog that is open. */

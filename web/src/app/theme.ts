@@ -1,7 +1,7 @@
 /** Which theme the page wears: as the system does, or as the user says. */
 
 import { effect, signal } from "@preact/signals-core";
-import type { Page } from "../store/page.ts";
+import type { Page } from "../store/page/page.ts";
 
 /** Keeps the `data-theme` of the document in a window as settings, or else the system, have it: styles go by it alone. */
 export function wearTheme(page: Pick<Page, "settings">, view: Window): () => void {

@@ -3,9 +3,9 @@
 import { effect } from "@preact/signals-core";
 import { isChanged } from "../commands/save.ts";
 import { type RunWord, runStatusWords } from "../model/run_words.ts";
-import { countUnacknowledged } from "../store/acknowledged.ts";
-import type { Page } from "../store/page.ts";
-import type { Watch } from "../store/run.ts";
+import type { Watch } from "../store/history/run.ts";
+import type { Page } from "../store/page/page.ts";
+import { countUnacknowledged } from "../store/run/acknowledged.ts";
 
 /** Of runs that go on; `❗` while something wants a human. */
 const SIGNS: Readonly<Partial<Record<RunWord, string>>> = {

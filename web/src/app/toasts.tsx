@@ -3,8 +3,8 @@
 import { CircleAlert, Info, TriangleAlert, X } from "lucide-react";
 import { useEffect, useRef, useState } from "react";
 import { MISSION_PANEL } from "../commands/mission.ts";
-import { keyOfNotice, noticeText } from "../store/notices.ts";
-import type { Notice } from "../store/page.ts";
+import { keyOfNotice, noticeText } from "../store/page/notices.ts";
+import type { Notice } from "../store/page/page.ts";
 import { Button, IconButton } from "../ui/button.tsx";
 import { useSignal } from "../ui/signals.ts";
 import { useDerived, useSession } from "./provided.tsx";

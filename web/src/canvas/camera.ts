@@ -1,7 +1,7 @@
 /** Where the camera looks: pure functions between the root's coordinates and CSS pixels of the view. */
 
 import type { Box, Point, Size } from "../model/geometry.ts";
-import type { Camera } from "../store/view.ts";
+import type { Camera } from "../store/page/view.ts";
 
 /** How far in and out one can go, in CSS pixels for a unit of the root. */
 export const SCALE_MIN = 1e-4;

@@ -2,7 +2,7 @@ import { expect, test } from "vitest";
 import type { ElementRef } from "../model/element.ts";
 import { machineOf } from "../model/plain.ts";
 import { sketch } from "../model/testing/sketch.ts";
-import type { MarkPhase, RunMark } from "../store/marks.ts";
+import type { MarkPhase, RunMark } from "../store/run/marks.ts";
 import { described, type Signs, urgentWords } from "./describe.ts";
 import { ARM } from "./testing/driver.ts";
 

@@ -6,7 +6,7 @@ import type { StateDocument } from "../model/generated/protocol.ts";
 import { type Machine, outcomesOf, portsOf, startOf, transitionsOf } from "../model/machine.ts";
 import { idOf, parentOf } from "../model/path.ts";
 import { KIND_WORDS } from "../plan/legal.ts";
-import type { MarkPhase, RunMark } from "../store/marks.ts";
+import type { MarkPhase, RunMark } from "../store/run/marks.ts";
 
 /** What is said of a state beside what it is. */
 export interface Signs {

@@ -1,8 +1,8 @@
 /** Where the camera is when a machine is opened: where it was last in this browser tab, or with the whole machine in view. */
 
 import type { Box, Size } from "../model/geometry.ts";
-import type { OpenTab } from "../store/page.ts";
-import type { Camera, SessionView } from "../store/view.ts";
+import type { OpenTab } from "../store/page/page.ts";
+import type { Camera, SessionView } from "../store/page/view.ts";
 import { screenBox } from "./camera.ts";
 import type { InteractionController } from "./interaction.ts";
 import { filling } from "./looks.ts";

@@ -1,7 +1,7 @@
 /** Moves the camera from where it is to where it is wanted, in a while, or at once for those who want no motion. */
 
 import type { Signal } from "@preact/signals-core";
-import type { Camera } from "../store/view.ts";
+import type { Camera } from "../store/page/view.ts";
 import { flight } from "./camera.ts";
 
 /** What asks for frames: the window, and in tests a few lines. */

@@ -4,10 +4,10 @@
 import { effect } from "@preact/signals-core";
 import type { Box, Size } from "../model/geometry.ts";
 import { commonPath, parentOf } from "../model/path.ts";
-import { activeStates, lanes, placeOfLane } from "../store/active.ts";
-import { followedSignal } from "../store/following.ts";
-import type { OpenTab, Page } from "../store/page.ts";
-import type { Camera } from "../store/view.ts";
+import { followedSignal } from "../store/page/following.ts";
+import type { OpenTab, Page } from "../store/page/page.ts";
+import type { Camera } from "../store/page/view.ts";
+import { activeStates, lanes, placeOfLane } from "../store/run/active.ts";
 import { screenBox } from "./camera.ts";
 import type { Flight } from "./flight.ts";
 import { extentOn } from "./hit/shown.ts";

@@ -3,7 +3,7 @@
 import type { ElementRef } from "../model/element.ts";
 import type { Box, Point } from "../model/geometry.ts";
 import { parentOf } from "../model/path.ts";
-import { select, selected, selectedStates } from "../store/view.ts";
+import { select, selected, selectedStates } from "../store/page/view.ts";
 import type { InteractionController, InteractionHost } from "./interaction.ts";
 import { filling } from "./looks.ts";
 import { filledBy } from "./tools/stage.ts";

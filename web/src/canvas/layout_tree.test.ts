@@ -3,7 +3,7 @@ import type { Document, StateDocument } from "../model/generated/protocol.ts";
 import type { Machine } from "../model/machine.ts";
 import { machineOf } from "../model/plain.ts";
 import { sketch } from "../model/testing/sketch.ts";
-import { MODES } from "../store/view.ts";
+import { MODES } from "../store/page/view.ts";
 import { type LayoutTree, layoutTreeOf } from "./layout_tree.ts";
 import { NO_OVERLAY, type Overlay } from "./overlay.ts";
 

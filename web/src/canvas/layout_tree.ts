@@ -4,7 +4,7 @@ import type { Box, Point } from "../model/geometry.ts";
 import type { PortPlace } from "../model/layout_reader.ts";
 import type { Machine } from "../model/machine.ts";
 import { lineage } from "../model/path.ts";
-import type { ViewModes } from "../store/view.ts";
+import type { ViewModes } from "../store/page/view.ts";
 import type { Layout, Route } from "./layout.ts";
 import { type ChangedPaths, type LayoutNode, type LayoutSource, treeOf } from "./layout_node.ts";
 import { NO_OVERLAY, type Overlay } from "./overlay.ts";

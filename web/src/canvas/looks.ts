@@ -1,7 +1,7 @@
 /** Where the camera goes to show something. */
 
 import { type Box, boundsOf, type Size } from "../model/geometry.ts";
-import type { Camera } from "../store/view.ts";
+import type { Camera } from "../store/page/view.ts";
 import { fitted, screenBox } from "./camera.ts";
 
 /** Room around what fills the view, in CSS pixels. */

@@ -3,8 +3,8 @@
 
 import { effect, signal } from "@preact/signals-core";
 import type { Box, Point, Size } from "../model/geometry.ts";
-import type { OpenTab } from "../store/page.ts";
-import type { Camera } from "../store/view.ts";
+import type { OpenTab } from "../store/page/page.ts";
+import type { Camera } from "../store/page/view.ts";
 import { fitted, screenBox, visibleBox, worldFromScreen } from "./camera.ts";
 import { NO_OVERLAY } from "./overlay.ts";
 import { inkOf } from "./paint/ink.ts";

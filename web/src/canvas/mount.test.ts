@@ -1,12 +1,12 @@
 // @vitest-environment happy-dom
 import { signal } from "@preact/signals-core";
 import { afterEach, beforeEach, expect, test, vi } from "vitest";
-import { dragged } from "../store/dragged.ts";
-import { followedSignal } from "../store/following.ts";
-import type { RunMark } from "../store/marks.ts";
-import type { Page } from "../store/page.ts";
-import { FIRST_SETTINGS } from "../store/settings.ts";
-import { newView, select } from "../store/view.ts";
+import { dragged } from "../store/page/dragged.ts";
+import { followedSignal } from "../store/page/following.ts";
+import type { Page } from "../store/page/page.ts";
+import { FIRST_SETTINGS } from "../store/page/settings.ts";
+import { newView, select } from "../store/page/view.ts";
+import type { RunMark } from "../store/run/marks.ts";
 import { type Mounted, mountCanvas } from "./mount.ts";
 import type { Extras } from "./picture.ts";
 import { ARM, PlainMachineSession } from "./testing/driver.ts";

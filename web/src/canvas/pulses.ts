@@ -3,7 +3,7 @@
 
 import { effect, type ReadonlySignal } from "@preact/signals-core";
 import type { ElementKey } from "../model/element.ts";
-import type { Watch } from "../store/run.ts";
+import type { Watch } from "../store/history/run.ts";
 import { inkOf } from "./paint/ink.ts";
 import type { CanvasPicture } from "./picture.ts";
 import type { SceneInput } from "./scene/input.ts";

@@ -1,7 +1,7 @@
 import { describe, expect, test } from "vitest";
 import { machineOf } from "../model/plain.ts";
 import { sketch } from "../model/testing/sketch.ts";
-import { MODES } from "../store/view.ts";
+import { MODES } from "../store/page/view.ts";
 import { layoutTreeOf } from "./layout_tree.ts";
 import type { RoutedLine } from "./lines.ts";
 import { NO_OVERLAY } from "./overlay.ts";

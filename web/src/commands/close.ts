@@ -1,7 +1,7 @@
 /** How tabs are closed: nothing that is not saved goes without a word. */
 
-import type { OpenTab } from "../store/page.ts";
-import { mayEdit } from "../store/rights.ts";
+import type { OpenTab } from "../store/page/page.ts";
+import { mayEdit } from "../store/page/rights.ts";
 import type { CommandContext } from "./command.ts";
 import { isChanged, saveTab } from "./save.ts";
 

@@ -2,8 +2,8 @@
 
 import type { CanvasControl } from "../canvas/control.ts";
 import type { Breakpoint, MachineFile, OnCrash } from "../model/generated/protocol.ts";
-import type { OpenTab, Page } from "../store/page.ts";
-import type { Start, Watch } from "../store/run.ts";
+import type { Start, Watch } from "../store/history/run.ts";
+import type { OpenTab, Page } from "../store/page/page.ts";
 
 /** The menus of the bar, in order. */
 export const MENUS = ["File", "Edit", "Insert", "Arrange", "View", "Run", "Help"] as const;

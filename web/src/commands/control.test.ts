@@ -1,7 +1,7 @@
 import { signal } from "@preact/signals-core";
 import { expect, test } from "vitest";
 import type { Control, Right } from "../model/generated/protocol.ts";
-import type { Watch } from "../store/run.ts";
+import type { Watch } from "../store/history/run.ts";
 import { allCommands } from "./all.ts";
 import { refusalOf } from "./command.ts";
 import { silenceLeft } from "./control.ts";

@@ -1,7 +1,7 @@
 /** Who is in control of the run in front, and how that changes. */
 
 import type { Control, ControlMove } from "../model/generated/protocol.ts";
-import { sessionOfPage, summaryOf } from "../store/running.ts";
+import { sessionOfPage, summaryOf } from "../store/run/running.ts";
 import type { CommandChoice, CommandContext, UserCommand } from "./command.ts";
 import { cannotCommand, lacks } from "./run_rules.ts";
 

@@ -2,9 +2,9 @@ import { expect, test } from "vitest";
 import type { Edit } from "../model/generated/protocol.ts";
 import { machineOf } from "../model/plain.ts";
 import { sketch } from "../model/testing/sketch.ts";
-import { type FieldDraft, openDrafts } from "../store/drafts.ts";
-import type { EditAnswer } from "../store/machine_session.ts";
-import type { OpenTab } from "../store/page.ts";
+import { type FieldDraft, openDrafts } from "../store/document/drafts.ts";
+import type { EditAnswer } from "../store/document/machine_session.ts";
+import type { OpenTab } from "../store/page/page.ts";
 import { applyDrafts } from "./drafts.ts";
 
 function setUp(answer: EditAnswer = { revision: 1 }) {

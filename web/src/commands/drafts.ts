@@ -3,9 +3,9 @@
 import type { Planned } from "../plan/plan.ts";
 import { isRefused } from "../plan/plan.ts";
 import { setDescription, setScript } from "../plan/states.ts";
-import { type Drafts, draftKey, drafts, type FieldDraft } from "../store/drafts.ts";
-import { wasRefused } from "../store/machine_session.ts";
-import type { OpenTab, Page } from "../store/page.ts";
+import { type Drafts, draftKey, drafts, type FieldDraft } from "../store/document/drafts.ts";
+import { wasRefused } from "../store/document/machine_session.ts";
+import type { OpenTab, Page } from "../store/page/page.ts";
 
 /** Applies the drafts of a machine. Those that cannot be applied stay drafts, and the user is told why; false if there are any.
  * Drafts of states that are gone wait for an undo: the inspector lists them. */

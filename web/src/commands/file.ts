@@ -1,10 +1,10 @@
 /** What the File menu does: machines come from projects, go back there, and are closed. */
 
 import type { MachineFile, MachineSummary } from "../model/generated/protocol.ts";
-import type { OpenTab } from "../store/page.ts";
-import { mayEdit } from "../store/rights.ts";
-import type { Link } from "../store/server.ts";
-import { RefusalError } from "../store/server.ts";
+import type { OpenTab } from "../store/page/page.ts";
+import { mayEdit } from "../store/page/rights.ts";
+import type { Link } from "../store/page/server.ts";
+import { RefusalError } from "../store/page/server.ts";
 import { closeTab } from "./close.ts";
 import type { CommandContext, UserCommand } from "./command.ts";
 import { openLibrary, showLibrary } from "./library_machine.ts";

@@ -1,5 +1,5 @@
 import { expect, test } from "vitest";
-import { RefusalError } from "../store/server.ts";
+import { RefusalError } from "../store/page/server.ts";
 import { allCommands } from "./all.ts";
 import { folderName } from "./save.ts";
 import { type TestContextOptions, testContext } from "./testing/context.ts";

@@ -1,6 +1,6 @@
 /** Which keys do which command: the shipped map, the one for those who come from the reference, and what the user chose. */
 
-import type { Settings } from "../store/page.ts";
+import type { Settings } from "../store/page/page.ts";
 import type { UserCommand } from "./command.ts";
 
 /** As much of a keyboard event as a key's name needs. */

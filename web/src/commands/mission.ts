@@ -2,10 +2,10 @@
 
 import { effect } from "@preact/signals-core";
 import type { JsonValue, Question } from "../model/generated/protocol.ts";
-import { acknowledge, openFailures } from "../store/acknowledged.ts";
-import { type Page, runOf } from "../store/page.ts";
-import { answeredBy } from "../store/questions.ts";
-import type { Watch } from "../store/run.ts";
+import { answeredBy } from "../store/history/questions.ts";
+import type { Watch } from "../store/history/run.ts";
+import { type Page, runOf } from "../store/page/page.ts";
+import { acknowledge, openFailures } from "../store/run/acknowledged.ts";
 import type { CommandContext, UserCommand } from "./command.ts";
 import { cannotCommand } from "./run_rules.ts";
 import { failureOf } from "./send_command.ts";

@@ -1,6 +1,6 @@
 import { expect, test } from "vitest";
-import type { EditAnswer } from "../store/machine_session.ts";
-import { select } from "../store/view.ts";
+import type { EditAnswer } from "../store/document/machine_session.ts";
+import { select } from "../store/page/view.ts";
 import { ARRANGE } from "./arrange.ts";
 import { testContext } from "./testing/context.ts";
 

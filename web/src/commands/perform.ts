@@ -2,11 +2,11 @@
 
 import type { Machine } from "../model/machine.ts";
 import { isRefused, type Planned } from "../plan/plan.ts";
-import { type MachineSession, wasRefused } from "../store/machine_session.ts";
-import type { OpenTab, Page } from "../store/page.ts";
-import { whyFixed } from "../store/rights.ts";
-import { isThere } from "../store/selection.ts";
-import { select } from "../store/view.ts";
+import { type MachineSession, wasRefused } from "../store/document/machine_session.ts";
+import type { OpenTab, Page } from "../store/page/page.ts";
+import { whyFixed } from "../store/page/rights.ts";
+import { isThere } from "../store/page/selection.ts";
+import { select } from "../store/page/view.ts";
 import type { CommandContext } from "./command.ts";
 
 /** Edits that are not shown before they are answered, by machine: until then the selection names what they are about to change. */

@@ -1,8 +1,8 @@
 import { signal } from "@preact/signals-core";
 import { expect, test } from "vitest";
 import type { Right, Command as RunCommand } from "../model/generated/protocol.ts";
-import { keptBreakpoints, newBreakpoint } from "../store/breakpoints.ts";
-import type { Watch } from "../store/run.ts";
+import type { Watch } from "../store/history/run.ts";
+import { keptBreakpoints, newBreakpoint } from "../store/run/breakpoints.ts";
 import { allCommands } from "./all.ts";
 import { refusalOf } from "./command.ts";
 import { type TestContext, testContext } from "./testing/context.ts";

@@ -1,6 +1,6 @@
 /** What the Run menu does first: runs begin, pause, go on and end. */
 
-import type { Start, Watch } from "../store/run.ts";
+import type { Start, Watch } from "../store/history/run.ts";
 import type { CommandContext, UserCommand } from "./command.ts";
 import { cannotCommand, cannotStart, cannotWhile } from "./run_rules.ts";
 import { startRun } from "./run_start.ts";

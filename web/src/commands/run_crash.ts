@@ -1,8 +1,8 @@
 /** What becomes of a run whose runner died, and of one whose machine was edited. */
 
 import type { OnCrash } from "../model/generated/protocol.ts";
-import { activeStates } from "../store/active.ts";
-import { fileOfTab, liveRun } from "../store/running.ts";
+import { activeStates } from "../store/run/active.ts";
+import { fileOfTab, liveRun } from "../store/run/running.ts";
 import type { CommandContext, UserCommand } from "./command.ts";
 import { cannotCommand, lacks } from "./run_rules.ts";
 import { isChanged, saveTab } from "./save.ts";

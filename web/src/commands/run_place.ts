@@ -1,7 +1,7 @@
 /** Runs from, to and of the selected state: of the run in front if it goes on, else of a new one. */
 
 import type { Command as RunCommand, StartRun } from "../model/generated/protocol.ts";
-import { liveRun } from "../store/running.ts";
+import { liveRun } from "../store/run/running.ts";
 import type { CommandContext, UserCommand } from "./command.ts";
 import { cannotCommand, cannotStart, NO_STATE, pathFor } from "./run_rules.ts";
 import { startRun } from "./run_start.ts";

@@ -2,15 +2,15 @@
 
 import type { Breakpoint } from "../model/generated/protocol.ts";
 import { outcomesOf } from "../model/machine.ts";
-import { type Active, activeStates } from "../store/active.ts";
+import { type Active, activeStates } from "../store/run/active.ts";
 import {
   breakpointsOf,
   freshId,
   keptBreakpoints,
   newBreakpoint,
   withBreakpoint,
-} from "../store/breakpoints.ts";
-import { liveRun } from "../store/running.ts";
+} from "../store/run/breakpoints.ts";
+import { liveRun } from "../store/run/running.ts";
 import type { CommandChoice, CommandContext, UserCommand } from "./command.ts";
 import { cannotCommand, lacks, NO_STATE, pathFor } from "./run_rules.ts";
 import { sendCommand } from "./send_command.ts";

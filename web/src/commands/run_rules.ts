@@ -2,9 +2,9 @@
 
 import type { Right, RunStatus, Snapshot } from "../model/generated/protocol.ts";
 import { runStatusWords } from "../model/run_words.ts";
-import type { Page } from "../store/page.ts";
-import type { Watch } from "../store/run.ts";
-import { liveRun, snapshotOf } from "../store/running.ts";
+import type { Watch } from "../store/history/run.ts";
+import type { Page } from "../store/page/page.ts";
+import { liveRun, snapshotOf } from "../store/run/running.ts";
 import type { CommandContext } from "./command.ts";
 import { anyOnlyState } from "./subject.ts";
 

@@ -2,11 +2,11 @@
 
 import type { RunSummary } from "../model/generated/protocol.ts";
 import { startedInWords, statusInWords, summaryStatusWords } from "../model/run_words.ts";
-import { comparedRun } from "../store/compared_run.ts";
-import { followedSignal } from "../store/following.ts";
-import { entryToStartFrom } from "../store/moments.ts";
-import { type OpenTab, type Page, runOf } from "../store/page.ts";
-import { liveRun, runsOfTab } from "../store/running.ts";
+import { comparedRun } from "../store/history/compared_run.ts";
+import { entryToStartFrom } from "../store/history/moments.ts";
+import { followedSignal } from "../store/page/following.ts";
+import { type OpenTab, type Page, runOf } from "../store/page/page.ts";
+import { liveRun, runsOfTab } from "../store/run/running.ts";
 import type { CommandChoice, CommandContext, UserCommand } from "./command.ts";
 import { cannotWhile, lacks } from "./run_rules.ts";
 import { sendCommand } from "./send_command.ts";

@@ -1,8 +1,8 @@
 import { signal } from "@preact/signals-core";
 import { expect, test } from "vitest";
 import type { MachineProblem, Right } from "../model/generated/protocol.ts";
-import { keptBreakpoints, newBreakpoint } from "../store/breakpoints.ts";
-import type { Start, Watch } from "../store/run.ts";
+import type { Start, Watch } from "../store/history/run.ts";
+import { keptBreakpoints, newBreakpoint } from "../store/run/breakpoints.ts";
 import { allCommands } from "./all.ts";
 import { startRun } from "./run_start.ts";
 import { type TestContextOptions, testContext } from "./testing/context.ts";

@@ -3,11 +3,11 @@
 import { effect } from "@preact/signals-core";
 import type { Breakpoint, MachineFile } from "../model/generated/protocol.ts";
 import { startedInWords } from "../model/run_words.ts";
-import { keptBreakpoints } from "../store/breakpoints.ts";
-import { drafts } from "../store/drafts.ts";
-import type { OpenTab } from "../store/page.ts";
-import type { Start, Watch } from "../store/run.ts";
-import { fileOfTab, runningBeside } from "../store/running.ts";
+import { drafts } from "../store/document/drafts.ts";
+import type { Start, Watch } from "../store/history/run.ts";
+import type { OpenTab } from "../store/page/page.ts";
+import { keptBreakpoints } from "../store/run/breakpoints.ts";
+import { fileOfTab, runningBeside } from "../store/run/running.ts";
 import type { CommandContext } from "./command.ts";
 import { lacks } from "./run_rules.ts";
 import { isChanged, saveTab } from "./save.ts";

@@ -1,7 +1,7 @@
 /** Steps: into, over, out and back, of all branches that are held or of one. */
 
 import type { Command as RunCommand } from "../model/generated/protocol.ts";
-import { snapshotOf } from "../store/running.ts";
+import { snapshotOf } from "../store/run/running.ts";
 import type { CommandContext, UserCommand } from "./command.ts";
 import { cannotCommand, cannotWhile, isHeld } from "./run_rules.ts";
 import { sendCommand } from "./send_command.ts";

@@ -1,9 +1,9 @@
 /** Ways through the time of a run: event by event, from entry to entry of a state, to its begin. */
 
-import { entryOf, shownIndex, stepPlayhead, toEnd, toEntry } from "../store/moments.ts";
-import { runOf } from "../store/page.ts";
-import type { Watch } from "../store/run.ts";
-import { selectedStates } from "../store/view.ts";
+import { entryOf, shownIndex, stepPlayhead, toEnd, toEntry } from "../store/history/moments.ts";
+import type { Watch } from "../store/history/run.ts";
+import { runOf } from "../store/page/page.ts";
+import { selectedStates } from "../store/page/view.ts";
 import type { CommandContext, UserCommand } from "./command.ts";
 
 const NO_RUN = "no run is shown here: start one, or choose one";

@@ -1,9 +1,9 @@
 /** How machines and states come back to disk: where they lie, elsewhere, as copies, as libraries. */
 
 import type { SavedState } from "../model/generated/protocol.ts";
-import { comparisonOf } from "../store/comparison.ts";
-import type { OpenTab } from "../store/page.ts";
-import { RefusalError } from "../store/server.ts";
+import { comparisonOf } from "../store/page/comparison.ts";
+import type { OpenTab } from "../store/page/page.ts";
+import { RefusalError } from "../store/page/server.ts";
 import type { CommandContext } from "./command.ts";
 import { applyDrafts } from "./drafts.ts";
 import { onlyState } from "./subject.ts";

@@ -2,7 +2,7 @@
  * log if it is not what was wanted. */
 
 import type { Command as RunCommand } from "../model/generated/protocol.ts";
-import type { SentCommand, Watch } from "../store/run.ts";
+import type { SentCommand, Watch } from "../store/history/run.ts";
 import type { CommandContext } from "./command.ts";
 
 /** Gives the run in front a command; true once it was carried out. */

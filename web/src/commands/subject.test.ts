@@ -2,7 +2,7 @@ import { signal } from "@preact/signals-core";
 import { expect, test } from "vitest";
 import { PlainMachineSession } from "../canvas/testing/driver.ts";
 import { elementOf } from "../model/element.ts";
-import { newView, select } from "../store/view.ts";
+import { newView, select } from "../store/page/view.ts";
 import type { CommandContext } from "./command.ts";
 import { libraryAround, whyNot } from "./subject.ts";
 import { testContext } from "./testing/context.ts";

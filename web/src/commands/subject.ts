@@ -7,8 +7,8 @@ import { isContainer, type Machine } from "../model/machine.ts";
 import { parentOf } from "../model/path.ts";
 import { stateAt } from "../plan/legal.ts";
 import { isRefused } from "../plan/plan.ts";
-import { mayEdit } from "../store/rights.ts";
-import { selected, selectedStates } from "../store/view.ts";
+import { mayEdit } from "../store/page/rights.ts";
+import { selected, selectedStates } from "../store/page/view.ts";
 import type { CommandContext } from "./command.ts";
 
 /** Whether the machine in front can be edited. */

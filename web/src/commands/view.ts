@@ -1,9 +1,9 @@
 /** What the View menu does: where to look, what shows, how the panels stand. Nothing here changes a machine. */
 
 import { readLayout } from "../model/layout_reader.ts";
-import type { Settings } from "../store/page.ts";
-import type { FlowMode, HeatMode, ViewModes } from "../store/view.ts";
-import { selected, selectedStates } from "../store/view.ts";
+import type { Settings } from "../store/page/page.ts";
+import type { FlowMode, HeatMode, ViewModes } from "../store/page/view.ts";
+import { selected, selectedStates } from "../store/page/view.ts";
 import type { CommandContext, PanelSide, UserCommand } from "./command.ts";
 import { anyOnlyState } from "./subject.ts";
 

@@ -1,6 +1,6 @@
 /** Why a command that is plainly out of the question is so: for those who ask for it by a key, without a menu before their eyes. */
 
-import { whyFixed } from "../store/rights.ts";
+import { whyFixed } from "../store/page/rights.ts";
 import type { CommandContext, UserCommand } from "./command.ts";
 import { whyNot } from "./subject.ts";
 

@@ -2,7 +2,7 @@
 
 import { createContext, useContext, useDeferredValue } from "react";
 import type { CommandContext, Commands } from "../commands/command.ts";
-import type { OpenTab } from "../store/page.ts";
+import type { OpenTab } from "../store/page/page.ts";
 import { useSignal } from "../ui/signals.ts";
 
 export interface PanelHost {

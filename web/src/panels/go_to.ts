@@ -1,8 +1,8 @@
 /** Brings an element of any open machine into sight: its tab to the front first. */
 
 import type { ElementRef } from "../model/element.ts";
-import type { OpenTab } from "../store/page.ts";
-import { select } from "../store/view.ts";
+import type { OpenTab } from "../store/page/page.ts";
+import { select } from "../store/page/view.ts";
 import type { PanelHost } from "./context.tsx";
 import { reveal } from "./reveal.ts";
 

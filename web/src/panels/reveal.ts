@@ -2,8 +2,8 @@
 
 import { type ElementRef, keyOf } from "../model/element.ts";
 import { parentOf } from "../model/path.ts";
-import { isThere } from "../store/selection.ts";
-import { select } from "../store/view.ts";
+import { isThere } from "../store/page/selection.ts";
+import { select } from "../store/page/view.ts";
 import type { PanelHost } from "./context.tsx";
 
 export function reveal(host: PanelHost, element: ElementRef): void {

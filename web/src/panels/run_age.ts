@@ -2,10 +2,10 @@
 
 import { computed } from "@preact/signals-core";
 import { useMemo } from "react";
-import { type RunAge, runAge } from "../store/age.ts";
-import { clock1s } from "../store/clock1s.ts";
-import { type Page, runOf } from "../store/page.ts";
-import type { Watch } from "../store/run.ts";
+import type { Watch } from "../store/history/run.ts";
+import { clock1s } from "../store/page/clock1s.ts";
+import { type Page, runOf } from "../store/page/page.ts";
+import { type RunAge, runAge } from "../store/run/age.ts";
 import { useSignal } from "../ui/signals.ts";
 
 const FRESH: RunAge = { age_ms: 0, isOld: false, why: null };

@@ -1,7 +1,7 @@
 /** How much later it is than what is shown of a run was said, for components whose times go on. */
 
-import type { Watch } from "../store/run.ts";
-import { sinceSnapshot } from "../store/since_snapshot.ts";
+import type { Watch } from "../store/history/run.ts";
+import { sinceSnapshot } from "../store/run/since_snapshot.ts";
 import { useComputed } from "../ui/signals.ts";
 import { useHost } from "./context.tsx";
 

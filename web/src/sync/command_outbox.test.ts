@@ -1,7 +1,7 @@
 import { signal } from "@preact/signals-core";
 import { expect, test } from "vitest";
 import type { Command } from "../model/generated/protocol.ts";
-import type { Server } from "../store/server.ts";
+import type { Server } from "../store/page/server.ts";
 import type { Clock } from "./clock.ts";
 import { CommandOutbox } from "./command_outbox.ts";
 

@@ -3,8 +3,8 @@
 
 import { signal } from "@preact/signals-core";
 import type { Answer, Command, CommandAnswer, Event } from "../model/generated/protocol.ts";
-import type { SentCommand } from "../store/run.ts";
-import { REPEATED, RefusalError, type Server } from "../store/server.ts";
+import type { SentCommand } from "../store/history/run.ts";
+import { REPEATED, RefusalError, type Server } from "../store/page/server.ts";
 import type { Clock } from "./clock.ts";
 
 export interface CommandOutboxPorts {

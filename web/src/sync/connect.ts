@@ -2,7 +2,7 @@
 
 import { effect } from "@preact/signals-core";
 import type { Done, ToServer } from "../model/generated/protocol.ts";
-import { REPEATED, RefusalError, type Server } from "../store/server.ts";
+import { REPEATED, RefusalError, type Server } from "../store/page/server.ts";
 import { WALL_CLOCK } from "./clock.ts";
 import { Delay } from "./delay.ts";
 import { type Address, requests } from "./http.ts";

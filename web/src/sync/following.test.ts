@@ -1,5 +1,5 @@
 import { expect, test } from "vitest";
-import { type Follower, RefusalError, type Server } from "../store/server.ts";
+import { type Follower, RefusalError, type Server } from "../store/page/server.ts";
 import { Following } from "./following.ts";
 import { FakeClock } from "./testing/fake_clock.ts";
 import { MACHINE } from "./testing/fake_server.ts";

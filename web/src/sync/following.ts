@@ -9,7 +9,7 @@ import type {
   Revision,
   ToClient,
 } from "../model/generated/protocol.ts";
-import { RefusalError, type Server } from "../store/server.ts";
+import { RefusalError, type Server } from "../store/page/server.ts";
 import type { Clock } from "./clock.ts";
 
 /** Who wants to know. */

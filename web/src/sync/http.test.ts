@@ -1,5 +1,5 @@
 import { afterEach, describe, expect, it, vi } from "vitest";
-import { REPEATED, RefusalError } from "../store/server.ts";
+import { REPEATED, RefusalError } from "../store/page/server.ts";
 import { requests } from "./http.ts";
 import { FakeClock } from "./testing/fake_clock.ts";
 

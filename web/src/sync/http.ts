@@ -1,7 +1,7 @@
 /** Requests below `/api/v1`: what they are answered, or why they were refused. */
 
 import type { Refusal } from "../model/generated/protocol.ts";
-import { REPEATED, RefusalError, type Server } from "../store/server.ts";
+import { REPEATED, RefusalError, type Server } from "../store/page/server.ts";
 import type { Clock } from "./clock.ts";
 
 /** Where the server is, and by what it lets in. In its own page both are empty: the cookie goes along. */

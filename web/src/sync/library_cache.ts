@@ -4,8 +4,8 @@ import type { Document } from "../model/generated/protocol.ts";
 import { isSame } from "../model/json.ts";
 import type { Machine } from "../model/machine.ts";
 import { machineOf } from "../model/plain.ts";
-import type { LibraryKey } from "../store/graft.ts";
-import type { Server } from "../store/server.ts";
+import type { LibraryKey } from "../store/document/graft.ts";
+import type { Server } from "../store/page/server.ts";
 
 interface CachedLibrary {
   readonly document: Document;

@@ -13,19 +13,19 @@ import type {
   Presence,
   Revision,
 } from "../model/generated/protocol.ts";
-import { type LibraryKey, libraryKey } from "../store/graft.ts";
+import { type LibraryKey, libraryKey } from "../store/document/graft.ts";
 import type {
   EditAnswer,
   JumpAnswer,
   MachineSession,
   PendingEdit,
-} from "../store/machine_session.ts";
-import { GoneStates } from "../store/names_in.ts";
-import { OptimisticDocument, type TouchedPaths } from "../store/optimistic_document.ts";
-import type { Notice, Page } from "../store/page.ts";
-import { predictedWrites } from "../store/predict/predict.ts";
-import { RefusalError, type Server } from "../store/server.ts";
-import { type StepChange, StepChanges, stepChangeOf } from "../store/step_change.ts";
+} from "../store/document/machine_session.ts";
+import { GoneStates } from "../store/document/names_in.ts";
+import { OptimisticDocument, type TouchedPaths } from "../store/document/optimistic_document.ts";
+import { predictedWrites } from "../store/document/predict/predict.ts";
+import { type StepChange, StepChanges, stepChangeOf } from "../store/document/step_change.ts";
+import type { Notice, Page } from "../store/page/page.ts";
+import { RefusalError, type Server } from "../store/page/server.ts";
 import type { Clock } from "./clock.ts";
 import { Following } from "./following.ts";
 import type { LibraryCache } from "./library_cache.ts";

@@ -2,7 +2,7 @@
  * What is too large for a frame goes by a request, alone, when everything before it is answered. */
 
 import type { Refusal, ToServer } from "../model/generated/protocol.ts";
-import { RefusalError } from "../store/server.ts";
+import { RefusalError } from "../store/page/server.ts";
 
 /** By which way something goes. */
 export interface Transport {

@@ -11,15 +11,15 @@ import type {
   ServerStatus,
 } from "../model/generated/protocol.ts";
 import { isSame } from "../model/json.ts";
-import { comparedRun } from "../store/compared_run.ts";
-import { drafts } from "../store/drafts.ts";
-import { followDrafts } from "../store/follow_drafts.ts";
+import { drafts } from "../store/document/drafts.ts";
+import { followDrafts } from "../store/document/follow_drafts.ts";
+import { comparedRun } from "../store/history/compared_run.ts";
+import type { Runs } from "../store/history/run.ts";
 import { type LocalStore, localStoreOf, memoryStore } from "../store/local_store.ts";
-import { withNotice } from "../store/notices.ts";
-import type { Notice, OpenTab, Page, Settings } from "../store/page.ts";
-import type { Runs } from "../store/run.ts";
-import { RefusalError, type Server } from "../store/server.ts";
-import { followSettings, withRecent } from "../store/settings.ts";
+import { withNotice } from "../store/page/notices.ts";
+import type { Notice, OpenTab, Page, Settings } from "../store/page/page.ts";
+import { RefusalError, type Server } from "../store/page/server.ts";
+import { followSettings, withRecent } from "../store/page/settings.ts";
 import { type Clock, WALL_CLOCK } from "./clock.ts";
 import { connect } from "./connect.ts";
 import type { Address } from "./http.ts";

@@ -2,7 +2,7 @@
  * look like. */
 
 import type { Edit } from "../model/generated/protocol.ts";
-import type { EditAnswer, PendingEdit } from "../store/machine_session.ts";
+import type { EditAnswer, PendingEdit } from "../store/document/machine_session.ts";
 
 /** An edit, an undo (without one) or a redo on its way. */
 export interface OnItsWay extends PendingEdit {

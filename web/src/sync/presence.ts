@@ -1,9 +1,9 @@
 /** Tells others which states are selected here, in the machine in front; not more often than they can see. */
 
 import { effect } from "@preact/signals-core";
-import type { OpenTab } from "../store/page.ts";
-import { touchedStates } from "../store/selection.ts";
-import type { Server } from "../store/server.ts";
+import type { OpenTab } from "../store/page/page.ts";
+import { touchedStates } from "../store/page/selection.ts";
+import type { Server } from "../store/page/server.ts";
 import type { Clock } from "./clock.ts";
 
 /** Two tellings are at least so far apart. */

@@ -1,5 +1,5 @@
 import { expect, test } from "vitest";
-import { RefusalError, type Server } from "../store/server.ts";
+import { RefusalError, type Server } from "../store/page/server.ts";
 import { requestUntilAnswered } from "./request_until_answered.ts";
 import { FakeClock } from "./testing/fake_clock.ts";
 

@@ -1,6 +1,6 @@
 /** A request with an id of its own, which is carried out once: sent again for as long as its answer may have been lost. */
 
-import { REPEATED, RefusalError, type Server } from "../store/server.ts";
+import { REPEATED, RefusalError, type Server } from "../store/page/server.ts";
 import type { Clock } from "./clock.ts";
 
 /** So long after it was lost it is sent again, and for so long at all. */

@@ -8,12 +8,12 @@ import type {
   MachineStatus,
   MachineSteps,
 } from "../model/generated/protocol.ts";
-import { type LibraryKey, libraryKey } from "../store/graft.ts";
-import { OTHER } from "../store/journal.ts";
-import type { MachineSession, PendingEdit } from "../store/machine_session.ts";
-import { OptimisticDocument, type TouchedPaths } from "../store/optimistic_document.ts";
-import type { Runs, Watch } from "../store/run.ts";
-import { RefusalError, type Server } from "../store/server.ts";
+import { type LibraryKey, libraryKey } from "../store/document/graft.ts";
+import type { MachineSession, PendingEdit } from "../store/document/machine_session.ts";
+import { OptimisticDocument, type TouchedPaths } from "../store/document/optimistic_document.ts";
+import { OTHER } from "../store/history/journal.ts";
+import type { Runs, Watch } from "../store/history/run.ts";
+import { RefusalError, type Server } from "../store/page/server.ts";
 import type { Clock } from "./clock.ts";
 import { LibraryCache } from "./library_cache.ts";
 

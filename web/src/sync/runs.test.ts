@@ -1,7 +1,7 @@
 import { signal } from "@preact/signals-core";
 import { describe, expect, it } from "vitest";
 import type { RunSummary, ServerStatus } from "../model/generated/protocol.ts";
-import type { Link } from "../store/server.ts";
+import type { Link } from "../store/page/server.ts";
 import { followRuns } from "./runs.ts";
 import { FakeClock } from "./testing/fake_clock.ts";
 import { FakeRun } from "./testing/fake_run.ts";

@@ -2,8 +2,8 @@
 
 import { effect, type Signal, signal } from "@preact/signals-core";
 import type { RunSummary, ServerStatus, StartRun } from "../model/generated/protocol.ts";
-import type { Runs, Start, Watch } from "../store/run.ts";
-import { RefusalError } from "../store/server.ts";
+import type { Runs, Start, Watch } from "../store/history/run.ts";
+import { RefusalError } from "../store/page/server.ts";
 import { requestUntilAnswered } from "./request_until_answered.ts";
 import { RunWatch, type WatchPorts } from "./watch.ts";
 

@@ -2,11 +2,11 @@
 
 import { effect, type Signal, signal } from "@preact/signals-core";
 import type { MachineFile } from "../model/generated/protocol.ts";
+import type { Runs } from "../store/history/run.ts";
 import type { LocalStore } from "../store/local_store.ts";
-import type { OpenTab, Page } from "../store/page.ts";
-import type { Runs } from "../store/run.ts";
-import { forgetGone } from "../store/selection.ts";
-import { RefusalError, type Server } from "../store/server.ts";
+import type { OpenTab, Page } from "../store/page/page.ts";
+import { forgetGone } from "../store/page/selection.ts";
+import { RefusalError, type Server } from "../store/page/server.ts";
 import {
   type KeptTab,
   type KeptTabs,
@@ -14,7 +14,7 @@ import {
   readSession,
   restoreView,
   sessionOf,
-} from "../store/session.ts";
+} from "../store/page/session.ts";
 import type { Clock } from "./clock.ts";
 
 export interface SessionPorts {

@@ -3,8 +3,8 @@
 
 import { effect, type Signal, signal, untracked } from "@preact/signals-core";
 import type { Picture } from "../model/generated/protocol.ts";
-import type { RunSnapshot } from "../store/run.ts";
-import { RefusalError } from "../store/server.ts";
+import type { RunSnapshot } from "../store/history/run.ts";
+import { RefusalError } from "../store/page/server.ts";
 import type { Clock } from "./clock.ts";
 
 export interface SnapshotLoaderPorts {

@@ -9,7 +9,7 @@ import {
   type ToClient,
   type ToServer,
 } from "../model/generated/protocol.ts";
-import type { Follower, Link, ServerPulse } from "../store/server.ts";
+import type { Follower, Link, ServerPulse } from "../store/page/server.ts";
 import type { Clock } from "./clock.ts";
 import { type Delay, PING_MS } from "./delay.ts";
 import { Outgoing } from "./outgoing.ts";

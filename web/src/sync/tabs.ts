@@ -1,11 +1,11 @@
 /** The tabs of the page: each machine comes into one, however often it is wanted. Knows nothing of how machines are got. */
 
 import { batch, signal } from "@preact/signals-core";
-import type { MachineSession } from "../store/machine_session.ts";
-import type { OpenTab } from "../store/page.ts";
-import type { Watch } from "../store/run.ts";
-import { forgetGone } from "../store/selection.ts";
-import { newView } from "../store/view.ts";
+import type { MachineSession } from "../store/document/machine_session.ts";
+import type { Watch } from "../store/history/run.ts";
+import type { OpenTab } from "../store/page/page.ts";
+import { forgetGone } from "../store/page/selection.ts";
+import { newView } from "../store/page/view.ts";
 
 export function newTabs() {
   const tabs = signal<readonly OpenTab[]>([]);

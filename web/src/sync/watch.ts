@@ -10,9 +10,9 @@ import type {
   RunNow,
   ToClient,
 } from "../model/generated/protocol.ts";
-import { Journal } from "../store/journal.ts";
-import type { RunSnapshot, SentCommand, Watch } from "../store/run.ts";
-import { REPEATED, type Server } from "../store/server.ts";
+import { Journal } from "../store/history/journal.ts";
+import type { RunSnapshot, SentCommand, Watch } from "../store/history/run.ts";
+import { REPEATED, type Server } from "../store/page/server.ts";
 import type { Clock } from "./clock.ts";
 import { CommandOutbox } from "./command_outbox.ts";
 import { requestUntilAnswered } from "./request_until_answered.ts";

@@ -225,8 +225,7 @@ impl Session {
 
     fn subscribe_history(&self, todo: &mut Todo) {
         let (run, from) = (self.run.clone(), self.next.unwrap_or(1));
-        let values = self.wanted.as_ref().is_some_and(|join| join.values);
-        let topic = Topic::RunHistory { run, from, values };
+        let topic = Topic::RunHistory { run, from, values: false };
         todo.frames.push(ToServer::Subscribe { subscription: HISTORY, topic });
     }
 

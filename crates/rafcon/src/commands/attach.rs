@@ -36,8 +36,8 @@ pub(super) fn attach(
     let keyboard = keyboard(raw.output, environment, true);
     let mut queue = EventQueue::new(keyboard.is_some())?;
     let view = view(raw.output, environment, names_of_run(machine_of(&folder)), keyboard);
-    let join = Join { from: raw.from, every_event: view.every_event(), values: false };
-    queue.join(control.try_clone()?)?;
+    let join = Join { from: raw.from, every_event: view.every_event() };
+    queue.join(control.try_clone()?, Some(&folder))?;
     let prefix = format!("attach-{}", std::process::id());
     let follower = RunFollower::new(RunRole::Guest, &environment.user, prefix, None);
     let follower = follower.joining(join).asking_for_the_engine();
@@ -74,7 +74,7 @@ impl AtServer<'_> {
         let Self { server, output, environment, clock } = *self;
         let keyboard = keyboard(output, environment, true);
         let view = view(output, environment, remote::names(server, run), keyboard);
-        let join = Join { from, every_event: view.every_event(), values: false };
+        let join = Join { from, every_event: view.every_event() };
         let line = Box::new(follow(server, run, &mut queue, clock)?);
         let (user, prefix) = (&environment.user, remote::unique("attach")?);
         let follower = RunFollower::new(role, user, prefix, deadline).joining(join);

@@ -8,8 +8,10 @@ use crate::environment::Environment;
 use crate::event_queue::Line as _;
 use crate::failure::{Usage, complain};
 use crate::follow::envelope;
-use anyhow::{Context as _, Result, bail};
-use rafcon_protocol::{Answer, Command, Hello, Join, ToRunner, ToViewer, decode, encode};
+use anyhow::{Result, bail};
+use rafcon_protocol::{
+    Answer, Command, FrameKind, Hello, Join, ToRunner, ToViewer, decode, encode, read_frame,
+};
 use rafcon_supervisor::{clock, connect};
 use serde_json::{Map, Value};
 use std::io::{self, BufRead as _, BufReader, Write as _};
@@ -30,25 +32,26 @@ pub(super) fn tell(raw: &cli::Tell, environment: &Environment) -> Result<ExitCod
     }
     let folder = find_run(&raw.runs, environment, &raw.run)?;
     let mut control = connect(&folder)?;
-    let mut lines = BufReader::new(control.try_clone()?).lines();
-    let mut next = || {
-        lines
-            .next()
-            .context("the runner went away before it answered")?
-            .map_err(anyhow::Error::from)
-    };
+    let mut runner = BufReader::new(control.try_clone()?);
     control.write_all(&encode(&Hello::ours())?)?;
-    decode::<Hello>(&next()?)?.check()?;
+    let mut hello = String::new();
+    runner.read_line(&mut hello)?;
+    decode::<Hello>(&hello)?.check()?;
     let id = format!("tell-{}-{}", std::process::id(), clock::salt(0));
     control.say(&ToRunner::Join(Join::default()))?;
     control.say(&ToRunner::Command(envelope(id.clone(), &environment.user, command)))?;
-    loop {
-        match ToViewer::read(&next()?)? {
+    let mut content = Vec::new();
+    while let Some(kind) = read_frame(&mut runner, &mut content)? {
+        if kind != FrameKind::Message {
+            continue;
+        }
+        match decode(&String::from_utf8_lossy(&content))? {
             ToViewer::Answer { id: about, answer } if about == id => return said(answer),
             ToViewer::LoadFailed { reason } => bail!(reason),
             _ => {}
         }
     }
+    bail!("the runner went away before it answered")
 }
 
 fn said(answer: Answer) -> Result<ExitCode> {

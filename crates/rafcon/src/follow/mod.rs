@@ -298,7 +298,7 @@ impl RunFollower {
             }
             RunRole::Guest | RunRole::Host if self.is_kill_sent => self.finish(self.killed()),
             RunRole::Guest | RunRole::Host => {
-                self.finish(self.death("its runner is gone".to_owned()))
+                self.finish(self.death("its runner is gone".to_owned()));
             }
         }
     }

@@ -44,7 +44,7 @@ fn a_runner_of_another_version() {
         "#!/bin/sh\necho '{\"protocol\":99,\"program\":\"9.9\"}' >&$RAFCON_CONTROL_FD\nexec cat >/dev/null <&$RAFCON_CONTROL_FD\n",
         &expect![[r"
             1 not_started
-            error: the Python interpreter did not become a runner: the other side (version 9.9) speaks protocol 99, this one speaks 2: install the rafcon binary and its extension from the same build
+            error: the Python interpreter did not become a runner: the other side (version 9.9) speaks protocol 99, this one speaks 3: install the rafcon binary and its extension from the same build
         "]],
     );
 }

@@ -2,7 +2,7 @@
 
 use super::served::RunFixture;
 use expect_test::{Expect, expect};
-use rafcon_protocol::{Afterwards, Breakpoint, Command, Join, Launch, Scope, Unattended, When};
+use rafcon_protocol::{Afterwards, Breakpoint, Command, Launch, Scope, Unattended, When};
 use rafcon_storage::journal::Reader;
 
 const THREE: &str = "
@@ -208,7 +208,7 @@ barrier ROOT
     viewer.until_text("ROOT is held before ROOT/B by Breakpoint { id: 1 }");
     let force = Command::ForceOutcome { path: "ROOT/B".to_owned(), outcome: 0 };
     assert_eq!(viewer.command("force", force), "applied");
-    let mut second = fixture.join(Join { from: 1, every_event: true, values: false });
+    let mut second = fixture.join(1, false);
     second.until_text("force_outcome by test: Applied");
     let mut reader = Reader::open(&fixture.run_folder()).unwrap();
     let active = reader.moment(u64::MAX).unwrap().active();

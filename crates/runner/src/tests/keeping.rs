@@ -9,7 +9,7 @@ use crate::{committer, due};
 use expect_test::{Expect, expect};
 use rafcon_engine::{Input, Status};
 use rafcon_protocol::{
-    Answer, Command, Envelope, Event, Join, Keeping, Launch, LogLevel, Stream, ToViewer,
+    Answer, Command, Envelope, Event, Keeping, Launch, LogLevel, Stream, ToViewer,
 };
 use rafcon_storage::journal::folder::SPILL_FOLDER;
 use rafcon_storage::journal::{About, Journal, Options, Reader, Record};
@@ -165,7 +165,7 @@ fn viewers_are_told_what_the_journal_has() {
     let fixture = RunFixture::new(&counting("", "wait"));
     let (mut first, runner) = fixture.begin(fixture.launch());
     first.until_text("+ROOT/B");
-    let mut second = fixture.join(Join { from: 1, every_event: true, values: true });
+    let mut second = fixture.join(1, true);
     assert_eq!(first.command("stop", Command::Stop), "applied");
     let seen = told(&mut second);
     runner.join().unwrap();
@@ -186,7 +186,7 @@ hierarchy ROOT
     let (mut first, runner) =
         fixture.begin(Launch { every_event: true, hold: true, ..fixture.launch() });
     first.until_text("ROOT is held before ROOT/A by Start");
-    let mut second = fixture.join(Join { from: 1, every_event: true, values: false });
+    let mut second = fixture.join(1, false);
     assert_eq!(first.command("go", Command::Resume { branch: None }), "applied");
     let seen = told(&mut second);
     runner.join().unwrap();
@@ -207,7 +207,7 @@ fn what_memory_gave_up_is_read_from_the_journal() {
     let fixture = RunFixture::new(&shouting());
     let (mut first, runner) = fixture.begin(fixture.launch());
     first.until_text("+ROOT/C");
-    let mut second = fixture.join(Join { from: 1, every_event: true, values: false });
+    let mut second = fixture.join(1, false);
     assert_eq!(first.command("stop", Command::Stop), "applied");
     let numbers: Vec<u64> = told(&mut second).into_iter().map(|(number, _)| number).collect();
     runner.join().unwrap();
@@ -250,7 +250,7 @@ fn only_what_is_safe_is_told() {
     let told = |from| {
         let mut chunk = Chunk::default();
         recorder.read(from, false, &mut chunk);
-        chunk.records().count()
+        chunk.blocks().flat_map(|block| block.items()).count()
     };
     recorder.push(0, [line("one"), line("two")]);
     assert_eq!((recorder.last(), told(1)), (2, 0));

@@ -1,12 +1,10 @@
 //! Scripts without an interpreter, and runs of them.
 
 use crate::active::Active;
-use crate::archive::Archive;
 use crate::blocks::Chunk;
 use crate::document::Document;
 use crate::driver::RunEnd;
 use crate::error::ValueError;
-use crate::record_renderer::RecordRenderer;
 use crate::recorder::Recorder;
 use crate::signals::PREEMPTED;
 use crate::{Clock, Driver, Place, Scripts};
@@ -16,6 +14,7 @@ use rafcon_engine::{
 };
 use rafcon_model::{Value, notation};
 use rafcon_protocol::Event;
+use rafcon_storage::journal::stream::StreamReader;
 use std::sync::atomic::{AtomicI64, Ordering};
 use std::sync::{Arc, Barrier};
 
@@ -166,16 +165,11 @@ impl Run {
         self.driver.command(Input::Start(Start::default())).unwrap();
     }
 
-    /// Waits for the first record that `wanted` likes.
+    /// Waits for the first event that `wanted` likes.
     pub(super) fn wait_for(&self, wanted: impl Fn(&str) -> bool) {
-        let mut next = 1;
-        loop {
-            self.driver.recorder().wait(next, u64::MAX - 1, None);
-            let (after, texts) = self.texts(next);
-            if texts.iter().any(|text| wanted(text)) {
-                return;
-            }
-            next = after;
+        let mut past = Past::new(self.driver.recorder());
+        while !past.more().iter().any(|text| wanted(text)) {
+            self.driver.recorder().wait(past.next, u64::MAX - 1, None);
         }
     }
 
@@ -184,24 +178,34 @@ impl Run {
         let Some(RunEnd::Finished(finish)) = self.driver.wait() else { panic!("cut off") };
         let threads = self.driver.with_core(|core| core.threads()).unwrap();
         self.driver.close();
-        let mut report = Report { finish, steps: Vec::new(), threads };
-        let mut next = 1;
-        while next < self.driver.recorder().tellable() {
-            let (after, texts) = self.texts(next);
-            report.steps.extend(texts);
-            next = after;
+        let mut past = Past::new(self.driver.recorder());
+        let mut steps = Vec::new();
+        while past.next < self.driver.recorder().tellable() {
+            steps.extend(past.more());
         }
-        report
+        Report { finish, steps, threads }
+    }
+}
+
+/// What was recorded, read from the first event on.
+struct Past<'r> {
+    recorder: &'r Recorder,
+    events: StreamReader,
+    next: u64,
+}
+
+impl<'r> Past<'r> {
+    fn new(recorder: &'r Recorder) -> Self {
+        Self { recorder, events: StreamReader::new(0, false, None), next: 1 }
     }
 
-    /// Some records from number `next` on, and the number to go on with.
-    fn texts(&self, next: u64) -> (u64, Vec<String>) {
-        let (recorder, mut chunk) = (self.driver.recorder(), Chunk::default());
-        let next = recorder.read(next, false, &mut chunk).next;
-        let mut archive = Archive::default();
-        let words = RecordRenderer::new(recorder, &mut archive, false);
-        let events = chunk.records().filter_map(|(number, _, record)| words.event(number, record));
-        (next, events.map(|event| text(&event)).collect())
+    /// Some more events, as texts.
+    fn more(&mut self) -> Vec<String> {
+        let (mut chunk, mut texts) = (Chunk::default(), Vec::new());
+        self.next = self.recorder.read(self.next, false, &mut chunk).next;
+        let mut show = |_, _, event| texts.push(text(&event));
+        chunk.blocks().for_each(|block| self.events.read_block(&block, &mut show).unwrap());
+        texts
     }
 }
 

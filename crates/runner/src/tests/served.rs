@@ -13,14 +13,16 @@ use rafcon_model::{
     Machine, Origin, OutcomeId, StateId, StatePath, Target, TransitionId, Value, notation,
 };
 use rafcon_protocol::{
-    Answer, Command, Crash, Envelope, Event, Form, Hello, Join, Launch, LogLevel, OnCrash, Resume,
-    Stream, ToRunner, ToViewer, decode, encode,
+    Answer, Command, Crash, Envelope, Event, Form, FrameKind, Hello, Join, Launch, LogLevel,
+    OnCrash, Resume, Stream, ToRunner, ToViewer, decode, encode, read_frame,
 };
 use rafcon_storage::journal::record::Content;
+use rafcon_storage::journal::stream::StreamReader;
 use rafcon_storage::journal::{Kept, Stored};
 use rafcon_storage::{Naming, save};
 use serde_json::json;
 use smol_str::SmolStr;
+use std::collections::VecDeque;
 use std::io::{BufRead as _, BufReader, Read as _, Write as _};
 use std::os::unix::net::UnixStream;
 use std::path::{Path, PathBuf};
@@ -412,11 +414,23 @@ impl RunFixture {
         (viewer, runner)
     }
 
-    /// A viewer that joins the run.
-    pub(super) fn join(&self, join: Join) -> Viewer {
-        let stream = UnixStream::connect(self.run_folder().join("socket")).unwrap();
-        let mut viewer = Viewer::new(stream);
-        viewer.send(&ToRunner::Join(join));
+    /// A viewer that joins the run for what is rare from now on.
+    pub(super) fn look_on(&self) -> Viewer {
+        let mut viewer = Viewer::new(self.socket());
+        viewer.send(&ToRunner::Join(Join::default()));
+        viewer
+    }
+
+    fn socket(&self) -> UnixStream {
+        UnixStream::connect(self.run_folder().join("socket")).unwrap()
+    }
+
+    /// A viewer that joins the run, from event number `from` on, with or without values.
+    pub(super) fn join(&self, from: u64, values: bool) -> Viewer {
+        let stream = self.socket();
+        let events = StreamReader::new(from, values, Some(self.run_folder()));
+        let mut viewer = Viewer::reading(stream, events);
+        viewer.send(&ToRunner::Join(Join { from, every_event: true }));
         viewer
     }
 }
@@ -435,45 +449,69 @@ fn launch(home: &Path) -> Launch {
 
 /// One viewer.
 pub(super) struct Viewer {
-    lines: BufReader<UnixStream>,
+    socket: BufReader<UnixStream>,
+    events: StreamReader,
+    /// Messages that have come and were not taken.
+    waiting: VecDeque<ToViewer>,
     /// The texts of all events that came by.
     pub(super) seen: Vec<String>,
 }
 
 impl Viewer {
     /// Says hello.
-    pub(super) fn new(mut stream: UnixStream) -> Self {
+    pub(super) fn new(stream: UnixStream) -> Self {
+        Self::reading(stream, StreamReader::new(0, false, None))
+    }
+
+    fn reading(mut stream: UnixStream, events: StreamReader) -> Self {
         stream.write_all(&encode(&Hello::ours()).unwrap()).unwrap();
-        let mut lines = BufReader::new(stream);
+        let mut socket = BufReader::new(stream);
         let mut hello = String::new();
-        lines.read_line(&mut hello).unwrap();
+        socket.read_line(&mut hello).unwrap();
         decode::<Hello>(&hello).unwrap().check().unwrap();
-        Self { lines, seen: Vec::new() }
+        Self { socket, events, waiting: VecDeque::new(), seen: Vec::new() }
     }
 
     pub(super) fn send(&mut self, message: &ToRunner) {
-        self.lines.get_mut().write_all(&encode(message).unwrap()).unwrap();
+        self.socket.get_mut().write_all(&encode(message).unwrap()).unwrap();
     }
 
     /// Sends any text.
     pub(super) fn raw(&mut self, text: &str) {
-        self.lines.get_mut().write_all(text.as_bytes()).unwrap();
+        self.socket.get_mut().write_all(text.as_bytes()).unwrap();
     }
 
     /// The next message; `None` when the connection has ended.
     pub(super) fn next(&mut self) -> Option<ToViewer> {
-        let mut line = String::new();
-        match self.lines.read_line(&mut line) {
-            Ok(0) | Err(_) => return None,
-            Ok(_) => {}
+        while self.waiting.is_empty() {
+            self.read()?;
         }
-        let message = decode::<ToViewer>(&line).unwrap();
+        let message = self.waiting.pop_front()?;
         if let ToViewer::Event { event, .. } = &message
             && !matches!(event, Event::Root { .. })
         {
             self.seen.push(text(event));
         }
         Some(message)
+    }
+
+    fn read(&mut self) -> Option<()> {
+        let mut content = Vec::new();
+        match read_frame(&mut self.socket, &mut content).ok()?? {
+            FrameKind::Message => {
+                let text = std::str::from_utf8(&content).unwrap();
+                self.waiting.push_back(decode(text).unwrap());
+            }
+            FrameKind::Events => {
+                let waiting = &mut self.waiting;
+                let show = |sequence, t_ns, event| {
+                    waiting.push_back(ToViewer::Event { sequence, t_ns, event });
+                };
+                self.events.read(&content, show).unwrap();
+            }
+            FrameKind::Unknown => panic!("a frame of no known kind"),
+        }
+        Some(())
     }
 
     /// What the first message says that `wanted` takes.

@@ -3,7 +3,7 @@
 use super::served::{RunFixture, Viewer};
 use crate::Clock;
 use expect_test::{Expect, expect};
-use rafcon_protocol::{Answer, Command, Envelope, Expiry, Given, Join, ToRunner, ToViewer};
+use rafcon_protocol::{Answer, Command, Envelope, Expiry, Given, ToRunner, ToViewer};
 use serde_json::json;
 use std::io::Write as _;
 use std::os::unix::net::{UnixListener, UnixStream};
@@ -60,7 +60,7 @@ fn whoever_joins_is_told_what_it_asks_for_and_may_command() {
     let fixture = RunFixture::new(WAITS);
     let (mut first, runner) = fixture.begin(fixture.launch());
     let from = first.until_text("+ROOT/A");
-    let mut second = fixture.join(Join { from, every_event: true, values: false });
+    let mut second = fixture.join(from, false);
     let name = second.until(|message| match message {
         ToViewer::Loaded { name, run, .. } => Some(format!("{name} {run}")),
         _ => None,
@@ -87,7 +87,7 @@ fn what_a_state_waits_for_is_told_by_names() {
     let (mut first, runner) = fixture.begin(fixture.launch());
     let reason = "the outcome \"ok\" of \"say\" leads nowhere: connect it, or stop the run";
     first.until_text(&format!("ROOT waits: {reason}"));
-    let mut second = fixture.join(Join::default());
+    let mut second = fixture.look_on();
     let awaited = second.until(|message| match message {
         ToViewer::Snapshot(now) => now.active.iter().find_map(|state| state.detail.clone()),
         _ => None,
@@ -123,7 +123,7 @@ fn an_id_counts_once_for_all_viewers() {
     let fixture = RunFixture::new(WAITS);
     let (mut first, runner) = fixture.begin(fixture.launch());
     first.until_text("+ROOT/A");
-    let mut second = fixture.join(Join::default());
+    let mut second = fixture.look_on();
     assert_eq!(first.command("pause", Command::Pause), "applied");
     assert_eq!(second.command("pause", Command::Pause), "applied");
     assert_eq!(
@@ -148,7 +148,7 @@ fn a_run_outlives_its_viewers_and_silent_ones_hold_up_nothing() {
     let _silent = UnixStream::connect(&path).unwrap();
     let mut rude = UnixStream::connect(&path).unwrap();
     rude.write_all(b"GET / HTTP/1.1\r\n\r\n").unwrap();
-    let mut second = fixture.join(Join { from: 1, every_event: true, values: false });
+    let mut second = fixture.join(1, false);
     let answer = |button| Command::AnswerQuestion { question: 1, value: json!({"button": button}) };
     assert_eq!(
         second.command("1", answer(5)),

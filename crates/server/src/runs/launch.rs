@@ -4,7 +4,7 @@
 use super::leftovers::{OUTPUT_FILE, last_line};
 use crate::Settings;
 use rafcon_protocol::api::LoadedMachine;
-use rafcon_protocol::{FrameError, Hello, Launch, ToViewer, VersionMismatch, decode};
+use rafcon_protocol::{FrameError, Hello, Launch, ToViewer, VersionMismatch, decode, read_frame};
 use rafcon_storage::journal::{Reader, has_begun};
 use rafcon_supervisor::{BeginError, Exit, Process, Start, StartError, begin};
 use std::io::{self, BufRead as _, BufReader};
@@ -143,11 +143,17 @@ fn reap(mut child: Child) -> io::Result<oneshot::Receiver<Exit>> {
 
 fn hear(control: &UnixStream) -> Result<FirstMessage, LaunchError> {
     control.set_read_timeout(Some(LOAD_TIMEOUT)).map_err(LaunchError::Silent)?;
-    let mut lines = BufReader::new(control);
-    let Some(hello) = line(&mut lines)? else { return Ok(FirstMessage::Gone) };
+    let mut runner = BufReader::new(control);
+    let mut hello = String::new();
+    if heard(runner.read_line(&mut hello))?.is_none_or(|count| count == 0) {
+        return Ok(FirstMessage::Gone);
+    }
     decode::<Hello>(&hello)?.check()?;
-    let Some(first) = line(&mut lines)? else { return Ok(FirstMessage::Gone) };
-    match decode::<ToViewer>(&first)? {
+    let mut content = Vec::new();
+    if heard(read_frame(&mut runner, &mut content))?.flatten().is_none() {
+        return Ok(FirstMessage::Gone);
+    }
+    match decode(&String::from_utf8_lossy(&content))? {
         ToViewer::LoadFailed { reason } => Ok(FirstMessage::Refused(reason)),
         ToViewer::Loaded { states, problems, .. } => {
             Ok(FirstMessage::Begun(Some(LoadedMachine { states, problems })))
@@ -156,12 +162,10 @@ fn hear(control: &UnixStream) -> Result<FirstMessage, LaunchError> {
     }
 }
 
-/// The next line; nothing if the runner is gone.
-fn line(lines: &mut BufReader<&UnixStream>) -> Result<Option<String>, LaunchError> {
-    let mut text = String::new();
-    match lines.read_line(&mut text) {
-        Ok(0) => Ok(None),
-        Ok(_) => Ok(Some(text)),
+/// What was read; nothing if the connection broke.
+fn heard<T>(read: io::Result<T>) -> Result<Option<T>, LaunchError> {
+    match read {
+        Ok(read) => Ok(Some(read)),
         Err(error) if is_over_time(&error) => Err(LaunchError::Silent(error)),
         Err(_broken) => Ok(None),
     }

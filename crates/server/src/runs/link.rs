@@ -1,24 +1,21 @@
-//! The connection to the runner of one run: its events go into the ring, its snapshots become the truth, commands go out and
+//! The connection to the runner of one run: its events go into the ring as they are, its snapshots become the truth, commands go out and
 //! their answers come back. One for each run that goes on.
 //!
 //! Knows the protocol. Must never know who commands, who follows, or what becomes of a run whose runner is gone.
 
-use super::encoded_event::EncodedEvent;
 use super::pulse::{self, Liveness, RunnerPulse};
 use super::run::Run;
-use super::talk::{LinkError, RunnerConnection, open};
+use super::talk::{LinkError, RunnerConnection, frame, open};
 use rafcon_locks::Mutex;
-use rafcon_protocol::{Answer, Envelope, Join, ToRunner, ToViewer, decode, encode};
+use rafcon_protocol::{Answer, Envelope, FrameKind, Join, ToRunner, ToViewer, encode};
 use std::collections::BTreeMap;
 use std::sync::Arc;
-use tokio::io::{AsyncBufReadExt as _, AsyncWriteExt as _, BufReader};
+use tokio::io::{AsyncWriteExt as _, BufReader};
 use tokio::net::unix::{OwnedReadHalf, OwnedWriteHalf};
 use tokio::sync::{mpsc, oneshot};
 
 /// So many commands may be on their way.
 const COMMANDS_MAX: usize = 256;
-/// So many events go into the ring at once.
-const BATCH: usize = 512;
 
 /// The way to a runner, for as long as it stands.
 #[derive(Debug)]
@@ -44,8 +41,8 @@ pub(super) enum NotSent {
 
 /// Connects to the runner and follows it until the connection ends; `is_up` is called when it stands.
 pub(super) async fn follow(run: &Run, is_up: impl FnOnce()) -> Result<(), LinkError> {
-    let join = Join { from: run.ring().next(), every_event: true, values: true };
-    let RunnerConnection { loaded, lines, out } = open(run.folder().to_path_buf(), join).await?;
+    let join = Join { from: run.ring().next(), every_event: true };
+    let RunnerConnection { loaded, frames, out } = open(run.folder().to_path_buf(), join).await?;
     if let Some(loaded) = loaded {
         run.set_loaded(loaded);
     }
@@ -56,7 +53,7 @@ pub(super) async fn follow(run: &Run, is_up: impl FnOnce()) -> Result<(), LinkEr
     is_up();
     let pulse = RunnerPulse::new();
     let end = tokio::select! {
-        end = read(lines, run, &link, &pulse) => end,
+        end = read(frames, run, &link, &pulse) => end,
         never = pulse::keep_asking(run, &link, &pulse) => match never {},
     };
     run.clear_link(pulse.heard_ms());
@@ -118,39 +115,29 @@ async fn write(mut out: OwnedWriteHalf, mut outgoing: mpsc::Receiver<Vec<u8>>) {
 }
 
 async fn read(
-    mut lines: BufReader<OwnedReadHalf>,
+    mut frames: BufReader<OwnedReadHalf>,
     run: &Run,
     link: &Link,
     pulse: &RunnerPulse,
 ) -> Result<(), LinkError> {
-    let (mut line, mut events) = (Vec::new(), Vec::new());
-    loop {
-        line.clear();
-        if lines.read_until(b'\n', &mut line).await? == 0 {
-            run.happened(events);
-            return Ok(());
-        }
+    let mut content = Vec::new();
+    while let Some(kind) = frame(&mut frames, &mut content).await? {
         if pulse.note_heard() == Liveness::Again {
             run.mark_heard();
         }
-        let text = String::from_utf8_lossy(&line);
-        match EncodedEvent::read(&text) {
-            Some(told) => events.push(told),
-            None => said(&text, run, link, &mut events),
-        }
-        if events.len() >= BATCH || !lines.buffer().contains(&b'\n') {
-            run.happened(std::mem::take(&mut events));
+        match kind {
+            FrameKind::Events => run.happened(&content)?,
+            FrameKind::Message => said(&content, run, link),
+            FrameKind::Unknown => {}
         }
     }
+    Ok(())
 }
 
-/// What a runner says beside events. Events that it told before come first.
-fn said(text: &str, run: &Run, link: &Link, events: &mut Vec<EncodedEvent>) {
-    match decode::<ToViewer>(text) {
-        Ok(ToViewer::Snapshot(snapshot)) => {
-            run.happened(std::mem::take(events));
-            run.stands(snapshot);
-        }
+/// What a runner says beside events.
+fn said(content: &[u8], run: &Run, link: &Link) {
+    match serde_json::from_slice::<ToViewer>(content) {
+        Ok(ToViewer::Snapshot(snapshot)) => run.stands(snapshot),
         Ok(ToViewer::Answer { id, answer }) => link.answered(&id, &answer),
         Ok(ToViewer::Pong { engine: Some(engine), .. }) => run.engine_answers(engine),
         // What a link does not ask for, and what a newer runner may say.

@@ -5,7 +5,7 @@
 
 mod commands;
 mod control;
-mod encoded_event;
+mod event_group;
 mod folder_files;
 mod launch;
 mod leftovers;
@@ -22,7 +22,7 @@ mod talk;
 mod watch;
 
 pub(crate) use commands::command;
-pub(crate) use encoded_event::EncodedEvent;
+pub(crate) use event_group::EventGroup;
 pub(crate) use ring::EventsPage;
 pub(crate) use routes::routes;
 pub(crate) use run::Run;

@@ -2,26 +2,33 @@
 //!
 //! Knows numbers and sizes. Must never know who reads, nor wait for them.
 
-use super::encoded_event::EncodedEvent;
+use super::event_group::{EventGroup, EventText};
 use rafcon_locks::Mutex;
+use rafcon_protocol::Event;
+use rafcon_storage::journal::stream::{EventBlock, StreamDefinitions, StreamItem};
+use rafcon_storage::journal::{Broken, Record};
 use std::collections::VecDeque;
+use std::path::PathBuf;
 use std::sync::Arc;
 use tokio::sync::watch;
 
-/// So many bytes of events are kept for each run.
-const BYTES_MAX: usize = 4 << 20;
+/// So many bytes of events are kept for each run, as its runner sent them: their texts are about ten times as long.
+const BYTES_MAX: usize = 512 << 10;
+/// Events lie together up to so many bytes.
+const GROUP_BYTES: usize = 4 << 10;
 
 /// The newest events of one run.
 #[derive(Debug)]
 pub(crate) struct Ring {
     kept: Mutex<RingContent>,
+    definitions: StreamDefinitions,
     last: watch::Sender<u64>,
     bytes_max: usize,
 }
 
 #[derive(Debug)]
 struct RingContent {
-    events: VecDeque<Arc<EncodedEvent>>,
+    groups: VecDeque<Arc<EventGroup>>,
     bytes: usize,
     /// The number of the event that comes next.
     next: u64,
@@ -32,29 +39,42 @@ struct RingContent {
 pub(crate) enum EventsPage {
     /// These events are only in the journal.
     Behind,
-    /// The events that follow; none: nothing happened since.
-    Events(Vec<Arc<EncodedEvent>>),
-}
-
-impl Default for Ring {
-    fn default() -> Self {
-        Self::with_room(BYTES_MAX)
-    }
+    /// The events that follow, in groups, of which the first may begin before the cursor; none: nothing happened since.
+    Events(Vec<Arc<EventGroup>>),
 }
 
 impl Ring {
-    fn with_room(bytes_max: usize) -> Self {
-        let kept = RingContent { events: VecDeque::new(), bytes: 0, next: 1 };
-        Self { kept: Mutex::new(kept), last: watch::Sender::new(0), bytes_max }
+    /// Nothing yet; the run's journal lies in `folder`.
+    pub(super) fn new(folder: PathBuf) -> Self {
+        Self::with_room(BYTES_MAX, Some(folder))
     }
 
-    /// At most `count` events from number `from` on.
-    pub(crate) fn read(&self, from: u64, count: usize) -> EventsPage {
+    fn with_room(bytes_max: usize, folder: Option<PathBuf>) -> Self {
+        let kept = RingContent { groups: VecDeque::new(), bytes: 0, next: 1 };
+        Self {
+            kept: Mutex::new(kept),
+            definitions: StreamDefinitions::new(folder),
+            last: watch::Sender::new(0),
+            bytes_max,
+        }
+    }
+
+    /// The groups that hold about `count` events from number `from` on.
+    pub(crate) fn read(&self, from: u64, count: u64) -> EventsPage {
         let kept = self.kept.lock();
-        let first = kept.next - kept.events.len() as u64;
-        let Some(skipped) = from.max(1).checked_sub(first) else { return EventsPage::Behind };
-        let skipped = usize::try_from(skipped).unwrap_or(usize::MAX);
-        EventsPage::Events(kept.events.iter().skip(skipped).take(count).cloned().collect())
+        let first = kept.groups.front().map_or(kept.next, |group| group.first);
+        if from.max(1) < first {
+            return EventsPage::Behind;
+        }
+        let skipped = kept.groups.partition_point(|group| group.next <= from);
+        let groups = kept.groups.iter().skip(skipped);
+        let wanted = groups.take_while(|group| group.first < from.saturating_add(count));
+        EventsPage::Events(wanted.cloned().collect())
+    }
+
+    /// The texts of a group that was read, with or without values.
+    pub(crate) fn texts<'g>(&self, group: &'g EventGroup, values: bool) -> &'g [EventText] {
+        group.texts(values, &self.definitions)
     }
 
     /// The number of the last event; with `changed`, when there are more. All up to it can be read, here or in the journal.
@@ -67,13 +87,38 @@ impl Ring {
         self.kept.lock().next
     }
 
-    /// Takes events in, in their order. What is known already is left out; behind a gap, all before it is in the journal only.
-    pub(super) fn push(&self, events: impl IntoIterator<Item = EncodedEvent>) {
-        let mut kept = self.kept.lock();
-        for told in events {
-            kept.push(told);
+    /// Takes in what a runner sent. What is known already is left out; behind a gap, all before it is in the journal only. Gives
+    /// the last event of the run, if it came.
+    pub(super) fn push(&self, bytes: &[u8]) -> Result<Option<Event>, Broken> {
+        let (mut next, mut finish) = (self.next(), None);
+        for block in EventBlock::read_all(bytes) {
+            let mut new = NewGroups::default();
+            let block = block?;
+            let mut before_ns = block.t_before;
+            for item in block.items() {
+                let Some(StreamItem::Event { sequence, t_ns, record, bytes }) =
+                    self.definitions.learn(item?)
+                else {
+                    continue;
+                };
+                if sequence >= next {
+                    next = sequence + 1;
+                    new.add(sequence, before_ns, bytes);
+                    finish = finish_of(record).or(finish);
+                }
+                before_ns = t_ns;
+            }
+            self.add(new.into_groups());
         }
-        while kept.bytes > self.bytes_max && kept.events.len() > 1 {
+        Ok(finish)
+    }
+
+    fn add(&self, groups: Vec<EventGroup>) {
+        let mut kept = self.kept.lock();
+        for group in groups {
+            kept.push(group);
+        }
+        while kept.bytes > self.bytes_max && kept.groups.len() > 1 {
             kept.drop_oldest();
         }
         let last = kept.next - 1;
@@ -85,7 +130,7 @@ impl Ring {
     pub(super) fn settle(&self, last: u64) {
         let mut kept = self.kept.lock();
         let next = kept.next.max(last + 1);
-        *kept = RingContent { events: VecDeque::new(), bytes: 0, next };
+        *kept = RingContent { groups: VecDeque::new(), bytes: 0, next };
         drop(kept);
         self.tell(next - 1);
     }
@@ -99,52 +144,132 @@ impl Ring {
     }
 }
 
-impl RingContent {
-    fn push(&mut self, told: EncodedEvent) {
-        if told.sequence < self.next {
-            return;
+/// Events of one block on their way into the ring.
+#[derive(Debug, Default)]
+struct NewGroups {
+    done: Vec<EventGroup>,
+    first: u64,
+    next: u64,
+    t_before: u64,
+    items: Vec<u8>,
+}
+
+impl NewGroups {
+    fn add(&mut self, sequence: u64, before_ns: u64, bytes: &[u8]) {
+        if self.items.len() >= GROUP_BYTES {
+            self.close();
         }
-        if told.sequence > self.next {
-            self.events.clear();
+        if self.items.is_empty() {
+            (self.first, self.t_before) = (sequence, before_ns);
+        }
+        self.items.extend_from_slice(bytes);
+        self.next = sequence + 1;
+    }
+
+    fn close(&mut self) {
+        if !self.items.is_empty() {
+            let items = std::mem::take(&mut self.items).into_boxed_slice();
+            self.done.push(EventGroup::new(self.first, self.next, self.t_before, items));
+        }
+    }
+
+    fn into_groups(mut self) -> Vec<EventGroup> {
+        self.close();
+        self.done
+    }
+}
+
+/// The event, if it is the run's last.
+fn finish_of(record: Record) -> Option<Event> {
+    match record {
+        Record::Told(event) if matches!(*event, Event::Finished { .. }) => Some(*event),
+        _ => None,
+    }
+}
+
+impl RingContent {
+    fn push(&mut self, group: EventGroup) {
+        if group.first > self.next {
+            self.groups.clear();
             self.bytes = 0;
         }
-        self.next = told.sequence + 1;
-        self.bytes += told.bytes();
-        self.events.push_back(Arc::new(told));
+        self.next = group.next;
+        self.bytes += bytes_of(&group);
+        self.groups.push_back(Arc::new(group));
     }
 
     fn drop_oldest(&mut self) {
-        if let Some(told) = self.events.pop_front() {
-            self.bytes -= told.bytes();
+        if let Some(group) = self.groups.pop_front() {
+            self.bytes -= bytes_of(&group);
         }
     }
+}
+
+/// How much memory it takes, about, without its texts.
+fn bytes_of(group: &EventGroup) -> usize {
+    group.items.len() + size_of::<EventGroup>()
 }
 
 #[cfg(test)]
 mod tests {
     use super::{EventsPage, Ring};
-    use crate::runs::encoded_event::EncodedEvent;
+    use expect_test::expect;
     use proptest::prelude::*;
+    use rafcon_protocol::{Event, Outcome};
+    use rafcon_storage::journal::record::Content;
+    use rafcon_storage::journal::stream::EventBlock;
+    use rafcon_storage::journal::{
+        Definition, Item, Kept, Place, PlaceNumber, Record, Stored, ValueNumber,
+    };
 
-    fn told(sequence: u64) -> EncodedEvent {
-        let event = r#"{"type":"stopping"}"#;
-        let line =
-            format!(r#"{{"message":"event","sequence":{sequence},"t_ns":0,"event":{event}}}"#);
-        EncodedEvent::read(&line).unwrap()
+    /// A block of items, the first event of which has this number.
+    fn block(first: u64, items: &[Item]) -> Vec<u8> {
+        let (mut before, mut bytes, mut out) = (0, Vec::new(), Vec::new());
+        for item in items {
+            item.write(&mut before, &mut bytes);
+        }
+        EventBlock { first, t_before: 0, items: &bytes }.write(&mut out);
+        out
+    }
+
+    fn stopping() -> Item {
+        Item::Record(0, Record::Told(Box::new(Event::Stopping)))
+    }
+
+    fn push(ring: &Ring, sequences: std::ops::RangeInclusive<u64>) {
+        let items: Vec<Item> = sequences.clone().map(|_| stopping()).collect();
+        assert!(ring.push(&block(*sequences.start(), &items)).unwrap().is_none());
     }
 
     fn read(ring: &Ring, from: u64) -> Option<Vec<u64>> {
         match ring.read(from, 100) {
             EventsPage::Behind => None,
-            EventsPage::Events(events) => Some(events.iter().map(|told| told.sequence).collect()),
+            EventsPage::Events(groups) => {
+                let texts = groups.iter().flat_map(|group| ring.texts(group, true));
+                Some(texts.map(|text| text.sequence).filter(|number| *number >= from).collect())
+            }
         }
+    }
+
+    /// The texts of all events, a line each.
+    fn texts(ring: &Ring, values: bool) -> String {
+        let EventsPage::Events(groups) = ring.read(1, 100) else { panic!("the ring has them") };
+        let texts = groups.iter().flat_map(|group| ring.texts(group, values));
+        let line = |text: &super::EventText| {
+            format!("{} {}\n", text.sequence, text.text.as_deref().unwrap_or("-"))
+        };
+        texts.map(line).collect()
+    }
+
+    fn ring() -> Ring {
+        Ring::with_room(super::BYTES_MAX, None)
     }
 
     #[test]
     fn whoever_is_not_far_behind_reads_here() {
-        let ring = Ring::default();
+        let ring = ring();
         assert_eq!(read(&ring, 0), Some(vec![]));
-        ring.push([told(1), told(2), told(3)]);
+        push(&ring, 1..=3);
         assert_eq!(read(&ring, 0), Some(vec![1, 2, 3]));
         assert_eq!(read(&ring, 3), Some(vec![3]));
         assert_eq!(read(&ring, 4), Some(vec![]));
@@ -153,10 +278,10 @@ mod tests {
 
     #[test]
     fn what_came_before_the_link_or_is_over_is_in_the_journal() {
-        let ring = Ring::default();
+        let ring = ring();
         ring.settle(9);
         assert_eq!((read(&ring, 9), read(&ring, 10)), (None, Some(vec![])));
-        ring.push([told(9), told(10)]);
+        push(&ring, 9..=10);
         assert_eq!((read(&ring, 9), read(&ring, 10)), (None, Some(vec![10])));
         ring.settle(12);
         assert_eq!((read(&ring, 12), read(&ring, 13)), (None, Some(vec![])));
@@ -165,20 +290,89 @@ mod tests {
 
     #[test]
     fn memory_is_bounded() {
-        let ring = Ring::with_room(10 * told(100).bytes());
-        ring.push((1..=100).map(told));
+        let ring = Ring::with_room(10 * (size_of::<super::EventGroup>() + 24), None);
+        (1..=100).for_each(|sequence| push(&ring, sequence..=sequence));
         assert_eq!(read(&ring, 90), None);
         assert_eq!(read(&ring, 91), Some((91..=100).collect()));
+    }
+
+    #[test]
+    fn events_are_spelled_with_and_without_values() {
+        let place = Place {
+            path: "R/A".to_owned(),
+            names: "Root/A".to_owned(),
+            is_library: false,
+            is_script: true,
+            inputs: vec![(1, "a".into())],
+            outputs: vec![(2, "b".into())],
+            scoped: Vec::new(),
+            outcomes: vec![(0, "ok".into())],
+        };
+        let view = serde_json::json!([1, 2.5]);
+        let content = Content::Nothing(String::new());
+        let stored = Stored { view, type_name: "list".into(), content };
+        let number = PlaceNumber(0);
+        let items = [
+            Item::Definition(Definition::Place(number, place)),
+            Item::Definition(Definition::Value(ValueNumber(1), stored)),
+            Item::Record(
+                9,
+                Record::Entered {
+                    place: number,
+                    inputs: vec![Kept::Value(ValueNumber(1))],
+                    undoes: None,
+                },
+            ),
+            Item::Record(12, Record::Global { name: "n".into(), value: Some(Kept::Int(3)) }),
+            Item::Record(
+                20,
+                Record::Left {
+                    place: number,
+                    outcome: 0,
+                    outputs: vec![Kept::Value(ValueNumber(2))],
+                    error: None,
+                    undoes: None,
+                },
+            ),
+        ];
+        let ring = ring();
+        ring.push(&block(1, &items)).unwrap();
+        expect![[r#"
+            1 {"sequence":1,"t_ns":9,"event":{"type":"entered","path":"R/A","inputs":{"a":[1,2.5]}}}
+            2 {"sequence":2,"t_ns":12,"event":{"type":"global","name":"n","value":3}}
+            3 {"sequence":3,"t_ns":20,"event":{"type":"left","path":"R/A","outcome":{"id":0,"name":"ok"},"outputs":{"b":{"__class__":"","__repr__":"<no longer kept>"}}}}
+        "#]].assert_eq(&texts(&ring, true));
+        expect![[r#"
+            1 {"sequence":1,"t_ns":9,"event":{"type":"entered","path":"R/A"}}
+            2 -
+            3 {"sequence":3,"t_ns":20,"event":{"type":"left","path":"R/A","outcome":{"id":0,"name":"ok"}}}
+        "#]].assert_eq(&texts(&ring, false));
+    }
+
+    #[test]
+    fn the_last_event_of_a_run_is_given() {
+        let outcome = Outcome { id: 0, name: "ok".to_owned() };
+        let finished = Event::Finished {
+            outcome,
+            outputs: serde_json::Map::new(),
+            globals: serde_json::Map::new(),
+            scoped_variables: serde_json::Map::new(),
+            states_run: 2,
+        };
+        let last = Item::Record(0, Record::Told(Box::new(finished.clone())));
+        let ring = ring();
+        assert_eq!(ring.push(&block(1, &[stopping(), last])).unwrap(), Some(finished));
+        assert_eq!(*ring.last().borrow(), 2);
     }
 
     proptest! {
         /// Whatever a runner repeats or leaves out, a reader that turns to the journal where it must sees each event once.
         #[test]
         fn a_reader_sees_every_number_once(pushed in prop::collection::vec(1..200_u64, 1..200)) {
-            let ring = Ring::with_room(20 * told(1).bytes());
+            let ring = Ring::with_room(20 * (size_of::<super::EventGroup>() + 24), None);
             let (mut next, mut seen) = (1, 0);
             for sequence in pushed {
-                ring.push([told(sequence)]);
+                push(&ring, sequence..=sequence);
                 while next <= *ring.last().borrow() {
                     match read(&ring, next) {
                         None => next += 1,
@@ -190,6 +384,17 @@ mod tests {
                     seen += 1;
                     prop_assert!(seen < 100_000);
                 }
+            }
+        }
+
+        /// A runner that sends any bytes is refused, and nothing else happens.
+        #[test]
+        fn any_bytes_are_events_or_broken(bytes in prop::collection::vec(any::<u8>(), 0..200)) {
+            let ring = ring();
+            drop(ring.push(&bytes));
+            if let EventsPage::Events(groups) = ring.read(ring.next().saturating_sub(9), 100) {
+                let texts = groups.iter().map(|group| ring.texts(group, true).len());
+                prop_assert!(texts.sum::<usize>() <= 200);
             }
         }
     }

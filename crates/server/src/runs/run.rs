@@ -3,7 +3,6 @@
 //! Knows the latest truth. Must never know how it is found out, nor wait for whoever wants to know it.
 
 use super::control::Holding;
-use super::encoded_event::EncodedEvent;
 use super::folder_files;
 use super::link::Link;
 use super::pulse::Onlookers;
@@ -12,7 +11,7 @@ use crate::state::ServerState;
 use rafcon_locks::Mutex;
 use rafcon_protocol::api::{LinkState, LoadedMachine, RunNow, RunPhase, RunSummary, RunWait};
 use rafcon_protocol::{EnginePulse, Event, Snapshot};
-use rafcon_storage::journal::size_of;
+use rafcon_storage::journal::{Broken, size_of};
 use rafcon_supervisor::{Exit, clock};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -72,7 +71,7 @@ impl Run {
             now_ms,
             control: holding.told(silence),
         };
-        let ring = Ring::default();
+        let ring = Ring::new(folder.clone());
         ring.settle(summary.events);
         Self {
             id: summary.id.clone(),
@@ -274,13 +273,10 @@ impl Run {
         self.change(|now| (now.run.phase, now.run.waits) = (phase, None));
     }
 
-    /// Events happened, in this order.
-    pub(super) fn happened(&self, events: Vec<EncodedEvent>) {
-        let end = events.last().and_then(EncodedEvent::finish);
-        if !events.is_empty() {
-            self.ring.push(events);
-        }
-        if let Some(Event::Finished { outcome, states_run, .. }) = end {
+    /// Events happened: these are as the runner sent them.
+    pub(super) fn happened(&self, events: &[u8]) -> Result<(), Broken> {
+        let finish = self.ring.push(events)?;
+        if let Some(Event::Finished { outcome, states_run, .. }) = finish {
             let events = self.ring.next() - 1;
             self.change(|now| {
                 now.run.events = events;
@@ -288,6 +284,7 @@ impl Run {
                 now.run.waits = None;
             });
         }
+        Ok(())
     }
 
     /// This is what its runner goes by.

@@ -5,14 +5,14 @@
 
 use rafcon_protocol::api::LoadedMachine;
 use rafcon_protocol::{
-    Answer, Envelope, FrameError, Hello, Join, StateData, ToRunner, ToViewer, VersionMismatch,
-    decode, encode,
+    Answer, Envelope, FRAME_HEAD, FrameError, FrameKind, Hello, Join, StateData, ToRunner,
+    ToViewer, VersionMismatch, decode, encode, read_frame_head,
 };
+use rafcon_storage::journal::Broken;
 use rafcon_supervisor::{JoinError, connect};
-use serde::de::DeserializeOwned;
 use std::io;
 use std::path::PathBuf;
-use tokio::io::{AsyncBufReadExt as _, AsyncWriteExt as _, BufReader};
+use tokio::io::{AsyncBufReadExt as _, AsyncReadExt as _, AsyncWriteExt as _, BufReader};
 use tokio::net::UnixStream;
 use tokio::net::unix::{OwnedReadHalf, OwnedWriteHalf};
 
@@ -31,6 +31,9 @@ pub(super) enum LinkError {
     /// It says something else than this protocol.
     #[error("the runner's words make no sense")]
     Frame(#[from] FrameError),
+    /// It sends events that are none.
+    #[error("the runner's events make no sense")]
+    Events(#[from] Broken),
     /// It is of another version.
     #[error(transparent)]
     Version(#[from] VersionMismatch),
@@ -47,7 +50,7 @@ pub(super) enum LinkError {
 pub(super) struct RunnerConnection {
     /// What the runner goes by, if it said so.
     pub(super) loaded: Option<LoadedMachine>,
-    pub(super) lines: BufReader<OwnedReadHalf>,
+    pub(super) frames: BufReader<OwnedReadHalf>,
     pub(super) out: OwnedWriteHalf,
 }
 
@@ -56,19 +59,19 @@ pub(super) async fn open(folder: PathBuf, join: Join) -> Result<RunnerConnection
     let connected = move || connect(&folder);
     let stream = tokio::task::spawn_blocking(connected).await.map_err(io::Error::other)??;
     stream.set_nonblocking(true)?;
-    let (lines, mut out) = UnixStream::from_std(stream)?.into_split();
-    let mut lines = BufReader::with_capacity(BUFFER_BYTES, lines);
+    let (frames, mut out) = UnixStream::from_std(stream)?.into_split();
+    let mut frames = BufReader::with_capacity(BUFFER_BYTES, frames);
     let mut words = encode(&Hello::ours())?;
     words.extend(encode(&ToRunner::Join(join))?);
     out.write_all(&words).await?;
-    message::<Hello>(&mut lines).await?.check()?;
-    match message::<ToViewer>(&mut lines).await? {
+    hello(&mut frames).await?.check()?;
+    match message(&mut frames).await? {
         ToViewer::LoadFailed { reason } => Err(LinkError::Refused(reason)),
         ToViewer::Loaded { states, problems, .. } => {
             let loaded = Some(LoadedMachine { states, problems });
-            Ok(RunnerConnection { loaded, lines, out })
+            Ok(RunnerConnection { loaded, frames, out })
         }
-        _other => Ok(RunnerConnection { loaded: None, lines, out }),
+        _other => Ok(RunnerConnection { loaded: None, frames, out }),
     }
 }
 
@@ -97,21 +100,47 @@ async fn ask<T>(
     question: &ToRunner,
     answer: impl Fn(ToViewer) -> Option<T>,
 ) -> Result<T, LinkError> {
-    let RunnerConnection { mut lines, mut out, .. } = open(folder, Join::default()).await?;
+    let RunnerConnection { mut frames, mut out, .. } = open(folder, Join::default()).await?;
     out.write_all(&encode(question)?).await?;
     loop {
-        if let Some(answer) = answer(message(&mut lines).await?) {
+        if let Some(answer) = answer(message(&mut frames).await?) {
             return Ok(answer);
         }
     }
 }
 
-async fn message<T: DeserializeOwned>(
-    lines: &mut BufReader<OwnedReadHalf>,
-) -> Result<T, LinkError> {
+async fn hello(lines: &mut BufReader<OwnedReadHalf>) -> Result<Hello, LinkError> {
     let mut line = Vec::new();
     if lines.read_until(b'\n', &mut line).await? == 0 {
         return Err(LinkError::Gone);
     }
     Ok(decode(&String::from_utf8_lossy(&line))?)
+}
+
+/// The next message; events in between are for others.
+async fn message(frames: &mut BufReader<OwnedReadHalf>) -> Result<ToViewer, LinkError> {
+    let mut content = Vec::new();
+    while let Some(kind) = frame(frames, &mut content).await? {
+        if kind == FrameKind::Message {
+            return Ok(decode(&String::from_utf8_lossy(&content))?);
+        }
+    }
+    Err(LinkError::Gone)
+}
+
+/// Reads the next frame into `content`; nothing at the end.
+pub(super) async fn frame(
+    frames: &mut BufReader<OwnedReadHalf>,
+    content: &mut Vec<u8>,
+) -> io::Result<Option<FrameKind>> {
+    let mut head = [0; FRAME_HEAD];
+    match frames.read_exact(&mut head).await {
+        Ok(_) => {}
+        Err(error) if error.kind() == io::ErrorKind::UnexpectedEof => return Ok(None),
+        Err(error) => return Err(error),
+    }
+    let (kind, length) = read_frame_head(head)?;
+    content.clear();
+    let count = frames.take(length as u64).read_to_end(content).await?;
+    Ok((count == length).then_some(kind))
 }

@@ -5,7 +5,7 @@ use super::feed::{Feed, NextMessage};
 use super::outbox::Lane;
 use super::words;
 use crate::history::HistoryReader;
-use crate::runs::{self, EventsPage, Run};
+use crate::runs::{EventGroup, EventsPage, Run};
 use crate::{Failure, ServerState};
 use rafcon_protocol::api::{RunNow, RunPhase};
 use std::sync::Arc;
@@ -115,8 +115,8 @@ impl RunHistory {
     }
 
     async fn events(&mut self) -> NextMessage {
-        match self.run.ring().read(self.cursor.next, PAGE_COUNT) {
-            EventsPage::Events(events) => self.live(&events),
+        match self.run.ring().read(self.cursor.next, PAGE_COUNT as u64) {
+            EventsPage::Events(groups) => self.live(&groups),
             EventsPage::Behind => self.kept().await,
         }
     }
@@ -140,19 +140,23 @@ impl RunHistory {
     }
 
     /// What the ring has.
-    fn live(&mut self, events: &[Arc<runs::EncodedEvent>]) -> NextMessage {
-        let mut bytes = 0;
-        let page = events.iter().take_while(|told| {
-            let is_room = bytes < PAGE_BYTES;
-            bytes += told.text(self.cursor.values).map_or(0, str::len);
-            is_room
-        });
-        let page: Vec<_> = page.collect();
-        let Some(last) = page.last() else { return NextMessage::Nothing };
-        let texts: Vec<&str> =
-            page.iter().filter_map(|told| told.text(self.cursor.values)).collect();
-        let frame = self.cursor.tell(&texts, last.sequence + 1);
-        let is_all = page.len() == events.len() && events.len() < PAGE_COUNT;
+    fn live(&mut self, groups: &[Arc<EventGroup>]) -> NextMessage {
+        let Cursor { next: from, values, .. } = self.cursor;
+        let run = Arc::clone(&self.run);
+        let texts = groups.iter().flat_map(|group| run.ring().texts(group, values));
+        let (mut bytes, mut next, mut page) = (0, from, Vec::new());
+        for event in texts.skip_while(|event| event.sequence < from) {
+            if bytes >= PAGE_BYTES || page.len() == PAGE_COUNT {
+                break;
+            }
+            next = event.sequence + 1;
+            if let Some(text) = &event.text {
+                bytes += text.len();
+                page.push(&**text);
+            }
+        }
+        let frame = self.cursor.tell(&page, next);
+        let is_all = next > *self.last.borrow();
         frame
             .map_or(NextMessage::Nothing, if is_all { NextMessage::Now } else { NextMessage::Part })
     }

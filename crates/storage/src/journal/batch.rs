@@ -63,19 +63,27 @@ impl Batch {
     /// What a number stands for in all records from here on.
     pub fn define(&mut self, definition: &Definition) {
         match definition {
-            Definition::Place(number, place) => self.define_place(*number, place),
-            Definition::Value(number, stored) => self.define_value(*number, stored),
+            Definition::Place(number, place) => {
+                self.define_place(*number, place);
+            }
+            Definition::Value(number, stored) => {
+                self.define_value(*number, stored);
+            }
         }
     }
 
-    /// The same for a place.
-    pub fn define_place(&mut self, number: PlaceNumber, place: &Place) {
-        self.definition().place_definition(number, place);
+    /// The same for a place; the bytes of the definition.
+    pub fn define_place(&mut self, number: PlaceNumber, place: &Place) -> &[u8] {
+        let start = self.definition();
+        BinaryWriter::new(&mut self.definitions).place_definition(number, place);
+        &self.definitions[start..]
     }
 
-    /// The same for a value.
-    pub fn define_value(&mut self, number: ValueNumber, stored: &Stored) {
-        self.definition().value_definition(number, stored);
+    /// The same for a value; the bytes of the definition up to the content.
+    pub fn define_value(&mut self, number: ValueNumber, stored: &Stored) -> &[u8] {
+        let start = self.definition();
+        let content = BinaryWriter::new(&mut self.definitions).value_definition(number, stored);
+        &self.definitions[start..content]
     }
 
     /// A state began; see [`Record::Entered`].
@@ -108,11 +116,10 @@ impl Batch {
         BinaryWriter::new(&mut self.records).record(delta, record);
     }
 
-    /// Notes how many records stand before a definition.
-    fn definition(&mut self) -> BinaryWriter<'_> {
-        let mut writer = BinaryWriter::new(&mut self.definitions);
-        writer.number(u64::from(self.count));
-        writer
+    /// Notes how many records stand before a definition; where that begins.
+    fn definition(&mut self) -> usize {
+        BinaryWriter::new(&mut self.definitions).number(u64::from(self.count));
+        self.definitions.len()
     }
 
     /// Counts a record; the time between it and the one before, never below 0.

@@ -33,6 +33,7 @@ pub mod record;
 mod recorder;
 mod retention;
 mod statistics;
+pub mod stream;
 mod summary;
 mod sums;
 mod telling;

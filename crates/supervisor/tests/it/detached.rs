@@ -2,8 +2,10 @@
 
 use rafcon_model::notation;
 use rafcon_protocol::{
-    Answer, Command, Envelope, Event, Hello, Join, Launch, ToRunner, ToViewer, decode, encode,
+    Answer, Command, Envelope, Event, FrameKind, Hello, Join, Launch, ToRunner, ToViewer, decode,
+    encode, read_frame,
 };
+use rafcon_storage::journal::stream::StreamReader;
 use rafcon_storage::{Naming, save};
 use rafcon_supervisor::{
     Exit, Interpreter, NoExtension, Process, ProgramEnvironment, Start, begin, connect,
@@ -48,9 +50,28 @@ fn held(folder: &Path) -> Launch {
 
 /// What the runner says after its hello.
 fn messages(control: UnixStream) -> impl Iterator<Item = ToViewer> {
-    let mut lines = BufReader::new(control).lines().map_while(Result::ok);
-    decode::<Hello>(&lines.next().unwrap()).unwrap().check().unwrap();
-    lines.map(|line| decode(&line).unwrap())
+    let mut runner = BufReader::new(control);
+    let mut hello = String::new();
+    runner.read_line(&mut hello).unwrap();
+    decode::<Hello>(&hello).unwrap().check().unwrap();
+    let (mut events, mut content) = (StreamReader::new(0, false, None), Vec::new());
+    let frames = std::iter::from_fn(move || {
+        let mut messages = Vec::new();
+        match read_frame(&mut runner, &mut content).unwrap()? {
+            FrameKind::Message => {
+                messages.push(decode(std::str::from_utf8(&content).unwrap()).unwrap());
+            }
+            FrameKind::Events => {
+                let show = |sequence, t_ns, event| {
+                    messages.push(ToViewer::Event { sequence, t_ns, event });
+                };
+                events.read(&content, show).unwrap();
+            }
+            FrameKind::Unknown => panic!("a frame of no known kind"),
+        }
+        Some(messages)
+    });
+    frames.flatten()
 }
 
 fn say(mut control: &UnixStream, words: &[u8]) {
@@ -74,7 +95,7 @@ fn a_run_outlives_whoever_started_it() {
 
     let control = connect(&run).unwrap();
     say(&control, &encode(&Hello::ours()).unwrap());
-    let join = Join { from: 1, every_event: true, values: false };
+    let join = Join { from: 1, every_event: true };
     say(&control, &encode(&ToRunner::Join(join)).unwrap());
     let resume = Envelope {
         id: "1".to_owned(),

@@ -1,6 +1,6 @@
 /** Settings of this browser. */
 
-import type { Settings } from "../../store/page.ts";
+import type { Settings } from "../../store/page/page.ts";
 import { Button } from "../../ui/button.tsx";
 import { Dialog } from "../../ui/dialog.tsx";
 import { Select } from "../../ui/field.tsx";

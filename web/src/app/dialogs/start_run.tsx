@@ -7,10 +7,10 @@ import type { JsonValue, Keeping, OnCrash, PortDocument } from "../../model/gene
 import { portsOf } from "../../model/machine.ts";
 import { readInput } from "../../model/run_input.ts";
 import { shortType } from "../../model/types.ts";
+import type { Start } from "../../store/history/run.ts";
 import { kept, localStoreOf } from "../../store/local_store.ts";
-import type { OpenTab } from "../../store/page.ts";
-import type { Start } from "../../store/run.ts";
-import { fileOfTab } from "../../store/running.ts";
+import type { OpenTab } from "../../store/page/page.ts";
+import { fileOfTab } from "../../store/run/running.ts";
 import { Button } from "../../ui/button.tsx";
 import { Dialog } from "../../ui/dialog.tsx";
 import { Checkbox, Select, TextField } from "../../ui/field.tsx";

@@ -2,8 +2,8 @@
 
 import { useEffect, useState } from "react";
 import type { OnCrash, Picture } from "../../model/generated/protocol.ts";
-import type { Watch } from "../../store/run.ts";
-import { RefusalError } from "../../store/server.ts";
+import type { Watch } from "../../store/history/run.ts";
+import { RefusalError } from "../../store/page/server.ts";
 import { Button } from "../../ui/button.tsx";
 import { Dialog } from "../../ui/dialog.tsx";
 import { useSession } from "../provided.tsx";

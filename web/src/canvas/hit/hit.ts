@@ -5,7 +5,7 @@ import { elementOf, keyOf } from "../../model/element.ts";
 import { type Box, contains, distance, type Point } from "../../model/geometry.ts";
 import type { PortPlace } from "../../model/layout_reader.ts";
 import type { Machine } from "../../model/machine.ts";
-import type { Camera } from "../../store/view.ts";
+import type { Camera } from "../../store/page/view.ts";
 import { BREAKPOINT_REACH, breakpointSpot } from "../breakpoint_spot.ts";
 import { screenBox, screenFromWorld, worldFromScreen } from "../camera.ts";
 import type { Route } from "../layout.ts";

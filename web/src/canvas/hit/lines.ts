@@ -1,7 +1,7 @@
 /** Points near lines. */
 
 import { distance, type Point } from "../../model/geometry.ts";
-import type { Camera } from "../../store/view.ts";
+import type { Camera } from "../../store/page/view.ts";
 import type { Route } from "../layout.ts";
 
 /** How far a point of the view is from a line given in the root's coordinates, in CSS pixels. */

@@ -2,7 +2,7 @@
 
 import type { ElementRef } from "../../model/element.ts";
 import type { Point, Size } from "../../model/geometry.ts";
-import type { ViewModes } from "../../store/view.ts";
+import type { ViewModes } from "../../store/page/view.ts";
 
 /** A side or corner of a box, as compasses and cursors name it. */
 export type Grip = "n" | "ne" | "e" | "se" | "s" | "sw" | "w" | "nw";

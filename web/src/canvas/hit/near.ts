@@ -1,7 +1,7 @@
 /** What of a state's inside is near a place, without a look at all of it. */
 
 import type { Box, Point } from "../../model/geometry.ts";
-import type { Camera } from "../../store/view.ts";
+import type { Camera } from "../../store/page/view.ts";
 import { worldFromScreen } from "../camera.ts";
 import type { LayoutTree, NodeFrame } from "../layout_tree.ts";
 

@@ -4,7 +4,7 @@
 import type { ElementKey } from "../../model/element.ts";
 import type { Box, Point } from "../../model/geometry.ts";
 import { ABORTED, PREEMPTED } from "../../model/machine.ts";
-import type { LineMarkOfRun } from "../../store/marks.ts";
+import type { LineMarkOfRun } from "../../store/run/marks.ts";
 import { touches } from "../grid.ts";
 import type { RoutedLine } from "../lines.ts";
 import type { SceneBuilder, SceneNode } from "./builder.ts";

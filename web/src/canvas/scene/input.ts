@@ -3,8 +3,8 @@
 import type { ElementKey, ElementRef } from "../../model/element.ts";
 import type { Severity } from "../../model/generated/protocol.ts";
 import type { Size } from "../../model/geometry.ts";
-import type { LineMarkOfRun, RunMark } from "../../store/marks.ts";
-import type { Camera, ViewModes } from "../../store/view.ts";
+import type { Camera, ViewModes } from "../../store/page/view.ts";
+import type { LineMarkOfRun, RunMark } from "../../store/run/marks.ts";
 import type { LayoutTree } from "../layout_tree.ts";
 import type { Overlay } from "../overlay.ts";
 

@@ -1,8 +1,8 @@
 import { describe, expect, test } from "vitest";
 import { machineOf } from "../../model/plain.ts";
 import { sketch } from "../../model/testing/sketch.ts";
-import type { RunMark } from "../../store/marks.ts";
-import { MODES } from "../../store/view.ts";
+import { MODES } from "../../store/page/view.ts";
+import type { RunMark } from "../../store/run/marks.ts";
 import { layoutTreeOf } from "../layout_tree.ts";
 import { NO_OVERLAY } from "../overlay.ts";
 import { PLAIN, type SceneInput } from "./input.ts";

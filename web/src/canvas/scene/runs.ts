@@ -1,8 +1,8 @@
 /** What a run shows on a state, told by colour, shape and word: rings, a glow where it runs, a hatch, a sign, and a plate with the
  * time and how often it ran. */
 
-import type { MarkPhase, RunMark } from "../../store/marks.ts";
-import { STEPS } from "../../store/recent_path.ts";
+import { STEPS } from "../../store/history/recent_path.ts";
+import type { MarkPhase, RunMark } from "../../store/run/marks.ts";
 import type { SceneBuilder, SceneNode } from "./builder.ts";
 import { DETAIL, TEXT } from "./detail.ts";
 import type { BoxMark, Icon, Ink, Layer, TextMark } from "./list.ts";

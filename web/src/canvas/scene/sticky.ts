@@ -3,7 +3,7 @@
 import type { Point, Side, Size } from "../../model/geometry.ts";
 import { sideOf } from "../../model/geometry.ts";
 import type { PortPlace } from "../../model/layout_reader.ts";
-import type { Camera } from "../../store/view.ts";
+import type { Camera } from "../../store/page/view.ts";
 import type { LayoutNode } from "../layout_node.ts";
 import type { LayoutTree, NodeFrame } from "../layout_tree.ts";
 import { inside } from "../layout_tree.ts";

@@ -7,11 +7,15 @@ import type { Edit } from "../../model/generated/protocol.ts";
 import { centre, type Point } from "../../model/geometry.ts";
 import { machineOf } from "../../model/plain.ts";
 import { sketch } from "../../model/testing/sketch.ts";
-import type { Dragged } from "../../store/dragged.ts";
-import type { EditAnswer, MachineSession, PendingEdit } from "../../store/machine_session.ts";
-import { OptimisticDocument } from "../../store/optimistic_document.ts";
-import { predictedWrites } from "../../store/predict/predict.ts";
-import { newView, type SessionView, select, selected } from "../../store/view.ts";
+import type {
+  EditAnswer,
+  MachineSession,
+  PendingEdit,
+} from "../../store/document/machine_session.ts";
+import { OptimisticDocument } from "../../store/document/optimistic_document.ts";
+import { predictedWrites } from "../../store/document/predict/predict.ts";
+import type { Dragged } from "../../store/page/dragged.ts";
+import { newView, type SessionView, select, selected } from "../../store/page/view.ts";
 import { screenFromWorld } from "../camera.ts";
 import { InteractionController } from "../interaction.ts";
 import { NO_OVERLAY } from "../overlay.ts";

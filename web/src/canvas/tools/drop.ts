@@ -6,7 +6,7 @@ import { readLayout } from "../../model/layout_reader.ts";
 import { insertState } from "../../plan/insert.ts";
 import { isRefused, type Planned } from "../../plan/plan.ts";
 import { addState } from "../../plan/states.ts";
-import type { Dragged } from "../../store/dragged.ts";
+import type { Dragged } from "../../store/page/dragged.ts";
 import { distanceToLine } from "../hit/lines.ts";
 import type { Route } from "../layout.ts";
 import { NO_OVERLAY, type Overlay } from "../overlay.ts";

@@ -5,7 +5,7 @@ import type { ElementRef } from "../../model/element.ts";
 import type { Point, Size } from "../../model/geometry.ts";
 import type { Machine } from "../../model/machine.ts";
 import type { Planned } from "../../plan/plan.ts";
-import type { Camera } from "../../store/view.ts";
+import type { Camera } from "../../store/page/view.ts";
 import { worldFromScreen } from "../camera.ts";
 import type { CanvasLook } from "../hit/look.ts";
 import type { Layout } from "../layout.ts";

@@ -1,7 +1,7 @@
 /** Moves and zooms the view: by dragging, with two fingers, by the wheel. */
 
 import { distance, type Point } from "../../model/geometry.ts";
-import type { Camera } from "../../store/view.ts";
+import type { Camera } from "../../store/page/view.ts";
 import { panned, zoomedAt } from "../camera.ts";
 import { NO_OVERLAY } from "../overlay.ts";
 import { type Gesture, minus, NOTHING, type Pointer } from "./gesture.ts";

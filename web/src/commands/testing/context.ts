@@ -5,10 +5,10 @@ import { type ElementKey, elementOf } from "../../model/element.ts";
 import type { Edit, MachineProblem, MachineStatus, Right } from "../../model/generated/protocol.ts";
 import { machineOf } from "../../model/plain.ts";
 import { sketch } from "../../model/testing/sketch.ts";
-import type { MachineSession } from "../../store/machine_session.ts";
-import type { OpenTab, Page } from "../../store/page.ts";
-import { FIRST_SETTINGS } from "../../store/settings.ts";
-import { newView, select } from "../../store/view.ts";
+import type { MachineSession } from "../../store/document/machine_session.ts";
+import type { OpenTab, Page } from "../../store/page/page.ts";
+import { FIRST_SETTINGS } from "../../store/page/settings.ts";
+import { newView, select } from "../../store/page/view.ts";
 import type { CommandContext, Shell } from "../command.ts";
 
 export interface TestContext extends CommandContext {

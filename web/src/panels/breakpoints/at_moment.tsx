@@ -1,7 +1,7 @@
 /** The breakpoints that the run had at the earlier moment that is shown: to look at, they cannot be changed any more. */
 
-import type { OpenTab } from "../../store/page.ts";
-import type { Watch } from "../../store/run.ts";
+import type { Watch } from "../../store/history/run.ts";
+import type { OpenTab } from "../../store/page/page.ts";
 import { Section } from "../../ui/section.tsx";
 import { useSignal } from "../../ui/signals.ts";
 import { namesOf } from "../parts/happened.ts";

@@ -11,12 +11,12 @@ import {
 } from "../../commands/run_points.ts";
 import type { Breakpoint } from "../../model/generated/protocol.ts";
 import { namesTo } from "../../model/machine.ts";
-import { activeStates, isHolding } from "../../store/active.ts";
-import { breakpointsOf } from "../../store/breakpoints.ts";
-import { hitsOf } from "../../store/hits.ts";
-import type { OpenTab } from "../../store/page.ts";
-import { liveRun } from "../../store/running.ts";
-import { select, selectedStates } from "../../store/view.ts";
+import { hitsOf } from "../../store/history/hits.ts";
+import type { OpenTab } from "../../store/page/page.ts";
+import { select, selectedStates } from "../../store/page/view.ts";
+import { activeStates, isHolding } from "../../store/run/active.ts";
+import { breakpointsOf } from "../../store/run/breakpoints.ts";
+import { liveRun } from "../../store/run/running.ts";
 import { Button, IconButton } from "../../ui/button.tsx";
 import { Empty } from "../../ui/empty.tsx";
 import { useSignal } from "../../ui/signals.ts";

@@ -1,5 +1,5 @@
 import { expect, test } from "vitest";
-import { newBreakpoint } from "../../store/breakpoints.ts";
+import { newBreakpoint } from "../../store/run/breakpoints.ts";
 import { breakpointInWords } from "./words.ts";
 
 test("a breakpoint says what is not as ever", () => {

@@ -1,7 +1,7 @@
 /** What happened in a run around a moment, on one branch: a few entries and ends before it, itself, and a few after. */
 
 import { isWithin } from "../../model/path.ts";
-import { type Journal, OTHER } from "../../store/journal.ts";
+import { type Journal, OTHER } from "../../store/history/journal.ts";
 
 const BEFORE = 4;
 const AFTER = 4;

@@ -1,8 +1,8 @@
 /** Where two runs part on a branch: what happened around there in both, side by side. */
 
 import type { Happened, Parting } from "../../model/generated/protocol.ts";
-import type { OpenTab } from "../../store/page.ts";
-import type { Watch } from "../../store/run.ts";
+import type { Watch } from "../../store/history/run.ts";
+import type { OpenTab } from "../../store/page/page.ts";
 import { useSignal } from "../../ui/signals.ts";
 import { useHost } from "../context.tsx";
 import { sinceStart } from "../parts/duration.ts";

@@ -1,5 +1,5 @@
 import { expect, test } from "vitest";
-import { Journal } from "../../store/journal.ts";
+import { Journal } from "../../store/history/journal.ts";
 import { events } from "../../store/testing/events.ts";
 import { entriesAround } from "./around.ts";
 import { stepInWords } from "./branches.tsx";

@@ -2,8 +2,8 @@
 
 import { useMemo, useState } from "react";
 import type { Timing } from "../../model/generated/protocol.ts";
-import { callsOf } from "../../store/calls.ts";
-import type { Watch } from "../../store/run.ts";
+import { callsOf } from "../../store/history/calls.ts";
+import type { Watch } from "../../store/history/run.ts";
 import { Table, type TableColumn } from "../../ui/table.tsx";
 import { useHost } from "../context.tsx";
 import { measured } from "../parts/duration.ts";

@@ -1,8 +1,8 @@
 /** What a machine can be compared with, as a list to choose from. */
 
 import type { MachineVersions } from "../../model/generated/protocol.ts";
-import type { Against } from "../../store/comparison.ts";
-import type { OpenTab } from "../../store/page.ts";
+import type { Against } from "../../store/page/comparison.ts";
+import type { OpenTab } from "../../store/page/page.ts";
 
 export interface AgainstOption {
   readonly value: string;

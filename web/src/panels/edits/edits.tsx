@@ -3,8 +3,8 @@
 import { CornerUpLeft, Redo2, Undo2 } from "lucide-react";
 import { useMemo, useState } from "react";
 import { type StepRow, stepRows, stepTree } from "../../model/steps.ts";
-import type { OpenTab } from "../../store/page.ts";
-import { mayEdit } from "../../store/rights.ts";
+import type { OpenTab } from "../../store/page/page.ts";
+import { mayEdit } from "../../store/page/rights.ts";
 import { Button, IconButton } from "../../ui/button.tsx";
 import { Empty } from "../../ui/empty.tsx";
 import { Checkbox } from "../../ui/field.tsx";

@@ -1,6 +1,6 @@
 /** Makes the machine what it was after a step; asks first if that takes steps of others away. */
 
-import type { OpenTab } from "../../store/page.ts";
+import type { OpenTab } from "../../store/page/page.ts";
 import type { PanelHost } from "../context.tsx";
 
 export async function jumpTo(host: PanelHost, tab: OpenTab, revision: number): Promise<void> {

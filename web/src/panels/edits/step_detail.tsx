@@ -3,7 +3,7 @@
 import { useMemo } from "react";
 import { differences } from "../../model/difference.ts";
 import type { StepNode } from "../../model/steps.ts";
-import type { OpenTab } from "../../store/page.ts";
+import type { OpenTab } from "../../store/page/page.ts";
 import { useHost } from "../context.tsx";
 import { DifferenceList } from "../difference_list.tsx";
 import { reveal } from "../reveal.ts";

@@ -1,7 +1,7 @@
 /** Global variables as they are in the run, or were at the moment that is shown. */
 
 import { useEffect } from "react";
-import type { Watch } from "../../store/run.ts";
+import type { Watch } from "../../store/history/run.ts";
 import { Section } from "../../ui/section.tsx";
 import { useSignal } from "../../ui/signals.ts";
 import { ValueView } from "../parts/value/value_view.tsx";

@@ -5,7 +5,7 @@ import { performIn } from "../../commands/perform.ts";
 import type { GlobalUse, GlobalVariable } from "../../model/globals.ts";
 import { namesTo } from "../../model/machine.ts";
 import { renameGlobal } from "../../plan/rename_in_script.ts";
-import type { OpenTab, Page } from "../../store/page.ts";
+import type { OpenTab, Page } from "../../store/page/page.ts";
 import { Button } from "../../ui/button.tsx";
 import { Dialog } from "../../ui/dialog.tsx";
 import { TextField } from "../../ui/field.tsx";

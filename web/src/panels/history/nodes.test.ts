@@ -1,6 +1,6 @@
 import { expect, test } from "vitest";
-import { Calls } from "../../store/calls.ts";
-import { Journal } from "../../store/journal.ts";
+import { Calls } from "../../store/history/calls.ts";
+import { Journal } from "../../store/history/journal.ts";
 import { events, randomRun } from "../../store/testing/events.ts";
 import { type HistoryNode, lengthOf, Nodes, timesOf } from "./nodes.ts";
 

@@ -1,8 +1,8 @@
 /** The nodes of the history of a run: calls inside one another, loops with their rounds, and long lists in parts. Made when they are
  * opened, never before. */
 
-import { type Calls, NONE } from "../../store/calls.ts";
-import { type Fold, Folds } from "../../store/folds.ts";
+import { type Calls, NONE } from "../../store/history/calls.ts";
+import { type Fold, Folds } from "../../store/history/folds.ts";
 
 export type HistoryNode =
   | { readonly kind: "call"; readonly id: string; readonly call: number }

@@ -3,7 +3,7 @@
 import { Pencil } from "lucide-react";
 import { type KeyboardEvent, useId, useState } from "react";
 import { setDescription } from "../../plan/states.ts";
-import { type DraftPlace, drafts } from "../../store/drafts.ts";
+import { type DraftPlace, drafts } from "../../store/document/drafts.ts";
 import { Button, IconButton } from "../../ui/button.tsx";
 import { onDemand } from "../../ui/on_demand.tsx";
 import { useSignal } from "../../ui/signals.ts";

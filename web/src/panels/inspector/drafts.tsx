@@ -1,7 +1,7 @@
 /** Texts of the machine that were written here and not applied yet: none is ever lost without a word. */
 
 import { Trash2 } from "lucide-react";
-import { draftKey, drafts, type FieldDraft } from "../../store/drafts.ts";
+import { draftKey, drafts, type FieldDraft } from "../../store/document/drafts.ts";
 import { IconButton } from "../../ui/button.tsx";
 import { useSignal } from "../../ui/signals.ts";
 import { Fold } from "./fold.tsx";

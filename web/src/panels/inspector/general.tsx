@@ -8,7 +8,7 @@ import { idOf, parentOf } from "../../model/path.ts";
 import { KIND_WORDS } from "../../plan/legal.ts";
 import { showContent } from "../../plan/move.ts";
 import { changeKind, clearStart, rename, setId, setStart } from "../../plan/states.ts";
-import { select } from "../../store/view.ts";
+import { select } from "../../store/page/view.ts";
 import { Button } from "../../ui/button.tsx";
 import { Checkbox, Select, TextField } from "../../ui/field.tsx";
 import { useSignal } from "../../ui/signals.ts";

@@ -4,11 +4,11 @@ import { useMemo, useState } from "react";
 import type { EventDetail } from "../../model/generated/protocol.ts";
 import { ABORTED } from "../../model/machine.ts";
 import { shortValue } from "../../model/short_value.ts";
-import type { Watch } from "../../store/run.ts";
-import { failureAt, type ScriptFailure } from "../../store/script_failure.ts";
-import { scriptLineRevealRequest } from "../../store/script_line_reveal_request.ts";
-import type { VisitEnd } from "../../store/state_status.ts";
-import { visitsOf } from "../../store/visits.ts";
+import type { Watch } from "../../store/history/run.ts";
+import { failureAt, type ScriptFailure } from "../../store/history/script_failure.ts";
+import { visitsOf } from "../../store/history/visits.ts";
+import { scriptLineRevealRequest } from "../../store/page/script_line_reveal_request.ts";
+import type { VisitEnd } from "../../store/run/state_status.ts";
 import { Button } from "../../ui/button.tsx";
 import type { InspectedState } from "./inspector_context.ts";
 

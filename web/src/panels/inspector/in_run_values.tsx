@@ -5,17 +5,17 @@ import { Clock, Eye } from "lucide-react";
 import { useMemo } from "react";
 import type { PortKind } from "../../model/machine.ts";
 import { portsOf } from "../../model/machine.ts";
-import { type Origin, originOf } from "../../store/origin.ts";
-import type { Watch } from "../../store/run.ts";
-import type { StateStatus, Values } from "../../store/state_status.ts";
-import { visitsOf } from "../../store/visits.ts";
+import { type Origin, originOf } from "../../store/history/origin.ts";
+import type { Watch } from "../../store/history/run.ts";
+import { visitsOf } from "../../store/history/visits.ts";
+import type { StateStatus, Values } from "../../store/run/state_status.ts";
 import {
   addWatched,
   isSameTarget,
   removeWatched,
   type Target,
   watchedOf,
-} from "../../store/watched_values.ts";
+} from "../../store/run/watched_values.ts";
 import { IconButton } from "../../ui/button.tsx";
 import { useSignal } from "../../ui/signals.ts";
 import { sinceStart } from "../parts/duration.ts";

@@ -6,8 +6,8 @@ import { type ElementKey, type ElementRef, elementOf } from "../../model/element
 import { nameOf } from "../../model/ends.ts";
 import { lineage, parentOf } from "../../model/path.ts";
 import { KIND_WORDS } from "../../plan/legal.ts";
-import type { OpenTab } from "../../store/page.ts";
-import { select } from "../../store/view.ts";
+import type { OpenTab } from "../../store/page/page.ts";
+import { select } from "../../store/page/view.ts";
 import { Button, IconButton } from "../../ui/button.tsx";
 import { Empty } from "../../ui/empty.tsx";
 import { useSignal } from "../../ui/signals.ts";

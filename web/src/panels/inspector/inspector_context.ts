@@ -4,9 +4,9 @@ import type { ElementRef } from "../../model/element.ts";
 import type { StateDocument } from "../../model/generated/protocol.ts";
 import type { Machine } from "../../model/machine.ts";
 import { isRefused, type Planned } from "../../plan/plan.ts";
-import { wasRefused } from "../../store/machine_session.ts";
-import type { OpenTab, Page } from "../../store/page.ts";
-import { mayEdit, whyFixed } from "../../store/rights.ts";
+import { wasRefused } from "../../store/document/machine_session.ts";
+import type { OpenTab, Page } from "../../store/page/page.ts";
+import { mayEdit, whyFixed } from "../../store/page/rights.ts";
 
 /** What becomes of an edit: refused at once, or what the server answers. Null is well. */
 export type Made = string | Promise<string | null>;

@@ -4,7 +4,7 @@ import { useMemo } from "react";
 import type { StateKind } from "../../model/generated/protocol.ts";
 import { dataFlowsOf, type Machine, transitionsOf } from "../../model/machine.ts";
 import { KIND_WORDS } from "../../plan/legal.ts";
-import type { OpenTab } from "../../store/page.ts";
+import type { OpenTab } from "../../store/page/page.ts";
 import { useDebounced } from "../../ui/debounced.ts";
 import { TextField } from "../../ui/field.tsx";
 import { useSignal } from "../../ui/signals.ts";

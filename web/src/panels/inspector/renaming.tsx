@@ -5,7 +5,7 @@ import type { ElementRef } from "../../model/element.ts";
 import { nameOf } from "../../model/ends.ts";
 import { lineAt, renameInScript, type ScriptUse, scriptUses } from "../../model/python.ts";
 import { renameElement } from "../../plan/rename_in_script.ts";
-import { drafts, type FieldDraft } from "../../store/drafts.ts";
+import { drafts, type FieldDraft } from "../../store/document/drafts.ts";
 import { Button } from "../../ui/button.tsx";
 import { Dialog } from "../../ui/dialog.tsx";
 import type { CommitQuestion } from "../../ui/field.tsx";

@@ -1,6 +1,6 @@
 import { expect, test } from "vitest";
 import type { EventDetail } from "../../model/generated/protocol.ts";
-import type { StateStatus } from "../../store/state_status.ts";
+import type { StateStatus } from "../../store/run/state_status.ts";
 import { runGroups } from "./run_groups.ts";
 
 const LIVE = {

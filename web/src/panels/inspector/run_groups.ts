@@ -2,7 +2,7 @@
 
 import type { Event } from "../../model/generated/protocol.ts";
 import type { PortKind } from "../../model/machine.ts";
-import type { StateStatus, Values } from "../../store/state_status.ts";
+import type { StateStatus, Values } from "../../store/run/state_status.ts";
 import type { Detailed } from "../parts/value/use_detail.ts";
 
 export interface RunGroup {

@@ -2,7 +2,7 @@
 
 import { Check, RotateCcw } from "lucide-react";
 import { setScript } from "../../plan/states.ts";
-import { type DraftPlace, drafts } from "../../store/drafts.ts";
+import { type DraftPlace, drafts } from "../../store/document/drafts.ts";
 import { Button } from "../../ui/button.tsx";
 import { onDemand } from "../../ui/on_demand.tsx";
 import { useSignal } from "../../ui/signals.ts";

@@ -1,7 +1,7 @@
 /** Asks the server what Python's parser says of a script, and whether the script fits its state. */
 
 import type { CheckScript, ScriptPlace, ScriptProblem } from "../../model/generated/protocol.ts";
-import type { Page } from "../../store/page.ts";
+import type { Page } from "../../store/page/page.ts";
 
 /** If the server cannot say, that is told as a note on the first line. */
 export function checkScript(

@@ -3,7 +3,7 @@
 import type { ElementRef } from "../../model/element.ts";
 import { type ConnectionRef, type DataPort, isConnection, isPort } from "../../model/ends.ts";
 import type { Machine } from "../../model/machine.ts";
-import { isThere } from "../../store/selection.ts";
+import { isThere } from "../../store/page/selection.ts";
 
 export type Subject =
   | { readonly kind: "machine" }

@@ -3,8 +3,8 @@
 import { Wrench } from "lucide-react";
 import type { MachineProblem } from "../../model/generated/protocol.ts";
 import { elementOfProblem } from "../../model/problem.ts";
-import type { OpenTab } from "../../store/page.ts";
-import { mayEdit } from "../../store/rights.ts";
+import type { OpenTab } from "../../store/page/page.ts";
+import { mayEdit } from "../../store/page/rights.ts";
 import { Button } from "../../ui/button.tsx";
 import { Section } from "../../ui/section.tsx";
 import { useSignal } from "../../ui/signals.ts";

@@ -1,6 +1,6 @@
 import { describe, expect, it, test } from "vitest";
 import type { LogLevel } from "../../model/generated/protocol.ts";
-import type { Notice } from "../../store/page.ts";
+import type { Notice } from "../../store/page/page.ts";
 import { entryOf, inOneLine, isWanted, type LogEntry, lineEntry, merged } from "./entries.ts";
 
 const NOTICES: readonly Notice[] = [

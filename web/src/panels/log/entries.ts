@@ -3,9 +3,9 @@
 import type { LogLevel } from "../../model/generated/protocol.ts";
 import { isWithin } from "../../model/path.ts";
 import { readTraceback } from "../../model/traceback.ts";
-import { noticeText } from "../../store/notices.ts";
-import type { Notice } from "../../store/page.ts";
-import type { RunLogLine } from "../../store/run_log.ts";
+import type { RunLogLine } from "../../store/history/run_log.ts";
+import { noticeText } from "../../store/page/notices.ts";
+import type { Notice } from "../../store/page/page.ts";
 
 export interface LogEntry {
   readonly id: string;

@@ -3,9 +3,9 @@
 import { computed, signal } from "@preact/signals-core";
 import { useCallback, useMemo } from "react";
 import { idOf } from "../../model/path.ts";
-import type { OpenTab, Page } from "../../store/page.ts";
-import type { Watch } from "../../store/run.ts";
-import { runLog } from "../../store/run_log.ts";
+import type { Watch } from "../../store/history/run.ts";
+import { runLog } from "../../store/history/run_log.ts";
+import type { OpenTab, Page } from "../../store/page/page.ts";
 import { useSignal } from "../../ui/signals.ts";
 import { useThrottled } from "../../ui/throttled.ts";
 import {

@@ -1,7 +1,7 @@
 import { expect, test } from "vitest";
 import type { LogLevel } from "../../model/generated/protocol.ts";
-import { Journal } from "../../store/journal.ts";
-import { RunLog } from "../../store/run_log.ts";
+import { Journal } from "../../store/history/journal.ts";
+import { RunLog } from "../../store/history/run_log.ts";
 import { Sieve } from "./sieve.ts";
 
 function setUp(least: LogLevel) {

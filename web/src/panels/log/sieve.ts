@@ -1,6 +1,6 @@
 /** The wanted lines of a run's log, sifted as it grows: each line is looked at once. */
 
-import type { RunLog } from "../../store/run_log.ts";
+import type { RunLog } from "../../store/history/run_log.ts";
 import { isWanted, type LogEntry, type LogSelection, lineEntry } from "./entries.ts";
 
 export class Sieve {

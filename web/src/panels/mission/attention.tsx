@@ -3,12 +3,12 @@
 
 import { CircleHelp, OctagonAlert, TriangleAlert } from "lucide-react";
 import type { MouseEvent } from "react";
-import { openFailures } from "../../store/acknowledged.ts";
-import { clock1s } from "../../store/clock1s.ts";
-import { openDecisions } from "../../store/decisions.ts";
-import { byUrgency, timeLeft } from "../../store/question_time.ts";
-import { openQuestions } from "../../store/questions.ts";
-import type { Watch } from "../../store/run.ts";
+import { openQuestions } from "../../store/history/questions.ts";
+import type { Watch } from "../../store/history/run.ts";
+import { clock1s } from "../../store/page/clock1s.ts";
+import { openFailures } from "../../store/run/acknowledged.ts";
+import { openDecisions } from "../../store/run/decisions.ts";
+import { byUrgency, timeLeft } from "../../store/run/question_time.ts";
 import { useComputed, useSignal } from "../../ui/signals.ts";
 import { useHost } from "../context.tsx";
 import { duration } from "../parts/duration.ts";

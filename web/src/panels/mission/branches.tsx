@@ -14,7 +14,9 @@ import { refusalOf } from "../../commands/command.ts";
 import type { Outcome, Phase } from "../../model/generated/protocol.ts";
 import { ABORTED, PREEMPTED } from "../../model/machine.ts";
 import { reasonOfHold } from "../../model/run_words.ts";
-import { type Active, placeOfLane } from "../../store/active.ts";
+import { type LastEnd, lastEndBeside } from "../../store/history/last_end.ts";
+import type { Watch } from "../../store/history/run.ts";
+import { type Active, placeOfLane } from "../../store/run/active.ts";
 import {
   type Baseline,
   baselineOf,
@@ -22,9 +24,7 @@ import {
   isLongerThanEver,
   pastBaselines,
   usualInWords,
-} from "../../store/baseline.ts";
-import { type LastEnd, lastEndBeside } from "../../store/last_end.ts";
-import type { Watch } from "../../store/run.ts";
+} from "../../store/run/baseline.ts";
 import { Button } from "../../ui/button.tsx";
 import { useComputed } from "../../ui/signals.ts";
 import { useCommand, useHost } from "../context.tsx";

@@ -2,10 +2,10 @@
 
 import { computed } from "@preact/signals-core";
 import { useMemo } from "react";
-import { type Active, activeStates, lanes } from "../../store/active.ts";
-import type { Page } from "../../store/page.ts";
-import type { Watch } from "../../store/run.ts";
-import { sinceSnapshot } from "../../store/since_snapshot.ts";
+import type { Watch } from "../../store/history/run.ts";
+import type { Page } from "../../store/page/page.ts";
+import { type Active, activeStates, lanes } from "../../store/run/active.ts";
+import { sinceSnapshot } from "../../store/run/since_snapshot.ts";
 import { useComputed } from "../../ui/signals.ts";
 import { useThrottled } from "../../ui/throttled.ts";
 import { inOrder } from "../parts/order.ts";

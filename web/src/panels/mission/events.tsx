@@ -4,10 +4,10 @@ import { CheckCheck, CircleX, type LucideIcon, TriangleAlert, Zap } from "lucide
 import { useEffect, useState } from "react";
 import type { EventDetail } from "../../model/generated/protocol.ts";
 import { shortValue } from "../../model/short_value.ts";
-import { acknowledged, failures, openFailures } from "../../store/acknowledged.ts";
-import { didInWords, FAILURES_MAX, type RunFailure } from "../../store/failures.ts";
-import type { Watch } from "../../store/run.ts";
-import { RefusalError } from "../../store/server.ts";
+import { didInWords, FAILURES_MAX, type RunFailure } from "../../store/history/failures.ts";
+import type { Watch } from "../../store/history/run.ts";
+import { RefusalError } from "../../store/page/server.ts";
+import { acknowledged, failures, openFailures } from "../../store/run/acknowledged.ts";
 import { Button } from "../../ui/button.tsx";
 import { useComputed, useSignal } from "../../ui/signals.ts";
 import { useStableFor } from "../../ui/stable_for.ts";

@@ -1,12 +1,12 @@
 /** What a glance has to tell: which mission, how it stands, and how long. As high whatever it says: what stands below stays there. */
 
 import { runStatusWords, startedInWords, summaryStatusWords } from "../../model/run_words.ts";
-import { isGoingOn, runAge } from "../../store/age.ts";
-import { earlierRuns, expectedLength } from "../../store/baseline.ts";
-import { clock1s } from "../../store/clock1s.ts";
-import type { Watch } from "../../store/run.ts";
-import { elapsedNow } from "../../store/run_clock.ts";
-import { summaryOf } from "../../store/running.ts";
+import type { Watch } from "../../store/history/run.ts";
+import { clock1s } from "../../store/page/clock1s.ts";
+import { isGoingOn, runAge } from "../../store/run/age.ts";
+import { earlierRuns, expectedLength } from "../../store/run/baseline.ts";
+import { elapsedNow } from "../../store/run/run_clock.ts";
+import { summaryOf } from "../../store/run/running.ts";
 import { useComputed, useSignal } from "../../ui/signals.ts";
 import { useCommand, useHost } from "../context.tsx";
 import { duration, growing } from "../parts/duration.ts";

@@ -1,7 +1,7 @@
 /** As whom one is here, what that allows, and who else looks. */
 
 import { Eye, UserRound } from "lucide-react";
-import { sessionOfPage } from "../../store/running.ts";
+import { sessionOfPage } from "../../store/run/running.ts";
 import { useComputed } from "../../ui/signals.ts";
 import { useActiveTab, useHost } from "../context.tsx";
 

@@ -1,8 +1,8 @@
 /** How the connection is, and how old what is shown may be. */
 
 import { History, Unplug, Wifi } from "lucide-react";
-import type { RunAge } from "../../store/age.ts";
-import type { Watch } from "../../store/run.ts";
+import type { Watch } from "../../store/history/run.ts";
+import type { RunAge } from "../../store/run/age.ts";
 import { Button } from "../../ui/button.tsx";
 import { useComputed, useSignal } from "../../ui/signals.ts";
 import { useCommand, useHost } from "../context.tsx";

@@ -2,7 +2,7 @@
 
 import { signal } from "@preact/signals-core";
 import { HardDrive } from "lucide-react";
-import type { Watch } from "../../store/run.ts";
+import type { Watch } from "../../store/history/run.ts";
 import { useComputed, useSignal } from "../../ui/signals.ts";
 import { useActiveTab } from "../context.tsx";
 import { Attention } from "./attention.tsx";

@@ -3,7 +3,7 @@
 import { Radar } from "lucide-react";
 import { refusalOf } from "../../commands/command.ts";
 import { startedInWords, summaryStatusWords } from "../../model/run_words.ts";
-import { clock1s } from "../../store/clock1s.ts";
+import { clock1s } from "../../store/page/clock1s.ts";
 import { Button } from "../../ui/button.tsx";
 import { useComputed, useSignal } from "../../ui/signals.ts";
 import { useCommand, useHost } from "../context.tsx";

@@ -2,9 +2,9 @@
 
 import { readExpression } from "../../model/expression.ts";
 import { shortValue } from "../../model/short_value.ts";
-import { type OpenTab, runOf } from "../../store/page.ts";
-import type { Watch } from "../../store/run.ts";
-import { type WatchedExpression, watchedOf } from "../../store/watched_values.ts";
+import type { Watch } from "../../store/history/run.ts";
+import { type OpenTab, runOf } from "../../store/page/page.ts";
+import { type WatchedExpression, watchedOf } from "../../store/run/watched_values.ts";
 import { useComputed } from "../../ui/signals.ts";
 import { useActiveTab, useHost } from "../context.tsx";
 import { growing } from "../parts/duration.ts";

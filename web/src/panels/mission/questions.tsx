@@ -1,8 +1,8 @@
 /** What states ask, to be answered here; and how the last questions ended, by whom. */
 
-import { byUrgency } from "../../store/question_time.ts";
-import { askedQuestions, type Closed, openQuestions } from "../../store/questions.ts";
-import type { Watch } from "../../store/run.ts";
+import { askedQuestions, type Closed, openQuestions } from "../../store/history/questions.ts";
+import type { Watch } from "../../store/history/run.ts";
+import { byUrgency } from "../../store/run/question_time.ts";
 import { useComputed, useSignal } from "../../ui/signals.ts";
 import { useStableFor } from "../../ui/stable_for.ts";
 import { answerInWords } from "../parts/answer.ts";

@@ -2,10 +2,10 @@
 
 import { Check, Clock, Send, X } from "lucide-react";
 import { commandInWords } from "../../model/command_words.ts";
-import { clock1s } from "../../store/clock1s.ts";
-import { dismiss, dismissed } from "../../store/dismissed.ts";
-import { answeredBy, askedQuestions } from "../../store/questions.ts";
-import type { Watch } from "../../store/run.ts";
+import { dismiss, dismissed } from "../../store/history/dismissed.ts";
+import { answeredBy, askedQuestions } from "../../store/history/questions.ts";
+import type { Watch } from "../../store/history/run.ts";
+import { clock1s } from "../../store/page/clock1s.ts";
 import { IconButton } from "../../ui/button.tsx";
 import { useComputed, useSignal } from "../../ui/signals.ts";
 import { type SentLine, sentLines } from "../parts/sent.ts";

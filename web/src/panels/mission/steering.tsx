@@ -4,7 +4,7 @@ import { CirclePause, CirclePlay, CircleStop, Footprints, type LucideIcon } from
 import type { MouseEvent, ReactNode } from "react";
 import { refusalOf } from "../../commands/command.ts";
 import { SURE } from "../../commands/run.ts";
-import type { Watch } from "../../store/run.ts";
+import type { Watch } from "../../store/history/run.ts";
 import { useConfirmPress } from "../../ui/confirm_press.ts";
 import { useComputed } from "../../ui/signals.ts";
 import { useCommand, useHost } from "../context.tsx";

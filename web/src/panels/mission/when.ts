@@ -1,9 +1,9 @@
 /** When something in a run was, in words. */
 
-import { isGoingOn, runAge } from "../../store/age.ts";
-import { clock1s } from "../../store/clock1s.ts";
-import type { Watch } from "../../store/run.ts";
-import { elapsedNow } from "../../store/run_clock.ts";
+import type { Watch } from "../../store/history/run.ts";
+import { clock1s } from "../../store/page/clock1s.ts";
+import { isGoingOn, runAge } from "../../store/run/age.ts";
+import { elapsedNow } from "../../store/run/run_clock.ts";
 import { useComputed } from "../../ui/signals.ts";
 import { useHost } from "../context.tsx";
 import { duration, growing } from "../parts/duration.ts";

@@ -1,6 +1,6 @@
 import { expect, test } from "vitest";
 import type { Event } from "../../model/generated/protocol.ts";
-import { Journal } from "../../store/journal.ts";
+import { Journal } from "../../store/history/journal.ts";
 import { events } from "../../store/testing/events.ts";
 import { happenedInWords } from "./happened.ts";
 

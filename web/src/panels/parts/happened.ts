@@ -2,8 +2,8 @@
 
 import type { Event } from "../../model/generated/protocol.ts";
 import { idOf, lineage } from "../../model/path.ts";
-import type { Happening } from "../../store/journal.ts";
-import type { MachineSession } from "../../store/machine_session.ts";
+import type { MachineSession } from "../../store/document/machine_session.ts";
+import type { Happening } from "../../store/history/journal.ts";
 
 export type NameOf = (path: string) => string;
 

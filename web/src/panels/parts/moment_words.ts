@@ -1,8 +1,8 @@
 /** The moment of a run that the page shows, in words. */
 
-import { shownIndex } from "../../store/moments.ts";
-import type { OpenTab } from "../../store/page.ts";
-import type { Watch } from "../../store/run.ts";
+import { shownIndex } from "../../store/history/moments.ts";
+import type { Watch } from "../../store/history/run.ts";
+import type { OpenTab } from "../../store/page/page.ts";
 import { useSignal } from "../../ui/signals.ts";
 import { sinceStart } from "./duration.ts";
 import { happenedInWords, namesOf } from "./happened.ts";

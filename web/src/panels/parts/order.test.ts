@@ -1,6 +1,6 @@
 import { expect, test } from "vitest";
 import type { Phase } from "../../model/generated/protocol.ts";
-import type { Active } from "../../store/active.ts";
+import type { Active } from "../../store/run/active.ts";
 import { inOrder } from "./order.ts";
 
 const lane = (path: string, phase: Phase): Active => ({

@@ -1,7 +1,7 @@
 /** In which order branches are told: those that want somebody first, and else as they stand in the machine. */
 
 import type { Phase } from "../../model/generated/protocol.ts";
-import { type Active, placeOfLane } from "../../store/active.ts";
+import { type Active, placeOfLane } from "../../store/run/active.ts";
 
 const URGENCY: readonly Phase[] = ["interrupted", "waiting", "held", "preempted", "running"];
 

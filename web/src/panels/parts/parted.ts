@@ -3,10 +3,10 @@
 
 import { type Signal, signal } from "@preact/signals-core";
 import type { Comparison } from "../../model/generated/protocol.ts";
-import { comparedRun } from "../../store/compared_run.ts";
-import type { Page } from "../../store/page.ts";
-import type { Watch } from "../../store/run.ts";
-import { RefusalError } from "../../store/server.ts";
+import { comparedRun } from "../../store/history/compared_run.ts";
+import type { Watch } from "../../store/history/run.ts";
+import type { Page } from "../../store/page/page.ts";
+import { RefusalError } from "../../store/page/server.ts";
 
 export interface Compared {
   readonly other: string;

@@ -1,5 +1,5 @@
 import { expect, test } from "vitest";
-import type { SentCommand } from "../../store/run.ts";
+import type { SentCommand } from "../../store/history/run.ts";
 import { sentLines } from "./sent.ts";
 
 const NOW_MS = 100_000;

@@ -2,7 +2,7 @@
  * a glance is enough; all others stay until somebody has seen them. */
 
 import type { Command } from "../../model/generated/protocol.ts";
-import type { SentCommand } from "../../store/run.ts";
+import type { SentCommand } from "../../store/history/run.ts";
 
 export interface SentLine {
   readonly id: string;

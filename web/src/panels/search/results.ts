@@ -1,7 +1,7 @@
 /** What the search shows: places of one machine or of all that are open, the best first. */
 
 import { type SearchHit, type SearchScope, search } from "../../model/search.ts";
-import type { OpenTab } from "../../store/page.ts";
+import type { OpenTab } from "../../store/page/page.ts";
 
 export interface SearchResult {
   readonly key: string;

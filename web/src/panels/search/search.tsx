@@ -13,9 +13,9 @@ import {
 } from "react";
 import { namesTo } from "../../model/machine.ts";
 import type { SearchField, SearchScope } from "../../model/search.ts";
-import type { OpenTab } from "../../store/page.ts";
-import { scriptLineRevealRequest } from "../../store/script_line_reveal_request.ts";
-import { searchRevealRequest } from "../../store/search_reveal_request.ts";
+import type { OpenTab } from "../../store/page/page.ts";
+import { scriptLineRevealRequest } from "../../store/page/script_line_reveal_request.ts";
+import { searchRevealRequest } from "../../store/page/search_reveal_request.ts";
 import { Empty } from "../../ui/empty.tsx";
 import { Checkbox, TextField } from "../../ui/field.tsx";
 import { Marked } from "../../ui/marked.tsx";

@@ -3,8 +3,8 @@
 import { Flame, RefreshCw } from "lucide-react";
 import { type RefObject, useLayoutEffect, useMemo, useRef, useState } from "react";
 import type { StateStatistics } from "../../model/generated/protocol.ts";
-import type { OpenTab } from "../../store/page.ts";
-import type { Watch } from "../../store/run.ts";
+import type { Watch } from "../../store/history/run.ts";
+import type { OpenTab } from "../../store/page/page.ts";
 import { Button, IconButton } from "../../ui/button.tsx";
 import { Empty } from "../../ui/empty.tsx";
 import { TextField } from "../../ui/field.tsx";

@@ -3,9 +3,9 @@
 import { type RefObject, useCallback, useEffect, useMemo, useRef, useState } from "react";
 import type { Statistics } from "../../model/generated/protocol.ts";
 import { lineage } from "../../model/path.ts";
-import type { OpenTab } from "../../store/page.ts";
-import type { Runs, Watch } from "../../store/run.ts";
-import { statisticsUntil } from "../../store/statistics_until.ts";
+import type { Runs, Watch } from "../../store/history/run.ts";
+import { statisticsUntil } from "../../store/history/statistics_until.ts";
+import type { OpenTab } from "../../store/page/page.ts";
 import { useSignal } from "../../ui/signals.ts";
 import { namesOf } from "../parts/happened.ts";
 

@@ -5,9 +5,9 @@ import type { ReactElement } from "react";
 import { allCommands } from "../../commands/all.ts";
 import { testContext } from "../../commands/testing/context.ts";
 import type { RunSummary } from "../../model/generated/protocol.ts";
-import type { MachineSession } from "../../store/machine_session.ts";
-import type { OpenTab, Page } from "../../store/page.ts";
-import type { Watch } from "../../store/run.ts";
+import type { MachineSession } from "../../store/document/machine_session.ts";
+import type { Watch } from "../../store/history/run.ts";
+import type { OpenTab, Page } from "../../store/page/page.ts";
 import { mount } from "../../ui/testing/mounted.tsx";
 import { PanelHostProvider } from "../context.tsx";
 

@@ -1,7 +1,7 @@
 import { expect, test } from "vitest";
-import { Calls, NONE } from "../../store/calls.ts";
-import { Journal } from "../../store/journal.ts";
-import { type CallRow, RunLanes } from "../../store/lanes.ts";
+import { Calls, NONE } from "../../store/history/calls.ts";
+import { Journal } from "../../store/history/journal.ts";
+import { type CallRow, RunLanes } from "../../store/history/lanes.ts";
 import { events, randomRun } from "../../store/testing/events.ts";
 import { barsOf, callAt } from "./bars.ts";
 

@@ -1,8 +1,8 @@
 /** What of a row shows in a part of a run's time: a bar for each call that is wide enough; of those that are not, how many lie
  * together and how many of them failed. So a row costs as much as it is wide, however much happened. */
 
-import { type Calls, NONE } from "../../store/calls.ts";
-import { type CallLook, type CallRow, hasFailed, lookOf } from "../../store/lanes.ts";
+import { type Calls, NONE } from "../../store/history/calls.ts";
+import { type CallLook, type CallRow, hasFailed, lookOf } from "../../store/history/lanes.ts";
 import type { TimeSpan } from "./span.ts";
 
 export type Bar =

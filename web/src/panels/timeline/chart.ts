@@ -1,12 +1,12 @@
 /** The two canvases of the time line: keeps them painted, a frame at most for each change, and takes the pointer. */
 
 import { effect } from "@preact/signals-core";
-import { NONE } from "../../store/calls.ts";
-import type { Gap } from "../../store/gaps.ts";
-import { showIndex, showTime } from "../../store/moments.ts";
-import { notesOf } from "../../store/notes.ts";
-import type { OpenTab } from "../../store/page.ts";
-import { select, selectedStates } from "../../store/view.ts";
+import { NONE } from "../../store/history/calls.ts";
+import { showIndex, showTime } from "../../store/history/moments.ts";
+import { notesOf } from "../../store/history/notes.ts";
+import type { OpenTab } from "../../store/page/page.ts";
+import { select, selectedStates } from "../../store/page/view.ts";
+import type { Gap } from "../../store/run/gaps.ts";
 import { inksOf, onTheme } from "../../ui/inks.ts";
 import { namesOf } from "../parts/happened.ts";
 import { barsOf, type Scale, timeAt, xOf } from "./bars.ts";

@@ -1,7 +1,7 @@
 /** What keys do on the time line: arrows go event by event, with Ctrl from entry to entry of the selected state, Home and End to the
  * ends. */
 
-import { stepPlayhead, toEnd, toEntry } from "../../store/moments.ts";
+import { stepPlayhead, toEnd, toEntry } from "../../store/history/moments.ts";
 import type { TimelineModel } from "./model.ts";
 
 export interface TimelineKey {

@@ -1,7 +1,7 @@
 import { expect, test } from "vitest";
-import { Calls } from "../../store/calls.ts";
-import { Journal } from "../../store/journal.ts";
-import { RunLanes } from "../../store/lanes.ts";
+import { Calls } from "../../store/history/calls.ts";
+import { Journal } from "../../store/history/journal.ts";
+import { RunLanes } from "../../store/history/lanes.ts";
 import { events } from "../../store/testing/events.ts";
 import { lanesIn, layoutOf, ROW_PX, rowAt } from "./layout.ts";
 

@@ -1,7 +1,7 @@
 /** Where lanes and their rows stand on the time line: a folded lane shows one row, what worked in it. */
 
-import type { Calls } from "../../store/calls.ts";
-import type { CallRow, Lane } from "../../store/lanes.ts";
+import type { Calls } from "../../store/history/calls.ts";
+import type { CallRow, Lane } from "../../store/history/lanes.ts";
 import type { TimeSpan } from "./span.ts";
 
 export const ROW_PX = 18;

@@ -2,14 +2,14 @@
  * is at. Belongs to the run as this page watches it. */
 
 import { type Signal, signal } from "@preact/signals-core";
-import { type Calls, callsOf, NONE } from "../../store/calls.ts";
-import { clock1s } from "../../store/clock1s.ts";
-import { JournalHits } from "../../store/journal_hits.ts";
-import { lanesOf } from "../../store/lanes.ts";
-import { showIndex, shownIndex } from "../../store/moments.ts";
-import type { Page } from "../../store/page.ts";
-import { progressAt } from "../../store/progress.ts";
-import type { Watch } from "../../store/run.ts";
+import { type Calls, callsOf, NONE } from "../../store/history/calls.ts";
+import { JournalHits } from "../../store/history/journal_hits.ts";
+import { lanesOf } from "../../store/history/lanes.ts";
+import { showIndex, shownIndex } from "../../store/history/moments.ts";
+import type { Watch } from "../../store/history/run.ts";
+import { clock1s } from "../../store/page/clock1s.ts";
+import type { Page } from "../../store/page/page.ts";
+import { progressAt } from "../../store/run/progress.ts";
 import type { NameOf } from "../parts/happened.ts";
 import { lanesIn, layoutOf, type TimelineLayout } from "./layout.ts";
 import { fitted, type SpanRequest, spanOf, type TimeSpan, withTime, zoomed } from "./span.ts";

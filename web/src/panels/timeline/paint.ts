@@ -1,10 +1,10 @@
 /** Paints the time line: rows of bars, and the ruler above with what is worth a mark. */
 
-import type { Calls } from "../../store/calls.ts";
-import type { Gap } from "../../store/gaps.ts";
-import type { JournalHits } from "../../store/journal_hits.ts";
-import type { CallLook } from "../../store/lanes.ts";
-import { NOTE_KINDS, type NoteKind, type Notes } from "../../store/notes.ts";
+import type { Calls } from "../../store/history/calls.ts";
+import type { JournalHits } from "../../store/history/journal_hits.ts";
+import type { CallLook } from "../../store/history/lanes.ts";
+import { NOTE_KINDS, type NoteKind, type Notes } from "../../store/history/notes.ts";
+import type { Gap } from "../../store/run/gaps.ts";
 import type { Inks } from "../../ui/inks.ts";
 import { sinceStart } from "../parts/duration.ts";
 import type { NameOf } from "../parts/happened.ts";

@@ -1,9 +1,9 @@
 /** What the pointer is at on the time line: which state, when, how long, how it ended. */
 
-import { errorInWords } from "../../store/failures.ts";
-import type { Journal } from "../../store/journal.ts";
-import { type CallLook, hasFailed, lookOf } from "../../store/lanes.ts";
-import type { OpenTab } from "../../store/page.ts";
+import { errorInWords } from "../../store/history/failures.ts";
+import type { Journal } from "../../store/history/journal.ts";
+import { type CallLook, hasFailed, lookOf } from "../../store/history/lanes.ts";
+import type { OpenTab } from "../../store/page/page.ts";
 import { useSignal } from "../../ui/signals.ts";
 import { measured, sinceStart } from "../parts/duration.ts";
 import { namesOf } from "../parts/happened.ts";

@@ -13,11 +13,11 @@ import {
   ZoomOut,
 } from "lucide-react";
 import { useEffect, useRef } from "react";
-import { gapsOf } from "../../store/gaps.ts";
-import { shownIndex, toEnd } from "../../store/moments.ts";
-import type { OpenTab } from "../../store/page.ts";
-import type { Watch } from "../../store/run.ts";
-import { selectedStates } from "../../store/view.ts";
+import { shownIndex, toEnd } from "../../store/history/moments.ts";
+import type { Watch } from "../../store/history/run.ts";
+import type { OpenTab } from "../../store/page/page.ts";
+import { selectedStates } from "../../store/page/view.ts";
+import { gapsOf } from "../../store/run/gaps.ts";
 import { Button, IconButton } from "../../ui/button.tsx";
 import { Empty } from "../../ui/empty.tsx";
 import { TextField } from "../../ui/field.tsx";

@@ -2,7 +2,7 @@
 
 import { useEffect, useRef, useState } from "react";
 import type uPlot from "uplot";
-import type { SeriesPoint } from "../../store/series.ts";
+import type { SeriesPoint } from "../../store/history/series.ts";
 import { useSignal } from "../../ui/signals.ts";
 import { duration } from "../parts/duration.ts";
 import "uplot/dist/uPlot.min.css";

@@ -5,16 +5,16 @@ import { useEffect, useMemo } from "react";
 import { type Expression, readExpression } from "../../model/expression.ts";
 import { namesTo } from "../../model/machine.ts";
 import { previewValue } from "../../model/preview.ts";
-import type { OpenTab } from "../../store/page.ts";
-import type { Watch } from "../../store/run.ts";
-import type { ChangeOfValue } from "../../store/series.ts";
-import { ValueHistory } from "../../store/value_history.ts";
+import type { Watch } from "../../store/history/run.ts";
+import type { ChangeOfValue } from "../../store/history/series.ts";
+import type { OpenTab } from "../../store/page/page.ts";
+import { ValueHistory } from "../../store/run/value_history.ts";
 import {
   changeWatched,
   removeWatched,
   type WatchedExpression,
   WHOLE,
-} from "../../store/watched_values.ts";
+} from "../../store/run/watched_values.ts";
 import { IconButton } from "../../ui/button.tsx";
 import { TextField } from "../../ui/field.tsx";
 import { useSignal } from "../../ui/signals.ts";

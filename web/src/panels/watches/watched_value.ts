@@ -1,7 +1,7 @@
 /** One watched value of one run, as its parts are given it. */
 
-import type { Watch } from "../../store/run.ts";
-import type { ValueHistory } from "../../store/value_history.ts";
+import type { Watch } from "../../store/history/run.ts";
+import type { ValueHistory } from "../../store/run/value_history.ts";
 
 export interface WatchedValue {
   /** What is watched, in words. */

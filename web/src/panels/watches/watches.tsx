@@ -3,9 +3,9 @@
 import { computed } from "@preact/signals-core";
 import { type DragEvent, useMemo, useState } from "react";
 import { type PortKind, portsOf } from "../../model/machine.ts";
-import type { OpenTab } from "../../store/page.ts";
-import { selectedStates } from "../../store/view.ts";
-import { addWatched, type Target, watchedOf } from "../../store/watched_values.ts";
+import type { OpenTab } from "../../store/page/page.ts";
+import { selectedStates } from "../../store/page/view.ts";
+import { addWatched, type Target, watchedOf } from "../../store/run/watched_values.ts";
 import { Empty } from "../../ui/empty.tsx";
 import { useSignal } from "../../ui/signals.ts";
 import { useActiveTab } from "../context.tsx";

@@ -2,8 +2,8 @@
 
 import { signal } from "@preact/signals-core";
 import type { Event, RunNow, RunSummary } from "../../model/generated/protocol.ts";
-import { Journal } from "../journal.ts";
-import type { SentCommand, Watch } from "../run.ts";
+import { Journal } from "../history/journal.ts";
+import type { SentCommand, Watch } from "../history/run.ts";
 
 export const STARTED_MS = 1_000_000;
 

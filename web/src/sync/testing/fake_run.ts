@@ -15,7 +15,7 @@ import {
   RefusalError,
   type Server,
   type ServerPulse,
-} from "../../store/server.ts";
+} from "../../store/page/server.ts";
 
 /** A request that waits for its answer. */
 export interface Asked {

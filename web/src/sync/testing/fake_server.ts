@@ -15,9 +15,9 @@ import type {
   ToClient,
 } from "../../model/generated/protocol.ts";
 import { isSame } from "../../model/json.ts";
-import { OptimisticDocument } from "../../store/optimistic_document.ts";
-import { predictedWrites } from "../../store/predict/predict.ts";
-import { type Follower, type Link, RefusalError, type Server } from "../../store/server.ts";
+import { OptimisticDocument } from "../../store/document/optimistic_document.ts";
+import { predictedWrites } from "../../store/document/predict/predict.ts";
+import { type Follower, type Link, RefusalError, type Server } from "../../store/page/server.ts";
 
 const SESSION = {
   user: "anna",

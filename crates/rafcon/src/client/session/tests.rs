@@ -22,7 +22,7 @@ use Turn::{Cut, Hear, Say, Wait};
 fn check(every_event: bool, turns: Vec<Turn>, expect: &Expect) {
     let mut session = Session::new("RUN".to_owned());
     let (mut now_ms, mut text) = (0, String::new());
-    let join = ToRunner::Join(Join { from: 0, every_event, values: false });
+    let join = ToRunner::Join(Join { from: 0, every_event });
     let first = [Hear(welcome(0)), Say(Box::new(join))];
     for turn in first.into_iter().chain(turns) {
         let mut todo = Todo::default();
@@ -118,7 +118,7 @@ fn a_run_is_joined_where_it_stands_and_goes_on_from_its_cursor() {
             Hear(paused(&[], 14)),
         ],
         &expect![[r#"
-            Hello(Hello { protocol: 2, program: "0.1.0" })
+            Hello(Hello { protocol: 3, program: "0.1.0" })
             --
             > {"frame":"subscribe","subscription":1,"topic":{"topic":"run_status","run":"RUN"}}
             --
@@ -162,7 +162,7 @@ fn commands_have_an_expiry_and_are_said_again_by_the_same_id() {
             Hear(status("live", "up", Some(7), 7)),
         ],
         &expect![[r#"
-            Hello(Hello { protocol: 2, program: "0.1.0" })
+            Hello(Hello { protocol: 3, program: "0.1.0" })
             --
             > {"frame":"subscribe","subscription":1,"topic":{"topic":"run_status","run":"RUN"}}
             --
@@ -211,7 +211,7 @@ fn a_command_without_an_answer_is_said_again_while_it_is_wanted() {
             Wait(2),
         ],
         &expect![[r#"
-            Hello(Hello { protocol: 2, program: "0.1.0" })
+            Hello(Hello { protocol: 3, program: "0.1.0" })
             --
             > {"frame":"subscribe","subscription":1,"topic":{"topic":"run_status","run":"RUN"}}
             --
@@ -248,7 +248,7 @@ fn only_what_is_rare_is_shown_in_a_picture() {
             Hear(json!({"frame": "events", "subscription": 2, "next": 4, "events": events})),
         ],
         &expect![[r#"
-            Hello(Hello { protocol: 2, program: "0.1.0" })
+            Hello(Hello { protocol: 3, program: "0.1.0" })
             --
             > {"frame":"subscribe","subscription":1,"topic":{"topic":"run_status","run":"RUN"}}
             --
@@ -277,7 +277,7 @@ fn a_run_that_nobody_takes_up_is_lost_once_all_was_told() {
             Wait(1),
         ],
         &expect![[r#"
-            Hello(Hello { protocol: 2, program: "0.1.0" })
+            Hello(Hello { protocol: 3, program: "0.1.0" })
             --
             > {"frame":"subscribe","subscription":1,"topic":{"topic":"run_status","run":"RUN"}}
             --
@@ -313,7 +313,7 @@ fn of_a_run_that_is_over_the_end_is_told() {
             Hear(json!({"frame": "ended", "subscription": 2, "refusal": null})),
         ],
         &expect![[r#"
-            Hello(Hello { protocol: 2, program: "0.1.0" })
+            Hello(Hello { protocol: 3, program: "0.1.0" })
             --
             > {"frame":"subscribe","subscription":1,"topic":{"topic":"run_status","run":"RUN"}}
             --
@@ -335,7 +335,7 @@ fn a_server_of_another_version_is_not_spoken_with() {
         true,
         vec![Hear(frame)],
         &expect![[r#"
-            Hello(Hello { protocol: 2, program: "0.1.0" })
+            Hello(Hello { protocol: 3, program: "0.1.0" })
             --
             > {"frame":"subscribe","subscription":1,"topic":{"topic":"run_status","run":"RUN"}}
             --
@@ -355,7 +355,7 @@ fn what_the_server_does_not_want_ends_the_visit() {
             Hear(json!({"frame": "ended", "subscription": 1, "refusal": refusal})),
         ],
         &expect![[r#"
-            Hello(Hello { protocol: 2, program: "0.1.0" })
+            Hello(Hello { protocol: 3, program: "0.1.0" })
             --
             > {"frame":"subscribe","subscription":1,"topic":{"topic":"run_status","run":"RUN"}}
             --
@@ -382,7 +382,7 @@ fn a_runner_that_does_not_answer_is_told_once_and_so_is_that_it_does_again() {
             Hear(status("live", "silent", Some(7), 9)),
         ],
         &expect![[r#"
-            Hello(Hello { protocol: 2, program: "0.1.0" })
+            Hello(Hello { protocol: 3, program: "0.1.0" })
             --
             > {"frame":"subscribe","subscription":1,"topic":{"topic":"run_status","run":"RUN"}}
             --

@@ -304,7 +304,7 @@ fn a_stranger_is_not_spoken_with() {
          0 exited 9",
         &expect![[r#"
             0: Kill
-            0: NotStarted { reason: "the other side (version 9.9) speaks protocol 99, this one speaks 2: install the rafcon binary and its extension from the same build", said: [] }, exit code 1
+            0: NotStarted { reason: "the other side (version 9.9) speaks protocol 99, this one speaks 3: install the rafcon binary and its extension from the same build", said: [] }, exit code 1
         "#]],
     );
 }

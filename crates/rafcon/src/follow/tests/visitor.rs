@@ -67,7 +67,7 @@ fn a_visitor_joins_commands_and_leaves() {
             Cause::Wish(Wish::Leave),
         ],
         &expect![[r#"
-            Send(Join(Join { from: 0, every_event: false, values: false }))
+            Send(Join(Join { from: 0, every_event: false }))
             Send(Command(Envelope { id: "attach-1", author: "ana", decided_on: None, expiry: None, command: Pause }))
             Note("refused: the run is running")
             Send(Inspect { id: "attach-2", path: "A" })
@@ -81,7 +81,7 @@ fn a_runner_that_dies_is_told_with_the_way_out() {
         RunRole::Guest,
         vec![Cause::Hello(Hello::ours()), entered("A"), Cause::Silence],
         &expect![[r#"
-            Send(Join(Join { from: 0, every_event: false, values: false }))
+            Send(Join(Join { from: 0, every_event: false }))
             Show(Event { sequence: 1, t_ns: 0, event: Entered { path: "A", inputs: None, undoes: None } })
             Died(RunnerDeath { reason: "its runner is gone", active: ["A"], said: [], is_cut_off: false, is_wanted: false }), exit code 7"#]],
     );
@@ -99,7 +99,7 @@ fn a_run_that_was_asked_for_is_stopped_and_killed() {
             Cause::Silence,
         ],
         &expect![[r#"
-            Send(Join(Join { from: 0, every_event: false, values: false }))
+            Send(Join(Join { from: 0, every_event: false }))
             Show(Event { sequence: 1, t_ns: 0, event: Entered { path: "A", inputs: None, undoes: None } })
             Note("stopping; press Ctrl-C again to kill")
             Send(Command(Envelope { id: "attach-1", author: "ana", decided_on: None, expiry: None, command: Stop }))
@@ -135,7 +135,7 @@ fn an_engine_that_takes_no_inputs_is_told_and_so_is_its_return() {
         visit.handle(Duration::from_secs(second), cause, &mut actions);
     }
     expect![[r#"
-        Send(Join(Join { from: 0, every_event: false, values: false }))
+        Send(Join(Join { from: 0, every_event: false }))
         Send(Ping { id: 1 })
         Send(Ping { id: 2 })
         Send(Ping { id: 3 })
@@ -154,7 +154,7 @@ fn another_version_is_refused() {
         RunRole::Guest,
         vec![Cause::Hello(hello)],
         &expect![[r#"
-        LoadFailed { reason: "the other side (version 0.0.1) speaks protocol 0, this one speaks 2: install the rafcon binary and its extension from the same build" }, exit code 1"#]],
+        LoadFailed { reason: "the other side (version 0.0.1) speaks protocol 0, this one speaks 3: install the rafcon binary and its extension from the same build" }, exit code 1"#]],
     );
 }
 

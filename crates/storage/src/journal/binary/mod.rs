@@ -5,7 +5,7 @@ mod reader;
 mod tests;
 mod writer;
 
-pub(super) use reader::BinaryReader;
+pub(super) use reader::{BinaryReader, Sent};
 pub(super) use writer::BinaryWriter;
 
 use rafcon_protocol::{LogLevel, Stream};

@@ -11,6 +11,15 @@ use serde::de::DeserializeOwned;
 use smol_str::SmolStr;
 use std::num::NonZeroU64;
 
+/// An item of a stream.
+#[derive(Debug)]
+pub(in crate::journal) enum Sent<'b> {
+    Place(PlaceNumber, Place),
+    /// A value as [`Stored::to_bytes`] writes it.
+    Value(ValueNumber, &'b [u8]),
+    Record(u64, Record),
+}
+
 #[derive(Debug)]
 pub(in crate::journal) struct BinaryReader<'b> {
     bytes: &'b [u8],
@@ -41,6 +50,32 @@ impl<'b> BinaryReader<'b> {
         }
         let t_ns = t_ns.saturating_add(self.number()?);
         Ok(Item::Record(t_ns, self.record(tag)?))
+    }
+
+    /// The next item of a stream; `t_ns` is the time of the record before it. A value is left in its bytes.
+    pub(in crate::journal) fn sent(&mut self, t_ns: u64) -> Result<Sent<'b>, Broken> {
+        if self.bytes.first() == Some(&VALUE) {
+            self.byte()?;
+            return Ok(Sent::Value(ValueNumber(self.number()?), self.stored_bytes()?));
+        }
+        Ok(match self.item(t_ns)? {
+            Item::Definition(Definition::Place(number, place)) => Sent::Place(number, place),
+            Item::Definition(Definition::Value(..)) => return Err(self.broken("a value")),
+            Item::Record(t_ns, record) => Sent::Record(t_ns, record),
+        })
+    }
+
+    fn stored_bytes(&mut self) -> Result<&'b [u8], Broken> {
+        let from = self.bytes;
+        self.bytes()?;
+        self.text()?;
+        self.content()?;
+        Ok(&from[..from.len() - self.bytes.len()])
+    }
+
+    /// What was not read yet.
+    pub(in crate::journal) fn rest(&self) -> &'b [u8] {
+        self.bytes
     }
 
     fn record(&mut self, tag: u8) -> Result<Record, Broken> {
@@ -100,14 +135,17 @@ impl<'b> BinaryReader<'b> {
 
     pub(in crate::journal) fn stored(&mut self) -> Result<Stored, Broken> {
         let (view, type_name) = (self.json()?, SmolStr::from(self.text()?));
-        let content = match self.byte()? {
+        Ok(Stored { view, type_name, content: self.content()? })
+    }
+
+    fn content(&mut self) -> Result<Content, Broken> {
+        Ok(match self.byte()? {
             0 => Content::View,
             1 => Content::Pickle(self.bytes()?.to_vec()),
             2 => Content::File { hash: self.text()?.to_owned(), size: self.number()? },
             3 => Content::Nothing(self.text()?.to_owned()),
             _ => return Err(self.broken("an unknown kind of content")),
-        };
-        Ok(Stored { view, type_name, content })
+        })
     }
 
     fn kept(&mut self) -> Result<Kept, Broken> {

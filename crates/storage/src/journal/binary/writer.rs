@@ -97,7 +97,9 @@ impl<'o> BinaryWriter<'o> {
     pub(in crate::journal) fn definition(&mut self, definition: &Definition) {
         match definition {
             Definition::Place(number, place) => self.place_definition(*number, place),
-            Definition::Value(number, stored) => self.value_definition(*number, stored),
+            Definition::Value(number, stored) => {
+                self.value_definition(*number, stored);
+            }
         }
     }
 
@@ -107,10 +109,15 @@ impl<'o> BinaryWriter<'o> {
         self.place(place);
     }
 
-    pub(in crate::journal) fn value_definition(&mut self, number: ValueNumber, stored: &Stored) {
+    /// Gives where the content begins.
+    pub(in crate::journal) fn value_definition(
+        &mut self,
+        number: ValueNumber,
+        stored: &Stored,
+    ) -> usize {
         self.out.push(VALUE);
         self.number(number.0);
-        self.stored(stored);
+        self.stored(stored)
     }
 
     fn tag(&mut self, tag: u8, delta: u64) {
@@ -139,9 +146,11 @@ impl<'o> BinaryWriter<'o> {
         });
     }
 
-    pub(in crate::journal) fn stored(&mut self, stored: &Stored) {
+    /// Gives where the content begins.
+    pub(in crate::journal) fn stored(&mut self, stored: &Stored) -> usize {
         self.json(&stored.view);
         self.text(&stored.type_name);
+        let content = self.out.len();
         match &stored.content {
             Content::View => self.out.push(0),
             Content::Pickle(bytes) => {
@@ -158,6 +167,7 @@ impl<'o> BinaryWriter<'o> {
                 self.text(why);
             }
         }
+        content
     }
 
     fn kept(&mut self, value: &Kept) {

@@ -1,6 +1,6 @@
 /** A value that is dragged from where it stands to where it is to be watched. */
 
-import type { Target } from "../../../store/watched_values.ts";
+import type { Target } from "../../../store/run/watched_values.ts";
 
 const TYPE = "application/x-rafcon-value";
 

@@ -1,6 +1,6 @@
 // @vitest-environment happy-dom
 import { afterEach, expect, test } from "vitest";
-import type { Runs } from "../../../store/run.ts";
+import type { Runs } from "../../../store/history/run.ts";
 import { draw, mount, settled, unmount } from "../../../ui/testing/mounted.tsx";
 import { useDetail } from "./use_detail.ts";
 

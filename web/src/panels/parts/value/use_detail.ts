@@ -2,8 +2,8 @@
 
 import { useEffect, useRef, useState } from "react";
 import type { EventDetail } from "../../../model/generated/protocol.ts";
-import { eventDetail } from "../../../store/event_details.ts";
-import type { Runs } from "../../../store/run.ts";
+import { eventDetail } from "../../../store/history/event_details.ts";
+import type { Runs } from "../../../store/history/run.ts";
 
 export interface Detailed {
   /** The newest that came; null before the first. */

@@ -3,13 +3,13 @@
 import { computed } from "@preact/signals-core";
 import { useEffect, useMemo } from "react";
 import { portsOf } from "../../../model/machine.ts";
-import { originOf } from "../../../store/origin.ts";
-import type { OpenTab, Page } from "../../../store/page.ts";
-import type { Watch } from "../../../store/run.ts";
-import { pictureOf, stateStatusOf } from "../../../store/state_status.ts";
-import { valueIn } from "../../../store/value_history.ts";
-import { visitsOf } from "../../../store/visits.ts";
-import type { Target } from "../../../store/watched_values.ts";
+import { originOf } from "../../../store/history/origin.ts";
+import type { Watch } from "../../../store/history/run.ts";
+import { visitsOf } from "../../../store/history/visits.ts";
+import type { OpenTab, Page } from "../../../store/page/page.ts";
+import { pictureOf, stateStatusOf } from "../../../store/run/state_status.ts";
+import { valueIn } from "../../../store/run/value_history.ts";
+import type { Target } from "../../../store/run/watched_values.ts";
 import { useThrottled } from "../../../ui/throttled.ts";
 import { type Detailed, useDetail } from "./use_detail.ts";
 

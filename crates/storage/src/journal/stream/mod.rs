@@ -1,0 +1,154 @@
+//! Events as a runner sends them: the items of its journal as they were encoded for it, each definition before the first event
+//! that names it. Knows bytes and numbers; must never know who sends or reads them.
+//!
+//! Values come without their content: a reader sees their views.
+
+mod definitions;
+mod history;
+mod reader;
+#[cfg(test)]
+mod tests;
+
+pub use definitions::StreamDefinitions;
+pub use history::PlaceHistory;
+pub use reader::StreamReader;
+
+use super::binary::{BinaryReader, BinaryWriter, Broken, Sent};
+use super::record::{Place, PlaceNumber, Record, ValueNumber};
+
+/// An event names a value at most so many events after its definition; then the value is defined again. So a journal may forget a
+/// value with the events that could name it, and so may a reader of the stream.
+pub const VALUE_LIFE: u64 = 100_000;
+
+/// Stands for the content of a value in a stream: there is none.
+pub const NO_CONTENT: [u8; 2] = [3, 0];
+
+/// Events that follow one another, as they are sent.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct EventBlock<'b> {
+    /// Number of the first event.
+    pub first: u64,
+    /// Time of the event before it, in ns.
+    pub t_before: u64,
+    /// The events with the definitions that they need, as [`super::Item`]s.
+    pub items: &'b [u8],
+}
+
+/// One item of a block.
+#[derive(Debug)]
+pub enum StreamItem<'b> {
+    /// The number stands for this place from event `from` on.
+    Place {
+        /// The first event.
+        from: u64,
+        /// The number.
+        number: PlaceNumber,
+        /// The place.
+        place: Place,
+    },
+    /// The number stands for this value from event `from` on.
+    Value {
+        /// The first event.
+        from: u64,
+        /// The number.
+        number: ValueNumber,
+        /// The value, as [`super::Stored::from_bytes`] reads it.
+        stored: &'b [u8],
+    },
+    /// Something happened.
+    Event {
+        /// Its number.
+        sequence: u64,
+        /// When, in ns since the start of the run.
+        t_ns: u64,
+        /// What.
+        record: Record,
+        /// The same in bytes.
+        bytes: &'b [u8],
+    },
+}
+
+impl<'b> EventBlock<'b> {
+    /// Appends the block to `out`.
+    pub fn write(&self, out: &mut Vec<u8>) {
+        let mut writer = BinaryWriter::new(out);
+        writer.number(self.first);
+        writer.number(self.t_before);
+        writer.bytes(self.items);
+    }
+
+    /// All blocks in `bytes`, up to the first that is broken.
+    pub fn read_all(bytes: &'b [u8]) -> impl Iterator<Item = Result<Self, Broken>> {
+        let mut reader = BinaryReader::new(bytes);
+        std::iter::from_fn(move || {
+            let block = (!reader.is_at_end()).then(|| Self::read(&mut reader))?;
+            if block.is_err() {
+                reader = BinaryReader::new(&[]);
+            }
+            Some(block)
+        })
+    }
+
+    fn read(reader: &mut BinaryReader<'b>) -> Result<Self, Broken> {
+        let (first, t_before) = (reader.number()?, reader.number()?);
+        Ok(Self { first, t_before, items: reader.bytes()? })
+    }
+
+    /// Its items in their order, up to the first that is broken.
+    pub fn items(&self) -> StreamItems<'b> {
+        let reader = BinaryReader::new(self.items);
+        StreamItems { reader, sequence: self.first, t_ns: self.t_before }
+    }
+}
+
+/// Reads the items of a block.
+#[derive(Debug)]
+pub struct StreamItems<'b> {
+    reader: BinaryReader<'b>,
+    sequence: u64,
+    t_ns: u64,
+}
+
+impl<'b> StreamItems<'b> {
+    fn read(&mut self) -> Result<StreamItem<'b>, Broken> {
+        let before = self.reader.rest();
+        let from = self.sequence;
+        Ok(match self.reader.sent(self.t_ns)? {
+            Sent::Place(number, place) => StreamItem::Place { from, number, place },
+            Sent::Value(number, stored) => StreamItem::Value { from, number, stored },
+            Sent::Record(t_ns, record) => {
+                self.t_ns = t_ns;
+                self.sequence = from
+                    .checked_add(1)
+                    .ok_or_else(|| self.reader.broken("too large a number of an event"))?;
+                let bytes = &before[..before.len() - self.reader.rest().len()];
+                StreamItem::Event { sequence: from, t_ns, record, bytes }
+            }
+        })
+    }
+
+    /// The number of the next event, the time of the one before it, and how many bytes are left.
+    pub fn position(&self) -> (u64, u64, usize) {
+        (self.sequence, self.t_ns, self.reader.rest().len())
+    }
+}
+
+impl<'b> Iterator for StreamItems<'b> {
+    type Item = Result<StreamItem<'b>, Broken>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        if self.reader.is_at_end() {
+            return None;
+        }
+        let item = self.read();
+        if item.is_err() {
+            self.reader = BinaryReader::new(&[]);
+        }
+        Some(item)
+    }
+}
+
+/// Appends the definition of a place to the items of a stream.
+pub fn write_place(number: PlaceNumber, place: &Place, out: &mut Vec<u8>) {
+    BinaryWriter::new(out).place_definition(number, place);
+}

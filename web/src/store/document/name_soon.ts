@@ -1,0 +1,25 @@
+/** Names of states that may lie in a library whose content is not here yet: it is loaded for them. */
+
+import type { Machine } from "../../model/machine.ts";
+import { idOf, lineage } from "../../model/path.ts";
+import type { MachineSession } from "./machine_session.ts";
+
+/** The name of a state; its id if the machine does not have it, with all libraries around it loaded. */
+export async function nameSoon(
+  session: {
+    readonly machine: Pick<Machine, "state">;
+    readonly loadLibrary: MachineSession["loadLibrary"];
+  },
+  path: string,
+): Promise<string> {
+  const { machine } = session;
+  const asked = new Set<string>();
+  for (;;) {
+    const state = machine.state(path);
+    if (state) return state.name;
+    const library = lineage(path).findLast((outer) => machine.state(outer)?.kind === "library");
+    if (library === undefined || asked.has(library)) return idOf(path);
+    asked.add(library);
+    await session.loadLibrary(library);
+  }
+}

@@ -1,0 +1,70 @@
+/** What an edit will do, said as writes upon a machine that are not made yet. */
+
+import type { HeaderDocument, StateDocument } from "../../../model/generated/protocol.ts";
+import type { Machine } from "../../../model/machine.ts";
+import { isWithin, lineage } from "../../../model/path.ts";
+
+export type Write =
+  | { readonly put: StateDocument }
+  | { readonly remove: string }
+  | { readonly header: HeaderDocument };
+
+/** The machine with what was written so far. */
+export class PredictedMachine {
+  readonly writes: Write[] = [];
+  readonly #machine: Machine;
+  readonly #states = new Map<string, StateDocument | null>();
+  #header: HeaderDocument;
+
+  constructor(machine: Machine) {
+    this.#machine = machine;
+    this.#header = machine.header;
+  }
+
+  get root(): string {
+    return this.#machine.root;
+  }
+
+  get header(): HeaderDocument {
+    return this.#header;
+  }
+
+  /** The state; nothing inside of libraries. */
+  state(path: string): StateDocument | undefined {
+    const own = this.#states.get(path);
+    if (own) return own;
+    if (lineage(path).some((outer) => this.#states.get(outer) === null)) return undefined;
+    return this.#machine.isInLibrary(path) ? undefined : this.#machine.state(path);
+  }
+
+  /** The state and all inside it, but for libraries. */
+  inside(path: string): readonly StateDocument[] {
+    const paths = new Set<string>();
+    const open = [path];
+    for (let next = open.pop(); next !== undefined; next = open.pop()) {
+      if (this.#machine.isInLibrary(next)) continue;
+      paths.add(next);
+      open.push(...this.#machine.children(next));
+    }
+    for (const written of this.#states.keys()) if (isWithin(written, path)) paths.add(written);
+    return [...paths].flatMap((each) => this.state(each) ?? []);
+  }
+
+  put(state: StateDocument): void {
+    this.#states.set(state.path, state);
+    this.writes.push({ put: state });
+  }
+
+  remove(path: string): void {
+    for (const inner of this.#states.keys()) {
+      if (inner.startsWith(`${path}/`)) this.#states.delete(inner);
+    }
+    this.#states.set(path, null);
+    this.writes.push({ remove: path });
+  }
+
+  setHeader(header: HeaderDocument): void {
+    this.#header = header;
+    this.writes.push({ header });
+  }
+}

@@ -1,0 +1,79 @@
+/** How often and how long states ran, counted while a run is told. */
+
+import type { Outcome } from "../../model/generated/protocol.ts";
+
+export interface Count {
+  readonly path: string;
+  /** How often it was entered; steps back are not counted. */
+  readonly entries: number;
+  /** How often it ran to its end, and how long altogether, at least and at most. */
+  readonly ends: number;
+  readonly total_ns: number;
+  readonly min_ns: number;
+  readonly max_ns: number;
+  /** How long it ran the last times, at most `LENGTHS_MAX` of them, in no order. */
+  readonly lengths_ns: readonly number[];
+  /** When it was entered last. */
+  readonly entered_ns: number;
+  /** When it was left last; null if it never was. */
+  readonly left_ns: number | null;
+  readonly last: Outcome | null;
+}
+
+/** Of so many ends the length is kept, the newest: enough for what is usual. */
+export const LENGTHS_MAX = 31;
+
+type CountDraft = { -readonly [K in keyof Count]: Count[K] } & { readonly lengths_ns: number[] };
+
+export class Counts {
+  readonly #all = new Map<number, CountDraft>();
+  readonly #byPath = new Map<string, CountDraft>();
+
+  get(path: string): Count | undefined {
+    return this.#byPath.get(path);
+  }
+
+  all(): Iterable<Count> {
+    return this.#all.values();
+  }
+
+  entered(number: number, path: string, t_ns: number, isBack: boolean): void {
+    const count = this.#of(number, path);
+    if (!isBack) count.entries += 1;
+    count.entered_ns = t_ns;
+  }
+
+  left(number: number, path: string, t_ns: number, outcome: Outcome, isBack: boolean): void {
+    const count = this.#of(number, path);
+    count.left_ns = t_ns;
+    if (isBack) return;
+    const length = t_ns - count.entered_ns;
+    count.last = outcome;
+    count.lengths_ns[count.ends % LENGTHS_MAX] = length;
+    count.ends += 1;
+    count.total_ns += length;
+    count.min_ns = Math.min(count.min_ns, length);
+    count.max_ns = Math.max(count.max_ns, length);
+  }
+
+  #of(number: number, path: string): CountDraft {
+    let count = this.#all.get(number);
+    if (!count) {
+      count = {
+        path,
+        entries: 0,
+        ends: 0,
+        total_ns: 0,
+        min_ns: Number.POSITIVE_INFINITY,
+        max_ns: 0,
+        lengths_ns: [],
+        entered_ns: 0,
+        left_ns: null,
+        last: null,
+      };
+      this.#all.set(number, count);
+      this.#byPath.set(path, count);
+    }
+    return count;
+  }
+}

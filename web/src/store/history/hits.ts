@@ -1,0 +1,41 @@
+/** How often breakpoints of a run were hit, as its journal says. What was read once is not read again. */
+
+import { computed, type ReadonlySignal } from "@preact/signals-core";
+import type { Event } from "../../model/generated/protocol.ts";
+import type { Watch } from "./run.ts";
+
+interface Tally {
+  /** Events before this index are counted. */
+  at: number;
+  readonly hits: Map<number, number>;
+}
+
+const KNOWN = new WeakMap<Watch, ReadonlySignal<ReadonlyMap<number, number>>>();
+
+/** Hits by the breakpoint's id. A signal's reader. */
+export function hitsOf(watch: Watch): ReadonlyMap<number, number> {
+  let known = KNOWN.get(watch);
+  if (!known) {
+    const tally: Tally = { at: 0, hits: new Map() };
+    known = computed(() => {
+      watch.journalVersion.value;
+      readOn(watch, tally);
+      return new Map(tally.hits);
+    });
+    KNOWN.set(watch, known);
+  }
+  return known.value;
+}
+
+function readOn({ journal }: Watch, tally: Tally): void {
+  for (; tally.at < journal.length; tally.at += 1) {
+    const event = journal.other(tally.at);
+    if (event) count(event, tally.hits);
+  }
+}
+
+function count(event: Event, hits: Map<number, number>): void {
+  if (event.type === "hit") hits.set(event.breakpoint, event.hits);
+  else if (event.type === "breakpoint_set") hits.delete(event.breakpoint.id);
+  else if (event.type === "breakpoint_removed") hits.delete(event.id);
+}

@@ -1,0 +1,207 @@
+/** Lanes of a run: one a branch of concurrency, that of the root first; in each, rows by depth, in which calls follow one another.
+ * Read from the calls as they come. A state turns out to be concurrent when two of its children run at once: then all is put into
+ * lanes anew, so that the same events always give the same lanes. */
+
+import { ABORTED, PREEMPTED } from "../../model/machine.ts";
+import type { Calls } from "./calls.ts";
+import { DROPPED, NONE, OPEN, TAKEN_BACK } from "./calls.ts";
+
+/** How a call looks. */
+export type CallLook = "open" | "ended" | "aborted" | "preempted" | "back" | "dropped";
+
+export function lookOf(calls: Calls, call: number): CallLook {
+  if (calls.isBack(call)) return "back";
+  switch (calls.how(call)) {
+    case OPEN:
+      return "open";
+    case TAKEN_BACK:
+      return "back";
+    case DROPPED:
+      return "dropped";
+    default: {
+      const outcome = calls.outcome(call)?.id;
+      return outcome === ABORTED ? "aborted" : outcome === PREEMPTED ? "preempted" : "ended";
+    }
+  }
+}
+
+/** Whether it ended by *aborted*, or left an error. What was taken back did neither. */
+export function hasFailed(calls: Calls, call: number): boolean {
+  const look = lookOf(calls, call);
+  if (look === "back" || look === "open" || look === "dropped") return false;
+  return look === "aborted" || calls.journal.hasError(calls.end(call));
+}
+
+/** Calls at one depth of a branch, one after the other. */
+export class CallRow {
+  readonly calls: number[] = [];
+  /** How many of the calls before each ended by aborted or with an error. */
+  readonly #failed: number[] = [0];
+  readonly #all: Calls;
+
+  constructor(all: Calls) {
+    this.#all = all;
+  }
+
+  add(call: number): void {
+    this.calls.push(call);
+  }
+
+  /** The place in the row of the first call that has not ended by this event of the journal. */
+  firstOpenAfter(index: number): number {
+    let [low, high] = [0, this.calls.length];
+    while (low < high) {
+      const middle = (low + high) >> 1;
+      const end = this.#all.end(this.calls[middle] ?? NONE);
+      if (end !== NONE && end <= index) low = middle + 1;
+      else high = middle;
+    }
+    return low;
+  }
+
+  /** The place in the row of the first call that began at this event of the journal or later. */
+  firstFrom(index: number): number {
+    let [low, high] = [0, this.calls.length];
+    while (low < high) {
+      const middle = (low + high) >> 1;
+      if (this.#all.begin(this.calls[middle] ?? NONE) < index) low = middle + 1;
+      else high = middle;
+    }
+    return low;
+  }
+
+  /** How many failed, of those from one place in the row up to before another. */
+  failed(from: number, to: number): number {
+    this.#count();
+    const last = this.#failed.length - 1;
+    return (this.#failed[Math.min(to, last)] ?? 0) - (this.#failed[Math.min(from, last)] ?? 0);
+  }
+
+  #count(): void {
+    for (let at = this.#failed.length - 1; at < this.calls.length; at++) {
+      const call = this.calls[at] ?? NONE;
+      if (this.#all.how(call) === OPEN) return;
+      this.#failed.push((this.#failed[at] ?? 0) + (hasFailed(this.#all, call) ? 1 : 0));
+    }
+  }
+}
+
+export interface Lane {
+  /** The path of the state that the branch begins with: the root, or the child of a concurrency state. */
+  readonly path: string;
+  /** How many lanes are around it. */
+  readonly depth: number;
+  /** The path of the branch around; null of the root's. */
+  readonly parent: string | null;
+  readonly rows: readonly CallRow[];
+  /** The calls that had nothing inside when another one came after them: what really worked. */
+  readonly leaves: CallRow;
+}
+
+interface LaneDraft extends Lane {
+  readonly rows: CallRow[];
+}
+
+export class RunLanes {
+  readonly #calls: Calls;
+  #lanes = new Map<number, LaneDraft>();
+  /** By path: the number of the path that its lane begins with, and its depth there. */
+  #place: { readonly lane: number; readonly row: number }[] = [];
+  #put = 0;
+  #split = 0;
+  #ordered: readonly Lane[] = [];
+
+  constructor(calls: Calls) {
+    this.#calls = calls;
+  }
+
+  /** All lanes, each after the one around it, in the order in which they began. */
+  all(): readonly Lane[] {
+    return this.#ordered;
+  }
+
+  /** The lane and row of a state. */
+  placeOf(path: number): { readonly lane: Lane; readonly row: number } | undefined {
+    const place = this.#place[path];
+    const lane = place && this.#lanes.get(place.lane);
+    return lane && place && { lane, row: place.row };
+  }
+
+  /** Reads what has come. */
+  follow(): void {
+    const calls = this.#calls;
+    if (calls.concurrent.size !== this.#split) this.#again();
+    const before = this.#lanes.size;
+    for (; this.#put < calls.length; this.#put++) this.#add(this.#put);
+    if (this.#lanes.size !== before) this.#ordered = ordered([...this.#lanes.values()]);
+  }
+
+  #again(): void {
+    this.#lanes = new Map();
+    this.#place = [];
+    this.#put = 0;
+    this.#split = this.#calls.concurrent.size;
+  }
+
+  #add(call: number): void {
+    const { lane, row } = this.#placed(this.#calls.pathNumber(call));
+    const draft = this.#lane(lane);
+    while (draft.rows.length <= row) draft.rows.push(new CallRow(this.#calls));
+    draft.rows[row]?.add(call);
+    const { calls } = draft.leaves;
+    if (calls.at(-1) === this.#calls.parent(call)) calls.pop();
+    calls.push(call);
+  }
+
+  #lane(path: number): LaneDraft {
+    const known = this.#lanes.get(path);
+    if (known) return known;
+    const outer = this.#calls.parentPath(path);
+    const parent = outer === NONE ? undefined : this.#lane(this.#placed(outer).lane);
+    const lane: LaneDraft = {
+      path: this.#calls.journal.pathOf(path),
+      depth: parent ? parent.depth + 1 : 0,
+      parent: parent?.path ?? null,
+      rows: [],
+      leaves: new CallRow(this.#calls),
+    };
+    this.#lanes.set(path, lane);
+    return lane;
+  }
+
+  #placed(path: number): { readonly lane: number; readonly row: number } {
+    const known = this.#place[path];
+    if (known) return known;
+    const parent = this.#calls.parentPath(path);
+    const isFirst = parent === NONE || this.#calls.concurrent.has(parent);
+    const outer = isFirst ? undefined : this.#placed(parent);
+    const place = outer ? { lane: outer.lane, row: outer.row + 1 } : { lane: path, row: 0 };
+    this.#place[path] = place;
+    return place;
+  }
+}
+
+function ordered(lanes: readonly Lane[]): readonly Lane[] {
+  const inside = new Map<string | null, Lane[]>();
+  for (const lane of lanes) {
+    const list = inside.get(lane.parent);
+    if (list) list.push(lane);
+    else inside.set(lane.parent, [lane]);
+  }
+  const below = (path: string | null): readonly Lane[] =>
+    (inside.get(path) ?? []).flatMap((lane) => [lane, ...below(lane.path)]);
+  return below(null);
+}
+
+const OF = new WeakMap<Calls, RunLanes>();
+
+/** The lanes of a run, as far as it was told. */
+export function lanesOf(calls: Calls): RunLanes {
+  let lanes = OF.get(calls);
+  if (!lanes) {
+    lanes = new RunLanes(calls);
+    OF.set(calls, lanes);
+  }
+  lanes.follow();
+  return lanes;
+}

@@ -1,0 +1,44 @@
+/** Which state ended last beside another one: what its branch did before. */
+
+import type { Outcome } from "../../model/generated/protocol.ts";
+import { parentOf } from "../../model/path.ts";
+import { LEFT } from "./journal.ts";
+import type { Watch } from "./run.ts";
+
+export interface LastEnd {
+  readonly path: string;
+  readonly outcome: Outcome;
+}
+
+/** So many events are looked at, back from what is shown. */
+const LOOKED_AT = 500;
+
+/** The last end of a child of the container that a state is in, at the moment that is shown; null if none was lately. */
+export function lastEndBeside(
+  watch: Pick<Watch, "journal" | "journalVersion" | "playhead">,
+  path: string,
+): LastEnd | null {
+  const { journal } = watch;
+  watch.journalVersion.value;
+  const around = parentOf(path);
+  if (around === null) return null;
+  const playhead = watch.playhead.value;
+  const end = playhead === null ? journal.length : journal.indexOf(playhead + 1);
+  for (let index = end - 1; index >= Math.max(0, end - LOOKED_AT); index -= 1) {
+    if (journal.kind(index) !== LEFT) continue;
+    const other = journal.pathOf(journal.pathNumber(index));
+    const outcome = journal.outcome(index);
+    if (outcome && parentOf(other) === around) return found(other, outcome);
+  }
+  return null;
+}
+
+const FOUND = new Map<string, LastEnd>();
+
+/** The same object for the same end, so that nobody is drawn again. */
+function found(path: string, outcome: Outcome): LastEnd {
+  const key = `${path} ${outcome.id} ${outcome.name}`;
+  const known = FOUND.get(key) ?? { path, outcome };
+  FOUND.set(key, known);
+  return known;
+}

@@ -1,0 +1,96 @@
+/** What is worth a mark on the time line of a run: warnings, errors, breakpoints, commands, questions, crashes. Read from the journal
+ * as it grows; of very many the oldest are not known any more. */
+
+import type { Event } from "../../model/generated/protocol.ts";
+import { type Journal, OTHER } from "./journal.ts";
+
+/** The later ones cover the earlier ones where there is room for one only. */
+export const NOTE_KINDS = [
+  "command",
+  "edit",
+  "question",
+  "breakpoint",
+  "back",
+  "warning",
+  "error",
+  "crash",
+] as const;
+
+export type NoteKind = (typeof NOTE_KINDS)[number];
+
+export interface Note {
+  /** The index in the journal. */
+  readonly index: number;
+  readonly kind: NoteKind;
+}
+
+export class Notes {
+  readonly all: Note[] = [];
+  readonly #journal: Journal;
+  #read = 0;
+
+  constructor(journal: Journal) {
+    this.#journal = journal;
+  }
+
+  follow(): void {
+    for (; this.#read < this.#journal.length; this.#read++) {
+      if (this.#journal.kind(this.#read) !== OTHER) continue;
+      const event = this.#journal.other(this.#read);
+      const kind = event && kindOf(event);
+      if (kind) this.all.push({ index: this.#read, kind });
+    }
+  }
+
+  /** The place of the first note at this event of the journal or later. */
+  firstFrom(index: number): number {
+    let [low, high] = [0, this.all.length];
+    while (low < high) {
+      const middle = (low + high) >> 1;
+      if ((this.all[middle]?.index ?? 0) < index) low = middle + 1;
+      else high = middle;
+    }
+    return low;
+  }
+}
+
+function kindOf(event: Event): NoteKind | null {
+  switch (event.type) {
+    case "log":
+      return event.level === "warning" || event.level === "error" ? event.level : null;
+    case "hit":
+      return "breakpoint";
+    case "commanded":
+    case "forced":
+      return "command";
+    case "asked":
+    case "closed":
+      return "question";
+    case "resumed":
+    case "cut_off":
+      return "crash";
+    case "damaged":
+      return "error";
+    case "deadline_passed":
+      return "warning";
+    case "went_back":
+      return "back";
+    case "root":
+      return event.change === "" ? null : "edit";
+    default:
+      return null;
+  }
+}
+
+const OF = new WeakMap<Journal, Notes>();
+
+/** The notes of a journal, as far as it goes now. */
+export function notesOf(journal: Journal): Notes {
+  let notes = OF.get(journal);
+  if (!notes) {
+    notes = new Notes(journal);
+    OF.set(journal, notes);
+  }
+  notes.follow();
+  return notes;
+}

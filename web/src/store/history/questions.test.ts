@@ -1,0 +1,43 @@
+import { signal } from "@preact/signals-core";
+import { expect, test } from "vitest";
+import type { Event, Question } from "../../model/generated/protocol.ts";
+import { Journal } from "./journal.ts";
+import { askedQuestions } from "./questions.ts";
+
+function question(id: number): Question {
+  const form = { type: "buttons", buttons: ["yes", "no"] } as const;
+  const buttons = { ...form, buttons: [...form.buttons] };
+  return { id, path: "R/A", message: "Empty?", form: buttons, timeout_ms: 1_000, default: null };
+}
+
+function closed(id: number, author: string): Event {
+  return { type: "closed", id, how: "answered", answer: { button: 0 }, author };
+}
+
+test("a question is known from when it was asked until somebody answers it, and then by whom", () => {
+  const journal = new Journal();
+  const journalVersion = signal(0);
+  const asked = askedQuestions({ journal, journalVersion });
+  const tell = (...events: readonly Event[]) => {
+    const from = journal.next;
+    const entries = events.map((event, at) => {
+      const sequence = from + at;
+      return { sequence, t_ns: sequence * 10, event };
+    });
+    journal.add(entries, from + events.length);
+    journalVersion.value = journal.length;
+  };
+  tell({ type: "asked", question: question(7) }, { type: "asked", question: question(8) });
+  expect([...asked.value.since_ns]).toEqual([
+    [7, 10],
+    [8, 20],
+  ]);
+  tell(closed(7, "anna"));
+  const before = asked.value;
+  expect([...before.since_ns.keys()]).toEqual([8]);
+  expect(before.closed.map(({ question: { id }, author, t_ns }) => [id, author, t_ns])).toEqual([
+    [7, "anna", 30],
+  ]);
+  tell({ type: "entered", path: "R/B" });
+  expect(asked.value).toBe(before);
+});

@@ -1,0 +1,90 @@
+/** Questions of states to people: which wait for an answer, since when, and how others ended. */
+
+import { computed, type ReadonlySignal } from "@preact/signals-core";
+import type { Closing, JsonValue, Question } from "../../model/generated/protocol.ts";
+import { OTHER } from "./journal.ts";
+import type { Watch } from "./run.ts";
+
+/** A question that came to its end. */
+export interface Closed {
+  readonly question: Question;
+  readonly sequence: number;
+  readonly t_ns: number;
+  readonly how: Closing;
+  readonly answer: JsonValue | null;
+  /** Who answered; empty if nobody did. */
+  readonly author: string;
+}
+
+export interface AskedQuestions {
+  /** When questions were asked, by their ids: ns since the start of the run. */
+  readonly since_ns: ReadonlyMap<number, number>;
+  /** Those that ended last, the newest first. */
+  readonly closed: readonly Closed[];
+}
+
+/** So many that ended are kept. */
+const CLOSED_MAX = 20;
+
+type QuestionsWatch = Pick<Watch, "journal" | "journalVersion">;
+
+const ALL = new WeakMap<QuestionsWatch, ReadonlySignal<AskedQuestions>>();
+
+/** The questions that wait for an answer now, whatever moment is shown: they are answered now. */
+export function openQuestions(watch: Pick<Watch, "now">): readonly Question[] {
+  const now = watch.now.value;
+  return now?.run.phase === "live" ? (now.snapshot?.questions ?? []) : [];
+}
+
+/** When questions were asked and how they ended, found while the journal grows. */
+export function askedQuestions(watch: QuestionsWatch): ReadonlySignal<AskedQuestions> {
+  const there = ALL.get(watch);
+  if (there) return there;
+  const walker = new Walker();
+  const made = computed(() => {
+    watch.journalVersion.value;
+    return walker.found(watch.journal);
+  });
+  ALL.set(watch, made);
+  return made;
+}
+
+/** Who else answered a question; null while nobody is known to. A signal's reader. */
+export function answeredBy(watch: QuestionsWatch, question: number): string | null {
+  const end = askedQuestions(watch).value.closed.find((each) => each.question.id === question);
+  return end?.how === "answered" && end.author !== "" ? end.author : null;
+}
+
+class Walker {
+  #asked: AskedQuestions = { since_ns: new Map(), closed: [] };
+  readonly #open = new Map<number, Question>();
+  #next = 0;
+
+  /** The same object as before if there is nothing new. */
+  found(journal: Watch["journal"]): AskedQuestions {
+    for (; this.#next < journal.length; this.#next += 1) {
+      if (journal.kind(this.#next) === OTHER) this.#look(journal, this.#next);
+    }
+    return this.#asked;
+  }
+
+  #look(journal: Watch["journal"], index: number): void {
+    const event = journal.other(index);
+    const { since_ns, closed } = this.#asked;
+    if (event?.type === "asked") {
+      this.#open.set(event.question.id, event.question);
+      const since = new Map(since_ns).set(event.question.id, journal.t_ns(index));
+      this.#asked = { since_ns: since, closed };
+    } else if (event?.type === "closed") {
+      const question = this.#open.get(event.id);
+      if (!question) return;
+      this.#open.delete(event.id);
+      const since = new Map(since_ns);
+      since.delete(event.id);
+      const { how, answer, author } = event;
+      const end = { sequence: journal.sequence(index), t_ns: journal.t_ns(index) };
+      const ended = { question, ...end, how, answer, author };
+      this.#asked = { since_ns: since, closed: [ended, ...closed].slice(0, CLOSED_MAX) };
+    }
+  }
+}

@@ -1,0 +1,123 @@
+/** A value over the time of a run, in bounded memory: where there are too many points, each few are the least and the greatest of
+ * them from then on. */
+
+import type { JsonValue } from "../../model/generated/protocol.ts";
+import { read } from "../../model/wire.ts";
+
+/** So many points are kept. */
+export const POINTS_MAX = 4_000;
+/** Of what is no number, so many changes are kept, the newest. */
+const CHANGES_MAX = 100;
+/** Of so many points two stay. */
+const GROUP = 4;
+
+export interface SeriesPoint {
+  readonly sequence: number;
+  readonly t_ns: number;
+  readonly value: number;
+}
+
+export interface ChangeOfValue {
+  readonly sequence: number;
+  readonly t_ns: number;
+  readonly value: JsonValue;
+}
+
+export class Series {
+  #points: SeriesPoint[] = [];
+  #changes: ChangeOfValue[] = [];
+  #count = 0;
+  /** What came last, if it was no number, as a text. */
+  #last: string | null = null;
+
+  /** Numbers and truths, the oldest first. */
+  get points(): readonly SeriesPoint[] {
+    return this.#points;
+  }
+
+  /** What it was else, whenever that was another one, the oldest first. */
+  get changes(): readonly ChangeOfValue[] {
+    return this.#changes;
+  }
+
+  /** How many values came, kept or not. */
+  get count(): number {
+    return this.#count;
+  }
+
+  add(sequence: number, t_ns: number, value: JsonValue): void {
+    this.#count += 1;
+    const number = numberOf(value);
+    if (number === null) {
+      this.#addChange({ sequence, t_ns, value });
+      return;
+    }
+    this.#last = null;
+    this.#points.push({ sequence, t_ns, value: number });
+    if (this.#points.length > POINTS_MAX) this.#points = thinned(this.#points);
+  }
+
+  #addChange(change: ChangeOfValue): void {
+    const text = JSON.stringify(change.value);
+    if (text === this.#last) return;
+    this.#last = text;
+    this.#changes.push(change);
+    if (this.#changes.length > CHANGES_MAX) this.#changes.shift();
+  }
+
+  /** The last number up to an event; null before the first. */
+  upTo(sequence: number): SeriesPoint | null {
+    return this.#points[this.#indexAfter(sequence) - 1] ?? null;
+  }
+
+  /** The number before or after an event. */
+  beside(sequence: number, side: "before" | "after"): SeriesPoint | null {
+    const index =
+      side === "before" ? this.#indexAfter(sequence - 1) - 1 : this.#indexAfter(sequence);
+    return this.#points[index] ?? null;
+  }
+
+  #indexAfter(sequence: number): number {
+    let [low, high] = [0, this.#points.length];
+    while (low < high) {
+      const middle = (low + high) >> 1;
+      if ((this.#points[middle]?.sequence ?? 0) <= sequence) low = middle + 1;
+      else high = middle;
+    }
+    return low;
+  }
+}
+
+/** What can be plotted of a value; null if nothing can. */
+function numberOf(value: JsonValue): number | null {
+  const found = read(value);
+  if (found.kind === "number") return found.value;
+  if (found.kind === "bool") return Number(found.value);
+  return found.kind === "array" && found.shape.length === 0 ? (found.items?.[0] ?? null) : null;
+}
+
+/** The older half of the points thinned to the extremes of each few, in their order. */
+function thinned(points: readonly SeriesPoint[]): SeriesPoint[] {
+  const half = points.length >> 1;
+  const kept: SeriesPoint[] = [];
+  for (let at = 0; at < half; at += GROUP) {
+    const group = points.slice(at, Math.min(at + GROUP, half));
+    const [least, greatest] = extremes(group);
+    const [first, second] =
+      least.sequence <= greatest.sequence ? [least, greatest] : [greatest, least];
+    kept.push(first);
+    if (second !== first) kept.push(second);
+  }
+  return [...kept, ...points.slice(half)];
+}
+
+function extremes(group: readonly SeriesPoint[]): readonly [SeriesPoint, SeriesPoint] {
+  const [first, ...rest] = group;
+  let [least, greatest] = [first, first];
+  for (const point of rest) {
+    if (!least || point.value < least.value) least = point;
+    if (!greatest || point.value > greatest.value) greatest = point;
+  }
+  if (!least || !greatest) throw new Error("a group of no points has no extremes");
+  return [least, greatest];
+}

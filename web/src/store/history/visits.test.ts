@@ -1,0 +1,83 @@
+import { expect, test } from "vitest";
+import type { DataPort } from "../../model/ends.ts";
+import type { Event, HistoryEntry } from "../../model/generated/protocol.ts";
+import { portsOf } from "../../model/machine.ts";
+import { machineOf } from "../../model/plain.ts";
+import { sketch } from "../../model/testing/sketch.ts";
+import { Journal } from "./journal.ts";
+import { originOf } from "./origin.ts";
+import { failureAt } from "./script_failure.ts";
+import { visitsOf } from "./visits.ts";
+
+/** `A+` is entered, `A-` is left, `A!` writes a traceback; `.` is an event that is nothing but a value, and not told. */
+function journalOf(text: string): Journal {
+  const journal = new Journal();
+  const words = text.split(" ");
+  journal.add(
+    words.flatMap((word, index) => (word === "." ? [] : [entryOf(word, index)])),
+    words.length + 1,
+  );
+  return journal;
+}
+
+function entryOf(word: string, index: number): HistoryEntry {
+  return { sequence: index + 1, t_ns: index * 1e6, event: eventOf(word.slice(0, -1), word.at(-1)) };
+}
+
+function eventOf(path: string, sign: string | undefined): Event {
+  if (sign === "+") return { type: "entered", path };
+  if (sign === "-") return { type: "left", path, outcome: { id: 0, name: "success" } };
+  const message = `Traceback (most recent call last):\n  File "s.py", line 1, in execute\n    x\nE: ${path}`;
+  return { type: "log", path, level: "error", stream: "engine", message };
+}
+
+test("the last visit up to a moment, while the journal grows", () => {
+  const journal = journalOf("R+ R/A+ R/A- R/B+ R/B- R/A+");
+  const visits = visitsOf({ journal });
+  expect(visits.last("entered", "R/A", null)).toBe(6);
+  expect(visits.last("entered", "R/A", 5)).toBe(2);
+  expect(visits.last("left", "R/A", 2)).toBeNull();
+  expect([visits.count("R/A", 5), visits.count("R/A", 6)]).toEqual([1, 2]);
+  journal.add([{ sequence: 7, t_ns: 7e6, event: eventOf("R/A", "-") }], 8);
+  expect(visitsOf({ journal }).last("left", "R/A", null)).toBe(7);
+});
+
+test("the traceback of a state is that of the script inside it", () => {
+  const journal = journalOf("R+ R/A+ R/A! R/A- R/B+ R/B- R-");
+  expect(failureAt(journal, "R/A", 1, 3)?.traceback.message).toBe("E: R/A");
+  expect(failureAt(journal, "R", 0, 6)?.path).toBe("R/A");
+  expect(failureAt(journal, "R/B", 4, 5)).toBeNull();
+});
+
+const MACHINE = machineOf(
+  sketch(`
+    R hierarchy input speed:int=3 scoped found:list
+      A execution input speed:int output pose:list
+      B execution input pose:list input found:list
+      R.speed >> A.speed
+      A.pose >> R.found
+      A.pose >> B.pose
+      R.found >> B.found
+  `),
+);
+
+function port(kind: DataPort["kind"], path: string, name: string): DataPort {
+  const state = MACHINE.state(path);
+  const found = state && portsOf(state, kind).find((each) => each.name === name);
+  if (!found) throw new Error(`${path} has no ${name}`);
+  return { kind, path, id: found.id };
+}
+
+test("values came from the states that gave them, at their ends", () => {
+  const visits = visitsOf({ journal: journalOf("R+ R/A+ R/A- . R/B+ R/B-") });
+  const origin = (of: DataPort, until: number | null = null) =>
+    originOf(MACHINE, visits, of, until);
+  const found = port("scoped_variable", "R", "found");
+  expect(origin(found)).toEqual({ sequence: 3, path: "R/A", seen: 4 });
+  expect(origin(found, 4)).toEqual({ sequence: 3, path: "R/A", seen: 4 });
+  expect(origin(found, 3)).toEqual({ sequence: 1, path: "R", seen: 1 });
+  expect(origin(port("output", "R/A", "pose"))).toMatchObject({ sequence: 3, path: "R/A" });
+  expect(origin(port("input", "R/B", "found"))).toMatchObject({ sequence: 5, path: "R/A" });
+  expect(origin(port("input", "R/A", "speed"))).toMatchObject({ sequence: 2, path: "R" });
+  expect(origin(port("input", "R/B", "pose"), 3)).toBeNull();
+});

@@ -1,0 +1,124 @@
+/** What the machine of a tab is compared with, and how it differs from that: kept up while the machine changes, and marked on the
+ * canvas. */
+
+import { batch, type ReadonlySignal, signal } from "@preact/signals-core";
+import { type Difference, differences, marksOf } from "../../model/difference.ts";
+import type { Document, MachineDocument } from "../../model/generated/protocol.ts";
+import type { Machine } from "../../model/machine.ts";
+import { machineOf } from "../../model/plain.ts";
+import type { OpenTab } from "./page.ts";
+import { RefusalError, type Server } from "./server.ts";
+
+export type Against =
+  /** Version on disk. */
+  | { readonly kind: "saved" }
+  /** A commit. */
+  | { readonly kind: "version"; readonly commit: string }
+  /** The machine of another tab, as it is at the moment. */
+  | { readonly kind: "tab"; readonly tab: OpenTab };
+
+export interface MachineComparison {
+  readonly against: ReadonlySignal<Against | null>;
+  /** The machine on the other side; null before it is here. */
+  readonly other: ReadonlySignal<Machine | null>;
+  readonly found: ReadonlySignal<readonly Difference[]>;
+  /** Why it could not be had. */
+  readonly refusal: ReadonlySignal<string | null>;
+  /** Compares with something else, or with nothing. */
+  readonly choose: (against: Against | null) => Promise<void>;
+  /** Gets the other side again. */
+  readonly refresh: () => Promise<void>;
+}
+
+/** Compared again when nothing has changed for so long. */
+const SETTLED_MS = 150;
+
+const COMPARISONS = new WeakMap<OpenTab, MachineComparison>();
+
+/** The one comparison of a tab. */
+export function comparisonOf(tab: OpenTab, server: Server): MachineComparison {
+  let comparison = COMPARISONS.get(tab);
+  if (!comparison) {
+    comparison = newComparison(tab, server);
+    COMPARISONS.set(tab, comparison);
+  }
+  return comparison;
+}
+
+function newComparison(tab: OpenTab, server: Server): MachineComparison {
+  const against = signal<Against | null>(null);
+  const other = signal<Machine | null>(null);
+  const found = signal<readonly Difference[]>([]);
+  const refusal = signal<string | null>(null);
+  let timer: ReturnType<typeof setTimeout> | undefined;
+  let stops: readonly (() => void)[] = [];
+
+  const compare = () => {
+    const { machine } = tab.session;
+    const all = other.value ? differences(other.value, machine) : [];
+    batch(() => {
+      found.value = all;
+      tab.view.marks.value = other.value && marksOf(all, machine);
+    });
+  };
+  const soon = () => {
+    clearTimeout(timer);
+    timer = setTimeout(compare, SETTLED_MS);
+  };
+  const refresh = async () => {
+    const wanted = against.peek();
+    const answer = wanted && (await sideOf(tab, server, wanted));
+    if (against.peek() !== wanted) return;
+    batch(() => {
+      refusal.value = typeof answer === "string" ? answer : null;
+      other.value = typeof answer === "string" ? null : answer;
+      compare();
+    });
+  };
+  const choose = async (next: Against | null) => {
+    for (const stop of stops) stop();
+    clearTimeout(timer);
+    batch(() => {
+      against.value = next;
+      other.value = null;
+      refusal.value = null;
+      compare();
+    });
+    stops = next ? [tab.session.onChange(soon), follow(tab, next, soon, refresh)] : [];
+    await refresh();
+  };
+  return { against, other, found, refusal, choose, refresh };
+}
+
+/** Hears when the other side is another one. */
+function follow(
+  tab: OpenTab,
+  against: Against,
+  changed: () => void,
+  refresh: () => Promise<void>,
+): () => void {
+  if (against.kind === "tab") return against.tab.session.onChange(changed);
+  if (against.kind === "version") return () => {};
+  const summary = () => tab.session.status.peek()?.summary;
+  let known = `${summary()?.saved_revision} ${summary()?.disk}`;
+  return tab.session.status.subscribe(() => {
+    const now = `${summary()?.saved_revision} ${summary()?.disk}`;
+    if (now === known) return;
+    known = now;
+    void refresh();
+  });
+}
+
+/** The machine to compare with, or why it cannot be had. */
+async function sideOf(tab: OpenTab, server: Server, against: Against): Promise<Machine | string> {
+  if (against.kind === "tab") return against.tab.session.machine;
+  const path = `/machines/${encodeURIComponent(tab.session.id)}`;
+  const from = against.kind === "saved" ? "saved" : `versions/${against.commit}`;
+  try {
+    const answer = await server.request<Document | MachineDocument>("GET", `${path}/${from}`);
+    return machineOf("document" in answer ? answer.document : answer);
+  } catch (error) {
+    if (error instanceof RefusalError) return error.message;
+    throw error;
+  }
+}

@@ -1,0 +1,88 @@
+/** The server as the rest of the page knows it: a port, filled by `sync` and in tests by a few lines. */
+
+import type { ReadonlySignal } from "@preact/signals-core";
+import type {
+  EditMachine,
+  Refusal,
+  Revision,
+  Session,
+  ToClient,
+  Topic,
+  ToServer,
+} from "../../model/generated/protocol.ts";
+
+/** How the connection is. */
+export type Link =
+  | { readonly state: "connecting" }
+  | { readonly state: "up"; readonly session: Session; readonly connection: number }
+  /** `retry_ms`: when it is tried again, in ms since 1970; nobody retries what needs a login. */
+  | {
+      readonly state: "down";
+      readonly since_ms: number;
+      readonly retry_ms: number | null;
+      readonly reason: string;
+    }
+  | { readonly state: "refused"; readonly reason: string };
+
+/** How the server is heard. */
+export interface ServerPulse {
+  /** When it was heard last: ms since 1970 by this browser's clock. */
+  readonly heard_ms: number;
+  /** How long a question and its answer took last. */
+  readonly delay_ms: number | null;
+  /** So much is the server's clock ahead of this browser's. */
+  readonly ahead_ms: number;
+  /** The server's time when it said what was heard last: ms since 1970 by its own clock. */
+  readonly server_ms: number;
+  /** What was not confirmed for so long counts as old: it follows from the delay. */
+  readonly old_ms: number;
+}
+
+/** Of a request that is repeated until it is answered: it is given up sooner. */
+export const REPEATED = "repeated";
+
+/** What the server refused, or why it could not be asked. */
+export class RefusalError extends Error {
+  readonly code: string;
+  /** The HTTP status; 0 if there was no answer. */
+  readonly status: number;
+
+  constructor(refusal: Refusal, status: number) {
+    super(refusal.message);
+    this.name = "RefusalError";
+    this.code = refusal.code;
+    this.status = status;
+  }
+}
+
+/** What becomes of a subscription. Frames come in order; after a break `topic` is asked where to go on. The last frame is
+ * `ended` or `reset`: whoever wants more follows anew. */
+export interface Follower {
+  readonly topic: () => Topic;
+  readonly frame: (frame: ToClient) => void;
+}
+
+export interface Server {
+  readonly link: ReadonlySignal<Link>;
+  /** Null before the server was heard for the first time. */
+  readonly pulse: ReadonlySignal<ServerPulse | null>;
+  /** Asks below `/api/v1`; throws a [`RefusalError`], also if nothing comes for too long. */
+  readonly request: <T>(
+    method: "GET" | "POST" | "PUT" | "PATCH" | "DELETE",
+    path: string,
+    body?: unknown,
+    patience?: typeof REPEATED,
+  ) => Promise<T>;
+  /** Follows a topic until the returned function is called, over every break of the connection. */
+  readonly follow: (follower: Follower) => () => void;
+  /** Sends an edit, undo or redo as often as it takes to get an answer: the revision that it made. Throws a [`RefusalError`]. */
+  readonly edit: (machine: string, edit: EditMachine) => Promise<number>;
+  readonly undo: (machine: string, id: string) => Promise<number>;
+  readonly redo: (machine: string, id: string) => Promise<number>;
+  /** Sends a frame if the connection is up; nothing otherwise. */
+  readonly say: (frame: ToServer) => void;
+  /** Connects again at once: after a login, or because the user does not want to wait. */
+  readonly retry: () => void;
+}
+
+export type { Refusal, Revision, Session };

@@ -1,0 +1,171 @@
+import { signal } from "@preact/signals-core";
+import { expect, test } from "vitest";
+import type { Event, JsonValue } from "../../model/generated/protocol.ts";
+import { Journal } from "../history/journal.ts";
+import { memoryStore } from "../local_store.ts";
+import { twoTabs } from "../testing/two_tabs.ts";
+import { acknowledge, failures, openFailures } from "./acknowledged.ts";
+
+/** A run whose journal grows by what is told. */
+function run(id: string) {
+  const journal = new Journal();
+  const journalVersion = signal(0);
+  const tell = (...events: readonly Event[]) => {
+    const from = journal.next;
+    const entries = events.map((event, at) => ({ sequence: from + at, t_ns: from + at, event }));
+    journal.add(entries, from + events.length);
+    journalVersion.value = journal.length;
+  };
+  return { watch: { id, journal, journalVersion }, tell };
+}
+
+function left(path: string, id = -1, error: JsonValue = null): Event {
+  return { type: "left", path, outcome: { id, name: id < 0 ? "aborted" : "success" }, error };
+}
+
+const NO_BOX = { __exc__: "ValueError", msg: "no box" };
+const NO_BOX_LOGGED = "Traceback (most recent call last):\nValueError: no box\n";
+
+function log(level: "info" | "warning" | "error", message: string): Event {
+  return { type: "log", path: "R/A", level, stream: "logger", message };
+}
+
+function words(watch: ReturnType<typeof run>["watch"]): readonly string[] {
+  return openFailures(watch).value.map(
+    ({ sequence, kind, path, reach, count, text }) =>
+      `${sequence} ${kind} ${path}${reach === path ? "" : ` up to ${reach}`}${count > 1 ? ` ×${count}` : ""} ${text}`,
+  );
+}
+
+test("an error that climbs is one failure, and one elsewhere is another", () => {
+  const { watch, tell } = run("climbs");
+  tell(left("R/A/B"), left("R/A"));
+  expect(words(watch)).toEqual(["1 aborted R/A/B up to R/A "]);
+  tell(left("R"), left("R/C/D", 0), left("R/C"));
+  expect(words(watch)).toEqual(["1 aborted R/A/B up to R ", "5 aborted R/C "]);
+});
+
+test("the same of the same state counts, whatever comes between, and stays at its place", () => {
+  const { watch, tell } = run("loop");
+  for (const distance of ["0.31", "0.28", "0.5"]) {
+    tell(log("warning", `an obstacle is ${distance} m away`));
+    tell(log("error", "Traceback (most recent call last):\nValueError: no box\n"), left("R/A"));
+    tell({ type: "entered", path: "R/B" }, left("R/B", 0));
+  }
+  expect(words(watch)).toEqual([
+    "11 log R/A ×3 an obstacle is 0.5 m away",
+    "13 aborted R/A ×3 ValueError: no box",
+  ]);
+  const before = openFailures(watch).value.map(({ first }) => first);
+  acknowledge(watch, [13], memoryStore());
+  tell(left("R/A", -1, NO_BOX));
+  expect(words(watch).at(-1)).toBe("16 aborted R/A ×4 ValueError: no box");
+  expect(openFailures(watch).value.map(({ first }) => first)).toEqual(before);
+});
+
+test("an error that was handled does not climb", () => {
+  const { watch, tell } = run("handled");
+  tell(left("R/A"), { type: "entered", path: "R/B" }, left("R/B", 0), left("R"));
+  expect(words(watch)).toEqual(["1 aborted R/A ", "4 aborted R "]);
+});
+
+test("a failed script is one failure with the last line of its traceback", () => {
+  const { watch, tell } = run("traceback");
+  tell(log("error", "Traceback (most recent call last):\nValueError: no box\n"), left("R/A"));
+  expect(words(watch)).toEqual(["2 aborted R/A ValueError: no box"]);
+});
+
+test("an error is told by its own words, and its traceback is no other failure", () => {
+  const { watch, tell } = run("own");
+  tell(log("error", NO_BOX_LOGGED), left("R/A", -1, NO_BOX), left("R", -1, NO_BOX));
+  expect(words(watch)).toEqual(["2 aborted R/A up to R ValueError: no box"]);
+});
+
+test("what the script said itself before its error stays", () => {
+  const { watch, tell } = run("said");
+  tell(log("error", "the arm is blocked"), left("R/A", -1, NO_BOX));
+  expect(words(watch)).toEqual([
+    "1 log R/A the arm is blocked",
+    "2 aborted R/A ValueError: no box",
+  ]);
+});
+
+test("an error fails a state whatever its outcome, and climbs so", () => {
+  const { watch, tell } = run("other outcome");
+  tell(left("R/A", 0, "slipped"), { type: "entered", path: "R/B" }, left("R/B", -1, NO_BOX));
+  tell(left("R", 0, NO_BOX));
+  expect(words(watch)).toEqual(["1 error R/A slipped", "3 aborted R/B up to R ValueError: no box"]);
+});
+
+test("an error that is kept no more is told by its traceback", () => {
+  const { watch, tell } = run("gone");
+  const gone = { __repr__: "<no longer kept>", __class__: "" };
+  tell(log("error", NO_BOX_LOGGED), left("R/A", -1, gone), left("R/C", 0, gone));
+  expect(words(watch)).toEqual(["2 aborted R/A ValueError: no box", "3 error R/C "]);
+});
+
+test("an error of a script's own class is told without the name of its module", () => {
+  const { watch, tell } = run("module");
+  tell(log("error", "Traceback (most recent call last):\nscript160.NoPath: none"), left("R/A"));
+  expect(words(watch)).toEqual(["2 aborted R/A NoPath: none"]);
+});
+
+test("the same warning in a row is told once, and wants another look each time", () => {
+  const { watch, tell } = run("warns");
+  tell(log("info", "fine"), log("warning", "slips"), log("warning", "slips"));
+  expect(words(watch)).toEqual(["3 log R/A ×2 slips"]);
+  acknowledge(watch, [3]);
+  expect(words(watch)).toEqual([]);
+  tell(log("warning", "slips"));
+  expect(words(watch)).toEqual(["4 log R/A ×3 slips"]);
+});
+
+test("deadlines, scripts that were cut off and crashes are told in words", () => {
+  const { watch, tell } = run("others");
+  tell(
+    { type: "deadline_passed", path: "R/A", deadline_ms: 1500 },
+    { type: "cut_off", path: "R/A", grace_ms: 5000 },
+    { type: "resumed", life: 2, crash: { reason: "signal 9", active: [] }, policy: "abort" },
+  );
+  expect(words(watch)).toEqual([
+    "1 deadline R/A has run longer than its deadline of 1.5 s",
+    "2 cut-off R/A ignored its preemption and was cut off after 5 s",
+    "3 crash  The program of the run died (signal 9). The run was resumed; this is life 2.",
+  ]);
+});
+
+test("nothing new is the same list, so that nobody is drawn again", () => {
+  const { watch, tell } = run("same");
+  tell(left("R/A"));
+  const before = failures(watch).value;
+  tell({ type: "entered", path: "R/B" });
+  expect(failures(watch).value).toBe(before);
+});
+
+test("what was acknowledged is kept by run, and old runs make room", () => {
+  const localStore = memoryStore();
+  for (let at = 0; at < 60; at += 1) acknowledge(run(`kept ${at}`).watch, [at], localStore);
+  const all = localStore.get("rafcon.acknowledged") as Record<string, readonly number[]>;
+  expect(Object.keys(all)).toHaveLength(50);
+  expect(all["kept 59"]).toEqual([59]);
+});
+
+test("the browser is listened to once, however many runs are looked at", () => {
+  const [here, there] = twoTabs();
+  let listeners = 0;
+  const localStore = {
+    ...here,
+    whenOther: (key: string, told: () => void) => {
+      listeners += 1;
+      here.whenOther(key, told);
+    },
+  };
+  const runs = [run("many 1"), run("many 2"), run("many 3")];
+  for (const { watch, tell } of runs) {
+    tell(left("R/A"));
+    acknowledge(watch, [], localStore);
+  }
+  expect(listeners).toBe(1);
+  there.put("rafcon.acknowledged", { "many 2": [1] });
+  expect(runs.map(({ watch }) => words(watch).length)).toEqual([1, 0, 1]);
+});

@@ -1,0 +1,116 @@
+/** Which failures of a run somebody has acknowledged, in this browser: kept in its storage by run. */
+
+import { computed, type ReadonlySignal, type Signal, signal } from "@preact/signals-core";
+import { Failures, type RunFailure } from "../history/failures.ts";
+import { openQuestions } from "../history/questions.ts";
+import type { Watch } from "../history/run.ts";
+import { kept, type LocalStore, localStoreOf, memoryStore } from "../local_store.ts";
+import { openDecisions } from "./decisions.ts";
+
+const KEY = "rafcon.acknowledged";
+/** So many runs are remembered, and so many sequence numbers of each: those that were acknowledged last. */
+const RUNS_MAX = 50;
+const KEPT_MAX = 2_000;
+
+type FailuresWatch = Pick<Watch, "id" | "journal" | "journalVersion">;
+
+interface RunFailures {
+  readonly failures: ReadonlySignal<readonly RunFailure[]>;
+  readonly acknowledged: ReadonlySignal<ReadonlySet<number>>;
+  readonly open: ReadonlySignal<readonly RunFailure[]>;
+}
+
+const ALL = new WeakMap<FailuresWatch, RunFailures>();
+const SHED: LocalStore =
+  typeof window === "undefined" ? memoryStore() : localStoreOf(() => window.localStorage);
+
+/** What wants acknowledgement, and what was acknowledged already; the oldest first. */
+export function failures(watch: FailuresWatch): ReadonlySignal<readonly RunFailure[]> {
+  return about(watch).failures;
+}
+
+/** The failures that nobody has acknowledged here; the oldest first. */
+export function openFailures(watch: FailuresWatch): ReadonlySignal<readonly RunFailure[]> {
+  return about(watch).open;
+}
+
+/** How many things of a run want a human: questions, decisions and failures. */
+export function countUnacknowledged(watch: Watch | null): number {
+  if (!watch) return 0;
+  return openQuestions(watch).length + openDecisions(watch) + openFailures(watch).value.length;
+}
+
+/** The sequence numbers of what was acknowledged. */
+export function acknowledged(watch: FailuresWatch): ReadonlySignal<ReadonlySet<number>> {
+  return about(watch).acknowledged;
+}
+
+/** Acknowledges failures by their sequence numbers. */
+export function acknowledge(
+  watch: FailuresWatch,
+  sequences: Iterable<number>,
+  localStore: LocalStore = SHED,
+): void {
+  const { acknowledged } = about(watch, localStore);
+  const all = [...new Set([...acknowledged.peek(), ...sequences])].slice(-KEPT_MAX);
+  const known = knownIn(localStore);
+  known.value = { ...known.peek(), [watch.id]: all };
+  const { [watch.id]: _, ...others } = readKept(localStore);
+  const runs = [...Object.entries(others), [watch.id, all] as const].slice(-RUNS_MAX);
+  localStore.put(KEY, Object.fromEntries(runs));
+}
+
+function about(watch: FailuresWatch, localStore: LocalStore = SHED): RunFailures {
+  const there = ALL.get(watch);
+  if (there) return there;
+  const walker = new Failures();
+  const failures = computed(() => {
+    watch.journalVersion.value;
+    return walker.found(watch.journal);
+  });
+  const known = knownIn(localStore);
+  const own = computed(() => known.value[watch.id]);
+  const acknowledged = computed<ReadonlySet<number>>(() => new Set(own.value));
+  const open = computed(() => {
+    const done = acknowledged.value;
+    return failures.value.filter(({ sequence }) => !done.has(sequence));
+  });
+  const made = { failures, acknowledged, open };
+  ALL.set(watch, made);
+  return made;
+}
+
+type ByRun = Readonly<Record<string, readonly number[]>>;
+
+const KNOWN = new WeakMap<LocalStore, Signal<ByRun>>();
+
+/** What was acknowledged of all runs, here and in the other tabs of the browser. */
+function knownIn(localStore: LocalStore): Signal<ByRun> {
+  const there = KNOWN.get(localStore);
+  if (there) return there;
+  const known = signal(readKept(localStore));
+  KNOWN.set(localStore, known);
+  localStore.whenOther(KEY, () => {
+    known.value = withMore(known.peek(), readKept(localStore));
+  });
+  return known;
+}
+
+/** Both; the lists of runs that have nothing new stay the same. */
+function withMore(before: ByRun, more: ByRun): ByRun {
+  const entries = Object.entries(more).map(([run, news]) => {
+    const own = before[run] ?? [];
+    const fresh = news.filter((sequence) => !own.includes(sequence));
+    return [run, fresh.length === 0 ? own : [...own, ...fresh]] as const;
+  });
+  return { ...before, ...Object.fromEntries(entries) };
+}
+
+function readKept(localStore: LocalStore): ByRun {
+  const entries = Object.entries(kept<Record<string, unknown>>(localStore, KEY) ?? {});
+  return Object.fromEntries(
+    entries.flatMap(([run, all]) =>
+      Array.isArray(all) ? [[run, all.filter((number) => typeof number === "number")]] : [],
+    ),
+  );
+}

@@ -1,0 +1,67 @@
+import { expect, test } from "vitest";
+import { Counts, LENGTHS_MAX } from "../history/counts.ts";
+import type { Watch } from "../history/run.ts";
+import {
+  type Baseline,
+  baselineOf,
+  expectedLength,
+  isLongerThanEver,
+  usualInWords,
+} from "./baseline.ts";
+
+const SECONDS = (ms: number) => `${ms / 1_000} s`;
+
+/** What is usual after a state took so many seconds each time. */
+function baseline(seconds: readonly number[], past: Baseline | null = null): Baseline | null {
+  const counts = new Counts();
+  for (const length of seconds) {
+    counts.entered(1, "R/A", 0, false);
+    counts.left(1, "R/A", length * 1e9, { id: 0, name: "success" }, false);
+  }
+  const before = new Map(past ? [["R/A", past]] : []);
+  return baselineOf({ journal: { counts } } as unknown as Watch, before, "R/A");
+}
+
+function words(seconds: readonly number[], past: Baseline | null = null): string {
+  const found = baseline(seconds, past);
+  return found ? usualInWords(found, SECONDS) : "";
+}
+
+test("usually is the median from five times on, which one long time does not move", () => {
+  expect(words([1, 1, 2, 1, 600])).toBe("usually 1 s, at most 600 s (5 times)");
+  expect(words([1, 2, 9])).toBe("on average 4 s, at most 9 s (3 times)");
+  expect(words([3])).toBe("3 s the one time before");
+  expect(words([])).toBe("");
+});
+
+test("what is usual follows the last times", () => {
+  const all = [...Array<number>(40).fill(1), ...Array<number>(LENGTHS_MAX).fill(7)];
+  expect(words(all)).toBe("usually 7 s, at most 7 s (71 times)");
+});
+
+test("earlier runs count until this one has run often enough", () => {
+  const past = { typical_ms: 8_000, isMedian: true, max_ms: 9_000, count: 12 };
+  expect(words([1, 1], past)).toBe("usually 8 s, at most 9 s (12 times)");
+  expect(words([1, 1, 1, 1, 1], past)).toBe("usually 1 s, at most 1 s (5 times)");
+});
+
+test("a run usually takes the median of five earlier ones, and below that their mean", () => {
+  const of = (...seconds: readonly number[]) =>
+    expectedLength(seconds.map((length) => ({ length_ms: length * 1_000 })));
+  expect(of()).toBe(null);
+  expect(of(1, 2, 6)).toEqual({ length_ms: 3_000, isMedian: false });
+  expect(of(1, 1, 2, 9, 60)).toEqual({ length_ms: 2_000, isMedian: true });
+});
+
+test("longer than ever needs five times, and is never said of what waits", () => {
+  const is = (times: number, phase: "running" | "waiting" | "held", since_ms: number) => {
+    const found = baseline(Array<number>(times).fill(2));
+    return found !== null && isLongerThanEver({ phase }, found, since_ms);
+  };
+  expect([is(5, "running", 3_500), is(5, "running", 2_900)]).toEqual([true, false]);
+  expect([is(4, "running", 99_000), is(5, "waiting", 99_000), is(5, "held", 99_000)]).toEqual([
+    false,
+    false,
+    false,
+  ]);
+});

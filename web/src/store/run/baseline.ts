@@ -1,0 +1,131 @@
+/** How long things usually take: a run of this machine, and each of its states; by earlier runs and by what this one did so far. */
+
+import { type ReadonlySignal, type Signal, signal } from "@preact/signals-core";
+import type { RunSummary, Statistics } from "../../model/generated/protocol.ts";
+import { isSame } from "../../model/json.ts";
+import type { Watch } from "../history/run.ts";
+import type { Page } from "../page/page.ts";
+import { RefusalError } from "../page/server.ts";
+import type { Active } from "./active.ts";
+import { summaryOf } from "./running.ts";
+
+/** How long a state was active: never longer than `max_ms`. */
+export interface Baseline {
+  /** Half of the times it took no longer, of so many that this says something; else the mean of the few times. */
+  readonly typical_ms: number;
+  readonly isMedian: boolean;
+  readonly max_ms: number;
+  /** How often it was seen. */
+  readonly count: number;
+}
+
+/** So often a state has to have run before anything is usual; then earlier runs do not count any more. */
+const ENOUGH = 5;
+/** It runs longer than ever when it runs so much longer than it ever did. */
+const LONGER = 1.1;
+const LONGER_MS = 1_000;
+/** Of so many earlier runs the length is looked at, the newest. */
+const RUNS_MAX = 20;
+
+const PAST = new Map<string, Signal<ReadonlyMap<string, Baseline>>>();
+const NONE: ReadonlyMap<string, Baseline> = new Map();
+
+/** Runs of the same machine that came to a good end before, the newest first. */
+export function earlierRuns(page: Page, watch: Watch): readonly RunSummary[] {
+  const own = summaryOf(page, watch);
+  const file = own?.machine;
+  if (!own || !file) return [];
+  const isLike = (run: RunSummary) =>
+    run.id !== own.id &&
+    run.started_ms < own.started_ms &&
+    run.phase === "finished" &&
+    run.outcome.id >= 0 &&
+    run.machine !== null &&
+    isSame(run.machine, file);
+  return page.runs.all.value.filter(isLike).slice(0, RUNS_MAX);
+}
+
+/** How long such a run took before, in ms: usually, if there were enough, else on average; null if there were none. */
+export function expectedLength(
+  earlier: readonly Pick<RunSummary, "length_ms">[],
+): { readonly length_ms: number; readonly isMedian: boolean } | null {
+  const lengths = earlier.map(({ length_ms }) => length_ms);
+  if (lengths.length === 0) return null;
+  const isMedian = lengths.length >= ENOUGH;
+  const mean = lengths.reduce((sum, length) => sum + length, 0) / lengths.length;
+  return { length_ms: isMedian ? median(lengths) : mean, isMedian };
+}
+
+function median(lengths: readonly number[]): number {
+  const sorted = [...lengths].sort((one, other) => one - other);
+  const half = sorted.length >> 1;
+  const [low, high] = [sorted[half - 1 + (sorted.length % 2)] ?? 0, sorted[half] ?? 0];
+  return (low + high) / 2;
+}
+
+/** How long states of this machine were active in an earlier run; asked for once, and empty until that is here. */
+export function pastBaselines(
+  page: Page,
+  run: string | null,
+): ReadonlySignal<ReadonlyMap<string, Baseline>> {
+  if (run === null) return NOTHING;
+  let known = PAST.get(run);
+  if (!known) {
+    known = signal(NONE);
+    PAST.set(run, known);
+    void ask(page, run, known);
+  }
+  return known;
+}
+
+const NOTHING = signal(NONE);
+
+async function ask(page: Page, run: string, into: Signal<ReadonlyMap<string, Baseline>>) {
+  try {
+    const { states } = await page.runs.get<Statistics>(run, "statistics");
+    into.value = new Map(
+      states.map(({ path, total_ns, median_ns, max_ns, count }) => {
+        const isMedian = count >= ENOUGH;
+        const typical_ms = (isMedian ? median_ns : total_ns / Math.max(1, count)) / 1e6;
+        return [path, { typical_ms, isMedian, max_ms: max_ns / 1e6, count }];
+      }),
+    );
+  } catch (error) {
+    if (!(error instanceof RefusalError)) throw error;
+    PAST.delete(run);
+  }
+}
+
+/** How long a state usually takes; null if nobody knows. */
+export function baselineOf(
+  { journal }: Watch,
+  past: ReadonlyMap<string, Baseline>,
+  path: string,
+): Baseline | null {
+  const own = journal.counts.get(path);
+  const before = past.get(path) ?? null;
+  if (!own || own.ends === 0 || (own.ends < ENOUGH && before)) return before;
+  const isMedian = own.ends >= ENOUGH;
+  const typical_ns = isMedian ? median(own.lengths_ns) : own.total_ns / own.ends;
+  return { typical_ms: typical_ns / 1e6, isMedian, max_ms: own.max_ns / 1e6, count: own.ends };
+}
+
+/** Whether a state takes longer than it ever did, of so many times that this says something. What waits, or is held, takes the
+ * time of somebody else. */
+export function isLongerThanEver(
+  { phase }: Pick<Active, "phase">,
+  baseline: Baseline,
+  since_ms: number,
+) {
+  const { isMedian, max_ms } = baseline;
+  const isAtWork = phase === "running" || phase === "preempted";
+  return isMedian && isAtWork && since_ms > max_ms * LONGER && since_ms > max_ms + LONGER_MS;
+}
+
+/** The same in words: `usually 1.3 s, at most 4 s (12 times)`. */
+export function usualInWords(baseline: Baseline, duration: (ms: number) => string): string {
+  const { typical_ms, isMedian, max_ms, count } = baseline;
+  if (count === 1) return `${duration(typical_ms)} the one time before`;
+  const typical = `${isMedian ? "usually" : "on average"} ${duration(typical_ms)}`;
+  return `${typical}, at most ${duration(max_ms)} (${count} times)`;
+}

@@ -1,0 +1,90 @@
+/** Breakpoints of a machine: those of the run that goes on, else those that this browser keeps for the next start. */
+
+import { type Signal, signal } from "@preact/signals-core";
+import type { Breakpoint } from "../../model/generated/protocol.ts";
+import { type LocalStore, localStoreOf, memoryStore } from "../local_store.ts";
+import type { OpenTab } from "../page/page.ts";
+import { fileOfTab, liveRun, snapshotOf } from "./running.ts";
+
+type KeptBreakpoints = Signal<readonly Breakpoint[]>;
+
+const BROWSER =
+  typeof window === "undefined" ? memoryStore() : localStoreOf(() => window.localStorage);
+const KNOWN = new WeakMap<LocalStore, Map<string, KeptBreakpoints>>();
+
+/** What is kept for the next start of the machine of a tab. */
+export function keptBreakpoints(tab: OpenTab, localStore: LocalStore = BROWSER): KeptBreakpoints {
+  const known = KNOWN.get(localStore) ?? new Map<string, KeptBreakpoints>();
+  KNOWN.set(localStore, known);
+  const key = keyOf(tab);
+  let kept = known.get(key);
+  if (!kept) {
+    kept = followingStore(localStore, key);
+    known.set(key, kept);
+  }
+  return kept;
+}
+
+/** What is kept there: put there when it changes here, and taken from there when another tab of the browser changed it. */
+function followingStore(localStore: LocalStore, key: string): KeptBreakpoints {
+  const there = () => {
+    const found = localStore.get(key);
+    return Array.isArray(found) ? (found as readonly Breakpoint[]) : [];
+  };
+  const kept = signal(there());
+  kept.subscribe((all) => localStore.put(key, all.length === 0 ? undefined : all));
+  localStore.whenOther(key, () => {
+    kept.value = there();
+  });
+  return kept;
+}
+
+function keyOf(tab: OpenTab): string {
+  const file = fileOfTab(tab);
+  return `rafcon.breakpoints ${file ? `${file.project}/${file.path}` : tab.session.id}`;
+}
+
+const NONE: readonly Breakpoint[] = [];
+
+/** All breakpoints that count on a tab now. A signal's reader. */
+export function breakpointsOf(
+  tab: OpenTab,
+  localStore: LocalStore = BROWSER,
+): readonly Breakpoint[] {
+  const live = liveRun(tab);
+  if (live) return snapshotOf(live)?.breakpoints ?? NONE;
+  return keptBreakpoints(tab, localStore).value;
+}
+
+/** The list with the breakpoint in it, instead of the one with the same id. */
+export function withBreakpoint(
+  all: readonly Breakpoint[],
+  breakpoint: Breakpoint,
+): readonly Breakpoint[] {
+  const others = all.filter(({ id }) => id !== breakpoint.id);
+  return [...others, breakpoint].sort((one, other) => one.id - other.id);
+}
+
+/** A number that no breakpoint has, of the run or for the next start. */
+export function freshId(tab: OpenTab, localStore: LocalStore = BROWSER): number {
+  const live = liveRun(tab);
+  const all = [
+    ...(snapshotOf(live)?.breakpoints ?? []),
+    ...keptBreakpoints(tab, localStore).peek(),
+  ];
+  return 1 + all.reduce((most, { id }) => Math.max(most, id), 0);
+}
+
+/** A plain breakpoint before a state. */
+export function newBreakpoint(id: number, path: string): Breakpoint {
+  return {
+    id,
+    path,
+    when: "before",
+    condition: null,
+    hit_count: 0,
+    scope: "branch",
+    unattended: "hold",
+    enabled: true,
+  };
+}

@@ -1,0 +1,73 @@
+import { signal } from "@preact/signals-core";
+import { expect, test } from "vitest";
+import type { RunNow } from "../../model/generated/protocol.ts";
+import { Journal } from "../history/journal.ts";
+import type { Link } from "../page/server.ts";
+import { events } from "../testing/events.ts";
+import { gapsOf } from "./gaps.ts";
+
+const UP: Link = { state: "connecting" };
+
+function truth(elapsed_ms: number, link: RunNow["link"] = "up", heard_ms = 0): RunNow {
+  const [run, snapshot] = [{ phase: "live" }, { elapsed_ms }];
+  const [snapshot_ms, runner_heard_ms] = [5_000, 5_000 + heard_ms];
+  return { run, link, snapshot, snapshot_ms, runner_heard_ms } as unknown as RunNow;
+}
+
+function watched(whenClosed: (stop: () => void) => void = () => {}) {
+  const up = { ...UP, state: "up" } as unknown as Link;
+  const link = signal<Link>(up);
+  const now = signal<RunNow | null>(truth(100));
+  const gaps = gapsOf({ server: { link } }, { now, journal: new Journal(), whenClosed });
+  return { link, now, gaps, up };
+}
+
+test("a gap lasts from what was heard last to what is heard first again", () => {
+  const { link, now, gaps, up } = watched();
+  expect(gaps.value).toEqual([]);
+  link.value = { state: "down", since_ms: 0, retry_ms: null, reason: "gone" };
+  expect(gaps.value).toEqual([{ from_ns: 100e6, to_ns: null }]);
+  link.value = up;
+  expect(gaps.value.at(-1)?.to_ns).toBeNull();
+  now.value = truth(900);
+  expect(gaps.value).toEqual([{ from_ns: 100e6, to_ns: 900e6 }]);
+});
+
+test("a server that lost the run is a gap as well, a run that is over has none", () => {
+  const { link, now, gaps } = watched();
+  now.value = truth(200, "down");
+  now.value = truth(200, "down");
+  now.value = truth(450);
+  expect(gaps.value).toEqual([{ from_ns: 200e6, to_ns: 450e6 }]);
+  now.value = { ...truth(500), run: { phase: "finished" } } as unknown as RunNow;
+  link.value = { state: "down", since_ms: 0, retry_ms: null, reason: "gone" };
+  expect(gaps.value.length).toBe(1);
+});
+
+test("a silence of the run's program is a gap from when it was heard last, though it had nothing to say before", () => {
+  const { now, gaps } = watched();
+  now.value = truth(200, "silent", 1_000);
+  expect(gaps.value).toEqual([{ from_ns: 1_200e6, to_ns: null }]);
+  now.value = truth(200, "up", 9_000);
+  expect(gaps.value).toEqual([{ from_ns: 1_200e6, to_ns: 9_200e6 }]);
+});
+
+test("what the journal was told counts, if it is later", () => {
+  const journal = new Journal();
+  const told = events("> R\n> R/A");
+  journal.add(told, 3);
+  const now = signal<RunNow | null>(truth(0, "down"));
+  const link = signal({ state: "up" } as unknown as Link);
+  expect(gapsOf({ server: { link } }, { now, journal, whenClosed: () => {} }).value).toEqual([
+    { from_ns: 2e6, to_ns: null },
+  ]);
+});
+
+test("a run that the page has left follows the connection no more", () => {
+  const stops: (() => void)[] = [];
+  const { link, gaps } = watched((stop) => stops.push(stop));
+  for (const stop of stops) stop();
+  link.value = { state: "down", since_ms: 0, retry_ms: null, reason: "gone" };
+  expect(gaps.value).toEqual([]);
+  expect(stops.length).toBe(1);
+});

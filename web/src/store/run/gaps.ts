@@ -1,0 +1,62 @@
+/** Times of a run during which this page was not told: no connection to the server, or the server had none to the run, or the run's
+ * program did not answer. What happened then was told afterwards. */
+
+import { effect, type ReadonlySignal, signal } from "@preact/signals-core";
+import type { RunNow } from "../../model/generated/protocol.ts";
+import type { Watch } from "../history/run.ts";
+import type { Page } from "../page/page.ts";
+
+export interface Gap {
+  /** In ns since the start of the run. */
+  readonly from_ns: number;
+  /** Null while it goes on. */
+  readonly to_ns: number | null;
+}
+
+type Told = Pick<Watch, "now" | "journal" | "whenClosed">;
+
+const KNOWN = new WeakMap<Told, ReadonlySignal<readonly Gap[]>>();
+
+/** So many are kept, the newest. */
+const GAPS_MAX = 200;
+
+/** The gaps since this was asked for first. A gap ends with the first truth that is told after it. */
+export function gapsOf(
+  page: { readonly server: Pick<Page["server"], "link"> },
+  watch: Told,
+): ReadonlySignal<readonly Gap[]> {
+  const known = KNOWN.get(watch);
+  if (known) return known;
+  const gaps = signal<readonly Gap[]>([]);
+  KNOWN.set(watch, gaps);
+  let before: RunNow | null = null;
+  const stop = effect(() => {
+    const now = watch.now.value;
+    // Of a run that is over the link is not followed: nothing keeps it when the page has left it.
+    const isLive = now?.run.phase === "live";
+    const isAway = isLive && (page.server.link.value.state !== "up" || now.link !== "up");
+    const last = gaps.peek().at(-1);
+    const open = last?.to_ns === null ? last : null;
+    if (isAway && !open) {
+      before = now;
+      gaps.value = [...gaps.peek(), { from_ns: comeTo(watch), to_ns: null }].slice(-GAPS_MAX);
+    } else if (!isAway && open && now !== before) {
+      gaps.value = gaps.peek().with(-1, { ...open, to_ns: comeTo(watch) });
+    }
+  });
+  watch.whenClosed(stop);
+  return gaps;
+}
+
+/** How far the run had come when it was heard last. */
+function comeTo({ now, journal }: Pick<Told, "now" | "journal">): number {
+  const told = journal.length > 0 ? journal.t_ns(journal.length - 1) : 0;
+  return Math.max(told, heardAt(now.peek()) * 1e6);
+}
+
+/** The time since the start when the run's program was heard last, in ms: it may have had nothing to say for long. */
+function heardAt(now: RunNow | null): number {
+  if (!now?.snapshot || now.snapshot_ms === null) return 0;
+  const sinceSnapshot_ms = (now.runner_heard_ms ?? now.snapshot_ms) - now.snapshot_ms;
+  return now.snapshot.elapsed_ms + Math.max(0, sinceSnapshot_ms);
+}

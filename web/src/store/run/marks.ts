@@ -1,0 +1,287 @@
+/** What the canvas shows of a run on states and transitions, at the moment that the page shows: what each state does, what ended
+ * lately, what failed and nobody has acknowledged, and where a held branch will go. */
+
+import { computed, type ReadonlySignal } from "@preact/signals-core";
+import { type ElementKey, keyOf } from "../../model/element.ts";
+import type { TransitionDocument } from "../../model/generated/protocol.ts";
+import {
+  isConcurrent,
+  type Machine,
+  PREEMPTED,
+  startOf,
+  transitionsOf,
+} from "../../model/machine.ts";
+import { idOf, parentOf } from "../../model/path.ts";
+import type { MachineSession } from "../document/machine_session.ts";
+import { countsUntil } from "../history/counts_until.ts";
+import { isEnd, type RunFailure } from "../history/failures.ts";
+import { RecentPath, type TakenTransition, type TransitionGoal } from "../history/recent_path.ts";
+import type { Watch } from "../history/run.ts";
+import { openFailures } from "./acknowledged.ts";
+import { type Active, activeStates, lanes } from "./active.ts";
+
+/** `next`: a held branch will enter it. `inside`: it is quiet itself. */
+export type MarkPhase =
+  | "running"
+  | "waiting"
+  | "held"
+  | "failed"
+  | "preempted"
+  | "next"
+  | "trail"
+  | "inside";
+
+/** What a state does in a run. */
+export interface RunMark {
+  readonly phase: MarkPhase;
+  /** The loudest of itself and all that is inside it. */
+  readonly loudest: MarkPhase;
+  /** The same without what failed: what goes on, or wants a human, is not hidden by that. */
+  readonly loudestActive: MarkPhase;
+  /** Whether it is active and nothing inside it is. */
+  readonly isLeaf: boolean;
+  /** How many branches are active inside it. */
+  readonly lanes: number;
+  /** How many states of its branch have ended since it did; 0 if it did not. */
+  readonly age: number;
+  /** How long it had been active when that was said; null if it is not. */
+  readonly since_ms: number | null;
+  /** Whether it ended because it was preempted. */
+  readonly preempted: boolean;
+  /** Whether it failed and nobody has acknowledged it. */
+  readonly failed: boolean;
+  /** More than its phase says: for what it waits. */
+  readonly detail: string | null;
+}
+
+/** A transition that was taken so many steps ago, or that is the next one of a held branch. */
+export interface LineMarkOfRun {
+  readonly isNext: boolean;
+  readonly age: number;
+  /** The event that took it. */
+  readonly sequence: number;
+}
+
+export interface RunMarks {
+  readonly states: ReadonlyMap<string, RunMark>;
+  readonly lines: ReadonlyMap<ElementKey, LineMarkOfRun>;
+  /** How often a state had been entered. */
+  readonly visits: (path: string) => number;
+}
+
+/** From the quietest to the loudest. */
+const LOUDNESS: readonly MarkPhase[] = [
+  "inside",
+  "trail",
+  "preempted",
+  "next",
+  "running",
+  "waiting",
+  "held",
+  "failed",
+];
+
+const KNOWN = new WeakMap<Watch, WeakMap<MachineSession, ReadonlySignal<RunMarks>>>();
+
+/** The marks of a run on a machine. A signal's reader. */
+export function runMarks(watch: Watch, session: MachineSession): RunMarks {
+  const ofWatch = KNOWN.get(watch) ?? new WeakMap<MachineSession, ReadonlySignal<RunMarks>>();
+  KNOWN.set(watch, ofWatch);
+  const known = ofWatch.get(session) ?? following(watch, session);
+  ofWatch.set(session, known);
+  return known.value;
+}
+
+function following(watch: Watch, session: MachineSession): ReadonlySignal<RunMarks> {
+  const isConcurrentAt = (path: string) => {
+    const state = session.machine.state(path);
+    return state !== undefined && isConcurrent(state);
+  };
+  const newRecentPath = () => new RecentPath(isConcurrentAt);
+  let live = newRecentPath();
+  let version = session.machine.version;
+  return computed(() => {
+    watch.journalVersion.value;
+    session.version.value;
+    if (version !== session.machine.version) live = newRecentPath();
+    version = session.machine.version;
+    const { journal } = watch;
+    const until = shownUntil(watch);
+    const recentPath = until === null ? live : newRecentPath();
+    const index = until === null ? journal.length : journal.indexOf(until + 1);
+    recentPath.follow(journal, index);
+    const failed = failedStates(openFailures(watch).value, until ?? Number.POSITIVE_INFINITY);
+    return {
+      states: stateMarks(activeStates(watch), recentPath, failed),
+      lines: lineMarks(activeStates(watch), recentPath, session.machine),
+      visits:
+        until === null
+          ? (path) => journal.counts.get(path)?.entries ?? 0
+          : (path) => countsUntil(journal, index).entries(path),
+    };
+  });
+}
+
+/** The event after which everything is shown; null while live. */
+function shownUntil(watch: Watch): number | null {
+  if (watch.playhead.value === null) return null;
+  return watch.playheadSnapshot.value?.picture.sequence ?? watch.playhead.value;
+}
+
+/** The states that failed up to an event, from where it began to where it was taken care of. */
+export function failedStates(open: readonly RunFailure[], until: number): ReadonlySet<string> {
+  const found = new Set<string>();
+  for (const failure of open) {
+    const { path, reach, first } = failure;
+    if (!isEnd(failure) || first > until) continue;
+    for (let at: string | null = path; at !== null; at = at === reach ? null : parentOf(at)) {
+      found.add(at);
+    }
+  }
+  return found;
+}
+
+type RunMarkDraft = { -readonly [K in keyof RunMark]: RunMark[K] };
+
+/** The marks of states by path: their own, and of all around them how loud it is inside. */
+export function stateMarks(
+  active: readonly Active[],
+  recentPath: RecentPath,
+  failed: ReadonlySet<string>,
+): ReadonlyMap<string, RunMark> {
+  const marks = new Map<string, RunMarkDraft>();
+  const mark = (path: string, phase: MarkPhase): RunMarkDraft => {
+    const found = marks.get(path) ?? newMark();
+    marks.set(path, found);
+    if (louder(phase, found.phase)) found.phase = phase;
+    return found;
+  };
+  for (const { path, age, outcome } of recentPath.past()) {
+    if (path !== null)
+      Object.assign(mark(path, "trail"), { age, preempted: outcome === PREEMPTED });
+  }
+  for (const path of failed) mark(path, "failed").failed = true;
+  activeMarks(active, mark);
+  for (const [path, { phase, failed: isFailed }] of [...marks]) {
+    spread(path, phase, "loudest", mark);
+    if (phase !== "failed") spread(path, phase, "loudestActive", mark);
+    if (isFailed) spread(path, "failed", "loudest", mark);
+  }
+  return marks;
+}
+
+/** What is active now says what a state is, whatever it was before. */
+function activeMarks(
+  active: readonly Active[],
+  mark: (path: string, phase: MarkPhase) => RunMarkDraft,
+) {
+  const inner = new Set(active.map(({ path }) => parentOf(path)));
+  for (const state of active) {
+    const found = mark(state.path, "inside");
+    const phase = state.phase === "interrupted" ? "waiting" : state.phase;
+    Object.assign(found, {
+      phase,
+      isLeaf: !inner.has(state.path),
+      age: 0,
+      preempted: false,
+      since_ms: state.since_ms,
+      detail: state.detail,
+    });
+    for (const { next } of state.held) if (next !== null) mark(next, "next");
+  }
+  for (const path of stillAround(active)) mark(path, "inside").phase = "waiting";
+  for (const { path } of lanes(active)) {
+    for (let at = parentOf(path); at !== null; at = parentOf(at)) mark(at, "inside").lanes += 1;
+  }
+}
+
+/** The states around branches that wait, in which nothing is at work: they wait too. */
+function stillAround(active: readonly Active[]): readonly string[] {
+  const busy = new Set<string>();
+  const inner = new Set(active.map(({ path }) => parentOf(path)));
+  for (const { path, phase } of lanes(active)) {
+    if (phase === "waiting" || phase === "interrupted") continue;
+    for (let at: string | null = path; at !== null; at = parentOf(at)) busy.add(at);
+  }
+  return active
+    .filter(({ path, phase }) => phase === "running" && inner.has(path) && !busy.has(path))
+    .map(({ path }) => path);
+}
+
+function newMark(): RunMarkDraft {
+  return {
+    phase: "inside",
+    loudest: "inside",
+    loudestActive: "inside",
+    isLeaf: false,
+    lanes: 0,
+    age: 0,
+    since_ms: null,
+    preempted: false,
+    failed: false,
+    detail: null,
+  };
+}
+
+/** Trails of what is inside are of no weight around it. */
+function spread(
+  path: string,
+  phase: MarkPhase,
+  what: "loudest" | "loudestActive",
+  mark: (path: string, phase: MarkPhase) => RunMarkDraft,
+) {
+  for (let at: string | null = path; at !== null; at = parentOf(at)) {
+    const found = mark(at, "inside");
+    const isLouder = louder(phase, found[what]);
+    if (isLouder) found[what] = phase;
+    else if (at !== path) return;
+    if (phase === "trail") return;
+  }
+}
+
+export function louder(one: MarkPhase, other: MarkPhase): boolean {
+  return LOUDNESS.indexOf(one) > LOUDNESS.indexOf(other);
+}
+
+function lineMarks(
+  active: readonly Active[],
+  recentPath: RecentPath,
+  machine: Machine,
+): ReadonlyMap<ElementKey, LineMarkOfRun> {
+  const marks = new Map<ElementKey, LineMarkOfRun>();
+  for (const { taken, goal, age, sequence } of recentPath.past()) {
+    const key = taken && transitionOf(machine, taken, goal);
+    if (key) marks.set(key, { isNext: false, age, sequence });
+  }
+  for (const { path, held } of active) {
+    for (const { next } of held) {
+      const key = transitionOf(machine, recentPath.from(path), next);
+      if (key) marks.set(key, { isNext: true, age: 0, sequence: 0 });
+    }
+  }
+  return marks;
+}
+
+/** The transition's key; null if the machine has none such, or it leads elsewhere than it must. */
+export function transitionOf(
+  machine: Machine,
+  { container, from, outcome }: TakenTransition,
+  goal: TransitionGoal | null = null,
+): ElementKey | null {
+  const state = machine.state(container);
+  if (!state) return null;
+  const found =
+    from === null
+      ? startOf(state)
+      : transitionsOf(state).find(
+          (each) => each.from_state === idOf(from) && each.from_outcome === outcome,
+        );
+  if (!found || (goal !== null && !leads(found, goal))) return null;
+  return keyOf({ kind: "transition", path: container, id: found.id });
+}
+
+function leads({ to_state, to_outcome }: TransitionDocument, goal: TransitionGoal): boolean {
+  return typeof goal === "string"
+    ? to_outcome == null && to_state === idOf(goal)
+    : to_outcome === goal;
+}

@@ -1,0 +1,24 @@
+/** Which values stand at which ports, at the moment that the page shows: inputs and variables of what is active, outputs of what
+ * ended inside it. */
+
+import { type ElementKey, keyOf } from "../../model/element.ts";
+import type { Picture } from "../../model/generated/protocol.ts";
+import { type Machine, type PortKind, portsOf } from "../../model/machine.ts";
+
+/** Values as the picture has them, by the key of their port. */
+export function portValues(picture: Picture, machine: Machine): ReadonlyMap<ElementKey, unknown> {
+  const found = new Map<ElementKey, unknown>();
+  const put = (path: string, kind: PortKind, values: Readonly<Record<string, unknown>> | null) => {
+    const state = values && machine.state(path);
+    if (!state) return;
+    for (const { id, name } of portsOf(state, kind)) {
+      if (Object.hasOwn(values, name)) found.set(keyOf({ kind, path, id }), values[name]);
+    }
+  };
+  for (const { path, inputs, scoped, ended } of picture.active) {
+    put(path, "input", inputs);
+    put(path, "scoped_variable", scoped);
+    for (const end of ended) put(end.path, "output", end.outputs);
+  }
+  return found;
+}

@@ -1,0 +1,100 @@
+/** Whether the machine of a tab is another one than that which its run goes by; how they are drawn does not matter. */
+
+import { effect, type ReadonlySignal, signal } from "@preact/signals-core";
+import { differences } from "../../model/difference.ts";
+import type { Document } from "../../model/generated/protocol.ts";
+import type { Machine } from "../../model/machine.ts";
+import { machineOf } from "../../model/plain.ts";
+import type { Runs, Watch } from "../history/run.ts";
+import type { OpenTab } from "../page/page.ts";
+import { RefusalError } from "../page/server.ts";
+
+/** Compared when nothing has changed for so long. */
+const SETTLED_MS = 300;
+/** What could not be had is asked for again after so long. */
+const AGAIN_MS = 2_000;
+
+const KNOWN = new WeakMap<OpenTab, WeakMap<Watch, ReadonlySignal<boolean>>>();
+
+/** One signal for a tab and a run; it is kept up only while somebody looks. */
+export function differsFromRun(tab: OpenTab, watch: Watch, runs: Runs): ReadonlySignal<boolean> {
+  const ofTab = KNOWN.get(tab) ?? new WeakMap<Watch, ReadonlySignal<boolean>>();
+  KNOWN.set(tab, ofTab);
+  let known = ofTab.get(watch);
+  if (!known) {
+    known = followed(tab, watch, runs);
+    ofTab.set(watch, known);
+  }
+  return known;
+}
+
+function followed({ session }: OpenTab, watch: Watch, runs: Runs): ReadonlySignal<boolean> {
+  let ran: Machine | null = null;
+  /** The machine that is here, and the one that was asked for last; null: none. */
+  let known: string | null = null;
+  let asked: string | null = null;
+  let again: ReturnType<typeof setTimeout> | undefined;
+  let timer: ReturnType<typeof setTimeout> | undefined;
+  let stops: readonly (() => void)[] = [];
+  const compare = () => {
+    differs.value =
+      ran !== null && differences(ran, session.machine).some(({ isLayout }) => !isLayout);
+  };
+  const soon = () => {
+    clearTimeout(timer);
+    timer = setTimeout(compare, SETTLED_MS);
+  };
+  const get = async (wanted: string) => {
+    const query = wanted === "" ? "" : `?root=${encodeURIComponent(wanted)}`;
+    try {
+      const document = await runs.get<Document>(watch.id, `machine${query}`);
+      if (asked !== wanted) return;
+      ran = machineOf(document);
+      known = wanted;
+      compare();
+    } catch (error) {
+      if (!(error instanceof RefusalError)) throw error;
+      if (asked === wanted) again = setTimeout(lookAgain, AGAIN_MS);
+    }
+  };
+  const look = () => {
+    const wanted = rootOf(watch);
+    // Before anything is told of the run, its machine may not be kept yet.
+    if (wanted === asked || watch.journal.length === 0) return;
+    clearTimeout(again);
+    asked = wanted;
+    void get(wanted);
+  };
+  const lookAgain = () => {
+    asked = null;
+    look();
+  };
+  const differs = signal(false, {
+    watched: () => {
+      if (session.fixed !== null) return;
+      stops = [session.onChange(soon), effect(look)];
+      soon();
+    },
+    unwatched: () => {
+      clearTimeout(timer);
+      clearTimeout(again);
+      asked = known;
+      for (const stop of stops) stop();
+    },
+  });
+  return differs;
+}
+
+const ROOTS = new WeakMap<Watch, { at: number; root: string }>();
+
+/** The machine that the run goes by now, as its journal says; empty: that of the start. */
+function rootOf(watch: Watch): string {
+  watch.journalVersion.value;
+  const found = ROOTS.get(watch) ?? { at: 0, root: "" };
+  ROOTS.set(watch, found);
+  for (; found.at < watch.journal.length; found.at += 1) {
+    const event = watch.journal.other(found.at);
+    if (event?.type === "root") found.root = event.hash;
+  }
+  return found.root;
+}

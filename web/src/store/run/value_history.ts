@@ -1,0 +1,157 @@
+/** One value of a run over time, asked for at the server with its events: what was there first, then what comes. */
+
+import { effect, type ReadonlySignal, signal } from "@preact/signals-core";
+import type { Expression } from "../../model/expression.ts";
+import type { Event, EventPage, HistoryEntry, JsonValue } from "../../model/generated/protocol.ts";
+import type { Runs, Watch } from "../history/run.ts";
+import { Series } from "../history/series.ts";
+import type { Target } from "./watched_values.ts";
+
+/** So many events are asked for at a time, and so often at most. */
+const PAGE = 1_000;
+const PACE_MS = 500;
+/** So long after a refusal it is tried again. */
+const AGAIN_MS = 3_000;
+
+export class ValueHistory {
+  readonly series = new Series();
+  readonly #changed = signal(0);
+  readonly #refusal = signal<string | null>(null);
+  readonly #isTold = signal(false);
+  readonly #runs: Runs;
+  readonly #watch: Watch;
+  readonly #target: Target;
+  readonly #expression: Expression;
+  #next = 1;
+  #isAsking = false;
+  #timer: ReturnType<typeof setTimeout> | undefined;
+  #isOver = false;
+
+  constructor(runs: Runs, watch: Watch, target: Target, expression: Expression) {
+    this.#runs = runs;
+    this.#watch = watch;
+    this.#target = target;
+    this.#expression = expression;
+  }
+
+  /** Another number whenever the series has grown. */
+  get changed(): ReadonlySignal<number> {
+    return this.#changed;
+  }
+
+  /** Why it cannot be told now. */
+  get refusal(): ReadonlySignal<string | null> {
+    return this.#refusal;
+  }
+
+  /** Whether everything that there was has been told. */
+  get isTold(): ReadonlySignal<boolean> {
+    return this.#isTold;
+  }
+
+  /** Goes on with the run until the returned function is called. */
+  follow(): () => void {
+    this.#soon(0);
+    const stop = effect(() => {
+      this.#watch.journalVersion.value;
+      this.#soon(PACE_MS);
+    });
+    return () => {
+      this.#isOver = true;
+      stop();
+      clearTimeout(this.#timer);
+    };
+  }
+
+  #soon(wait_ms: number): void {
+    if (this.#timer !== undefined || this.#isAsking || this.#isOver) return;
+    this.#timer = setTimeout(() => {
+      this.#timer = undefined;
+      void this.#ask();
+    }, wait_ms);
+  }
+
+  async #ask(): Promise<void> {
+    this.#isAsking = true;
+    const wait_ms = await this.#page();
+    this.#isAsking = false;
+    if (wait_ms !== null) this.#soon(wait_ms);
+  }
+
+  /** Asks for a page; says when to ask for the next, null once there is no more so far. */
+  async #page(): Promise<number | null> {
+    try {
+      const page = await this.#runs.get<EventPage>(this.#watch.id, this.#question());
+      if (this.#isOver) return null;
+      for (const entry of page.events) this.#take(entry);
+      this.#next = page.next;
+      this.#refusal.value = null;
+      if (page.events.length > 0) this.#changed.value += 1;
+      if (page.next <= page.last) return 0;
+      this.#isTold.value = true;
+      return this.#watch.journal.next > page.next ? PACE_MS : null;
+    } catch (error) {
+      this.#refusal.value = error instanceof Error ? error.message : String(error);
+      return AGAIN_MS;
+    }
+  }
+
+  #question(): string {
+    const { kind, path } = this.#target;
+    const query = new URLSearchParams({
+      values: "true",
+      from: String(this.#next),
+      count: String(PAGE),
+      kinds: KINDS[kind],
+    });
+    if (kind !== "global") query.set("state", onlyThis(path));
+    return `events?${query}`;
+  }
+
+  #take({ sequence, t_ns, event }: HistoryEntry): void {
+    const value = valueIn(event, this.#target);
+    if (value === undefined) return;
+    const worked = this.#expression.of(value);
+    if ("value" in worked) this.series.add(sequence, t_ns, worked.value);
+  }
+}
+
+/** A pattern that fits the path of this state: with one, the whole path has to fit, and states inside are not told. It stands for the
+ * sign before the id, so that siblings with ids of the same length do not fit. */
+function onlyThis(path: string): string {
+  const at = Math.max(0, path.lastIndexOf("/"));
+  return `${path.slice(0, at)}?${path.slice(at + 1)}`;
+}
+
+const KINDS: Readonly<Record<Target["kind"], string>> = {
+  input: "entered",
+  output: "left",
+  scoped_variable: "scoped",
+  global: "global",
+};
+
+/** What an event says of a value; undefined if it says nothing. Steps back give nothing. */
+export function valueIn(event: Event, { kind, path, name }: Target): JsonValue | undefined {
+  const isHere = "path" in event && event.path === path;
+  switch (event.type) {
+    case "entered":
+    case "left": {
+      if (!isHere || event.undoes != null) return undefined;
+      if (kind === "input" && event.type === "entered") return given(event.inputs, name);
+      return kind === "output" && event.type === "left" ? given(event.outputs, name) : undefined;
+    }
+    case "scoped":
+      return isHere && kind === "scoped_variable" && event.name === name ? event.value : undefined;
+    case "global":
+      return kind === "global" && event.name === name ? event.value : undefined;
+    default:
+      return undefined;
+  }
+}
+
+function given(
+  values: Record<string, unknown> | null | undefined,
+  name: string,
+): JsonValue | undefined {
+  return values && Object.hasOwn(values, name) ? (values[name] as JsonValue) : undefined;
+}

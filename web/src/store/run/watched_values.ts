@@ -1,0 +1,108 @@
+/** Values that the user watches, by machine: kept in this browser. */
+
+import { type Signal, signal } from "@preact/signals-core";
+import type { OpenTab } from "../page/page.ts";
+
+/** A value of a run: at a port or in a scoped variable of a state, or a global variable. */
+export interface Target {
+  readonly kind: "input" | "output" | "scoped_variable" | "global";
+  /** The state; of global variables empty. */
+  readonly path: string;
+  readonly name: string;
+}
+
+export interface WatchedExpression {
+  readonly id: number;
+  readonly target: Target;
+  /** What of the value is watched: an expression over `value`. */
+  readonly expression: string;
+}
+
+/** The whole value. */
+export const WHOLE = "value";
+
+const KEY = "rafcon.watched";
+const MACHINES_MAX = 50;
+
+type KeptWatches = Readonly<Record<string, readonly WatchedExpression[]>>;
+
+const known = new Map<string, Signal<readonly WatchedExpression[]>>();
+
+/** What is watched of the machine in a tab. Runs of one machine share it. */
+export function watchedOf(tab: OpenTab): Signal<readonly WatchedExpression[]> {
+  const key = machineKey(tab);
+  let found = known.get(key);
+  if (!found) {
+    if (known.size === 0) takeFromOthers();
+    found = signal(kept()[key] ?? []);
+    known.set(key, found);
+  }
+  return found;
+}
+
+/** What another tab of the browser watches is watched here. */
+function takeFromOthers(): void {
+  globalThis.addEventListener?.("storage", ({ key }) => {
+    if (key !== KEY && key !== null) return;
+    const now = kept();
+    for (const [machine, watched] of known) watched.value = now[machine] ?? [];
+  });
+}
+
+/** Watches a value from now on; one that is watched already is not watched twice. */
+export function addWatched(tab: OpenTab, target: Target, expression = WHOLE): void {
+  const all = watchedOf(tab).peek();
+  const isThere = all.some(
+    (each) => isSameTarget(each.target, target) && each.expression === expression,
+  );
+  const id = all.reduce((most, each) => Math.max(most, each.id), 0) + 1;
+  if (!isThere) put(tab, [...all, { id, target, expression }]);
+}
+
+export function removeWatched(tab: OpenTab, id: number): void {
+  put(
+    tab,
+    watchedOf(tab)
+      .peek()
+      .filter((each) => each.id !== id),
+  );
+}
+
+/** Watches something else of the same value. */
+export function changeWatched(tab: OpenTab, id: number, expression: string): void {
+  const all = watchedOf(tab).peek();
+  put(
+    tab,
+    all.map((each) => (each.id === id ? { ...each, expression } : each)),
+  );
+}
+
+export function isSameTarget(one: Target, other: Target): boolean {
+  return one.kind === other.kind && one.path === other.path && one.name === other.name;
+}
+
+function put(tab: OpenTab, all: readonly WatchedExpression[]): void {
+  watchedOf(tab).value = all;
+  const { [machineKey(tab)]: _, ...others } = kept();
+  const rest = Object.entries(others).slice(-MACHINES_MAX + 1);
+  const next = Object.fromEntries([...rest, [machineKey(tab), all]]);
+  try {
+    globalThis.localStorage?.setItem(KEY, JSON.stringify(next));
+  } catch {
+    // Without storage it lasts as long as the page.
+  }
+}
+
+function machineKey({ session, run }: OpenTab): string {
+  const file = session.status.value?.summary.file ?? run.value?.now.value?.run.machine;
+  return file ? `${file.project}/${file.path}` : session.id;
+}
+
+function kept(): KeptWatches {
+  try {
+    const found: unknown = JSON.parse(globalThis.localStorage?.getItem(KEY) ?? "{}");
+    return typeof found === "object" && found !== null ? (found as KeptWatches) : {};
+  } catch {
+    return {};
+  }
+}
