@@ -9,7 +9,7 @@ use crate::commands::run::{has_keys, keyboard, names_of_run, view};
 use crate::environment::Environment;
 use crate::event_queue::EventQueue;
 use crate::failure::complain;
-use crate::follow::{End, Follower, Role, RunLoop};
+use crate::follow::{End, RunFollower, RunLoop, RunRole};
 use anyhow::Result;
 use rafcon_protocol::{Hello, Join, encode};
 use rafcon_supervisor::{connect, machine_of};
@@ -28,7 +28,7 @@ pub(super) fn attach(
         remote::refuse_runs(&raw.runs, environment)?;
         let run = remote::run(&server, &raw.run)?.id;
         let at = AtServer { server: &server, output: raw.output, environment, clock };
-        let end = at.follow(&run, at.queue()?, raw.from, (Role::Guest, None))?;
+        let end = at.follow(&run, at.queue()?, raw.from, (RunRole::Guest, None))?;
         return Ok(ended(&end, &at.named(&run)));
     }
     let folder = find_run(&raw.runs, environment, &raw.run)?;
@@ -39,7 +39,7 @@ pub(super) fn attach(
     let join = Join { from: raw.from, every_event: view.every_event() };
     queue.join(control.try_clone()?, Some(&folder))?;
     let prefix = format!("attach-{}", std::process::id());
-    let follower = Follower::new(Role::Guest, &environment.user, prefix, None);
+    let follower = RunFollower::new(RunRole::Guest, &environment.user, prefix, None);
     let follower = follower.joining(join).asking_for_the_engine();
     control.write_all(&encode(&Hello::ours())?)?;
     let line = Box::new(control);
@@ -69,7 +69,7 @@ impl AtServer<'_> {
         run: &str,
         mut queue: EventQueue,
         from: u64,
-        (role, deadline): (Role, Option<Duration>),
+        (role, deadline): (RunRole, Option<Duration>),
     ) -> Result<End> {
         let Self { server, output, environment, clock } = *self;
         let keyboard = keyboard(output, environment, true);
@@ -77,7 +77,7 @@ impl AtServer<'_> {
         let join = Join { from, every_event: view.every_event() };
         let line = Box::new(follow(server, run, &mut queue, clock)?);
         let (user, prefix) = (&environment.user, remote::unique("attach")?);
-        let follower = Follower::new(role, user, prefix, deadline).joining(join);
+        let follower = RunFollower::new(role, user, prefix, deadline).joining(join);
         RunLoop { follower, view, line, group: None, clock }.until_the_end_is_shown(&queue)
     }
 

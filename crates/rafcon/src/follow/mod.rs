@@ -42,7 +42,7 @@ pub(crate) enum Action {
 
 /// What this program has to do with the run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Role {
+pub(crate) enum RunRole {
     /// It looks on, and may leave at any time.
     Guest,
     /// The run was begun for it at a server: the run ends when it says so, and it may leave a run that does not.
@@ -53,8 +53,8 @@ pub(crate) enum Role {
 
 /// Follows one run.
 #[derive(Debug)]
-pub(crate) struct Follower {
-    role: Role,
+pub(crate) struct RunFollower {
+    role: RunRole,
     /// What is wanted from a run that is joined: said in answer to its hello.
     join: Option<Join>,
     /// The hello was said and is understood.
@@ -82,11 +82,11 @@ pub(crate) struct Follower {
     end: Option<End>,
 }
 
-impl Follower {
+impl RunFollower {
     /// A run of which nothing is known yet. `author` gives commands, whose ids begin with `prefix`; the machine is stopped at
     /// `deadline`.
     pub(crate) fn new(
-        role: Role,
+        role: RunRole,
         author: &str,
         prefix: String,
         deadline: Option<Duration>,
@@ -141,7 +141,7 @@ impl Follower {
             Cause::Raw(stream, line) => self.raw(stream, line, out),
             Cause::Exited(exit) => self.process.exited(now, exit),
             Cause::Interrupt => self.interrupt(out),
-            Cause::Wish(Wish::Leave) | Cause::HungUp if self.role != Role::Owner => {
+            Cause::Wish(Wish::Leave) | Cause::HungUp if self.role != RunRole::Owner => {
                 self.finish(End::Left);
             }
             Cause::Wish(wish) => self.wish(wish, out),
@@ -152,7 +152,7 @@ impl Follower {
 
     /// The reason of the end, once there is nothing more to wait for.
     pub(crate) fn end(&self, now: Duration) -> Option<&End> {
-        let is_over = self.role != Role::Owner || self.process.is_over(now);
+        let is_over = self.role != RunRole::Owner || self.process.is_over(now);
         self.end.as_ref().filter(|_| is_over)
     }
 
@@ -168,12 +168,12 @@ impl Follower {
                 self.is_greeted = true;
                 out.extend(self.join.take().map(|join| Action::Send(ToRunner::Join(join))));
             }
-            (Err(mismatch), Role::Owner) => {
+            (Err(mismatch), RunRole::Owner) => {
                 let reason = mismatch.to_string();
                 self.finish(End::NotStarted { reason, said: Vec::new() });
                 out.push(Action::Kill);
             }
-            (Err(mismatch), Role::Guest | Role::Host) => {
+            (Err(mismatch), RunRole::Guest | RunRole::Host) => {
                 self.finish(End::LoadFailed { reason: mismatch.to_string() });
             }
         }
@@ -188,7 +188,7 @@ impl Follower {
             ToViewer::Loaded { name, states, run, problems } => {
                 let none = Vec::new();
                 out.push(Action::Show(ToViewer::Loaded { name, states, run, problems: none }));
-                if self.role != Role::Guest {
+                if self.role != RunRole::Guest {
                     out.extend(
                         problems
                             .into_iter()
@@ -213,7 +213,7 @@ impl Follower {
     fn refusal(&self, answer: Answer) -> Option<String> {
         match answer {
             Answer::Applied => None,
-            Answer::Refused { reason } if self.role == Role::Owner => {
+            Answer::Refused { reason } if self.role == RunRole::Owner => {
                 Some(format!("the runner refused: {reason}"))
             }
             Answer::Refused { reason } => Some(format!("refused: {reason}")),
@@ -244,19 +244,19 @@ impl Follower {
     fn interrupt(&mut self, out: &mut Vec<Action>) {
         self.interrupts += 1;
         let takes_a_stop = match self.role {
-            Role::Guest => false,
-            Role::Host => true,
-            Role::Owner => self.is_greeted && self.end.is_none(),
+            RunRole::Guest => false,
+            RunRole::Host => true,
+            RunRole::Owner => self.is_greeted && self.end.is_none(),
         };
         match (self.interrupts, self.role) {
             (1, _) if takes_a_stop => {
                 self.say("stopping; press Ctrl-C again to kill", Command::Stop, out);
             }
-            (_, Role::Owner) => self.kill(self.killed(), out),
-            (2, Role::Host) => {
+            (_, RunRole::Owner) => self.kill(self.killed(), out),
+            (2, RunRole::Host) => {
                 self.have_killed("killing; press Ctrl-C again to leave it alone", out);
             }
-            (_, Role::Guest | Role::Host) => self.finish(End::Left),
+            (_, RunRole::Guest | RunRole::Host) => self.finish(End::Left),
         }
     }
 
@@ -292,12 +292,14 @@ impl Follower {
     /// is gone, as we wanted, or not.
     fn silence(&mut self, now: Duration) {
         match self.role {
-            Role::Owner => {
+            RunRole::Owner => {
                 self.process.silent();
                 self.kill_at.get_or_insert(now + EXIT_TIMEOUT);
             }
-            Role::Guest | Role::Host if self.is_kill_sent => self.finish(self.killed()),
-            Role::Guest | Role::Host => self.finish(self.death("its runner is gone".to_owned())),
+            RunRole::Guest | RunRole::Host if self.is_kill_sent => self.finish(self.killed()),
+            RunRole::Guest | RunRole::Host => {
+                self.finish(self.death("its runner is gone".to_owned()));
+            }
         }
     }
 
@@ -323,7 +325,7 @@ impl Follower {
             return;
         }
         self.timed_out = true;
-        if self.role == Role::Owner && !self.is_greeted {
+        if self.role == RunRole::Owner && !self.is_greeted {
             self.kill_at = Some(now);
             return;
         }
@@ -333,13 +335,13 @@ impl Follower {
 
     fn patience_is_over(&mut self, out: &mut Vec<Action>) {
         match self.role {
-            Role::Owner if self.process.exit().is_some() => {}
-            Role::Owner if self.timed_out => self.kill(self.killed(), out),
-            Role::Owner => {
+            RunRole::Owner if self.process.exit().is_some() => {}
+            RunRole::Owner if self.timed_out => self.kill(self.killed(), out),
+            RunRole::Owner => {
                 let reason = "it closed its control connection and went on".to_owned();
                 self.kill(self.death(reason), out);
             }
-            Role::Guest | Role::Host => self.have_killed("it did not stop; killing", out),
+            RunRole::Guest | RunRole::Host => self.have_killed("it did not stop; killing", out),
         }
     }
 
@@ -367,7 +369,7 @@ impl Follower {
 
     fn death(&self, reason: String) -> End {
         let said = self.process.tail();
-        if self.role == Role::Owner && !self.is_greeted {
+        if self.role == RunRole::Owner && !self.is_greeted {
             return End::NotStarted { reason, said };
         }
         let exit = self.process.exit();

@@ -1,7 +1,7 @@
 //! The loop in which a run is followed: causes from the event queue to the follower, what it decides to run, process and view.
 //! Decides nothing itself, and does not know how the run is reached.
 
-use super::{Action, End, Follower};
+use super::{Action, End, RunFollower};
 use crate::clock::Clock;
 use crate::event_queue::{Cause, EventQueue, Line};
 use crate::view::{Nothing, View};
@@ -13,7 +13,7 @@ use std::time::Duration;
 
 /// A run that is followed.
 pub(crate) struct RunLoop {
-    pub(crate) follower: Follower,
+    pub(crate) follower: RunFollower,
     pub(crate) view: Box<dyn View>,
     pub(crate) line: Box<dyn Line>,
     /// The runner's processes, if this program has started them: such a run goes on unseen when its view is gone.

@@ -8,7 +8,7 @@ use crate::commands::attach::{self, AtServer};
 use crate::commands::remote::{self, refuse, refuse_runs};
 use crate::environment::Environment;
 use crate::failure::{Usage, complain};
-use crate::follow::{End, Role};
+use crate::follow::{End, RunRole};
 use crate::view::Names;
 use anyhow::Result;
 use rafcon_protocol::Afterwards;
@@ -143,7 +143,7 @@ fn begin(
         Ok(run) => run.id,
         Err(fault) => return not_begun(at, fault),
     };
-    let end = at.follow(&run, queue, from, (Role::Host, deadline))?;
+    let end = at.follow(&run, queue, from, (RunRole::Host, deadline))?;
     let named = at.named(&run);
     if let End::Left = end {
         return Ok(attach::ended(&end, &named));

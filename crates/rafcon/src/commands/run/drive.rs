@@ -7,7 +7,7 @@ use crate::clock::Clock;
 use crate::environment::Environment;
 use crate::event_queue::EventQueue;
 use crate::failure::complain;
-use crate::follow::{End, Follower, Role, RunLoop};
+use crate::follow::{End, RunFollower, RunLoop, RunRole};
 use crate::view::Names;
 use anyhow::{Context as _, Result};
 use rafcon_protocol::{Event, Launch};
@@ -98,7 +98,7 @@ impl RunSetup<'_> {
             queue.connect(process)?;
             say(&control, group, launch.clone());
             let prefix = format!("run-{}-{}", std::process::id(), salt(0));
-            let follower = Follower::new(Role::Owner, &environment.user, prefix, deadline);
+            let follower = RunFollower::new(RunRole::Owner, &environment.user, prefix, deadline);
             let line = Box::new(control);
             let mut run = RunLoop { follower, view, line, group: Some(group), clock };
             let mut end = run.until_the_end(&queue).inspect_err(|_| group.kill())?;

@@ -1,7 +1,7 @@
 //! The life of a run whose process is ours, as text: causes in, actions and exit code out.
 
 use crate::event_queue::Cause;
-use crate::follow::{Action, Follower, Role};
+use crate::follow::{Action, RunFollower, RunRole};
 use expect_test::{Expect, expect};
 use rafcon_protocol::{
     ActiveState, Event, Hello, Outcome, Phase, RunStatus, Snapshot, Stream, ToRunner, ToViewer,
@@ -15,7 +15,7 @@ use std::time::Duration;
 /// Runs a script of `seconds word argument`, with a timeout of ten seconds. The number of an event is that of its line.
 fn check(script: &str, expect: &Expect) {
     let deadline = Some(Duration::from_secs(10));
-    let mut run = Follower::new(Role::Owner, "ana", "run".to_owned(), deadline);
+    let mut run = RunFollower::new(RunRole::Owner, "ana", "run".to_owned(), deadline);
     let mut seen = String::new();
     let lines = script.lines().map(str::trim).filter(|line| !line.is_empty());
     for (number, line) in (1..).zip(lines) {

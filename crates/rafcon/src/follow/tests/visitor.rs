@@ -2,20 +2,20 @@
 
 use crate::console::Wish;
 use crate::event_queue::Cause;
-use crate::follow::{Action, Follower, Role};
+use crate::follow::{Action, RunFollower, RunRole};
 use expect_test::{Expect, expect};
 use rafcon_protocol::{Answer, Command, EnginePulse, Event, Hello, Join, ToRunner, ToViewer};
 use std::time::Duration;
 
-fn visit(role: Role, deadline: Option<Duration>) -> Follower {
-    Follower::new(role, "ana", "attach".to_owned(), deadline).joining(Join::default())
+fn visit(role: RunRole, deadline: Option<Duration>) -> RunFollower {
+    RunFollower::new(role, "ana", "attach".to_owned(), deadline).joining(Join::default())
 }
 
 fn shown(actions: &[Action]) -> Vec<String> {
     actions.iter().map(|action| format!("{action:?}")).collect()
 }
 
-fn check(role: Role, causes: Vec<Cause>, expect: &Expect) {
+fn check(role: RunRole, causes: Vec<Cause>, expect: &Expect) {
     let mut visit = visit(role, None);
     let mut actions = Vec::new();
     for cause in causes {
@@ -28,7 +28,7 @@ fn check(role: Role, causes: Vec<Cause>, expect: &Expect) {
 }
 
 /// `c` is Ctrl-C, a number lets so many seconds pass.
-fn check_manners(role: Role, seconds: Option<u64>, script: &str, expect: &Expect) {
+fn check_manners(role: RunRole, seconds: Option<u64>, script: &str, expect: &Expect) {
     let mut visit = visit(role, seconds.map(Duration::from_secs));
     let (mut now, mut text) = (Duration::ZERO, String::new());
     for word in script.split(' ') {
@@ -58,7 +58,7 @@ fn entered(path: &str) -> Cause {
 fn a_visitor_joins_commands_and_leaves() {
     let refused = Answer::Refused { reason: "the run is running".to_owned() };
     check(
-        Role::Guest,
+        RunRole::Guest,
         vec![
             Cause::Hello(Hello::ours()),
             Cause::Wish(Wish::Send(Command::Pause)),
@@ -78,7 +78,7 @@ fn a_visitor_joins_commands_and_leaves() {
 #[test]
 fn a_runner_that_dies_is_told_with_the_way_out() {
     check(
-        Role::Guest,
+        RunRole::Guest,
         vec![Cause::Hello(Hello::ours()), entered("A"), Cause::Silence],
         &expect![[r#"
             Send(Join(Join { from: 0, every_event: false }))
@@ -90,7 +90,7 @@ fn a_runner_that_dies_is_told_with_the_way_out() {
 #[test]
 fn a_run_that_was_asked_for_is_stopped_and_killed() {
     check(
-        Role::Host,
+        RunRole::Host,
         vec![
             Cause::Hello(Hello::ours()),
             entered("A"),
@@ -112,7 +112,7 @@ fn a_run_that_was_asked_for_is_stopped_and_killed() {
 #[test]
 fn a_connection_that_breaks_is_shown_and_ends_nothing() {
     check(
-        Role::Guest,
+        RunRole::Guest,
         vec![Cause::Cut("it is gone".to_owned()), Cause::Mended("it is back".to_owned())],
         &expect![[r#"
             Heard(false)
@@ -124,7 +124,7 @@ fn a_connection_that_breaks_is_shown_and_ends_nothing() {
 
 #[test]
 fn an_engine_that_takes_no_inputs_is_told_and_so_is_its_return() {
-    let mut visit = visit(Role::Guest, None).asking_for_the_engine();
+    let mut visit = visit(RunRole::Guest, None).asking_for_the_engine();
     let pong = |unreached_ms| {
         let engine = Some(EnginePulse { unreached_ms, still_ms: unreached_ms, scripts: None });
         Cause::Messages(vec![ToViewer::Pong { id: 1, now_ms: 0, engine }])
@@ -151,7 +151,7 @@ fn an_engine_that_takes_no_inputs_is_told_and_so_is_its_return() {
 fn another_version_is_refused() {
     let hello = Hello { protocol: 0, program: "0.0.1".to_owned() };
     check(
-        Role::Guest,
+        RunRole::Guest,
         vec![Cause::Hello(hello)],
         &expect![[r#"
         LoadFailed { reason: "the other side (version 0.0.1) speaks protocol 0, this one speaks 3: install the rafcon binary and its extension from the same build" }, exit code 1"#]],
@@ -161,7 +161,7 @@ fn another_version_is_refused() {
 #[test]
 fn a_guest_leaves() {
     check_manners(
-        Role::Guest,
+        RunRole::Guest,
         None,
         "100 c",
         &expect![[r"
@@ -174,7 +174,7 @@ fn a_guest_leaves() {
 #[test]
 fn the_host_stops_kills_and_leaves() {
     check_manners(
-        Role::Host,
+        RunRole::Host,
         None,
         "c 9 c c",
         &expect![[r#"
@@ -189,7 +189,7 @@ fn the_host_stops_kills_and_leaves() {
 #[test]
 fn when_the_time_is_over_it_is_stopped_and_then_killed() {
     check_manners(
-        Role::Host,
+        RunRole::Host,
         Some(5),
         "4 1 2 1 9",
         &expect![[r#"
