@@ -7,7 +7,6 @@ use super::machine::{EditRequest, MachineOperation};
 use super::recover::{read_edit, recover};
 use super::save::unless_in_a_machine;
 use super::session::{FileLocation, MachineSession, Tools, closed};
-use super::steps::StepDirection;
 use crate::gate::Gate;
 use crate::{Failure, ServerState, Settings, request_id};
 use axum::http::StatusCode;
@@ -232,12 +231,8 @@ impl Documents {
     ) -> Result<u64, Failure> {
         let session = self.session(id)?;
         let (id, deed, what) = match wish {
-            EditOperation::Undo(undo) => {
-                (undo.id, MachineOperation::Step(StepDirection::Undo), DraftOperation::Undo)
-            }
-            EditOperation::Redo(redo) => {
-                (redo.id, MachineOperation::Step(StepDirection::Redo), DraftOperation::Redo)
-            }
+            EditOperation::Undo(undo) => (undo.id, MachineOperation::Undo, DraftOperation::Undo),
+            EditOperation::Redo(redo) => (redo.id, MachineOperation::Redo, DraftOperation::Redo),
             EditOperation::Jump(JumpMachine { id, revision, over_others }) => (
                 id,
                 MachineOperation::Jump { revision, over_others },

@@ -11,8 +11,7 @@ mod disk;
 )]
 mod documents;
 mod draft;
-mod history_tree;
-mod log;
+mod history;
 mod machine;
 mod merge;
 mod places;
@@ -22,13 +21,12 @@ mod revision_cache;
 mod routes;
 mod save;
 mod session;
-mod steps;
 #[cfg(test)]
 mod tests;
 mod usages;
 mod versions;
 
 pub(crate) use documents::{Documents, EditOperation};
-pub(crate) use log::RevisionsPage;
+pub(crate) use history::RevisionsPage;
 pub(crate) use routes::{change, routes};
 pub(crate) use session::MachineSession;

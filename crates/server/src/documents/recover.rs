@@ -8,7 +8,6 @@ use super::draft::{
 };
 use super::machine::{EditRequest, MachineOperation, OpenMachine};
 use super::session::FileLocation;
-use super::steps::StepDirection;
 use crate::Failure;
 use crate::access::PrivateError;
 use crate::log::say;
@@ -175,9 +174,9 @@ fn replayed(
     for line in &found.lines {
         let DraftLine::Done(operation) = line else { continue };
         let Operation { author, id, at_ms, what } = &**operation;
-        let prepared = machine.prepare(author, deed(what, place, libraries)?)?;
         let request = EditRequest { author: author.clone(), id: id.clone() };
-        machine.commit(prepared, request, *at_ms);
+        let prepared = machine.prepare(request, *at_ms, deed(what, place, libraries)?)?;
+        machine.commit(prepared);
     }
     Ok(machine)
 }
@@ -191,8 +190,8 @@ fn deed(
         DraftOperation::Edit { name, edit } => {
             MachineOperation::Edit(name.clone(), read_edit(edit, libraries)?)
         }
-        DraftOperation::Undo => MachineOperation::Step(StepDirection::Undo),
-        DraftOperation::Redo => MachineOperation::Step(StepDirection::Redo),
+        DraftOperation::Undo => MachineOperation::Undo,
+        DraftOperation::Redo => MachineOperation::Redo,
         DraftOperation::Jump { revision } => MachineOperation::JumpAgain(*revision),
         DraftOperation::Replace { document: hash } => {
             MachineOperation::Replace(Box::new(document(place, hash, libraries)?))

@@ -1,7 +1,7 @@
 //! What is asked about open machines. Knows requests and answers; the work is done next door, off the threads that talk.
 
 use super::documents::EditOperation;
-use super::log::RevisionsPage;
+use super::history::RevisionsPage;
 use crate::access::Who;
 use crate::blocking::blocking;
 use crate::extract::{Body, Path, Query};
@@ -139,11 +139,7 @@ async fn revisions(
     let session = server.documents.session(&machine)?;
     let (is_reset, next, texts) = match session.since(from) {
         RevisionsPage::Reset(now) => (true, now + 1, String::new()),
-        RevisionsPage::Revisions(told) => {
-            let next = told.last().map_or(from, |told| told.number + 1);
-            let texts: Vec<&str> = told.iter().map(|told| told.text.as_str()).collect();
-            (false, next, texts.join(","))
-        }
+        RevisionsPage::Revisions(told) => (false, from + told.len() as u64, told.join(",")),
     };
     let text = format!(r#"{{"is_reset":{is_reset},"next":{next},"revisions":[{texts}]}}"#);
     Ok(json(text.into()))

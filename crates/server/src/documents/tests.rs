@@ -1,8 +1,7 @@
 //! Several people edit one machine: nobody's work is lost, and each takes back what is his own.
 
-use super::log::RevisionsPage;
+use super::history::RevisionsPage;
 use super::machine::{EditRequest, MachineOperation, OpenMachine};
-use super::steps::StepDirection;
 use expect_test::{Expect, expect};
 use proptest::prelude::*;
 use rafcon_model::edit::any::{Dice, edit};
@@ -40,13 +39,10 @@ fn machine(text: &str) -> Machine {
 
 /// Does it; the name of the step and the new revision, or the refusal.
 fn done(open: &mut OpenMachine, author: &str, deed: MachineOperation) -> String {
-    match open.prepare(author, deed) {
+    let request = EditRequest { author: author.to_owned(), id: open.revision().to_string() };
+    match open.prepare(request, 0, deed) {
         Err(failure) => format!("{}: {failure}", failure.refusal().code),
-        Ok(prepared) => {
-            let id = open.revision().to_string();
-            let request = EditRequest { author: author.to_owned(), id };
-            open.commit(prepared, request, 0).to_string()
-        }
+        Ok(prepared) => open.commit(prepared).to_string(),
     }
 }
 
@@ -58,8 +54,8 @@ fn deed(text: &str) -> MachineOperation {
         MachineOperation::Jump { revision, over_others }
     };
     match text {
-        "<" => MachineOperation::Step(StepDirection::Undo),
-        ">" => MachineOperation::Step(StepDirection::Redo),
+        "<" => MachineOperation::Undo,
+        ">" => MachineOperation::Redo,
         text => {
             if let Some(revision) = text.strip_prefix("@!") {
                 return jump(revision, true);
@@ -278,9 +274,9 @@ fn a_reload_is_a_step_like_any_other() {
     let rename: Edit = serde_json::from_str(rename).expect("an edit");
     let rename = MachineOperation::Edit("Rename".into(), (&rename).try_into().expect("an edit"));
     said.push(done(&mut open, "bob", rename));
-    said.push(done(&mut open, "ann", MachineOperation::Step(StepDirection::Undo)));
-    said.push(done(&mut open, "bob", MachineOperation::Step(StepDirection::Undo)));
-    said.push(done(&mut open, "ann", MachineOperation::Step(StepDirection::Undo)));
+    said.push(done(&mut open, "ann", MachineOperation::Undo));
+    said.push(done(&mut open, "bob", MachineOperation::Undo));
+    said.push(done(&mut open, "ann", MachineOperation::Undo));
     assert_eq!(*open.machine(), machine(START));
     expect![[r"
         1
@@ -339,8 +335,9 @@ fn the_same_request_is_answered_by_what_it_did() {
     let mut open = OpenMachine::new(machine(START), 7);
     let request = EditRequest { author: "ann".into(), id: "one".into() };
     assert_eq!(open.answered(&request), None);
-    let prepared = open.prepare("ann", MachineOperation::Replace(Box::new(machine("execution X"))));
-    assert_eq!(open.commit(prepared.expect("prepared"), request.clone(), 0), 8);
+    let other = MachineOperation::Replace(Box::new(machine("execution X")));
+    let prepared = open.prepare(request.clone(), 0, other);
+    assert_eq!(open.commit(prepared.expect("prepared")), 8);
     assert_eq!(open.answered(&request), Some(8));
     assert_eq!(open.answered(&EditRequest { author: "bob".into(), ..request }), None);
 }
@@ -353,8 +350,8 @@ fn two_people(numbers: Vec<u16>) {
     while !dice.is_empty() {
         let author = ["ann", "bob"][dice.roll(2)];
         let deed = match dice.roll(9) {
-            0 | 1 => MachineOperation::Step(StepDirection::Undo),
-            2 | 3 => MachineOperation::Step(StepDirection::Redo),
+            0 | 1 => MachineOperation::Undo,
+            2 | 3 => MachineOperation::Redo,
             4 => {
                 let back = u64::try_from(dice.roll(20)).expect("a number");
                 let revision = open.revision().saturating_sub(back);
@@ -369,9 +366,9 @@ fn two_people(numbers: Vec<u16>) {
             continue;
         }
         let RevisionsPage::Revisions(told) = open.since(from) else { panic!("a gap") };
-        for told in told {
-            let revision: Revision = serde_json::from_str(&told.text).expect("a revision");
-            assert_eq!((revision.revision, revision.author.as_str()), (told.number, author));
+        for (number, text) in (from..).zip(told) {
+            let revision: Revision = serde_json::from_str(&text).expect("a revision");
+            assert_eq!((revision.revision, revision.author.as_str()), (number, author));
             revision.changes.into_iter().for_each(|change| mirror.apply(change));
         }
     }

@@ -12,7 +12,7 @@ pub(super) use files::{Saving, vanished};
 use super::broadcast::Broadcast;
 use super::disk::{self, OnDisk};
 use super::draft::{Draft, DraftLine, DraftOperation, Operation};
-use super::log::RevisionsPage;
+use super::history::RevisionsPage;
 use super::machine::{EditRequest, MachineOperation, OpenMachine};
 use super::recover::Recovered;
 use super::revision_cache::RevisionCache;
@@ -191,11 +191,11 @@ impl MachineSession {
             return Ok(revision);
         }
         self.must_be_open()?;
-        let prepared = self.open.read().machine.prepare(&request.author, deed)?;
-        let EditRequest { author, id } = request.clone();
+        let prepared = self.open.read().machine.prepare(request.clone(), at_ms, deed)?;
+        let EditRequest { author, id } = request;
         let operation = Operation { author, id, at_ms, what };
         self.write_down(&mut draft, &DraftLine::Done(Box::new(operation)))?;
-        let revision = self.open.write().machine.commit(prepared, request, at_ms);
+        let revision = self.open.write().machine.commit(prepared);
         self.tell();
         Ok(revision)
     }
