@@ -4,9 +4,10 @@
 //! A draft is a folder: `operations.jsonl` says what was read, what was done and when it was saved; beside it lie machines as
 //! documents, named after their content: the one that was read, and those that took its place.
 
+use super::operation::{EditRequest, RecordedOperation};
+use crate::Failure;
 use crate::access::{PrivateError, private};
 use rafcon_locks::Mutex;
-use rafcon_protocol::edit::Edit;
 use serde::{Deserialize, Serialize};
 use std::fs::{self, File};
 use std::io::{self, Write as _};
@@ -36,8 +37,8 @@ pub(super) struct DraftHeader {
 /// Something that was done and answered, of which no more is known.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub(super) struct RecordedAnswer {
-    pub(super) author: String,
-    pub(super) id: String,
+    #[serde(flatten)]
+    pub(super) request: EditRequest,
     /// The revision that it made.
     pub(super) revision: u64,
 }
@@ -47,7 +48,7 @@ pub(super) struct RecordedAnswer {
 #[serde(tag = "line", rename_all = "snake_case")]
 pub(super) enum DraftLine {
     /// Something was done.
-    Done(Box<Operation>),
+    Done(Box<RecordedOperation>),
     /// The machine lies on disk.
     Saved {
         /// As it was at this revision.
@@ -55,31 +56,6 @@ pub(super) enum DraftLine {
         /// The content of its files.
         hash: String,
     },
-}
-
-/// Something that somebody did.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub(super) struct Operation {
-    pub(super) author: String,
-    pub(super) id: String,
-    pub(super) at_ms: u64,
-    pub(super) what: DraftOperation,
-}
-
-/// What somebody did.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(tag = "what", rename_all = "snake_case")]
-pub(super) enum DraftOperation {
-    /// An edit.
-    Edit { name: String, edit: Box<Edit> },
-    /// One's own last step back.
-    Undo,
-    /// One's own last step again.
-    Redo,
-    /// The machine became another one, which is kept under this name.
-    Replace { document: String },
-    /// The machine became what it was at a revision.
-    Jump { revision: u64 },
 }
 
 /// The draft of an open machine. Nothing lies on disk until there is something to lose.
@@ -271,16 +247,22 @@ pub(super) fn kept(place: &Path, hash: &str) -> Result<Option<String>, PrivateEr
     private::read(&place.join(format!("{hash}.json")))
 }
 
+/// A draft that cannot be read stays where it is.
+pub(super) fn unreadable(error: &PrivateError) -> Failure {
+    let message = format!(
+        "{error}; edits that were not saved are in it: move the folder away to open the machine without them"
+    );
+    Failure::unprocessable("unreadable_draft", message)
+}
+
 fn as_line<T: Serialize>(value: &T) -> io::Result<String> {
     Ok(serde_json::to_string(value)? + "\n")
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{
-        Draft, DraftHeader, DraftLine, DraftOperation, FoundDraft, OPERATIONS, Operation, find,
-        kept,
-    };
+    use super::{Draft, DraftHeader, DraftLine, FoundDraft, OPERATIONS, find, kept};
+    use crate::documents::operation::{EditRequest, Operation, RecordedOperation};
     use std::fs;
     use std::io::Write as _;
     use std::path::Path;
@@ -290,8 +272,9 @@ mod tests {
     }
 
     fn undo(id: &str) -> DraftLine {
-        let (author, id) = ("ann".to_owned(), id.to_owned());
-        DraftLine::Done(Box::new(Operation { author, id, at_ms: 1, what: DraftOperation::Undo }))
+        let request = EditRequest { author: "ann".to_owned(), id: id.to_owned() };
+        let operation = Operation::Undo;
+        DraftLine::Done(Box::new(RecordedOperation { request, at_ms: 1, operation }))
     }
 
     fn found(place: &Path) -> Option<FoundDraft> {

@@ -3,6 +3,7 @@
 
 use super::history::{Fingerprint, History, Inverse, InverseChange, RevisionsPage, StepRefusal};
 use super::merge;
+use super::operation::{EditRequest, Operation, ReadOperation};
 use super::places::{MachinePlace, places};
 use crate::Failure;
 use axum::http::StatusCode;
@@ -14,35 +15,6 @@ use std::collections::{BTreeMap, VecDeque};
 
 /// So many ids of what was done are known, so that whoever asks again gets the same answer.
 const ANSWERED_MAX: usize = 100_000;
-
-/// What somebody wants to do.
-#[derive(Debug, Clone)]
-pub(super) enum MachineOperation {
-    /// An edit, under a name for people.
-    Edit(String, Edit),
-    /// One's own last step back.
-    Undo,
-    /// One's own last step again.
-    Redo,
-    /// The machine becomes another one: the files are read again.
-    Replace(Box<Machine>),
-    /// The machine becomes what it was at a revision.
-    Jump {
-        /// The revision.
-        revision: u64,
-        /// Also if that takes steps of others away.
-        over_others: bool,
-    },
-    /// A jump that a server made that ended: also if it changes nothing now, for libraries are not what they were.
-    JumpAgain(u64),
-}
-
-/// Who does it, and under which id.
-#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) struct EditRequest {
-    pub(super) author: String,
-    pub(super) id: String,
-}
 
 /// Something that can be done now.
 #[derive(Debug)]
@@ -113,21 +85,30 @@ impl OpenMachine {
         &self,
         request: EditRequest,
         at_ms: u64,
-        deed: MachineOperation,
+        operation: ReadOperation,
+    ) -> Result<Prepared, Failure> {
+        if let Operation::Jump { revision, over_others } = operation {
+            self.may_jump(&request.author, revision, over_others)?;
+        }
+        self.prepare_again(request, at_ms, operation)
+    }
+
+    /// The same for what was allowed before: a jump also if it changes nothing now, for libraries are not what they were.
+    pub(super) fn prepare_again(
+        &self,
+        request: EditRequest,
+        at_ms: u64,
+        operation: ReadOperation,
     ) -> Result<Prepared, Failure> {
         let author = &*request.author;
-        let (kind, (name, machine, change)) = match deed {
-            MachineOperation::Edit(name, edit) => (RevisionKind::Edit, self.edit(name, edit)?),
-            MachineOperation::Undo => (RevisionKind::Undo, self.step(author, RevisionKind::Undo)?),
-            MachineOperation::Redo => (RevisionKind::Redo, self.step(author, RevisionKind::Redo)?),
-            MachineOperation::Replace(machine) => {
-                (RevisionKind::Reload, self.replace("Reload".to_owned(), *machine))
+        let (kind, (name, machine, change)) = match operation {
+            Operation::Edit { name, edit } => (RevisionKind::Edit, self.edit(name, edit)?),
+            Operation::Undo => (RevisionKind::Undo, self.step(author, RevisionKind::Undo)?),
+            Operation::Redo => (RevisionKind::Redo, self.step(author, RevisionKind::Redo)?),
+            Operation::Replace { document } => {
+                (RevisionKind::Reload, self.replace("Reload".to_owned(), document))
             }
-            MachineOperation::Jump { revision, over_others } => {
-                self.may_jump(author, revision, over_others)?;
-                (RevisionKind::Jump, self.jump(revision)?)
-            }
-            MachineOperation::JumpAgain(revision) => (RevisionKind::Jump, self.jump(revision)?),
+            Operation::Jump { revision, .. } => (RevisionKind::Jump, self.jump(revision)?),
         };
         let changes = changes(&self.machine, &machine);
         let (mark, same_as) = self.history.place(&self.machine, &machine, &changes);

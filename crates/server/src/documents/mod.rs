@@ -14,6 +14,7 @@ mod draft;
 mod history;
 mod machine;
 mod merge;
+mod operation;
 mod places;
 mod problems;
 mod recover;
@@ -26,7 +27,8 @@ mod tests;
 mod usages;
 mod versions;
 
-pub(crate) use documents::{Documents, EditOperation};
+pub(crate) use documents::Documents;
 pub(crate) use history::RevisionsPage;
+pub(crate) use operation::Operation;
 pub(crate) use routes::{change, routes};
 pub(crate) use session::MachineSession;

@@ -142,7 +142,8 @@ fn of_state(state: &Arc<State>) -> Result<Machine, Failure> {
 #[cfg(test)]
 mod tests {
     use crate::documents::session::Saving;
-    use crate::documents::{EditOperation, MachineSession};
+    use crate::documents::operation::EditRequest;
+    use crate::documents::{MachineSession, Operation};
     use crate::{ServerState, Settings};
     use rafcon_protocol::api::{CloseMachine, EditMachine, MachineFile, NewMachine};
     use std::fs;
@@ -168,7 +169,8 @@ mod tests {
         let edit = format!(r#"{{"edit":"set_name","path":"{root}","name":"Given up"}}"#);
         let edit = format!(r#"{{"id":"1","name":"Rename","edit":{edit}}}"#);
         let edit: EditMachine = serde_json::from_str(&edit).unwrap();
-        documents.change(&server, &id, "ann", EditOperation::Edit(Box::new(edit))).unwrap();
+        let request = EditRequest { author: "ann".to_owned(), id: edit.id.clone() };
+        documents.change(&server, &id, request, Operation::edit(edit)).unwrap();
         documents.close(&server, &id, &CloseMachine { discard: true }).unwrap();
         let saving = Saving { to: None, overwrite: false };
         let failure = session.save(&saving, &documents.tools(&server)).unwrap_err();

@@ -1,7 +1,8 @@
 //! Several people edit one machine: nobody's work is lost, and each takes back what is his own.
 
 use super::history::RevisionsPage;
-use super::machine::{EditRequest, MachineOperation, OpenMachine};
+use super::machine::OpenMachine;
+use super::operation::{EditRequest, Operation, ReadOperation};
 use expect_test::{Expect, expect};
 use proptest::prelude::*;
 use rafcon_model::edit::any::{Dice, edit};
@@ -38,7 +39,7 @@ fn machine(text: &str) -> Machine {
 }
 
 /// Does it; the name of the step and the new revision, or the refusal.
-fn done(open: &mut OpenMachine, author: &str, deed: MachineOperation) -> String {
+fn done(open: &mut OpenMachine, author: &str, deed: ReadOperation) -> String {
     let request = EditRequest { author: author.to_owned(), id: open.revision().to_string() };
     match open.prepare(request, 0, deed) {
         Err(failure) => format!("{}: {failure}", failure.refusal().code),
@@ -48,14 +49,14 @@ fn done(open: &mut OpenMachine, author: &str, deed: MachineOperation) -> String 
 
 /// One line a deed: the author, then `<` (back), `>` (again), `@` or `@!` and a revision (jump, also over others), or an edit
 /// as JSON.
-fn deed(text: &str) -> MachineOperation {
+fn deed(text: &str) -> ReadOperation {
     let jump = |revision: &str, over_others| {
         let revision = revision.parse().expect("a revision");
-        MachineOperation::Jump { revision, over_others }
+        Operation::Jump { revision, over_others }
     };
     match text {
-        "<" => MachineOperation::Undo,
-        ">" => MachineOperation::Redo,
+        "<" => Operation::Undo,
+        ">" => Operation::Redo,
         text => {
             if let Some(revision) = text.strip_prefix("@!") {
                 return jump(revision, true);
@@ -65,7 +66,7 @@ fn deed(text: &str) -> MachineOperation {
             }
             let edit: Edit = serde_json::from_str(text).expect("an edit");
             let name = text.split('"').nth(3).expect("a name").to_owned();
-            MachineOperation::Edit(name, (&edit).try_into().expect("an edit of the model"))
+            Operation::Edit { name, edit: (&edit).try_into().expect("an edit of the model") }
         }
     }
 }
@@ -268,15 +269,16 @@ fn layouts_are_merged_element_by_element() {
 #[test]
 fn a_reload_is_a_step_like_any_other() {
     let mut open = OpenMachine::new(machine(START), 0);
-    let other = Box::new(machine("execution OTHERR"));
-    let mut said = vec![done(&mut open, "ann", MachineOperation::Replace(other))];
+    let document = machine("execution OTHERR");
+    let mut said = vec![done(&mut open, "ann", Operation::Replace { document })];
     let rename = r#"{"edit":"set_name","path":"OTHERR","name":"Bob's"}"#;
     let rename: Edit = serde_json::from_str(rename).expect("an edit");
-    let rename = MachineOperation::Edit("Rename".into(), (&rename).try_into().expect("an edit"));
+    let edit = (&rename).try_into().expect("an edit");
+    let rename = Operation::Edit { name: "Rename".into(), edit };
     said.push(done(&mut open, "bob", rename));
-    said.push(done(&mut open, "ann", MachineOperation::Undo));
-    said.push(done(&mut open, "bob", MachineOperation::Undo));
-    said.push(done(&mut open, "ann", MachineOperation::Undo));
+    said.push(done(&mut open, "ann", Operation::Undo));
+    said.push(done(&mut open, "bob", Operation::Undo));
+    said.push(done(&mut open, "ann", Operation::Undo));
     assert_eq!(*open.machine(), machine(START));
     expect![[r"
         1
@@ -335,7 +337,7 @@ fn the_same_request_is_answered_by_what_it_did() {
     let mut open = OpenMachine::new(machine(START), 7);
     let request = EditRequest { author: "ann".into(), id: "one".into() };
     assert_eq!(open.answered(&request), None);
-    let other = MachineOperation::Replace(Box::new(machine("execution X")));
+    let other = Operation::Replace { document: machine("execution X") };
     let prepared = open.prepare(request.clone(), 0, other);
     assert_eq!(open.commit(prepared.expect("prepared")), 8);
     assert_eq!(open.answered(&request), Some(8));
@@ -350,14 +352,14 @@ fn two_people(numbers: Vec<u16>) {
     while !dice.is_empty() {
         let author = ["ann", "bob"][dice.roll(2)];
         let deed = match dice.roll(9) {
-            0 | 1 => MachineOperation::Undo,
-            2 | 3 => MachineOperation::Redo,
+            0 | 1 => Operation::Undo,
+            2 | 3 => Operation::Redo,
             4 => {
                 let back = u64::try_from(dice.roll(20)).expect("a number");
                 let revision = open.revision().saturating_sub(back);
-                MachineOperation::Jump { revision, over_others: dice.roll(2) == 0 }
+                Operation::Jump { revision, over_others: dice.roll(2) == 0 }
             }
-            _ => MachineOperation::Edit("Any".into(), edit(open.machine(), &mut dice)),
+            _ => Operation::Edit { name: "Any".into(), edit: edit(open.machine(), &mut dice) },
         };
         let before = open.machine().clone();
         let from = open.revision() + 1;

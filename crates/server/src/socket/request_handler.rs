@@ -9,7 +9,7 @@ use super::server_status::ServerStatusFeed;
 use super::status::Status;
 use super::words;
 use crate::access::{Who, about};
-use crate::documents::{self, EditOperation};
+use crate::documents::{self, Operation};
 use crate::{Failure, ServerState, runs};
 use axum::Json;
 use axum::extract::ws::close_code;
@@ -110,12 +110,12 @@ impl RequestHandler {
         &self,
         machine: String,
         id: String,
-        wish: EditOperation,
+        operation: Operation,
     ) -> impl Future<Output = ToClient> + Send + 'static + use<> {
         let (server, who, turn) = (Arc::clone(&self.server), self.who.clone(), self.turn.clone());
         async move {
             let _turn = turn.lock().await;
-            match documents::change(server, who, machine, wish).await {
+            match documents::change(server, who, machine, id.clone(), operation).await {
                 Ok(Json(Done { revision })) => ToClient::Edited { id, revision },
                 Err(failure) => words::refused(Some(id), &failure),
             }

@@ -11,9 +11,10 @@ pub(super) use files::{Saving, vanished};
 
 use super::broadcast::Broadcast;
 use super::disk::{self, OnDisk};
-use super::draft::{Draft, DraftLine, DraftOperation, Operation};
+use super::draft::{Draft, DraftLine};
 use super::history::RevisionsPage;
-use super::machine::{EditRequest, MachineOperation, OpenMachine};
+use super::machine::OpenMachine;
+use super::operation::{EditRequest, ReadOperation, RecordedOperation};
 use super::recover::Recovered;
 use super::revision_cache::RevisionCache;
 use crate::access::PrivateError;
@@ -178,23 +179,20 @@ impl MachineSession {
         self.wires.tell(summary);
     }
 
-    /// Does it, once for each request, and only when it is written down.
+    /// Does it, once for each request, and only when it is written down. `read` is the operation with what it names.
     pub(super) fn perform(
         &self,
-        request: EditRequest,
-        deed: MachineOperation,
-        what: DraftOperation,
-        at_ms: u64,
+        record: RecordedOperation,
+        read: ReadOperation,
     ) -> Result<u64, Failure> {
         let mut draft = self.draft.lock();
-        if let Some(revision) = self.answered(&request) {
+        if let Some(revision) = self.answered(&record.request) {
             return Ok(revision);
         }
         self.must_be_open()?;
-        let prepared = self.open.read().machine.prepare(request.clone(), at_ms, deed)?;
-        let EditRequest { author, id } = request;
-        let operation = Operation { author, id, at_ms, what };
-        self.write_down(&mut draft, &DraftLine::Done(Box::new(operation)))?;
+        let (request, at_ms) = (record.request.clone(), record.at_ms);
+        let prepared = self.open.read().machine.prepare(request, at_ms, read)?;
+        self.write_down(&mut draft, &DraftLine::Done(Box::new(record)))?;
         let revision = self.open.write().machine.commit(prepared);
         self.tell();
         Ok(revision)
