@@ -8,7 +8,6 @@ use super::save::unless_in_a_machine;
 use super::session::{FileLocation, MachineSession, Tools, closed};
 use crate::gate::Gate;
 use crate::{Failure, ServerState, Settings, request_id};
-use axum::http::StatusCode;
 use rafcon_locks::{Condvar, Mutex};
 use rafcon_model::{Fresh, Machine, StatePath};
 use rafcon_protocol::api::{
@@ -180,7 +179,7 @@ impl Documents {
         let message = format!(
             "{OPEN_MAX} machines are open that somebody follows or that are not saved, and that is the most: close one first"
         );
-        Err(Failure::new(StatusCode::TOO_MANY_REQUESTS, "too_many_machines", message))
+        Err(Failure::too_many("too_many_machines", message))
     }
 
     /// Makes a machine in a folder that does not exist, and opens it.

@@ -6,6 +6,7 @@
 
 use super::merge::Layouts;
 use super::places::MachinePlace;
+use super::refusal::OperationRefusal;
 use rafcon_model::Machine;
 use rafcon_model::edit::Edit;
 use rafcon_protocol::api::{MachineStep, MachineSteps, Revision, RevisionKind};
@@ -82,24 +83,6 @@ struct OwnSteps {
     done: Vec<u64>,
     /// By a redo: undos.
     undone: Vec<u64>,
-}
-
-/// Why a revision cannot be taken back.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) enum StepRefusal {
-    /// There is none.
-    Nothing,
-    /// Somebody else built on it.
-    BuiltUpon {
-        /// Its name.
-        step: String,
-        /// Who did.
-        by: String,
-        /// By which step.
-        later: String,
-        /// At which place.
-        place: String,
-    },
 }
 
 /// What there is from a cursor on.
@@ -277,15 +260,21 @@ impl History {
         &self,
         author: &str,
         kind: RevisionKind,
-    ) -> Result<(&str, &Inverse), StepRefusal> {
+    ) -> Result<(&str, &Inverse), OperationRefusal> {
         let own = self.authors.get(author).and_then(|own| own.last(kind));
-        let own = own.and_then(|revision| self.revision(revision)).ok_or(StepRefusal::Nothing)?;
-        let inverse = own.inverse.as_ref().ok_or(StepRefusal::Nothing)?;
-        self.unless_built_upon(&own.step, inverse)?;
-        Ok((&own.step.name, inverse))
+        let own = own.and_then(|revision| self.revision(revision));
+        let own = own.and_then(|own| Some((&own.step, own.inverse.as_ref()?)));
+        let (step, inverse) = own.ok_or(OperationRefusal::NoStep(kind))?;
+        self.unless_built_upon(kind, step, inverse)?;
+        Ok((&step.name, inverse))
     }
 
-    fn unless_built_upon(&self, mine: &MachineStep, inverse: &Inverse) -> Result<(), StepRefusal> {
+    fn unless_built_upon(
+        &self,
+        kind: RevisionKind,
+        mine: &MachineStep,
+        inverse: &Inverse,
+    ) -> Result<(), OperationRefusal> {
         let later = self.revisions.iter().rev();
         let later = later.take_while(|later| later.step.revision > mine.revision);
         let mut others = later.filter(|later| later.step.author != mine.author);
@@ -294,7 +283,8 @@ impl History {
             let is_new = other.reverses.is_none_or(|reversed| reversed <= mine.revision)
                 || other.step.kind == RevisionKind::Redo;
             let theirs = other.inverse.as_ref().filter(|_| is_new)?;
-            Some(StepRefusal::BuiltUpon {
+            Some(OperationRefusal::BuiltUpon {
+                kind,
                 step: mine.name.clone(),
                 by: other.step.author.clone(),
                 later: other.step.name.clone(),
@@ -333,12 +323,12 @@ impl History {
     }
 
     /// How many steps of others than `author` are taken away on the way from one revision to another, by who made them.
-    pub(super) fn taken_away(&self, author: &str, from: u64, to: u64) -> BTreeMap<&str, usize> {
+    pub(super) fn taken_away(&self, author: &str, from: u64, to: u64) -> BTreeMap<String, usize> {
         let stays: BTreeSet<u64> = self.way(to).map(|step| step.revision).collect();
         let goes = self.way(from).take_while(|step| !stays.contains(&step.revision));
         let mut taken = BTreeMap::new();
         for step in goes.filter(|step| step.author != author) {
-            *taken.entry(step.author.as_str()).or_default() += 1;
+            *taken.entry(step.author.clone()).or_default() += 1;
         }
         taken
     }

@@ -1,14 +1,13 @@
 //! An open machine as a value with a past: edits of several people in one order, each taken once, each taken back by its own
 //! author only. Pure: what is done is prepared first, so that it can be written down, and made then.
 
-use super::history::{Fingerprint, History, Inverse, InverseChange, RevisionsPage, StepRefusal};
+use super::history::{Fingerprint, History, Inverse, InverseChange, RevisionsPage};
 use super::merge;
 use super::operation::{EditRequest, Operation, ReadOperation};
 use super::places::{MachinePlace, places};
-use crate::Failure;
-use axum::http::StatusCode;
-use rafcon_model::edit::{Edit, EditError, apply};
-use rafcon_model::{BuiltinTypes, Machine, Rule};
+use super::refusal::OperationRefusal;
+use rafcon_model::edit::{Edit, apply};
+use rafcon_model::{BuiltinTypes, Machine};
 use rafcon_protocol::api::{MachineSteps, Revision, RevisionKind};
 use rafcon_protocol::document::changes;
 use std::collections::{BTreeMap, VecDeque};
@@ -86,7 +85,7 @@ impl OpenMachine {
         request: EditRequest,
         at_ms: u64,
         operation: ReadOperation,
-    ) -> Result<Prepared, Failure> {
+    ) -> Result<Prepared, OperationRefusal> {
         if let Operation::Jump { revision, over_others } = operation {
             self.may_jump(&request.author, revision, over_others)?;
         }
@@ -99,7 +98,7 @@ impl OpenMachine {
         request: EditRequest,
         at_ms: u64,
         operation: ReadOperation,
-    ) -> Result<Prepared, Failure> {
+    ) -> Result<Prepared, OperationRefusal> {
         let author = &*request.author;
         let (kind, (name, machine, change)) = match operation {
             Operation::Edit { name, edit } => (RevisionKind::Edit, self.edit(name, edit)?),
@@ -118,25 +117,27 @@ impl OpenMachine {
         Ok(Prepared { machine, revision, inverse, mark })
     }
 
-    fn edit(&self, name: String, edit: Edit) -> Result<Next, Failure> {
+    fn edit(&self, name: String, edit: Edit) -> Result<Next, OperationRefusal> {
         let mut machine = self.machine.clone();
-        let back = apply(&mut machine, edit, &BuiltinTypes).map_err(|error| refused(&error))?;
+        let back = apply(&mut machine, edit, &BuiltinTypes).map_err(OperationRefusal::Rule)?;
         Ok((name, machine, InverseChange::Edit(back)))
     }
 
     /// One's own last step back, or again.
-    fn step(&self, author: &str, kind: RevisionKind) -> Result<Next, Failure> {
-        let own = self.history.inverse(author, kind);
-        let (name, inverse) = own.map_err(|stuck| hindered(kind, &stuck))?;
+    fn step(&self, author: &str, kind: RevisionKind) -> Result<Next, OperationRefusal> {
+        let (name, inverse) = self.history.inverse(author, kind)?;
         let name = name.to_owned();
+        let step = || name.clone();
         let edit = match &inverse.change {
             InverseChange::Machine(machine) => return Ok(self.replace(name, machine.clone())),
             InverseChange::Edit(edit) => merge::merged(edit, &inverse.layouts, &self.machine),
         };
-        let edit = edit.map_err(|path| moved_meanwhile(kind, &name, &path.to_string()))?;
+        let edit =
+            edit.map_err(|path| OperationRefusal::MovedMeanwhile { kind, step: step(), path })?;
         let mut machine = self.machine.clone();
         let back = apply(&mut machine, edit, &BuiltinTypes);
-        let back = back.map_err(|error| no_longer_fits(kind, &name, &error))?;
+        let back =
+            back.map_err(|error| OperationRefusal::NoLongerFits { kind, step: step(), error })?;
         Ok((name, machine, InverseChange::Edit(back)))
     }
 
@@ -144,18 +145,21 @@ impl OpenMachine {
         (name, machine, InverseChange::Machine(self.machine.clone()))
     }
 
-    fn may_jump(&self, author: &str, to: u64, over_others: bool) -> Result<(), Failure> {
-        let node = self.history.node(to).ok_or_else(|| not_kept(to))?;
+    fn may_jump(&self, author: &str, to: u64, over_others: bool) -> Result<(), OperationRefusal> {
+        let node = self.history.node(to).ok_or(OperationRefusal::NotKept(to))?;
         if self.history.node(self.revision()) == Some(node) {
-            let message = "the machine already is what it was then";
-            return Err(Failure::conflict("nothing_to_do", message));
+            return Err(OperationRefusal::AlreadyThere);
         }
         let taken = self.history.taken_away(author, self.revision(), node);
-        if over_others || taken.is_empty() { Ok(()) } else { Err(others_edits(&taken)) }
+        if over_others || taken.is_empty() {
+            Ok(())
+        } else {
+            Err(OperationRefusal::OthersEdits(taken))
+        }
     }
 
-    fn jump(&self, to: u64) -> Result<Next, Failure> {
-        let (node, machine) = self.history.machine(to).ok_or_else(|| not_kept(to))?;
+    fn jump(&self, to: u64) -> Result<Next, OperationRefusal> {
+        let (node, machine) = self.history.machine(to).ok_or(OperationRefusal::NotKept(to))?;
         let name = match self.history.name(node) {
             Some(name) => format!("Jump to \"{name}\""),
             None => "Jump to the start".to_owned(),
@@ -197,68 +201,4 @@ fn inverse(change: InverseChange, machine: &Machine, before: &Machine) -> Invers
         }
     };
     Inverse { places, layouts, change }
-}
-
-/// An edit that breaks a rule, or is about something that is no longer there.
-fn refused(error: &EditError) -> Failure {
-    let status = match error.rule {
-        Rule::NoSuchState | Rule::NoSuchElement | Rule::IdTaken => StatusCode::CONFLICT,
-        _ => StatusCode::UNPROCESSABLE_ENTITY,
-    };
-    Failure::new(status, "edit_refused", error.to_string())
-}
-
-fn words(kind: RevisionKind) -> &'static str {
-    if kind == RevisionKind::Redo { "made again" } else { "taken back" }
-}
-
-fn hindered(kind: RevisionKind, stuck: &StepRefusal) -> Failure {
-    let words = words(kind);
-    match stuck {
-        StepRefusal::Nothing => {
-            let message = format!("there is no step of yours to be {words}");
-            Failure::conflict("nothing_to_do", message)
-        }
-        StepRefusal::BuiltUpon { step, by, later, place } => {
-            let message = format!(
-                "`{step}` cannot be {words}: {by} has changed {place} since (`{later}`); ask for that to be taken back first, or change it by hand"
-            );
-            Failure::conflict("built_upon", message)
-        }
-    }
-}
-
-fn not_kept(revision: u64) -> Failure {
-    let message = format!(
-        "the machine as it was at revision {revision} is not kept any more: the steps tell which ones are"
-    );
-    Failure::conflict("not_kept", message)
-}
-
-fn others_edits(taken: &BTreeMap<&str, usize>) -> Failure {
-    let counted = |(author, count): (&&str, &usize)| {
-        format!("{count} step{} of {author}", if *count == 1 { "" } else { "s" })
-    };
-    let taken: Vec<_> = taken.iter().map(counted).collect();
-    let message = format!(
-        "this takes {} away: ask them, or say `over_others`; a jump can be taken back",
-        taken.join(" and ")
-    );
-    Failure::conflict("others_edits", message)
-}
-
-fn moved_meanwhile(kind: RevisionKind, name: &str, path: &str) -> Failure {
-    let message = format!(
-        "`{name}` cannot be {}: somebody else has moved the same part of {path} since; move it by hand",
-        words(kind)
-    );
-    Failure::conflict("built_upon", message)
-}
-
-fn no_longer_fits(kind: RevisionKind, name: &str, error: &EditError) -> Failure {
-    let message = format!(
-        "`{name}` cannot be {}, for others have changed the machine since: {error}",
-        words(kind)
-    );
-    Failure::conflict("built_upon", message)
 }

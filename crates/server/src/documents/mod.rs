@@ -18,6 +18,7 @@ mod operation;
 mod places;
 mod problems;
 mod recover;
+mod refusal;
 mod revision_cache;
 mod routes;
 mod save;

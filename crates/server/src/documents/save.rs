@@ -5,7 +5,6 @@ use super::documents::Documents;
 use super::session::{FileLocation, Saving};
 use crate::projects::is_machine;
 use crate::{Failure, ServerState};
-use axum::http::StatusCode;
 use rafcon_model::{Header, Kind, Machine, State, StatePath};
 use rafcon_protocol::api::{LibraryName, SaveMachine, SaveState, SavedState};
 use rafcon_storage::calendar::Date;
@@ -119,9 +118,7 @@ pub(super) fn unless_in_a_machine(
 
 /// A machine of this state alone.
 fn of_state(state: &Arc<State>) -> Result<Machine, Failure> {
-    let refused = |message: String| {
-        Err(Failure::new(StatusCode::UNPROCESSABLE_ENTITY, "no_machine", message))
-    };
+    let refused = |message: String| Err(Failure::unprocessable("no_machine", message));
     match &state.kind {
         Kind::Library(library) => refused(format!(
             "{} runs the library {}/{}: save that under another name",

@@ -3,6 +3,7 @@
 use super::history::RevisionsPage;
 use super::machine::OpenMachine;
 use super::operation::{EditRequest, Operation, ReadOperation};
+use crate::Failure;
 use expect_test::{Expect, expect};
 use proptest::prelude::*;
 use rafcon_model::edit::any::{Dice, edit};
@@ -42,7 +43,10 @@ fn machine(text: &str) -> Machine {
 fn done(open: &mut OpenMachine, author: &str, deed: ReadOperation) -> String {
     let request = EditRequest { author: author.to_owned(), id: open.revision().to_string() };
     match open.prepare(request, 0, deed) {
-        Err(failure) => format!("{}: {failure}", failure.refusal().code),
+        Err(refusal) => {
+            let failure = Failure::from(refusal);
+            format!("{}: {failure}", failure.refusal().code)
+        }
         Ok(prepared) => open.commit(prepared).to_string(),
     }
 }

@@ -5,7 +5,6 @@ use super::words::{ended, refused};
 use crate::Failure;
 use crate::access::{Who, of_frame};
 use crate::documents::Operation;
-use axum::http::StatusCode;
 use rafcon_protocol::Envelope;
 use rafcon_protocol::socket::{ToClient, ToServer, Topic, VERSION};
 use std::collections::BTreeSet;
@@ -137,7 +136,7 @@ fn too_many() -> Failure {
     let message = format!(
         "this connection has {SUBSCRIPTIONS_MAX} subscriptions, and that is the most: give one up first"
     );
-    Failure::new(StatusCode::TOO_MANY_REQUESTS, "too_many_subscriptions", message)
+    Failure::too_many("too_many_subscriptions", message)
 }
 
 fn not_a_frame(text: &str, error: &serde_json::Error) -> ToClient {

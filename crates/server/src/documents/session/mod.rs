@@ -20,7 +20,6 @@ use super::revision_cache::RevisionCache;
 use crate::access::PrivateError;
 use crate::{Failure, ServerState, log};
 use axum::body::Bytes;
-use axum::http::StatusCode;
 use rafcon_locks::{Mutex, RwLock};
 use rafcon_model::Machine;
 use rafcon_protocol::api::{
@@ -318,5 +317,5 @@ pub(super) fn closed(id: &str) -> Failure {
 fn unwritten(error: &PrivateError) -> Failure {
     let message =
         format!("nothing was done, for it could not be written down: {error}; make room there");
-    Failure::new(StatusCode::SERVICE_UNAVAILABLE, "not_written_down", message)
+    Failure::unavailable("not_written_down", message)
 }
