@@ -1,9 +1,11 @@
-//! What was done to an open machine since it was read, on disk before it is answered, so that a server that dies loses nothing.
+//! What was done to an open machine since it was read, written before it is answered, so that a server that dies loses nothing,
+//! and synced a moment later, so that a power cut loses that moment at most.
 //! Knows lines and files; must never know what an edit means.
 //!
 //! A draft is a folder: `operations.jsonl` says what was read, what was done and when it was saved; beside it lie machines as
 //! documents, named after their content: the one that was read, and those that took its place.
 
+use super::group_sync::GroupSync;
 use super::operation::{EditRequest, RecordedOperation};
 use crate::Failure;
 use crate::access::{PrivateError, private};
@@ -63,9 +65,16 @@ pub(super) enum DraftLine {
 pub(super) struct Draft {
     place: PathBuf,
     head: DraftHeader,
-    /// The file and its length.
-    file: Option<(File, u64)>,
+    file: Option<DraftFile>,
     shelf: DraftFolder,
+}
+
+/// The lines on disk.
+#[derive(Debug)]
+struct DraftFile {
+    file: File,
+    length: u64,
+    sync: GroupSync,
 }
 
 /// Where a document of a draft belongs for whoever writes it beside what goes on: nowhere, once the draft was given up.
@@ -108,6 +117,29 @@ pub(super) fn find(place: &Path) -> Result<Option<FoundDraft>, PrivateError> {
     Ok(Some(FoundDraft { head, lines, length }))
 }
 
+impl DraftFile {
+    /// The lines in a draft's folder, up to this length. With them the folders are synced that say where they lie.
+    fn open(place: &Path, length: u64) -> io::Result<Self> {
+        let file = private::open(&place.join(OPERATIONS)).map_err(io::Error::other)?;
+        file.set_len(length)?;
+        let mut synced = vec![file.try_clone()?, File::open(place)?];
+        synced.extend(place.parent().map(File::open).transpose()?);
+        let sync = GroupSync::begin(move || synced.iter().try_for_each(File::sync_all))?;
+        Ok(Self { file, length, sync })
+    }
+
+    /// Writes at its end. If that fails, nothing of it stays.
+    fn append(&mut self, text: &str) -> io::Result<()> {
+        if let Err(error) = self.file.write_all(text.as_bytes()) {
+            self.file.set_len(self.length)?;
+            return Err(error);
+        }
+        self.length += text.len() as u64;
+        self.sync.written();
+        Ok(())
+    }
+}
+
 impl Draft {
     /// A draft that has nothing to keep yet.
     pub(super) fn new(place: PathBuf, head: DraftHeader) -> Self {
@@ -125,23 +157,19 @@ impl Draft {
         keep(&place, &head.base, document)?;
         let text = as_line(&head).map_err(failed)?;
         private::write(&path, text.as_bytes())?;
-        let file = private::open(&path)?;
-        Ok(Self {
-            shelf: DraftFolder::at(&place),
-            place,
-            head,
-            file: Some((file, text.len() as u64)),
-        })
+        let file = DraftFile::open(&place, text.len() as u64).map_err(failed)?;
+        Ok(Self { shelf: DraftFolder::at(&place), place, head, file: Some(file) })
     }
 
     /// Goes on with what a server left behind.
     pub(super) fn go_on(place: PathBuf, found: &FoundDraft) -> Result<Self, PrivateError> {
         let path = place.join(OPERATIONS);
-        let file = private::open(&path)?;
         let failed = |source| PrivateError::new("write", &path, source);
-        file.set_len(found.length).map_err(failed)?;
+        let file = DraftFile::open(&place, found.length).map_err(failed)?;
+        // The server that wrote it may have died before it was synced.
+        file.sync.written();
         let (shelf, head) = (DraftFolder::at(&place), found.head.clone());
-        Ok(Self { place, head, file: Some((file, found.length)), shelf })
+        Ok(Self { place, head, file: Some(file), shelf })
     }
 
     /// Whether there is something on disk.
@@ -168,35 +196,25 @@ impl Draft {
     pub(super) fn append(&mut self, line: &DraftLine) -> Result<(), PrivateError> {
         let path = self.place.join(OPERATIONS);
         let failed = |source: io::Error| PrivateError::new("write", &path, source);
-        let mut text = String::new();
-        let (file, length) = match &mut self.file {
-            Some(file) => file,
-            none => {
-                private::folder(&self.place)?;
-                text = as_line(&self.head).map_err(failed)?;
-                let file = private::open(&path)?;
-                file.set_len(0).map_err(failed)?;
-                none.insert((file, 0))
-            }
-        };
-        text.push_str(&as_line(line).map_err(failed)?);
-        if let Err(error) = file.write_all(text.as_bytes()) {
-            file.set_len(*length).map_err(failed)?;
-            if *length == 0 {
-                self.file = None;
-            }
-            return Err(failed(error));
+        let text = as_line(line).map_err(failed)?;
+        if let Some(file) = &mut self.file {
+            return file.append(&text).map_err(failed);
         }
-        *length += text.len() as u64;
+        private::folder(&self.place)?;
+        let head = as_line(&self.head).map_err(failed)?;
+        let mut file = DraftFile::open(&self.place, 0).map_err(failed)?;
+        file.append(&(head + &text)).map_err(failed)?;
+        self.file = Some(file);
         Ok(())
     }
 
     /// Moves to the folder of a machine that lies elsewhere from now on.
     pub(super) fn move_to(&mut self, place: PathBuf) -> Result<(), PrivateError> {
         let mut shelf = self.shelf.0.lock();
-        if self.is_begun() {
+        if let Some(file) = &self.file {
             let failed = |source| PrivateError::new("move the draft to", &place, source);
             fs::rename(&self.place, &place).map_err(failed)?;
+            file.sync.written();
         }
         *shelf = Some(place.clone());
         drop(shelf);
@@ -262,10 +280,12 @@ fn as_line<T: Serialize>(value: &T) -> io::Result<String> {
 #[cfg(test)]
 mod tests {
     use super::{Draft, DraftHeader, DraftLine, FoundDraft, OPERATIONS, find, kept};
+    use crate::documents::group_sync::GroupSync;
     use crate::documents::operation::{EditRequest, Operation, RecordedOperation};
     use std::fs;
     use std::io::Write as _;
     use std::path::Path;
+    use std::sync::mpsc::channel;
 
     fn draft(place: &Path) -> Draft {
         Draft::new(place.join("draft"), DraftHeader::new(Path::new("/m"), "abc", 5))
@@ -324,6 +344,25 @@ mod tests {
         let mut draft = Draft::go_on(place.path().join("draft"), &left).unwrap();
         draft.append(&undo("2")).unwrap();
         assert_eq!(found(place.path()).unwrap().lines, [undo("1"), undo("2")]);
+    }
+
+    /// An operation outlives a power cut once its group is synced.
+    #[test]
+    fn every_line_is_synced_behind_its_answer() {
+        let place = tempfile::tempdir().unwrap();
+        let mut draft = draft(place.path());
+        draft.append(&undo("1")).unwrap();
+        let path = place.path().join("draft").join(OPERATIONS);
+        let ours = fs::File::open(&path).unwrap();
+        let (told, synced) = channel();
+        let sync = GroupSync::begin(move || {
+            told.send(ours.metadata()?.len()).map_err(std::io::Error::other)
+        });
+        draft.file.as_mut().unwrap().sync = sync.unwrap();
+        draft.append(&undo("2")).unwrap();
+        draft.append(&undo("3")).unwrap();
+        drop(draft);
+        assert_eq!(synced.iter().last(), Some(fs::metadata(path).unwrap().len()));
     }
 
     #[test]

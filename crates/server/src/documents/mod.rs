@@ -11,6 +11,7 @@ mod disk;
 )]
 mod documents;
 mod draft;
+mod group_sync;
 mod history;
 mod machine;
 mod merge;
