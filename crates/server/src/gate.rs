@@ -3,7 +3,6 @@
 
 use crate::Failure;
 use crate::blocking::blocking;
-use axum::http::StatusCode;
 use std::sync::Arc;
 use tokio::sync::Semaphore;
 
@@ -49,7 +48,7 @@ impl Gate {
 
 fn crowded() -> Failure {
     let message = format!("{INSIDE} others ask for the like at the moment: ask again in a second");
-    let failure = Failure::new(StatusCode::TOO_MANY_REQUESTS, "too_many_at_once", message);
+    let failure = Failure::too_many("too_many_at_once", message);
     failure.with_header("retry-after", "1".to_owned())
 }
 

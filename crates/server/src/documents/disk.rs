@@ -3,7 +3,6 @@
 use crate::Failure;
 use crate::document_text::document_text;
 use crate::failure::reason;
-use axum::http::StatusCode;
 use rafcon_model::{Header, Kind, Machine, Outcome, OutcomeId, State, StateId};
 use rafcon_storage::config::Naming;
 use rafcon_storage::{Libraries, LoadError, LoadProblem, SaveError, Saved, load, save};
@@ -39,7 +38,7 @@ pub(super) fn read(folder: &Path, libraries: &Libraries) -> Result<Option<OnDisk
 pub(super) fn content(machine: &Machine) -> Result<(String, Vec<u8>), Failure> {
     let document = document_text(machine).map_err(|error| {
         let message = format!("the machine cannot be put into JSON, which is a defect: {error}");
-        Failure::new(StatusCode::INTERNAL_SERVER_ERROR, "no_json", message)
+        Failure::defect("no_json", message)
     })?;
     Ok((blake3::hash(&document).to_hex().to_string(), document))
 }
@@ -57,7 +56,7 @@ pub(super) fn write(
                 "{}; nothing has changed there: make room, or save it elsewhere",
                 reason(&error)
             );
-            Failure::new(StatusCode::SERVICE_UNAVAILABLE, "not_saved", message)
+            Failure::unavailable("not_saved", message)
         }
         SaveError::Occupied { .. } => Failure::conflict("occupied", reason(&error)),
     })
@@ -76,5 +75,5 @@ fn unreadable(error: &LoadError) -> Failure {
     if let LoadError::Outside { .. } = error {
         return Failure::forbidden("outside_project", error.to_string());
     }
-    Failure::new(StatusCode::UNPROCESSABLE_ENTITY, "unreadable_machine", reason(error))
+    Failure::unprocessable("unreadable_machine", reason(error))
 }

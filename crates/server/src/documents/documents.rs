@@ -2,20 +2,16 @@
 //! wait.
 
 use super::disk;
-use super::draft::DraftOperation;
-use super::machine::{EditRequest, MachineOperation};
-use super::recover::{read_edit, recover};
+use super::operation::{EditRequest, Operation, RecordedOperation};
+use super::recover::recover;
 use super::save::unless_in_a_machine;
 use super::session::{FileLocation, MachineSession, Tools, closed};
-use super::steps::StepDirection;
 use crate::gate::Gate;
 use crate::{Failure, ServerState, Settings, request_id};
-use axum::http::StatusCode;
 use rafcon_locks::{Condvar, Mutex};
 use rafcon_model::{Fresh, Machine, StatePath};
 use rafcon_protocol::api::{
-    CloseMachine, CopyStates, EditMachine, JumpMachine, MachineFile, MachineSummary, NewMachine,
-    Presence, Undo,
+    CloseMachine, CopyStates, MachineFile, MachineSummary, NewMachine, Presence,
 };
 use rafcon_protocol::document::Selection;
 use rafcon_storage::calendar::Date;
@@ -57,19 +53,6 @@ pub(crate) struct Documents {
 pub(super) struct FolderClaim<'d> {
     documents: &'d Documents,
     folder: PathBuf,
-}
-
-/// A change of an open machine that somebody asks for.
-#[derive(Debug)]
-pub(crate) enum EditOperation {
-    /// An edit.
-    Edit(Box<EditMachine>),
-    /// One's own last step back.
-    Undo(Undo),
-    /// One's own last step again.
-    Redo(Undo),
-    /// What it was at a revision.
-    Jump(JumpMachine),
 }
 
 impl Documents {
@@ -140,8 +123,12 @@ impl Documents {
         file: &MachineFile,
     ) -> Result<FileLocation, Failure> {
         let folder = server.projects.resolve(file)?;
-        let draft = self.drafts.join(name_of(&folder));
+        let draft = self.draft_of(&folder);
         Ok(FileLocation { folder, file: file.clone(), draft })
+    }
+
+    fn draft_of(&self, folder: &Path) -> PathBuf {
+        self.drafts.join(name_of(folder))
     }
 
     pub(super) fn tools(&self, server: &ServerState) -> Tools {
@@ -192,7 +179,7 @@ impl Documents {
         let message = format!(
             "{OPEN_MAX} machines are open that somebody follows or that are not saved, and that is the most: close one first"
         );
-        Err(Failure::new(StatusCode::TOO_MANY_REQUESTS, "too_many_machines", message))
+        Err(Failure::too_many("too_many_machines", message))
     }
 
     /// Makes a machine in a folder that does not exist, and opens it.
@@ -222,37 +209,23 @@ impl Documents {
         self.open(server, &new.file, true)
     }
 
-    /// Does what somebody wishes; the new revision.
+    /// Does it; the new revision.
     pub(crate) fn change(
         &self,
         server: &ServerState,
-        id: &str,
-        author: &str,
-        wish: EditOperation,
+        machine: &str,
+        request: EditRequest,
+        operation: Operation,
     ) -> Result<u64, Failure> {
-        let session = self.session(id)?;
-        let (id, deed, what) = match wish {
-            EditOperation::Undo(undo) => {
-                (undo.id, MachineOperation::Step(StepDirection::Undo), DraftOperation::Undo)
-            }
-            EditOperation::Redo(redo) => {
-                (redo.id, MachineOperation::Step(StepDirection::Redo), DraftOperation::Redo)
-            }
-            EditOperation::Jump(JumpMachine { id, revision, over_others }) => (
-                id,
-                MachineOperation::Jump { revision, over_others },
-                DraftOperation::Jump { revision },
-            ),
-            EditOperation::Edit(wish) => {
-                let EditMachine { id, base: _, name, edit } = *wish;
-                check_name(&name)?;
-                let read = read_edit(&edit, &server.projects.libraries())?;
-                let what = DraftOperation::Edit { name: name.clone(), edit: Box::new(edit) };
-                (id, MachineOperation::Edit(name, read), what)
-            }
-        };
-        let request = request(author, id)?;
-        let revision = session.perform(request, deed, what, since_1970_ms())?;
+        let session = self.session(machine)?;
+        if let Operation::Edit { name, .. } = &operation {
+            check_name(name)?;
+        }
+        let place = self.draft_of(&session.folder());
+        let read = operation.read(&server.projects.libraries(), &place)?;
+        request_id::check(&request.id)?;
+        let record = RecordedOperation { request, at_ms: since_1970_ms(), operation };
+        let revision = session.perform(record, read)?;
         server.news.machines();
         Ok(revision)
     }
@@ -262,10 +235,9 @@ impl Documents {
         &self,
         server: &ServerState,
         id: &str,
-        author: &str,
-        id_of_request: String,
+        request: EditRequest,
     ) -> Result<u64, Failure> {
-        let request = request(author, id_of_request)?;
+        request_id::check(&request.id)?;
         let revision = self.session(id)?.reload(request, &self.tools(server), since_1970_ms())?;
         server.news.machines();
         Ok(revision)
@@ -336,11 +308,6 @@ impl Drop for FolderClaim<'_> {
         self.documents.claimed.lock().remove(&self.folder);
         self.documents.released.notify_all();
     }
-}
-
-fn request(author: &str, id: String) -> Result<EditRequest, Failure> {
-    request_id::check(&id)?;
-    Ok(EditRequest { author: author.to_owned(), id })
 }
 
 fn check_name(name: &str) -> Result<(), Failure> {

@@ -1,12 +1,15 @@
-//! What was done to an open machine since it was read, on disk before it is answered, so that a server that dies loses nothing.
+//! What was done to an open machine since it was read, written before it is answered, so that a server that dies loses nothing,
+//! and synced a moment later, so that a power cut loses that moment at most.
 //! Knows lines and files; must never know what an edit means.
 //!
 //! A draft is a folder: `operations.jsonl` says what was read, what was done and when it was saved; beside it lie machines as
 //! documents, named after their content: the one that was read, and those that took its place.
 
+use super::group_sync::GroupSync;
+use super::operation::{EditRequest, RecordedOperation};
+use crate::Failure;
 use crate::access::{PrivateError, private};
 use rafcon_locks::Mutex;
-use rafcon_protocol::edit::Edit;
 use serde::{Deserialize, Serialize};
 use std::fs::{self, File};
 use std::io::{self, Write as _};
@@ -36,8 +39,8 @@ pub(super) struct DraftHeader {
 /// Something that was done and answered, of which no more is known.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub(super) struct RecordedAnswer {
-    pub(super) author: String,
-    pub(super) id: String,
+    #[serde(flatten)]
+    pub(super) request: EditRequest,
     /// The revision that it made.
     pub(super) revision: u64,
 }
@@ -47,7 +50,7 @@ pub(super) struct RecordedAnswer {
 #[serde(tag = "line", rename_all = "snake_case")]
 pub(super) enum DraftLine {
     /// Something was done.
-    Done(Box<Operation>),
+    Done(Box<RecordedOperation>),
     /// The machine lies on disk.
     Saved {
         /// As it was at this revision.
@@ -57,39 +60,21 @@ pub(super) enum DraftLine {
     },
 }
 
-/// Something that somebody did.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub(super) struct Operation {
-    pub(super) author: String,
-    pub(super) id: String,
-    pub(super) at_ms: u64,
-    pub(super) what: DraftOperation,
-}
-
-/// What somebody did.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(tag = "what", rename_all = "snake_case")]
-pub(super) enum DraftOperation {
-    /// An edit.
-    Edit { name: String, edit: Box<Edit> },
-    /// One's own last step back.
-    Undo,
-    /// One's own last step again.
-    Redo,
-    /// The machine became another one, which is kept under this name.
-    Replace { document: String },
-    /// The machine became what it was at a revision.
-    Jump { revision: u64 },
-}
-
 /// The draft of an open machine. Nothing lies on disk until there is something to lose.
 #[derive(Debug)]
 pub(super) struct Draft {
     place: PathBuf,
     head: DraftHeader,
-    /// The file and its length.
-    file: Option<(File, u64)>,
+    file: Option<DraftFile>,
     shelf: DraftFolder,
+}
+
+/// The lines on disk.
+#[derive(Debug)]
+struct DraftFile {
+    file: File,
+    length: u64,
+    sync: GroupSync,
 }
 
 /// Where a document of a draft belongs for whoever writes it beside what goes on: nowhere, once the draft was given up.
@@ -132,6 +117,29 @@ pub(super) fn find(place: &Path) -> Result<Option<FoundDraft>, PrivateError> {
     Ok(Some(FoundDraft { head, lines, length }))
 }
 
+impl DraftFile {
+    /// The lines in a draft's folder, up to this length. With them the folders are synced that say where they lie.
+    fn open(place: &Path, length: u64) -> io::Result<Self> {
+        let file = private::open(&place.join(OPERATIONS)).map_err(io::Error::other)?;
+        file.set_len(length)?;
+        let mut synced = vec![file.try_clone()?, File::open(place)?];
+        synced.extend(place.parent().map(File::open).transpose()?);
+        let sync = GroupSync::begin(move || synced.iter().try_for_each(File::sync_all))?;
+        Ok(Self { file, length, sync })
+    }
+
+    /// Writes at its end. If that fails, nothing of it stays.
+    fn append(&mut self, text: &str) -> io::Result<()> {
+        if let Err(error) = self.file.write_all(text.as_bytes()) {
+            self.file.set_len(self.length)?;
+            return Err(error);
+        }
+        self.length += text.len() as u64;
+        self.sync.written();
+        Ok(())
+    }
+}
+
 impl Draft {
     /// A draft that has nothing to keep yet.
     pub(super) fn new(place: PathBuf, head: DraftHeader) -> Self {
@@ -149,23 +157,19 @@ impl Draft {
         keep(&place, &head.base, document)?;
         let text = as_line(&head).map_err(failed)?;
         private::write(&path, text.as_bytes())?;
-        let file = private::open(&path)?;
-        Ok(Self {
-            shelf: DraftFolder::at(&place),
-            place,
-            head,
-            file: Some((file, text.len() as u64)),
-        })
+        let file = DraftFile::open(&place, text.len() as u64).map_err(failed)?;
+        Ok(Self { shelf: DraftFolder::at(&place), place, head, file: Some(file) })
     }
 
     /// Goes on with what a server left behind.
     pub(super) fn go_on(place: PathBuf, found: &FoundDraft) -> Result<Self, PrivateError> {
         let path = place.join(OPERATIONS);
-        let file = private::open(&path)?;
         let failed = |source| PrivateError::new("write", &path, source);
-        file.set_len(found.length).map_err(failed)?;
+        let file = DraftFile::open(&place, found.length).map_err(failed)?;
+        // The server that wrote it may have died before it was synced.
+        file.sync.written();
         let (shelf, head) = (DraftFolder::at(&place), found.head.clone());
-        Ok(Self { place, head, file: Some((file, found.length)), shelf })
+        Ok(Self { place, head, file: Some(file), shelf })
     }
 
     /// Whether there is something on disk.
@@ -192,35 +196,25 @@ impl Draft {
     pub(super) fn append(&mut self, line: &DraftLine) -> Result<(), PrivateError> {
         let path = self.place.join(OPERATIONS);
         let failed = |source: io::Error| PrivateError::new("write", &path, source);
-        let mut text = String::new();
-        let (file, length) = match &mut self.file {
-            Some(file) => file,
-            none => {
-                private::folder(&self.place)?;
-                text = as_line(&self.head).map_err(failed)?;
-                let file = private::open(&path)?;
-                file.set_len(0).map_err(failed)?;
-                none.insert((file, 0))
-            }
-        };
-        text.push_str(&as_line(line).map_err(failed)?);
-        if let Err(error) = file.write_all(text.as_bytes()) {
-            file.set_len(*length).map_err(failed)?;
-            if *length == 0 {
-                self.file = None;
-            }
-            return Err(failed(error));
+        let text = as_line(line).map_err(failed)?;
+        if let Some(file) = &mut self.file {
+            return file.append(&text).map_err(failed);
         }
-        *length += text.len() as u64;
+        private::folder(&self.place)?;
+        let head = as_line(&self.head).map_err(failed)?;
+        let mut file = DraftFile::open(&self.place, 0).map_err(failed)?;
+        file.append(&(head + &text)).map_err(failed)?;
+        self.file = Some(file);
         Ok(())
     }
 
     /// Moves to the folder of a machine that lies elsewhere from now on.
     pub(super) fn move_to(&mut self, place: PathBuf) -> Result<(), PrivateError> {
         let mut shelf = self.shelf.0.lock();
-        if self.is_begun() {
+        if let Some(file) = &self.file {
             let failed = |source| PrivateError::new("move the draft to", &place, source);
             fs::rename(&self.place, &place).map_err(failed)?;
+            file.sync.written();
         }
         *shelf = Some(place.clone());
         drop(shelf);
@@ -271,27 +265,36 @@ pub(super) fn kept(place: &Path, hash: &str) -> Result<Option<String>, PrivateEr
     private::read(&place.join(format!("{hash}.json")))
 }
 
+/// A draft that cannot be read stays where it is.
+pub(super) fn unreadable(error: &PrivateError) -> Failure {
+    let message = format!(
+        "{error}; edits that were not saved are in it: move the folder away to open the machine without them"
+    );
+    Failure::unprocessable("unreadable_draft", message)
+}
+
 fn as_line<T: Serialize>(value: &T) -> io::Result<String> {
     Ok(serde_json::to_string(value)? + "\n")
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{
-        Draft, DraftHeader, DraftLine, DraftOperation, FoundDraft, OPERATIONS, Operation, find,
-        kept,
-    };
+    use super::{Draft, DraftHeader, DraftLine, FoundDraft, OPERATIONS, find, kept};
+    use crate::documents::group_sync::GroupSync;
+    use crate::documents::operation::{EditRequest, Operation, RecordedOperation};
     use std::fs;
     use std::io::Write as _;
     use std::path::Path;
+    use std::sync::mpsc::channel;
 
     fn draft(place: &Path) -> Draft {
         Draft::new(place.join("draft"), DraftHeader::new(Path::new("/m"), "abc", 5))
     }
 
     fn undo(id: &str) -> DraftLine {
-        let (author, id) = ("ann".to_owned(), id.to_owned());
-        DraftLine::Done(Box::new(Operation { author, id, at_ms: 1, what: DraftOperation::Undo }))
+        let request = EditRequest { author: "ann".to_owned(), id: id.to_owned() };
+        let operation = Operation::Undo;
+        DraftLine::Done(Box::new(RecordedOperation { request, at_ms: 1, operation }))
     }
 
     fn found(place: &Path) -> Option<FoundDraft> {
@@ -341,6 +344,25 @@ mod tests {
         let mut draft = Draft::go_on(place.path().join("draft"), &left).unwrap();
         draft.append(&undo("2")).unwrap();
         assert_eq!(found(place.path()).unwrap().lines, [undo("1"), undo("2")]);
+    }
+
+    /// An operation outlives a power cut once its group is synced.
+    #[test]
+    fn every_line_is_synced_behind_its_answer() {
+        let place = tempfile::tempdir().unwrap();
+        let mut draft = draft(place.path());
+        draft.append(&undo("1")).unwrap();
+        let path = place.path().join("draft").join(OPERATIONS);
+        let ours = fs::File::open(&path).unwrap();
+        let (told, synced) = channel();
+        let sync = GroupSync::begin(move || {
+            told.send(ours.metadata()?.len()).map_err(std::io::Error::other)
+        });
+        draft.file.as_mut().unwrap().sync = sync.unwrap();
+        draft.append(&undo("2")).unwrap();
+        draft.append(&undo("3")).unwrap();
+        drop(draft);
+        assert_eq!(synced.iter().last(), Some(fs::metadata(path).unwrap().len()));
     }
 
     #[test]

@@ -11,24 +11,26 @@ mod disk;
 )]
 mod documents;
 mod draft;
-mod history_tree;
-mod log;
+mod group_sync;
+mod history;
 mod machine;
 mod merge;
+mod operation;
 mod places;
 mod problems;
 mod recover;
+mod refusal;
 mod revision_cache;
 mod routes;
 mod save;
 mod session;
-mod steps;
 #[cfg(test)]
 mod tests;
 mod usages;
 mod versions;
 
-pub(crate) use documents::{Documents, EditOperation};
-pub(crate) use log::RevisionsPage;
+pub(crate) use documents::Documents;
+pub(crate) use history::RevisionsPage;
+pub(crate) use operation::Operation;
 pub(crate) use routes::{change, routes};
 pub(crate) use session::MachineSession;

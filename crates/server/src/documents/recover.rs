@@ -3,20 +3,15 @@
 
 use super::disk::OnDisk;
 use super::draft::{
-    Draft, DraftHeader, DraftLine, DraftOperation, FoundDraft, Operation, RecordedAnswer, discard,
-    find, kept,
+    Draft, DraftHeader, DraftLine, FoundDraft, RecordedAnswer, discard, find, unreadable,
 };
-use super::machine::{EditRequest, MachineOperation, OpenMachine};
+use super::machine::OpenMachine;
+use super::operation::{RecordedOperation, kept_machine};
 use super::session::FileLocation;
-use super::steps::StepDirection;
 use crate::Failure;
-use crate::access::PrivateError;
 use crate::log::say;
-use axum::http::StatusCode;
 use rafcon_model::Machine;
-use rafcon_protocol::document::Document;
-use rafcon_protocol::edit::Edit;
-use rafcon_storage::{Libraries, fill_library};
+use rafcon_storage::Libraries;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -46,8 +41,8 @@ pub(super) fn recover(
     may_edit: bool,
 ) -> Result<Recovered, Failure> {
     let (folder, place) = (&*spot.folder, spot.draft.clone());
-    let Some(found) = find(&place).map_err(|error| kept_back(&error))? else {
-        discard(&place).map_err(|error| kept_back(&error))?;
+    let Some(found) = find(&place).map_err(|error| unreadable(&error))? else {
+        discard(&place).map_err(|error| unreadable(&error))?;
         return Ok(fresh(folder, place, on_disk, revision));
     };
     if unsaved(&found) == 0 {
@@ -65,7 +60,7 @@ pub(super) fn recover(
     Ok(Recovered {
         machine,
         hash: expected,
-        draft: Draft::go_on(place, &found).map_err(|error| kept_back(&error))?,
+        draft: Draft::go_on(place, &found).map_err(|error| unreadable(&error))?,
         saved_revision,
         has_edits: true,
     })
@@ -94,7 +89,7 @@ fn known(
     let mut recovered = fresh(folder, place.clone(), on_disk, revision);
     know(&mut recovered.machine, &head.answered);
     recovered.draft =
-        Draft::anew(place, head, &on_disk.document).map_err(|error| kept_back(&error))?;
+        Draft::anew(place, head, &on_disk.document).map_err(|error| unreadable(&error))?;
     Ok(recovered)
 }
 
@@ -104,9 +99,9 @@ fn answered(found: &FoundDraft) -> Vec<RecordedAnswer> {
         DraftLine::Done(operation) => Some(operation),
         DraftLine::Saved { .. } => None,
     });
-    let done = done.zip(found.head.revision + 1..).map(|(operation, revision)| {
-        let Operation { author, id, .. } = &**operation;
-        RecordedAnswer { author: author.clone(), id: id.clone(), revision }
+    let done = done.zip(found.head.revision + 1..).map(|(operation, revision)| RecordedAnswer {
+        request: operation.request.clone(),
+        revision,
     });
     let mut answered: Vec<_> = found.head.answered.iter().cloned().chain(done).collect();
     answered.drain(..answered.len().saturating_sub(ANSWERED_MAX));
@@ -114,8 +109,8 @@ fn answered(found: &FoundDraft) -> Vec<RecordedAnswer> {
 }
 
 fn know(machine: &mut OpenMachine, answered: &[RecordedAnswer]) {
-    for RecordedAnswer { author, id, revision } in answered {
-        machine.knows(EditRequest { author: author.clone(), id: id.clone() }, *revision);
+    for RecordedAnswer { request, revision } in answered {
+        machine.knows(request.clone(), *revision);
     }
 }
 
@@ -145,21 +140,7 @@ fn base(
     if found.head.base == on_disk.hash {
         return Ok(on_disk.machine.clone());
     }
-    document(place, &found.head.base, libraries)
-}
-
-/// A machine that was kept beside the draft.
-fn document(place: &Path, hash: &str, libraries: &Libraries) -> Result<Machine, Failure> {
-    let lost = |what: String| {
-        let message = format!("the draft in {} cannot be read: {what}", place.display());
-        Failure::new(StatusCode::UNPROCESSABLE_ENTITY, "unreadable_draft", message)
-    };
-    let text = kept(place, hash).map_err(|error| kept_back(&error))?;
-    let text = text.ok_or_else(|| lost(format!("{hash}.json is missing")))?;
-    let document: Document =
-        serde_json::from_str(&text).map_err(|error| lost(error.to_string()))?;
-    let mut look_up = |state: &mut _| drop(fill_library(state, libraries));
-    document.read(&mut look_up).map_err(|error| lost(error.to_string()))
+    kept_machine(place, &found.head.base, libraries)
 }
 
 /// What was read, with everything that was done to it.
@@ -174,39 +155,12 @@ fn replayed(
     know(&mut machine, &found.head.answered);
     for line in &found.lines {
         let DraftLine::Done(operation) = line else { continue };
-        let Operation { author, id, at_ms, what } = &**operation;
-        let prepared = machine.prepare(author, deed(what, place, libraries)?)?;
-        let request = EditRequest { author: author.clone(), id: id.clone() };
-        machine.commit(prepared, request, *at_ms);
+        let RecordedOperation { request, at_ms, operation } = &**operation;
+        let operation = operation.read(libraries, place)?;
+        let prepared = machine.prepare_again(request.clone(), *at_ms, operation)?;
+        machine.commit(prepared);
     }
     Ok(machine)
-}
-
-fn deed(
-    what: &DraftOperation,
-    place: &Path,
-    libraries: &Libraries,
-) -> Result<MachineOperation, Failure> {
-    Ok(match what {
-        DraftOperation::Edit { name, edit } => {
-            MachineOperation::Edit(name.clone(), read_edit(edit, libraries)?)
-        }
-        DraftOperation::Undo => MachineOperation::Step(StepDirection::Undo),
-        DraftOperation::Redo => MachineOperation::Step(StepDirection::Redo),
-        DraftOperation::Jump { revision } => MachineOperation::JumpAgain(*revision),
-        DraftOperation::Replace { document: hash } => {
-            MachineOperation::Replace(Box::new(document(place, hash, libraries)?))
-        }
-    })
-}
-
-/// The model's edit, with the content of libraries as it is now.
-pub(super) fn read_edit(
-    edit: &Edit,
-    libraries: &Libraries,
-) -> Result<rafcon_model::edit::Edit, Failure> {
-    let mut look_up = |state: &mut _| drop(fill_library(state, libraries));
-    edit.read(&mut look_up).map_err(|error| Failure::bad("bad_edit", error.to_string()))
 }
 
 /// A draft that no longer fits is kept for people to look at.
@@ -224,12 +178,5 @@ fn left_alone(failure: &Failure) -> Failure {
         "edits of it that were not saved cannot be made again ({failure}): whoever may edit opens it without them, and they \
          are set aside"
     );
-    Failure::new(StatusCode::UNPROCESSABLE_ENTITY, "unfit_draft", message)
-}
-
-fn kept_back(error: &PrivateError) -> Failure {
-    let message = format!(
-        "{error}; edits that were not saved are in it: move the folder away to open the machine without them"
-    );
-    Failure::new(StatusCode::UNPROCESSABLE_ENTITY, "unreadable_draft", message)
+    Failure::unprocessable("unfit_draft", message)
 }

@@ -1,7 +1,7 @@
 //! What is asked about open machines. Knows requests and answers; the work is done next door, off the threads that talk.
 
-use super::documents::EditOperation;
-use super::log::RevisionsPage;
+use super::history::RevisionsPage;
+use super::operation::{EditRequest, Operation};
 use crate::access::Who;
 use crate::blocking::blocking;
 use crate::extract::{Body, Path, Query};
@@ -139,11 +139,7 @@ async fn revisions(
     let session = server.documents.session(&machine)?;
     let (is_reset, next, texts) = match session.since(from) {
         RevisionsPage::Reset(now) => (true, now + 1, String::new()),
-        RevisionsPage::Revisions(told) => {
-            let next = told.last().map_or(from, |told| told.number + 1);
-            let texts: Vec<&str> = told.iter().map(|told| told.text.as_str()).collect();
-            (false, next, texts.join(","))
-        }
+        RevisionsPage::Revisions(told) => (false, from + told.len() as u64, told.join(",")),
     };
     let text = format!(r#"{{"is_reset":{is_reset},"next":{next},"revisions":[{texts}]}}"#);
     Ok(json(text.into()))
@@ -205,7 +201,8 @@ async fn edit(
     Path(machine): Path<String>,
     Body(edit): Body<EditMachine>,
 ) -> Result<Json<Done>, Failure> {
-    change(server, who, machine, EditOperation::Edit(Box::new(edit))).await
+    let id = edit.id.clone();
+    change(server, who, machine, id, Operation::edit(edit)).await
 }
 
 /// Takes one's own last step back.
@@ -225,7 +222,7 @@ async fn undo(
     Path(machine): Path<String>,
     Body(undo): Body<Undo>,
 ) -> Result<Json<Done>, Failure> {
-    change(server, who, machine, EditOperation::Undo(undo)).await
+    change(server, who, machine, undo.id, Operation::Undo).await
 }
 
 /// Makes one's own step again that was taken back last.
@@ -245,7 +242,7 @@ async fn redo(
     Path(machine): Path<String>,
     Body(redo): Body<Undo>,
 ) -> Result<Json<Done>, Failure> {
-    change(server, who, machine, EditOperation::Redo(redo)).await
+    change(server, who, machine, redo.id, Operation::Redo).await
 }
 
 /// What was done to an open machine since it was read, without what it changed: a tree.
@@ -280,9 +277,9 @@ async fn jump(
     State(server): State<Arc<ServerState>>,
     who: Who,
     Path(machine): Path<String>,
-    Body(jump): Body<JumpMachine>,
+    Body(JumpMachine { id, revision, over_others }): Body<JumpMachine>,
 ) -> Result<Json<Done>, Failure> {
-    change(server, who, machine, EditOperation::Jump(jump)).await
+    change(server, who, machine, id, Operation::Jump { revision, over_others }).await
 }
 
 /// Saves an open machine.
@@ -352,7 +349,8 @@ async fn reload(
     Body(wish): Body<ReloadMachine>,
 ) -> Result<Json<Done>, Failure> {
     let at = Arc::clone(&server);
-    let read = move || server.documents.reload(&server, &machine, &who.user, wish.id).map(done);
+    let request = EditRequest { author: who.user, id: wish.id };
+    let read = move || server.documents.reload(&server, &machine, request).map(done);
     at.documents.saves.work(read).await
 }
 
@@ -382,9 +380,12 @@ pub(crate) async fn change(
     server: Arc<ServerState>,
     who: Who,
     machine: String,
-    wish: EditOperation,
+    id: String,
+    operation: Operation,
 ) -> Result<Json<Done>, Failure> {
-    blocking(move || server.documents.change(&server, &machine, &who.user, wish).map(done)).await
+    let request = EditRequest { author: who.user, id };
+    let work = move || server.documents.change(&server, &machine, request, operation).map(done);
+    blocking(work).await
 }
 
 fn done(revision: u64) -> Json<Done> {

@@ -5,7 +5,6 @@ use super::documents::Documents;
 use super::session::{FileLocation, Saving};
 use crate::projects::is_machine;
 use crate::{Failure, ServerState};
-use axum::http::StatusCode;
 use rafcon_model::{Header, Kind, Machine, State, StatePath};
 use rafcon_protocol::api::{LibraryName, SaveMachine, SaveState, SavedState};
 use rafcon_storage::calendar::Date;
@@ -119,9 +118,7 @@ pub(super) fn unless_in_a_machine(
 
 /// A machine of this state alone.
 fn of_state(state: &Arc<State>) -> Result<Machine, Failure> {
-    let refused = |message: String| {
-        Err(Failure::new(StatusCode::UNPROCESSABLE_ENTITY, "no_machine", message))
-    };
+    let refused = |message: String| Err(Failure::unprocessable("no_machine", message));
     match &state.kind {
         Kind::Library(library) => refused(format!(
             "{} runs the library {}/{}: save that under another name",
@@ -142,7 +139,8 @@ fn of_state(state: &Arc<State>) -> Result<Machine, Failure> {
 #[cfg(test)]
 mod tests {
     use crate::documents::session::Saving;
-    use crate::documents::{EditOperation, MachineSession};
+    use crate::documents::operation::EditRequest;
+    use crate::documents::{MachineSession, Operation};
     use crate::{ServerState, Settings};
     use rafcon_protocol::api::{CloseMachine, EditMachine, MachineFile, NewMachine};
     use std::fs;
@@ -168,7 +166,8 @@ mod tests {
         let edit = format!(r#"{{"edit":"set_name","path":"{root}","name":"Given up"}}"#);
         let edit = format!(r#"{{"id":"1","name":"Rename","edit":{edit}}}"#);
         let edit: EditMachine = serde_json::from_str(&edit).unwrap();
-        documents.change(&server, &id, "ann", EditOperation::Edit(Box::new(edit))).unwrap();
+        let request = EditRequest { author: "ann".to_owned(), id: edit.id.clone() };
+        documents.change(&server, &id, request, Operation::edit(edit)).unwrap();
         documents.close(&server, &id, &CloseMachine { discard: true }).unwrap();
         let saving = Saving { to: None, overwrite: false };
         let failure = session.save(&saving, &documents.tools(&server)).unwrap_err();

@@ -1,8 +1,9 @@
 //! Several people edit one machine: nobody's work is lost, and each takes back what is his own.
 
-use super::log::RevisionsPage;
-use super::machine::{EditRequest, MachineOperation, OpenMachine};
-use super::steps::StepDirection;
+use super::history::RevisionsPage;
+use super::machine::OpenMachine;
+use super::operation::{EditRequest, Operation, ReadOperation};
+use crate::Failure;
 use expect_test::{Expect, expect};
 use proptest::prelude::*;
 use rafcon_model::edit::any::{Dice, edit};
@@ -39,27 +40,27 @@ fn machine(text: &str) -> Machine {
 }
 
 /// Does it; the name of the step and the new revision, or the refusal.
-fn done(open: &mut OpenMachine, author: &str, deed: MachineOperation) -> String {
-    match open.prepare(author, deed) {
-        Err(failure) => format!("{}: {failure}", failure.refusal().code),
-        Ok(prepared) => {
-            let id = open.revision().to_string();
-            let request = EditRequest { author: author.to_owned(), id };
-            open.commit(prepared, request, 0).to_string()
+fn done(open: &mut OpenMachine, author: &str, deed: ReadOperation) -> String {
+    let request = EditRequest { author: author.to_owned(), id: open.revision().to_string() };
+    match open.prepare(request, 0, deed) {
+        Err(refusal) => {
+            let failure = Failure::from(refusal);
+            format!("{}: {failure}", failure.refusal().code)
         }
+        Ok(prepared) => open.commit(prepared).to_string(),
     }
 }
 
 /// One line a deed: the author, then `<` (back), `>` (again), `@` or `@!` and a revision (jump, also over others), or an edit
 /// as JSON.
-fn deed(text: &str) -> MachineOperation {
+fn deed(text: &str) -> ReadOperation {
     let jump = |revision: &str, over_others| {
         let revision = revision.parse().expect("a revision");
-        MachineOperation::Jump { revision, over_others }
+        Operation::Jump { revision, over_others }
     };
     match text {
-        "<" => MachineOperation::Step(StepDirection::Undo),
-        ">" => MachineOperation::Step(StepDirection::Redo),
+        "<" => Operation::Undo,
+        ">" => Operation::Redo,
         text => {
             if let Some(revision) = text.strip_prefix("@!") {
                 return jump(revision, true);
@@ -69,7 +70,7 @@ fn deed(text: &str) -> MachineOperation {
             }
             let edit: Edit = serde_json::from_str(text).expect("an edit");
             let name = text.split('"').nth(3).expect("a name").to_owned();
-            MachineOperation::Edit(name, (&edit).try_into().expect("an edit of the model"))
+            Operation::Edit { name, edit: (&edit).try_into().expect("an edit of the model") }
         }
     }
 }
@@ -272,15 +273,16 @@ fn layouts_are_merged_element_by_element() {
 #[test]
 fn a_reload_is_a_step_like_any_other() {
     let mut open = OpenMachine::new(machine(START), 0);
-    let other = Box::new(machine("execution OTHERR"));
-    let mut said = vec![done(&mut open, "ann", MachineOperation::Replace(other))];
+    let document = machine("execution OTHERR");
+    let mut said = vec![done(&mut open, "ann", Operation::Replace { document })];
     let rename = r#"{"edit":"set_name","path":"OTHERR","name":"Bob's"}"#;
     let rename: Edit = serde_json::from_str(rename).expect("an edit");
-    let rename = MachineOperation::Edit("Rename".into(), (&rename).try_into().expect("an edit"));
+    let edit = (&rename).try_into().expect("an edit");
+    let rename = Operation::Edit { name: "Rename".into(), edit };
     said.push(done(&mut open, "bob", rename));
-    said.push(done(&mut open, "ann", MachineOperation::Step(StepDirection::Undo)));
-    said.push(done(&mut open, "bob", MachineOperation::Step(StepDirection::Undo)));
-    said.push(done(&mut open, "ann", MachineOperation::Step(StepDirection::Undo)));
+    said.push(done(&mut open, "ann", Operation::Undo));
+    said.push(done(&mut open, "bob", Operation::Undo));
+    said.push(done(&mut open, "ann", Operation::Undo));
     assert_eq!(*open.machine(), machine(START));
     expect![[r"
         1
@@ -339,8 +341,9 @@ fn the_same_request_is_answered_by_what_it_did() {
     let mut open = OpenMachine::new(machine(START), 7);
     let request = EditRequest { author: "ann".into(), id: "one".into() };
     assert_eq!(open.answered(&request), None);
-    let prepared = open.prepare("ann", MachineOperation::Replace(Box::new(machine("execution X"))));
-    assert_eq!(open.commit(prepared.expect("prepared"), request.clone(), 0), 8);
+    let other = Operation::Replace { document: machine("execution X") };
+    let prepared = open.prepare(request.clone(), 0, other);
+    assert_eq!(open.commit(prepared.expect("prepared")), 8);
     assert_eq!(open.answered(&request), Some(8));
     assert_eq!(open.answered(&EditRequest { author: "bob".into(), ..request }), None);
 }
@@ -353,14 +356,14 @@ fn two_people(numbers: Vec<u16>) {
     while !dice.is_empty() {
         let author = ["ann", "bob"][dice.roll(2)];
         let deed = match dice.roll(9) {
-            0 | 1 => MachineOperation::Step(StepDirection::Undo),
-            2 | 3 => MachineOperation::Step(StepDirection::Redo),
+            0 | 1 => Operation::Undo,
+            2 | 3 => Operation::Redo,
             4 => {
                 let back = u64::try_from(dice.roll(20)).expect("a number");
                 let revision = open.revision().saturating_sub(back);
-                MachineOperation::Jump { revision, over_others: dice.roll(2) == 0 }
+                Operation::Jump { revision, over_others: dice.roll(2) == 0 }
             }
-            _ => MachineOperation::Edit("Any".into(), edit(open.machine(), &mut dice)),
+            _ => Operation::Edit { name: "Any".into(), edit: edit(open.machine(), &mut dice) },
         };
         let before = open.machine().clone();
         let from = open.revision() + 1;
@@ -369,9 +372,9 @@ fn two_people(numbers: Vec<u16>) {
             continue;
         }
         let RevisionsPage::Revisions(told) = open.since(from) else { panic!("a gap") };
-        for told in told {
-            let revision: Revision = serde_json::from_str(&told.text).expect("a revision");
-            assert_eq!((revision.revision, revision.author.as_str()), (told.number, author));
+        for (number, text) in (from..).zip(told) {
+            let revision: Revision = serde_json::from_str(&text).expect("a revision");
+            assert_eq!((revision.revision, revision.author.as_str()), (number, author));
             revision.changes.into_iter().for_each(|change| mirror.apply(change));
         }
     }

@@ -10,7 +10,6 @@ use crate::failure::reason;
 use crate::{Failure, ServerState};
 use axum::body::Body;
 use axum::extract::State;
-use axum::http::StatusCode;
 use axum::http::header::{CONTENT_DISPOSITION, CONTENT_TYPE};
 use axum::response::{IntoResponse as _, Response};
 use rafcon_protocol::api::{ExportFormat, ExportQuery, Refusal};
@@ -44,7 +43,7 @@ impl Exports {
         turn.map_err(|_all_taken| {
             let message =
                 format!("{AT_ONCE} runs are being exported already: try again when one is done");
-            Failure::new(StatusCode::TOO_MANY_REQUESTS, "too_many_exports", message)
+            Failure::too_many("too_many_exports", message)
         })
     }
 }
@@ -151,7 +150,7 @@ impl Writing {
 fn failure(error: ExportError) -> Failure {
     match error {
         ExportError::Journal(error) => error.into(),
-        error => Failure::new(StatusCode::SERVICE_UNAVAILABLE, "not_exported", reason(&error)),
+        error => Failure::unavailable("not_exported", reason(&error)),
     }
 }
 

@@ -6,7 +6,6 @@ use super::{History, Json, folder};
 use crate::extract::Path;
 use crate::{Failure, ServerState};
 use axum::extract::State;
-use axum::http::StatusCode;
 use rafcon_locks::Mutex;
 use rafcon_protocol::api::{Comparison, Refusal, Statistics};
 use rafcon_storage::journal::{Reader, Tally, compare};
@@ -105,7 +104,7 @@ fn short_enough(reader: &Reader) -> Result<(), Failure> {
     let message = format!(
         "{id} has {events} events, and up to {COMPARED_MAX} are compared here: use `rafcon compare` beside the runs"
     );
-    Err(Failure::new(StatusCode::UNPROCESSABLE_ENTITY, "too_long_to_compare", message))
+    Err(Failure::unprocessable("too_long_to_compare", message))
 }
 
 impl Figures {

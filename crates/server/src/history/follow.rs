@@ -92,7 +92,7 @@ fn text(reader: &Reader, entry: &Entry, values: bool) -> Result<Option<String>, 
     let entry = HistoryEntry { sequence: entry.sequence, t_ns: entry.t_ns, event };
     let failed = |error: serde_json::Error| {
         let message = format!("event {} cannot be written as JSON: {error}", entry.sequence);
-        Failure::new(axum::http::StatusCode::UNPROCESSABLE_ENTITY, "journal_damaged", message)
+        Failure::unprocessable("journal_damaged", message)
     };
     serde_json::to_string(&entry).map(Some).map_err(failed)
 }

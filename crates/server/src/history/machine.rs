@@ -10,7 +10,6 @@ use crate::failure::reason;
 use crate::{Failure, ServerState};
 use axum::body::Bytes;
 use axum::extract::State;
-use axum::http::StatusCode;
 use rafcon_locks::Mutex;
 use rafcon_protocol::api::{KeptMachineQuery, Refusal};
 use rafcon_protocol::document::Document;
@@ -186,7 +185,7 @@ fn read(which: &Which) -> Result<Bytes, Failure> {
     };
     let unreadable = |error: &dyn std::error::Error| {
         let message = format!("what the run has kept cannot be read: {}", reason(error));
-        Failure::new(StatusCode::UNPROCESSABLE_ENTITY, "machine_unreadable", message)
+        Failure::unprocessable("machine_unreadable", message)
     };
     let libraries = Libraries::default().packed(Arc::clone(&packed));
     let loaded = load_packed(&packed, &folder, FilePath::new(&folder), &libraries);

@@ -20,7 +20,6 @@ pub(crate) use readers::Readers;
 
 use crate::{Failure, ServerState};
 use axum::body::Bytes;
-use axum::http::StatusCode;
 use axum::http::header::CONTENT_TYPE;
 use axum::response::IntoResponse;
 use figures::Figures;
@@ -78,7 +77,7 @@ impl Json {
     fn of(answer: &impl Serialize) -> Result<Self, Failure> {
         let failed = |error: serde_json::Error| {
             let message = format!("what the journal says cannot be written as JSON: {error}");
-            Failure::new(StatusCode::UNPROCESSABLE_ENTITY, "journal_damaged", message)
+            Failure::unprocessable("journal_damaged", message)
         };
         Ok(Self(serde_json::to_vec(answer).map_err(failed)?.into()))
     }

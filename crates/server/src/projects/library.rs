@@ -5,7 +5,6 @@ use crate::document_text::document_text;
 use crate::failure::reason;
 use crate::{Failure, Settings};
 use axum::body::Bytes;
-use axum::http::StatusCode;
 use rafcon_locks::{Mutex, RwLock};
 use rafcon_protocol::api::{LibraryNode, LibraryNodeKind, LibraryRoot};
 use rafcon_storage::libraries::{Entry, EntryKind};
@@ -136,7 +135,7 @@ fn unloaded(path: &str, error: &LoadError) -> Failure {
 
 fn unreadable(path: &str, error: &dyn std::error::Error) -> Failure {
     let message = format!("the library {path} cannot be read: {}", reason(error));
-    Failure::new(StatusCode::UNPROCESSABLE_ENTITY, "unreadable_library", message)
+    Failure::unprocessable("unreadable_library", message)
 }
 
 fn root_of(entry: Entry) -> LibraryRoot {

@@ -169,8 +169,8 @@ impl Connection {
             ClientRequest::Command { run, envelope } => {
                 self.answers.push_back(self.handler.command(run, *envelope).boxed());
             }
-            ClientRequest::Change { machine, id, wish } => {
-                self.answers.push_back(self.handler.change(machine, id, wish).boxed());
+            ClientRequest::Change { machine, id, operation } => {
+                self.answers.push_back(self.handler.change(machine, id, operation).boxed());
             }
             ClientRequest::Look { machine, selection } => {
                 if let Err(failure) = self.handler.look(&machine, selection) {

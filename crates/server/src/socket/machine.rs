@@ -55,8 +55,7 @@ impl Feed for MachineHistory {
             }
             RevisionsPage::Revisions(told) if !told.is_empty() => {
                 self.next += told.len() as u64;
-                let texts: Vec<&str> = told.iter().map(|told| told.text.as_str()).collect();
-                NextMessage::Part(words::revisions(subscription, &texts))
+                NextMessage::Part(words::revisions(subscription, &told))
             }
             _ if self.is_over => NextMessage::Last(words::text(&words::ended(subscription, None))),
             _ => NextMessage::Nothing,

@@ -9,11 +9,10 @@ use super::server_status::ServerStatusFeed;
 use super::status::Status;
 use super::words;
 use crate::access::{Who, about};
-use crate::documents::{self, EditOperation};
+use crate::documents::{self, Operation};
 use crate::{Failure, ServerState, runs};
 use axum::Json;
 use axum::extract::ws::close_code;
-use axum::http::StatusCode;
 use rafcon_protocol::Envelope;
 use rafcon_protocol::api::{Done, MachineStatus, Presence, RunNow};
 use rafcon_protocol::socket::{ToClient, Topic, VERSION};
@@ -110,12 +109,12 @@ impl RequestHandler {
         &self,
         machine: String,
         id: String,
-        wish: EditOperation,
+        operation: Operation,
     ) -> impl Future<Output = ToClient> + Send + 'static + use<> {
         let (server, who, turn) = (Arc::clone(&self.server), self.who.clone(), self.turn.clone());
         async move {
             let _turn = turn.lock().await;
-            match documents::change(server, who, machine, wish).await {
+            match documents::change(server, who, machine, id.clone(), operation).await {
                 Ok(Json(Done { revision })) => ToClient::Edited { id, revision },
                 Err(failure) => words::refused(Some(id), &failure),
             }
@@ -193,12 +192,12 @@ pub(super) fn now_ms() -> u64 {
 
 fn closes() -> Failure {
     let message = "the server ends; runs go on: connect again and go on from your cursors";
-    Failure::new(StatusCode::SERVICE_UNAVAILABLE, "server_ends", message)
+    Failure::unavailable("server_ends", message)
 }
 
 fn not_known_any_more() -> Failure {
     let message = "the login or token with which this connection began does not count any more: log in, and connect again";
-    Failure::new(StatusCode::UNAUTHORIZED, "not_known_any_more", message)
+    Failure::unauthorized("not_known_any_more", message)
 }
 
 fn other_role(who: &Who) -> Failure {

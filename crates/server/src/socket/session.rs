@@ -4,8 +4,7 @@
 use super::words::{ended, refused};
 use crate::Failure;
 use crate::access::{Who, of_frame};
-use crate::documents::EditOperation;
-use axum::http::StatusCode;
+use crate::documents::Operation;
 use rafcon_protocol::Envelope;
 use rafcon_protocol::socket::{ToClient, ToServer, Topic, VERSION};
 use std::collections::BTreeSet;
@@ -40,7 +39,7 @@ pub(super) enum ClientRequest {
         /// The change's id.
         id: String,
         /// How.
-        wish: EditOperation,
+        operation: Operation,
     },
     /// Tell the others what this client looks at.
     Look {
@@ -77,14 +76,10 @@ impl Session {
                 ClientRequest::Command { run, envelope: Box::new(envelope) }
             }
             ToServer::Edit { machine, edit } => {
-                change(machine, edit.id.clone(), EditOperation::Edit(Box::new(edit)))
+                change(machine, edit.id.clone(), Operation::edit(edit))
             }
-            ToServer::Undo { machine, undo } => {
-                change(machine, undo.id.clone(), EditOperation::Undo(undo))
-            }
-            ToServer::Redo { machine, redo } => {
-                change(machine, redo.id.clone(), EditOperation::Redo(redo))
-            }
+            ToServer::Undo { machine, undo } => change(machine, undo.id, Operation::Undo),
+            ToServer::Redo { machine, redo } => change(machine, redo.id, Operation::Redo),
             ToServer::Presence { machine, selection } => look(machine, selection),
             ToServer::Ping { id } => ClientRequest::Tell(ToClient::Pong { id, now_ms }),
         }
@@ -113,8 +108,8 @@ pub(super) fn binary() -> ToClient {
     refused(None, &Failure::bad("binary_frame", message))
 }
 
-fn change(machine: String, id: String, wish: EditOperation) -> ClientRequest {
-    ClientRequest::Change { machine, id, wish }
+fn change(machine: String, id: String, operation: Operation) -> ClientRequest {
+    ClientRequest::Change { machine, id, operation }
 }
 
 fn look(machine: String, selection: Vec<String>) -> ClientRequest {
@@ -141,7 +136,7 @@ fn too_many() -> Failure {
     let message = format!(
         "this connection has {SUBSCRIPTIONS_MAX} subscriptions, and that is the most: give one up first"
     );
-    Failure::new(StatusCode::TOO_MANY_REQUESTS, "too_many_subscriptions", message)
+    Failure::too_many("too_many_subscriptions", message)
 }
 
 fn not_a_frame(text: &str, error: &serde_json::Error) -> ToClient {

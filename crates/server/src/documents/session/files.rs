@@ -3,8 +3,8 @@
 use super::{FileLocation, Files, MachineSession, Tools, unwritten};
 use crate::Failure;
 use crate::documents::disk::{self, OnDisk};
-use crate::documents::draft::{self, Draft, DraftHeader, DraftLine, DraftOperation};
-use crate::documents::machine::{EditRequest, MachineOperation};
+use crate::documents::draft::{self, Draft, DraftHeader, DraftLine};
+use crate::documents::operation::{EditRequest, Operation, RecordedOperation};
 use crate::log;
 use rafcon_protocol::api::DiskState;
 use rafcon_storage::{Libraries, Saved};
@@ -104,13 +104,10 @@ impl MachineSession {
         }
         let place = self.draft.lock().place().to_owned();
         draft::keep(&place, &now.hash, &now.document).map_err(|error| unwritten(&error))?;
-        let what = DraftOperation::Replace { document: now.hash.clone() };
-        let revision = self.perform(
-            request,
-            MachineOperation::Replace(Box::new(now.machine.clone())),
-            what,
-            at_ms,
-        )?;
+        let operation = Operation::Replace { document: now.hash.clone() };
+        let record = RecordedOperation { request, at_ms, operation };
+        let revision =
+            self.perform(record, Operation::Replace { document: now.machine.clone() })?;
         let mut draft = self.draft.lock();
         self.on_disk(&mut draft, now.into_files(revision));
         self.tell();

@@ -11,15 +11,15 @@ pub(super) use files::{Saving, vanished};
 
 use super::broadcast::Broadcast;
 use super::disk::{self, OnDisk};
-use super::draft::{Draft, DraftLine, DraftOperation, Operation};
-use super::log::RevisionsPage;
-use super::machine::{EditRequest, MachineOperation, OpenMachine};
+use super::draft::{Draft, DraftLine};
+use super::history::RevisionsPage;
+use super::machine::OpenMachine;
+use super::operation::{EditRequest, ReadOperation, RecordedOperation};
 use super::recover::Recovered;
 use super::revision_cache::RevisionCache;
 use crate::access::PrivateError;
 use crate::{Failure, ServerState, log};
 use axum::body::Bytes;
-use axum::http::StatusCode;
 use rafcon_locks::{Mutex, RwLock};
 use rafcon_model::Machine;
 use rafcon_protocol::api::{
@@ -178,24 +178,21 @@ impl MachineSession {
         self.wires.tell(summary);
     }
 
-    /// Does it, once for each request, and only when it is written down.
+    /// Does it, once for each request, and only when it is written down. `read` is the operation with what it names.
     pub(super) fn perform(
         &self,
-        request: EditRequest,
-        deed: MachineOperation,
-        what: DraftOperation,
-        at_ms: u64,
+        record: RecordedOperation,
+        read: ReadOperation,
     ) -> Result<u64, Failure> {
         let mut draft = self.draft.lock();
-        if let Some(revision) = self.answered(&request) {
+        if let Some(revision) = self.answered(&record.request) {
             return Ok(revision);
         }
         self.must_be_open()?;
-        let prepared = self.open.read().machine.prepare(&request.author, deed)?;
-        let EditRequest { author, id } = request.clone();
-        let operation = Operation { author, id, at_ms, what };
-        self.write_down(&mut draft, &DraftLine::Done(Box::new(operation)))?;
-        let revision = self.open.write().machine.commit(prepared, request, at_ms);
+        let (request, at_ms) = (record.request.clone(), record.at_ms);
+        let prepared = self.open.read().machine.prepare(request, at_ms, read)?;
+        self.write_down(&mut draft, &DraftLine::Done(Box::new(record)))?;
+        let revision = self.open.write().machine.commit(prepared);
         self.tell();
         Ok(revision)
     }
@@ -320,5 +317,5 @@ pub(super) fn closed(id: &str) -> Failure {
 fn unwritten(error: &PrivateError) -> Failure {
     let message =
         format!("nothing was done, for it could not be written down: {error}; make room there");
-    Failure::new(StatusCode::SERVICE_UNAVAILABLE, "not_written_down", message)
+    Failure::unavailable("not_written_down", message)
 }

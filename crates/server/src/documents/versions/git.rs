@@ -6,7 +6,6 @@
 
 use crate::child::{ChildError, ChildLimits, ChildOutput, ask};
 use crate::{Failure, failure::reason};
-use axum::http::StatusCode;
 use rafcon_protocol::api::{MachineVersion, MachineVersions};
 use std::path::Path;
 use std::time::Duration;
@@ -125,11 +124,7 @@ impl GitFolder<'_> {
                  look at it with git",
                 files.len()
             );
-            return Err(Failure::new(
-                StatusCode::UNPROCESSABLE_ENTITY,
-                "version_too_large",
-                message,
-            ));
+            return Err(Failure::unprocessable("version_too_large", message));
         }
         let wanted: Vec<u8> =
             files.iter().flat_map(|file| format!("{}\n", file.object).into_bytes()).collect();
@@ -204,12 +199,12 @@ fn refused(why: &str) -> Failure {
     } else {
         format!("git does not tell what it knows: {why}")
     };
-    Failure::new(StatusCode::UNPROCESSABLE_ENTITY, "git_refused", message)
+    Failure::unprocessable("git_refused", message)
 }
 
 fn failed(error: &ChildError) -> Failure {
     let message = format!("git cannot be asked: {}", reason(error));
-    Failure::new(StatusCode::UNPROCESSABLE_ENTITY, "git_refused", message)
+    Failure::unprocessable("git_refused", message)
 }
 
 #[cfg(test)]

@@ -8,7 +8,6 @@ pub(super) use routes::routes;
 
 use super::disk;
 use crate::{Failure, ServerState, log};
-use axum::http::StatusCode;
 use git::{CommittedFile, GitFolder};
 use rafcon_protocol::api::MachineVersions;
 use rafcon_protocol::document::Document;
@@ -95,7 +94,7 @@ fn put(all: &Path, files: &[CommittedFile], contents: &[Vec<u8>]) -> io::Result<
 fn document(folder: &Path, commit: &str, libraries: &Libraries) -> Result<Vec<u8>, Failure> {
     let unread = |why: String| {
         let message = format!("the machine as of {commit} cannot be read: {why}");
-        Failure::new(StatusCode::UNPROCESSABLE_ENTITY, "unreadable_version", message)
+        Failure::unprocessable("unreadable_version", message)
     };
     let loaded = load(folder, &Libraries::default());
     let loaded = loaded.map_err(|error| {
@@ -108,5 +107,5 @@ fn document(folder: &Path, commit: &str, libraries: &Libraries) -> Result<Vec<u8
 
 fn no_room(error: &io::Error) -> Failure {
     let message = format!("the version cannot be put into the server's folder: {error}; make room");
-    Failure::new(StatusCode::SERVICE_UNAVAILABLE, "no_room", message)
+    Failure::unavailable("no_room", message)
 }

@@ -144,7 +144,7 @@ fn commands_and_edits_need_their_rights() {
         &expect![[r#"
             Command { run: "r", envelope: Envelope { id: "c1", author: "", decided_on: None, expiry: None, command: Pause } }
             Command { run: "r", envelope: Envelope { id: "c2", author: "", decided_on: None, expiry: None, command: EditScript { path: "a", script: "" } } }
-            Change { machine: "m", id: "u1", wish: Undo(Undo { id: "u1" }) }
+            Change { machine: "m", id: "u1", operation: Undo }
             Look { machine: "m", selection: ["a/b"] }
         "#]],
     );

@@ -1,0 +1,83 @@
+//! A file's way to the disk, in groups: what is written is synced a moment later, by a thread of its own, so that whoever writes
+//! does not wait for the disk. Must never know what is written.
+
+use crate::log;
+use std::convert::Infallible;
+use std::io;
+use std::sync::mpsc::{Receiver, Sender, channel};
+use std::thread;
+use std::time::Duration;
+
+/// What is written within this time is synced together.
+const GROUP: Duration = Duration::from_millis(50);
+
+/// The thread that syncs a file. It ends with this, after a last sync of what was written.
+#[derive(Debug)]
+pub(super) struct GroupSync {
+    written: Sender<()>,
+    /// Says nothing: the thread waits until it is gone.
+    _end: Sender<Infallible>,
+}
+
+impl GroupSync {
+    /// `sync` brings everything to the disk that was written before it is called.
+    pub(super) fn begin(sync: impl FnMut() -> io::Result<()> + Send + 'static) -> io::Result<Self> {
+        let (written, groups) = channel();
+        let (end, is_over) = channel();
+        let sync_groups = move || sync_groups(&groups, &is_over, sync);
+        thread::Builder::new().name("draft sync".to_owned()).spawn(sync_groups)?;
+        Ok(Self { written, _end: end })
+    }
+
+    /// Something was written.
+    pub(super) fn written(&self) {
+        // The thread is there for as long as this is.
+        let _is_there = self.written.send(());
+    }
+}
+
+fn sync_groups(
+    groups: &Receiver<()>,
+    is_over: &Receiver<Infallible>,
+    mut sync: impl FnMut() -> io::Result<()>,
+) {
+    while groups.recv().is_ok() {
+        let _time_or_end = is_over.recv_timeout(GROUP);
+        while groups.try_recv().is_ok() {}
+        if let Err(error) = sync() {
+            log::say(&format!("a draft cannot be synced to disk: {error}"));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::GroupSync;
+    use std::sync::Arc;
+    use std::sync::atomic::{AtomicU32, Ordering};
+    use std::sync::mpsc::channel;
+
+    /// Whatever is written is synced after it was written, also if that happens while a sync is under way or fails.
+    #[test]
+    fn everything_that_was_written_is_synced() {
+        let written = Arc::new(AtomicU32::new(0));
+        let (told, synced) = channel();
+        let seen = Arc::clone(&written);
+        let group = GroupSync::begin(move || {
+            told.send(seen.load(Ordering::SeqCst)).unwrap();
+            Err(std::io::Error::other("a disk that fails"))
+        });
+        let group = group.unwrap();
+        for number in 1..=3 {
+            written.store(number, Ordering::SeqCst);
+            group.written();
+            assert_eq!(synced.recv(), Ok(number));
+        }
+        for number in 4..100 {
+            written.store(number, Ordering::SeqCst);
+            group.written();
+        }
+        drop(group);
+        assert_eq!(synced.iter().last(), Some(99));
+    }
+}

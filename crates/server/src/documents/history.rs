@@ -1,0 +1,399 @@
+//! What was done to an open machine: one log of revisions. Each has its author, the way back, the machine that it led to and the
+//! text that clients get; from that follow one's own steps back, the tree of steps and what a reader has not seen. Pure.
+//!
+//! A node of the tree is a revision at which the machine was what it had never been before; it hangs on the node of the
+//! revision before.
+
+use super::merge::Layouts;
+use super::places::MachinePlace;
+use super::refusal::OperationRefusal;
+use rafcon_model::Machine;
+use rafcon_model::edit::Edit;
+use rafcon_protocol::api::{MachineStep, MachineSteps, Revision, RevisionKind};
+use rafcon_protocol::document::{Change, changes};
+use std::collections::{BTreeMap, BTreeSet, VecDeque};
+use std::sync::Arc;
+
+/// Older revisions are forgotten.
+const REVISIONS_MAX: usize = 10_000;
+/// So many machines of the past are kept beside the start. They share what they have in common.
+const MACHINES_MAX: usize = 1000;
+/// So many bytes of texts are kept.
+const BYTES_MAX: usize = 16 << 20;
+/// About so many bytes are given at once.
+const PAGE_BYTES: usize = 256 << 10;
+
+/// The revisions of an open machine, the last one last.
+#[derive(Debug)]
+pub(super) struct History {
+    /// The revision as which the machine was read.
+    start: u64,
+    revisions: VecDeque<RecordedRevision>,
+    /// By node; the start is one.
+    machines: BTreeMap<u64, RecordedMachine>,
+    nodes: BTreeMap<Fingerprint, u64>,
+    /// Of the machine as it is now.
+    mark: Fingerprint,
+    authors: BTreeMap<String, OwnSteps>,
+    /// The first revision of which the text is kept, and the bytes of all texts from there on.
+    told_from: u64,
+    told_bytes: usize,
+}
+
+#[derive(Debug)]
+struct RecordedRevision {
+    step: MachineStep,
+    /// A [`Revision`] as JSON.
+    text: Option<Arc<str>>,
+    /// Nothing once it was taken back.
+    inverse: Option<Inverse>,
+    /// The revision that this one took back.
+    reverses: Option<u64>,
+}
+
+/// How a revision is taken back.
+#[derive(Debug, Clone)]
+pub(super) struct Inverse {
+    /// What the revision changed.
+    pub(super) places: Vec<MachinePlace>,
+    /// The layouts that it left behind.
+    pub(super) layouts: Layouts,
+    pub(super) change: InverseChange,
+}
+
+/// What takes a revision back.
+#[derive(Debug, Clone)]
+pub(super) enum InverseChange {
+    /// An edit.
+    Edit(Edit),
+    /// Another machine: the files were read again, or the machine became what it was.
+    Machine(Machine),
+}
+
+#[derive(Debug)]
+struct RecordedMachine {
+    machine: Machine,
+    mark: Fingerprint,
+}
+
+/// Revisions of one author that can be taken back, the last one last.
+#[derive(Debug, Default)]
+struct OwnSteps {
+    /// By an undo.
+    done: Vec<u64>,
+    /// By a redo: undos.
+    undone: Vec<u64>,
+}
+
+/// What there is from a cursor on.
+#[derive(Debug, PartialEq, Eq)]
+pub(crate) enum RevisionsPage {
+    /// These as JSON, without a gap; none if the reader has seen everything. There may be more behind them.
+    Revisions(Vec<Arc<str>>),
+    /// The first of them are gone, or never were: get the whole machine, which is at this revision now.
+    Reset(u64),
+}
+
+/// Tells machines of one past apart without looking at all of them: the sum of what is different from the start, part by part.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default)]
+pub(super) struct Fingerprint(u128);
+
+impl Fingerprint {
+    /// That of `new`, if this is that of `old`, and these changes lead from there to `new`.
+    fn after(self, old: &Machine, new: &Machine, forth: &[Change]) -> Self {
+        Self(self.0.wrapping_add(weight(forth)).wrapping_sub(weight(&changes(new, old))))
+    }
+}
+
+/// The sum over everything that changes say is there.
+fn weight(changes: &[Change]) -> u128 {
+    let is_there = |change: &&Change| match change {
+        Change::State { .. } | Change::Header { .. } => true,
+        Change::Transition { transition, .. } => transition.is_some(),
+        Change::DataFlow { data_flow, .. } => data_flow.is_some(),
+        Change::StateRemoved { .. } => false,
+    };
+    let of_one = |change: &Change| {
+        let text = serde_json::to_vec(change).unwrap_or_default();
+        let mut bytes = [0; 16];
+        bytes.copy_from_slice(&blake3::hash(&text).as_bytes()[..16]);
+        u128::from_le_bytes(bytes)
+    };
+    changes.iter().filter(is_there).map(of_one).fold(0, u128::wrapping_add)
+}
+
+impl History {
+    /// That of a machine that was read as this revision.
+    pub(super) fn of(machine: Machine, start: u64) -> Self {
+        let mut history = Self {
+            start,
+            revisions: VecDeque::new(),
+            machines: BTreeMap::new(),
+            nodes: BTreeMap::new(),
+            mark: Fingerprint::default(),
+            authors: BTreeMap::new(),
+            told_from: start + 1,
+            told_bytes: 0,
+        };
+        history.keep(start, machine);
+        history
+    }
+
+    /// The number of the last revision.
+    pub(super) fn last(&self) -> u64 {
+        self.revisions.back().map_or(self.start, |last| last.step.revision)
+    }
+
+    /// Where a machine belongs to which these changes lead, and the earliest revision that is known at which it was the same.
+    pub(super) fn place(
+        &self,
+        old: &Machine,
+        new: &Machine,
+        forth: &[Change],
+    ) -> (Fingerprint, Option<u64>) {
+        let mark = self.mark.after(old, new, forth);
+        (mark, self.same_as(new, mark))
+    }
+
+    fn same_as(&self, machine: &Machine, mark: Fingerprint) -> Option<u64> {
+        let node = *self.nodes.get(&mark)?;
+        (self.machines.get(&node)?.machine == *machine).then_some(node)
+    }
+
+    /// Adds the next revision, which led to this machine. What its author had taken back can no longer be made again, unless
+    /// the revision is itself such a step.
+    pub(super) fn push(
+        &mut self,
+        revision: &Revision,
+        inverse: Inverse,
+        machine: &Machine,
+        mark: Fingerprint,
+    ) {
+        // Everything in it came from JSON or from text, so that it is JSON.
+        let text: Arc<str> = serde_json::to_string(revision).unwrap_or_default().into();
+        self.told_bytes += text.len();
+        self.mark = mark;
+        let reverses = self.authors.entry(revision.author.clone()).or_default().push(revision);
+        if let Some(reversed) = reverses.and_then(|reversed| self.index(reversed)) {
+            self.revisions[reversed].inverse = None;
+        }
+        let step = alone(revision);
+        if step.same_as.is_none() {
+            self.keep(step.revision, machine.clone());
+        }
+        let (text, inverse) = (Some(text), Some(inverse));
+        self.revisions.push_back(RecordedRevision { step, text, inverse, reverses });
+        if self.revisions.len() > REVISIONS_MAX {
+            self.forget_first();
+        }
+        while self.told_bytes > BYTES_MAX {
+            self.forget_text();
+        }
+    }
+
+    fn forget_first(&mut self) {
+        let Some(oldest) = self.revisions.front().map(|oldest| oldest.step.revision) else {
+            return;
+        };
+        if self.told_from == oldest {
+            self.forget_text();
+        }
+        self.revisions.pop_front();
+        self.forget_machine(oldest);
+        self.authors.values_mut().for_each(|own| own.forget(oldest));
+    }
+
+    /// Texts go one by one, the oldest first.
+    fn forget_text(&mut self) {
+        let oldest = self.index(self.told_from).and_then(|index| self.revisions[index].text.take());
+        self.told_bytes -= oldest.map_or(self.told_bytes, |text| text.len());
+        self.told_from += 1;
+    }
+
+    /// The start is kept for as long as the machine is open.
+    fn keep(&mut self, node: u64, machine: Machine) {
+        self.nodes.insert(self.mark, node);
+        self.machines.insert(node, RecordedMachine { machine, mark: self.mark });
+        if self.machines.len() > MACHINES_MAX + 1
+            && let Some(oldest) = self.machines.keys().nth(1).copied()
+        {
+            self.forget_machine(oldest);
+        }
+    }
+
+    fn forget_machine(&mut self, node: u64) {
+        if let Some(kept) = self.machines.remove(&node)
+            && self.nodes.get(&kept.mark) == Some(&node)
+        {
+            self.nodes.remove(&kept.mark);
+        }
+    }
+
+    fn index(&self, revision: u64) -> Option<usize> {
+        let first = self.revisions.front()?.step.revision;
+        let index = usize::try_from(revision.checked_sub(first)?).ok()?;
+        (index < self.revisions.len()).then_some(index)
+    }
+
+    fn revision(&self, revision: u64) -> Option<&RecordedRevision> {
+        self.index(revision).map(|index| &self.revisions[index])
+    }
+
+    /// What a reader has not seen whose next revision is `from`.
+    pub(super) fn since(&self, from: u64) -> RevisionsPage {
+        if from < self.told_from || from > self.last() + 1 {
+            return RevisionsPage::Reset(self.last());
+        }
+        let mut room = PAGE_BYTES;
+        let fits = |text: &&Arc<str>| {
+            let is_room = room > 0;
+            room = room.saturating_sub(text.len());
+            is_room
+        };
+        let unseen = self.index(from).unwrap_or(self.revisions.len());
+        let texts = self.revisions.range(unseen..).filter_map(|told| told.text.as_ref());
+        RevisionsPage::Revisions(texts.take_while(fits).cloned().collect())
+    }
+
+    /// The name of the revision that an author's undo or redo would take back, and how.
+    pub(super) fn inverse(
+        &self,
+        author: &str,
+        kind: RevisionKind,
+    ) -> Result<(&str, &Inverse), OperationRefusal> {
+        let own = self.authors.get(author).and_then(|own| own.last(kind));
+        let own = own.and_then(|revision| self.revision(revision));
+        let own = own.and_then(|own| Some((&own.step, own.inverse.as_ref()?)));
+        let (step, inverse) = own.ok_or(OperationRefusal::NoStep(kind))?;
+        self.unless_built_upon(kind, step, inverse)?;
+        Ok((&step.name, inverse))
+    }
+
+    fn unless_built_upon(
+        &self,
+        kind: RevisionKind,
+        mine: &MachineStep,
+        inverse: &Inverse,
+    ) -> Result<(), OperationRefusal> {
+        let later = self.revisions.iter().rev();
+        let later = later.take_while(|later| later.step.revision > mine.revision);
+        let mut others = later.filter(|later| later.step.author != mine.author);
+        let built = others.find_map(|other| {
+            // What was done and taken back since then makes no difference.
+            let is_new = other.reverses.is_none_or(|reversed| reversed <= mine.revision)
+                || other.step.kind == RevisionKind::Redo;
+            let theirs = other.inverse.as_ref().filter(|_| is_new)?;
+            Some(OperationRefusal::BuiltUpon {
+                kind,
+                step: mine.name.clone(),
+                by: other.step.author.clone(),
+                later: other.step.name.clone(),
+                place: inverse.place_under(theirs)?.to_string(),
+            })
+        });
+        built.map_or(Ok(()), Err)
+    }
+
+    /// All steps that are known.
+    pub(super) fn steps(&self) -> MachineSteps {
+        let told = |told: &RecordedRevision| {
+            let is_kept = self.machines.contains_key(&node(&told.step));
+            MachineStep { is_kept, ..told.step.clone() }
+        };
+        MachineSteps { start: self.start, steps: self.revisions.iter().map(told).collect() }
+    }
+
+    /// What the step to a revision is called; nothing at the start.
+    pub(super) fn name(&self, revision: u64) -> Option<&str> {
+        self.revision(revision).map(|told| told.step.name.as_str())
+    }
+
+    /// The node of a revision, and the machine as it was there; nothing if it is not kept.
+    pub(super) fn machine(&self, revision: u64) -> Option<(u64, &Machine)> {
+        let node = self.node(revision)?;
+        Some((node, &self.machines.get(&node)?.machine))
+    }
+
+    /// The node of a revision.
+    pub(super) fn node(&self, revision: u64) -> Option<u64> {
+        if revision == self.start {
+            return Some(revision);
+        }
+        self.revision(revision).map(|told| node(&told.step))
+    }
+
+    /// How many steps of others than `author` are taken away on the way from one revision to another, by who made them.
+    pub(super) fn taken_away(&self, author: &str, from: u64, to: u64) -> BTreeMap<String, usize> {
+        let stays: BTreeSet<u64> = self.way(to).map(|step| step.revision).collect();
+        let goes = self.way(from).take_while(|step| !stays.contains(&step.revision));
+        let mut taken = BTreeMap::new();
+        for step in goes.filter(|step| step.author != author) {
+            *taken.entry(step.author.clone()).or_default() += 1;
+        }
+        taken
+    }
+
+    /// The steps that lead from a revision's node back to the start, as far as they are known.
+    fn way(&self, revision: u64) -> impl Iterator<Item = &MachineStep> {
+        let step_to = |revision: u64| Some(&self.revision(self.node(revision)?)?.step);
+        std::iter::successors(step_to(revision), move |step| step_to(step.revision - 1))
+    }
+}
+
+impl OwnSteps {
+    /// Adds a revision; the one that it takes back, if it is an undo or redo.
+    fn push(&mut self, revision: &Revision) -> Option<u64> {
+        let (reverses, next) = match revision.kind {
+            RevisionKind::Undo => (self.done.pop(), &mut self.undone),
+            RevisionKind::Redo => (self.undone.pop(), &mut self.done),
+            RevisionKind::Edit | RevisionKind::Reload | RevisionKind::Jump => {
+                self.undone.clear();
+                (None, &mut self.done)
+            }
+        };
+        next.push(revision.revision);
+        reverses
+    }
+
+    fn last(&self, kind: RevisionKind) -> Option<u64> {
+        let own = if kind == RevisionKind::Redo { &self.undone } else { &self.done };
+        own.last().copied()
+    }
+
+    fn forget(&mut self, oldest: u64) {
+        self.done.retain(|revision| *revision > oldest);
+        self.undone.retain(|revision| *revision > oldest);
+    }
+}
+
+impl Inverse {
+    /// The place of this revision that a later one builds upon. Layouts are told apart more finely where they are merged.
+    fn place_under(&self, later: &Self) -> Option<&MachinePlace> {
+        let is_upon = |place: &&MachinePlace| {
+            later.places.iter().any(|later| place.is_built_upon(later) && !place.is_layout(later))
+        };
+        self.places.iter().find(is_upon)
+    }
+}
+
+/// A revision without what it changed.
+fn alone(revision: &Revision) -> MachineStep {
+    let Revision { revision, id, author, name, at_ms, kind, same_as, changes: _ } = revision;
+    MachineStep {
+        revision: *revision,
+        id: id.clone(),
+        author: author.clone(),
+        name: name.clone(),
+        at_ms: *at_ms,
+        kind: *kind,
+        same_as: *same_as,
+        is_kept: true,
+    }
+}
+
+fn node(step: &MachineStep) -> u64 {
+    step.same_as.unwrap_or(step.revision)
+}
+
+#[cfg(test)]
+mod tests;

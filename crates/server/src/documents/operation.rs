@@ -1,0 +1,147 @@
+//! What users do to an open machine: one operation, from the request to the draft and to the revision that it makes. Knows how it
+//! is written and what it names; must never know what it changes.
+
+use super::draft;
+use crate::Failure;
+use rafcon_model::Machine;
+use rafcon_protocol::api::EditMachine;
+use rafcon_protocol::document::Document;
+use rafcon_protocol::edit::Edit;
+use rafcon_storage::{Libraries, fill_library};
+use serde::{Deserialize, Serialize};
+use std::path::Path;
+
+/// A change of an open machine: as it is asked for and written down, or with everything read that it names.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "what", rename_all = "snake_case")]
+pub(crate) enum Operation<E = Box<Edit>, M = String> {
+    /// An edit.
+    Edit {
+        /// For people: "Rename state".
+        name: String,
+        /// The edit.
+        edit: E,
+    },
+    /// One's own last step back.
+    Undo,
+    /// One's own last step again.
+    Redo,
+    /// The machine becomes another one, which the draft keeps under this name: the files were read again.
+    Replace {
+        /// The machine.
+        document: M,
+    },
+    /// The machine becomes what it was at a revision.
+    Jump {
+        /// The revision.
+        revision: u64,
+        /// Also if that takes steps of others away.
+        #[serde(skip)]
+        over_others: bool,
+    },
+}
+
+/// An operation that can be applied.
+pub(super) type ReadOperation = Operation<rafcon_model::edit::Edit, Machine>;
+
+/// Who asks for an operation, and under which id: the same request is carried out once.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+pub(crate) struct EditRequest {
+    pub(crate) author: String,
+    pub(crate) id: String,
+}
+
+/// An operation as a draft keeps it.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(super) struct RecordedOperation {
+    #[serde(flatten)]
+    pub(super) request: EditRequest,
+    /// ms since 1970, UTC.
+    pub(super) at_ms: u64,
+    #[serde(rename = "what")]
+    pub(super) operation: Operation,
+}
+
+impl Operation {
+    /// The edit that a client asks for.
+    pub(crate) fn edit(wish: EditMachine) -> Self {
+        Self::Edit { name: wish.name, edit: Box::new(wish.edit) }
+    }
+
+    /// The same with what it names: the content of libraries as it is now, and documents of the draft in `place`.
+    pub(super) fn read(
+        &self,
+        libraries: &Libraries,
+        place: &Path,
+    ) -> Result<ReadOperation, Failure> {
+        Ok(match self {
+            Self::Edit { name, edit } => {
+                let mut look_up = |state: &mut _| drop(fill_library(state, libraries));
+                let edit = edit.read(&mut look_up);
+                let edit = edit.map_err(|error| Failure::bad("bad_edit", error.to_string()))?;
+                Operation::Edit { name: name.clone(), edit }
+            }
+            Self::Undo => Operation::Undo,
+            Self::Redo => Operation::Redo,
+            Self::Replace { document } => {
+                Operation::Replace { document: kept_machine(place, document, libraries)? }
+            }
+            &Self::Jump { revision, over_others } => Operation::Jump { revision, over_others },
+        })
+    }
+}
+
+/// A machine that was kept beside the draft in `place`.
+pub(super) fn kept_machine(
+    place: &Path,
+    hash: &str,
+    libraries: &Libraries,
+) -> Result<Machine, Failure> {
+    let lost = |what: String| {
+        let message = format!("the draft in {} cannot be read: {what}", place.display());
+        Failure::unprocessable("unreadable_draft", message)
+    };
+    let text = draft::kept(place, hash).map_err(|error| draft::unreadable(&error))?;
+    let text = text.ok_or_else(|| lost(format!("{hash}.json is missing")))?;
+    let document: Document =
+        serde_json::from_str(&text).map_err(|error| lost(error.to_string()))?;
+    let mut look_up = |state: &mut _| drop(fill_library(state, libraries));
+    document.read(&mut look_up).map_err(|error| lost(error.to_string()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{EditRequest, Operation, RecordedOperation};
+    use crate::documents::draft::DraftLine;
+
+    /// Servers before this one wrote lines like these.
+    #[test]
+    fn lines_of_earlier_versions_are_read_and_written_as_they_were() {
+        let head = r#"{"line":"done","author":"ann","id":"1","at_ms":7,"what":"#;
+        let rename =
+            r#"{"what":"edit","name":"Rename","edit":{"edit":"set_name","path":"R","name":"Two"}}"#;
+        let edit = serde_json::from_str(r#"{"edit":"set_name","path":"R","name":"Two"}"#).unwrap();
+        let edit = Operation::Edit { name: "Rename".to_owned(), edit: Box::new(edit) };
+        let lines = [
+            (rename, edit),
+            (r#"{"what":"undo"}"#, Operation::Undo),
+            (r#"{"what":"redo"}"#, Operation::Redo),
+            (
+                r#"{"what":"replace","document":"abc"}"#,
+                Operation::Replace { document: "abc".to_owned() },
+            ),
+            (
+                r#"{"what":"jump","revision":3}"#,
+                Operation::Jump { revision: 3, over_others: false },
+            ),
+        ];
+        for (text, operation) in lines {
+            let line = format!("{head}{text}}}");
+            let request = EditRequest { author: "ann".to_owned(), id: "1".to_owned() };
+            let record = RecordedOperation { request, at_ms: 7, operation };
+            let done = DraftLine::Done(Box::new(record));
+            assert_eq!(serde_json::from_str::<DraftLine>(&line).unwrap(), done);
+            assert_eq!(serde_json::to_string(&done).unwrap(), line);
+        }
+    }
+}

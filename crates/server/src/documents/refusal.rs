@@ -1,0 +1,81 @@
+//! Why an operation on an open machine is refused. Knows the rules of editing together; the one place here that says which answer
+//! of HTTP goes with each.
+
+use crate::Failure;
+use rafcon_model::edit::EditError;
+use rafcon_model::{Rule, StatePath};
+use rafcon_protocol::api::RevisionKind;
+use std::collections::BTreeMap;
+
+/// Why an operation is refused.
+#[derive(Debug, thiserror::Error)]
+pub(super) enum OperationRefusal {
+    /// The edit breaks a rule, or is about something that is not there.
+    #[error("{0}")]
+    Rule(EditError),
+    /// The author has no step left.
+    #[error("there is no step of yours to be {}", done(*.0))]
+    NoStep(RevisionKind),
+    /// Somebody else built on the author's step.
+    #[error(
+        "`{step}` cannot be {}: {by} has changed {place} since (`{later}`); ask for that to be taken back first, or change it by hand",
+        done(*.kind)
+    )]
+    BuiltUpon { kind: RevisionKind, step: String, by: String, later: String, place: String },
+    /// Somebody else moved the same.
+    #[error(
+        "`{step}` cannot be {}: somebody else has moved the same part of {path} since; move it by hand",
+        done(*.kind)
+    )]
+    MovedMeanwhile { kind: RevisionKind, step: String, path: StatePath },
+    /// What takes the step back breaks a rule now.
+    #[error("`{step}` cannot be {}, for others have changed the machine since: {error}", done(*.kind))]
+    NoLongerFits { kind: RevisionKind, step: String, error: EditError },
+    /// The machine is at the revision already.
+    #[error("the machine already is what it was then")]
+    AlreadyThere,
+    /// The machine at a revision was forgotten, or never was.
+    #[error(
+        "the machine as it was at revision {0} is not kept any more: the steps tell which ones are"
+    )]
+    NotKept(u64),
+    /// A jump takes so many steps of others away.
+    #[error(
+        "this takes {} away: ask them, or say `over_others`; a jump can be taken back",
+        counted(.0)
+    )]
+    OthersEdits(BTreeMap<String, usize>),
+}
+
+fn done(kind: RevisionKind) -> &'static str {
+    if kind == RevisionKind::Redo { "made again" } else { "taken back" }
+}
+
+fn counted(steps: &BTreeMap<String, usize>) -> String {
+    let counted = |(author, count): (&String, &usize)| {
+        format!("{count} step{} of {author}", if *count == 1 { "" } else { "s" })
+    };
+    steps.iter().map(counted).collect::<Vec<_>>().join(" and ")
+}
+
+impl From<OperationRefusal> for Failure {
+    fn from(refusal: OperationRefusal) -> Self {
+        let message = refusal.to_string();
+        match refusal {
+            OperationRefusal::Rule(error) => match error.rule {
+                Rule::NoSuchState | Rule::NoSuchElement | Rule::IdTaken => {
+                    Self::conflict("edit_refused", message)
+                }
+                _ => Self::unprocessable("edit_refused", message),
+            },
+            OperationRefusal::NoStep(_) | OperationRefusal::AlreadyThere => {
+                Self::conflict("nothing_to_do", message)
+            }
+            OperationRefusal::BuiltUpon { .. }
+            | OperationRefusal::MovedMeanwhile { .. }
+            | OperationRefusal::NoLongerFits { .. } => Self::conflict("built_upon", message),
+            OperationRefusal::NotKept(_) => Self::conflict("not_kept", message),
+            OperationRefusal::OthersEdits(_) => Self::conflict("others_edits", message),
+        }
+    }
+}
