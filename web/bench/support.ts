@@ -4,13 +4,9 @@ import { spawnSync } from "node:child_process";
 import { mkdtempSync, rmSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
-import {
-  type Browser,
-  type BrowserContextOptions,
-  chromium,
-  type Page as Sheet,
-} from "playwright-core";
-import { binary, CHROMIUM, newPlace } from "../e2e/support/places.ts";
+import type { Browser, BrowserContextOptions, Page as Sheet } from "playwright-core";
+import { launch } from "../e2e/support/chromium.ts";
+import { binary, newPlace } from "../e2e/support/places.ts";
 import { Server } from "../e2e/support/server.ts";
 import { makeEndless } from "./endless.ts";
 import { writeLarge } from "./large.ts";
@@ -35,11 +31,7 @@ export interface BenchSetup {
 /** With these machines; so many states change in a second in the one that does not end. */
 export async function begin(sizes: readonly Size[], rate = LIVE_RATE): Promise<BenchSetup> {
   const server = await Server.start(newPlace(made(sizes, rate)));
-  const browser = await chromium.launch({
-    executablePath: CHROMIUM,
-    args: ["--no-sandbox", "--disable-gpu", "--force-device-scale-factor=1"],
-  });
-  return { server, browser };
+  return { server, browser: await launch() };
 }
 
 export async function end({ server, browser }: BenchSetup): Promise<void> {

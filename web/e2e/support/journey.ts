@@ -2,11 +2,12 @@
 
 import { mkdirSync } from "node:fs";
 import { join } from "node:path";
-import { type Browser, type BrowserContextOptions, chromium } from "playwright-core";
+import type { Browser, BrowserContextOptions } from "playwright-core";
 import { afterAll, test } from "vitest";
 import type { Role } from "../../src/model/generated/protocol.ts";
 import { App } from "./app.ts";
-import { CHROMIUM, examples, newPlace, type Place, RESULTS } from "./places.ts";
+import { launch } from "./chromium.ts";
+import { examples, newPlace, type Place, RESULTS } from "./places.ts";
 import { Server } from "./server.ts";
 
 export interface Setting {
@@ -33,10 +34,7 @@ let browser: Promise<Browser> | null = null;
 
 /** The browser of this file of journeys. */
 function theBrowser(): Promise<Browser> {
-  browser ??= chromium.launch({
-    executablePath: CHROMIUM,
-    args: ["--no-sandbox", "--disable-gpu", "--force-device-scale-factor=1"],
-  });
+  browser ??= launch();
   return browser;
 }
 

@@ -13,8 +13,6 @@ export const EXAMPLES = join(REPOSITORY, "examples");
 /** Where pictures of failed journeys and other results go. */
 export const RESULTS = join(REPOSITORY, "target", "e2e");
 
-export const CHROMIUM = process.env["RAFCON_CHROMIUM"] ?? "/usr/bin/chromium";
-
 /** The program under test. */
 export function binary(): string {
   const found = process.env["RAFCON_BINARY"] ?? join(REPOSITORY, "target/debug/rafcon");
