@@ -10,7 +10,6 @@ import { Dock } from "./dock.tsx";
 import { listenToKeys } from "./keyboard.ts";
 import { guardLeaving } from "./leaving.ts";
 import { Login, Unreachable } from "./login.tsx";
-import { Palette } from "./palette.tsx";
 import { PanelGuard } from "./panel_guard.tsx";
 import { preloadParts } from "./preload.ts";
 import { SessionProvider, useSession } from "./provided.tsx";
@@ -33,7 +32,6 @@ export function App({ session }: { session: AppSession }) {
           <Door />
           <OpenDialogs />
         </LostTexts.Provider>
-        <Palette />
         <Toasts />
       </PanelHostProvider>
     </SessionProvider>

@@ -17,13 +17,7 @@ import { useSession } from "./provided.tsx";
 import type { AppSession } from "./session.ts";
 import "./palette.css";
 
-export function Palette() {
-  const { palette } = useSession();
-  const query = useSignal(palette);
-  return query === null ? null : <OpenPalette initial={query} />;
-}
-
-function OpenPalette({ initial }: { initial: string }) {
+export function Palette({ initial }: { initial: string }) {
   const session = useSession();
   const place = useRef<HTMLDialogElement>(null);
   const before = useRef<Element | null>(document.activeElement);

@@ -1,0 +1,70 @@
+/** What the page and its libraries import as `react` and `react-dom`: Preact, a sixth of its size, and here what it does otherwise.
+ * Knows no component. */
+
+import { options, type VNode } from "preact";
+import compat, { createElement, Fragment, createPortal as portal } from "preact/compat";
+import { useEffect, useState } from "preact/hooks";
+
+// @ts-expect-error: its types are one object, and nobody reads them here: those of React hold
+export * from "preact/compat";
+export { act } from "preact/test-utils";
+
+/** The value as it was when the page was last painted: what changes at once is shown before what may come a picture later. */
+export function useDeferredValue<T>(value: T): T {
+  const [shown, setShown] = useState({ value });
+  useEffect(() => setShown((now) => (Object.is(now.value, value) ? now : { value })), [value]);
+  return shown.value;
+}
+
+/** With a key: one of several portals that goes must not take the places of the others. */
+export function createPortal(children: VNode, container: Element, key?: string) {
+  return createElement(Fragment, { key }, portal(children, container));
+}
+
+type ChoiceListener = (event: Event) => void;
+
+interface MadeElement {
+  readonly type: unknown;
+  readonly props: Record<string, unknown> & {
+    readonly autoFocus?: boolean;
+    onChange?: ChoiceListener;
+  };
+  ref?: ((element: HTMLElement | null) => void) | { current: HTMLElement | null } | null;
+}
+
+const madeBefore = options.vnode;
+options.vnode = (vnode) => {
+  madeBefore?.(vnode);
+  const made = vnode as unknown as MadeElement;
+  if (typeof made.type !== "string") return;
+  if (made.props.autoFocus) focusFirst(made);
+  if (made.props.onChange) keepGiven(made, made.props.onChange);
+};
+
+const focused = new WeakSet<HTMLElement>();
+
+/** Once it is there: a browser heeds `autofocus` only once in the life of a page. */
+function focusFirst(made: MadeElement): void {
+  const { ref } = made;
+  made.ref = (element) => {
+    if (typeof ref === "function") ref(element);
+    else if (ref) ref.current = element;
+    if (element === null || focused.has(element)) return;
+    focused.add(element);
+    element.focus();
+  };
+}
+
+/** A choice shows what it is given until it is given another value, whatever was pressed. */
+function keepGiven({ type, props }: MadeElement, changed: ChoiceListener): void {
+  const name = type === "select" ? "value" : "checked";
+  if (!(name in props)) return;
+  props.onChange = (event) => {
+    const element = event.currentTarget;
+    changed(event);
+    if (element) Object.assign(element, { [name]: props[name] });
+  };
+}
+
+// biome-ignore lint/style/noDefaultExport: some libraries import it as a whole
+export default { ...compat, createPortal, useDeferredValue };
