@@ -41,7 +41,9 @@ const PART_OF_DOCK = {
             .replaceAll(/([^{};]+)\{[^{}]*\}/g, (rule, selectors: string) =>
               selectors.split(",").every(isThemed) ? "" : rule,
             )
-        : code.replaceAll("= React.forwardRef(", "= /* @__PURE__ */ React.forwardRef("),
+        : code
+            .replaceAll("= React.forwardRef(", "= /* @__PURE__ */ React.forwardRef(")
+            .replaceAll(/^\w+\.displayName = .*;$/gm, ""),
   },
 };
 
@@ -56,7 +58,6 @@ export default defineConfig({
     modulePreload: { polyfill: false },
     chunkSizeWarningLimit: 2000,
     rolldownOptions: {
-      treeshake: { propertyReadSideEffects: false, propertyWriteSideEffects: false },
       output: { codeSplitting: { groups: GROUPS } },
     },
   },
