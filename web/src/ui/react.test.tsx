@@ -1,6 +1,7 @@
 // @vitest-environment happy-dom
-import { useDeferredValue, useState } from "react";
+import { useDeferredValue, useEffect, useState } from "react";
 import { createPortal } from "react-dom";
+import { createRoot } from "react-dom/client";
 import { afterEach, expect, test, vi } from "vitest";
 import { Checkbox, Select, TextField } from "./field.tsx";
 import { click, draw, mount, settled, unmount } from "./testing/mounted.tsx";
@@ -78,6 +79,23 @@ function Later({ value }: { value: string }) {
 test("a value that may come later comes", async () => {
   const place = mount(<Later value="first" />);
   draw(<Later value="second" />);
-  await settled();
-  expect(place.textContent).toBe("second");
+  expect(place.textContent).toBe("first");
+  await vi.waitFor(() => expect(place.textContent).toBe("second"));
+});
+
+function Heard({ heard }: { heard: string[] }) {
+  const [text, setText] = useState("");
+  useEffect(() => void heard.push(text), [heard, text]);
+  return <input value={text} onChange={(event) => setText(event.currentTarget.value)} />;
+}
+
+test("effects of a key come before the next task", async () => {
+  const heard: string[] = [];
+  const place = document.createElement("div");
+  createRoot(place).render(<Heard heard={heard} />);
+  const input = place.querySelector("input");
+  if (input) input.value = "a";
+  input?.dispatchEvent(new Event("input", { bubbles: true }));
+  for (let step = 0; step < 10; step++) await Promise.resolve();
+  expect(heard).toEqual(["", "a"]);
 });

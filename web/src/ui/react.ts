@@ -9,10 +9,17 @@ import { useEffect, useState } from "preact/hooks";
 export * from "preact/compat";
 export { act } from "preact/test-utils";
 
-/** The value as it was when the page was last painted: what changes at once is shown before what may come a picture later. */
+/** By then what changed at once has been painted. */
+const LATER_MS = 20;
+
+/** The value as it was: what changes at once is shown before what may come a picture later. */
 export function useDeferredValue<T>(value: T): T {
   const [shown, setShown] = useState({ value });
-  useEffect(() => setShown((now) => (Object.is(now.value, value) ? now : { value })), [value]);
+  useEffect(() => {
+    if (Object.is(shown.value, value)) return;
+    const timer = setTimeout(() => setShown({ value }), LATER_MS);
+    return () => clearTimeout(timer);
+  }, [shown, value]);
   return shown.value;
 }
 
@@ -31,6 +38,9 @@ interface MadeElement {
   };
   ref?: ((element: HTMLElement | null) => void) | { current: HTMLElement | null } | null;
 }
+
+// Effects come before the next key does: what they put into an editor must not be older than what is typed there.
+options.requestAnimationFrame = queueMicrotask;
 
 const madeBefore = options.vnode;
 options.vnode = (vnode) => {
