@@ -4,6 +4,7 @@ import { useCallback, useEffect, useMemo, useState } from "react";
 import { PanelHostProvider } from "../panels/context.tsx";
 import { LostTexts } from "../ui/field.tsx";
 import { useSignal } from "../ui/signals.ts";
+import { listenForTips } from "../ui/tips.ts";
 import { listenToClipboard } from "./clipboard_events.ts";
 import { OpenDialogs } from "./dialogs/dialogs.tsx";
 import { Dock } from "./dock.tsx";
@@ -62,6 +63,7 @@ function Inside() {
     const stops = [
       listenToKeys(session, window),
       listenToClipboard(session, document),
+      listenForTips(document),
       guardLeaving(session, window),
       tellOfRuns(session),
       preloadParts(session.page),

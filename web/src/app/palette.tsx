@@ -70,6 +70,7 @@ export function Palette({ initial }: { initial: string }) {
           role="combobox"
           aria-label="Search"
           aria-expanded
+          aria-autocomplete="list"
           aria-controls={`${id}-list`}
           aria-activedescendant={found.length > 0 ? `${id}-${at}` : undefined}
           placeholder="States, machines, libraries, commands"

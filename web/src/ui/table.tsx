@@ -139,6 +139,7 @@ export function Table<T>(props: TableProps<T>) {
       className="table"
       role="grid"
       aria-label={props.label}
+      aria-multiselectable={props.selected ? true : undefined}
       aria-rowcount={rows.length + headRows}
       aria-activedescendant={isShown && !editing ? cellId(base, at, cursor.column) : undefined}
       tabIndex={0}
@@ -268,7 +269,12 @@ function act<T>(
 function Head<T>({ table, template }: { table: TableProps<T>; template: string }) {
   return (
     // biome-ignore lint/a11y/useFocusableInteractive: the grid around it has the keyboard
-    <div className="table-head" role="row" style={{ gridTemplateColumns: template }}>
+    <div
+      className="table-head"
+      role="row"
+      aria-rowindex={1}
+      style={{ gridTemplateColumns: template }}
+    >
       {table.columns.map((column) => {
         const sorted = table.sort?.key === column.key ? table.sort : undefined;
         const Arrow = sorted?.down ? ArrowDown : ArrowUp;
@@ -325,7 +331,7 @@ function Row<T>({ table, row, index, template, cursor, base, onStop }: TableRowP
       role="row"
       tabIndex={-1}
       aria-rowindex={index + (table.hideHead ? 1 : 2)}
-      aria-selected={table.selected?.has(table.id(row)) ?? false}
+      aria-selected={table.selected?.has(table.id(row))}
       style={{
         height: rowHeight(),
         transform: `translateY(${index * rowHeight()}px)`,
