@@ -51,6 +51,26 @@ test("a choice that is refused shows again what holds", async () => {
   expect([box?.checked, select?.value]).toEqual([false, "a"]);
 });
 
+function BoxInRow({ onChange }: { onChange: (isOn: boolean) => void }) {
+  const [presses, setPresses] = useState(0);
+  return (
+    // biome-ignore lint/a11y/noStaticElementInteractions lint/a11y/useKeyWithClickEvents: as a row of a table
+    <div onClick={() => setPresses(presses + 1)}>
+      <Checkbox label={presses} checked onChange={onChange} />
+    </div>
+  );
+}
+
+test("a box in a row that is drawn again by the same press tells what was pressed", async () => {
+  const change = vi.fn();
+  const place = document.createElement("div");
+  document.body.append(place);
+  createRoot(place).render(<BoxInRow onChange={change} />);
+  place.querySelector("input")?.click();
+  await Promise.resolve();
+  expect(change.mock.calls).toEqual([[false]]);
+});
+
 function Counter() {
   const [count, setCount] = useState(0);
   return (

@@ -35,6 +35,7 @@ interface MadeElement {
   readonly props: Record<string, unknown> & {
     readonly autoFocus?: boolean;
     onChange?: ChoiceListener;
+    onClick?: ChoiceListener;
   };
   ref?: ((element: HTMLElement | null) => void) | { current: HTMLElement | null } | null;
 }
@@ -65,14 +66,25 @@ function focusFirst(made: MadeElement): void {
   };
 }
 
-/** A choice shows what it is given until it is given another value, whatever was pressed. */
+/** A choice shows what it is given until it is given another value, whatever was pressed. A box is asked while it is pressed:
+ * what else the press changes is drawn before it would tell. */
 function keepGiven({ type, props }: MadeElement, changed: ChoiceListener): void {
   const name = type === "select" ? "value" : "checked";
   if (!(name in props)) return;
-  props.onChange = (event) => {
+  const { onClick } = props;
+  const chosen: ChoiceListener = (event) => {
     const element = event.currentTarget;
     changed(event);
     if (element) Object.assign(element, { [name]: props[name] });
+  };
+  if (type === "select") {
+    props.onChange = chosen;
+    return;
+  }
+  delete props.onChange;
+  props.onClick = (event) => {
+    onClick?.(event);
+    chosen(event);
   };
 }
 
