@@ -4,13 +4,13 @@ import { useCallback, useEffect, useMemo, useState } from "react";
 import { PanelHostProvider } from "../panels/context.tsx";
 import { LostTexts } from "../ui/field.tsx";
 import { useSignal } from "../ui/signals.ts";
+import { listenForTips } from "../ui/tips.ts";
 import { listenToClipboard } from "./clipboard_events.ts";
 import { OpenDialogs } from "./dialogs/dialogs.tsx";
 import { Dock } from "./dock.tsx";
 import { listenToKeys } from "./keyboard.ts";
 import { guardLeaving } from "./leaving.ts";
 import { Login, Unreachable } from "./login.tsx";
-import { Palette } from "./palette.tsx";
 import { PanelGuard } from "./panel_guard.tsx";
 import { preloadParts } from "./preload.ts";
 import { SessionProvider, useSession } from "./provided.tsx";
@@ -33,7 +33,6 @@ export function App({ session }: { session: AppSession }) {
           <Door />
           <OpenDialogs />
         </LostTexts.Provider>
-        <Palette />
         <Toasts />
       </PanelHostProvider>
     </SessionProvider>
@@ -64,6 +63,7 @@ function Inside() {
     const stops = [
       listenToKeys(session, window),
       listenToClipboard(session, document),
+      listenForTips(document),
       guardLeaving(session, window),
       tellOfRuns(session),
       preloadParts(session.page),

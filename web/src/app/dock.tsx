@@ -27,6 +27,7 @@ import { IconButton } from "../ui/button.tsx";
 import { useKeptScroll } from "../ui/kept_scroll.ts";
 import { ContextMenu, type MenuItem } from "../ui/menu.tsx";
 import { useSignal } from "../ui/signals.ts";
+import { listenForTips } from "../ui/tips.ts";
 import { Centre } from "./centre.tsx";
 import { listenToClipboard } from "./clipboard_events.ts";
 import { DockControl } from "./dock_control.ts";
@@ -71,6 +72,7 @@ export function Dock() {
       const stops = [
         listenToKeys(session, view),
         listenToClipboard(session, view.document),
+        listenForTips(view.document),
         wearTheme(session.page, view),
       ];
       view.addEventListener("pagehide", () => {

@@ -17,13 +17,7 @@ import { useSession } from "./provided.tsx";
 import type { AppSession } from "./session.ts";
 import "./palette.css";
 
-export function Palette() {
-  const { palette } = useSession();
-  const query = useSignal(palette);
-  return query === null ? null : <OpenPalette initial={query} />;
-}
-
-function OpenPalette({ initial }: { initial: string }) {
+export function Palette({ initial }: { initial: string }) {
   const session = useSession();
   const place = useRef<HTMLDialogElement>(null);
   const before = useRef<Element | null>(document.activeElement);
@@ -76,6 +70,7 @@ function OpenPalette({ initial }: { initial: string }) {
           role="combobox"
           aria-label="Search"
           aria-expanded
+          aria-autocomplete="list"
           aria-controls={`${id}-list`}
           aria-activedescendant={found.length > 0 ? `${id}-${at}` : undefined}
           placeholder="States, machines, libraries, commands"

@@ -24,8 +24,6 @@ import {
 import type { FunctionComponent } from "react";
 import type { PanelSide } from "../commands/command.ts";
 import { countProblems } from "../model/problem.ts";
-import { RunHistory } from "../panels/history/history.tsx";
-import { Log } from "../panels/log/log.tsx";
 import { Mission } from "../panels/mission/mission.tsx";
 import { Timeline } from "../panels/timeline/timeline.tsx";
 import type { OpenTab } from "../store/page/page.ts";
@@ -33,7 +31,7 @@ import { countUnacknowledged } from "../store/run/acknowledged.ts";
 import { breakpointsOf } from "../store/run/breakpoints.ts";
 import { type OnDemand, onDemand } from "../ui/on_demand.tsx";
 
-// What mission control shows comes with the page, the rest when it is first shown.
+// What mission control shows at first comes with the page, the rest when it is first shown.
 const Breakpoints = onDemand(
   async () => (await import("../panels/breakpoints/breakpoints.tsx")).Breakpoints,
 );
@@ -49,7 +47,9 @@ const Inspector = onDemand(
 const Libraries = onDemand(
   async () => (await import("../panels/libraries/libraries.tsx")).Libraries,
 );
+const Log = onDemand(async () => (await import("../panels/log/log.tsx")).Log);
 const Problems = onDemand(async () => (await import("../panels/problems/problems.tsx")).Problems);
+const RunHistory = onDemand(async () => (await import("../panels/history/history.tsx")).RunHistory);
 const Running = onDemand(async () => (await import("../panels/running/running.tsx")).Running);
 const Runs = onDemand(async () => (await import("../panels/runs/runs.tsx")).Runs);
 const Search = onDemand(async () => (await import("../panels/search/search.tsx")).Search);
@@ -135,6 +135,8 @@ export const PANELS: readonly Panel[] = [
 
 /** What is loaded when it is first shown, or once the page has nothing else to do. */
 export const LATER: readonly OnDemand<never>[] = [
+  Log,
+  RunHistory,
   Breakpoints,
   Compare,
   Differences,

@@ -5,6 +5,7 @@ import "./button.css";
 
 interface Common {
   readonly onClick: (event: MouseEvent<HTMLButtonElement>) => void;
+  /** It does nothing, and yet has the keyboard: who cannot press it can read why, and who has it does not lose their place. */
   readonly disabled?: boolean | undefined;
   /** Whether it is on, for switches. */
   readonly pressed?: boolean | undefined;
@@ -17,9 +18,8 @@ export interface ButtonProps extends Common {
   readonly children: ReactNode;
   readonly kind?: "plain" | "primary" | "danger" | "quiet" | undefined;
   readonly icon?: ReactNode;
-  /** Said on hover. */
+  /** What it does, or why it cannot. */
   readonly title?: string | undefined;
-  readonly autoFocus?: boolean | undefined;
 }
 
 export function Button({
@@ -30,7 +30,7 @@ export function Button({
   keys,
   pressed,
   className = "",
-  ...rest
+  ...pressing
 }: ButtonProps) {
   return (
     <button
@@ -38,7 +38,7 @@ export function Button({
       className={`button button-${kind} ${className}`}
       title={tooltip(title, keys)}
       aria-pressed={pressed}
-      {...rest}
+      {...pressable(pressing)}
     >
       {icon}
       {children}
@@ -58,7 +58,7 @@ export function IconButton({
   keys,
   pressed,
   className = "",
-  ...rest
+  ...pressing
 }: IconButtonProps) {
   return (
     <button
@@ -67,11 +67,21 @@ export function IconButton({
       aria-label={label}
       aria-pressed={pressed}
       title={tooltip(label, keys)}
-      {...rest}
+      {...pressable(pressing)}
     >
       {icon}
     </button>
   );
+}
+
+function pressable({ disabled, onClick }: Pick<Common, "disabled" | "onClick">) {
+  return {
+    "aria-disabled": disabled || undefined,
+    onClick: (event: MouseEvent<HTMLButtonElement>) => {
+      if (disabled) event.stopPropagation();
+      else onClick(event);
+    },
+  };
 }
 
 function tooltip(text: string | undefined, keys: string | undefined): string | undefined {

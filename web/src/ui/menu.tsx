@@ -58,10 +58,13 @@ export function ContextMenu({ label, at, items, onClose, onSideways }: ContextMe
             <div
               className="menu-shield"
               style={onSideways ? { top: at.y } : undefined}
-              onMouseDown={onClose}
+              onMouseDown={(event) => {
+                event.preventDefault();
+                close();
+              }}
               onContextMenu={(event) => {
                 event.preventDefault();
-                onClose();
+                close();
               }}
             />
             <Menu label={label} at={at} items={items} onClose={close} onSideways={onSideways} />

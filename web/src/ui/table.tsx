@@ -1,11 +1,11 @@
 /** A table of any length: only rows in sight are made; cells are walked by keyboard and edited in place. */
 
-import { useVirtualizer } from "@tanstack/react-virtual";
 import { ArrowDown, ArrowUp } from "lucide-react";
 import { type KeyboardEvent, type ReactNode, useEffect, useId, useRef, useState } from "react";
 import { CellEditor, type CellStep } from "./cell_editor.tsx";
 import type { Commit } from "./field.tsx";
 import { rowHeight } from "./rows.ts";
+import { useRowsInSight } from "./rows_in_sight.ts";
 import { isAtEnd, useScrolled } from "./scrolled.ts";
 import "./table.css";
 
@@ -72,6 +72,9 @@ export interface TableProps<T> {
   readonly rowClass?: ((row: T) => string | undefined) | undefined;
 }
 
+/** How high the head is: as `.table-head` in `table.css`. */
+const HEAD_PX = 26;
+
 interface Cell {
   readonly row: string;
   readonly column: number;
@@ -84,33 +87,26 @@ export function Table<T>(props: TableProps<T>) {
   const headRows = props.hideHead ? 0 : 1;
   const [active, setActive] = useState<Cell | null>(null);
   const [editing, setEditing] = useState(false);
-  const virtual = useVirtualizer({
-    count: rows.length,
-    getScrollElement: () => place.current,
-    estimateSize: rowHeight,
-    getItemKey: (index) => {
-      const row = rows[index];
-      return row === undefined ? index : id(row);
-    },
-    overscan: 8,
-  });
+  const headPx = props.hideHead ? 0 : HEAD_PX;
+  const sight = useRowsInSight(place, rows.length, rowHeight(), headPx);
   const scrolled = useScrolled(place, follow, rows.length);
   const { inSight } = props;
+  const { show } = sight;
   const latest = useRef(props);
   latest.current = props;
   useEffect(() => {
     const index = latest.current.rows.findIndex((row) => latest.current.id(row) === inSight);
     if (inSight === undefined || index < 0) return;
-    virtual.scrollToIndex(index, { align: "center" });
+    show(index, "centre");
     scrolled.note();
-  }, [inSight, virtual, scrolled]);
+  }, [inSight, show, scrolled]);
   const at = rows.findIndex((row) => id(row) === active?.row);
   const go = (index: number, column: number, how = ALONE) => {
     const row = rows[Math.max(0, Math.min(rows.length - 1, index))];
     if (row === undefined) return;
     setEditing(false);
     setActive({ row: id(row), column: Math.max(0, Math.min(columns.length - 1, column)) });
-    virtual.scrollToIndex(rows.indexOf(row), { align: "auto" });
+    show(rows.indexOf(row));
     scrolled.note();
     props.onSelect?.(row, how);
   };
@@ -135,15 +131,15 @@ export function Table<T>(props: TableProps<T>) {
     setEditing(next !== null);
   };
   // What is out of sight is not made, and cannot be named.
-  const isShown = virtual.getVirtualItems().some(({ index }) => index === at);
-  const height =
-    rowsMax && Math.min(rows.length, rowsMax) * rowHeight() + (props.hideHead ? 0 : 26);
+  const isShown = sight.indices.includes(at);
+  const height = rowsMax && Math.min(rows.length, rowsMax) * rowHeight() + headPx;
   return (
     <div
       ref={place}
       className="table"
       role="grid"
       aria-label={props.label}
+      aria-multiselectable={props.selected ? true : undefined}
       aria-rowcount={rows.length + headRows}
       aria-activedescendant={isShown && !editing ? cellId(base, at, cursor.column) : undefined}
       tabIndex={0}
@@ -156,8 +152,8 @@ export function Table<T>(props: TableProps<T>) {
       onMouseLeave={() => props.onHover?.(null)}
     >
       {!props.hideHead && <Head table={props} template={template} />}
-      <div className="table-space" role="rowgroup" style={{ height: virtual.getTotalSize() }}>
-        {virtual.getVirtualItems().map(({ index, start }) => {
+      <div className="table-space" role="rowgroup" style={{ height: sight.height }}>
+        {sight.indices.map((index) => {
           const row = rows[index];
           if (row === undefined) return null;
           return (
@@ -166,7 +162,6 @@ export function Table<T>(props: TableProps<T>) {
               table={props}
               row={row}
               index={index}
-              top={start}
               template={template}
               cursor={cursor}
               base={base}
@@ -274,7 +269,12 @@ function act<T>(
 function Head<T>({ table, template }: { table: TableProps<T>; template: string }) {
   return (
     // biome-ignore lint/a11y/useFocusableInteractive: the grid around it has the keyboard
-    <div className="table-head" role="row" style={{ gridTemplateColumns: template }}>
+    <div
+      className="table-head"
+      role="row"
+      aria-rowindex={1}
+      style={{ gridTemplateColumns: template }}
+    >
       {table.columns.map((column) => {
         const sorted = table.sort?.key === column.key ? table.sort : undefined;
         const Arrow = sorted?.down ? ArrowDown : ArrowUp;
@@ -312,7 +312,6 @@ interface TableRowProps<T> {
   readonly table: TableProps<T>;
   readonly row: T;
   readonly index: number;
-  readonly top: number;
   readonly template: string;
   readonly cursor: Cursor;
   /** Of the ids of its cells. */
@@ -324,7 +323,7 @@ function cellId(base: string, row: number, column: number): string {
   return `${base}-${row}-${column}`;
 }
 
-function Row<T>({ table, row, index, top, template, cursor, base, onStop }: TableRowProps<T>) {
+function Row<T>({ table, row, index, template, cursor, base, onStop }: TableRowProps<T>) {
   const here = cursor.at === index;
   return (
     <div
@@ -332,10 +331,10 @@ function Row<T>({ table, row, index, top, template, cursor, base, onStop }: Tabl
       role="row"
       tabIndex={-1}
       aria-rowindex={index + (table.hideHead ? 1 : 2)}
-      aria-selected={table.selected?.has(table.id(row)) ?? false}
+      aria-selected={table.selected?.has(table.id(row))}
       style={{
         height: rowHeight(),
-        transform: `translateY(${top}px)`,
+        transform: `translateY(${index * rowHeight()}px)`,
         gridTemplateColumns: template,
         zIndex: here && cursor.editing ? 1 : undefined,
       }}

@@ -1,6 +1,5 @@
 /** A tree of any size: only rows in sight are made, and the keyboard does what trees do. */
 
-import { useVirtualizer } from "@tanstack/react-virtual";
 import { ChevronRight } from "lucide-react";
 import {
   type DragEvent,
@@ -13,6 +12,7 @@ import {
   useState,
 } from "react";
 import { rowHeight } from "./rows.ts";
+import { useRowsInSight } from "./rows_in_sight.ts";
 import { type TreeRow, type TreeSource, treeFind, treeKey, treeRows } from "./tree_rows.ts";
 import "./tree.css";
 
@@ -56,27 +56,23 @@ export function Tree<T>(props: TreeProps<T>) {
   const [activeId, setActive] = useState<string | null>(null);
   const found = rows.findIndex((row) => row.id === activeId);
   const active = Math.max(0, found);
-  const virtual = useVirtualizer({
-    count: rows.length,
-    getScrollElement: () => place.current,
-    estimateSize: () => height,
-    overscan: 8,
-  });
+  const sight = useRowsInSight(place, rows.length, height);
+  const { show } = sight;
   const revealed = reveal == null ? -1 : rows.findIndex((row) => row.id === reveal);
   useEffect(() => {
     if (revealed < 0 || reveal == null) return;
     setActive(reveal);
-    virtual.scrollToIndex(revealed, { align: "auto" });
-  }, [reveal, revealed, virtual]);
+    show(revealed);
+  }, [reveal, revealed, show]);
   const go = (index: number) => {
     const row = rows[index];
     if (!row) return;
     setActive(row.id);
-    virtual.scrollToIndex(index, { align: "auto" });
+    show(index);
     props.onSelect?.(row.node, { toggle: false });
   };
   // What is out of sight is not made, and cannot be named.
-  const isShown = virtual.getVirtualItems().some(({ index }) => index === active);
+  const isShown = sight.indices.includes(active);
   const keys = useTreeKeys(props, rows, active, go, place);
   return (
     <div
@@ -90,8 +86,8 @@ export function Tree<T>(props: TreeProps<T>) {
       onKeyDown={keys}
       onMouseLeave={() => props.onHover?.(null)}
     >
-      <div className="tree-space" style={{ height: virtual.getTotalSize() }}>
-        {virtual.getVirtualItems().map(({ index, start }) => {
+      <div className="tree-space" style={{ height: sight.height }}>
+        {sight.indices.map((index) => {
           const row = rows[index];
           return (
             row && (
@@ -100,7 +96,7 @@ export function Tree<T>(props: TreeProps<T>) {
                 domId={`${base}-${index}`}
                 tree={props}
                 row={row}
-                top={start}
+                top={index * height}
                 height={height}
                 active={index === active}
                 onActive={() => setActive(row.id)}

@@ -1,5 +1,6 @@
 // @vitest-environment happy-dom
 import { afterEach, expect, test, vi } from "vitest";
+import { Button } from "./button.tsx";
 import type { Commit } from "./field.tsx";
 import { LostTexts, TextField } from "./field.tsx";
 import { ContextMenu } from "./menu.tsx";
@@ -335,8 +336,67 @@ test("a table names the cell that the keys are on, and counts its head among its
   expect(named()).toBe("two!");
   expect(grid?.getAttribute("aria-rowcount")).toBe("3");
   expect(byRole(place, "row").map((row) => row.getAttribute("aria-rowindex"))).toEqual([
-    null,
+    "1",
     "2",
     "3",
   ]);
+});
+
+test("only rows that can be chosen say whether they are", () => {
+  const columns = [{ key: "a", title: "A", cell: (row: string) => row }];
+  const table = (selected?: ReadonlySet<string>) => (
+    <Table
+      label="Words"
+      columns={columns}
+      rows={["one", "two"]}
+      id={(row) => row}
+      selected={selected}
+    />
+  );
+  const place = mount(table());
+  const said = () => byRole(place, "row").map((row) => row.getAttribute("aria-selected"));
+  const [grid] = byRole(place, "grid");
+  expect([said(), grid?.getAttribute("aria-multiselectable")]).toEqual([[null, null, null], null]);
+  draw(table(new Set(["two"])));
+  expect(said()).toEqual([null, "false", "true"]);
+  expect(grid?.getAttribute("aria-multiselectable")).toBe("true");
+});
+
+test("a button that can no longer be pressed keeps the keyboard and its reason, and does nothing", () => {
+  const press = vi.fn();
+  const button = (disabled: boolean) => (
+    <Button title="Nothing to undo" disabled={disabled} onClick={press}>
+      Undo
+    </Button>
+  );
+  const place = mount(button(false));
+  const shown = place.querySelector("button");
+  shown?.focus();
+  draw(button(true));
+  click(shown);
+  expect(press).not.toHaveBeenCalled();
+  expect(document.activeElement).toBe(shown);
+  expect([shown?.disabled, shown?.getAttribute("aria-disabled")]).toEqual([false, "true"]);
+  draw(button(false));
+  click(shown);
+  expect([press.mock.calls.length, shown?.hasAttribute("aria-disabled")]).toEqual([1, false]);
+});
+
+test("a press beside a menu closes it, and gives the keyboard back", () => {
+  const close = vi.fn();
+  const items = [{ id: "a", title: "Add" }];
+  const page = (isOpen: boolean) => (
+    <div>
+      <button type="button">Open</button>
+      {isOpen && <ContextMenu label="State" at={{ x: 0, y: 0 }} onClose={close} items={items} />}
+    </div>
+  );
+  mount(page(false)).querySelector("button")?.focus();
+  draw(page(true));
+  expect(document.activeElement?.textContent).toBe("Add");
+  document
+    .querySelector(".menu-shield")
+    ?.dispatchEvent(new MouseEvent("mousedown", { bubbles: true, cancelable: true }));
+  expect(close).toHaveBeenCalledOnce();
+  expect(document.activeElement?.textContent).toBe("Open");
 });

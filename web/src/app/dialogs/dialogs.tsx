@@ -70,8 +70,11 @@ const SettingsDialog = onDemand(
   framed,
 );
 
+const Palette = onDemand(async () => (await import("../palette.tsx")).Palette);
+
 /** The dialogs that are loaded when they are first asked, or once the page has nothing else to do. */
 export const LATER_DIALOGS: readonly OnDemand<never>[] = [
+  Palette,
   About,
   BreakpointDialog,
   Colour,
@@ -99,9 +102,16 @@ const DIALOGS: Readonly<Record<OpenDialog["name"], FunctionComponent<AskedDialog
 };
 
 export function OpenDialogs() {
-  const { dialogs } = useSession();
-  return useSignal(dialogs).map(({ id, name, asks, answer }) => {
+  const { dialogs, palette } = useSession();
+  const query = useSignal(palette);
+  const open = useSignal(dialogs).map(({ id, name, asks, answer }) => {
     const Component = DIALOGS[name];
     return <Component key={id} asks={asks as never} answer={answer} />;
   });
+  return (
+    <>
+      {open}
+      {query !== null && <Palette initial={query} />}
+    </>
+  );
 }

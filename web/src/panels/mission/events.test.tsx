@@ -25,7 +25,7 @@ test("a line that counts up can be acknowledged all the while, and only another 
   /** Each line with how often it was told and, while its button waits, a dash. */
   const lines = () =>
     [...place.querySelectorAll("li")].map((line) => {
-      const isOff = line.querySelector<HTMLButtonElement>(".button")?.disabled;
+      const isOff = line.querySelector(".button")?.getAttribute("aria-disabled") === "true";
       const count = line.querySelector(".mission-count")?.textContent ?? "×1";
       return `${line.querySelector(".mission-event-where")?.textContent} ${count}${isOff ? " –" : ""}`;
     });
