@@ -27,8 +27,8 @@ export interface OutboxPorts<T, R, F> {
 
 interface Entry<T, F> {
   readonly item: T;
-  /** `sent` without a promise, `asked` with one, or to be sent again in a moment. */
-  state: "waiting" | "sent" | "asked" | "held";
+  /** `sent` without a promise, `asked` with one; `paused` until it is sent again. */
+  state: "waiting" | "sent" | "asked" | "paused" | "held";
   readonly settle: (fate: F) => void;
   readonly fail: (error: unknown) => void;
 }
@@ -105,9 +105,9 @@ export class Outbox<T extends { readonly id: string }, R, F> {
   }
 
   #soon(entry: Entry<T, F>): void {
-    entry.state = "asked";
+    entry.state = "paused";
     this.#ports.clock.after(AGAIN_MS, () => {
-      if (entry.state === "asked") entry.state = "waiting";
+      if (entry.state === "paused") entry.state = "waiting";
       this.#pump();
     });
   }
