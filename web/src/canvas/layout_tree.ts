@@ -3,7 +3,7 @@
 import type { Box, Point } from "../model/geometry.ts";
 import type { PortPlace } from "../model/layout_reader.ts";
 import type { Machine } from "../model/machine.ts";
-import { lineage } from "../model/path.ts";
+import { parentOf } from "../model/path.ts";
 import { provisional } from "../store/document/provisional.ts";
 import type { ViewModes } from "../store/page/view.ts";
 import type { Layout, Route } from "./layout.ts";
@@ -75,7 +75,7 @@ function treeAfter(
 ): LayoutNode | null {
   const then = provisional(source.machine, edit);
   if (!then) return tree;
-  const touched = new Set([...then.touched].flatMap(lineage));
+  const touched = withOuter(then.touched);
   const scaled = isScaled ? held : undefined;
   return treeOf({ machine: then.machine, contents, ...(scaled && { scaled }) }, tree, touched);
 }
@@ -83,7 +83,18 @@ function treeAfter(
 /** Paths of the states that are different since a version, and of all around them; null: all may be. */
 function touchedSince(machine: Machine, version: number): ChangedPaths {
   const touched = machine.touchedSince?.(version);
-  return touched ? new Set([...touched].flatMap(lineage)) : null;
+  return touched ? withOuter(touched) : null;
+}
+
+/** The paths, and those of all states around them. */
+function withOuter(paths: Iterable<string>): ReadonlySet<string> {
+  const all = new Set<string>();
+  for (const each of paths) {
+    for (let path: string | null = each; path !== null && !all.has(path); path = parentOf(path)) {
+      all.add(path);
+    }
+  }
+  return all;
 }
 
 const NONE: readonly never[] = [];
