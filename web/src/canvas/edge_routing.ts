@@ -8,7 +8,6 @@ import { curve } from "./curve.ts";
 import { Grid, same, touches } from "./grid.ts";
 import type { LayoutNode } from "./layout_node.ts";
 import {
-  type HeldRoutes,
   type Joined,
   joined,
   LineEnds,
@@ -27,8 +26,8 @@ export class EdgeRouting {
   hasSameEnds = false;
   readonly #work: Iterator<undefined, void>;
 
-  constructor(container: LayoutNode, held: HeldRoutes, before: LayoutNode | null) {
-    this.#work = this.#wire(container, held, before && new PreviousLines(before, container, held));
+  constructor(container: LayoutNode, before: LayoutNode | null) {
+    this.#work = this.#wire(container, before && new PreviousLines(before, container));
   }
 
   /** Goes on as long as it may; whether all is done. */
@@ -37,11 +36,7 @@ export class EdgeRouting {
     return false;
   }
 
-  *#wire(
-    container: LayoutNode,
-    held: HeldRoutes,
-    previous: PreviousLines | null,
-  ): Generator<undefined, void> {
+  *#wire(container: LayoutNode, previous: PreviousLines | null): Generator<undefined, void> {
     const ends = new LineEnds(container);
     const reach = reachOf(container);
     const all: (RoutedLine | null)[] = [];
@@ -53,7 +48,7 @@ export class EdgeRouting {
         all.push(before);
         continue;
       }
-      const found = joined(container, ends, source, held);
+      const found = joined(container, ends, source);
       isSame &&= before?.from === found?.from && before?.to === found?.to;
       if (!found) continue;
       const line = wayOf(found, before, previous, reach);
@@ -115,7 +110,6 @@ class PreviousLines {
   readonly sources: readonly RoutedSource[] | null;
   readonly #container: LayoutNode;
   readonly #sameLayout: boolean;
-  readonly #held: HeldRoutes;
   /** States whose ports are not where they were. */
   readonly #moved = new Set<string>();
   /** Where something stands now, or no longer. */
@@ -125,11 +119,10 @@ class PreviousLines {
   #next = 0;
   #byDocument: ReadonlyMap<object, RoutedLine> | null = null;
 
-  constructor(before: LayoutNode, container: LayoutNode, held: HeldRoutes) {
+  constructor(before: LayoutNode, container: LayoutNode) {
     this.lines = before.lines;
     this.sources = isWhole(before, container) ? before.lines : null;
     this.#container = container;
-    this.#held = held;
     this.#sameLayout = before.state.layout === container.state.layout;
     const pace = paceOf(container.childGrid.boxes, container.size);
     if (!samePorts(before, container)) this.#moved.add(container.path);
@@ -176,7 +169,6 @@ class PreviousLines {
   /** Whether nothing about a line is different. */
   stays(line: RoutedLine): boolean {
     if (this.#moved.has(line.fromPath) || this.#moved.has(line.toPath)) return false;
-    if (this.#held.size > 0 && this.#held.has(line.key)) return false;
     const { kind, id, by } = line;
     if (!this.#sameLayout && !samePoints(waypointsOf(this.#container.state, kind, id), by)) {
       return false;

@@ -4,7 +4,6 @@ import { sketch } from "../model/testing/sketch.ts";
 import { MODES } from "../store/page/view.ts";
 import { findAgain, lookAtAll } from "./follow.ts";
 import { layoutTreeOf } from "./layout_tree.ts";
-import { NO_OVERLAY } from "./overlay.ts";
 
 const MACHINE = machineOf(
   sketch(`
@@ -15,7 +14,7 @@ R hierarchy 0 0 4000 3000 outcome done
     D execution 500 100 200 150 outcome ok
 `),
 );
-const PLACES = layoutTreeOf(MACHINE, { modes: MODES, contents: new Map() }, NO_OVERLAY);
+const PLACES = layoutTreeOf(MACHINE, { modes: MODES, contents: new Map() });
 const SIZE = { width: 1000, height: 800 };
 
 /** The part of the root that is shown, rounded. */

@@ -69,12 +69,24 @@ test("any drag can be cancelled without an edit", () => {
   );
 });
 
-test("what cannot be predicted shows as it was left until the server answers", async () => {
-  const canvas = driver().press("A").drag({ x: 450, y: 500 }).release();
-  const predicted = canvas.session.version.value > 0;
-  expect(canvas.isClear()).toBe(predicted);
-  await canvas.answered();
+test("what is let go shows where the gesture showed it, before the server answers", () => {
+  const canvas = driver().press("A").by(33, 57);
+  const [box, routes] = [canvas.shown().box("R/A"), canvas.shown().routes("R")];
+  canvas.release();
   expect(canvas.isClear()).toBe(true);
+  expect([canvas.shown().box("R/A"), canvas.shown().routes("R")]).toEqual([box, routes]);
+});
+
+test("a gesture writes nothing, and shows other objects only for what its edit touches", () => {
+  const canvas = driver().press("A").by(33, 57);
+  const { machine } = canvas.session;
+  const [version, rest] = [machine.version, canvas.controller.layout().root?.children];
+  canvas.by(10, 0);
+  const shown = canvas.shown().root?.children;
+  expect(machine.version).toBe(version);
+  expect(canvas.controller.layout().root?.children).toBe(rest);
+  const other = shown?.filter((child, index) => child !== rest?.[index]);
+  expect(other?.map(({ path }) => path)).toEqual(["R/A"]);
 });
 
 test("keys that change a gesture count while the pointer rests", () => {
@@ -82,7 +94,7 @@ test("keys that change a gesture count while the pointer rests", () => {
   canvas.controller.modifiers({ shift: false, ctrl: false, alt: true });
   expect(canvas.controller.overlay.value.ghosts).toHaveLength(1);
   canvas.controller.modifiers({ shift: false, ctrl: false, alt: false });
-  expect(canvas.controller.overlay.value.boxes.size).toBe(1);
+  expect(canvas.controller.overlay.value.provisional?.held).toEqual(new Set(["R/A"]));
 });
 
 test("the pointer knows the container that it is over", () => {
@@ -98,7 +110,7 @@ test("what may not be edited says so at the pointer and when it is let go, and n
   canvas.whyFixed = fixed;
   canvas.press("A").by(30, 30);
   expect(canvas.controller.overlay.value.message?.text).toBe(fixed);
-  expect(canvas.controller.overlay.value.boxes.size).toBe(0);
+  expect(canvas.controller.overlay.value.provisional).toBeNull();
   canvas.release();
   canvas.select("state:R/A").key("ArrowRight", { ctrl: true });
   canvas.bring({ insert: "execution" }, { x: 500, y: 300 }).drop();
@@ -138,7 +150,7 @@ test("nudges in a row are one step, and end before anything else is done", async
   for (let count = 0; count < 10; count += 1) canvas.key("ArrowRight", { ctrl: true });
   expect(canvas.session.made).toEqual([]);
   expect(canvas.box("A")).toBe(from);
-  expect(canvas.controller.overlay.value.boxes.size).toBe(1);
+  expect(canvas.controller.overlay.value.provisional?.held).toEqual(new Set(["R/A"]));
   vi.advanceTimersByTime(1_000);
   expect(canvas.session.made.map(({ name }) => name)).toEqual(["Move Scan"]);
   await canvas.answered();

@@ -19,7 +19,7 @@ import { extentOn } from "./hit/shown.ts";
 import { isNudge, type KeyPress, keyed } from "./keyed.ts";
 import { type LayoutTree, layoutTreeOf } from "./layout_tree.ts";
 import { filling, revealing } from "./looks.ts";
-import { NO_OVERLAY, type Overlay } from "./overlay.ts";
+import { NO_OVERLAY, type Overlay, showing } from "./overlay.ts";
 import { DETAIL } from "./scene/detail.ts";
 import { connecting } from "./tools/connect.ts";
 import { bringing } from "./tools/drop.ts";
@@ -33,7 +33,6 @@ import {
 } from "./tools/gesture.ts";
 import { type Fingers, panning, pinched, type Wheel, wheeled } from "./tools/pan.ts";
 import { cursorAt, type Press, pressing } from "./tools/press.ts";
-import { preview } from "./tools/preview.ts";
 import { stageOf } from "./tools/stage.ts";
 
 /** What the controller needs of its surroundings. */
@@ -86,9 +85,6 @@ export class InteractionController {
   #pointer: Pointer | null = null;
   #touches: readonly Touch[] = [];
   #pinch: { readonly camera: Camera; readonly from: Fingers } | null = null;
-  #kept: { readonly key: readonly unknown[]; readonly layout: LayoutTree } | null = null;
-  /** Whether the overlay stays until the server has answered. */
-  #settling = 0;
 
   constructor(host: InteractionHost) {
     this.#host = host;
@@ -119,7 +115,7 @@ export class InteractionController {
       this.apply(plan);
       return;
     }
-    this.overlay.value = preview(plan, this.toolContext());
+    this.overlay.value = showing(plan, new Set(paths));
     const timer = setTimeout(() => this.flush(), NUDGED_MS);
     this.#nudging = { paths, by: total, timer };
   }
@@ -130,22 +126,15 @@ export class InteractionController {
     if (!nudging) return;
     this.#nudging = null;
     clearTimeout(nudging.timer);
-    const { overlay } = this;
-    const shown = overlay.peek();
-    overlay.value = NO_OVERLAY;
-    this.apply(movePlan(this.#host.tab.session.machine, nudging.paths, nudging.by), shown);
+    this.overlay.value = NO_OVERLAY;
+    this.apply(movePlan(this.#host.tab.session.machine, nudging.paths, nudging.by));
   }
 
   /** Where everything is without the gesture. */
   layout(): LayoutTree {
     const { session, view } = this.#host.tab;
     const [modes, contents] = [view.modes.peek(), view.contents.peek()];
-    const key = [session.machine.version, modes, contents];
-    if (!this.#kept || this.#kept.key.some((part, index) => part !== key[index])) {
-      const layout = layoutTreeOf(session.machine, { modes, contents }, NO_OVERLAY);
-      this.#kept = { key, layout };
-    }
-    return this.#kept.layout;
+    return layoutTreeOf(session.machine, { modes, contents });
   }
 
   toolContext(): ToolContext {
@@ -450,21 +439,20 @@ export class InteractionController {
   }
 
   #complete(gesture: Gesture): void {
-    const { overlay } = gesture;
     this.#drop();
-    this.#take(gesture.result(), overlay);
+    this.#take(gesture.result());
   }
 
-  #take(result: GestureResult, overlay: Overlay): void {
+  #take(result: GestureResult): void {
     const { view } = this.#host.tab;
     if (result.select) select(view, result.select);
     if (result.toggle) toggle(view, result.toggle);
     if (result.run) this.#host.run(result.run.command, result.run.argument);
-    if (result.plan) this.apply(result.plan, overlay);
+    if (result.plan) this.apply(result.plan);
   }
 
-  /** Sends what is planned. What cannot be predicted shows as the gesture left it until the server answers. */
-  apply(plan: Planned, overlay: Overlay = NO_OVERLAY): void {
+  /** Sends what is planned. What comes of it is selected as soon as it shows. */
+  apply(plan: Planned): void {
     const why = this.#host.whyFixed() ?? (isRefused(plan) ? plan.refused : null);
     if (why !== null || isRefused(plan)) {
       this.#host.refuse(why ?? "");
@@ -475,13 +463,8 @@ export class InteractionController {
     const answer = session.edit(plan.name, plan.edit);
     const isShown = session.version.peek() !== before;
     if (isShown && plan.select) select(view, plan.select);
-    const settling = ++this.#settling;
-    if (!isShown)
-      this.overlay.value = { ...overlay, line: null, targets: new Map(), message: null };
     void answer.then((made) => {
-      if (isShown) return;
-      if (settling === this.#settling && !this.#gesture) this.overlay.value = NO_OVERLAY;
-      if (plan.select && !wasRefused(made)) select(view, plan.select);
+      if (!isShown && plan.select && !wasRefused(made)) select(view, plan.select);
     });
   }
 }

@@ -15,13 +15,15 @@ import {
 import type { Machine } from "../model/machine.ts";
 import { EdgeRouting } from "./edge_routing.ts";
 import { Grid, same, touches } from "./grid.ts";
-import type { HeldRoutes, RoutedLine } from "./lines.ts";
+import type { RoutedLine } from "./lines.ts";
 
 /** What a tree is made from: as it is now, since what lies inside states is found late. */
 export interface LayoutSource {
   readonly machine: Machine;
   /** Library states whose content is shown or hidden other than the file says. */
   contents: ReadonlyMap<string, boolean>;
+  /** States whose content grows along with their boxes, though the machine does not say so. */
+  readonly scaled?: ReadonlySet<string>;
 }
 
 /** How much of the shorter side of a library state stays free around its content. */
@@ -51,7 +53,6 @@ export class LayoutNode {
   #indices: ReadonlyMap<string, number> | null = null;
   /** What it was, as long as that is of use: to find lines, and to show them until they are found. */
   #before: LayoutNode | null = null;
-  #held: HeldRoutes = NOTHING_HELD;
   /** What it was before it was stretched, with all that lies inside it. */
   #stretched: { readonly from: LayoutNode; readonly by: Point } | null = null;
 
@@ -122,7 +123,7 @@ export class LayoutNode {
     }
     const before = this.#before;
     if (before && !before.wire(mayGoOn)) return false;
-    this.#routing ??= new EdgeRouting(this, this.#held, before);
+    this.#routing ??= new EdgeRouting(this, before);
     if (!this.#routing.goOn(mayGoOn)) return false;
     this.#take(this.#routing, before);
     return true;
@@ -197,20 +198,9 @@ export class LayoutNode {
     return this.#indices.get(path) ?? -1;
   }
 
-  /** The same in another box, or with other parts; what is left out is found anew. */
-  with(parts: Parts): LayoutNode {
-    const { path, state, box, scale } = this;
-    const made = new LayoutNode(this.#source, path, state, parts.box ?? box, scale);
-    made.#children = parts.children ?? null;
-    made.#ports = parts.ports ?? null;
-    made.#name = parts.name ?? null;
-    return made;
-  }
-
-  /** Its lines are those of `before` but for what is different now; waypoints are where they are held. */
-  after(before: LayoutNode, held: HeldRoutes = NOTHING_HELD): this {
+  /** Its lines are those of `before` but for what is different now. */
+  after(before: LayoutNode): this {
     this.#before = before.#routing || before.#lines || before.#stretched ? before : before.#before;
-    this.#held = held;
     this.#gridBefore = before.#childGrid;
     if (sameOrder(this.#children, before.#children)) this.#indices = before.#indices;
     return this;
@@ -229,6 +219,7 @@ export class LayoutNode {
     const { source, state, box, scale } = next;
     const stands = scale === this.scale && same(box, this.box);
     if (stands && touched && !touched.has(this.path)) return this;
+    if (source.scaled?.has(this.path)) return this.stretched(box, shareOf(box, this.box));
     const inner = state.kind === "library" ? null : touched;
     const opened = state.kind === "library" && opens(source, this.path, state);
     const stays = stands && state === this.state && opened === this.opened;
@@ -291,15 +282,7 @@ interface Next {
 }
 
 const ALWAYS = () => true;
-const NOTHING_HELD: HeldRoutes = new Map();
 const NOTHING_JOINED: ReadonlySet<string> = new Set();
-
-interface Parts {
-  readonly box?: Box;
-  readonly children?: readonly LayoutNode[];
-  readonly ports?: readonly PortPlace[];
-  readonly name?: Box;
-}
 
 /** The tree of a machine; null if it is empty. `before` is its tree as it was, `touched` what is different since then. */
 export function treeOf(
@@ -362,7 +345,11 @@ function fitted(content: Size, size: Size): { readonly box: Box; readonly scale:
   return { box: { ...at, width, height }, scale };
 }
 
-export function boxTimes(box: Box, by: Point): Box {
+function shareOf(box: Box, of: Box): Point {
+  return { x: box.width / (of.width || 1), y: box.height / (of.height || 1) };
+}
+
+function boxTimes(box: Box, by: Point): Box {
   return { ...times(box, by), width: box.width * by.x, height: box.height * by.y };
 }
 
@@ -371,7 +358,7 @@ function times({ x, y }: Point, by: Point): Point {
 }
 
 /** Ports that keep their share of the border. */
-export function stretchedPorts(ports: readonly PortPlace[], by: Point): readonly PortPlace[] {
+function stretchedPorts(ports: readonly PortPlace[], by: Point): readonly PortPlace[] {
   return ports.map((port) => ({ ...port, at: times(port.at, by) }));
 }
 

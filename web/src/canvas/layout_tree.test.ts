@@ -1,11 +1,11 @@
 import { describe, expect, test } from "vitest";
-import type { Document, StateDocument } from "../model/generated/protocol.ts";
+import type { Document, Edit, StateDocument } from "../model/generated/protocol.ts";
 import type { Machine } from "../model/machine.ts";
 import { machineOf } from "../model/plain.ts";
 import { sketch } from "../model/testing/sketch.ts";
 import { MODES } from "../store/page/view.ts";
 import { type LayoutTree, layoutTreeOf } from "./layout_tree.ts";
-import { NO_OVERLAY, type Overlay } from "./overlay.ts";
+import type { ProvisionalEdit } from "./overlay.ts";
 
 const NO_CONTENTS: ReadonlyMap<string, boolean> = new Map();
 
@@ -34,14 +34,20 @@ function changing(text: string) {
     plain = machineOf(document);
     version++;
   };
-  const layout = (overlay: Overlay = NO_OVERLAY): LayoutTree =>
-    layoutTreeOf(machine, { modes: MODES, contents: NO_CONTENTS }, overlay);
+  const layout = (edit: ProvisionalEdit | null = null): LayoutTree =>
+    layoutTreeOf(machine, { modes: MODES, contents: NO_CONTENTS }, edit);
   return { machine, change, layout };
 }
 
 const at = (x: number, y: number, width: number, height: number) => ({
   gui: { editor_gaphas: { rel_pos: [x, y], size: [width, height] } },
 });
+
+const STATE = { path: "R/A", element: "state" } as const;
+
+function shown(edit: Edit): ProvisionalEdit {
+  return { edit, held: new Set(["R/A"]), isScaled: false };
+}
 
 const TWO = `
   R hierarchy 0 0 400 300 outcome done
@@ -96,10 +102,7 @@ describe("what a gesture holds", () => {
   test("is where it is held, with all inside it and the lines to it", () => {
     const { layout } = changing(TWO);
     const rest = layout().routes("R");
-    const held = layout({
-      ...NO_OVERLAY,
-      boxes: new Map([["R/A", { x: 20, y: 140, width: 160, height: 120 }]]),
-    });
+    const held = layout(shown({ ...STATE, edit: "set_position", position: [20, 140] }));
     expect(held.box("R/A/C")).toEqual({ x: 50, y: 180, width: 60, height: 40 });
     expect(held.routes("R")[0]).not.toEqual(rest[0]);
     expect(held.routes("R")[1]).toEqual(rest[1]);
@@ -108,9 +111,9 @@ describe("what a gesture holds", () => {
 
   test("a box that grows keeps its content, or takes it along", () => {
     const { layout } = changing(TWO);
-    const boxes = new Map([["R/A", { x: 20, y: 40, width: 320, height: 240 }]]);
-    expect(layout({ ...NO_OVERLAY, boxes }).box("R/A/C")?.width).toBe(60);
-    const scaled = layout({ ...NO_OVERLAY, boxes, scaled: new Set(["R/A"]) });
+    const grown = shown({ ...STATE, edit: "set_size", size: [320, 240] });
+    expect(layout(grown).box("R/A/C")?.width).toBe(60);
+    const scaled = layout({ ...grown, isScaled: true });
     expect(scaled.box("R/A/C")).toEqual({ x: 80, y: 120, width: 120, height: 80 });
     const ok = scaled.ports("R/A/C").find(({ name }) => name === "ok");
     expect(ok?.at).toEqual({ x: 200, y: 128 });
@@ -118,9 +121,12 @@ describe("what a gesture holds", () => {
 
   test("ports and waypoints lead their lines along", () => {
     const { layout } = changing(TWO);
-    const ports = new Map([["income:R/B", { x: 0, y: 50 }]]);
-    const waypoints = new Map([["transition:R:1", [{ x: 350, y: 200 }]]]);
-    const held = layout({ ...NO_OVERLAY, ports, waypoints });
+    const element = { transition: 1 };
+    const edits: Edit[] = [
+      { edit: "set_position", path: "R/B", element: "income", position: [0, 50] },
+      { edit: "set_waypoints", path: "R", element, waypoints: [[350, 200]] },
+    ];
+    const held = layout(shown({ edit: "batch", edits }));
     expect(held.routes("R")[0]?.points.at(-1)).toEqual({ x: 240, y: 90 });
     expect(held.routes("R")[1]?.points).toContainEqual({ x: 350, y: 200 });
   });
@@ -154,20 +160,20 @@ test("content of a library is as large as fits into it, at any depth", () => {
     },
     isInLibrary: (path) => within(path) !== undefined,
   };
-  const hidden = layoutTreeOf(machine, { modes: MODES, contents: NO_CONTENTS }, NO_OVERLAY);
+  const hidden = layoutTreeOf(machine, { modes: MODES, contents: NO_CONTENTS });
   expect(hidden.box("R/L")?.width).toBe(220);
   const early = new Map([["R/L", true]]);
-  const opened = layoutTreeOf(machine, { modes: MODES, contents: early }, NO_OVERLAY);
+  const opened = layoutTreeOf(machine, { modes: MODES, contents: early });
   expect(opened.children("R/L")).toEqual(["R/L/G"]);
-  expect(
-    layoutTreeOf(machine, { modes: MODES, contents: NO_CONTENTS }, NO_OVERLAY).box("R/L/G"),
-  ).toBe(undefined);
+  expect(layoutTreeOf(machine, { modes: MODES, contents: NO_CONTENTS }).box("R/L/G")).toBe(
+    undefined,
+  );
   expect(hidden.children("R/L")).toEqual([]);
   const contents = new Map([
     ["R/L", true],
     ["R/H/M", true],
   ]);
-  const shown = layoutTreeOf(machine, { modes: MODES, contents }, NO_OVERLAY);
+  const shown = layoutTreeOf(machine, { modes: MODES, contents });
   expect(shown.children("R/H/M")).toEqual(["R/H/M/G"]);
   const unit = shown.unit("R/L/G");
   expect(unit).toBeCloseTo(0.2024);

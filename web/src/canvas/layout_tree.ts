@@ -3,12 +3,12 @@
 import type { Box, Point } from "../model/geometry.ts";
 import type { PortPlace } from "../model/layout_reader.ts";
 import type { Machine } from "../model/machine.ts";
-import { lineage } from "../model/path.ts";
+import { parentOf } from "../model/path.ts";
+import { provisional } from "../store/document/provisional.ts";
 import type { ViewModes } from "../store/page/view.ts";
 import type { Layout, Route } from "./layout.ts";
 import { type ChangedPaths, type LayoutNode, type LayoutSource, treeOf } from "./layout_node.ts";
-import { NO_OVERLAY, type Overlay } from "./overlay.ts";
-import { withPreview } from "./with_preview.ts";
+import type { ProvisionalEdit } from "./overlay.ts";
 
 /** What of a view says where things are. */
 export interface LayoutView {
@@ -36,42 +36,65 @@ interface KeptLayout {
   readonly contents: ReadonlyMap<string, boolean>;
   readonly source: LayoutSource;
   readonly tree: LayoutNode | null;
-  overlay: Overlay;
-  layout: LayoutTree;
+  readonly layout: LayoutTree;
+  /** With the edit that was shown last. */
+  shown: { readonly edit: ProvisionalEdit; readonly layout: LayoutTree } | null;
 }
 
 const KEPT = new WeakMap<Machine, KeptLayout>();
 
-/** Where everything of the machine is now: the same object as long as nothing is different. */
-export function layoutTreeOf(machine: Machine, view: LayoutView, overlay: Overlay): LayoutTree {
-  const { contents } = view;
-  let kept = KEPT.get(machine);
-  if (!kept || kept.version !== machine.version || kept.contents !== contents) {
-    const source: LayoutSource = kept?.source ?? { machine, contents };
-    source.contents = contents;
-    const touched = kept?.contents === contents ? touchedSince(machine, kept.version) : null;
-    const tree = treeOf(source, kept?.tree ?? null, touched);
-    kept = {
-      source,
-      version: machine.version,
-      contents,
-      tree,
-      overlay: NO_OVERLAY,
-      layout: over(tree),
-    };
-    KEPT.set(machine, kept);
-  }
-  if (kept.overlay !== overlay) {
-    kept.layout = over(kept.tree && withPreview(kept.tree, overlay));
-    kept.overlay = overlay;
-  }
-  return kept.layout;
+/** Where everything of the machine is now, or would be after an edit: the same object as long as nothing is different. */
+export function layoutTreeOf(
+  machine: Machine,
+  view: LayoutView,
+  edit: ProvisionalEdit | null = null,
+): LayoutTree {
+  const kept = keptLayout(machine, view);
+  if (!edit) return kept.layout;
+  if (kept.shown?.edit !== edit) kept.shown = { edit, layout: over(treeAfter(kept, edit)) };
+  return kept.shown.layout;
+}
+
+function keptLayout(machine: Machine, { contents }: LayoutView): KeptLayout {
+  const kept = KEPT.get(machine);
+  if (kept && kept.version === machine.version && kept.contents === contents) return kept;
+  const source: LayoutSource = kept?.source ?? { machine, contents };
+  source.contents = contents;
+  const touched = kept?.contents === contents ? touchedSince(machine, kept.version) : null;
+  const tree = treeOf(source, kept?.tree ?? null, touched);
+  const { version } = machine;
+  const made = { source, version, contents, tree, layout: over(tree), shown: null };
+  KEPT.set(machine, made);
+  return made;
+}
+
+/** The tree as it would be; as it is where nobody knows. It shares all that the edit does not touch. */
+function treeAfter(
+  { source, tree, contents }: KeptLayout,
+  { edit, held, isScaled }: ProvisionalEdit,
+): LayoutNode | null {
+  const then = provisional(source.machine, edit);
+  if (!then) return tree;
+  const touched = withOuter(then.touched);
+  const scaled = isScaled ? held : undefined;
+  return treeOf({ machine: then.machine, contents, ...(scaled && { scaled }) }, tree, touched);
 }
 
 /** Paths of the states that are different since a version, and of all around them; null: all may be. */
 function touchedSince(machine: Machine, version: number): ChangedPaths {
   const touched = machine.touchedSince?.(version);
-  return touched ? new Set([...touched].flatMap(lineage)) : null;
+  return touched ? withOuter(touched) : null;
+}
+
+/** The paths, and those of all states around them. */
+function withOuter(paths: Iterable<string>): ReadonlySet<string> {
+  const all = new Set<string>();
+  for (const each of paths) {
+    for (let path: string | null = each; path !== null && !all.has(path); path = parentOf(path)) {
+      all.add(path);
+    }
+  }
+  return all;
 }
 
 const NONE: readonly never[] = [];

@@ -38,9 +38,6 @@ export interface Joined extends RouteRequest, RoutedSource {
 /** A connection as it is drawn. */
 export interface RoutedLine extends Joined, Routed {}
 
-/** Lines that somebody holds: their waypoints as the gesture has them. */
-export type HeldRoutes = ReadonlyMap<ElementKey, readonly Point[]>;
-
 /** How far data flows go out of their way. */
 export function reachOf({ size, children }: LayoutNode): number {
   const sides = children.map(({ box }) => Math.min(box.width, box.height));
@@ -115,7 +112,6 @@ export function joined(
   container: LayoutNode,
   ends: LineEnds,
   source: RoutedSource,
-  held: HeldRoutes,
 ): Joined | undefined {
   const [from, to] = jointsOf(ends, source);
   if (!from || !to) return undefined;
@@ -135,7 +131,7 @@ export function joined(
     outcome: from.port.kind === "outcome" ? from.port.id : 0,
     start: from.end,
     goal: to.end,
-    by: held.get(key) ?? waypointsOf(container.state, kind, id),
+    by: waypointsOf(container.state, kind, id),
   };
 }
 

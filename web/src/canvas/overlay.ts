@@ -1,19 +1,21 @@
 /** What a gesture shows before it is done: made by tools, drawn by `scene` and `paint`, never part of the machine. */
 
 import type { ElementKey } from "../model/element.ts";
+import type { Edit } from "../model/generated/protocol.ts";
 import type { Box, Point } from "../model/geometry.ts";
+import { isRefused, type Planned } from "../plan/plan.ts";
+
+/** An edit that shows as if it were made. */
+export interface ProvisionalEdit {
+  readonly edit: Edit;
+  /** States that the gesture has in its hand, by path: they show above others. */
+  readonly held: ReadonlySet<string>;
+  /** Whether what lies inside of them grows along with their boxes, which is all that the edit says of it. */
+  readonly isScaled: boolean;
+}
 
 export interface Overlay {
-  /** States where the gesture has them, by path, in the coordinates of their container. */
-  readonly boxes: ReadonlyMap<string, Box>;
-  /** Containers whose content is scaled along with the box, while they are resized so. */
-  readonly scaled: ReadonlySet<string>;
-  /** Names where the gesture has them, by path, in the coordinates of their state. */
-  readonly names: ReadonlyMap<string, Box>;
-  /** Ports where the gesture has them, in the coordinates of their state. */
-  readonly ports: ReadonlyMap<ElementKey, Point>;
-  /** Waypoints of connections, in the coordinates of the container. */
-  readonly waypoints: ReadonlyMap<ElementKey, readonly Point[]>;
+  readonly provisional: ProvisionalEdit | null;
   /** Lines that say what lines up, in the root's coordinates. */
   readonly guides: readonly { readonly from: Point; readonly to: Point }[];
   /** The rubber band, in the root's coordinates. */
@@ -38,11 +40,7 @@ export interface Overlay {
 }
 
 export const NO_OVERLAY: Overlay = {
-  boxes: new Map(),
-  scaled: new Set(),
-  names: new Map(),
-  ports: new Map(),
-  waypoints: new Map(),
+  provisional: null,
   guides: [],
   band: null,
   line: null,
@@ -51,3 +49,11 @@ export const NO_OVERLAY: Overlay = {
   ghosts: [],
   message: null,
 };
+
+const NOTHING_HELD: ReadonlySet<string> = new Set();
+
+/** Shows what a plan would do; nothing if it is refused. */
+export function showing(planned: Planned, held: ReadonlySet<string> = NOTHING_HELD): Overlay {
+  if (isRefused(planned)) return NO_OVERLAY;
+  return { ...NO_OVERLAY, provisional: { edit: planned.edit, held, isScaled: false } };
+}

@@ -90,7 +90,7 @@ export function pictureIn(place: HTMLElement, options: PictureOptions): CanvasPi
 
   const layout = () => {
     const shown = { modes: view.modes.peek(), contents: view.contents.peek() };
-    return layoutTreeOf(session.machine, shown, options.overlay());
+    return layoutTreeOf(session.machine, shown, options.overlay().provisional);
   };
   const draw = () => {
     if (!context || !measure || size.width === 0 || size.height === 0) return;

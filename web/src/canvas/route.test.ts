@@ -4,11 +4,10 @@ import { sketch } from "../model/testing/sketch.ts";
 import { MODES } from "../store/page/view.ts";
 import { layoutTreeOf } from "./layout_tree.ts";
 import type { RoutedLine } from "./lines.ts";
-import { NO_OVERLAY } from "./overlay.ts";
 
 function linesOf(text: string): readonly RoutedLine[] {
   const machine = machineOf(sketch(text));
-  const layout = layoutTreeOf(machine, { modes: MODES, contents: new Map() }, NO_OVERLAY);
+  const layout = layoutTreeOf(machine, { modes: MODES, contents: new Map() });
   return layout.root?.lines ?? [];
 }
 
@@ -18,7 +17,7 @@ const corners = ({ points }: RoutedLine) =>
 /** How far the lines run through boxes that are not theirs. */
 function through(text: string): number {
   const machine = machineOf(sketch(text));
-  const layout = layoutTreeOf(machine, { modes: MODES, contents: new Map() }, NO_OVERLAY);
+  const layout = layoutTreeOf(machine, { modes: MODES, contents: new Map() });
   let length = 0;
   for (const { points } of layout.root?.lines ?? []) {
     for (let index = 0; index + 1 < points.length; index++) {
@@ -121,7 +120,7 @@ describe("transitions", () => {
       transition0: { gui: { editor_gaphas: { waypoints: [[150, 150]] } } },
     };
     const machine = machineOf({ ...document, states: [{ ...root, layout }, ...states] });
-    const layoutTree = layoutTreeOf(machine, { modes: MODES, contents: new Map() }, NO_OVERLAY);
+    const layoutTree = layoutTreeOf(machine, { modes: MODES, contents: new Map() });
     const [route] = layoutTree.routes("R");
     expect(route?.waypoints).toEqual([2]);
     expect(route?.points[2]).toEqual({ x: 150, y: 150 });

@@ -1,7 +1,6 @@
 /** The server as the page has it: requests and the WebSocket of this browser. */
 
 import { effect } from "@preact/signals-core";
-import type { Done, ToServer } from "../model/generated/protocol.ts";
 import { REPEATED, RefusalError, type Server } from "../store/page/server.ts";
 import { WALL_CLOCK } from "./clock.ts";
 import { Delay } from "./delay.ts";
@@ -25,7 +24,6 @@ export function connect(address: Address): Server & { readonly close: () => void
   const socket = new Socket({
     dial: (news) => dial(address, news),
     probe: () => probe(request),
-    post: (frame) => post(request, frame),
     clock: WALL_CLOCK,
     delay,
     random: Math.random,
@@ -42,9 +40,7 @@ export function connect(address: Address): Server & { readonly close: () => void
     pulse: socket.pulse,
     request,
     follow: (follower) => socket.follow(follower),
-    edit: (machine, edit) => socket.ask(edit.id, { frame: "edit", machine, edit }),
-    undo: (machine, id) => socket.ask(id, { frame: "undo", machine, undo: { id } }),
-    redo: (machine, id) => socket.ask(id, { frame: "redo", machine, redo: { id } }),
+    onAnswer: (listener) => socket.onAnswer(listener),
     say: (frame) => socket.say(frame),
     retry: () => socket.retry(),
     close: () => {
@@ -53,12 +49,6 @@ export function connect(address: Address): Server & { readonly close: () => void
       socket.close();
     },
   };
-}
-
-async function post(request: Server["request"], frame: ToServer): Promise<number> {
-  if (frame.frame !== "edit") throw new Error(`a frame ${frame.frame} goes over the socket only`);
-  const path = `/machines/${encodeURIComponent(frame.machine)}/edits`;
-  return (await request<Done>("POST", path, frame.edit)).revision;
 }
 
 async function probe(request: Server["request"]): Promise<"welcome" | "stranger" | "silent"> {

@@ -27,9 +27,9 @@ import { type StepChange, StepChanges, stepChangeOf } from "../store/document/st
 import type { Notice, Page } from "../store/page/page.ts";
 import { RefusalError, type Server } from "../store/page/server.ts";
 import type { Clock } from "./clock.ts";
+import { type EditOnItsWay, EditOutbox } from "./edit_outbox.ts";
 import { Following } from "./following.ts";
 import type { LibraryCache } from "./library_cache.ts";
-import { Pending } from "./pending.ts";
 
 export interface OpenMachineSessionPorts {
   readonly server: Server;
@@ -58,7 +58,7 @@ export class OpenMachineSession implements MachineSession {
   readonly problems = signal<readonly MachineProblem[]>([]);
   readonly isChecked = signal(false);
   readonly #ports: OpenMachineSessionPorts;
-  readonly #onItsWay = new Pending();
+  readonly #outbox: EditOutbox;
   readonly #stepChanges = new StepChanges();
   readonly #gone = new GoneStates();
   /** Libraries whose content was refused, which was told. */
@@ -97,6 +97,14 @@ export class OpenMachineSession implements MachineSession {
       whole: (whole) => this.#reset(whole),
       gone: (reason) => this.#tell("error", `it is no longer open: ${reason}`),
     });
+    this.#outbox = new EditOutbox({
+      ...ports,
+      machine: () => this.id,
+      onAnswer: (made) => {
+        if (made <= this.revision.peek()) this.#renew(() => this.#settle(null));
+      },
+      onRefusal: (edit, error) => void this.#refused(edit, error),
+    });
     void this.#look();
   }
 
@@ -110,21 +118,19 @@ export class OpenMachineSession implements MachineSession {
   }
 
   edit(name: string, edit: Edit): Promise<EditAnswer> {
-    const id = this.#ports.newId();
     const short = [...name].slice(0, NAME_LENGTH_MAX).join("");
     const base = this.revision.peek();
-    const ask = () => this.#ports.server.edit(this.id, { id, base, name: short, edit });
-    return this.#ask(id, short, edit, ask);
+    return this.#ask(short, edit, (id, machine) => {
+      return { frame: "edit", machine, edit: { id, base, name: short, edit } };
+    });
   }
 
   undo(): Promise<EditAnswer> {
-    const id = this.#ports.newId();
-    return this.#ask(id, "Undo", null, () => this.#ports.server.undo(this.id, id));
+    return this.#ask("Undo", null, (id, machine) => ({ frame: "undo", machine, undo: { id } }));
   }
 
   redo(): Promise<EditAnswer> {
-    const id = this.#ports.newId();
-    return this.#ask(id, "Redo", null, () => this.#ports.server.redo(this.id, id));
+    return this.#ask("Redo", null, (id, machine) => ({ frame: "redo", machine, redo: { id } }));
   }
 
   named(text: string): string {
@@ -162,6 +168,7 @@ export class OpenMachineSession implements MachineSession {
 
   close(): void {
     this.#following.end();
+    this.#outbox.close();
     this.#deaf();
     this.#unsettled();
     this.#listeners.clear();
@@ -181,41 +188,28 @@ export class OpenMachineSession implements MachineSession {
 
   /** Shows the edit at once, asks for it, and says what became of it. */
   #ask(
-    id: string,
     name: string,
     edit: Edit | null,
-    ask: () => Promise<number>,
+    frame: (id: string, machine: string) => ReturnType<EditOnItsWay["frame"]>,
   ): Promise<EditAnswer> {
-    return new Promise((settle) => {
-      const since_ms = this.#ports.clock.now();
-      this.#change(() => {
-        if (edit) this.#applyOptimistic(edit);
-        this.#onItsWay.add({ id, name, since_ms, edit, settle, made: null });
-      });
-      void this.#send(id, ask);
+    const id = this.#ports.newId();
+    const asked = { id, name, since_ms: this.#ports.clock.now(), edit };
+    const answer = this.#outbox.put({ ...asked, frame: (machine) => frame(id, machine) });
+    this.#change(() => {
+      if (edit) this.#applyOptimistic(edit);
     });
+    return answer;
   }
 
-  async #send(id: string, ask: () => Promise<number>): Promise<void> {
-    try {
-      const made = await ask();
-      this.#onItsWay.answered(id, made);
-      if (made <= this.revision.peek()) this.#renew(() => this.#settle(null));
-    } catch (error) {
-      const wasClosed = codeOf(error) === "no_such_machine";
-      if (wasClosed && !this.#following.isOver && (await this.#following.reopen())) {
-        await this.#send(id, ask);
-      } else {
-        this.#refused(id, `${wasClosed ? "the edit is lost: " : ""}${messageOf(error)}`);
-      }
+  async #refused({ id, name, edit }: EditOnItsWay, error: RefusalError): Promise<void> {
+    const wasClosed = error.code === "no_such_machine";
+    if (wasClosed && !this.#following.isOver && (await this.#following.reopen())) {
+      this.#outbox.again(id);
+      return;
     }
-  }
-
-  #refused(id: string, reason: string): void {
-    const asked = this.#onItsWay.all.find((each) => each.id === id);
-    this.#renew(() => this.#onItsWay.refused(id, reason));
-    const text = `“${asked?.name}” was not applied: ${this.named(reason)}`;
-    this.#tell("warning", text, placeOf(asked?.edit));
+    const reason = `${wasClosed ? "the edit is lost: " : ""}${error.message}`;
+    this.#renew(() => this.#outbox.refuse(id, reason));
+    this.#tell("warning", `“${name}” was not applied: ${this.named(reason)}`, placeOf(edit));
   }
 
   #applyOptimistic(edit: Edit): void {
@@ -227,14 +221,14 @@ export class OpenMachineSession implements MachineSession {
     this.#change(() => {
       this.machine.rollback();
       work();
-      for (const { edit } of this.#onItsWay.all) if (edit) this.#applyOptimistic(edit);
+      for (const { edit } of this.#outbox.edits) if (edit) this.#applyOptimistic(edit);
     });
   }
 
   #change(work: () => void): void {
     const touched = this.machine.transact(work);
     batch(() => {
-      this.pending.value = this.#onItsWay.all;
+      this.pending.value = this.#outbox.edits;
       if (touched?.size !== 0) this.#tellChange(touched);
     });
   }
@@ -280,7 +274,7 @@ export class OpenMachineSession implements MachineSession {
   }
 
   #settle(id: string | null): void {
-    this.#onItsWay.revision(this.revision.peek(), id);
+    this.#outbox.arrived(this.revision.peek(), id);
   }
 
   #reset({ revision, document }: MachineDocument): void {

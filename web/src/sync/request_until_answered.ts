@@ -2,27 +2,29 @@
 
 import { REPEATED, RefusalError, type Server } from "../store/page/server.ts";
 import type { Clock } from "./clock.ts";
+import { AGAIN, Outbox } from "./outbox.ts";
 
-/** So long after it was lost it is sent again, and for so long at all. */
-const AGAIN_MS = 500;
+/** For so long it is sent again. */
 const PATIENCE_MS = 60_000;
 
 /** Asks until there is an answer. Throws a `RefusalError`: that of the server, or, after a minute, that nobody knows. */
-export async function requestUntilAnswered<T>(
+export function requestUntilAnswered<T>(
   { server, clock }: { readonly server: Pick<Server, "request">; readonly clock: Clock },
   path: string,
   body: { readonly id: string },
 ): Promise<T> {
   const end_ms = clock.now() + PATIENCE_MS;
-  for (;;) {
-    try {
-      return await server.request<T>("POST", path, body, REPEATED);
-    } catch (error) {
-      if (!(error instanceof RefusalError) || !isLost(error)) throw error;
+  const outbox = new Outbox<{ readonly id: string }, T, T>({
+    clock,
+    send: () => server.request<T>("POST", path, body, REPEATED),
+    onAnswer: (_, answer) => answer,
+    onRefusal: (_, error) => {
+      if (!isLost(error)) throw error;
       if (clock.now() >= end_ms) throw unknown(error);
-      await new Promise<void>((over) => clock.after(AGAIN_MS, over));
-    }
-  }
+      return AGAIN;
+    },
+  });
+  return outbox.put(body);
 }
 
 /** Whether it may have been carried out all the same. */

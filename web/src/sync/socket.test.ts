@@ -1,6 +1,8 @@
 import { describe, expect, it } from "vitest";
 import { FRAMES_VERSION, type ToClient, type ToServer } from "../model/generated/protocol.ts";
+import type { AnswerFrame, Server } from "../store/page/server.ts";
 import { Delay } from "./delay.ts";
+import { type EditOnItsWay, EditOutbox } from "./edit_outbox.ts";
 import { Socket, type WireNews } from "./socket.ts";
 import { FakeClock } from "./testing/fake_clock.ts";
 
@@ -9,13 +11,12 @@ type Verdict = "welcome" | "stranger" | "silent" | "never";
 function setUp(verdict: Verdict = "welcome") {
   const clock = new FakeClock();
   const wires: { news: WireNews; said: ToServer[]; isOpen: boolean }[] = [];
-  const posts: { frame: ToServer; done: (revision: number) => void }[] = [];
+  const posts: { path: string; done: (answer: { revision: number }) => void }[] = [];
   const socket = new Socket({
     clock,
     delay: new Delay(),
     random: () => 0.5,
     probe: () => (verdict === "never" ? new Promise(() => {}) : Promise.resolve(verdict)),
-    post: (frame) => new Promise((done) => posts.push({ frame, done })),
     dial: (news) => {
       const wire = { news, said: [] as ToServer[], isOpen: true };
       wires.push(wire);
@@ -27,6 +28,23 @@ function setUp(verdict: Verdict = "welcome") {
       };
     },
   });
+  const request = (_: string, path: string) => new Promise((done) => posts.push({ path, done }));
+  const edits = new EditOutbox({
+    server: {
+      link: socket.link,
+      say: (frame: ToServer) => socket.say(frame),
+      onAnswer: (listener: (frame: AnswerFrame) => void) => socket.onAnswer(listener),
+      request,
+    } as unknown as Server,
+    clock,
+    machine: () => "m",
+    onAnswer: (revision) => edits.arrived(revision, null),
+    onRefusal: ({ id }, { message }) => edits.refuse(id, message),
+  });
+  const ask = (id: string, frame: ReturnType<EditOnItsWay["frame"]>) => {
+    const edit = frame.frame === "edit" ? frame.edit.edit : null;
+    return edits.put({ id, name: "", since_ms: 0, edit, frame: () => frame });
+  };
   const wire = () => {
     const last = wires.at(-1);
     if (!last) throw new Error("nobody has dialled");
@@ -47,11 +65,11 @@ function setUp(verdict: Verdict = "welcome") {
       .map((frame) =>
         "subscription" in frame ? `${frame.frame} ${frame.subscription}` : frame.frame,
       );
-  return { clock, socket, wires, posts, wire, hear, welcome, said };
+  return { clock, socket, ask, wires, posts, wire, hear, welcome, said };
 }
 
 const SILENT = { topic: () => ({ topic: "server_status" }) as const, frame: () => {} };
-const UNDO: ToServer = { frame: "undo", machine: "m", undo: { id: "1" } };
+const UNDO = { frame: "undo", machine: "m", undo: { id: "1" } } as const;
 
 async function settle(): Promise<void> {
   for (let turn = 0; turn < 10; turn += 1) await Promise.resolve();
@@ -88,16 +106,16 @@ describe("the socket", () => {
   });
 
   it("says an edit again after a break until it is answered, and never after that", async () => {
-    const { clock, socket, wire, hear, welcome, said } = setUp();
+    const { clock, ask, wire, hear, welcome, said } = setUp();
     welcome();
-    const answer = socket.ask("1", UNDO);
+    const answer = ask("1", UNDO);
     expect(said()).toEqual(["undo"]);
     wire().news.closed("gone");
     clock.pass(0);
     welcome();
     expect(said()).toEqual(["undo"]);
     hear({ frame: "edited", id: "1", revision: 9 });
-    expect(await answer).toBe(9);
+    expect(await answer).toEqual({ revision: 9 });
     wire().news.closed("gone");
     clock.pass(0);
     welcome();
@@ -105,19 +123,19 @@ describe("the socket", () => {
   });
 
   it("tells why something was refused, but not that the server ends", async () => {
-    const { socket, hear, welcome, wire, clock } = setUp();
+    const { ask, hear, welcome, wire, clock } = setUp();
     welcome();
-    const answer = socket.ask("1", UNDO);
+    const answer = ask("1", UNDO);
     hear({ frame: "refused", id: "1", refusal: { code: "server_ends", message: "it ends" } });
     wire().news.closed("server_ends");
     clock.pass(0);
     welcome();
     hear({ frame: "refused", id: "1", refusal: { code: "no_step", message: "nothing to undo" } });
-    await expect(answer).rejects.toThrow("nothing to undo");
+    expect(await answer).toEqual({ refused: "nothing to undo" });
   });
 
   it("sends what is too large alone, after what was before and before what comes after", async () => {
-    const { socket, hear, welcome, said, posts } = setUp();
+    const { ask, hear, welcome, said, posts } = setUp();
     welcome();
     const name = "x".repeat(400_000);
     const edit = {
@@ -126,14 +144,15 @@ describe("the socket", () => {
       name: "Large",
       edit: { edit: "set_name", path: "R", name },
     } as const;
-    void socket.ask("1", UNDO);
-    const large = socket.ask("2", { frame: "edit", machine: "m", edit });
-    void socket.ask("3", UNDO);
+    void ask("1", UNDO);
+    const large = ask("2", { frame: "edit", machine: "m", edit });
+    void ask("3", UNDO);
     expect([said(), posts.length]).toEqual([["undo"], 0]);
     hear({ frame: "edited", id: "1", revision: 1 });
     expect([said(), posts.length]).toEqual([["undo"], 1]);
-    posts[0]?.done(2);
-    expect(await large).toBe(2);
+    expect(posts[0]?.path).toBe("/machines/m/edits");
+    posts[0]?.done({ revision: 2 });
+    expect(await large).toEqual({ revision: 2 });
     expect(said()).toEqual(["undo", "undo"]);
   });
 
@@ -254,7 +273,6 @@ function slowly(oneWay_ms: number, rounds: number, minutes: number): string {
     delay: new Delay(),
     random: () => 0.5,
     probe: () => Promise.resolve("welcome"),
-    post: () => Promise.reject(new Error("nothing is posted")),
     dial: (news) => {
       dials += 1;
       let isOpen = true;

@@ -1,18 +1,11 @@
-/** The connection to the server, over all its breaks: subscriptions go on from their cursors, and edits are sent again until they
- * are answered. A WebSocket that has gone silent is kept while another one is dialled: the first that speaks is the connection, so
+/** The connection to the server, over all its breaks: subscriptions go on from their cursors. A WebSocket that has gone silent is kept while another one is dialled: the first that speaks is the connection, so
  * that a slow network is never taken for a dead one. Knows frames; never what a frame is about. */
 
 import { type Signal, signal } from "@preact/signals-core";
-import {
-  FRAMES_VERSION,
-  type Refusal,
-  type ToClient,
-  type ToServer,
-} from "../model/generated/protocol.ts";
-import type { Follower, Link, ServerPulse } from "../store/page/server.ts";
+import { FRAMES_VERSION, type ToClient, type ToServer } from "../model/generated/protocol.ts";
+import type { AnswerFrame, Follower, Link, ServerPulse } from "../store/page/server.ts";
 import type { Clock } from "./clock.ts";
 import { type Delay, PING_MS } from "./delay.ts";
-import { Outgoing } from "./outgoing.ts";
 
 /** An open, or opening, WebSocket. */
 export interface Wire {
@@ -32,15 +25,13 @@ export interface SocketPorts {
   readonly delay: Delay;
   /** Asked after a dial that was turned away: whether the server lets us in at all. */
   readonly probe: () => Promise<"welcome" | "stranger" | "silent">;
-  /** Sends what is too large for a frame. */
-  readonly post: (frame: ToServer) => Promise<number>;
   readonly clock: Clock;
   /** From 0 to 1, so that not all pages come back at once. */
   readonly random: () => number;
 }
 
 const RETRY_MS = [0, 250, 500, 1_000, 2_000];
-/** Refusals by which a server that is about to end asks for patience. */
+/** Refusals that count for now only. */
 const LATER = new Set(["server_ends"]);
 
 /** One WebSocket, from its dial to its end. */
@@ -61,7 +52,7 @@ export class Socket {
   readonly pulse: Signal<ServerPulse | null> = signal<ServerPulse | null>(null);
   readonly #ports: SocketPorts;
   readonly #followers = new Map<number, Follower>();
-  readonly #outgoing: Outgoing;
+  readonly #listeners = new Set<(frame: AnswerFrame) => void>();
   /** The one that is up. */
   #connection: SocketConnection | null = null;
   #dialled: SocketConnection | null = null;
@@ -76,11 +67,6 @@ export class Socket {
 
   constructor(ports: SocketPorts) {
     this.#ports = ports;
-    this.#outgoing = new Outgoing({
-      send: (frame) => this.say(frame),
-      post: ports.post,
-      soon: (call) => void ports.clock.after(1_000, call),
-    });
     this.#dial();
   }
 
@@ -94,9 +80,10 @@ export class Socket {
     };
   }
 
-  /** Sends what has an id, again after each break, until it is answered: with the revision that it made. */
-  ask(id: string, frame: ToServer): Promise<number> {
-    return this.#outgoing.ask(id, frame);
+  /** Tells the answers to what was said with an id. */
+  onAnswer(listener: (frame: AnswerFrame) => void): () => void {
+    this.#listeners.add(listener);
+    return () => void this.#listeners.delete(listener);
   }
 
   /** Sends it if there is a connection. */
@@ -135,7 +122,6 @@ export class Socket {
     this.#hangUp();
     for (const connection of [this.#connection, this.#silent]) connection?.wire.close();
     [this.#connection, this.#silent] = [null, null];
-    this.#outgoing.down();
   }
 
   /** Gives the dial up, and all that was to come later. */
@@ -178,7 +164,6 @@ export class Socket {
   /** There is no connection any more. `heard_ms`: since when nothing is heard. */
   #lost(reason: string, heard_ms: number): void {
     this.#cancel();
-    this.#outgoing.down();
     [this.#tries, this.#unanswered] = [0, 0];
     this.#down(reason, heard_ms, () => this.#dial());
   }
@@ -226,10 +211,11 @@ export class Socket {
         this.#pong(frame.id, frame.now_ms);
         break;
       case "edited":
-        this.#outgoing.answered(frame.id, frame.revision);
+        this.#answer(frame);
         break;
       case "refused":
-        this.#refused(frame.id, frame.refusal);
+        // A server that is about to end asks for patience.
+        if (!LATER.has(frame.refusal.code)) this.#answer(frame);
         break;
       case "welcome":
       case "answer":
@@ -286,7 +272,6 @@ export class Socket {
       if (!connection.subscribed.has(subscription))
         this.#subscribe(connection, subscription, follower);
     }
-    this.#outgoing.up();
   }
 
   /** Asks whether the server is there, again and again. */
@@ -342,7 +327,7 @@ export class Socket {
     follower?.frame(frame);
   }
 
-  #refused(id: string | null, refusal: Refusal): void {
-    if (id !== null && !LATER.has(refusal.code)) this.#outgoing.refused(id, refusal, 409);
+  #answer(frame: AnswerFrame): void {
+    for (const listener of this.#listeners) listener(frame);
   }
 }

@@ -39,7 +39,7 @@ type Marked = Readonly<Record<string, Partial<RunMark>>>;
 
 /** What is drawn with these marks, about a state or line. */
 function about(words: string, marked: Marked, scale = 1, more: Partial<SceneInput> = {}) {
-  const layout = layoutTreeOf(MACHINE, { modes: MODES, contents: new Map() }, NO_OVERLAY);
+  const layout = layoutTreeOf(MACHINE, { modes: MODES, contents: new Map() });
   const runs = new Map(
     Object.entries(marked).map(([path, mark]) => {
       const phase = mark.phase ?? "running";

@@ -30,7 +30,7 @@ const measure = (text: string) => text.length * 6;
 
 function input(machine: Machine, camera: Camera, more: Partial<SceneInput> = {}): SceneInput {
   const overlay = more.overlay ?? NO_OVERLAY;
-  const layout = layoutTreeOf(machine, { modes: MODES, contents: new Map() }, overlay);
+  const layout = layoutTreeOf(machine, { modes: MODES, contents: new Map() }, overlay.provisional);
   const view = { width: 800, height: 600 };
   return { ...PLAIN, layout, camera, view, modes: MODES, overlay, measure, ...more };
 }
@@ -173,9 +173,11 @@ test("breakpoints show on the border, hollow where they are off; the pointer sho
 });
 
 test("what a gesture holds is drawn where it is held, with what it says", () => {
+  const position: [number, number] = [60, 160];
+  const edit = { edit: "set_position", path: "R/A", element: "state", position } as const;
   const overlay = {
     ...NO_OVERLAY,
-    boxes: new Map([["R/A", { x: 60, y: 160, width: 100, height: 80 }]]),
+    provisional: { edit, held: new Set(["R/A"]), isScaled: false },
     guides: [{ from: { x: 60, y: 0 }, to: { x: 60, y: 300 } }],
     message: { at: { x: 10, y: 10 }, text: "not here", bad: true },
   };
@@ -206,6 +208,6 @@ test("a library whose content is not here yet is asked for", () => {
   );
   const plain = input(machine, { x: 0, y: 0, scale: 1 });
   const view = { modes: MODES, contents: new Map([["R/L", true]]) };
-  const list = scene({ ...plain, layout: layoutTreeOf(machine, view, NO_OVERLAY) });
+  const list = scene({ ...plain, layout: layoutTreeOf(machine, view) });
   expect(list.wanted).toEqual(["R/L"]);
 });

@@ -102,7 +102,7 @@ function visitChild(
     return;
   }
   const node = spotOf(child, x, y, outer.scale * child.scale, outer.depth + 1, outer);
-  const lift = builder.input.overlay.boxes.has(child.path) ? LIFT : 0;
+  const lift = builder.input.overlay.provisional?.held.has(child.path) ? LIFT : 0;
   builder.lift += lift;
   visit(builder, node, joined);
   builder.lift -= lift;

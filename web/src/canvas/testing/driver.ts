@@ -18,6 +18,7 @@ import type { Dragged } from "../../store/page/dragged.ts";
 import { newView, type SessionView, select, selected } from "../../store/page/view.ts";
 import { screenFromWorld } from "../camera.ts";
 import { InteractionController } from "../interaction.ts";
+import { type LayoutTree, layoutTreeOf } from "../layout_tree.ts";
 import { NO_OVERLAY } from "../overlay.ts";
 import type { Pointer } from "../tools/gesture.ts";
 import type { Wheel } from "../tools/pan.ts";
@@ -219,6 +220,13 @@ export class Driver {
   /** Whether nothing of a gesture is left. */
   isClear(): boolean {
     return this.controller.doing === null && this.controller.overlay.value === NO_OVERLAY;
+  }
+
+  /** Where everything shows, with what the gesture would do. */
+  shown(): LayoutTree {
+    const { modes, contents } = this.view;
+    const view = { modes: modes.value, contents: contents.value };
+    return layoutTreeOf(this.session.machine, view, this.controller.overlay.value.provisional);
   }
 
   /** Where a state is in its container now: `20 30 80 60`. */

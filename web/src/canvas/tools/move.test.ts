@@ -3,7 +3,7 @@ import { driver } from "../testing/driver.ts";
 
 test("a state is dragged, and shows where it will be", () => {
   const canvas = driver().press("A").by(33, 37);
-  expect(canvas.controller.overlay.value.boxes.get("R/A")).toMatchObject({ x: 83, y: 137 });
+  expect(canvas.shown().box("R/A")).toMatchObject({ x: 83, y: 137 });
   expect(canvas.session.made).toEqual([]);
   canvas.release();
   expect(canvas.text()).toBe("Move Scan: set_position R/A state [83,137]\nselected: state:R/A");

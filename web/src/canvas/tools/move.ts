@@ -12,7 +12,7 @@ import { isRefused, type Planned, together } from "../../plan/plan.ts";
 import { statesAt } from "../hit/hit.ts";
 import { distanceToLine } from "../hit/lines.ts";
 import type { Route } from "../layout.ts";
-import { NO_OVERLAY, type Overlay } from "../overlay.ts";
+import { NO_OVERLAY, type Overlay, showing } from "../overlay.ts";
 import { editsOf } from "./edits.ts";
 import {
   type Gesture,
@@ -24,7 +24,6 @@ import {
   worldOf,
 } from "./gesture.ts";
 import { type Guides, neighbours, snapped } from "./guides.ts";
-import { preview } from "./preview.ts";
 
 interface Moving {
   readonly paths: readonly string[];
@@ -102,7 +101,7 @@ function within(start: Moving, pointer: Pointer, context: ToolContext): MoveStep
   const { by, guides } = dragOf(start, pointer, context);
   if (isNone(by)) return { overlay: NO_OVERLAY, plan: () => null };
   const plan = move(context.machine, start.paths, inside(start, by, context));
-  return { overlay: { ...preview(plan, context), guides }, plan: () => plan };
+  return { overlay: { ...showing(plan, new Set(start.paths)), guides }, plan: () => plan };
 }
 
 /** The way of the boxes, in the root's coordinates. */
@@ -249,9 +248,8 @@ function intoLine(start: Moving, route: Route, pointer: Pointer, context: ToolCo
   const moved = move(context.machine, [path], inside(start, by, context));
   if (isRefused(plan) || isRefused(moved)) return within(start, pointer, context);
   const both = { ...plan, edit: together([...editsOf(moved.edit), ...editsOf(plan.edit)]) };
-  const shown = preview(moved, context);
   const overlay = {
-    ...shown,
+    ...showing(moved, new Set([path])),
     drop: keyOf(transition),
     message: { at: pointer, text: "Insert into the transition", bad: false },
   };

@@ -2,7 +2,7 @@
 
 import type { Box, Point } from "../../model/geometry.ts";
 import { moveName, resizeName } from "../../plan/move.ts";
-import { NO_OVERLAY } from "../overlay.ts";
+import { showing } from "../overlay.ts";
 import {
   type Gesture,
   inState,
@@ -42,18 +42,13 @@ export function naming(
 function next(start: Naming, pointer: Pointer, context: ToolContext): Gesture {
   const by = minus(inState(context.layout, start.path, worldOf(pointer, context)), start.from);
   const box = start.corner ? resized(start, by) : moved(start, by);
-  const plan = start.corner ? resizeName : moveName;
+  const plan = (start.corner ? resizeName : moveName)(context.machine, start.path, box);
   return {
     name: "name",
     cursor: start.corner ? "nwse-resize" : "grabbing",
-    overlay: {
-      ...NO_OVERLAY,
-      names: new Map([[start.path, box]]),
-      ghosts: [inRoot(start, box, context)],
-    },
+    overlay: { ...showing(plan), ghosts: [inRoot(start, box, context)] },
     move: (then, there) => next(start, then, there),
-    result: () =>
-      by.x === 0 && by.y === 0 ? {} : { plan: plan(context.machine, start.path, box) },
+    result: () => (by.x === 0 && by.y === 0 ? {} : { plan }),
   };
 }
 

@@ -1,10 +1,9 @@
 /** Slides a port along the border of its state, around corners. */
 
-import { keyOf } from "../../model/element.ts";
 import type { Box, Point } from "../../model/geometry.ts";
 import { movePort } from "../../plan/move.ts";
 import type { CanvasPort } from "../hit/look.ts";
-import { NO_OVERLAY } from "../overlay.ts";
+import { NO_OVERLAY, showing } from "../overlay.ts";
 import { type Gesture, inState, type Pointer, type ToolContext, worldOf } from "./gesture.ts";
 
 /** Begins to slide a port; it stays on the border, as near to the pointer as it can. */
@@ -21,12 +20,13 @@ function next(
   const box = context.layout.box(port.path);
   const to = box && nearestOnBorder(box, worldOf(pointer, context));
   const at = to ? inState(context.layout, port.path, to) : before;
+  const plan = at && movePort(context.machine, port, at);
   return {
     name: "port",
     cursor: "grabbing",
-    overlay: at ? { ...NO_OVERLAY, ports: new Map([[keyOf(port), at]]) } : NO_OVERLAY,
+    overlay: plan ? showing(plan) : NO_OVERLAY,
     move: (then, there) => next(port, at, then, there),
-    result: () => (at ? { plan: movePort(context.machine, port, at) } : {}),
+    result: () => (plan ? { plan } : {}),
   };
 }
 

@@ -3,7 +3,7 @@ import { driver } from "../testing/driver.ts";
 
 test("a corner of a selected state resizes it", () => {
   const canvas = driver().click("A").press({ x: 250, y: 250 }).by(40, 30);
-  expect(canvas.controller.overlay.value.boxes.get("R/A")).toMatchObject({
+  expect(canvas.shown().box("R/A")).toMatchObject({
     width: 240,
     height: 180,
   });
@@ -19,7 +19,8 @@ test("content stays where it is, with Ctrl it grows along", () => {
   const plain = driver().click("C").press({ x: 100, y: 350 }).by(-40, -40).release();
   expect([plain.box("C"), plain.box("D")]).toEqual(["60 310 540 340", "150 430 150 100"]);
   const scaled = driver().click("C").press({ x: 600, y: 650 }).by(-100, -60, { ctrl: true });
-  expect([...scaled.controller.overlay.value.scaled]).toEqual(["R/C"]);
+  expect(scaled.controller.overlay.value.provisional?.isScaled).toBe(true);
+  expect(scaled.shown().box("R/C/D")).toEqual({ x: 140, y: 414, width: 120, height: 80 });
   scaled.release();
   expect([scaled.box("C"), scaled.box("D")]).toEqual(["100 350 400 240", "140 414 120 80"]);
 });

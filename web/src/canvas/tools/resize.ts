@@ -2,9 +2,11 @@
 
 import type { Box, Point } from "../../model/geometry.ts";
 import { parentOf } from "../../model/path.ts";
+import { boxEdits } from "../../plan/boxes.ts";
 import { allowedBox, resize } from "../../plan/move.ts";
+import { together } from "../../plan/plan.ts";
 import type { Grip } from "../hit/look.ts";
-import { NO_OVERLAY, type Overlay } from "../overlay.ts";
+import { NO_OVERLAY, type Overlay, showing } from "../overlay.ts";
 import {
   type Gesture,
   inState,
@@ -14,7 +16,6 @@ import {
   worldOf,
 } from "./gesture.ts";
 import { type Guides, type Lines, neighbours, snapped } from "./guides.ts";
-import { preview } from "./preview.ts";
 
 interface Resizing {
   readonly path: string;
@@ -68,12 +69,13 @@ function shown(
   pointer: Pointer,
   context: ToolContext,
 ): Overlay {
-  const then = inParent(start, box, context);
-  if (pointer.ctrl) {
-    const boxes = new Map([[start.path, allowedBox(context.machine, start.path, then, true)]]);
-    return { ...NO_OVERLAY, boxes, scaled: new Set([start.path]), guides };
-  }
-  return { ...preview(resize(context.machine, start.path, then, false), context), guides };
+  const { machine } = context;
+  const { path } = start;
+  const [then, held] = [inParent(start, box, context), new Set([path])];
+  if (!pointer.ctrl) return { ...showing(resize(machine, path, then, false), held), guides };
+  const state = machine.state(path);
+  const edits = state ? boxEdits(state, path, allowedBox(machine, path, then, true)) : [];
+  return { ...NO_OVERLAY, provisional: { edit: together(edits), held, isScaled: true }, guides };
 }
 
 function inParent({ path }: Resizing, box: Box, { layout }: ToolContext): Box {

@@ -1,13 +1,12 @@
 /** Makes, moves and merges waypoints of a connection. */
 
-import { keyOf } from "../../model/element.ts";
 import { type Box, distance, type Point } from "../../model/geometry.ts";
 import { waypointsOf } from "../../model/layout_reader.ts";
 import { setWaypoints } from "../../plan/move.ts";
 import { routeOf } from "../hit/hit.ts";
 import { nearestOn } from "../hit/lines.ts";
 import type { LineRef } from "../hit/look.ts";
-import { NO_OVERLAY } from "../overlay.ts";
+import { showing } from "../overlay.ts";
 import { type Gesture, inState, type Pointer, type ToolContext, worldOf } from "./gesture.ts";
 
 interface Bending {
@@ -57,14 +56,13 @@ function next(start: Bending, pointer: Pointer, context: ToolContext): Gesture {
   const at = placed(start, pointer, context);
   const isMerged = isStraight(start, at, context);
   const points = isMerged ? [...before, ...after] : [...before, at, ...after];
-  const waypoints = new Map([[keyOf(element), points]]);
+  const plan = setWaypoints(context.machine, element, points);
   return {
     name: "waypoint",
     cursor: "grabbing",
-    overlay: { ...NO_OVERLAY, waypoints },
+    overlay: showing(plan),
     move: (then, there) => next(start, then, there),
-    result: () =>
-      isMerged && !start.isOld ? {} : { plan: setWaypoints(context.machine, element, points) },
+    result: () => (isMerged && !start.isOld ? {} : { plan }),
   };
 }
 

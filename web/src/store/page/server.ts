@@ -2,7 +2,6 @@
 
 import type { ReadonlySignal } from "@preact/signals-core";
 import type {
-  EditMachine,
   Refusal,
   Revision,
   Session,
@@ -62,6 +61,9 @@ export interface Follower {
   readonly frame: (frame: ToClient) => void;
 }
 
+/** What became of an edit, an undo or a redo. */
+export type AnswerFrame = Extract<ToClient, { frame: "edited" | "refused" }>;
+
 export interface Server {
   readonly link: ReadonlySignal<Link>;
   /** Null before the server was heard for the first time. */
@@ -75,10 +77,8 @@ export interface Server {
   ) => Promise<T>;
   /** Follows a topic until the returned function is called, over every break of the connection. */
   readonly follow: (follower: Follower) => () => void;
-  /** Sends an edit, undo or redo as often as it takes to get an answer: the revision that it made. Throws a [`RefusalError`]. */
-  readonly edit: (machine: string, edit: EditMachine) => Promise<number>;
-  readonly undo: (machine: string, id: string) => Promise<number>;
-  readonly redo: (machine: string, id: string) => Promise<number>;
+  /** Tells the answers to frames that were said with an id, until the returned function is called. */
+  readonly onAnswer: (listener: (frame: AnswerFrame) => void) => () => void;
   /** Sends a frame if the connection is up; nothing otherwise. */
   readonly say: (frame: ToServer) => void;
   /** Connects again at once: after a login, or because the user does not want to wait. */

@@ -9,16 +9,25 @@ import type {
   EditMachine,
   MachineFile,
   MachineSummary,
+  Refusal,
   Revision,
   RunSummary,
   StateDocument,
   ToClient,
+  ToServer,
 } from "../../model/generated/protocol.ts";
 import { isSame } from "../../model/json.ts";
 import { OptimisticDocument } from "../../store/document/optimistic_document.ts";
 import { predictedWrites } from "../../store/document/predict/predict.ts";
-import { type Follower, type Link, RefusalError, type Server } from "../../store/page/server.ts";
+import {
+  type AnswerFrame,
+  type Follower,
+  type Link,
+  RefusalError,
+  type Server,
+} from "../../store/page/server.ts";
 
+const CLOSED: Refusal = { code: "no_such_machine", message: "no machine is open" };
 const SESSION = {
   user: "anna",
   role: "engineer",
@@ -26,12 +35,6 @@ const SESSION = {
   version: "0",
   expires_ms: null,
 } as const;
-
-interface Waiting {
-  readonly edit: EditMachine;
-  readonly answered: (revision: number) => void;
-  readonly failed: (error: Error) => void;
-}
 
 export const MACHINE: MachineSummary = {
   id: "m",
@@ -65,7 +68,8 @@ export class FakeServer implements Server {
   readonly #revisions: Revision[] = [];
   readonly #made = new Map<string, number>();
   readonly #followers = new Map<Follower, { next: number }>();
-  readonly #waiting: Waiting[] = [];
+  readonly #waiting: EditMachine[] = [];
+  readonly #listeners = new Set<(frame: AnswerFrame) => void>();
   #answers: (() => void)[] = [];
 
   constructor(document: Document) {
@@ -90,7 +94,7 @@ export class FakeServer implements Server {
     const { file } = (body ?? {}) as { file?: MachineFile };
     if (this.hasMany && file) return { ...MACHINE, id: file.path, file } as T;
     if (path === "/machines/open") return { ...MACHINE, revision: this.revision } as T;
-    if (!this.isOpen) throw this.#closed(404);
+    if (!this.isOpen) throw new RefusalError(CLOSED, 404);
     if (path.endsWith("/document")) {
       return { revision: this.revision, document: this.document() } as T;
     }
@@ -104,20 +108,14 @@ export class FakeServer implements Server {
     return () => void this.#followers.delete(follower);
   };
 
-  edit(_: string, edit: EditMachine): Promise<number> {
-    return new Promise((answered, failed) => this.#waiting.push({ edit, answered, failed }));
-  }
+  onAnswer: Server["onAnswer"] = (listener) => {
+    this.#listeners.add(listener);
+    return () => void this.#listeners.delete(listener);
+  };
 
-  undo(): Promise<number> {
-    return Promise.reject(new RefusalError({ code: "no_step", message: "nothing to undo" }, 409));
-  }
-
-  redo(): Promise<number> {
-    return this.undo();
-  }
-
-  say(frame: unknown): void {
+  say(frame: ToServer): void {
     this.said.push(frame);
+    if (frame.frame === "edit") this.#waiting.push(frame.edit);
   }
 
   retry(): void {}
@@ -126,13 +124,24 @@ export class FakeServer implements Server {
   take(): void {
     const next = this.#waiting.shift();
     if (!next) return;
-    const { edit, answered, failed } = next;
-    if (!this.isOpen) this.#answers.push(() => failed(this.#closed(409)));
+    const { id, edit } = next;
+    if (!this.isOpen) this.#answers.push(() => this.#refuse(id, CLOSED));
     else {
-      const made = this.#made.get(edit.id) ?? this.make(edit.id, edit.edit);
-      const why = new RefusalError({ code: "rule", message: "it breaks a rule" }, 409);
-      this.#answers.push(() => (made === null ? failed(why) : answered(made)));
+      const revision = this.#made.get(id) ?? this.make(id, edit);
+      const why = { code: "rule", message: "it breaks a rule" };
+      this.#answers.push(() => {
+        if (revision === null) this.#refuse(id, why);
+        else this.#answer({ frame: "edited", id, revision });
+      });
     }
+  }
+
+  #refuse(id: string, refusal: Refusal): void {
+    this.#answer({ frame: "refused", id, refusal });
+  }
+
+  #answer(frame: AnswerFrame): void {
+    for (const listener of this.#listeners) listener(frame);
   }
 
   /** Somebody makes an edit; gives its revision, null if it is refused. */
@@ -182,10 +191,6 @@ export class FakeServer implements Server {
     const found = this.libraries.get(path);
     if (found) return found;
     throw new RefusalError({ code: "no_library", message: "there is no such library" }, 404);
-  }
-
-  #closed(status: number): RefusalError {
-    return new RefusalError({ code: "no_such_machine", message: "no machine is open" }, status);
   }
 }
 

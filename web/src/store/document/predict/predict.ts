@@ -16,7 +16,8 @@ export function predictedWrites(machine: Machine, edit: Edit): readonly Write[] 
   return write(predicted, edit) ? predicted.writes : null;
 }
 
-const KINDS = [own, ownInterface, connections, places, children, moved];
+/** What comes by the thousand is looked for first. */
+const KINDS = [places, own, ownInterface, connections, children, moved];
 
 function write(predicted: PredictedMachine, edit: Edit): boolean {
   if (edit.edit === "batch") return edit.edits.every((each) => write(predicted, each));

@@ -14,6 +14,7 @@ export class PredictedMachine {
   readonly writes: Write[] = [];
   readonly #machine: Machine;
   readonly #states = new Map<string, StateDocument | null>();
+  #hasRemoved = false;
   #header: HeaderDocument;
 
   constructor(machine: Machine) {
@@ -33,8 +34,12 @@ export class PredictedMachine {
   state(path: string): StateDocument | undefined {
     const own = this.#states.get(path);
     if (own) return own;
-    if (lineage(path).some((outer) => this.#states.get(outer) === null)) return undefined;
+    if (this.#isGone(path)) return undefined;
     return this.#machine.isInLibrary(path) ? undefined : this.#machine.state(path);
+  }
+
+  #isGone(path: string): boolean {
+    return this.#hasRemoved && lineage(path).some((outer) => this.#states.get(outer) === null);
   }
 
   /** The state and all inside it, but for libraries. */
@@ -60,6 +65,7 @@ export class PredictedMachine {
       if (inner.startsWith(`${path}/`)) this.#states.delete(inner);
     }
     this.#states.set(path, null);
+    this.#hasRemoved = true;
     this.writes.push({ remove: path });
   }
 
