@@ -18,7 +18,7 @@ const FULL = 320;
 const CHIP = 18;
 const NO_VALUES: ReadonlyMap<string, ValueChip> = new Map();
 
-export interface RunExtras {
+interface RunExtras {
   /** A signal's reader. */
   readonly read: () => Extras;
   readonly stop: () => void;

@@ -362,7 +362,7 @@ function fitted(content: Size, size: Size): { readonly box: Box; readonly scale:
   return { box: { ...at, width, height }, scale };
 }
 
-export function boxTimes(box: Box, by: Point): Box {
+function boxTimes(box: Box, by: Point): Box {
   return { ...times(box, by), width: box.width * by.x, height: box.height * by.y };
 }
 

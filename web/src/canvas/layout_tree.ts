@@ -11,7 +11,7 @@ import { NO_OVERLAY, type Overlay } from "./overlay.ts";
 import { withPreview } from "./with_preview.ts";
 
 /** What of a view says where things are. */
-export interface LayoutView {
+interface LayoutView {
   readonly modes: ViewModes;
   readonly contents: ReadonlyMap<string, boolean>;
 }

@@ -25,7 +25,7 @@ const REST_MS = 200;
 /** A run changes all the time: it is followed less often. */
 const RUN_REST_MS = 500;
 
-export interface Minimap {
+interface Minimap {
   readonly dispose: () => void;
 }
 

@@ -30,7 +30,7 @@ export interface Extras {
   readonly breakpoints?: SceneInput["breakpoints"];
 }
 
-export interface PictureOptions {
+interface PictureOptions {
   readonly tab: OpenTab;
   /** What gestures show now; a signal's reader, so that the picture follows it. */
   readonly overlay: () => Overlay;

@@ -5,7 +5,7 @@ import type { Refusal, ToServer } from "../model/generated/protocol.ts";
 import { RefusalError } from "../store/page/server.ts";
 
 /** By which way something goes. */
-export interface Transport {
+interface Transport {
   /** Over the socket; nothing happens while that is down. */
   readonly send: (frame: ToServer) => void;
   /** By a request. Fails with a [`RefusalError`], whose status is 0 if there was no answer. */

@@ -5,7 +5,7 @@ import type { Edit } from "../model/generated/protocol.ts";
 import type { EditAnswer, PendingEdit } from "../store/document/machine_session.ts";
 
 /** An edit, an undo (without one) or a redo on its way. */
-export interface OnItsWay extends PendingEdit {
+interface OnItsWay extends PendingEdit {
   readonly edit: Edit | null;
   readonly settle: (answer: EditAnswer) => void;
   /** The revision that it made, if that is known and not here yet. */

@@ -28,7 +28,7 @@ function remember(title: string, open: boolean): void {
   }
 }
 
-export interface FoldProps {
+interface FoldProps {
   readonly title: string;
   readonly count?: number | undefined;
   readonly actions?: ReactNode;

@@ -12,7 +12,7 @@ import type { VisitEnd } from "../../store/run/state_status.ts";
 import { Button } from "../../ui/button.tsx";
 import type { InspectedState } from "./inspector_context.ts";
 
-export interface RunErrorProps {
+interface RunErrorProps {
   readonly inspected: InspectedState;
   readonly watch: Watch;
   readonly left: VisitEnd;

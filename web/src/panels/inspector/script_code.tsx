@@ -10,7 +10,7 @@ import { type ScriptEditor, scriptEditor } from "./code/script_editor.ts";
 import type { InspectedState } from "./inspector_context.ts";
 import { checkScript } from "./script_check.ts";
 
-export interface ScriptCodeProps {
+interface ScriptCodeProps {
   readonly inspected: InspectedState;
   readonly text: string;
   readonly onType: (text: string) => void;

@@ -13,7 +13,7 @@ import { inOrder } from "../parts/order.ts";
 /** A little less than a second, so that each second is told. */
 const PACE_MS = 900;
 
-export interface CalmLanes {
+interface CalmLanes {
   /** Those that want somebody first. */
   readonly all: readonly Active[];
   /** So much longer they have gone on by then than they say, in ms. */

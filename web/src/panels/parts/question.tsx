@@ -25,7 +25,7 @@ import "./question.css";
 /** With less time an answer is wanted at once. */
 const SOON_MS = 15_000;
 
-export interface QuestionFormProps {
+interface QuestionFormProps {
   readonly watch: Watch;
   readonly question: Question;
   /** Who asks, in words. */

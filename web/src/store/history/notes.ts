@@ -18,7 +18,7 @@ export const NOTE_KINDS = [
 
 export type NoteKind = (typeof NOTE_KINDS)[number];
 
-export interface Note {
+interface Note {
   /** The index in the journal. */
   readonly index: number;
   readonly kind: NoteKind;

@@ -6,7 +6,7 @@ import { type Journal, LEFT } from "./journal.ts";
 import { lengthsOf } from "./lengths.ts";
 
 /** Without names: those are the machine's. */
-export type StatisticsUntil = Omit<StateStatistics, "names">;
+type StatisticsUntil = Omit<StateStatistics, "names">;
 
 const KNOWN = new WeakMap<Journal, StateEnds>();
 

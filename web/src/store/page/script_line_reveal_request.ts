@@ -2,7 +2,7 @@
 
 import { type Signal, signal } from "@preact/signals-core";
 
-export interface ScriptLine {
+interface ScriptLine {
   readonly path: string;
   /** From 1. */
   readonly line: number;
