@@ -3,7 +3,7 @@
 import { useEffect, useMemo, useRef } from "react";
 import { globalsOf } from "../../model/globals.ts";
 import { outcomesOf, portsOf } from "../../model/machine.ts";
-import { scriptLineRevealRequest } from "../../store/page/script_line_reveal_request.ts";
+import { scriptLineRevealRequest } from "../../store/page/reveal_requests.ts";
 import { useSignal } from "../../ui/signals.ts";
 import type { ScriptNames } from "./code/complete.ts";
 import { type ScriptEditor, scriptEditor } from "./code/script_editor.ts";

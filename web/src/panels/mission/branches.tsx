@@ -10,7 +10,6 @@ import {
   Play,
   Undo2,
 } from "lucide-react";
-import { refusalOf } from "../../commands/command.ts";
 import type { Outcome, Phase } from "../../model/generated/protocol.ts";
 import { ABORTED, PREEMPTED } from "../../model/machine.ts";
 import { reasonOfHold } from "../../model/run_words.ts";
@@ -27,7 +26,7 @@ import {
 } from "../../store/run/baseline.ts";
 import { Button } from "../../ui/button.tsx";
 import { useComputed } from "../../ui/signals.ts";
-import { useCommand, useHost } from "../context.tsx";
+import { useCommand, useHost, useRefusalOf } from "../context.tsx";
 import { duration, growing } from "../parts/duration.ts";
 import { reveal } from "../reveal.ts";
 import { useCalmLanes } from "./calm_lanes.ts";
@@ -69,13 +68,9 @@ export function Branches({ watch }: { readonly watch: Watch }) {
 
 /** What stands here while no branch runs: of a run that is over, the way to another one. */
 function Nothing({ watch }: { readonly watch: Watch }) {
-  const { commands, context } = useHost();
   const run = useCommand();
   const phase = useComputed(() => watch.now.value?.run.phase, [watch]);
-  const refusal = useComputed(() => {
-    const start = commands.get("run.start");
-    return start ? refusalOf(start, context()) : null;
-  }, [commands, context]);
+  const refusal = useRefusalOf("run.start");
   if (phase === "live" || phase === "starting") {
     return (
       <section className="mission-part" aria-label="Active now">
