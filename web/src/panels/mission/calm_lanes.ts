@@ -8,7 +8,7 @@ import { type Active, activeStates, lanes } from "../../store/run/active.ts";
 import { sinceSnapshot } from "../../store/run/since_snapshot.ts";
 import { isSameList, useComputed } from "../../ui/signals.ts";
 import { useThrottled } from "../../ui/throttled.ts";
-import { inOrder } from "../parts/order.ts";
+import { inOrder } from "../parts/branch.ts";
 
 /** A little less than a second, so that each second is told. */
 const PACE_MS = 900;
