@@ -3,22 +3,23 @@
 import { CircleHelp, TriangleAlert } from "lucide-react";
 import { openQuestions } from "../store/history/questions.ts";
 import type { Watch } from "../store/history/run.ts";
-import { useDerived, useSession } from "./provided.tsx";
+import { useComputed } from "../ui/signals.ts";
+import { useSession } from "./provided.tsx";
 import { type AppSession, isInMission } from "./session.ts";
 import "./attention_buttons.css";
 
 export function AttentionButtons() {
   const session = useSession();
   const { commands, context } = session;
-  const asking = useDerived(
+  const asking = useComputed(
     () => firstOf(session, (watch) => openQuestions(watch).length > 0),
     [session],
   );
-  const count = useDerived(
+  const count = useComputed(
     () => watches(session).reduce((sum, watch) => sum + openQuestions(watch).length, 0),
     [session],
   );
-  const crashed = useDerived(
+  const crashed = useComputed(
     () => firstOf(session, (watch) => watch.now.value?.run.phase === "crashed"),
     [session],
   );

@@ -2,7 +2,7 @@
 
 import type { ReactNode } from "react";
 
-export interface PageBarProps {
+interface PageBarProps {
   readonly kind?: "plain" | "warning" | "danger";
   readonly icon: ReactNode;
   readonly children: ReactNode;

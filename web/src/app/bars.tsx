@@ -5,11 +5,11 @@ import { useEffect, useState } from "react";
 import type { OpenTab } from "../store/page/page.ts";
 import { mayEdit } from "../store/page/rights.ts";
 import { Button, IconButton } from "../ui/button.tsx";
-import { useSignal } from "../ui/signals.ts";
+import { useComputed, useSignal } from "../ui/signals.ts";
 import { agePhrase } from "./age.ts";
 import { Bar } from "./bar.tsx";
 import { MomentBar } from "./moment_bar.tsx";
-import { useDerived, useSession } from "./provided.tsx";
+import { useSession } from "./provided.tsx";
 import { RunBars } from "./run_bars.tsx";
 import { RunFateBars } from "./run_fate_bars.tsx";
 import { isInMission } from "./session.ts";
@@ -75,7 +75,7 @@ export function useNow(wanted: boolean): number {
 /** In mission control it stands with what one may do there. */
 function ReadOnlyBar({ tab }: { tab: OpenTab }) {
   const session = useSession();
-  const isWanted = useDerived(
+  const isWanted = useComputed(
     () => !mayEdit(session.page) && !isInMission(session, tab),
     [session, tab],
   );
@@ -90,7 +90,7 @@ function ReadOnlyBar({ tab }: { tab: OpenTab }) {
 function DiskBar({ tab }: { tab: OpenTab }) {
   const { page, commands, context } = useSession();
   const status = useSignal(tab.session.status);
-  const may = useDerived(() => mayEdit(page), [page]);
+  const may = useComputed(() => mayEdit(page), [page]);
   const disk = status?.summary.disk ?? "same";
   if (disk === "same") return null;
   const run = (id: string, argument?: unknown) => commands.run(id, context(), argument);

@@ -11,7 +11,8 @@ import type { Watch } from "../store/history/run.ts";
 import type { OpenTab } from "../store/page/page.ts";
 import { type Active, activeStates, lanes, placeOfLane } from "../store/run/active.ts";
 import { IconButton } from "../ui/button.tsx";
-import { useDerived, useSession } from "./provided.tsx";
+import { isSameList, useComputed } from "../ui/signals.ts";
+import { useSession } from "./provided.tsx";
 import "./branch_steps.css";
 
 const STEPS = [
@@ -28,9 +29,7 @@ interface BranchStepsProps {
 }
 
 export function BranchSteps({ tab, watch, picture }: BranchStepsProps) {
-  const key = useDerived(() => keyOfHeld(watch), [watch]);
-  if (key === "") return null;
-  const held = heldLanes(watch);
+  const held = useComputed(() => heldLanes(watch), [watch], isSameHeld);
   return held.map((lane) => (
     <At key={placeOfLane(lane)} path={placeOfLane(lane)} tab={tab} picture={picture}>
       <Steps tab={tab} lane={lane} />
@@ -46,10 +45,12 @@ function heldLanes(watch: Watch): readonly Active[] {
   );
 }
 
-function keyOfHeld(watch: Watch): string {
-  return heldLanes(watch)
-    .map((lane) => `${lane.branch} ${placeOfLane(lane)}`)
-    .join("\n");
+function isSameHeld(one: readonly Active[], other: readonly Active[]): boolean {
+  return isSameList(
+    one,
+    other,
+    (lane, now) => lane.branch === now.branch && placeOfLane(lane) === placeOfLane(now),
+  );
 }
 
 function Steps({ tab, lane }: { readonly tab: OpenTab; readonly lane: Active }) {

@@ -8,9 +8,9 @@ import { lineage } from "../model/path.ts";
 import type { OpenTab } from "../store/page/page.ts";
 import { select } from "../store/page/view.ts";
 import { ContextMenu } from "../ui/menu.tsx";
-import { useSignal } from "../ui/signals.ts";
+import { useComputed, useSignal } from "../ui/signals.ts";
 import { crumbsIn } from "./crumbs.ts";
-import { useDerived, useSession } from "./provided.tsx";
+import { useSession } from "./provided.tsx";
 
 export function Breadcrumb({ tab }: { tab: OpenTab }) {
   const { canvas } = useSession();
@@ -25,7 +25,7 @@ export function Breadcrumb({ tab }: { tab: OpenTab }) {
     return () => sizes.disconnect();
   }, []);
   useSignal(tab.session.version);
-  const path = useDerived(() => {
+  const path = useComputed(() => {
     const [key] = tab.view.selection.value;
     const selected = key === undefined ? undefined : elementOf(key)?.path;
     return selected ?? canvas.value?.stage.value ?? machine.root;

@@ -14,11 +14,11 @@ import { useIsOld } from "../panels/run_age.ts";
 import type { OpenTab } from "../store/page/page.ts";
 import { Button } from "../ui/button.tsx";
 import { ContextMenu } from "../ui/menu.tsx";
-import { useSignal } from "../ui/signals.ts";
+import { useComputed, useSignal } from "../ui/signals.ts";
 import { BranchSteps } from "./branch_steps.tsx";
 import { HeatLegend } from "./heat_legend.tsx";
 import { useKeys } from "./keys_shown.ts";
-import { useDerived, useSession } from "./provided.tsx";
+import { useSession } from "./provided.tsx";
 import { runExtras } from "./run_extras.ts";
 import { SentCommands } from "./sent_commands.tsx";
 import { isInMission } from "./session.ts";
@@ -47,7 +47,7 @@ export function CanvasPlace({ tab }: { tab: OpenTab }) {
   const place = useRef<HTMLDivElement>(null);
   const isOld = useIsOld(page);
   const watch = useSignal(tab.run);
-  const isTold = useDerived(() => isInMission(session, tab), [session, tab]);
+  const isTold = useComputed(() => isInMission(session, tab), [session, tab]);
   const [picture, setPicture] = useState<CanvasPicture | null>(null);
   const [menu, setMenu] = useState<CanvasMenu | null>(null);
   useEffect(() => {

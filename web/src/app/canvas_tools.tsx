@@ -18,9 +18,9 @@ import {
 import { followedSignal } from "../store/page/following.ts";
 import type { OpenTab } from "../store/page/page.ts";
 import { IconButton } from "../ui/button.tsx";
-import { useSignal } from "../ui/signals.ts";
+import { useComputed, useSignal } from "../ui/signals.ts";
 import { useShownKey } from "./keys_shown.ts";
-import { useDerived, useSession } from "./provided.tsx";
+import { useSession } from "./provided.tsx";
 
 const MODES: readonly (readonly [string, LucideIcon])[] = [
   ["view.transitions", ArrowRightLeft],
@@ -46,7 +46,7 @@ export function CanvasTools({ tab }: { tab: OpenTab }) {
   const { commands, context } = useSession();
   const shown = useShownKey();
   const modes = useSignal(tab.view.modes);
-  const some = useDerived(() => tab.view.selection.value.size > 0, [tab]);
+  const some = useComputed(() => tab.view.selection.value.size > 0, [tab]);
   const button = ([id, Icon]: readonly [string, LucideIcon], pressed?: boolean, words = "") => (
     <IconButton
       key={id}

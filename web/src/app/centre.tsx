@@ -2,20 +2,20 @@
 
 import { MISSION_PANEL } from "../commands/mission.ts";
 import { mayEdit } from "../store/page/rights.ts";
-import { useSignal } from "../ui/signals.ts";
+import { useComputed, useSignal } from "../ui/signals.ts";
 import { Bars } from "./bars.tsx";
 import { Breadcrumb } from "./breadcrumb.tsx";
 import { CanvasPlace } from "./canvas_place.tsx";
 import { CanvasTools } from "./canvas_tools.tsx";
 import { InsertPalette } from "./insert_palette.tsx";
-import { useDerived, useSession } from "./provided.tsx";
+import { useSession } from "./provided.tsx";
 import { StartPage } from "./start_page.tsx";
 import "./centre.css";
 
 export function Centre() {
   const { page, dock } = useSession();
   const tab = useSignal(page.active);
-  const draws = useDerived(
+  const draws = useComputed(
     () =>
       mayEdit(page) &&
       page.active.value?.session.fixed === null &&

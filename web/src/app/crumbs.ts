@@ -7,7 +7,7 @@ const CRUMB_PX = 25;
 const LETTERS_MAX = 24;
 
 /** Those that give way, as one `…`: a part of the list. The root and the innermost stay. */
-export interface Crumbs {
+interface Crumbs {
   readonly from: number;
   readonly to: number;
 }

@@ -22,11 +22,11 @@ import {
 import { useEffect, useMemo, useRef, useState } from "react";
 import { isValueDrag } from "../panels/parts/value/dragged_value.ts";
 import { useIsOld } from "../panels/run_age.ts";
-import { localStoreOf } from "../store/local_store.ts";
+import { BROWSER_STORE } from "../store/local_store.ts";
 import { IconButton } from "../ui/button.tsx";
 import { useKeptScroll } from "../ui/kept_scroll.ts";
 import { ContextMenu, type MenuItem } from "../ui/menu.tsx";
-import { useSignal } from "../ui/signals.ts";
+import { useComputed, useSignal } from "../ui/signals.ts";
 import { listenForTips } from "../ui/tips.ts";
 import { Centre } from "./centre.tsx";
 import { listenToClipboard } from "./clipboard_events.ts";
@@ -36,7 +36,7 @@ import { listenToKeys } from "./keyboard.ts";
 import { NARROW, SMALL } from "./mission_place.ts";
 import { PanelGuard } from "./panel_guard.tsx";
 import { PANELS, panelOf } from "./panels.tsx";
-import { useDerived, useSession } from "./provided.tsx";
+import { useSession } from "./provided.tsx";
 import { wearTheme } from "./theme.ts";
 
 const THEME = { ...themeAbyss, name: "rafcon", className: "dockview-theme-rafcon", gap: 0 };
@@ -46,10 +46,7 @@ export function Dock() {
   const [api, setApi] = useState<DockviewApi | null>(null);
   useEffect(() => {
     if (!api) return;
-    const control = new DockControl(
-      api,
-      localStoreOf(() => window.localStorage),
-    );
+    const control = new DockControl(api, BROWSER_STORE);
     const narrow = window.matchMedia(NARROW);
     const small = window.matchMedia(SMALL);
     const fold = () => control.fold(small.matches);
@@ -141,7 +138,7 @@ function PanelTab({ api }: IDockviewPanelHeaderProps) {
   const { page } = useSession();
   const panel = panelOf(api.id);
   const active = useSignal(page.active);
-  const count = useDerived(() => panel?.count?.(active) ?? 0, [panel, active]);
+  const count = useComputed(() => panel?.count?.(active) ?? 0, [panel, active]);
   if (!panel) return null;
   const Icon = panel.icon;
   return (

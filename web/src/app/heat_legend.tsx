@@ -3,8 +3,8 @@
 import { HEAT_LEVELS } from "../canvas/scene/input.ts";
 import { duration } from "../panels/parts/duration.ts";
 import type { OpenTab } from "../store/page/page.ts";
-import { useSignal } from "../ui/signals.ts";
-import { useDerived } from "./provided.tsx";
+import { useComputed, useSignal } from "../ui/signals.ts";
+
 import { heatNow } from "./run_extras.ts";
 import "./heat_legend.css";
 
@@ -12,8 +12,8 @@ const SHADES = Array.from({ length: HEAT_LEVELS + 1 }, (_, level) => level);
 
 export function HeatLegend({ tab }: { readonly tab: OpenTab }) {
   const mode = useSignal(tab.view.heat);
-  const most = useDerived(() => heatNow(tab)?.most ?? null, [tab]);
-  const isPast = useDerived(() => (tab.run.value?.playhead.value ?? null) !== null, [tab]);
+  const most = useComputed(() => heatNow(tab)?.most ?? null, [tab]);
+  const isPast = useComputed(() => (tab.run.value?.playhead.value ?? null) !== null, [tab]);
   if (mode === "off" || most === null) return null;
   const [what, least, much] =
     mode === "count"

@@ -2,10 +2,10 @@
 
 import { shownKey } from "../commands/keys.ts";
 import { DRAGGED_TYPE, dragged } from "../store/page/dragged.ts";
-import { useSignal } from "../ui/signals.ts";
+import { useComputed, useSignal } from "../ui/signals.ts";
 import { useKeys } from "./keys_shown.ts";
 import { KIND_ICONS, KIND_TITLES, NEW_KINDS } from "./kinds.ts";
-import { useDerived, useSession } from "./provided.tsx";
+import { useSession } from "./provided.tsx";
 
 const SHORT = {
   execution: "Execution",
@@ -18,7 +18,7 @@ export function InsertPalette() {
   const { commands, context, page } = useSession();
   const keys = useKeys();
   useSignal(page.active);
-  const can = useDerived(
+  const can = useComputed(
     () => commands.get("insert.execution")?.enabled?.(context()) !== false,
     [commands],
   );

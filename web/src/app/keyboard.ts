@@ -7,7 +7,7 @@ import { whyDisabled } from "../commands/why.ts";
 import type { AppSession } from "./session.ts";
 
 /** Where the keyboard is. */
-export type Focus = "canvas" | "text" | "elsewhere";
+type Focus = "canvas" | "text" | "elsewhere";
 
 const TEXTS = "input, textarea, select, [contenteditable]:not([contenteditable=false])";
 

@@ -3,7 +3,7 @@
 import type { PanelSide } from "../commands/command.ts";
 
 /** Panels on one side, as groups: of the left and right side from the top, of the lower side from the left. */
-export interface LayoutSide {
+interface LayoutSide {
   /** In CSS pixels: width of the left and right side, height of the lower. */
   readonly size: number;
   readonly groups: readonly (readonly string[])[];

@@ -3,7 +3,7 @@
 import type { AppSession } from "./session.ts";
 
 /** Whether an edit waits for its answer. What was answered is kept by the server. */
-export function isUnsent({ page }: AppSession): boolean {
+function isUnsent({ page }: AppSession): boolean {
   return page.tabs.peek().some(({ session }) => session.pending.peek().length > 0);
 }
 

@@ -7,9 +7,9 @@ import { isChanged } from "../commands/save.ts";
 import type { OpenTab } from "../store/page/page.ts";
 import { IconButton } from "../ui/button.tsx";
 import { ContextMenu } from "../ui/menu.tsx";
-import { useSignal } from "../ui/signals.ts";
+import { useComputed, useSignal } from "../ui/signals.ts";
 import { useShownKey } from "./keys_shown.ts";
-import { useDerived, useSession } from "./provided.tsx";
+import { useSession } from "./provided.tsx";
 
 export function MachineTabs() {
   const { page, commands, context } = useSession();
@@ -55,8 +55,8 @@ function MachineTab({ tab, active }: { tab: OpenTab; active: boolean }) {
   const { machine } = tab.session;
   useSignal(tab.session.version);
   const [menu, setMenu] = useState<{ x: number; y: number } | null>(null);
-  const changed = useDerived(() => isChanged(tab), [tab]);
-  const file = useDerived(() => tab.session.status.value?.summary.file ?? null, [tab]);
+  const changed = useComputed(() => isChanged(tab), [tab]);
+  const file = useComputed(() => tab.session.status.value?.summary.file ?? null, [tab]);
   const name = machine.state(machine.root)?.name ?? "";
   const close = () => commands.run("file.close", context(), tab);
   return (

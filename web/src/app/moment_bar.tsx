@@ -9,9 +9,9 @@ import type { Watch } from "../store/history/run.ts";
 import type { OpenTab } from "../store/page/page.ts";
 import { gapsOf } from "../store/run/gaps.ts";
 import { Button, IconButton } from "../ui/button.tsx";
-import { useSignal } from "../ui/signals.ts";
+import { useComputed, useSignal } from "../ui/signals.ts";
 import { useKeys } from "./keys_shown.ts";
-import { useDerived, useSession } from "./provided.tsx";
+import { useSession } from "./provided.tsx";
 import "./moment_bar.css";
 
 export function MomentBar({ tab }: { tab: OpenTab }) {
@@ -71,7 +71,7 @@ function Ago({ watch, index }: { readonly watch: Watch; readonly index: number }
   const now = useSignal(watch.now);
   const snapshot = useSignal(watch.playheadSnapshot);
   const t_ms = watch.journal.t_ns(index) / 1e6;
-  const come_ms = useDerived(() => timelineOf(page, watch).end_ns / 1e6, [page, watch]);
+  const come_ms = useComputed(() => timelineOf(page, watch).end_ns / 1e6, [page, watch]);
   const before = duration(Math.max(0, come_ms - t_ms));
   const at =
     now && (snapshot?.picture.life ?? 1) <= 1 ? `, ${clockTime(now.run.started_ms + t_ms)}` : "";
@@ -80,7 +80,7 @@ function Ago({ watch, index }: { readonly watch: Watch; readonly index: number }
 
 function useRefusal(id: string, { tab, watch }: MomentBarProps): string | null {
   const { commands, context } = useSession();
-  return useDerived(() => {
+  return useComputed(() => {
     watch.journalVersion.value;
     watch.playhead.value;
     watch.now.value;

@@ -2,7 +2,7 @@
 
 import fuzzysort from "fuzzysort";
 
-export type PaletteHit =
+type PaletteHit =
   | { readonly kind: "command"; readonly id: string; readonly argument?: unknown }
   | { readonly kind: "state"; readonly path: string }
   | { readonly kind: "machine"; readonly project: string; readonly path: string }

@@ -71,7 +71,7 @@ export function useProjects(): readonly ProjectNode[] | null {
   return nodes;
 }
 
-export interface ProjectTreeProps {
+interface ProjectTreeProps {
   readonly nodes: readonly ProjectNode[];
   readonly search?: string;
   readonly selected: MachineFile | null;

@@ -7,10 +7,10 @@ import { historyLag } from "../store/history/history_lag.ts";
 import type { Watch } from "../store/history/run.ts";
 import type { OpenTab } from "../store/page/page.ts";
 import type { RunAge } from "../store/run/age.ts";
-import { useSignal } from "../ui/signals.ts";
+import { useComputed, useSignal } from "../ui/signals.ts";
 import { agePhrase } from "./age.ts";
 import { Bar } from "./bar.tsx";
-import { useDerived, useSession } from "./provided.tsx";
+import { useSession } from "./provided.tsx";
 
 /** Fewer are told before anybody could read that they are. */
 const WORTH_SAYING = 100;
@@ -55,7 +55,7 @@ function oldInWords(why: RunAge["why"], age: string, isCurrent: boolean): string
 
 function CatchingUpBar({ watch }: { watch: Watch }) {
   const { page } = useSession();
-  const missing = useDerived(() => {
+  const missing = useComputed(() => {
     const isUp = page.server.link.value.state === "up";
     return isUp && !watch.isCaughtUp.value ? historyLag(watch) : 0;
   }, [page, watch]);

@@ -5,7 +5,6 @@ import { useRef, useState } from "react";
 import type { CommandMenuEntry } from "../commands/menus.ts";
 import type { RunSummary } from "../model/generated/protocol.ts";
 import {
-  type RunStatusWords,
   runStatusWords,
   startedInWords,
   statusInWords,
@@ -21,10 +20,10 @@ import { isGoingOn, truthAge } from "../store/run/age.ts";
 import { elapsedNow } from "../store/run/run_clock.ts";
 import { runsOfTab } from "../store/run/running.ts";
 import { ContextMenu } from "../ui/menu.tsx";
-import { useSignal } from "../ui/signals.ts";
+import { isSameRecord, useComputed, useSignal } from "../ui/signals.ts";
 import { agePhrase } from "./age.ts";
 import { useEntries } from "./entries.ts";
-import { useDerived, useSession } from "./provided.tsx";
+import { useSession } from "./provided.tsx";
 
 /** So many runs stand in the menu; all are in the panel. */
 const RUNS_MAX = 12;
@@ -34,7 +33,7 @@ export function RunChooser({ tab }: { tab: OpenTab }) {
   const place = useRef<HTMLButtonElement>(null);
   const [at, setAt] = useState<{ x: number; y: number } | null>(null);
   const watch = useSignal(tab.run);
-  const count = useDerived(() => runsOfTab(page, tab).length, [page, tab]);
+  const count = useComputed(() => runsOfTab(page, tab).length, [page, tab]);
   const items = useRuns(tab);
   if (!watch && count === 0) return null;
   const open = () => {
@@ -59,7 +58,7 @@ export function RunChooser({ tab }: { tab: OpenTab }) {
 
 /** For those who hear the page: how the run stands, whenever that is another, without its length. */
 function Announced({ watch }: { watch: Watch }) {
-  const text = useDerived(() => {
+  const text = useComputed(() => {
     const now = watch.now.value;
     return now ? `Run ${statusInWords(runStatusWords(now))}` : "";
   }, [watch]);
@@ -73,11 +72,15 @@ function Announced({ watch }: { watch: Watch }) {
 /** The word, what belongs to it, and how long. */
 function RunStatusMark({ watch }: { watch: Watch }) {
   const { page } = useSession();
-  const text = useDerived(() => {
-    const now = watch.now.value;
-    return now ? JSON.stringify(runStatusWords(now)) : null;
-  }, [watch]);
-  const elapsed = useDerived(() => {
+  const status = useComputed(
+    () => {
+      const now = watch.now.value;
+      return now && runStatusWords(now);
+    },
+    [watch],
+    isSameRecord,
+  );
+  const elapsed = useComputed(() => {
     const now = watch.now.value;
     const isTicking = now !== null && isGoingOn(now);
     // Nothing is reckoned on from what may be old.
@@ -86,8 +89,7 @@ function RunStatusMark({ watch }: { watch: Watch }) {
     return isTicking ? growing(ms) : duration(ms);
   }, [page, watch]);
   const { isOld, age_ms } = useRunAge(page, watch);
-  if (text === null) return <span>Run …</span>;
-  const status = JSON.parse(text) as RunStatusWords;
+  if (status === null) return <span>Run …</span>;
   return (
     <span className={`run-chooser-stand shows-run ${isOld ? "is-old" : ""}`}>
       <span className="visually-hidden">Run:</span>

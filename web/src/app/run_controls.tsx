@@ -12,22 +12,22 @@ import {
   Undo2,
 } from "lucide-react";
 import { type ReactNode, useRef, useState } from "react";
-import { refusalOf } from "../commands/command.ts";
+import { useRefusalOf } from "../panels/context.tsx";
 import { liveRun, runningBeside, snapshotOf } from "../store/run/running.ts";
 import { Button, IconButton } from "../ui/button.tsx";
 import { ContextMenu } from "../ui/menu.tsx";
-import { useSignal } from "../ui/signals.ts";
+import { useComputed, useSignal } from "../ui/signals.ts";
 import { useEntries } from "./entries.ts";
 import { useShownKey } from "./keys_shown.ts";
-import { useDerived, useSession } from "./provided.tsx";
+import { useSession } from "./provided.tsx";
 import { RunChooser } from "./run_chooser.tsx";
 import "./run_controls.css";
 
 export function RunControls() {
   const { page } = useSession();
   const tab = useSignal(page.active);
-  const isLive = useDerived(() => liveRun(page.active.value) !== null, [page]);
-  const isPaused = useDerived(() => {
+  const isLive = useComputed(() => liveRun(page.active.value) !== null, [page]);
+  const isPaused = useComputed(() => {
     const status = snapshotOf(liveRun(page.active.value))?.status;
     return status === "paused" || status === "stepping";
   }, [page]);
@@ -95,7 +95,7 @@ interface RunButtonProps {
 function RunButton({ id, keysOf, icon, className, children }: RunButtonProps) {
   const { commands, context } = useSession();
   const shown = useShownKey();
-  const refusal = useRefusal(id);
+  const refusal = useRefusalOf(id);
   const command = commands.get(id);
   return (
     <Button
@@ -112,21 +112,13 @@ function RunButton({ id, keysOf, icon, className, children }: RunButtonProps) {
   );
 }
 
-function useRefusal(id: string): string | null {
-  const { commands, context } = useSession();
-  return useDerived(() => {
-    const command = commands.get(id);
-    return command ? refusalOf(command, context()) : "";
-  }, [commands, context, id]);
-}
-
 /** Start, and a menu with the other ways to begin. */
 function Start() {
   const { page } = useSession();
   const place = useRef<HTMLDivElement>(null);
   const [at, setAt] = useState<{ x: number; y: number } | null>(null);
-  const refusal = useRefusal("run.start");
-  const isOn = useDerived(() => {
+  const refusal = useRefusalOf("run.start");
+  const isOn = useComputed(() => {
     const tab = page.active.value;
     return tab !== null && runningBeside(page, tab).length > 0;
   }, [page]);

@@ -12,13 +12,14 @@ import { heatOf } from "../store/run/heat.ts";
 import { runMarks } from "../store/run/marks.ts";
 import { portValues } from "../store/run/port_values.ts";
 import { sinceSnapshot } from "../store/run/since_snapshot.ts";
+import { computedWith, isSameList } from "../ui/signals.ts";
 
 /** So many letters of a value are shown when it is pointed at. */
 const FULL = 320;
 const CHIP = 18;
 const NO_VALUES: ReadonlyMap<string, ValueChip> = new Map();
 
-export interface RunExtras {
+interface RunExtras {
   /** A signal's reader. */
   readonly read: () => Extras;
   readonly stop: () => void;
@@ -27,8 +28,7 @@ export interface RunExtras {
 export function runExtras(page: Page, tab: OpenTab): RunExtras {
   const values = valuesOf(tab);
   const heat = computed(() => heatNow(tab)?.levels ?? null);
-  const points = computed(() => pointsInShort(tab));
-  const breakpoints = computed(() => breakpointMarks(points.value));
+  const breakpoints = computedWith(() => breakpointMarks(tab), isSameMarks);
   const extras = computed((): Extras => {
     const watch = tab.run.value;
     if (!watch) return { breakpoints: breakpoints.value };
@@ -50,22 +50,17 @@ export function runExtras(page: Page, tab: OpenTab): RunExtras {
   return { read: () => extras.value, stop };
 }
 
-/** The same text as long as nothing about breakpoints is different. */
-function pointsInShort(tab: OpenTab): string {
-  return breakpointsOf(tab)
-    .map(({ path, enabled }) => `${enabled ? "on" : "off"} ${path}`)
-    .join("\n");
-}
-
 /** States with breakpoints: whether any of theirs is on. */
-function breakpointMarks(points: string): ReadonlyMap<string, "on" | "off"> {
+function breakpointMarks(tab: OpenTab): ReadonlyMap<string, "on" | "off"> {
   const marks = new Map<string, "on" | "off">();
-  for (const line of points === "" ? [] : points.split("\n")) {
-    const at = line.indexOf(" ");
-    const path = line.slice(at + 1);
-    if (marks.get(path) !== "on") marks.set(path, line.slice(0, at) === "on" ? "on" : "off");
+  for (const { path, enabled } of breakpointsOf(tab)) {
+    if (marks.get(path) !== "on") marks.set(path, enabled ? "on" : "off");
   }
   return marks;
+}
+
+function isSameMarks<T>(one: ReadonlyMap<string, T>, other: ReadonlyMap<string, T>): boolean {
+  return isSameList([...one].flat(), [...other].flat());
 }
 
 /** The heat that the canvas shows; null while it shows none. A signal's reader. */

@@ -3,24 +3,24 @@
 
 import { GitCompareArrows, Skull, TriangleAlert } from "lucide-react";
 import { useEffect, useState } from "react";
-import { refusalOf } from "../commands/command.ts";
 import { fewInWords } from "../model/few.ts";
 import { namesTo } from "../model/machine.ts";
+import { useRefusalOf } from "../panels/context.tsx";
 import type { Watch } from "../store/history/run.ts";
 import type { OpenTab } from "../store/page/page.ts";
 import { activeStates } from "../store/run/active.ts";
 import { differsFromRun } from "../store/run/run_difference.ts";
 import { liveRun, snapshotOf } from "../store/run/running.ts";
 import { Button } from "../ui/button.tsx";
-import { useSignal } from "../ui/signals.ts";
+import { isSameList, useComputed, useSignal } from "../ui/signals.ts";
 import { Bar } from "./bar.tsx";
-import { useDerived, useSession } from "./provided.tsx";
+import { useSession } from "./provided.tsx";
 import { isInMission } from "./session.ts";
 
 export function RunFateBars({ tab }: { tab: OpenTab }) {
   const session = useSession();
   const watch = useSignal(tab.run);
-  const isTold = useDerived(() => isInMission(session, tab), [session, tab]);
+  const isTold = useComputed(() => isInMission(session, tab), [session, tab]);
   if (!watch) return null;
   return (
     <>
@@ -38,13 +38,10 @@ interface RunBarProps {
 
 function CrashBar({ tab, watch }: RunBarProps) {
   const { page, commands, context } = useSession();
-  const isCrashed = useDerived(() => watch.now.value?.run.phase === "crashed", [watch]);
+  const isCrashed = useComputed(() => watch.now.value?.run.phase === "crashed", [watch]);
   const why = useLastWords(watch, isCrashed);
-  const refusal = useDerived(() => {
-    const command = commands.get("run.take-up");
-    return command ? refusalOf(command, context()) : "";
-  }, [commands, context]);
-  const where = useDerived(() => placesInWords(tab, watch), [tab, watch]);
+  const refusal = useRefusalOf("run.take-up");
+  const where = useComputed(() => placesInWords(tab, watch), [tab, watch]);
   if (!isCrashed) return null;
   const run = (policy?: string) => () => void commands.run("run.take-up", context(), policy);
   const isFront = page.active.peek() === tab;
@@ -99,16 +96,15 @@ function useLastWords(watch: Watch, wanted: boolean): string {
 /** Somebody has to say what becomes of scripts that a crash has interrupted. */
 function InterruptedBar({ tab, watch }: RunBarProps) {
   const { commands, context } = useSession();
-  const waiting = useDerived(
+  const paths = useComputed(
     () =>
       (liveRun(tab) === watch ? activeStates(watch) : [])
         .filter(({ phase }) => phase === "interrupted")
-        .map(({ path }) => path)
-        .join("\n"),
+        .map(({ path }) => path),
     [tab, watch],
+    isSameList,
   );
-  if (waiting === "") return null;
-  const paths = waiting.split("\n");
+  if (paths.length === 0) return null;
   const decide = (path: string | null, policy: "abort" | "restart") => () =>
     void commands.run("run.recover", context(), { path, policy });
   return (
@@ -135,11 +131,8 @@ function InterruptedBar({ tab, watch }: RunBarProps) {
 function DiffersBar({ tab, watch }: RunBarProps) {
   const { page, commands, context } = useSession();
   const differs = useSignal(differsFromRun(tab, watch, page.runs));
-  const canReload = useDerived(() => {
-    const command = commands.get("run.reload");
-    return command !== undefined && refusalOf(command, context()) === null;
-  }, [commands, context]);
-  const isLive = useDerived(() => liveRun(tab) === watch, [tab, watch]);
+  const canReload = useRefusalOf("run.reload") === null;
+  const isLive = useComputed(() => liveRun(tab) === watch, [tab, watch]);
   const [closed, setClosed] = useState(false);
   if (!differs || closed) return null;
   return (

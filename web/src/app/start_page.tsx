@@ -5,10 +5,10 @@ import { useState } from "react";
 import type { MachineFile } from "../model/generated/protocol.ts";
 import { Button } from "../ui/button.tsx";
 import { TextField } from "../ui/field.tsx";
-import { useSignal } from "../ui/signals.ts";
+import { useComputed, useSignal } from "../ui/signals.ts";
 import { useShownKey } from "./keys_shown.ts";
 import { ProjectTree, useProjects } from "./project_tree.tsx";
-import { useDerived, useSession } from "./provided.tsx";
+import { useSession } from "./provided.tsx";
 import "./centre.css";
 
 const RECENT_SHOWN = 8;
@@ -19,7 +19,7 @@ export function StartPage() {
   const projects = useProjects();
   const [search, setSearch] = useState("");
   const [selected, setSelected] = useState<MachineFile | null>(null);
-  const canMake = useDerived(
+  const canMake = useComputed(
     () => commands.get("file.new")?.enabled?.(context()) !== false,
     [commands],
   );

@@ -6,8 +6,8 @@ import { MISSION_PANEL } from "../commands/mission.ts";
 import { keyOfNotice, noticeText } from "../store/page/notices.ts";
 import type { Notice } from "../store/page/page.ts";
 import { Button, IconButton } from "../ui/button.tsx";
-import { useSignal } from "../ui/signals.ts";
-import { useDerived, useSession } from "./provided.tsx";
+import { useComputed, useSignal } from "../ui/signals.ts";
+import { useSession } from "./provided.tsx";
 import { closeNotices } from "./session.ts";
 import "./toasts.css";
 
@@ -21,11 +21,11 @@ export function Toasts() {
   const { page, dock } = session;
   const closed = useSignal(session.closedNotices);
   /** The machine whose run mission control shows: its news stands there. */
-  const told = useDerived(() => {
+  const told = useComputed(() => {
     const machine = page.active.value?.session.id ?? null;
     return dock.value.isInSight(MISSION_PANEL) ? machine : null;
   }, [page, dock]);
-  const isAside = useDerived(() => dock.value.isInSight(MISSION_PANEL), [dock]);
+  const isAside = useComputed(() => dock.value.isInSight(MISSION_PANEL), [dock]);
   const notices = useSignal(page.notices);
   const [first, setFirst] = useState(() => page.notices.peek().at(-1)?.id ?? 0);
   const [gone, setGone] = useState<ReadonlySet<number>>(new Set());

@@ -2,7 +2,7 @@
 
 import { PanelBottom, PanelLeft, PanelRight, Search } from "lucide-react";
 import { IconButton } from "../ui/button.tsx";
-import { useSignal } from "../ui/signals.ts";
+import { isSameList, useComputed, useSignal } from "../ui/signals.ts";
 import { AttentionButtons } from "./attention_buttons.tsx";
 import { useShownKey } from "./keys_shown.ts";
 import { LinkState } from "./link_state.tsx";
@@ -10,7 +10,7 @@ import { MachineTabs } from "./machine_tabs.tsx";
 import { MenuBar } from "./menu_bar.tsx";
 import { NoticeBell } from "./notice_centre.tsx";
 import { People } from "./people.tsx";
-import { useDerived, useSession } from "./provided.tsx";
+import { useSession } from "./provided.tsx";
 import { RunControls } from "./run_controls.tsx";
 import "./top_bar.css";
 
@@ -57,9 +57,10 @@ function Sides() {
   const { commands, context, dock } = useSession();
   const shown = useShownKey();
   const { layouts } = useSignal(dock);
-  const state = useDerived(
-    () => SIDES.map(([side]) => (layouts.isShown(side) ? "1" : "0")).join(""),
+  const isShown = useComputed(
+    () => SIDES.map(([side]) => layouts.isShown(side)),
     [layouts],
+    isSameList,
   );
   return (
     <div className="tool-group" role="toolbar" aria-label="Panel sides">
@@ -69,7 +70,7 @@ function Sides() {
           label={commands.get(`view.${side}`)?.title ?? side}
           icon={<Icon size={16} />}
           keys={shown(`view.${side}`)}
-          pressed={state[index] === "1"}
+          pressed={isShown[index] === true}
           onClick={() => commands.run(`view.${side}`, context())}
         />
       ))}

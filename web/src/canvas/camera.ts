@@ -4,8 +4,8 @@ import type { Box, Point, Size } from "../model/geometry.ts";
 import type { Camera } from "../store/page/view.ts";
 
 /** How far in and out one can go, in CSS pixels for a unit of the root. */
-export const SCALE_MIN = 1e-4;
-export const SCALE_MAX = 1e7;
+const SCALE_MIN = 1e-4;
+const SCALE_MAX = 1e7;
 
 export function screenFromWorld(camera: Camera, point: Point): Point {
   return { x: (point.x - camera.x) * camera.scale, y: (point.y - camera.y) * camera.scale };

@@ -1,11 +1,15 @@
 /** Where the camera is when a machine is opened: where it was last in this browser tab, or with the whole machine in view. */
 
 import type { Box, Size } from "../model/geometry.ts";
+import { kept, localStoreOf } from "../store/local_store.ts";
 import type { OpenTab } from "../store/page/page.ts";
 import type { Camera, SessionView } from "../store/page/view.ts";
 import { screenBox } from "./camera.ts";
 import type { InteractionController } from "./interaction.ts";
 import { filling } from "./looks.ts";
+
+/** What this tab of the browser keeps over reloads. */
+const TAB_STORE = localStoreOf(() => window.sessionStorage);
 
 /** Views whose camera has been set once, and how large their canvas was last: they keep it when that comes back. */
 const LOOKED = new WeakMap<SessionView, Size>();
@@ -35,7 +39,7 @@ export function firstLook(
   const observer = new ResizeObserver(sized);
   observer.observe(root);
   const remember = () => {
-    if (LOOKED.has(view)) sessionStorage.setItem(key, JSON.stringify(view.camera.peek()));
+    if (LOOKED.has(view)) TAB_STORE.put(key, view.camera.peek());
   };
   window.addEventListener("pagehide", remember);
   return () => {
@@ -75,13 +79,7 @@ function isWhole(box: Box, camera: Camera, size: Size): boolean {
 }
 
 function remembered(key: string): Camera | null {
-  const text = sessionStorage.getItem(key);
-  if (text === null) return null;
-  try {
-    const { x, y, scale } = JSON.parse(text) as Partial<Camera>;
-    const isFine = [x, y, scale].every((part) => Number.isFinite(part)) && (scale ?? 0) > 0;
-    return isFine ? { x: x ?? 0, y: y ?? 0, scale: scale ?? 1 } : null;
-  } catch {
-    return null;
-  }
+  const { x, y, scale } = kept<Partial<Camera>>(TAB_STORE, key) ?? {};
+  const isFine = [x, y, scale].every((part) => Number.isFinite(part)) && (scale ?? 0) > 0;
+  return isFine ? { x: x ?? 0, y: y ?? 0, scale: scale ?? 1 } : null;
 }

@@ -11,7 +11,7 @@ import { type ChangedPaths, type LayoutNode, type LayoutSource, treeOf } from ".
 import type { ProvisionalEdit } from "./overlay.ts";
 
 /** What of a view says where things are. */
-export interface LayoutView {
+interface LayoutView {
   readonly modes: ViewModes;
   readonly contents: ReadonlyMap<string, boolean>;
 }

@@ -7,7 +7,7 @@ import type { InteractionController } from "./interaction.ts";
 import type { ReaderTree } from "./reader.ts";
 import type { Pointer } from "./tools/gesture.ts";
 
-export interface Hearers {
+interface Hearers {
   readonly controller: InteractionController;
   readonly reader: ReaderTree;
   /** What is being dragged onto the canvas. */

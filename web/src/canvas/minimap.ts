@@ -9,7 +9,7 @@ import { fitted, screenBox, visibleBox, worldFromScreen } from "./camera.ts";
 import { NO_OVERLAY } from "./overlay.ts";
 import { inkOf } from "./paint/ink.ts";
 import { paint } from "./paint/paint.ts";
-import type { CanvasPicture } from "./picture.ts";
+import { backed, type CanvasPicture } from "./picture.ts";
 import { PLAIN } from "./scene/input.ts";
 import type { BoxMark } from "./scene/list.ts";
 import { scene } from "./scene/scene.ts";
@@ -25,7 +25,7 @@ const REST_MS = 200;
 /** A run changes all the time: it is followed less often. */
 const RUN_REST_MS = 500;
 
-export interface Minimap {
+interface Minimap {
   readonly dispose: () => void;
 }
 
@@ -244,10 +244,7 @@ function paintMap(
 
 /** The context of a canvas of this size, in CSS pixels. */
 function sized(canvas: HTMLCanvasElement, size: Size): CanvasRenderingContext2D | null {
-  const ratio = Math.max(1, window.devicePixelRatio || 1);
-  const [width, height] = [Math.round(size.width * ratio), Math.round(size.height * ratio)];
-  if (canvas.width !== width) canvas.width = width;
-  if (canvas.height !== height) canvas.height = height;
+  const ratio = backed(canvas, size);
   const context = canvas.getContext("2d");
   context?.setTransform(ratio, 0, 0, ratio, 0, 0);
   return context;

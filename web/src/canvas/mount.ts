@@ -26,7 +26,7 @@ import { pulsesOver } from "./pulses.ts";
 import { ReaderTree, treeLines } from "./reader.ts";
 import { renameField } from "./rename_field.ts";
 
-export interface MountOptions {
+interface MountOptions {
   readonly tab: OpenTab;
   readonly page: Page;
   /** Runs a command by its id. */

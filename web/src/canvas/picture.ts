@@ -30,7 +30,7 @@ export interface Extras {
   readonly breakpoints?: SceneInput["breakpoints"];
 }
 
-export interface PictureOptions {
+interface PictureOptions {
   readonly tab: OpenTab;
   /** What gestures show now; a signal's reader, so that the picture follows it. */
   readonly overlay: () => Overlay;
@@ -302,7 +302,7 @@ function routingTime(left: number): RoutingTime {
 }
 
 /** Makes the canvas as large as its place, in pixels of the screen, and says how many those are for a CSS pixel. */
-function backed(canvas: HTMLCanvasElement, size: Size): number {
+export function backed(canvas: HTMLCanvasElement, size: Size): number {
   const ratio = Math.max(1, window.devicePixelRatio || 1);
   const [width, height] = [Math.round(size.width * ratio), Math.round(size.height * ratio)];
   if (canvas.width !== width) canvas.width = width;

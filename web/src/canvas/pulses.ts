@@ -20,7 +20,7 @@ interface RunningPulse {
   readonly begun: number;
 }
 
-export interface Pulses {
+interface Pulses {
   readonly dispose: () => void;
 }
 

@@ -2,7 +2,7 @@
 
 import type { Box } from "../model/geometry.ts";
 
-export interface Renaming {
+interface Renaming {
   readonly place: HTMLElement;
   /** Where the name stands, in CSS pixels of the place. */
   readonly box: Box;
@@ -16,7 +16,7 @@ export interface Renaming {
 const WIDTH_MIN = 140;
 const HEIGHT = 28;
 
-export interface RenameField {
+interface RenameField {
   readonly close: () => void;
   /** Says what somebody else did to the name meanwhile: from then on only Enter takes the one that is written here. */
   readonly warn: (text: string) => void;

@@ -155,6 +155,12 @@ export function refusalOf(
 export class Commands {
   readonly #all = new Map<string, UserCommand>();
 
+  /** Why a command cannot be run now; null if it can. One that does not exist is refused without words. */
+  refusalOf(id: string, context: CommandContext): string | null {
+    const command = this.#all.get(id);
+    return command ? refusalOf(command, context) : "";
+  }
+
   /** Adds commands. An id that is there already is a mistake of the program. */
   add(commands: readonly UserCommand[]): void {
     for (const command of commands) {

@@ -9,7 +9,7 @@ import { duplicate, pasteClip } from "../plan/clipboard.ts";
 import { isRefused } from "../plan/plan.ts";
 import { renameOutcome, renamePort } from "../plan/ports.ts";
 import { removeElements } from "../plan/states.ts";
-import { searchRevealRequest } from "../store/page/search_reveal_request.ts";
+import { searchRevealRequest } from "../store/page/reveal_requests.ts";
 import { select, selected } from "../store/page/view.ts";
 import { copyElements, NOTHING_COPIED, read, transferOf } from "./clipboard.ts";
 import type { CommandContext, UserCommand } from "./command.ts";

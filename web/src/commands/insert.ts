@@ -39,7 +39,7 @@ function addHere(context: CommandContext, kind: Exclude<StateKind, "library" | "
 }
 
 /** What a library is inserted with: which one, and where if it was dropped somewhere. */
-export interface InsertLibrary {
+interface InsertLibrary {
   /** A library root and the folders below it. */
   readonly path: string;
   readonly name: string;

@@ -4,7 +4,7 @@ import type { Settings } from "../store/page/page.ts";
 import type { UserCommand } from "./command.ts";
 
 /** As much of a keyboard event as a key's name needs. */
-export interface Pressed {
+interface Pressed {
   readonly key: string;
   readonly code: string;
   readonly ctrlKey: boolean;

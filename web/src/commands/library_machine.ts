@@ -1,8 +1,8 @@
 /** From a library state to its library: as a machine of its own, and in the panel of libraries. */
 
 import type { LibraryName } from "../model/generated/protocol.ts";
-import { libraryRevealRequest } from "../store/page/library_reveal_request.ts";
 import type { Page } from "../store/page/page.ts";
+import { libraryRevealRequest } from "../store/page/reveal_requests.ts";
 import type { CommandContext } from "./command.ts";
 import { libraryAround } from "./subject.ts";
 

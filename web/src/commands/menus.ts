@@ -20,7 +20,7 @@ export type CommandMenuEntry =
     };
 
 /** What menus are made with. */
-export interface MenuSource {
+interface MenuSource {
   readonly commands: Commands;
   readonly context: CommandContext;
   /** The keys of a command, as set. */

@@ -15,7 +15,7 @@ export const MISSION_LAYOUT = "Mission control";
 export const MISSION_PANEL = "mission";
 
 /** What `run.answer` needs to be told. */
-export interface Answering {
+interface Answering {
   readonly question: Question;
   readonly value: JsonValue;
 }

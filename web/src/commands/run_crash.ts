@@ -10,7 +10,7 @@ import { failureOf, sendCommand, sendCommandTo } from "./send_command.ts";
 import { anyOnlyState, canEdit } from "./subject.ts";
 
 /** The argument of `run.recover`. */
-export interface Recovered {
+interface Recovered {
   /** The state; null: all. */
   readonly path: string | null;
   readonly policy: "abort" | "restart";

@@ -17,7 +17,7 @@ import { sendCommand } from "./send_command.ts";
 import { anyOnlyState } from "./subject.ts";
 
 /** The argument of `run.force-outcome`. */
-export interface Forced {
+interface Forced {
   readonly path: string;
   readonly outcome: number;
 }

@@ -31,7 +31,7 @@ export function cannotStart({ page, tab }: CommandContext): string | null {
 }
 
 /** Who else holds control of the run, if anybody does. */
-export function otherHolder(page: Page, watch: Watch): string | null {
+function otherHolder(page: Page, watch: Watch): string | null {
   const holder = watch.now.value?.control.holder ?? null;
   const link = page.server.link.value;
   const isOther = holder !== null && link.state === "up" && holder !== link.session.user;

@@ -5,7 +5,7 @@ import { isSame } from "./json.ts";
 
 type ConnectionDocument = TransitionDocument | DataFlowDocument;
 
-export interface LinePair {
+interface LinePair {
   readonly old: ConnectionDocument | null;
   readonly now: ConnectionDocument | null;
 }

@@ -72,7 +72,7 @@ function stateOfEnd(container: string, id: string): string {
 const LISTS: readonly PortKind[] = ["input", "output", "scoped_variable"];
 
 /** The port of a state by its id alone, which no other port there has. */
-export function portOf(machine: Machine, path: string, id: number): DataPort | null {
+function portOf(machine: Machine, path: string, id: number): DataPort | null {
   const state = machine.state(path);
   const kind = state && LISTS.find((list) => portsOf(state, list).some((port) => port.id === id));
   return kind ? { kind, path, id } : null;

@@ -18,7 +18,7 @@ export interface Expression {
   readonly of: (value: unknown) => Worked;
 }
 
-export type Worked = { readonly value: JsonValue } | { readonly refused: string };
+type Worked = { readonly value: JsonValue } | { readonly refused: string };
 
 /** The value that is watched stands for itself by this name. */
 const NAME = "value";

@@ -7,7 +7,7 @@ import type { Box, Point, Size } from "./geometry.ts";
 import { ABORTED, outcomesOf, PREEMPTED, portsOf } from "./machine.ts";
 
 /** What the layout of one state says about it and its parts; what it does not say is missing. */
-export interface StateLayout {
+interface StateLayout {
   readonly position: Point | undefined;
   readonly size: Size | undefined;
   readonly nameBox: Box | undefined;
@@ -200,7 +200,7 @@ export function onBorder(at: Point, box: Size): Point {
   return inset === y ? { x, y: 0 } : { x, y: box.height };
 }
 
-export const ROOT_SIZE: Size = { width: 100, height: 100 };
+const ROOT_SIZE: Size = { width: 100, height: 100 };
 
 /** How large a state is drawn in a container of this size, if its layout does not say. */
 export function defaultChildBox(index: number, container: Size): Box {

@@ -35,10 +35,10 @@ export const PREEMPTED = -2;
 /** The id that every decider has. */
 export const DECIDER_ID = "unique_decider_state_id";
 
-export const NO_OUTCOMES: readonly OutcomeDocument[] = [];
-export const NO_PORTS: readonly PortDocument[] = [];
-export const NO_TRANSITIONS: readonly TransitionDocument[] = [];
-export const NO_DATA_FLOWS: readonly DataFlowDocument[] = [];
+const NO_OUTCOMES: readonly OutcomeDocument[] = [];
+const NO_PORTS: readonly PortDocument[] = [];
+const NO_TRANSITIONS: readonly TransitionDocument[] = [];
+const NO_DATA_FLOWS: readonly DataFlowDocument[] = [];
 
 export type PortKind = "input" | "output" | "scoped_variable";
 

@@ -16,7 +16,7 @@ export type RunWord =
   | "unreadable";
 
 /** How it is coloured; the word says the same. */
-export type RunTone = "running" | "waiting" | "held" | "aborted" | "preempted" | "plain";
+type RunTone = "running" | "waiting" | "held" | "aborted" | "preempted" | "plain";
 
 export interface RunStatusWords {
   readonly word: RunWord;

@@ -122,14 +122,14 @@ function valueText(state: StateDocument, kind: PortKind, port: PortDocument): st
   return value === undefined || value === null || value === "" ? null : python(value);
 }
 
-export interface SearchOptions {
+interface SearchOptions {
   /** Only these places; left out: all. */
   readonly scope?: SearchScope | null;
   /** At most so many hits. */
   readonly count: number;
 }
 
-export interface SearchHits {
+interface SearchHits {
   /** The best first. */
   readonly hits: readonly SearchHit[];
   /** How many there are, also those that are left out. */

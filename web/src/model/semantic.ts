@@ -5,7 +5,7 @@ import { parseLiteral } from "./literal.ts";
 import { python } from "./value.ts";
 
 /** Keys from the outermost on. */
-export type KeyPath = readonly string[];
+type KeyPath = readonly string[];
 
 /** One key, with how deep it stands. */
 export interface SemanticRow {

@@ -3,7 +3,7 @@
 
 import type { Machine } from "./machine.ts";
 
-export interface FoundState {
+interface FoundState {
   readonly path: string;
   /** From 0 to 1: the better, the more. */
   readonly score: number;
@@ -29,7 +29,7 @@ export function stateIndex(machine: Machine): StateIndex {
   return index;
 }
 
-export class StateIndex {
+class StateIndex {
   readonly version: number;
   readonly #paths: string[] = [];
   readonly #names: string[] = [];

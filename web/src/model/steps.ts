@@ -11,7 +11,7 @@ export interface StepNode {
   readonly parent: number | null;
 }
 
-export interface StepTree {
+interface StepTree {
   readonly nodes: ReadonlyMap<number, StepNode>;
   /** Where the machine is now. */
   readonly current: number;
@@ -33,7 +33,7 @@ export function stepTree({ start, steps }: MachineSteps): StepTree {
 }
 
 /** How a step stands to where the machine is: it is that, it was on the way there, it was taken back, or it is on another way. */
-export type StepPlace = "current" | "done" | "undone" | "branch";
+type StepPlace = "current" | "done" | "undone" | "branch";
 
 export interface StepRow {
   readonly node: StepNode;

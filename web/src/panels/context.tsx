@@ -3,7 +3,7 @@
 import { createContext, useContext, useDeferredValue } from "react";
 import type { CommandContext, Commands } from "../commands/command.ts";
 import type { OpenTab } from "../store/page/page.ts";
-import { useSignal } from "../ui/signals.ts";
+import { useComputed, useSignal } from "../ui/signals.ts";
 
 export interface PanelHost {
   readonly commands: Commands;
@@ -30,4 +30,10 @@ export function useActiveTab(): OpenTab | null {
 export function useCommand(): (id: string, argument?: unknown) => void {
   const host = useHost();
   return (id, argument) => void host.commands.run(id, host.context(), argument);
+}
+
+/** Why a command cannot be run now, drawn again when that changes; null if it can. */
+export function useRefusalOf(id: string): string | null {
+  const { commands, context } = useHost();
+  return useComputed(() => commands.refusalOf(id, context()), [commands, context, id]);
 }

@@ -14,7 +14,7 @@ const TextDifference = onDemand(
   async () => (await import("../ui/text_difference.tsx")).TextDifference,
 );
 
-export interface DifferenceListProps {
+interface DifferenceListProps {
   readonly label: string;
   readonly all: readonly Difference[];
   /** What is gone is named by the old one. */

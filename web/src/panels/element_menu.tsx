@@ -7,7 +7,7 @@ import type { Point } from "../model/geometry.ts";
 import { ContextMenu } from "../ui/menu.tsx";
 import { useHost } from "./context.tsx";
 
-export interface ElementMenuProps {
+interface ElementMenuProps {
   readonly at: Point;
   readonly elements: readonly ElementRef[];
   readonly onClose: () => void;

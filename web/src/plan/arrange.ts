@@ -62,7 +62,7 @@ const LEAF: Size = { width: 100, height: 60 };
 const DECIDER: Size = { width: 80, height: 48 };
 
 /** How large a container is drawn whose content would take so much: less, the more it is, since one looks into it anyway. */
-export function outerSize({ width, height }: Size): Size {
+function outerSize({ width, height }: Size): Size {
   const part = Math.min(1, (LEAF.width / width) ** 0.25);
   return { width: width * part, height: height * part };
 }

@@ -49,7 +49,7 @@ export function waypointsEdit(path: string, element: Element, points: readonly P
 }
 
 /** Whether the file says where the state stands, in the form of today. */
-export function isPlaced(state: StateDocument): boolean {
+function isPlaced(state: StateDocument): boolean {
   const gui = state.layout?.["gui"];
   const { position, size } = readLayout(state);
   return !!position && !!size && typeof gui === "object" && gui !== null && "editor_gaphas" in gui;

@@ -82,7 +82,7 @@ function copiedWaypoints(
 }
 
 /** Where a paste would go: states into a container, ports and outcomes to a state. */
-export interface PasteGoal {
+interface PasteGoal {
   readonly container: { readonly path: string; readonly at?: Point } | null;
   readonly owner: string | null;
 }

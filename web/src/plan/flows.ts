@@ -18,14 +18,14 @@ import { isRefused, type Refused, refused } from "./plan.ts";
 import { allPorts, PORT_WORDS } from "./ports.ts";
 
 /** A port that is there, or will be. */
-export interface PortAt {
+interface PortAt {
   readonly path: string;
   readonly kind: PortKind;
   readonly port: PortDocument;
 }
 
 /** A data flow that might be, from `source` to `target`. */
-export interface Course {
+interface Course {
   readonly source: PortAt;
   readonly target: PortAt;
   /** The container inside which the source gives its value. */

@@ -14,7 +14,7 @@ import { isRefused, type Planned, type Refused, refused, together } from "./plan
 import { freeOutcome } from "./transitions.ts";
 
 /** What is put in: a state that is there, a new one of a kind, or one that runs a library. */
-export type Inserted =
+type Inserted =
   | string
   | { readonly kind: NewKind; readonly name?: string }
   | { readonly library: LibraryToInsert; readonly root: StateDocument };

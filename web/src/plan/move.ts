@@ -24,7 +24,7 @@ import { isRefused, type Planned, type Refused, refused, together } from "./plan
 import { minimum, resizeEdits, scaleInside } from "./resize.ts";
 
 /** How far states may be moved together: they stay in their container, as far as they are in it. */
-export function allowedMove(machine: Machine, paths: readonly string[], by: Point): Point {
+function allowedMove(machine: Machine, paths: readonly string[], by: Point): Point {
   const container = commonContainer(machine, paths);
   if (typeof container !== "string") return by;
   const bounds = boundsOf(paths.map((path) => boxIn(machine, path)));

@@ -134,7 +134,7 @@ function libraryLayout(root: StateDocument, box: Box) {
 }
 
 /** The name of a library's root as that of a new sibling. */
-export function libraryStateName(machine: Machine, container: string, root: StateDocument): string {
+function libraryStateName(machine: Machine, container: string, root: StateDocument): string {
   const names = machine.children(container).flatMap((path) => machine.state(path)?.name ?? []);
   return freshName(root.name, names);
 }

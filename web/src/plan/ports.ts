@@ -60,7 +60,7 @@ function newOutcomeName(state: StateDocument): string {
 }
 
 /** What is known of a port that is to be made. */
-export interface NewPort {
+interface NewPort {
   readonly name?: string;
   readonly data_type?: string;
   readonly default?: JsonValue;

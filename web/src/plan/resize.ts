@@ -8,7 +8,7 @@ import { isContainer, type Machine } from "../model/machine.ts";
 import { parentOf } from "../model/path.ts";
 import { boxEdits, boxIn, childBoxes, sizeIn } from "./boxes.ts";
 
-export interface Factor {
+interface Factor {
   readonly x: number;
   readonly y: number;
 }

@@ -24,7 +24,7 @@ import { containerAt } from "./legal.ts";
 import { isRefused, type Refused, refused } from "./plan.ts";
 
 /** A transition that might be: in which container, from where to where. */
-export interface PossibleTransition {
+interface PossibleTransition {
   readonly container: string;
   /** Null: from the income of the container. */
   readonly from: OutcomeOf | null;

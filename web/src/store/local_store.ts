@@ -41,6 +41,10 @@ export function localStoreOf(storage: () => Storage): LocalStore {
   };
 }
 
+/** What this browser keeps over visits; without a browser, as long as the program runs. */
+export const BROWSER_STORE: LocalStore =
+  typeof window === "undefined" ? memoryStore() : localStoreOf(() => window.localStorage);
+
 /** Kept as long as the program runs: for tests, and where there is no browser. */
 export function memoryStore(): LocalStore {
   const texts = new Map<string, string>();

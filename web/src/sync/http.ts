@@ -12,7 +12,7 @@ export interface Address {
 }
 
 /** What requests need of the connection. */
-export interface RequestPorts {
+interface RequestPorts {
   readonly clock: Clock;
   /** How long nothing may come of a request. */
   readonly limit_ms: (isRepeated: boolean, bytes: number) => number;

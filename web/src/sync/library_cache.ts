@@ -13,7 +13,7 @@ interface CachedLibrary {
 }
 
 /** Told when the content of a library is here, or is another one. */
-export type Arrived = (key: LibraryKey) => void;
+type Arrived = (key: LibraryKey) => void;
 
 export class LibraryCache {
   readonly #request: Server["request"];

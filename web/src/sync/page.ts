@@ -32,7 +32,7 @@ import { followRuns } from "./runs.ts";
 import { followSession } from "./session.ts";
 import { newTabs } from "./tabs.ts";
 
-export interface PageOptions {
+interface PageOptions {
   /** Where the server is; left out: where the page comes from. */
   readonly address?: Address;
   /** Another server than the one at the address. */

@@ -17,7 +17,7 @@ import {
 } from "../store/page/session.ts";
 import type { Clock } from "./clock.ts";
 
-export interface SessionPorts {
+interface SessionPorts {
   readonly server: Server;
   readonly clock: Clock;
   /** Of this tab of the browser. */

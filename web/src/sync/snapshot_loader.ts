@@ -7,7 +7,7 @@ import type { RunSnapshot } from "../store/history/run.ts";
 import { RefusalError } from "../store/page/server.ts";
 import type { Clock } from "./clock.ts";
 
-export interface SnapshotLoaderPorts {
+interface SnapshotLoaderPorts {
   readonly clock: Clock;
   /** Asks for a moment; null: the newest there is. */
   readonly ask: (playhead: number | null) => Promise<Picture>;

@@ -19,7 +19,7 @@ export interface WireNews {
   readonly closed: (reason: string) => void;
 }
 
-export interface SocketPorts {
+interface SocketPorts {
   readonly dial: (news: WireNews) => Wire;
   /** All limits of time. */
   readonly delay: Delay;

@@ -14,7 +14,7 @@ interface Common {
   readonly className?: string | undefined;
 }
 
-export interface ButtonProps extends Common {
+interface ButtonProps extends Common {
   readonly children: ReactNode;
   readonly kind?: "plain" | "primary" | "danger" | "quiet" | undefined;
   readonly icon?: ReactNode;
@@ -46,7 +46,7 @@ export function Button({
   );
 }
 
-export interface IconButtonProps extends Common {
+interface IconButtonProps extends Common {
   /** What it does: its name for everybody. */
   readonly label: string;
   readonly icon: ReactNode;

@@ -7,7 +7,7 @@ import { isOthers, meanwhileInWords } from "./meanwhile.ts";
 
 export type CellStep = -1 | 0 | 1;
 
-export interface CellEditorProps {
+interface CellEditorProps {
   readonly label: string;
   readonly value: string;
   readonly mono?: boolean | undefined;

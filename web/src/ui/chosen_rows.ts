@@ -3,7 +3,7 @@
 import { useState } from "react";
 import type { RowChoice } from "./table.tsx";
 
-export interface ChosenRows<T> {
+interface ChosenRows<T> {
   readonly ids: ReadonlySet<string>;
   readonly choose: (row: T, how: RowChoice) => void;
   /** The chosen rows in their order; of a row that is not among them only that one. */

@@ -4,7 +4,7 @@ import type { ReactNode } from "react";
 import { Button } from "./button.tsx";
 import "./empty.css";
 
-export interface EmptyProps {
+interface EmptyProps {
   readonly title: string;
   /** How to get it. */
   readonly text?: ReactNode;

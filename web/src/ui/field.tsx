@@ -14,7 +14,7 @@ import { givenUpInWords, isOthers, meanwhileInWords } from "./meanwhile.ts";
 import "./field.css";
 
 /** What becomes of a text that was committed: nothing said is well, a text says why it was refused. */
-export type Committed = string | null | undefined;
+type Committed = string | null | undefined;
 
 /** The user is asked something first: whoever waits stays where they are. */
 export interface CommitQuestion {
@@ -31,14 +31,14 @@ export async function committed(commit: Commit): Promise<Committed> {
 }
 
 /** Whether a question comes first. */
-export function isAsked(commit: Commit): commit is CommitQuestion {
+function isAsked(commit: Commit): commit is CommitQuestion {
   return typeof commit === "object" && commit !== null && "asked" in commit;
 }
 
 /** Where is said that a text was refused whose field has gone. */
 export const LostTexts = createContext<(text: string) => void>(() => {});
 
-export interface TextFieldProps {
+interface TextFieldProps {
   readonly label: string;
   /** Only for screen readers, where the place says enough. */
   readonly hideLabel?: boolean | undefined;
@@ -189,7 +189,7 @@ function useDraft({
   };
 }
 
-export interface SelectProps<T extends string> {
+interface SelectProps<T extends string> {
   readonly label: string;
   readonly hideLabel?: boolean | undefined;
   readonly value: T;
@@ -226,7 +226,7 @@ export function Select<T extends string>(props: SelectProps<T>) {
   );
 }
 
-export interface CheckboxProps {
+interface CheckboxProps {
   readonly label: ReactNode;
   readonly checked: boolean;
   readonly onChange: (checked: boolean) => void;

@@ -2,7 +2,7 @@
 
 import "./marked.css";
 
-export interface MarkedProps {
+interface MarkedProps {
   readonly text: string;
   /** In order, without overlaps. */
   readonly spans: readonly { readonly start: number; readonly length: number }[];

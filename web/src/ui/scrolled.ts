@@ -2,7 +2,7 @@
 
 import { type RefObject, useEffect, useMemo } from "react";
 
-export interface Scrolled {
+interface Scrolled {
   /** Where it is now the list has scrolled to by itself. */
   readonly note: () => void;
   /** Whether it is elsewhere, by somebody's hand. */

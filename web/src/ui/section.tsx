@@ -4,7 +4,7 @@ import { ChevronRight } from "lucide-react";
 import { type ReactNode, useId, useState } from "react";
 import "./section.css";
 
-export interface SectionProps {
+interface SectionProps {
   readonly title: string;
   /** How many things are inside. */
   readonly count?: number | undefined;

@@ -9,7 +9,7 @@ import { tags } from "@lezer/highlight";
 import { useEffect, useRef } from "react";
 import "./text_difference.css";
 
-export interface TextDifferenceProps {
+interface TextDifferenceProps {
   /** What it is the difference of, for screen readers. */
   readonly label: string;
   readonly old: string;

@@ -39,7 +39,7 @@ export function treeRows<T>({ roots, id, childrenOf, expanded }: TreeSource<T>):
 }
 
 /** What a key does in a tree: another active row, or a row to open or fold. */
-export type TreeMove =
+type TreeMove =
   | { readonly to: number }
   | { readonly expand: number; readonly open: boolean }
   | null;

@@ -7,7 +7,7 @@ import { useSignal } from "../../ui/signals.ts";
 import { type ProjectNode, ProjectTree, useProjects } from "../project_tree.tsx";
 import { useSession } from "../provided.tsx";
 
-export interface ChosenFolder {
+interface ChosenFolder {
   readonly file: MachineFile | null;
   /** Why it cannot be that one. */
   readonly refusal: string | null;
@@ -86,7 +86,7 @@ export function placeInWords(
   return `Location: ${place}${library === null ? "" : `, as the library ${library}`}.`;
 }
 
-export interface FolderChooserProps {
+interface FolderChooserProps {
   readonly name: string;
   readonly onName: (name: string) => void;
   readonly place: ProjectNode | null;

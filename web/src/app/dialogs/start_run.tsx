@@ -8,7 +8,7 @@ import { portsOf } from "../../model/machine.ts";
 import { readInput } from "../../model/run_input.ts";
 import { shortType } from "../../model/types.ts";
 import type { Start } from "../../store/history/run.ts";
-import { kept, localStoreOf } from "../../store/local_store.ts";
+import { BROWSER_STORE, kept } from "../../store/local_store.ts";
 import type { OpenTab } from "../../store/page/page.ts";
 import { fileOfTab } from "../../store/run/running.ts";
 import { Button } from "../../ui/button.tsx";
@@ -25,7 +25,6 @@ interface StartInputs {
 }
 
 const FIRST: StartInputs = { inputs: {}, hold: false, onCrash: "machine", keeping: "full" };
-const SHED = localStoreOf(() => window.localStorage);
 
 function keyOf(tab: OpenTab): string {
   const file = fileOfTab(tab);
@@ -36,7 +35,7 @@ export function StartRunDialog({ asks: tab, answer }: AskedDialogProps<OpenTab>)
   const key = keyOf(tab);
   const [given, setGiven] = useState<StartInputs>(() => ({
     ...FIRST,
-    ...kept<StartInputs>(SHED, key),
+    ...kept<StartInputs>(BROWSER_STORE, key),
   }));
   const { machine } = tab.session;
   const root = machine.state(machine.root);
@@ -45,7 +44,7 @@ export function StartRunDialog({ asks: tab, answer }: AskedDialogProps<OpenTab>)
   const isRefused = ports.some((port) => refusalOf(port, given) !== null);
   const done = () => {
     if (isRefused) return;
-    SHED.put(key, given);
+    BROWSER_STORE.put(key, given);
     answer(startOf(ports, given));
   };
   return (

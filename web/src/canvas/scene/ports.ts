@@ -15,7 +15,7 @@ import { groundInk } from "./ring.ts";
 import { cut } from "./words.ts";
 
 /** Ports to which a transition leads or from which one starts. */
-export type ConnectedPorts = ReadonlySet<string>;
+type ConnectedPorts = ReadonlySet<string>;
 
 export function portMarks(
   builder: SceneBuilder,

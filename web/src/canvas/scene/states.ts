@@ -68,9 +68,9 @@ function handleMarks(builder: SceneBuilder, node: SceneNode, key: string): void 
 }
 
 /** So many colours of people there are. */
-export const PEOPLE = 6;
+const PEOPLE = 6;
 
-export const DIFFERENCE_INK: Readonly<Record<DifferenceKind, string>> = {
+const DIFFERENCE_INK: Readonly<Record<DifferenceKind, string>> = {
   added: "added",
   removed: "removed",
   changed: "changed",

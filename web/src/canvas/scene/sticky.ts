@@ -17,14 +17,14 @@ import { cut } from "./words.ts";
 /** How wide the frame is, in CSS pixels. */
 export const FRAME = 10;
 
-export interface StickyPort {
+interface StickyPort {
   readonly port: PortPlace;
   /** In CSS pixels of the view. */
   readonly at: Point;
   readonly side: Side;
 }
 
-export interface Sticky {
+interface Sticky {
   readonly state: LayoutNode;
   readonly ports: readonly StickyPort[];
 }

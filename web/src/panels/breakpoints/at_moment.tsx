@@ -7,7 +7,7 @@ import { useSignal } from "../../ui/signals.ts";
 import { namesOf } from "../parts/happened.ts";
 import { breakpointInWords } from "./words.ts";
 
-export interface AtMomentProps {
+interface AtMomentProps {
   readonly tab: OpenTab;
   readonly watch: Watch;
 }

@@ -1,8 +1,6 @@
 /** All breakpoints of the machine in front: of its run while that goes on, else those that the next start gets. */
 
-import { computed } from "@preact/signals-core";
 import { CirclePause, CirclePlus, Pencil, Trash2 } from "lucide-react";
-import { useMemo } from "react";
 import {
   cannotSetBreakpoints,
   cannotSetConditions,
@@ -19,7 +17,7 @@ import { breakpointsOf } from "../../store/run/breakpoints.ts";
 import { liveRun } from "../../store/run/running.ts";
 import { Button, IconButton } from "../../ui/button.tsx";
 import { Empty } from "../../ui/empty.tsx";
-import { useSignal } from "../../ui/signals.ts";
+import { useComputed, useSignal } from "../../ui/signals.ts";
 import { useActiveTab, useCommand, useHost } from "../context.tsx";
 import { AtMoment } from "./at_moment.tsx";
 import { breakpointInWords } from "./words.ts";
@@ -32,11 +30,6 @@ export function Breakpoints() {
   ) : (
     <Empty title="No machine is open" text="Breakpoints of the open machine appear here." />
   );
-}
-
-function useComputed<T>(read: () => T, deps: readonly unknown[]): T {
-  // biome-ignore lint/correctness/useExhaustiveDependencies: the caller says them
-  return useSignal(useMemo(() => computed(read), deps));
 }
 
 function OfTab({ tab }: { tab: OpenTab }) {

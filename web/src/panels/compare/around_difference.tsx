@@ -10,7 +10,7 @@ import { happenedInWords, namesOf } from "../parts/happened.ts";
 import { entriesAround } from "./around.ts";
 import type { ComparedSide, ShowCompared } from "./show.ts";
 
-export interface AroundDifferenceProps {
+interface AroundDifferenceProps {
   readonly tab: OpenTab;
   readonly watch: Watch;
   readonly other: string;

@@ -4,7 +4,7 @@ import type { Happened, Parting } from "../../model/generated/protocol.ts";
 import { Table, type TableColumn } from "../../ui/table.tsx";
 import { sinceStart } from "../parts/duration.ts";
 
-export interface BranchesProps {
+interface BranchesProps {
   readonly parted: readonly Parting[];
   /** The branch whose difference is shown. */
   readonly chosen: Parting;

@@ -5,7 +5,7 @@ import { shortValue } from "../../model/short_value.ts";
 import { Table, type TableColumn } from "../../ui/table.tsx";
 import type { ComparedSide, ShowCompared } from "./show.ts";
 
-export interface ChangedProps {
+interface ChangedProps {
   readonly changed: readonly DataChange[];
   readonly show: ShowCompared;
 }

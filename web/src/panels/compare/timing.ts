@@ -11,7 +11,7 @@ export interface TimingRow {
   readonly more_ms: number | null;
 }
 
-export interface TimingSide {
+interface TimingSide {
   readonly count: number;
   /** On average; null if it never ended. */
   readonly mean_ms: number | null;

@@ -10,7 +10,7 @@ import { measured } from "../parts/duration.ts";
 import type { ComparedSide, ShowCompared } from "./show.ts";
 import { sorted, type TimingOrder, type TimingRow, timingRows } from "./timing.ts";
 
-export interface TimingTableProps {
+interface TimingTableProps {
   readonly watch: Watch;
   readonly other: string;
   readonly timing: readonly Timing[];

@@ -4,7 +4,7 @@ import type { MachineVersions } from "../../model/generated/protocol.ts";
 import type { Against } from "../../store/page/comparison.ts";
 import type { OpenTab } from "../../store/page/page.ts";
 
-export interface AgainstOption {
+interface AgainstOption {
   readonly value: string;
   readonly title: string;
   readonly against: Against | null;

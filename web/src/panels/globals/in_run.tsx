@@ -6,7 +6,7 @@ import { Section } from "../../ui/section.tsx";
 import { useSignal } from "../../ui/signals.ts";
 import { ValueView } from "../parts/value/value_view.tsx";
 
-export interface GlobalsInRunProps {
+interface GlobalsInRunProps {
   readonly watch: Watch;
   /** What the panel is filtered by. */
   readonly query: string;

@@ -10,7 +10,7 @@ import { Button } from "../../ui/button.tsx";
 import { Dialog } from "../../ui/dialog.tsx";
 import { TextField } from "../../ui/field.tsx";
 
-export interface RenameGlobalProps {
+interface RenameGlobalProps {
   readonly page: Page;
   readonly tab: OpenTab;
   readonly variable: GlobalVariable;

@@ -8,7 +8,7 @@ import { Fold } from "./fold.tsx";
 import type { InspectorContext } from "./inspector_context.ts";
 import { PORT_TITLES } from "./ports.tsx";
 
-export interface ChainTableProps {
+interface ChainTableProps {
   readonly context: InspectorContext;
   readonly title: string;
   readonly hops: readonly Hop[];

@@ -6,7 +6,7 @@ import { IconButton } from "../../ui/button.tsx";
 
 export type Bytes = readonly [number, number, number];
 
-export interface ColourProps {
+interface ColourProps {
   readonly label: string;
   /** As the layout says it: `rgb(20 40 60)`; null for none. */
   readonly value: string | null;

@@ -14,7 +14,7 @@ import { Fold } from "./fold.tsx";
 import type { InspectedState } from "./inspector_context.ts";
 import { Refusal, useRefusal } from "./refusal.tsx";
 
-export interface ConnectionViewProps {
+interface ConnectionViewProps {
   readonly inspected: InspectedState;
   readonly connection: ConnectionRef;
 }

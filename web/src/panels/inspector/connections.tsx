@@ -29,7 +29,7 @@ const WORDS = {
 
 const ROWS_MAX = 12;
 
-export interface ConnectionsProps {
+interface ConnectionsProps {
   readonly inspected: InspectedState;
   readonly kind: ConnectionRef["kind"];
 }

@@ -14,7 +14,7 @@ import { type Machine, portsOf } from "../../model/machine.ts";
 import { idOf } from "../../model/path.ts";
 import { fits, shortType } from "../../model/types.ts";
 
-export interface EndSelectProps {
+interface EndSelectProps {
   readonly machine: Machine;
   readonly container: string;
   readonly kind: ConnectionRef["kind"];

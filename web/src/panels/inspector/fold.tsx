@@ -2,33 +2,21 @@
 
 import { signal } from "@preact/signals-core";
 import type { ReactNode } from "react";
+import { BROWSER_STORE, kept } from "../../store/local_store.ts";
 import { Section } from "../../ui/section.tsx";
 import { useSignal } from "../../ui/signals.ts";
 
 const KEY = "rafcon.inspector.folds";
 
 /** Titles of sections by whether they are open; those that nobody touched are missing. */
-const folds = signal<Readonly<Record<string, boolean>>>(remembered());
-
-function remembered(): Readonly<Record<string, boolean>> {
-  try {
-    const found: unknown = JSON.parse(globalThis.localStorage?.getItem(KEY) ?? "{}");
-    return typeof found === "object" && found !== null ? (found as Record<string, boolean>) : {};
-  } catch {
-    return {};
-  }
-}
+const folds = signal<Readonly<Record<string, boolean>>>(kept(BROWSER_STORE, KEY) ?? {});
 
 function remember(title: string, open: boolean): void {
   folds.value = { ...folds.peek(), [title]: open };
-  try {
-    globalThis.localStorage?.setItem(KEY, JSON.stringify(folds.peek()));
-  } catch {
-    // Without storage it lasts as long as the page.
-  }
+  BROWSER_STORE.put(KEY, folds.peek());
 }
 
-export interface FoldProps {
+interface FoldProps {
   readonly title: string;
   readonly count?: number | undefined;
   readonly actions?: ReactNode;

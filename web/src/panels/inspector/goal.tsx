@@ -8,7 +8,7 @@ import { removeElements } from "../../plan/states.ts";
 import { EndSelect } from "./end_select.tsx";
 import type { InspectedState, Made } from "./inspector_context.ts";
 
-export interface GoalProps {
+interface GoalProps {
   readonly inspected: InspectedState;
   readonly container: string;
   readonly outcome: OutcomeDocument;

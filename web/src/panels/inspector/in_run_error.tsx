@@ -7,12 +7,12 @@ import { shortValue } from "../../model/short_value.ts";
 import type { Watch } from "../../store/history/run.ts";
 import { failureAt, type ScriptFailure } from "../../store/history/script_failure.ts";
 import { visitsOf } from "../../store/history/visits.ts";
-import { scriptLineRevealRequest } from "../../store/page/script_line_reveal_request.ts";
+import { scriptLineRevealRequest } from "../../store/page/reveal_requests.ts";
 import type { VisitEnd } from "../../store/run/state_status.ts";
 import { Button } from "../../ui/button.tsx";
 import type { InspectedState } from "./inspector_context.ts";
 
-export interface RunErrorProps {
+interface RunErrorProps {
   readonly inspected: InspectedState;
   readonly watch: Watch;
   readonly left: VisitEnd;

@@ -25,7 +25,7 @@ import { ValueView } from "../parts/value/value_view.tsx";
 import type { InspectedState } from "./inspector_context.ts";
 import { type RunGroup, runGroups } from "./run_groups.ts";
 
-export interface RunValuesProps {
+interface RunValuesProps {
   readonly inspected: InspectedState;
   readonly watch: Watch;
   readonly status: StateStatus;
@@ -40,7 +40,7 @@ export function RunValues({ inspected, watch, status, entry, end }: RunValuesPro
   ));
 }
 
-export interface GlobalValuesProps {
+interface GlobalValuesProps {
   readonly inspected: InspectedState;
   readonly watch: Watch;
   readonly values: Values;

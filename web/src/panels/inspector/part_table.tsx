@@ -20,7 +20,7 @@ interface PartsOf {
   readonly run: (made: Made) => void;
 }
 
-export interface PartTableProps<T> extends PartsOf {
+interface PartTableProps<T> extends PartsOf {
   readonly label: string;
   readonly rows: readonly T[];
   readonly columns: readonly TableColumn<T>[];

@@ -3,7 +3,7 @@
 import { Crosshair, Trash2 } from "lucide-react";
 import { IconButton } from "../../ui/button.tsx";
 
-export interface RowButtonsProps {
+interface RowButtonsProps {
   /** What the row is about: "input speed". */
   readonly what: string;
   readonly onShow: () => void;

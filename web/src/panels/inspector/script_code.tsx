@@ -3,14 +3,14 @@
 import { useEffect, useMemo, useRef } from "react";
 import { globalsOf } from "../../model/globals.ts";
 import { outcomesOf, portsOf } from "../../model/machine.ts";
-import { scriptLineRevealRequest } from "../../store/page/script_line_reveal_request.ts";
+import { scriptLineRevealRequest } from "../../store/page/reveal_requests.ts";
 import { useSignal } from "../../ui/signals.ts";
 import type { ScriptNames } from "./code/complete.ts";
 import { type ScriptEditor, scriptEditor } from "./code/script_editor.ts";
 import type { InspectedState } from "./inspector_context.ts";
 import { checkScript } from "./script_check.ts";
 
-export interface ScriptCodeProps {
+interface ScriptCodeProps {
   readonly inspected: InspectedState;
   readonly text: string;
   readonly onType: (text: string) => void;

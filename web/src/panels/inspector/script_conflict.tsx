@@ -9,7 +9,7 @@ import { Button } from "../../ui/button.tsx";
 import { Dialog } from "../../ui/dialog.tsx";
 import { pythonText } from "./code/script_editor.ts";
 
-export interface ScriptConflictProps {
+interface ScriptConflictProps {
   /** What the machine says now. */
   readonly theirs: string;
   readonly mine: string;

@@ -15,7 +15,7 @@ import type { InspectorContext } from "./inspector_context.ts";
 import { counted, ELEMENT_WORDS } from "./kinds.ts";
 import { Refusal, useRefusal } from "./refusal.tsx";
 
-export interface SeveralViewProps {
+interface SeveralViewProps {
   readonly context: InspectorContext;
   readonly elements: readonly ElementRef[];
   /** Whether they are what is selected: commands act on the selection. */

@@ -7,7 +7,7 @@ import type { LibraryName } from "../../model/generated/protocol.ts";
 import type { Point } from "../../model/geometry.ts";
 import { lineage } from "../../model/path.ts";
 import { DRAGGED_TYPE, type Dragged, dragged } from "../../store/page/dragged.ts";
-import { libraryRevealRequest } from "../../store/page/library_reveal_request.ts";
+import { libraryRevealRequest } from "../../store/page/reveal_requests.ts";
 import { IconButton } from "../../ui/button.tsx";
 import { Empty } from "../../ui/empty.tsx";
 import { TextField } from "../../ui/field.tsx";

@@ -19,7 +19,7 @@ interface UsageItem {
 
 const NONE: ReadonlySet<string> = new Set();
 
-export interface UsagesProps {
+interface UsagesProps {
   readonly library: LibraryName;
   readonly onClose: () => void;
 }

@@ -43,7 +43,7 @@ export function lineEntry(line: RunLogLine, began_ms: number): LogEntry {
 }
 
 /** From the least to the most. */
-export const LEVELS: readonly LogLevel[] = ["verbose", "debug", "info", "warning", "error"];
+const LEVELS: readonly LogLevel[] = ["verbose", "debug", "info", "warning", "error"];
 
 /** Whether a line is wanted; `nameOf` tells the names of states. */
 export function isWanted(

@@ -7,12 +7,12 @@ import type { ElementRef } from "../../model/element.ts";
 import type { Watch } from "../../store/history/run.ts";
 import { runLog } from "../../store/history/run_log.ts";
 import { type OpenTab, type Page, runOf } from "../../store/page/page.ts";
-import { scriptLineRevealRequest } from "../../store/page/script_line_reveal_request.ts";
+import { scriptLineRevealRequest } from "../../store/page/reveal_requests.ts";
 import { RefusalError } from "../../store/page/server.ts";
 import { selectedStates } from "../../store/page/view.ts";
 import { Button } from "../../ui/button.tsx";
 import { Empty } from "../../ui/empty.tsx";
-import { useSignal } from "../../ui/signals.ts";
+import { isSameList, useComputed, useSignal } from "../../ui/signals.ts";
 import { Table, type TableColumn } from "../../ui/table.tsx";
 import { type PanelHost, useActiveTab, useHost } from "../context.tsx";
 import { goTo } from "../go_to.ts";
@@ -145,16 +145,15 @@ function Older({ watch, onCame }: { readonly watch: Watch; readonly onCame: () =
 function useLogSelection(tab: OpenTab | null, filter: typeof FIRST_FILTER): LogSelection {
   const { least, isOfSelection } = filter;
   const query = useDeferredValue(filter.query);
-  const paths = useSignal(
-    useMemo(
-      () => computed(() => (tab && isOfSelection ? selectedStates(tab.view).join("\n") : null)),
-      [tab, isOfSelection],
-    ),
+  const states = useComputed(
+    () => {
+      const selected = tab && isOfSelection ? selectedStates(tab.view) : [];
+      return selected.length === 0 ? null : selected;
+    },
+    [tab, isOfSelection],
+    isSameList,
   );
-  return useMemo(() => {
-    const states = paths === null || paths === "" ? null : paths.split("\n");
-    return { least, query, states };
-  }, [least, query, paths]);
+  return useMemo(() => ({ least, query, states }), [least, query, states]);
 }
 
 /** Selects what a line is about. */

@@ -7,7 +7,7 @@ import { IconButton } from "../../ui/button.tsx";
 import { Checkbox, Select, TextField } from "../../ui/field.tsx";
 import type { LogSource } from "./entries.ts";
 
-export interface LogFilter {
+interface LogFilter {
   readonly source: LogSource;
   readonly least: LogLevel;
   readonly query: string;

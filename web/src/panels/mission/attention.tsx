@@ -9,7 +9,7 @@ import { clock1s } from "../../store/page/clock1s.ts";
 import { openFailures } from "../../store/run/acknowledged.ts";
 import { openDecisions } from "../../store/run/decisions.ts";
 import { byUrgency, timeLeft } from "../../store/run/question_time.ts";
-import { useComputed, useSignal } from "../../ui/signals.ts";
+import { isSameRecord, useComputed, useSignal } from "../../ui/signals.ts";
 import { useHost } from "../context.tsx";
 import { duration } from "../parts/duration.ts";
 import { isSoon } from "../parts/question.tsx";
@@ -42,12 +42,15 @@ export function Attention({ watch }: { readonly watch: Watch }) {
 
 function Asked({ watch, count }: { readonly watch: Watch; readonly count: number }) {
   const { page } = useHost().context();
-  const text = useComputed(() => {
-    const [first] = byUrgency(watch, openQuestions(watch));
-    const left_ms = first ? timeLeft(page, watch, first, clock1s.value) : null;
-    return JSON.stringify({ id: first?.id ?? 0, left_ms });
-  }, [page, watch]);
-  const { id, left_ms } = JSON.parse(text) as { id: number; left_ms: number | null };
+  const { id, left_ms } = useComputed(
+    () => {
+      const [first] = byUrgency(watch, openQuestions(watch));
+      const left_ms = first ? timeLeft(page, watch, first, clock1s.value) : null;
+      return { id: first?.id ?? 0, left_ms };
+    },
+    [page, watch],
+    isSameRecord,
+  );
   return (
     <button
       type="button"

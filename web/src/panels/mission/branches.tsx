@@ -1,18 +1,7 @@
 /** What the robot does now: one card for each active branch, with its state, how long that runs against the usual, and what ended
  * before it. */
 
-import {
-  CirclePause,
-  CirclePlay,
-  Hourglass,
-  type LucideIcon,
-  OctagonAlert,
-  Play,
-  Undo2,
-} from "lucide-react";
-import { refusalOf } from "../../commands/command.ts";
-import type { Outcome, Phase } from "../../model/generated/protocol.ts";
-import { ABORTED, PREEMPTED } from "../../model/machine.ts";
+import { Play } from "lucide-react";
 import { reasonOfHold } from "../../model/run_words.ts";
 import { type LastEnd, lastEndBeside } from "../../store/history/last_end.ts";
 import type { Watch } from "../../store/history/run.ts";
@@ -27,7 +16,8 @@ import {
 } from "../../store/run/baseline.ts";
 import { Button } from "../../ui/button.tsx";
 import { useComputed } from "../../ui/signals.ts";
-import { useCommand, useHost } from "../context.tsx";
+import { useCommand, useHost, useRefusalOf } from "../context.tsx";
+import { comesNext, PHASES, phaseInWords, toneOf } from "../parts/branch.ts";
 import { duration, growing } from "../parts/duration.ts";
 import { reveal } from "../reveal.ts";
 import { useCalmLanes } from "./calm_lanes.ts";
@@ -69,13 +59,9 @@ export function Branches({ watch }: { readonly watch: Watch }) {
 
 /** What stands here while no branch runs: of a run that is over, the way to another one. */
 function Nothing({ watch }: { readonly watch: Watch }) {
-  const { commands, context } = useHost();
   const run = useCommand();
   const phase = useComputed(() => watch.now.value?.run.phase, [watch]);
-  const refusal = useComputed(() => {
-    const start = commands.get("run.start");
-    return start ? refusalOf(start, context()) : null;
-  }, [commands, context]);
+  const refusal = useRefusalOf("run.start");
   if (phase === "live" || phase === "starting") {
     return (
       <section className="mission-part" aria-label="Active now">
@@ -112,7 +98,7 @@ function Card({ lane, names, last, baseline, sinceSnapshot_ms }: CardProps) {
   const place = placeOfLane(lane);
   const since_ms = lane.since_ms + sinceSnapshot_ms;
   const isLong = baseline !== null && isLongerThanEver(lane, baseline, since_ms);
-  const { word, Sign } = PHASES[lane.phase];
+  const { Sign } = PHASES[lane.phase];
   const around = pathInWords(names, place).split(" › ");
   const name = around.pop() ?? lane.name;
   return (
@@ -121,7 +107,7 @@ function Card({ lane, names, last, baseline, sinceSnapshot_ms }: CardProps) {
         <p className="mission-card-way">{around.join(" › ")}</p>
         <p className="mission-card-phase">
           <Sign size={16} aria-hidden />
-          <span>{phaseInWords(lane, word)}</span>
+          <span>{phaseInWords(lane, heldInWords)}</span>
         </p>
       </div>
       <div className="mission-card-main">
@@ -133,7 +119,7 @@ function Card({ lane, names, last, baseline, sinceSnapshot_ms }: CardProps) {
         >
           {name}
         </button>
-        {!isBefore(lane) && <span className="mission-card-time">{growing(since_ms)}</span>}
+        {!comesNext(lane) && <span className="mission-card-time">{growing(since_ms)}</span>}
       </div>
       {lane.phase !== "held" && baseline && (
         <Bar baseline={baseline} since_ms={since_ms} isLong={isLong} />
@@ -151,27 +137,9 @@ function Card({ lane, names, last, baseline, sinceSnapshot_ms }: CardProps) {
   );
 }
 
-const PHASES: Readonly<Record<Phase, { readonly word: string; readonly Sign: LucideIcon }>> = {
-  running: { word: "runs", Sign: CirclePlay },
-  waiting: { word: "waits", Sign: Hourglass },
-  held: { word: "paused", Sign: CirclePause },
-  interrupted: { word: "interrupted by a crash", Sign: OctagonAlert },
-  preempted: { word: "is being preempted", Sign: Undo2 },
-};
-
-function phaseInWords({ phase, detail, held: [hold] }: Active, word: string): string {
-  if (phase === "waiting") return detail ? `waits for ${detail}` : word;
-  if (phase === "held" && hold) {
-    const reason = reasonOfHold(hold.by);
-    const by = reason === "" ? "" : `: ${reason}`;
-    return hold.next === null ? `paused${by}` : `paused before this state${by}`;
-  }
-  return word;
-}
-
-/** Whether it is held before its state: how long the states around it have gone on says nothing then. */
-function isBefore({ phase, held: [hold] }: Active): boolean {
-  return phase === "held" && hold !== undefined && hold.next !== null;
+function heldInWords(by: Parameters<typeof reasonOfHold>[0], isBefore: boolean): string {
+  const reason = reasonOfHold(by);
+  return `paused${isBefore ? " before this state" : ""}${reason === "" ? "" : `: ${reason}`}`;
 }
 
 interface BranchBarProps {
@@ -193,16 +161,15 @@ function Bar({ baseline: { typical_ms, max_ms }, since_ms, isLong }: BranchBarPr
 }
 
 function Before({ last, names }: { readonly last: LastEnd; readonly names: Names }) {
+  const tone = toneOf(last.outcome);
   return (
     <p className="mission-before">
       <span className="mission-soft">before: </span>
       {pathInWords(names, last.path).split(" › ").pop()}
-      <span className={`mission-outcome ${toneOf(last.outcome)}`}> → {last.outcome.name}</span>
+      <span className={`mission-outcome ${tone && `mission-tone-${tone}`}`}>
+        {" "}
+        → {last.outcome.name}
+      </span>
     </p>
   );
-}
-
-function toneOf({ id }: Outcome): string {
-  if (id === ABORTED) return "mission-tone-aborted";
-  return id === PREEMPTED ? "mission-tone-preempted" : "";
 }

@@ -6,14 +6,14 @@ import type { Watch } from "../../store/history/run.ts";
 import type { Page } from "../../store/page/page.ts";
 import { type Active, activeStates, lanes } from "../../store/run/active.ts";
 import { sinceSnapshot } from "../../store/run/since_snapshot.ts";
-import { useComputed } from "../../ui/signals.ts";
+import { isSameList, useComputed } from "../../ui/signals.ts";
 import { useThrottled } from "../../ui/throttled.ts";
-import { inOrder } from "../parts/order.ts";
+import { inOrder } from "../parts/branch.ts";
 
 /** A little less than a second, so that each second is told. */
 const PACE_MS = 900;
 
-export interface CalmLanes {
+interface CalmLanes {
   /** Those that want somebody first. */
   readonly all: readonly Active[];
   /** So much longer they have gone on by then than they say, in ms. */
@@ -21,7 +21,7 @@ export interface CalmLanes {
 }
 
 export function useCalmLanes(page: Page, watch: Watch): CalmLanes {
-  const phases = useComputed(() => phasesOf(watch), [watch]);
+  const phases = useComputed(() => phasesOf(watch), [watch], isSameList);
   // biome-ignore lint/correctness/useExhaustiveDependencies: other phases are told at once, as another signal is
   const told = useMemo(
     () =>
@@ -34,8 +34,8 @@ export function useCalmLanes(page: Page, watch: Watch): CalmLanes {
   return useThrottled(told, PACE_MS);
 }
 
-/** In which phase each branch is, and at which moment: another text is told at once. */
-function phasesOf(watch: Watch): string {
+/** In which phase each branch is, and at which moment: another list is told at once. */
+function phasesOf(watch: Watch): readonly unknown[] {
   const all = lanes(activeStates(watch)).map(({ branch, phase }) => `${branch} ${phase}`);
-  return [watch.playhead.value, ...all.sort()].join("\n");
+  return [watch.playhead.value, ...all.sort()];
 }

@@ -2,7 +2,6 @@
 
 import { ArrowRightLeft, Hand, KeyRound, LogOut, ShieldAlert, Undo2 } from "lucide-react";
 import type { ReactNode } from "react";
-import { refusalOf } from "../../commands/command.ts";
 import { silenceLeft } from "../../commands/control.ts";
 import { lacks } from "../../commands/run_rules.ts";
 import { startedInWords } from "../../model/run_words.ts";
@@ -11,7 +10,7 @@ import { clock1s } from "../../store/page/clock1s.ts";
 import { sessionOfPage } from "../../store/run/running.ts";
 import { Button } from "../../ui/button.tsx";
 import { useComputed } from "../../ui/signals.ts";
-import { useCommand, useHost } from "../context.tsx";
+import { useCommand, useHost, useRefusalOf } from "../context.tsx";
 import { duration } from "../parts/duration.ts";
 import { Identity } from "./identity.tsx";
 import { isGoingOn } from "./no_run.tsx";
@@ -223,12 +222,8 @@ interface MoveProps {
 }
 
 function Move({ command, title, argument, sign, primary, disabled }: MoveProps) {
-  const { commands, context } = useHost();
   const run = useCommand();
-  const refusal = useComputed(() => {
-    const found = commands.get(command);
-    return found ? refusalOf(found, context()) : null;
-  }, [commands, context, command]);
+  const refusal = useRefusalOf(command);
   return (
     <Button
       kind={primary ? "primary" : "plain"}

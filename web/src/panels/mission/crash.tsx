@@ -2,14 +2,13 @@
 
 import { RotateCcw, TriangleAlert, Undo2 } from "lucide-react";
 import type { ReactNode } from "react";
-import { refusalOf } from "../../commands/command.ts";
 import { fewInWords } from "../../model/few.ts";
 import type { OnCrash } from "../../model/generated/protocol.ts";
 import type { Watch } from "../../store/history/run.ts";
 import { activeStates, lanes } from "../../store/run/active.ts";
 import { Button } from "../../ui/button.tsx";
 import { useComputed } from "../../ui/signals.ts";
-import { useCommand, useHost } from "../context.tsx";
+import { useCommand, useRefusalOf } from "../context.tsx";
 import { pathInWords, useMachineNames } from "./names.ts";
 
 export function Crash({ watch }: { readonly watch: Watch }) {
@@ -44,7 +43,7 @@ function TakeUp({ watch }: { readonly watch: Watch }) {
   const names = useMachineNames();
   const active = useComputed(() => lanes(activeStates(watch)), [watch]);
   const where = fewInWords(active.map(({ path }) => pathInWords(names, path)));
-  const refusal = useRefusal("run.take-up");
+  const refusal = useRefusalOf("run.take-up");
   return (
     <section className="mission-part mission-crash" aria-label="The run crashed">
       <h3>
@@ -77,7 +76,7 @@ function TakeUp({ watch }: { readonly watch: Watch }) {
 function Interrupted({ watch }: { readonly watch: Watch }) {
   const run = useCommand();
   const names = useMachineNames();
-  const refusal = useRefusal("run.recover");
+  const refusal = useRefusalOf("run.recover");
   const all = useComputed(() => activeStates(watch), [watch]);
   const waiting = all.filter(({ phase }) => phase === "interrupted");
   if (waiting.length === 0) return null;
@@ -107,12 +106,4 @@ function Interrupted({ watch }: { readonly watch: Watch }) {
       {refusal && <p className="mission-why">You cannot decide: {refusal}.</p>}
     </section>
   );
-}
-
-function useRefusal(id: string): string | null {
-  const { commands, context } = useHost();
-  return useComputed(() => {
-    const command = commands.get(id);
-    return command ? refusalOf(command, context()) : null;
-  }, [commands, context, id]);
 }

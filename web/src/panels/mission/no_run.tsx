@@ -1,7 +1,6 @@
 /** Mission control without a run: those that go on, to choose one, and how one begins. */
 
 import { Radar } from "lucide-react";
-import { refusalOf } from "../../commands/command.ts";
 import { startedInWords, summaryStatusWords } from "../../model/run_words.ts";
 import { clock1s } from "../../store/page/clock1s.ts";
 import { Button } from "../../ui/button.tsx";
@@ -24,8 +23,7 @@ export function NoRun() {
   const over = all.filter((one) => !isGoingOn(one)).slice(0, OVER_MAX);
   const refusal = useComputed(() => {
     page.active.value;
-    const start = commands.get("run.start");
-    return start ? refusalOf(start, context()) : "";
+    return commands.refusalOf("run.start", context());
   }, [page, commands, context]);
   if (coming !== null) {
     const name = all.find(({ id }) => id === coming)?.name ?? coming;

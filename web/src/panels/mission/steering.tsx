@@ -2,12 +2,11 @@
 
 import { CirclePause, CirclePlay, CircleStop, Footprints, type LucideIcon } from "lucide-react";
 import type { MouseEvent, ReactNode } from "react";
-import { refusalOf } from "../../commands/command.ts";
 import { SURE } from "../../commands/run.ts";
 import type { Watch } from "../../store/history/run.ts";
 import { useConfirmPress } from "../../ui/confirm_press.ts";
-import { useComputed } from "../../ui/signals.ts";
-import { useCommand, useHost } from "../context.tsx";
+import { isSameRecord, useComputed } from "../../ui/signals.ts";
+import { useCommand, useHost, useRefusalOf } from "../context.tsx";
 
 export function Steering() {
   const run = useCommand();
@@ -40,20 +39,19 @@ type Refusals = Readonly<Record<(typeof USED)[number], string | null>>;
 /** Why each of the commands cannot be done now. */
 function useRefusals(): Refusals {
   const { commands, context } = useHost();
-  const text = useComputed(() => {
-    const now = context();
-    const all = USED.map((id) => {
-      const command = commands.get(id);
-      return [id, command ? refusalOf(command, now) : null];
-    });
-    return JSON.stringify(Object.fromEntries(all));
-  }, [commands, context]);
-  return JSON.parse(text) as Refusals;
+  return useComputed(
+    () => {
+      const now = context();
+      return Object.fromEntries(USED.map((id) => [id, commands.refusalOf(id, now)])) as Refusals;
+    },
+    [commands, context],
+    isSameRecord,
+  );
 }
 
 /** What keeps from stopping while there is something to stop. Who else is in control, and how that changes, stands below. */
 export function WhyNot({ watch }: { readonly watch: Watch }) {
-  const why = useRefusals()["run.stop"];
+  const why = useRefusalOf("run.stop");
   const isOn = useComputed(() => watch.now.value?.run.phase === "live", [watch]);
   // Of a run that is over, or crashed, there is more to say, and it stands below.
   return why && isOn ? <p className="mission-why">{capital(why)}.</p> : null;

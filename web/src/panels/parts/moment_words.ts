@@ -7,7 +7,7 @@ import { useSignal } from "../../ui/signals.ts";
 import { sinceStart } from "./duration.ts";
 import { happenedInWords, namesOf } from "./happened.ts";
 
-export interface MomentWords {
+interface MomentWords {
   /** Its place in the journal. */
   readonly index: number;
   /** Time since the start. */

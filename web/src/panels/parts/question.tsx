@@ -2,7 +2,6 @@
 
 import { CircleHelp, Timer } from "lucide-react";
 import { type FormEvent, useId, useState } from "react";
-import { refusalOf } from "../../commands/command.ts";
 import type { Form, Question } from "../../model/generated/protocol.ts";
 import type { Watch } from "../../store/history/run.ts";
 import { clock1s } from "../../store/page/clock1s.ts";
@@ -10,7 +9,7 @@ import { timeLeft } from "../../store/run/question_time.ts";
 import { Button } from "../../ui/button.tsx";
 import { Checkbox, TextField } from "../../ui/field.tsx";
 import { useComputed } from "../../ui/signals.ts";
-import { useCommand, useHost } from "../context.tsx";
+import { useCommand, useHost, useRefusalOf } from "../context.tsx";
 import {
   answerOf,
   deadlineInWords,
@@ -25,7 +24,7 @@ import "./question.css";
 /** With less time an answer is wanted at once. */
 const SOON_MS = 15_000;
 
-export interface QuestionFormProps {
+interface QuestionFormProps {
   readonly watch: Watch;
   readonly question: Question;
   /** Who asks, in words. */
@@ -35,14 +34,10 @@ export interface QuestionFormProps {
 }
 
 export function QuestionForm({ watch, question, asker, isUnmoved }: QuestionFormProps) {
-  const { commands, context } = useHost();
   const run = useCommand();
   const [filled, setFilled] = useState<Filled>(() => firstFilled(question.form));
   const id = useId();
-  const refusal = useComputed(() => {
-    const answer = commands.get("run.answer");
-    return answer ? refusalOf(answer, context()) : null;
-  }, [commands, context]);
+  const refusal = useRefusalOf("run.answer");
   const isSent = useComputed(() => isUnderWay(watch, question.id), [watch, question.id]);
   const fault = refusalOfFilled(question.form, filled);
   const { buttons } = question.form;

@@ -2,20 +2,9 @@
  * of this branch alone. */
 
 import { signal } from "@preact/signals-core";
-import {
-  ArrowDownToLine,
-  ArrowRightToLine,
-  ArrowUpFromLine,
-  CirclePause,
-  CirclePlay,
-  Hourglass,
-  type LucideIcon,
-  OctagonAlert,
-  Undo2,
-} from "lucide-react";
+import { ArrowDownToLine, ArrowRightToLine, ArrowUpFromLine, Undo2 } from "lucide-react";
 import { useMemo } from "react";
-import type { Phase } from "../../model/generated/protocol.ts";
-import { ABORTED, namesTo, PREEMPTED } from "../../model/machine.ts";
+import { namesTo } from "../../model/machine.ts";
 import { holdInWords } from "../../model/run_words.ts";
 import { lastEndBeside } from "../../store/history/last_end.ts";
 import type { Watch } from "../../store/history/run.ts";
@@ -26,9 +15,9 @@ import { IconButton } from "../../ui/button.tsx";
 import { Empty } from "../../ui/empty.tsx";
 import { useComputed, useSignal } from "../../ui/signals.ts";
 import { useActiveTab, useCommand, useHost } from "../context.tsx";
+import { comesNext, inOrder, PHASES, phaseInWords, toneOf } from "../parts/branch.ts";
 import { duration, growing } from "../parts/duration.ts";
 import { NoRun } from "../parts/no_run.tsx";
-import { inOrder } from "../parts/order.ts";
 import { reveal } from "../reveal.ts";
 import { useSinceSnapshot } from "../since_snapshot.ts";
 import "./running.css";
@@ -87,14 +76,6 @@ function Nothing({ watch }: { readonly watch: Watch }) {
   return <Empty title="Nothing is running" text={text} />;
 }
 
-const PHASES: Readonly<Record<Phase, { readonly word: string; readonly Sign: LucideIcon }>> = {
-  running: { word: "runs", Sign: CirclePlay },
-  waiting: { word: "waits", Sign: Hourglass },
-  held: { word: "paused", Sign: CirclePause },
-  interrupted: { word: "interrupted by a crash", Sign: OctagonAlert },
-  preempted: { word: "is being preempted", Sign: Undo2 },
-};
-
 interface BranchRowProps {
   readonly tab: OpenTab;
   readonly watch: Watch;
@@ -106,7 +87,7 @@ interface BranchRowProps {
 function Row({ tab, watch, lane, sinceSnapshot_ms, isLive }: BranchRowProps) {
   const host = useHost();
   const place = placeOfLane(lane);
-  const { word, Sign } = PHASES[lane.phase];
+  const { Sign } = PHASES[lane.phase];
   const around = namesTo(tab.session.machine, place).slice(1);
   const name = around.pop() ?? lane.name;
   return (
@@ -124,7 +105,7 @@ function Row({ tab, watch, lane, sinceSnapshot_ms, isLive }: BranchRowProps) {
         )}
         {around.length > 0 && <span className="running-way">{around.join(" › ")}</span>}
         <span className="running-words">
-          {phaseInWords(lane, word)}
+          {phaseInWords(lane, heldInWords)}
           {lane.phase !== "held" && <Against watch={watch} path={lane.path} />}
         </span>
         <Before watch={watch} path={place} tab={tab} />
@@ -134,18 +115,8 @@ function Row({ tab, watch, lane, sinceSnapshot_ms, isLive }: BranchRowProps) {
   );
 }
 
-/** Whether the state of a row has not been entered yet: it has no time then. */
-function comesNext({ phase, held: [hold] }: Active): boolean {
-  return phase === "held" && hold?.next != null;
-}
-
-function phaseInWords({ phase, detail, held: [hold] }: Active, word: string): string {
-  if (phase === "waiting") return detail ? `waits for ${detail}` : word;
-  if (phase === "held" && hold) {
-    const by = holdInWords(hold.by);
-    return hold.next === null ? by : `comes next, ${by}`;
-  }
-  return word;
+function heldInWords(by: Parameters<typeof holdInWords>[0], isBefore: boolean): string {
+  return isBefore ? `comes next, ${holdInWords(by)}` : holdInWords(by);
 }
 
 function Against({ watch, path }: { readonly watch: Watch; readonly path: string }) {
@@ -168,12 +139,11 @@ function Before({
 }) {
   const last = useComputed(() => lastEndBeside(watch, path), [watch, path]);
   if (!last) return null;
-  const { id, name } = last.outcome;
-  const tone = id === ABORTED ? "running-aborted" : id === PREEMPTED ? "running-preempted" : "";
+  const tone = toneOf(last.outcome);
   return (
     <span className="running-before">
       before: {namesTo(tab.session.machine, last.path).at(-1)}
-      <span className={tone}> → {name}</span>
+      <span className={tone && `running-${tone}`}> → {last.outcome.name}</span>
     </span>
   );
 }

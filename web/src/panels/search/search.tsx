@@ -14,8 +14,7 @@ import {
 import { namesTo } from "../../model/machine.ts";
 import type { SearchField, SearchScope } from "../../model/search.ts";
 import type { OpenTab } from "../../store/page/page.ts";
-import { scriptLineRevealRequest } from "../../store/page/script_line_reveal_request.ts";
-import { searchRevealRequest } from "../../store/page/search_reveal_request.ts";
+import { scriptLineRevealRequest, searchRevealRequest } from "../../store/page/reveal_requests.ts";
 import { Empty } from "../../ui/empty.tsx";
 import { Checkbox, TextField } from "../../ui/field.tsx";
 import { Marked } from "../../ui/marked.tsx";

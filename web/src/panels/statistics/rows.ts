@@ -2,7 +2,7 @@
 
 import type { StateStatistics } from "../../model/generated/protocol.ts";
 
-export type SortKey = "names" | "count" | "total" | "min" | "median" | "p95" | "max";
+type SortKey = "names" | "count" | "total" | "min" | "median" | "p95" | "max";
 
 export interface Sort {
   readonly key: SortKey;

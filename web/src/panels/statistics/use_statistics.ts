@@ -14,7 +14,7 @@ const EVERY_MS = 3_000;
 /** What was counted, and until which event. */
 export type Counted = Pick<Statistics, "states" | "sequence">;
 
-export interface RequestedStatistics {
+interface RequestedStatistics {
   readonly statistics: Statistics | null;
   readonly refusal: string | null;
   /** Asks now. */

@@ -15,14 +15,14 @@ import type { Pointed, TimelineModel } from "./model.ts";
 import { paintRows, paintRuler, RULER_PX, type Scene } from "./paint.ts";
 import { panned, zoomed } from "./span.ts";
 
-export interface ChartPlaces {
+interface ChartPlaces {
   readonly ruler: HTMLCanvasElement;
   readonly rows: HTMLCanvasElement;
   /** What scrolls the rows. */
   readonly scroller: HTMLElement;
 }
 
-export interface ChartOptions {
+interface ChartOptions {
   readonly tab: OpenTab;
   readonly model: TimelineModel;
   /** When what is shown parts from the run that it is compared with. */

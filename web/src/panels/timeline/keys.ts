@@ -4,7 +4,7 @@
 import { stepPlayhead, toEnd, toEntry } from "../../store/history/moments.ts";
 import type { TimelineModel } from "./model.ts";
 
-export interface TimelineKey {
+interface TimelineKey {
   readonly key: string;
   readonly ctrlKey: boolean;
   readonly altKey: boolean;

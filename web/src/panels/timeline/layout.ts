@@ -7,12 +7,12 @@ import type { TimeSpan } from "./span.ts";
 export const ROW_PX = 18;
 const GAP_PX = 6;
 
-export interface LaneRow {
+interface LaneRow {
   readonly row: CallRow;
   readonly y: number;
 }
 
-export interface LaneBox {
+interface LaneBox {
   readonly lane: Lane;
   readonly y: number;
   readonly height: number;

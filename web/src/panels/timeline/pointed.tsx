@@ -9,7 +9,7 @@ import { measured, sinceStart } from "../parts/duration.ts";
 import { namesOf } from "../parts/happened.ts";
 import type { TimelineModel } from "./model.ts";
 
-export interface PointedProps {
+interface PointedProps {
   readonly tab: OpenTab;
   readonly model: TimelineModel;
 }

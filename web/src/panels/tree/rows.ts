@@ -4,7 +4,7 @@ import type { Machine } from "../../model/machine.ts";
 import { match, queryOf, type TextSpan } from "../../model/match.ts";
 import { idOf, parentOf } from "../../model/path.ts";
 
-export interface Filtered {
+interface Filtered {
   /** The states that show; null for all. */
   readonly shown: ReadonlySet<string> | null;
   /** What fits in the names of those that fit themselves. */

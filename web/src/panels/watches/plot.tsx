@@ -3,6 +3,7 @@
 import { useEffect, useRef, useState } from "react";
 import type uPlot from "uplot";
 import type { SeriesPoint } from "../../store/history/series.ts";
+import { onTheme } from "../../ui/inks.ts";
 import { useSignal } from "../../ui/signals.ts";
 import { duration } from "../parts/duration.ts";
 import "uplot/dist/uPlot.min.css";
@@ -171,10 +172,9 @@ function follow(home: HTMLElement, plot: uPlot): () => void {
     if (home.clientWidth > 0) plot.setSize({ width: home.clientWidth, height: HEIGHT_PX });
   });
   sizes.observe(home);
-  const themes = new MutationObserver(() => plot.redraw());
-  themes.observe(document.documentElement, { attributeFilter: ["data-theme"] });
+  const stopTheme = onTheme(() => plot.redraw());
   return () => {
     sizes.disconnect();
-    themes.disconnect();
+    stopTheme();
   };
 }

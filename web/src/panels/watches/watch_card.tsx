@@ -26,7 +26,7 @@ import { reveal } from "../reveal.ts";
 import { Plot } from "./plot.tsx";
 import type { WatchedValue } from "./watched_value.ts";
 
-export interface WatchCardProps {
+interface WatchCardProps {
   readonly tab: OpenTab;
   readonly watched: WatchedExpression;
   readonly watch: Watch | null;

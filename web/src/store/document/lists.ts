@@ -6,7 +6,7 @@ interface Numbered {
   readonly id: number;
 }
 
-export type ListName =
+type ListName =
   | "outcomes"
   | "inputs"
   | "outputs"

@@ -1,6 +1,7 @@
 /** Which call an event of a run is about. */
 
 import { type Calls, NONE } from "./calls.ts";
+import { lowerBound } from "./column.ts";
 
 /** The call that begins or ends by the event, or whose state the event names; else the innermost one that was open then. */
 export function callAbout(calls: Calls, index: number): number {
@@ -19,11 +20,6 @@ function pathOf(happening: NonNullable<ReturnType<Calls["journal"]["at"]>>): str
 /** The last call of a state that began at the event or before; NONE if none did. */
 function lastOf(calls: Calls, path: string, index: number): number {
   const all = calls.of(path);
-  let [low, high] = [0, all.length];
-  while (low < high) {
-    const middle = (low + high) >> 1;
-    if (calls.begin(all[middle] ?? NONE) <= index) low = middle + 1;
-    else high = middle;
-  }
-  return all[low - 1] ?? NONE;
+  const behind = lowerBound(all.length, (place) => calls.begin(all[place] ?? NONE) <= index);
+  return all[behind - 1] ?? NONE;
 }

@@ -9,7 +9,7 @@ import { ENTERED, type Journal, LEFT } from "./journal.ts";
 /** How a call ended. */
 export const OPEN = 0;
 /** By an outcome. */
-export const ENDED = 1;
+const ENDED = 1;
 /** Backwards: to where it stood before. */
 export const TAKEN_BACK = 2;
 /** Without an outcome: the run went back, or its runner died. */

@@ -38,13 +38,7 @@ export class NumberColumn<A extends TypedArray> {
 
   /** Of rising numbers, the index of the first that is no less; the length if all are. */
   firstFrom(value: number): number {
-    let [low, high] = [0, this.#length];
-    while (low < high) {
-      const middle = (low + high) >> 1;
-      if (this.at(middle) < value) low = middle + 1;
-      else high = middle;
-    }
-    return low;
+    return lowerBound(this.#length, (place) => this.at(place) < value);
   }
 
   #grow(): void {
@@ -52,4 +46,15 @@ export class NumberColumn<A extends TypedArray> {
     wider.set(this.#values);
     this.#values = wider;
   }
+}
+
+/** Of so many places in rising order, the first that does not lie before what is looked for; their number if all do. */
+export function lowerBound(length: number, isBefore: (place: number) => boolean): number {
+  let [low, high] = [0, length];
+  while (low < high) {
+    const middle = (low + high) >> 1;
+    if (isBefore(middle)) low = middle + 1;
+    else high = middle;
+  }
+  return low;
 }

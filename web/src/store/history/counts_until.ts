@@ -22,7 +22,7 @@ export function countsUntil(journal: Journal, index: number): CountsUntil {
   return known;
 }
 
-export class CountsUntil {
+class CountsUntil {
   readonly #journal: Journal;
   readonly #lengths: CallLengths;
   /** By the number of the path. */

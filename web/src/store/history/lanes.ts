@@ -5,6 +5,7 @@
 import { ABORTED, PREEMPTED } from "../../model/machine.ts";
 import type { Calls } from "./calls.ts";
 import { DROPPED, NONE, OPEN, TAKEN_BACK } from "./calls.ts";
+import { lowerBound } from "./column.ts";
 
 /** How a call looks. */
 export type CallLook = "open" | "ended" | "aborted" | "preempted" | "back" | "dropped";
@@ -49,25 +50,18 @@ export class CallRow {
 
   /** The place in the row of the first call that has not ended by this event of the journal. */
   firstOpenAfter(index: number): number {
-    let [low, high] = [0, this.calls.length];
-    while (low < high) {
-      const middle = (low + high) >> 1;
-      const end = this.#all.end(this.calls[middle] ?? NONE);
-      if (end !== NONE && end <= index) low = middle + 1;
-      else high = middle;
-    }
-    return low;
+    return lowerBound(this.calls.length, (place) => {
+      const end = this.#all.end(this.calls[place] ?? NONE);
+      return end !== NONE && end <= index;
+    });
   }
 
   /** The place in the row of the first call that began at this event of the journal or later. */
   firstFrom(index: number): number {
-    let [low, high] = [0, this.calls.length];
-    while (low < high) {
-      const middle = (low + high) >> 1;
-      if (this.#all.begin(this.calls[middle] ?? NONE) < index) low = middle + 1;
-      else high = middle;
-    }
-    return low;
+    return lowerBound(
+      this.calls.length,
+      (place) => this.#all.begin(this.calls[place] ?? NONE) < index,
+    );
   }
 
   /** How many failed, of those from one place in the row up to before another. */

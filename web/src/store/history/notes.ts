@@ -2,6 +2,7 @@
  * as it grows; of very many the oldest are not known any more. */
 
 import type { Event } from "../../model/generated/protocol.ts";
+import { lowerBound } from "./column.ts";
 import { type Journal, OTHER } from "./journal.ts";
 
 /** The later ones cover the earlier ones where there is room for one only. */
@@ -18,7 +19,7 @@ export const NOTE_KINDS = [
 
 export type NoteKind = (typeof NOTE_KINDS)[number];
 
-export interface Note {
+interface Note {
   /** The index in the journal. */
   readonly index: number;
   readonly kind: NoteKind;
@@ -44,13 +45,7 @@ export class Notes {
 
   /** The place of the first note at this event of the journal or later. */
   firstFrom(index: number): number {
-    let [low, high] = [0, this.all.length];
-    while (low < high) {
-      const middle = (low + high) >> 1;
-      if ((this.all[middle]?.index ?? 0) < index) low = middle + 1;
-      else high = middle;
-    }
-    return low;
+    return lowerBound(this.all.length, (place) => (this.all[place]?.index ?? 0) < index);
   }
 }
 

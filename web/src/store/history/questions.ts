@@ -16,7 +16,7 @@ export interface Closed {
   readonly author: string;
 }
 
-export interface AskedQuestions {
+interface AskedQuestions {
   /** When questions were asked, by their ids: ns since the start of the run. */
   readonly since_ns: ReadonlyMap<number, number>;
   /** Those that ended last, the newest first. */

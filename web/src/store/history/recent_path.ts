@@ -24,7 +24,7 @@ export interface TakenTransition {
 export type TransitionGoal = string | number;
 
 /** What lies behind on a branch. */
-export interface RecentStep {
+interface RecentStep {
   /** The state that ended, or null if it is a transition alone. */
   readonly path: string | null;
   readonly taken: TakenTransition | null;

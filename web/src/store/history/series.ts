@@ -3,6 +3,7 @@
 
 import type { JsonValue } from "../../model/generated/protocol.ts";
 import { read } from "../../model/wire.ts";
+import { lowerBound } from "./column.ts";
 
 /** So many points are kept. */
 export const POINTS_MAX = 4_000;
@@ -78,13 +79,10 @@ export class Series {
   }
 
   #indexAfter(sequence: number): number {
-    let [low, high] = [0, this.#points.length];
-    while (low < high) {
-      const middle = (low + high) >> 1;
-      if ((this.#points[middle]?.sequence ?? 0) <= sequence) low = middle + 1;
-      else high = middle;
-    }
-    return low;
+    return lowerBound(
+      this.#points.length,
+      (place) => (this.#points[place]?.sequence ?? 0) <= sequence,
+    );
   }
 }
 

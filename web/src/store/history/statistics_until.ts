@@ -2,11 +2,12 @@
  * moment. From one moment to the next only what ended between them is counted. */
 
 import type { Outcome, StateStatistics } from "../../model/generated/protocol.ts";
+import { lowerBound } from "./column.ts";
 import { type Journal, LEFT } from "./journal.ts";
 import { lengthsOf } from "./lengths.ts";
 
 /** Without names: those are the machine's. */
-export type StatisticsUntil = Omit<StateStatistics, "names">;
+type StatisticsUntil = Omit<StateStatistics, "names">;
 
 const KNOWN = new WeakMap<Journal, StateEnds>();
 
@@ -70,7 +71,7 @@ class State {
 
   /** Null if it had not ended. */
   until(index: number): StatisticsUntil | null {
-    const count = firstFrom(this.ends, this.ends.length, index);
+    const count = lowerBound(this.ends.length, (place) => (this.ends[place] ?? 0) < index);
     if (count !== this.#count) this.#to(count);
     return this.#row;
   }
@@ -134,15 +135,4 @@ function leaveOut(numbers: SortedLengths, count: number, some: SortedLengths): v
     if (out < some.length && number === some[out]) out += 1;
     else numbers[kept++] = number;
   }
-}
-
-/** Of so many rising numbers, the place of the first that is no less; behind the last if all are. */
-function firstFrom(numbers: ArrayLike<number>, count: number, value: number): number {
-  let [low, high] = [0, count];
-  while (low < high) {
-    const middle = (low + high) >> 1;
-    if ((numbers[middle] ?? 0) < value) low = middle + 1;
-    else high = middle;
-  }
-  return low;
 }

@@ -1,5 +1,6 @@
 /** When each state was entered and left, by state: found without walking the journal again. Steps back are left out. */
 
+import { lowerBound } from "./column.ts";
 import { ENTERED, type Journal, LEFT } from "./journal.ts";
 import type { Watch } from "./run.ts";
 
@@ -56,13 +57,7 @@ export class Visits {
 
   #countTo(all: readonly number[], until: number | null): number {
     if (until === null) return all.length;
-    let [low, high] = [0, all.length];
-    while (low < high) {
-      const middle = (low + high) >> 1;
-      if (this.#journal.sequence(all[middle] ?? 0) <= until) low = middle + 1;
-      else high = middle;
-    }
-    return low;
+    return lowerBound(all.length, (place) => this.#journal.sequence(all[place] ?? 0) <= until);
   }
 
   #catchUp(): void {

@@ -18,7 +18,7 @@ const RECENT_MAX = 20;
 const KEY = "rafcon.settings";
 
 /** As they were kept; what cannot be read is as at first. */
-export function readSettings(localStore: LocalStore): Settings {
+function readSettings(localStore: LocalStore): Settings {
   return { ...FIRST_SETTINGS, ...kept<Partial<Settings>>(localStore, KEY) };
 }
 

@@ -27,7 +27,7 @@ export interface ViewModes {
 export type HeatMode = "off" | "count" | "time";
 
 /** How an element differs from its counterpart in another machine. */
-export type Mark = "added" | "removed" | "changed";
+type Mark = "added" | "removed" | "changed";
 
 /** Where a view looks before anybody has chosen: the canvas fits the root then. */
 export const FIRST_CAMERA: Camera = { x: 0, y: 0, scale: 1 };

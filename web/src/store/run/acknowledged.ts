@@ -4,7 +4,7 @@ import { computed, type ReadonlySignal, type Signal, signal } from "@preact/sign
 import { Failures, type RunFailure } from "../history/failures.ts";
 import { openQuestions } from "../history/questions.ts";
 import type { Watch } from "../history/run.ts";
-import { kept, type LocalStore, localStoreOf, memoryStore } from "../local_store.ts";
+import { BROWSER_STORE, kept, type LocalStore } from "../local_store.ts";
 import { openDecisions } from "./decisions.ts";
 
 const KEY = "rafcon.acknowledged";
@@ -21,8 +21,6 @@ interface RunFailures {
 }
 
 const ALL = new WeakMap<FailuresWatch, RunFailures>();
-const SHED: LocalStore =
-  typeof window === "undefined" ? memoryStore() : localStoreOf(() => window.localStorage);
 
 /** What wants acknowledgement, and what was acknowledged already; the oldest first. */
 export function failures(watch: FailuresWatch): ReadonlySignal<readonly RunFailure[]> {
@@ -49,7 +47,7 @@ export function acknowledged(watch: FailuresWatch): ReadonlySignal<ReadonlySet<n
 export function acknowledge(
   watch: FailuresWatch,
   sequences: Iterable<number>,
-  localStore: LocalStore = SHED,
+  localStore: LocalStore = BROWSER_STORE,
 ): void {
   const { acknowledged } = about(watch, localStore);
   const all = [...new Set([...acknowledged.peek(), ...sequences])].slice(-KEPT_MAX);
@@ -60,7 +58,7 @@ export function acknowledge(
   localStore.put(KEY, Object.fromEntries(runs));
 }
 
-function about(watch: FailuresWatch, localStore: LocalStore = SHED): RunFailures {
+function about(watch: FailuresWatch, localStore: LocalStore = BROWSER_STORE): RunFailures {
   const there = ALL.get(watch);
   if (there) return there;
   const walker = new Failures();

@@ -2,18 +2,19 @@
 
 import { type Signal, signal } from "@preact/signals-core";
 import type { Breakpoint } from "../../model/generated/protocol.ts";
-import { type LocalStore, localStoreOf, memoryStore } from "../local_store.ts";
+import { BROWSER_STORE, type LocalStore } from "../local_store.ts";
 import type { OpenTab } from "../page/page.ts";
 import { fileOfTab, liveRun, snapshotOf } from "./running.ts";
 
 type KeptBreakpoints = Signal<readonly Breakpoint[]>;
 
-const BROWSER =
-  typeof window === "undefined" ? memoryStore() : localStoreOf(() => window.localStorage);
 const KNOWN = new WeakMap<LocalStore, Map<string, KeptBreakpoints>>();
 
 /** What is kept for the next start of the machine of a tab. */
-export function keptBreakpoints(tab: OpenTab, localStore: LocalStore = BROWSER): KeptBreakpoints {
+export function keptBreakpoints(
+  tab: OpenTab,
+  localStore: LocalStore = BROWSER_STORE,
+): KeptBreakpoints {
   const known = KNOWN.get(localStore) ?? new Map<string, KeptBreakpoints>();
   KNOWN.set(localStore, known);
   const key = keyOf(tab);
@@ -49,7 +50,7 @@ const NONE: readonly Breakpoint[] = [];
 /** All breakpoints that count on a tab now. A signal's reader. */
 export function breakpointsOf(
   tab: OpenTab,
-  localStore: LocalStore = BROWSER,
+  localStore: LocalStore = BROWSER_STORE,
 ): readonly Breakpoint[] {
   const live = liveRun(tab);
   if (live) return snapshotOf(live)?.breakpoints ?? NONE;
@@ -66,7 +67,7 @@ export function withBreakpoint(
 }
 
 /** A number that no breakpoint has, of the run or for the next start. */
-export function freshId(tab: OpenTab, localStore: LocalStore = BROWSER): number {
+export function freshId(tab: OpenTab, localStore: LocalStore = BROWSER_STORE): number {
   const live = liveRun(tab);
   const all = [
     ...(snapshotOf(live)?.breakpoints ?? []),

@@ -4,7 +4,7 @@
 import type { CountUntil } from "../history/counts_until.ts";
 import type { HeatMode } from "../page/view.ts";
 
-export interface HeatOfRun {
+interface HeatOfRun {
   /** From 0, hardly, to the number of levels, by path. Only states that ran are in it. */
   readonly levels: ReadonlyMap<string, number>;
   /** What the hottest innermost state has: entries, or ms. */

@@ -62,7 +62,7 @@ export interface LineMarkOfRun {
   readonly sequence: number;
 }
 
-export interface RunMarks {
+interface RunMarks {
   readonly states: ReadonlyMap<string, RunMark>;
   readonly lines: ReadonlyMap<ElementKey, LineMarkOfRun>;
   /** How often a state had been entered. */

@@ -1,6 +1,7 @@
 /** Values that the user watches, by machine: kept in this browser. */
 
 import { type Signal, signal } from "@preact/signals-core";
+import { BROWSER_STORE, kept } from "../local_store.ts";
 import type { OpenTab } from "../page/page.ts";
 
 /** A value of a run: at a port or in a scoped variable of a state, or a global variable. */
@@ -34,7 +35,7 @@ export function watchedOf(tab: OpenTab): Signal<readonly WatchedExpression[]> {
   let found = known.get(key);
   if (!found) {
     if (known.size === 0) takeFromOthers();
-    found = signal(kept()[key] ?? []);
+    found = signal(keptWatches()[key] ?? []);
     known.set(key, found);
   }
   return found;
@@ -44,7 +45,7 @@ export function watchedOf(tab: OpenTab): Signal<readonly WatchedExpression[]> {
 function takeFromOthers(): void {
   globalThis.addEventListener?.("storage", ({ key }) => {
     if (key !== KEY && key !== null) return;
-    const now = kept();
+    const now = keptWatches();
     for (const [machine, watched] of known) watched.value = now[machine] ?? [];
   });
 }
@@ -83,14 +84,9 @@ export function isSameTarget(one: Target, other: Target): boolean {
 
 function put(tab: OpenTab, all: readonly WatchedExpression[]): void {
   watchedOf(tab).value = all;
-  const { [machineKey(tab)]: _, ...others } = kept();
+  const { [machineKey(tab)]: _, ...others } = keptWatches();
   const rest = Object.entries(others).slice(-MACHINES_MAX + 1);
-  const next = Object.fromEntries([...rest, [machineKey(tab), all]]);
-  try {
-    globalThis.localStorage?.setItem(KEY, JSON.stringify(next));
-  } catch {
-    // Without storage it lasts as long as the page.
-  }
+  BROWSER_STORE.put(KEY, Object.fromEntries([...rest, [machineKey(tab), all]]));
 }
 
 function machineKey({ session, run }: OpenTab): string {
@@ -98,11 +94,6 @@ function machineKey({ session, run }: OpenTab): string {
   return file ? `${file.project}/${file.path}` : session.id;
 }
 
-function kept(): KeptWatches {
-  try {
-    const found: unknown = JSON.parse(globalThis.localStorage?.getItem(KEY) ?? "{}");
-    return typeof found === "object" && found !== null ? (found as KeptWatches) : {};
-  } catch {
-    return {};
-  }
+function keptWatches(): KeptWatches {
+  return kept<KeptWatches>(BROWSER_STORE, KEY) ?? {};
 }

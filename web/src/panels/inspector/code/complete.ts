@@ -32,7 +32,7 @@ export function nameCompletion(names: () => ScriptNames) {
   };
 }
 
-export interface FoundCompletions {
+interface FoundCompletions {
   /** What stands of it already. */
   readonly typed: string;
   readonly options: readonly Completion[];

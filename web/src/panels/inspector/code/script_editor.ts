@@ -40,7 +40,7 @@ import { diagnostics } from "./check.ts";
 import { nameCompletion, type ScriptNames } from "./complete.ts";
 import { look } from "./look.ts";
 
-export interface ScriptEditorOptions {
+interface ScriptEditorOptions {
   readonly text: string;
   readonly readOnly: boolean;
   /** What it is, for screen readers: "Script of Scan". */

@@ -16,7 +16,7 @@ export function useForm(kind: string, options: readonly ValueForm[]): ValueForm 
   return options.find((option) => option === chosen) ?? options[0] ?? null;
 }
 
-export interface FormChoiceProps {
+interface FormChoiceProps {
   readonly kind: string;
   readonly options: readonly ValueForm[];
   readonly form: ValueForm | null;

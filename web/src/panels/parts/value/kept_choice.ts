@@ -1,6 +1,7 @@
 /** How values are shown, as the user left it: which of their parts are open, and in which form numbers and records stand. */
 
 import { type ReadonlySignal, signal } from "@preact/signals-core";
+import { BROWSER_STORE, kept } from "../../../store/local_store.ts";
 
 /** Which form of a value is shown where there are several. */
 export type ValueForm = "list" | "table" | "image" | "plot";
@@ -9,27 +10,14 @@ const KEY = "rafcon.value.forms";
 
 type Forms = Readonly<Record<string, ValueForm>>;
 
-const chosen = signal<Forms>(remembered());
+const chosen = signal<Forms>(kept<Forms>(BROWSER_STORE, KEY) ?? {});
 
 export const forms: ReadonlySignal<Forms> = chosen;
 
 /** Shows values of this kind in this form from now on. */
 export function chooseForm(kind: string, form: ValueForm): void {
   chosen.value = { ...chosen.peek(), [kind]: form };
-  try {
-    globalThis.localStorage?.setItem(KEY, JSON.stringify(chosen.peek()));
-  } catch {
-    // Without storage it lasts as long as the page.
-  }
-}
-
-function remembered(): Forms {
-  try {
-    const found: unknown = JSON.parse(globalThis.localStorage?.getItem(KEY) ?? "{}");
-    return typeof found === "object" && found !== null ? (found as Forms) : {};
-  } catch {
-    return {};
-  }
+  BROWSER_STORE.put(KEY, chosen.peek());
 }
 
 const OPEN_MAX = 500;

@@ -5,7 +5,7 @@ import { Button } from "../../../ui/button.tsx";
 import { TextField } from "../../../ui/field.tsx";
 import { Marked } from "../../../ui/marked.tsx";
 
-export interface LongTextProps {
+interface LongTextProps {
   readonly text: string;
   /** How many characters it had, if not all of them were kept. */
   readonly count?: number | undefined;

@@ -4,7 +4,7 @@ import { type PointerEvent, useEffect, useRef, useState } from "react";
 import { isColoured, type NumberArray, range } from "../../../model/numbers.ts";
 import { shortNumber } from "../../../model/short_value.ts";
 
-export interface NumbersProps {
+interface NumbersProps {
   readonly numbers: NumberArray;
   readonly name: string;
 }

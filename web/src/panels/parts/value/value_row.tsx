@@ -14,12 +14,12 @@ import { NumbersImage, NumbersPlot, NumbersTable } from "./numbers_view.tsx";
 import { RecordsTable } from "./records_table.tsx";
 
 /** What of a value is open. */
-export interface ValueTree {
+interface ValueTree {
   readonly isOpen: (valuePath: string) => boolean;
   readonly toggle: (valuePath: string) => void;
 }
 
-export interface ValueRowProps {
+interface ValueRowProps {
   readonly name: string | undefined;
   readonly value: unknown;
   readonly valuePath: string;

@@ -5,7 +5,7 @@ import { keepOpen, openParts } from "./kept_choice.ts";
 import { ValueRow } from "./value_row.tsx";
 import "./value.css";
 
-export interface ValueViewProps {
+interface ValueViewProps {
   /** As it came: what docs/protocol.md says of values. */
   readonly value: unknown;
   /** What it is called; left out: it stands under its name already. */

@@ -67,7 +67,7 @@ export function nextTransition(state: StateDocument): number {
 }
 
 /** A transition that leads elsewhere in the container. */
-export function withGoal(
+function withGoal(
   transition: TransitionDocument,
   to: Goal,
   container: StateDocument,

@@ -1,7 +1,7 @@
 import { expect, test } from "vitest";
 import type { Phase } from "../../model/generated/protocol.ts";
 import type { Active } from "../../store/run/active.ts";
-import { inOrder } from "./order.ts";
+import { inOrder } from "./branch.ts";
 
 const lane = (path: string, phase: Phase): Active => ({
   path,

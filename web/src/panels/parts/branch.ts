@@ -1,0 +1,56 @@
+/** Active branches in a list: their order, the sign and word of each phase, and the tone of what ended before. */
+
+import {
+  CirclePause,
+  CirclePlay,
+  Hourglass,
+  type LucideIcon,
+  OctagonAlert,
+  Undo2,
+} from "lucide-react";
+import type { Outcome, Phase } from "../../model/generated/protocol.ts";
+import { ABORTED, PREEMPTED } from "../../model/machine.ts";
+import { type Active, placeOfLane } from "../../store/run/active.ts";
+
+const URGENCY: readonly Phase[] = ["interrupted", "waiting", "held", "preempted", "running"];
+
+/** Those that need a person first, and else as they stand in the machine. */
+export function inOrder(lanes: readonly Active[]): readonly Active[] {
+  const rank = ({ phase }: Active) => URGENCY.indexOf(phase);
+  return [...lanes].sort((one, other) => {
+    const first = rank(one) - rank(other);
+    if (first !== 0) return first;
+    const [before, after] = [placeOfLane(one), placeOfLane(other)];
+    return before < after ? -1 : before > after ? 1 : 0;
+  });
+}
+
+export const PHASES: Readonly<Record<Phase, { readonly word: string; readonly Sign: LucideIcon }>> =
+  {
+    running: { word: "runs", Sign: CirclePlay },
+    waiting: { word: "waits", Sign: Hourglass },
+    held: { word: "paused", Sign: CirclePause },
+    interrupted: { word: "interrupted by a crash", Sign: OctagonAlert },
+    preempted: { word: "is being preempted", Sign: Undo2 },
+  };
+
+/** What a branch does, in words; of a held one `held` says it. */
+export function phaseInWords(
+  { phase, detail, held: [hold] }: Active,
+  held: (by: Active["held"][number]["by"], isBefore: boolean) => string,
+): string {
+  if (phase === "waiting" && detail) return `waits for ${detail}`;
+  if (phase === "held" && hold) return held(hold.by, hold.next !== null);
+  return PHASES[phase].word;
+}
+
+/** Whether the state has not been entered yet: how long the states around it have run says nothing then. */
+export function comesNext({ phase, held: [hold] }: Active): boolean {
+  return phase === "held" && hold?.next != null;
+}
+
+/** The end of a class name by how a state ended; empty if it ended as it should. */
+export function toneOf({ id }: Outcome): "aborted" | "preempted" | "" {
+  if (id === ABORTED) return "aborted";
+  return id === PREEMPTED ? "preempted" : "";
+}
