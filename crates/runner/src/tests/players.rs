@@ -14,8 +14,9 @@ use rafcon_engine::{
     Finish, Globals, Input, Job, Literals, ModelLiterals, NodeId, Program, Returned, ScriptResult,
     Start, Status,
 };
-use rafcon_model::{Value, notation};
+use rafcon_model::Value;
 use rafcon_protocol::Event;
+use rafcon_testkit::notation;
 use std::sync::atomic::{AtomicI64, Ordering};
 use std::sync::{Arc, Barrier};
 

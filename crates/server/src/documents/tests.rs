@@ -5,11 +5,12 @@ use super::machine::{EditRequest, MachineOperation, OpenMachine};
 use super::steps::StepDirection;
 use expect_test::{Expect, expect};
 use proptest::prelude::*;
-use rafcon_model::edit::any::{Dice, edit};
-use rafcon_model::{BuiltinTypes, Machine, Rule, notation, problems};
+use rafcon_model::{BuiltinTypes, Machine, Rule, problems};
 use rafcon_protocol::api::{MachineStep, Revision};
 use rafcon_protocol::document::{Document, Mirror};
 use rafcon_protocol::edit::Edit;
+use rafcon_testkit::edits::{Dice, edit};
+use rafcon_testkit::notation;
 
 const START: &str = "
     hierarchy ROOT

@@ -1,6 +1,5 @@
 //! A detached runner and its run, by what whoever started it leaves behind.
 
-use rafcon_model::notation;
 use rafcon_protocol::{
     Answer, Command, Envelope, Event, Hello, Join, Launch, ToRunner, ToViewer, decode, encode,
 };
@@ -9,6 +8,7 @@ use rafcon_supervisor::{
     Exit, Interpreter, NoExtension, Process, ProgramEnvironment, Start, begin, extension, is_alive,
     socket,
 };
+use rafcon_testkit::notation;
 use rustix::process::{Pid, getpgid};
 use std::fs;
 use std::io::{BufRead as _, BufReader, Write as _};
