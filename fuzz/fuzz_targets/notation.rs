@@ -2,7 +2,7 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use rafcon_model::notation::{parse, print};
+use rafcon_testkit::notation::{parse, print};
 
 fuzz_target!(|text: &str| {
     if let Ok(machine) = parse(text) {

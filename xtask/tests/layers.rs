@@ -7,7 +7,7 @@ use std::process::Command;
 use serde_json::Value;
 
 /// Each package and the packages of this workspace that it may name, for building and for testing.
-const LAYERS: [(&str, &[&str]); 12] = [
+const LAYERS: [(&str, &[&str]); 13] = [
     ("rafcon-model", &[]),
     // Knows nothing but locks.
     ("rafcon-locks", &[]),

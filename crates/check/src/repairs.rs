@@ -195,7 +195,8 @@ fn only<T>(mut of: impl Iterator<Item = T>) -> Option<T> {
 mod tests {
     use super::repairs;
     use expect_test::{Expect, expect};
-    use rafcon_model::{BuiltinTypes, notation, problems};
+    use rafcon_model::{BuiltinTypes, problems};
+    use rafcon_testkit::notation;
 
     /// Rule, then what mends it.
     fn check(text: &str, expect: &Expect) {

@@ -5,7 +5,8 @@ use rafcon_engine::{
     Effect, Engine, Event, Input, Job, ModelLiterals, NoGlobals, Outbox, Program, Returned,
     ScriptResult, Start,
 };
-use rafcon_model::{Value, notation};
+use rafcon_model::Value;
+use rafcon_testkit::notation;
 use std::sync::Arc;
 
 /// States run in one measurement of transitions.

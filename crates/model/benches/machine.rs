@@ -6,8 +6,9 @@ use rafcon_model::edit::{ChildrenEdit, DataFlowEdit, Edit, StateEdit, Transition
 use rafcon_model::{
     BuiltinTypes, Container, DataFlowId, DataType, Fresh, Header, Kind, Machine, Origin, Outcome,
     OutcomeId, Port, PortId, Script, State, StateId, StatePath, Target, TransitionId, Value, diff,
-    notation, problems,
+    problems,
 };
+use rafcon_testkit::notation;
 use std::collections::VecDeque;
 use std::hint::black_box;
 use std::sync::Arc;

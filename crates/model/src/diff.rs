@@ -31,7 +31,8 @@ pub enum Aspect {
 /// that the cost is that of the change, not that of the machine. The contents of libraries are no part of a machine.
 ///
 /// ```
-/// use rafcon_model::{Aspect, Difference, StatePath, diff, notation};
+/// use rafcon_model::{Aspect, Difference, StatePath, diff};
+/// use rafcon_testkit::notation;
 ///
 /// let old = notation::parse("hierarchy ROOT\n  execution A\n  execution B")?;
 /// let new = notation::parse("hierarchy ROOT\n  execution A\n    script \"\"\n  execution C")?;
@@ -110,77 +111,4 @@ fn same_core(old: &State, new: &State) -> bool {
     (&old.name, &old.description, &old.extra) == (&new.name, &new.description, &new.extra)
         && (&old.outcomes, &old.inputs, &old.outputs) == (&new.outcomes, &new.inputs, &new.outputs)
         && old.kind.is_same_shell(&new.kind)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::diff;
-    use crate::notation;
-    use expect_test::{Expect, expect};
-
-    fn check(old: &str, new: &str, expect: &Expect) {
-        let machine = |text| notation::parse(text).expect("a machine in the notation");
-        let (old, new) = (machine(old), machine(new));
-        let line = |difference: &super::Difference| match difference {
-            super::Difference::Added(path) => format!("+ {path}\n"),
-            super::Difference::Removed(path) => format!("- {path}\n"),
-            super::Difference::Changed(path, aspects) => format!("~ {path} {aspects:?}\n"),
-        };
-        expect.assert_eq(&diff(&old, &new).iter().map(line).collect::<String>());
-        assert!(diff(&old, &old.clone()).is_empty());
-    }
-
-    #[test]
-    fn every_aspect_is_told_apart() {
-        check(
-            "
-            hierarchy ROOT
-              hierarchy AAAAAA
-                execution BBBBBB
-              execution CCCCCC
-              library DDDDDD from \"lib/one\"
-              execution EEEEEE
-            ",
-            "
-            hierarchy ROOT
-              start -> AAAAAA
-              hierarchy AAAAAA
-                execution BBBBBB
-                  script \"\"
-                execution BBBBBC
-              preemptive CCCCCC
-                execution XXXXXX
-              library DDDDDD from \"lib/one\"
-                layout {\"a\":1}
-                semantic {\"a\":1}
-                content
-                  execution LLLLLL
-              execution FFFFFF
-            ",
-            &expect![[r"
-                ~ ROOT [Core]
-                ~ ROOT/AAAAAA/BBBBBB [Script]
-                + ROOT/AAAAAA/BBBBBC
-                ~ ROOT/CCCCCC [Core]
-                + ROOT/CCCCCC/XXXXXX
-                ~ ROOT/DDDDDD [SemanticData, Layout]
-                - ROOT/EEEEEE
-                + ROOT/FFFFFF
-            "]],
-        );
-        check(
-            "execution A",
-            "execution B",
-            &expect![[r"
-            - A
-            + B
-        "]],
-        );
-    }
-
-    #[test]
-    fn equal_machines_that_share_nothing_have_no_differences() {
-        let text = "hierarchy A\n  execution B\n    script \"x\"";
-        check(text, text, &expect![]);
-    }
 }

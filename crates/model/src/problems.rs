@@ -47,7 +47,8 @@ impl fmt::Display for Problem {
 /// machine looks like. The content of a library is looked at once, however many states use it.
 ///
 /// ```
-/// use rafcon_model::{BuiltinTypes, notation, problems};
+/// use rafcon_model::{BuiltinTypes, problems};
+/// use rafcon_testkit::notation;
 ///
 /// let machine = notation::parse("hierarchy ROOT\n  start -> AAAAAA")?;
 /// let problems = problems(&machine, &BuiltinTypes);
@@ -164,6 +165,3 @@ fn unreachable(container: &Container) -> impl Iterator<Item = &StateId> {
     let is_lost = start.is_some();
     container.states.keys().filter(move |id| is_lost && !reached.contains(id))
 }
-
-#[cfg(test)]
-mod tests;

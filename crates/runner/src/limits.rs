@@ -115,7 +115,8 @@ mod tests {
     use super::{Limits, faults};
     use expect_test::{Expect, expect};
     use rafcon_engine::{ModelLiterals, Program};
-    use rafcon_model::{Json, Machine, notation};
+    use rafcon_model::{Json, Machine};
+    use rafcon_testkit::notation;
     use std::sync::Arc;
 
     fn machine(deadline: Json) -> Machine {

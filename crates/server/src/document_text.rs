@@ -63,8 +63,8 @@ fn written(states: &[(String, &State)]) -> Result<Vec<u8>> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use rafcon_model::notation;
     use rafcon_protocol::document::Document;
+    use rafcon_testkit::notation;
 
     #[test]
     fn however_many_write_it_the_text_is_that_of_the_document() {

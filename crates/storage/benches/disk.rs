@@ -1,8 +1,9 @@
 //! Loading and saving a machine of some size, with a warm file cache.
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use rafcon_model::{Machine, State, notation};
+use rafcon_model::{Machine, State};
 use rafcon_storage::{Libraries, Loaded, Naming, load, save};
+use rafcon_testkit::notation;
 use std::sync::Arc;
 
 /// Hierarchies, and states with scripts and ports in each of them.

@@ -1,9 +1,10 @@
 //! What a journal costs: an executed state on its way into the recorder, with the commits behind it, and a machine that is kept.
 
 use criterion::{BatchSize, Criterion, criterion_group, criterion_main};
-use rafcon_model::{Machine, State, notation};
+use rafcon_model::{Machine, State};
 use rafcon_storage::Libraries;
 use rafcon_storage::journal::{About, Batch, Journal, Kept, Left, Options, Packer, PlaceNumber};
+use rafcon_testkit::notation;
 use std::fmt::Write as _;
 use std::sync::Arc;
 

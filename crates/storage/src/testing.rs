@@ -1,7 +1,8 @@
 //! For the tests of this crate: machines from text, folders from text, folders as text.
 
 use crate::{Libraries, Loaded, load};
-use rafcon_model::{Machine, notation};
+use rafcon_model::Machine;
+use rafcon_testkit::notation;
 use std::fs;
 use std::path::Path;
 

@@ -2,7 +2,8 @@
 
 use crate::{Facts, SCRIPT_READER, ScriptFacts, of_scripts, read_facts, request, scripts};
 use expect_test::{Expect, expect};
-use rafcon_model::{Machine, notation};
+use rafcon_model::Machine;
+use rafcon_testkit::notation;
 use std::io::Write as _;
 use std::process::{Command, Stdio};
 

@@ -10,7 +10,8 @@ use rafcon_engine::{
     Change, Counted, Engine, FrameId, Input, Job, ModelLiterals, NoGlobals, Outbox, Program,
     Refusal, Restore, Restored, Returned, ScriptResult, Start, Status, Stride,
 };
-use rafcon_model::{Machine, Value, notation};
+use rafcon_model::{Machine, Value};
+use rafcon_testkit::notation;
 use std::sync::Arc;
 
 /// Inputs at most before the run is stopped.

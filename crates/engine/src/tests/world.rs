@@ -6,7 +6,8 @@ use crate::{
     Job, ModelLiterals, Note, Outbox, PathId, Program, Restore, Restored, Returned, ScriptResult,
     Verdict, WaitReason,
 };
-use rafcon_model::{Machine, OutcomeId, Port, StatePath, Value, literal, notation};
+use rafcon_model::{Machine, OutcomeId, Port, StatePath, Value, literal};
+use rafcon_testkit::notation;
 use smol_str::SmolStr;
 use std::collections::BTreeMap;
 use std::num::NonZeroU64;

@@ -5,7 +5,8 @@
 //!
 //! ```
 //! use rafcon_model::edit::{Edit, StateEdit, apply};
-//! use rafcon_model::{BuiltinTypes, StatePath, notation};
+//! use rafcon_model::{BuiltinTypes, StatePath};
+//! use rafcon_testkit::notation;
 //!
 //! let mut machine = notation::parse("execution ROOT \"Old\"")?;
 //! let before = machine.clone();
@@ -21,8 +22,6 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-#[cfg(any(test, feature = "testing"))]
-pub mod any;
 mod apply;
 mod children;
 mod connections;
@@ -245,6 +244,3 @@ pub enum HeaderEdit {
     /// Sets everything.
     Set(Header),
 }
-
-#[cfg(test)]
-mod tests;

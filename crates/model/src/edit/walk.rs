@@ -32,12 +32,20 @@ impl<'m> Walk<'m> {
 #[cfg(test)]
 mod tests {
     use super::Walk;
-    use crate::{StatePath, notation};
+    use crate::{Container, Header, Kind, Machine, State, StateId, StatePath};
+    use std::sync::Arc;
+
+    fn state(id: &str, children: Vec<State>) -> State {
+        let states = children.into_iter().map(|child| (child.id.clone(), Arc::new(child)));
+        let inside = Container { states: states.collect(), ..Container::default() };
+        State::new(StateId::new(id), id, Kind::Hierarchy(inside))
+    }
 
     #[test]
     fn it_finds_what_is_there_in_any_order() {
-        let machine = notation::parse("hierarchy A\n  hierarchy B\n    execution C\n  execution D");
-        let machine = machine.expect("a machine");
+        let inner = state("B", vec![state("C", vec![])]);
+        let root = Arc::new(state("A", vec![inner, state("D", vec![])]));
+        let machine = Machine { header: Header::default(), root };
         let mut walk = Walk::new(&machine);
         for path in ["A/B/C", "A/B", "A/D", "A/X", "A/B/C", "X", "A", "A/D/X", "", "A/B/C"] {
             let ids = StatePath::parse(path);

@@ -6,7 +6,6 @@ mod write;
 
 use smol_str::SmolStr;
 
-pub(crate) use parse::parse_prefix;
 pub use parse::{MAX_DEPTH, ParseError, parse};
 pub(crate) use write::python_float;
 pub use write::{canonical_int, write, write_compact};

@@ -29,13 +29,6 @@ pub fn parse(text: &str) -> Result<Json, ParseError> {
     Ok(value)
 }
 
-/// Reads the document that `text` begins with; gives it and how many bytes it takes.
-pub(crate) fn parse_prefix(text: &str) -> Result<(Json, usize), ParseError> {
-    let mut parser = JsonParser { text, at: 0 };
-    let value = parser.value(0)?;
-    Ok((value, parser.at))
-}
-
 struct JsonParser<'t> {
     text: &'t str,
     at: usize,

@@ -7,9 +7,7 @@ mod text;
 mod write;
 
 pub(crate) use number::{parse_float, parse_int};
-pub(crate) use parse::parse_prefix;
 pub use parse::{LiteralError, MAX_DEPTH, parse};
-pub(crate) use text::string_prefix;
 pub(crate) use write::quote;
 pub use write::write;
 

@@ -33,13 +33,6 @@ pub fn parse(text: &str) -> Result<Value, LiteralError> {
     Ok(value)
 }
 
-/// Reads the literal that `text` begins with; gives it and how many bytes it takes.
-pub(crate) fn parse_prefix(text: &str) -> Result<(Value, usize), LiteralError> {
-    let mut parser = LiteralParser::new(text);
-    let value = parser.value(0)?;
-    Ok((value, parser.at))
-}
-
 pub(super) struct LiteralParser<'t> {
     pub(super) text: &'t str,
     pub(super) at: usize,

@@ -11,14 +11,6 @@ pub(super) fn string(parser: &mut LiteralParser<'_>) -> Result<Value, LiteralErr
     join(parser, text)
 }
 
-/// The one string in quotes that `text` begins with; gives it and how many bytes it takes.
-pub(crate) fn string_prefix(text: &str) -> Result<(String, usize), LiteralError> {
-    let mut parser = LiteralParser::new(text);
-    let mut out = String::new();
-    one(&mut parser, &mut out, false)?;
-    Ok((out, parser.at))
-}
-
 /// A string after the prefix `prefix`.
 pub(super) fn prefixed_string(
     parser: &mut LiteralParser<'_>,

@@ -1,8 +1,9 @@
-//! A compact text for machines that people read and write: for tests, `rafcon show` and bug reports. Knows every part of
-//! a [`Machine`](crate::Machine); never the files of RAFCON's own format. The syntax stands in `docs/notation.md`.
+//! A compact text for machines that people read and tests write: for `rafcon show` and bug reports. Knows every part of a
+//! [`Machine`](crate::Machine); never the files of RAFCON's own format. The syntax stands in `docs/notation.md`; only
+//! tests read it.
 //!
 //! ```
-//! use rafcon_model::notation;
+//! use rafcon_testkit::notation;
 //!
 //! let text = r#"
 //! hierarchy ROOT "Root"
@@ -24,52 +25,8 @@
 //! # Ok::<(), notation::NotationError>(())
 //! ```
 
-mod block;
-mod connect;
-mod draft;
-mod parse;
 mod print;
-mod scan;
 mod shared;
+mod words;
 
-pub use parse::{NotationError, parse};
-pub use print::{Shown, print, print_state, print_with};
-
-/// Words that begin a line, so that a state with such an id is written in quotes.
-const KEYWORDS: &[&str] = &[
-    "machine",
-    "define",
-    "content",
-    "execution",
-    "decider",
-    "hierarchy",
-    "barrier",
-    "preemptive",
-    "library",
-    "outcome",
-    "without",
-    "in",
-    "out",
-    "var",
-    "set",
-    "interface",
-    "missing",
-    "description",
-    "semantic",
-    "layout",
-    "extra",
-    "script",
-    "flow",
-    "start",
-    "nowhere",
-];
-
-/// Whether a name or id can stand without quotes.
-fn is_bare(text: &str) -> bool {
-    let mut bytes = text.bytes();
-    bytes.next().is_some_and(|b| b.is_ascii_alphabetic() || b == b'_')
-        && bytes.all(|b| b.is_ascii_alphanumeric() || b == b'_')
-}
-
-#[cfg(test)]
-mod tests;
+pub use print::{Shown, print, print_with};

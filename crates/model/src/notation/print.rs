@@ -1,10 +1,7 @@
 //! A machine to the notation. Knows the order of the lines; never fails and never recurses.
 
-use super::block::fits_block;
-use super::connect::{Side, outcome_by_name, owner, port_by_name};
-use super::scan::is_type_byte;
 use super::shared::{Shared, content};
-use super::{KEYWORDS, is_bare};
+use super::words::{extra_text, fits_block, id_text, name_text, quoted, type_text, value_text};
 use crate::ids::{id_after, smallest_free};
 use crate::{
     DataFlow, DataType, Header, Json, Kind, Layout, Library, LibraryContent, Machine, OutcomeId,
@@ -23,7 +20,7 @@ pub struct Shown {
 }
 
 impl Shown {
-    /// Everything: what [`super::parse`] reads back as the same machine.
+    /// Everything: what reads back as the same machine.
     pub const ALL: Self = Self { layout: true, scripts: true, contents: true };
     /// What a person reads: without layout, scripts and the inside of libraries.
     pub const OUTLINE: Self = Self { layout: false, scripts: false, contents: false };
@@ -41,14 +38,6 @@ pub fn print_with(machine: &Machine, shown: Shown) -> String {
     printer.header(&machine.header);
     printer.definitions();
     printer.states(&machine.root, 0);
-    printer.out
-}
-
-/// One state with everything inside it.
-pub fn print_state(state: &State) -> String {
-    let mut printer = Printer::new(state, Shown::ALL);
-    printer.definitions();
-    printer.states(state, 0);
     printer.out
 }
 
@@ -323,7 +312,9 @@ fn transition_text(state: &State, transition: &Transition) -> String {
         let outcome = outcome?;
         let owner = id.and_then(|id| owner(state, id));
         let named = owner.and_then(|owner| owner.outcomes.get(outcome).map(|found| (owner, found)));
-        let named = named.filter(|(owner, o)| outcome_by_name(owner, &o.name) == Some(outcome));
+        let named = named.filter(|(owner, o)| {
+            owner.outcomes.by_name(&o.name).is_some_and(|first| first.id == outcome)
+        });
         Some(named.map_or_else(|| outcome.to_string(), |(_, outcome)| name_text(&outcome.name)))
     };
     let end = |id: &Option<StateId>, part: Option<OutcomeId>, none: &str| {
@@ -346,6 +337,29 @@ fn flow_text(state: &State, flow: &DataFlow) -> String {
     format!("flow {from} -> {to}")
 }
 
+/// Which end of a data flow.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Side {
+    Source,
+    Target,
+}
+
+/// The state that the id `id` means inside `container`: itself or a child.
+fn owner<'s>(container: &'s State, id: &StateId) -> Option<&'s State> {
+    if *id == container.id {
+        return Some(container);
+    }
+    container.container()?.states.get(id).map(|child| &**child)
+}
+
+/// The port that a name stands for at one end of a data flow; `own` if the state is the container itself.
+fn port_by_name(owner: &State, own: bool, side: Side, name: &str) -> Option<PortId> {
+    let ports = if own == (side == Side::Source) { &owner.inputs } else { &owner.outputs };
+    let variable = |container: &Container| container.scoped_variables.by_name(name).map(|p| p.id);
+    let own_variable = || owner.container().filter(|_| own).and_then(variable);
+    ports.by_name(name).map(|port| port.id).or_else(own_variable)
+}
+
 /// The name of a port where it stands for this port.
 fn port_name(owner: &State, own: bool, side: Side, id: PortId) -> Option<String> {
     let variables = owner.container().map(|container| &container.scoped_variables);
@@ -364,37 +378,4 @@ fn end_text(container: &StateId, id: Option<&StateId>, part: Option<String>, non
         (Some(id), Some(part)) if id == container => part,
         (Some(id), part) => format!("{}{}", id_text(id), part.unwrap_or_default()),
     }
-}
-
-fn id_text(id: &StateId) -> String {
-    let text = id.as_str();
-    if is_bare(text) && !KEYWORDS.contains(&text) { text.to_owned() } else { quoted(text) }
-}
-
-fn name_text(name: &str) -> String {
-    if is_bare(name) { name.to_owned() } else { quoted(name) }
-}
-
-fn type_text(data_type: &DataType) -> String {
-    let name = match data_type {
-        DataType::Named(name) => name.clone(),
-        _ => data_type.short_name(),
-    };
-    let is_plain = !name.is_empty() && name.bytes().all(is_type_byte);
-    if is_plain { name.to_string() } else { quoted(&name) }
-}
-
-fn value_text(value: &Value) -> String {
-    literal::write(value)
-        .unwrap_or_else(|| format!("json {}", json::write_compact(&value.to_json())))
-}
-
-fn extra_text(extra: Option<&Json>) -> String {
-    extra.map_or_else(String::new, |extra| format!(" extra {}", json::write_compact(extra)))
-}
-
-fn quoted(text: &str) -> String {
-    let mut out = String::new();
-    literal::quote(text, &mut out);
-    out
 }

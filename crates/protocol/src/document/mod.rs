@@ -5,7 +5,7 @@
 //! travels once.
 //!
 //! ```
-//! use rafcon_model::notation;
+//! use rafcon_testkit::notation;
 //! use rafcon_protocol::document::{Document, Mirror, changes};
 //!
 //! let old = notation::parse("hierarchy ROOT\n  execution A")?;

@@ -3,9 +3,10 @@
 use super::{Document, Mirror, changes, leave};
 use expect_test::{Expect, expect};
 use proptest::prelude::*;
-use rafcon_model::edit::any::{Dice, edit};
 use rafcon_model::edit::apply;
-use rafcon_model::{BuiltinTypes, Machine, State, StateId, notation};
+use rafcon_model::{BuiltinTypes, Machine, State, StateId};
+use rafcon_testkit::edits::{Dice, edit};
+use rafcon_testkit::notation;
 use std::sync::Arc;
 
 pub(crate) const START: &str = "

@@ -4,11 +4,11 @@ use super::Edit;
 use crate::document::tests::{START, machine};
 use expect_test::{Expect, expect};
 use proptest::prelude::*;
-use rafcon_model::edit::any::{Dice, edit};
 use rafcon_model::edit::{
     ChildrenEdit, Edit as Model, HeaderEdit, LayoutEdit, LayoutElement, apply, copy,
 };
 use rafcon_model::{BuiltinTypes, Layout, PortId, PortKind, StateId, StatePath};
+use rafcon_testkit::edits::{Dice, edit};
 
 fn there_and_back(edit: &Model) -> (String, Model) {
     let wire = Edit::of(edit).expect("an edit to send");

@@ -2,12 +2,12 @@
 
 use crate::served::{Door, Line, Served};
 use anyhow::{Context as _, Result, ensure};
-use rafcon_model::notation;
 use rafcon_protocol::Event;
 use rafcon_protocol::api::HistoryEntry;
 use rafcon_protocol::socket::{ToClient, ToServer, Topic};
 use rafcon_storage::journal::writer_of;
 use rafcon_storage::{Naming, save};
+use rafcon_testkit::notation;
 use rustix::process::{Pid, Signal, kill_process};
 use serde_json::{Value, json};
 use std::fs;

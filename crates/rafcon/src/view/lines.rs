@@ -129,8 +129,8 @@ mod tests {
     use super::{Lines, Names, View as _};
     use crate::follow::End;
     use expect_test::expect;
-    use rafcon_model::notation;
     use rafcon_protocol::{Event, LogLevel, Outcome, Stream};
+    use rafcon_testkit::notation;
     use std::time::Duration;
 
     fn outcome(id: i64, name: &str) -> Outcome {

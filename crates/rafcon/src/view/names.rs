@@ -99,7 +99,7 @@ pub(crate) fn names_of(machine: &Machine, path: &StatePath) -> Option<String> {
 #[cfg(test)]
 mod tests {
     use super::Names;
-    use rafcon_model::notation;
+    use rafcon_testkit::notation;
 
     const MACHINE: &str = r#"
 hierarchy ROOT "Mission"

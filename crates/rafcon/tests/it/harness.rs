@@ -1,7 +1,7 @@
 //! One machine in a temporary folder, one call of the program, one answer. The only place that knows how it is called.
 
-use rafcon_model::notation;
 use rafcon_storage::{Naming, save};
+use rafcon_testkit::notation;
 use rustix::process::{Pid, Signal, kill_process};
 use serde_json::Value;
 use std::io::{BufRead as _, BufReader, Lines};

@@ -2,9 +2,9 @@
 
 use crate::harness::{Answer, Place, Run};
 use expect_test::{Expect, expect};
-use rafcon_model::notation;
 use rafcon_storage::journal::folder::ABOUT_FILE;
 use rafcon_storage::{Naming, save};
+use rafcon_testkit::notation;
 use std::io::{BufRead as _, BufReader, Read as _, Write as _};
 use std::process::{Child, ChildStdout, Stdio};
 

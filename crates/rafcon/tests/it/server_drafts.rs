@@ -3,8 +3,8 @@
 
 use crate::harness::Place;
 use crate::served::{Line, Served};
-use rafcon_model::notation;
 use rafcon_storage::{Libraries, Naming, load, save};
+use rafcon_testkit::notation;
 use serde_json::{Value, json};
 
 const MACHINE: &str = "

@@ -4,7 +4,6 @@
 use crate::harness::{Place, Run, assert_extension};
 use crate::served::{Door, Line, Served};
 use expect_test::{Expect, expect};
-use rafcon_model::notation;
 use rafcon_protocol::api::{HistoryEntry, Role, RunNow, RunPhase, RunSummary};
 use rafcon_protocol::socket::{ToClient, ToServer, Topic};
 use rafcon_protocol::{Command, Event};
@@ -12,6 +11,7 @@ use rafcon_server::access::Users;
 use rafcon_server::settings::HashCost;
 use rafcon_storage::journal::{Reader, Record, size_of, writer_of};
 use rafcon_storage::{Naming, save};
+use rafcon_testkit::notation;
 use rustix::process::{Pid, Signal, kill_process};
 use serde_json::{Value, json};
 

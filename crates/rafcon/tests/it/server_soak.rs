@@ -4,11 +4,11 @@
 use crate::harness::{self, Place};
 use crate::served::{Door, Line, Served};
 use crate::torture::number;
-use rafcon_model::notation;
 use rafcon_protocol::api::{HistoryEntry, RunPhase};
 use rafcon_protocol::socket::{ToClient, ToServer, Topic};
 use rafcon_storage::journal::Reader;
 use rafcon_storage::{Naming, save};
+use rafcon_testkit::notation;
 use serde_json::json;
 use std::fs;
 use std::io::Write as _;

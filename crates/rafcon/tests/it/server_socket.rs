@@ -2,12 +2,12 @@
 
 use crate::harness::{self, Place, assert_extension};
 use crate::served::{Door, Line, Served};
-use rafcon_model::notation;
 use rafcon_protocol::api::{CommandAnswer, HistoryEntry, LinkState, RunNow, RunPhase};
 use rafcon_protocol::socket::{ToClient, ToServer, Topic};
 use rafcon_protocol::{Answer, Command, Envelope, Event};
 use rafcon_storage::journal::{Reader, writer_of};
 use rafcon_storage::{Naming, save};
+use rafcon_testkit::notation;
 use rustix::process::{Pid, Signal, kill_process};
 use serde_json::json;
 use std::thread;

@@ -12,9 +12,10 @@ use rafcon_engine::{
     Finish, Globals, Input, Job, Literals, ModelLiterals, NodeId, Program, Returned, ScriptResult,
     Start, Status,
 };
-use rafcon_model::{Value, notation};
+use rafcon_model::Value;
 use rafcon_protocol::Event;
 use rafcon_storage::journal::stream::StreamReader;
+use rafcon_testkit::notation;
 use std::sync::atomic::{AtomicI64, Ordering};
 use std::sync::{Arc, Barrier};
 

@@ -9,9 +9,7 @@ use rafcon_engine::{
 };
 use rafcon_locks::{Mutex, RwLock};
 use rafcon_model::edit::{ChildrenEdit, Edit, TransitionEdit};
-use rafcon_model::{
-    Machine, Origin, OutcomeId, StateId, StatePath, Target, TransitionId, Value, notation,
-};
+use rafcon_model::{Machine, Origin, OutcomeId, StateId, StatePath, Target, TransitionId, Value};
 use rafcon_protocol::{
     Answer, Command, Crash, Envelope, Event, Form, FrameKind, Hello, Join, Launch, LogLevel,
     OnCrash, Resume, Stream, ToRunner, ToViewer, decode, encode, read_frame,
@@ -20,6 +18,7 @@ use rafcon_storage::journal::record::Content;
 use rafcon_storage::journal::stream::StreamReader;
 use rafcon_storage::journal::{Kept, Stored};
 use rafcon_storage::{Naming, save};
+use rafcon_testkit::notation;
 use serde_json::json;
 use smol_str::SmolStr;
 use std::collections::VecDeque;

@@ -153,7 +153,8 @@ mod tests {
     use super::places;
     use expect_test::{Expect, expect};
     use rafcon_model::edit::{ChildrenEdit, Edit, StateEdit, apply};
-    use rafcon_model::{BuiltinTypes, KindName, StateId, StatePath, notation};
+    use rafcon_model::{BuiltinTypes, KindName, StateId, StatePath};
+    use rafcon_testkit::notation;
 
     const MACHINE: &str = "
         hierarchy ROOT

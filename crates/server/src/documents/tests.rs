@@ -6,11 +6,12 @@ use super::operation::{EditRequest, Operation, ReadOperation};
 use crate::Failure;
 use expect_test::{Expect, expect};
 use proptest::prelude::*;
-use rafcon_model::edit::any::{Dice, edit};
-use rafcon_model::{BuiltinTypes, Machine, Rule, notation, problems};
+use rafcon_model::{BuiltinTypes, Machine, Rule, problems};
 use rafcon_protocol::api::{MachineStep, Revision};
 use rafcon_protocol::document::{Document, Mirror};
 use rafcon_protocol::edit::Edit;
+use rafcon_testkit::edits::{Dice, edit};
+use rafcon_testkit::notation;
 
 const START: &str = "
     hierarchy ROOT

@@ -3,10 +3,10 @@
 use crate::harness::{Answer, TestServer};
 use crate::socket_client::Client;
 use expect_test::{Expect, expect};
-use rafcon_model::notation;
 use rafcon_protocol::api::Role;
 use rafcon_storage::config::Naming;
 use rafcon_storage::{Libraries, load, save};
+use rafcon_testkit::notation;
 use serde_json::{Value, json};
 use std::path::Path;
 

@@ -3,9 +3,9 @@
 use crate::harness::TestServer;
 use crate::socket_client::Client;
 use expect_test::{Expect, expect};
-use rafcon_model::notation;
 use rafcon_protocol::api::Role;
 use rafcon_storage::{Naming, save};
+use rafcon_testkit::notation;
 use serde_json::{Value, json};
 
 const MACHINE: &str = r#"

@@ -4,13 +4,13 @@
 use crate::harness::{TestServer, name};
 use crate::machines::{get, open, post};
 use crate::socket_client::Client;
-use rafcon_model::edit::any::{Dice, edit};
 use rafcon_model::{BuiltinTypes, Problem, Rule, Severity, problems};
 use rafcon_protocol::api::Role;
 use rafcon_protocol::document::{Document, Mirror, leave};
 use rafcon_protocol::edit::Edit;
 use rafcon_protocol::socket::ToClient;
 use rafcon_storage::{Libraries, load};
+use rafcon_testkit::edits::{Dice, edit};
 use serde_json::{Value, json};
 use std::thread;
 

@@ -34,7 +34,7 @@ pub(crate) fn skills(server: &TestServer) -> PathBuf {
 }
 
 pub(crate) fn write_library(server: &TestServer, path: &str, text: &str) {
-    let machine = rafcon_model::notation::parse(text).unwrap();
+    let machine = rafcon_testkit::notation::parse(text).unwrap();
     let folder = skills(server).join(path);
     save(&machine, &folder, None, Naming::default()).unwrap();
 }

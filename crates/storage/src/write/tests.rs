@@ -6,7 +6,8 @@ use crate::testing::{
 };
 use crate::{Naming, Saved, core_data, state_from_core_data};
 use expect_test::expect;
-use rafcon_model::{Json, Kind, Machine, OutcomeId, State, StatePath, Value, notation};
+use rafcon_model::{Json, Kind, Machine, OutcomeId, State, StatePath, Value};
+use rafcon_testkit::notation;
 use std::fs;
 use std::os::unix::fs::{MetadataExt as _, PermissionsExt as _};
 use std::path::Path;

@@ -1,8 +1,9 @@
 //! A process that saves again and again is killed at moments that nobody chose; what is on disk is one of its machines.
 
 use crate::folders::read;
-use rafcon_model::{Machine, notation};
+use rafcon_model::Machine;
 use rafcon_storage::{Libraries, Naming, save};
+use rafcon_testkit::notation;
 use std::env;
 use std::io::{BufRead as _, BufReader, Write as _};
 use std::path::Path;

@@ -1,6 +1,5 @@
 //! A detached runner and its run, by what whoever started it leaves behind.
 
-use rafcon_model::notation;
 use rafcon_protocol::{
     Answer, Command, Envelope, Event, FrameKind, Hello, Join, Launch, ToRunner, ToViewer, decode,
     encode, read_frame,
@@ -11,6 +10,7 @@ use rafcon_supervisor::{
     Exit, Interpreter, NoExtension, Process, ProgramEnvironment, Start, begin, connect,
     find_extension, is_alive,
 };
+use rafcon_testkit::notation;
 use rustix::process::{Pid, getpgid};
 use std::fs;
 use std::io::{BufRead as _, BufReader, Write as _};

@@ -90,8 +90,8 @@ mod tests {
     use crate::follow::End;
     use crate::view::Names;
     use expect_test::{Expect, expect};
-    use rafcon_model::notation;
     use rafcon_supervisor::RunnerDeath;
+    use rafcon_testkit::notation;
 
     fn check(end: &End, expect: &Expect) {
         let machine = "hierarchy ROOT \"Mission\"\n  execution SCANID \"Scan\"\n";

@@ -1,13 +1,13 @@
 //! Edits of which states stand where.
 
 use super::{at, check, edited};
-use crate::edit::{ChildrenEdit, Edit, StateEdit, apply, copy};
-use crate::rules::MAX_NESTING;
-use crate::{
-    BuiltinTypes, KindName, OutcomeId, PortId, Rule, State, StateId, StatePath, Target, diff,
-    notation,
-};
 use expect_test::expect;
+use rafcon_model::edit::{ChildrenEdit, Edit, StateEdit, apply, copy};
+use rafcon_model::rules::MAX_NESTING;
+use rafcon_model::{
+    BuiltinTypes, KindName, OutcomeId, PortId, Rule, State, StateId, StatePath, Target, diff,
+};
+use rafcon_testkit::notation;
 use std::sync::Arc;
 
 fn children(path: &str, edit: ChildrenEdit) -> Edit {

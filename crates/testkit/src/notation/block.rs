@@ -34,16 +34,6 @@ impl<'t> Lines<'t> {
     }
 }
 
-/// Whether a text can be written as a block: what [`Lines::block`] reads back as the same.
-pub(super) fn fits_block(text: &str) -> bool {
-    let body = text.strip_suffix('\n').unwrap_or(text);
-    let first = body.split('\n').find(|line| !is_blank(line));
-    let last_is_filled = body.split('\n').next_back().is_some_and(|line| !is_blank(line));
-    last_is_filled
-        && !text.contains('\r')
-        && first.is_some_and(|line| !line.starts_with([' ', '\t']))
-}
-
 fn is_blank(line: &str) -> bool {
     indent_of(line) == line.len()
 }

@@ -3,7 +3,7 @@
 use super::block::Lines;
 use super::draft::{Draft, read_layout};
 use super::scan::Line;
-use crate::{Header, Machine, State};
+use rafcon_model::{Header, Machine, State};
 use smol_str::SmolStr;
 use std::collections::BTreeMap;
 use std::sync::Arc;

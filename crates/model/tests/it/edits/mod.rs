@@ -3,15 +3,16 @@
 mod random;
 mod structure;
 
-use super::{
+use expect_test::{Expect, expect};
+use rafcon_model::edit::{
     DataFlowEdit, Edit, HeaderEdit, LayoutEdit, LayoutElement, OutcomeEdit, PortEdit,
     RuntimeValueEdit, StateEdit, TransitionEdit, apply,
 };
-use crate::{
+use rafcon_model::{
     BuiltinTypes, DataFlowId, DataType, Json, KindName, Machine, Origin, OutcomeId, PortId,
-    PortKind, StateId, StatePath, Target, TransitionId, Value, notation,
+    PortKind, StateId, StatePath, Target, TransitionId, Value,
 };
-use expect_test::{Expect, expect};
+use rafcon_testkit::notation;
 
 /// The machine after the edit, or the refusal. Holds that a refusal changes nothing, and that the edit can be taken back
 /// and made again.

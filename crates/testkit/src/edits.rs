@@ -1,11 +1,11 @@
-//! Edits chosen by numbers from what a machine has, legal ones and others: for tests, here and in the crates that pass edits
-//! on. Knows nothing of chance: the same numbers give the same edits.
+//! Edits chosen by numbers from what a machine has, legal ones and others: for tests of the model and of the crates that
+//! pass edits on. Knows nothing of chance: the same numbers give the same edits.
 
-use super::{
+use rafcon_model::edit::{
     ChildrenEdit, DataFlowEdit, Edit, HeaderEdit, LayoutEdit, LayoutElement, OutcomeEdit, PortEdit,
     RuntimeValueEdit, StateEdit, TransitionEdit, copy,
 };
-use crate::{
+use rafcon_model::{
     Container, DECIDER_ID, DataFlowId, DataType, Fresh, Json, Kind, KindName, Machine, Origin,
     Outcome, OutcomeId, Port, PortId, PortKind, Script, State, StateId, StatePath, Target,
     TransitionId, Value,

@@ -1,16 +1,15 @@
 //! Machines in the notation in, their problems out.
 
-use super::problems;
-use crate::rules::{MAX_NESTING, Rule};
-use crate::{BuiltinTypes, Json, Machine, notation};
 use expect_test::{Expect, expect};
+use rafcon_model::rules::{MAX_NESTING, Rule};
+use rafcon_model::{BuiltinTypes, Json, Machine, Problem, problems};
+use rafcon_testkit::notation;
 use std::sync::Arc;
 
 /// One line a problem: severity, rule, and what the user reads.
 fn shown(machine: &Machine) -> String {
-    let line = |problem: &super::Problem| {
-        format!("{:?} {}: {problem}\n", problem.severity(), problem.rule)
-    };
+    let line =
+        |problem: &Problem| format!("{:?} {}: {problem}\n", problem.severity(), problem.rule);
     problems(machine, &BuiltinTypes).iter().map(line).collect()
 }
 

@@ -1,9 +1,10 @@
 //! Any edits on any machine: no rule is broken that was not broken before, and everything can be taken back.
 
-use crate::edit::any::{Dice, edit};
-use crate::edit::{Edit, apply};
-use crate::{BuiltinTypes, Machine, Rule, notation, problems};
 use proptest::prelude::*;
+use rafcon_model::edit::{Edit, apply};
+use rafcon_model::{BuiltinTypes, Machine, Rule, problems};
+use rafcon_testkit::edits::{Dice, edit};
+use rafcon_testkit::notation;
 use std::collections::BTreeMap;
 
 const START: &str = "

@@ -1,8 +1,8 @@
 //! One line of the notation, read from left to right. Knows words, names, numbers and values; not what they mean.
 
 use super::parse::NotationError;
-use crate::port::Extra;
-use crate::{DataType, Json, Value, json, literal};
+use rafcon_model::port::Extra;
+use rafcon_model::{DataType, Json, Value, json, literal};
 use smol_str::SmolStr;
 
 /// A line without its indentation, and how far it has been read.
@@ -96,10 +96,15 @@ impl<'t> Line<'t> {
         if !rest.starts_with('"') {
             return Ok(None);
         }
-        let (text, length) =
-            literal::string_prefix(rest).map_err(|error| self.error(error.to_string()))?;
-        self.at += length;
-        Ok(Some(text))
+        let length = 1 + quoted_length(&rest[1..], '"');
+        match literal::parse(&rest[..length]) {
+            Ok(Value::Str(text)) => {
+                self.at += length;
+                Ok(Some(text.to_string()))
+            }
+            Ok(_) => Err(self.error("expected a string")),
+            Err(error) => Err(self.error(error.to_string())),
+        }
     }
 
     /// A whole number if one stands here.
@@ -119,16 +124,17 @@ impl<'t> Line<'t> {
             return Ok(Value::from_json(&self.json()?));
         }
         let rest = self.rest();
-        let (value, length) =
-            literal::parse_prefix(rest).map_err(|error| self.error(error.to_string()))?;
+        let length = value_length(rest);
+        let value =
+            literal::parse(&rest[..length]).map_err(|error| self.error(error.to_string()))?;
         self.at += length;
         Ok(value)
     }
 
     pub(super) fn json(&mut self) -> Result<Json, NotationError> {
         let rest = self.rest();
-        let (json, length) =
-            json::parse_prefix(rest).map_err(|error| self.error(error.to_string()))?;
+        let length = value_length(rest);
+        let json = json::parse(&rest[..length]).map_err(|error| self.error(error.to_string()))?;
         self.at += length;
         Ok(json)
     }
@@ -156,4 +162,31 @@ impl<'t> Line<'t> {
 /// Whether this byte can stand in a type's name without quotes.
 pub(super) fn is_type_byte(byte: u8) -> bool {
     byte.is_ascii_alphanumeric() || matches!(byte, b'_' | b'.')
+}
+
+/// How many bytes the value takes that `text` begins with: up to a space or comment outside of quotes and brackets.
+fn value_length(text: &str) -> usize {
+    let (mut at, mut depth) = (0, 0_usize);
+    while let Some(c) = text[at..].chars().next() {
+        match c {
+            '(' | '[' | '{' => depth += 1,
+            ')' | ']' | '}' => depth = depth.saturating_sub(1),
+            '"' | '\'' => at += quoted_length(&text[at + 1..], c),
+            ' ' | '\t' | '\r' | '#' | ';' if depth == 0 => break,
+            _ => {}
+        }
+        at += c.len_utf8();
+    }
+    at
+}
+
+/// How many bytes are left of a string after its first quote, the last one among them.
+fn quoted_length(rest: &str, quote: char) -> usize {
+    let mut is_escaped = false;
+    let end = rest.find(|c| {
+        let is_end = c == quote && !is_escaped;
+        is_escaped = c == '\\' && !is_escaped;
+        is_end
+    });
+    end.map_or(rest.len(), |end| end + 1)
 }

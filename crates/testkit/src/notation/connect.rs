@@ -3,8 +3,8 @@
 
 use super::parse::NotationError;
 use super::scan::Line;
-use crate::port::Extra;
-use crate::{
+use rafcon_model::port::Extra;
+use rafcon_model::{
     Container, DataFlow, DataFlowId, OutcomeId, PortId, State, StateId, Transition, TransitionId,
 };
 use smol_str::SmolStr;
@@ -144,8 +144,8 @@ impl Connection<'_> {
             Some(ConnectionPart::Name(name)) => name,
         };
         let owner = end.owner(state);
-        let found = owner.and_then(|owner| outcome_by_name(owner, name));
-        found.map(Some).ok_or_else(|| self.unknown("outcome", name, owner))
+        let found = owner.and_then(|owner| owner.outcomes.by_name(name));
+        found.map(|outcome| Some(outcome.id)).ok_or_else(|| self.unknown("outcome", name, owner))
     }
 
     fn port(
@@ -191,26 +191,21 @@ impl ConnectionEnd {
 
 /// Which end of a data flow.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Side {
+enum Side {
     Source,
     Target,
 }
 
 /// The state that the id `id` means inside `container`: itself or a child.
-pub(super) fn owner<'s>(container: &'s State, id: &StateId) -> Option<&'s State> {
+fn owner<'s>(container: &'s State, id: &StateId) -> Option<&'s State> {
     if *id == container.id {
         return Some(container);
     }
     container.container()?.states.get(id).map(|child| &**child)
 }
 
-/// The outcome that a name stands for.
-pub(super) fn outcome_by_name(owner: &State, name: &str) -> Option<OutcomeId> {
-    owner.outcomes.by_name(name).map(|outcome| outcome.id)
-}
-
 /// The port that a name stands for at one end of a data flow; `own` if the state is the container itself.
-pub(super) fn port_by_name(owner: &State, own: bool, side: Side, name: &str) -> Option<PortId> {
+fn port_by_name(owner: &State, own: bool, side: Side, name: &str) -> Option<PortId> {
     let ports = if own == (side == Side::Source) { &owner.inputs } else { &owner.outputs };
     let variable = |container: &Container| container.scoped_variables.by_name(name).map(|p| p.id);
     let own_variable = || owner.container().filter(|_| own).and_then(variable);

@@ -3,8 +3,7 @@
 use super::connect::{Connection, ConnectionPart, part};
 use super::parse::NotationError;
 use super::scan::Line;
-use crate::ids::smallest_free;
-use crate::{
+use rafcon_model::{
     Container, Kind, Layout, Library, LibraryContent, Outcome, OutcomeId, Port, PortId,
     RuntimeValue, RuntimeValues, Script, State, StateId, Value,
 };
@@ -149,14 +148,10 @@ impl<'t> Draft<'t> {
 
     fn outcome(&mut self, line: &mut Line<'t>) -> Result<(), NotationError> {
         self.own_interface = true;
-        let outcomes = &mut self.state.outcomes;
-        let id = line.number().map(OutcomeId);
-        let id = id.unwrap_or_else(|| {
-            OutcomeId(smallest_free(|id| outcomes.get(OutcomeId(id)).is_some()))
-        });
+        let id = line.number().map_or_else(|| self.state.free_outcome_id(), OutcomeId);
         let outcome = Outcome { extra: None, ..Outcome::new(id, line.name()?) };
         let outcome = Outcome { extra: line.extra()?, ..outcome };
-        let earlier = outcomes.insert(outcome);
+        let earlier = self.state.outcomes.insert(outcome);
         if earlier.is_some() && !id.is_mandatory() {
             return Err(line.error(format!("the outcome {id} stands here twice")));
         }
