@@ -285,7 +285,7 @@ mod tests {
     use std::fs;
     use std::io::Write as _;
     use std::path::Path;
-    use std::sync::mpsc::channel;
+    use std::sync::mpsc::sync_channel;
 
     fn draft(place: &Path) -> Draft {
         Draft::new(place.join("draft"), DraftHeader::new(Path::new("/m"), "abc", 5))
@@ -354,7 +354,7 @@ mod tests {
         draft.append(&undo("1")).unwrap();
         let path = place.path().join("draft").join(OPERATIONS);
         let ours = fs::File::open(&path).unwrap();
-        let (told, synced) = channel();
+        let (told, synced) = sync_channel(100);
         let sync = GroupSync::begin(move || {
             told.send(ours.metadata()?.len()).map_err(std::io::Error::other)
         });

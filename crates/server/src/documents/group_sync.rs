@@ -4,7 +4,7 @@
 use crate::log;
 use std::convert::Infallible;
 use std::io;
-use std::sync::mpsc::{Receiver, Sender, channel};
+use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::thread;
 use std::time::Duration;
 
@@ -14,16 +14,16 @@ const GROUP: Duration = Duration::from_millis(50);
 /// The thread that syncs a file. It ends with this, after a last sync of what was written.
 #[derive(Debug)]
 pub(super) struct GroupSync {
-    written: Sender<()>,
+    written: SyncSender<()>,
     /// Says nothing: the thread waits until it is gone.
-    _end: Sender<Infallible>,
+    _end: SyncSender<Infallible>,
 }
 
 impl GroupSync {
     /// `sync` brings everything to the disk that was written before it is called.
     pub(super) fn begin(sync: impl FnMut() -> io::Result<()> + Send + 'static) -> io::Result<Self> {
-        let (written, groups) = channel();
-        let (end, is_over) = channel();
+        let (written, groups) = sync_channel(1);
+        let (end, is_over) = sync_channel(1);
         let sync_groups = move || sync_groups(&groups, &is_over, sync);
         thread::Builder::new().name("draft sync".to_owned()).spawn(sync_groups)?;
         Ok(Self { written, _end: end })
@@ -31,8 +31,8 @@ impl GroupSync {
 
     /// Something was written.
     pub(super) fn written(&self) {
-        // The thread is there for as long as this is.
-        let _is_there = self.written.send(());
+        // Where one waits already, its group takes this along.
+        let _waits_already = self.written.try_send(());
     }
 }
 
@@ -55,13 +55,13 @@ mod tests {
     use super::GroupSync;
     use std::sync::Arc;
     use std::sync::atomic::{AtomicU32, Ordering};
-    use std::sync::mpsc::channel;
+    use std::sync::mpsc::sync_channel;
 
     /// Whatever is written is synced after it was written, also if that happens while a sync is under way or fails.
     #[test]
     fn everything_that_was_written_is_synced() {
         let written = Arc::new(AtomicU32::new(0));
-        let (told, synced) = channel();
+        let (told, synced) = sync_channel(100);
         let seen = Arc::clone(&written);
         let group = GroupSync::begin(move || {
             told.send(seen.load(Ordering::SeqCst)).unwrap();

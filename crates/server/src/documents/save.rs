@@ -138,8 +138,8 @@ fn of_state(state: &Arc<State>) -> Result<Machine, Failure> {
 
 #[cfg(test)]
 mod tests {
-    use crate::documents::session::Saving;
     use crate::documents::operation::EditRequest;
+    use crate::documents::session::Saving;
     use crate::documents::{MachineSession, Operation};
     use crate::{ServerState, Settings};
     use rafcon_protocol::api::{CloseMachine, EditMachine, MachineFile, NewMachine};
