@@ -1,9 +1,11 @@
-//! Writes the list of the files of the built page, which a release build carries in itself. Knows where `cargo xtask web` puts
-//! them. A debug build reads the folder when it is asked, so that it carries none.
+//! Writes the list of the files of the built page, which a release build carries in itself, packed. Knows where `cargo xtask web`
+//! puts them. A debug build reads the folder when it is asked, so that it carries none.
 
+use flate2::{Compression, write::GzEncoder};
 use std::error::Error;
 use std::fmt::Write as _;
 use std::fs;
+use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -23,12 +25,23 @@ fn main() -> Result<(), Box<dyn Error>> {
             // A copy: the page may be built anew before the compiler reads it.
             let copy = out.join("page").join(&name);
             fs::create_dir_all(copy.parent().unwrap_or(&out))?;
-            fs::copy(&file, &copy)?;
-            writeln!(list, "    ({name:?}, include_bytes!({:?})),", copy.display().to_string())?;
+            let plain = fs::read(&file)?;
+            let packed = packed(&plain)?;
+            let is_packed = packed.len() < plain.len();
+            fs::write(&copy, if is_packed { packed } else { plain })?;
+            let copy = copy.display().to_string();
+            writeln!(list, "    ({name:?}, include_bytes!({copy:?}), {is_packed}),")?;
         }
     }
     list.push_str("]\n");
     Ok(fs::write(out.join("page.rs"), list)?)
+}
+
+/// Once, as small as it gets: fonts and pictures are packed already.
+fn packed(plain: &[u8]) -> std::io::Result<Vec<u8>> {
+    let mut packer = GzEncoder::new(Vec::new(), Compression::best());
+    packer.write_all(plain)?;
+    packer.finish()
 }
 
 /// All files below a folder, by name; none if it is not there.

@@ -1,7 +1,9 @@
-//! The files of the page: carried in a release build, read from their folder in a debug build. Knows names and kinds of files;
+//! The files of the page: carried in a release build, packed; read from their folder in a debug build. Knows names and kinds of files;
 //! must never know who asks.
 
+use flate2::read::GzDecoder;
 use std::borrow::Cow;
+use std::io::Read as _;
 use std::path::PathBuf;
 
 /// Where the page's files are.
@@ -17,12 +19,26 @@ pub enum PageFiles {
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct PageFile {
     pub(super) bytes: Cow<'static, [u8]>,
+    /// Whether the bytes are those of a gzip file.
+    pub(super) is_packed: bool,
     /// As `Content-Type` wants it.
     pub(super) kind: &'static str,
 }
 
-/// The page as it was when this program was built in release.
-static CARRIED: &[(&str, &[u8])] = include!(concat!(env!("OUT_DIR"), "/page.rs"));
+impl PageFile {
+    /// For the rare client that takes nothing packed.
+    pub(super) fn unpacked(self) -> std::io::Result<Self> {
+        if !self.is_packed {
+            return Ok(self);
+        }
+        let mut bytes = Vec::new();
+        GzDecoder::new(self.bytes.as_ref()).read_to_end(&mut bytes)?;
+        Ok(Self { bytes: Cow::Owned(bytes), is_packed: false, kind: self.kind })
+    }
+}
+
+/// The page as it was when this program was built in release: names, bytes, and whether these are packed.
+static CARRIED: &[(&str, &[u8], bool)] = include!(concat!(env!("OUT_DIR"), "/page.rs"));
 
 impl Default for PageFiles {
     /// Those of this build.
@@ -44,11 +60,14 @@ impl PageFiles {
         if !is_plain(name) {
             return None;
         }
-        let bytes = match self {
-            Self::Carried => Cow::Borrowed(CARRIED.iter().find(|file| file.0 == name)?.1),
-            Self::Folder(folder) => Cow::Owned(std::fs::read(folder.join(name)).ok()?),
+        let (bytes, is_packed) = match self {
+            Self::Carried => {
+                let (_, bytes, is_packed) = CARRIED.iter().find(|file| file.0 == name)?;
+                (Cow::Borrowed(*bytes), *is_packed)
+            }
+            Self::Folder(folder) => (Cow::Owned(std::fs::read(folder.join(name)).ok()?), false),
         };
-        Some(PageFile { bytes, kind })
+        Some(PageFile { bytes, is_packed, kind })
     }
 
     /// How the page comes here, as HTML for whoever finds none.
@@ -87,7 +106,21 @@ fn kind(name: &str) -> Option<&'static str> {
 
 #[cfg(test)]
 mod tests {
-    use super::PageFiles;
+    use super::{PageFile, PageFiles};
+    use flate2::{Compression, write::GzEncoder};
+    use std::borrow::Cow;
+    use std::io::Write as _;
+
+    #[test]
+    fn a_packed_file_is_unpacked_for_who_takes_nothing_else() {
+        let mut packer = GzEncoder::new(Vec::new(), Compression::best());
+        packer.write_all(b"let a = 1;").unwrap();
+        let bytes = Cow::Owned(packer.finish().unwrap());
+        let file = PageFile { bytes, is_packed: true, kind: "text/javascript" };
+        let plain = file.unpacked().unwrap();
+        assert_eq!((plain.bytes.as_ref(), plain.is_packed), (&b"let a = 1;"[..], false));
+        assert_eq!(plain.clone().unpacked().unwrap(), plain);
+    }
 
     #[test]
     fn nothing_but_the_pages_own_files_is_given() {

@@ -10,7 +10,7 @@ use crate::extract::Path;
 use crate::{Failure, ServerState};
 use axum::extract::State;
 use axum::http::header::{self, HeaderName};
-use axum::http::{StatusCode, Uri};
+use axum::http::{HeaderMap, HeaderValue, StatusCode, Uri};
 use axum::response::{Html, IntoResponse as _, Response};
 use axum::routing::get;
 use files::PageFile;
@@ -38,12 +38,13 @@ pub(crate) fn routes() -> OpenApiRouter<Arc<ServerState>> {
 async fn page(
     State(server): State<Arc<ServerState>>,
     address: Uri,
+    head: HeaderMap,
     who: Option<Who>,
 ) -> Result<Response, Failure> {
     match (who, in_link(&address)) {
         (Some(who), Some(_)) if who.by == Credential::Owner => enter(&server, &who, &address),
         (_, Some(_)) => Ok(without_token(&address)),
-        (_, None) => Ok(index(&server.settings().page)),
+        (_, None) => index(&server.settings().page, &head),
     }
 }
 
@@ -65,36 +66,79 @@ fn without_token(address: &Uri) -> Response {
     (StatusCode::SEE_OTHER, [(header::LOCATION, format!("/{mark}{kept}"))]).into_response()
 }
 
-/// The page itself is never kept, so that a newer one is seen at once.
-fn index(files: &PageFiles) -> Response {
+fn index(files: &PageFiles, head: &HeaderMap) -> Result<Response, Failure> {
     match files.get("index.html") {
-        Some(file) => document(file),
-        None => not_built(files.way()),
+        Some(file) => current(file, head),
+        None => Ok(not_built(files.way())),
     }
 }
 
 /// What a panel's own window begins with.
-async fn popout(State(server): State<Arc<ServerState>>) -> Result<Response, Failure> {
-    server.settings().page.get("popout.html").map(document).ok_or_else(no_file)
+async fn popout(
+    State(server): State<Arc<ServerState>>,
+    head: HeaderMap,
+) -> Result<Response, Failure> {
+    current(server.settings().page.get("popout.html").ok_or_else(no_file)?, &head)
 }
 
-async fn icon(State(server): State<Arc<ServerState>>) -> Result<Response, Failure> {
-    server.settings().page.get("icon.svg").map(document).ok_or_else(no_file)
+async fn icon(
+    State(server): State<Arc<ServerState>>,
+    head: HeaderMap,
+) -> Result<Response, Failure> {
+    current(server.settings().page.get("icon.svg").ok_or_else(no_file)?, &head)
 }
 
 async fn asset(
     State(server): State<Arc<ServerState>>,
     Path(file): Path<String>,
+    head: HeaderMap,
 ) -> Result<Response, Failure> {
     let file = server.settings().page.get(&format!("assets/{file}")).ok_or_else(no_file)?;
-    let mut answer = document(file);
-    answer.headers_mut().insert(header::CACHE_CONTROL, header::HeaderValue::from_static(FOREVER));
+    let mut answer = document(file, &head)?;
+    answer.headers_mut().insert(header::CACHE_CONTROL, HeaderValue::from_static(FOREVER));
     Ok(answer)
 }
 
-fn document(file: PageFile) -> Response {
-    let head = [(header::CONTENT_TYPE, file.kind), (header::CONTENT_SECURITY_POLICY, POLICY)];
-    (head, file.bytes).into_response()
+/// A file whose name stays when it changes: a browser asks each time whether it is still the one that it has.
+fn current(file: PageFile, head: &HeaderMap) -> Result<Response, Failure> {
+    let name = blake3::hash(&file.bytes).to_hex();
+    // Weak, for it is the same one packed and unpacked.
+    let tag = format!("W/\"{}\"", name.get(..16).unwrap_or_default());
+    let is_known = head.get(header::IF_NONE_MATCH).is_some_and(|known| *known == *tag);
+    let kept = [(header::ETAG, tag), (header::CACHE_CONTROL, "no-cache".to_owned())];
+    if is_known {
+        return Ok((StatusCode::NOT_MODIFIED, kept).into_response());
+    }
+    Ok((kept, document(file, head)?).into_response())
+}
+
+fn document(file: PageFile, head: &HeaderMap) -> Result<Response, Failure> {
+    let fixed = [
+        (header::CONTENT_TYPE, file.kind),
+        (header::CONTENT_SECURITY_POLICY, POLICY),
+        (header::VARY, "accept-encoding"),
+    ];
+    if file.is_packed && takes_gzip(head) {
+        return Ok((fixed, [(header::CONTENT_ENCODING, "gzip")], file.bytes).into_response());
+    }
+    let file = file.unpacked().map_err(|error| broken(&error))?;
+    Ok((fixed, file.bytes).into_response())
+}
+
+/// Whether the client takes files that are packed; all browsers do.
+fn takes_gzip(head: &HeaderMap) -> bool {
+    let codings =
+        head.get_all(header::ACCEPT_ENCODING).iter().filter_map(|line| line.to_str().ok());
+    codings.flat_map(|line| line.split(',')).any(|coding| {
+        let mut parts = coding.split(';').map(str::trim);
+        let is_gzip = parts.next().is_some_and(|name| name.eq_ignore_ascii_case("gzip"));
+        is_gzip && !parts.any(|weight| matches!(weight, "q=0" | "q=0.0" | "q=0.00" | "q=0.000"))
+    })
+}
+
+fn broken(error: &std::io::Error) -> Failure {
+    let message = format!("a file of the page cannot be unpacked: {error}");
+    Failure::new(StatusCode::INTERNAL_SERVER_ERROR, "fault", message)
 }
 
 fn no_file() -> Failure {
@@ -110,4 +154,58 @@ fn not_built(way: &str) -> Response {
          <p>What programs can ask for: <a href=\"/api/v1/openapi.json\">openapi.json</a>.</p></body></html>\n"
     );
     Html(page).into_response()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::files::PageFile;
+    use super::{current, document, takes_gzip};
+    use axum::http::header::{self, HeaderMap, HeaderName};
+    use axum::http::{HeaderValue, StatusCode};
+    use flate2::{Compression, write::GzEncoder};
+    use std::borrow::Cow;
+    use std::io::Write as _;
+
+    fn asks(name: HeaderName, value: &str) -> HeaderMap {
+        HeaderMap::from_iter([(name, HeaderValue::from_str(value).unwrap())])
+    }
+
+    fn packed() -> PageFile {
+        let mut packer = GzEncoder::new(Vec::new(), Compression::best());
+        packer.write_all(b"let a = 1;").unwrap();
+        let bytes = Cow::Owned(packer.finish().unwrap());
+        PageFile { bytes, is_packed: true, kind: "text/javascript; charset=utf-8" }
+    }
+
+    #[test]
+    fn gzip_is_taken_by_who_says_so() {
+        let check = |said: &str| takes_gzip(&asks(header::ACCEPT_ENCODING, said));
+        assert!(check("gzip") && check("deflate, gzip;q=1.0, br") && check("GZIP"));
+        assert!(!check("br") && !check("gzip;q=0, br") && !check("") && !check("xgzip"));
+        assert!(!takes_gzip(&HeaderMap::new()));
+    }
+
+    #[test]
+    fn a_packed_file_goes_out_as_it_is_or_unpacked() {
+        let encoding = |head: &HeaderMap| {
+            let answer = document(packed(), head).unwrap();
+            let text =
+                |name| answer.headers().get(name).map(|value| value.to_str().unwrap().to_owned());
+            (text(header::CONTENT_ENCODING), text(header::VARY))
+        };
+        let gzip = asks(header::ACCEPT_ENCODING, "gzip, deflate");
+        assert_eq!(encoding(&gzip), (Some("gzip".into()), Some("accept-encoding".into())));
+        assert_eq!(encoding(&HeaderMap::new()), (None, Some("accept-encoding".into())));
+    }
+
+    #[test]
+    fn a_browser_that_has_the_file_is_not_given_it_again() {
+        let first = current(packed(), &HeaderMap::new()).unwrap();
+        assert_eq!(first.headers()[header::CACHE_CONTROL], "no-cache");
+        let tag = first.headers()[header::ETAG].to_str().unwrap();
+        let again = current(packed(), &asks(header::IF_NONE_MATCH, tag)).unwrap();
+        assert_eq!(again.status(), StatusCode::NOT_MODIFIED);
+        let other = current(packed(), &asks(header::IF_NONE_MATCH, "W/\"other\"")).unwrap();
+        assert_eq!(other.status(), StatusCode::OK);
+    }
 }

@@ -24,7 +24,8 @@ fn everybody_gets_the_page_and_browsers_keep_what_never_changes() {
     let index = get("/?machine=m1");
     assert_eq!((index.status, index.text.as_str()), (200, "<!doctype html>"));
     assert_eq!(index.header("content-type"), Some("text/html; charset=utf-8"));
-    assert_eq!(index.header("cache-control"), Some("no-store"));
+    assert_eq!(index.header("cache-control"), Some("no-cache"));
+    assert!(index.header("etag").is_some_and(|tag| tag.starts_with("W/\"")), "{index:?}");
     assert_eq!(index.header("referrer-policy"), Some("no-referrer"));
     let policy = index.header("content-security-policy").unwrap();
     for rule in ["default-src 'self'", "frame-ancestors 'none'", "worker-src 'self' blob:"] {
