@@ -3,7 +3,7 @@
 
 use std::collections::VecDeque;
 use std::io::{BufRead as _, BufReader, Read};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::sync::Mutex;
 use std::thread;
@@ -69,11 +69,22 @@ pub(crate) fn run(options: &TestOptions) -> Result<()> {
     if let Some(part) = options.only {
         return run_part(part, &product);
     }
-    rust()?;
-    // What several of them need is there before they begin.
+    // Rust's tests want the processor, and what the parts after them need comes over the network.
+    thread::scope(|scope| {
+        let needed = scope.spawn(install);
+        rust()?;
+        needed.join().unwrap_or_else(|_| bail!("the installation panicked"))
+    })?;
+    run_side_by_side()
+}
+
+/// What the parts need besides what is built; each looks for it again, and then it is there.
+fn install() -> Result<()> {
     Reference::installed()?;
     web::install()?;
-    run_side_by_side()
+    planner()?;
+    interface_environment()?;
+    python::all().iter().try_for_each(|interpreter| python_environment(interpreter).map(drop))
 }
 
 fn run_part(part: Part, product: &Product) -> Result<()> {
@@ -171,13 +182,11 @@ const BETWEEN: &str = "test_[esv][cxa]*.py";
 /// `crates/python/tests/test_*.py`: all with the oldest and the newest interpreter, the basic ones with those between.
 fn python_side(product: &Product) -> Result<()> {
     let reference = Reference::installed()?;
-    let plugins = workspace::target()?.join("plugins");
-    let planner = python::sources(&python::default()?, &plugins, PLANNER)?;
+    let planner = planner()?;
     let interpreters = python::all();
     let last = interpreters.len().saturating_sub(1);
     for (at, interpreter) in interpreters.into_iter().enumerate() {
-        let folder = workspace::target()?.join("python-venvs").join(&interpreter.version);
-        let python = python::environment(&interpreter, &folder, CONTENTS)?;
+        let python = python_environment(&interpreter)?;
         let mut command = discover(&python, "crates/python/tests", product);
         command.env("RAFCON_REFERENCE_PYTHON", &reference.python);
         command.env("RAFCON_TASK_PLANNER", &planner);
@@ -189,11 +198,23 @@ fn python_side(product: &Product) -> Result<()> {
     Ok(())
 }
 
+fn planner() -> Result<PathBuf> {
+    python::sources(&python::default()?, &workspace::target()?.join("plugins"), PLANNER)
+}
+
+fn python_environment(interpreter: &python::Interpreter) -> Result<PathBuf> {
+    let folder = workspace::target()?.join("python-venvs").join(&interpreter.version);
+    python::environment(interpreter, &folder, CONTENTS)
+}
+
 /// `crates/server/tests/api/test_*.py`, against the real server.
 fn interface(product: &Product) -> Result<()> {
+    process::run(&mut discover(&interface_environment()?, "crates/server/tests/api", product))
+}
+
+fn interface_environment() -> Result<PathBuf> {
     let folder = workspace::target()?.join("interface-venv");
-    let python = python::environment(&python::default()?, &folder, INTERFACE)?;
-    process::run(&mut discover(&python, "crates/server/tests/api", product))
+    python::environment(&python::default()?, &folder, INTERFACE)
 }
 
 /// `web/e2e`: a browser, the page as it is built, the real server and the reference's core. And a run that is watched for a while.

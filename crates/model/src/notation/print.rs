@@ -4,8 +4,8 @@ use super::shared::{Shared, content};
 use super::words::{extra_text, fits_block, id_text, name_text, quoted, type_text, value_text};
 use crate::ids::{id_after, smallest_free};
 use crate::{
-    DataFlow, DataType, Header, Json, Kind, Layout, Library, LibraryContent, Machine, OutcomeId,
-    PortId, Ports, RuntimeValues, State, StateId, Transition, Value, json, literal,
+    Container, DataFlow, Header, Json, Kind, Layout, Library, LibraryContent, Machine, OutcomeId,
+    PortId, Ports, RuntimeValues, State, StateId, Transition, Value, json,
 };
 
 /// Which parts are printed.

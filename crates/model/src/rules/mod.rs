@@ -197,7 +197,7 @@ rules! {
 impl Rule {
     /// Whether an edit that breaks this rule is refused. A machine has no start yet while it is drawn, and a library may be
     /// missing for a while.
-    pub(crate) fn refuses_edits(self) -> bool {
+    pub fn refuses_edits(self) -> bool {
         let is_allowed = matches!(self, Self::LibraryMissing | Self::StartMissing);
         self.severity() == Severity::Error && !is_allowed
     }

@@ -3,9 +3,10 @@
 use crate::harness::{Answer, TestServer};
 use crate::machines::{MACHINE, get, open, post, write};
 use expect_test::expect;
-use rafcon_model::{Header, notation};
+use rafcon_model::Header;
 use rafcon_protocol::api::Role;
 use rafcon_storage::{Libraries, load};
+use rafcon_testkit::notation;
 use serde_json::{Value, json};
 
 const NESTED: &str = "

@@ -5,11 +5,12 @@ use super::{
     REVISIONS_MAX, RevisionsPage,
 };
 use proptest::prelude::*;
-use rafcon_model::edit::any::{Dice, edit};
 use rafcon_model::edit::apply;
-use rafcon_model::{BuiltinTypes, Machine, notation};
+use rafcon_model::{BuiltinTypes, Machine};
 use rafcon_protocol::api::{Revision, RevisionKind};
 use rafcon_protocol::document::changes;
+use rafcon_testkit::edits::{Dice, edit};
+use rafcon_testkit::notation;
 
 fn machine(name: usize) -> Machine {
     notation::parse(&format!("execution ROOT \"{name}\"")).expect("a machine")

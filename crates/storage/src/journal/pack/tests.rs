@@ -7,7 +7,8 @@ use crate::journal::{About, Journal, Options, Pack};
 use crate::testing::{EVERY_KIND, machine, make_files};
 use crate::{Libraries, Loaded, Root, load, load_packed};
 use proptest::prelude::*;
-use rafcon_model::{Machine, diff, notation};
+use rafcon_model::{Machine, diff};
+use rafcon_testkit::notation;
 use std::path::Path;
 use std::sync::Arc;
 
