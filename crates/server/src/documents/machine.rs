@@ -1,11 +1,11 @@
 //! An open machine as a value with a past: edits of several people in one order, each taken once, each taken back by its own
 //! author only. Pure: what is done is prepared first, so that it can be written down, and made then.
 
-use super::history::{Fingerprint, History, Inverse, InverseChange, RevisionsPage};
 use super::merge;
 use super::operation::{EditRequest, Operation, ReadOperation};
 use super::places::{MachinePlace, places};
 use super::refusal::OperationRefusal;
+use super::revision_log::{Fingerprint, Inverse, InverseChange, RevisionLog, RevisionsPage};
 use rafcon_model::edit::{Edit, apply};
 use rafcon_model::{BuiltinTypes, Machine};
 use rafcon_protocol::api::{MachineSteps, Revision, RevisionKind};
@@ -28,7 +28,7 @@ pub(super) struct Prepared {
 #[derive(Debug)]
 pub(super) struct OpenMachine {
     machine: Machine,
-    history: History,
+    history: RevisionLog,
     answered: AnsweredRequests,
 }
 
@@ -45,7 +45,7 @@ struct AnsweredRequests {
 impl OpenMachine {
     /// A machine that has no past; its next revision follows `revision`.
     pub(super) fn new(machine: Machine, revision: u64) -> Self {
-        let history = History::of(machine.clone(), revision);
+        let history = RevisionLog::of(machine.clone(), revision);
         Self { machine, history, answered: AnsweredRequests::default() }
     }
 

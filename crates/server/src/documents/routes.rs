@@ -1,7 +1,7 @@
 //! What is asked about open machines. Knows requests and answers; the work is done next door, off the threads that talk.
 
-use super::history::RevisionsPage;
 use super::operation::{EditRequest, Operation};
+use super::revision_log::RevisionsPage;
 use crate::access::Who;
 use crate::blocking::blocking;
 use crate::extract::{Body, Path, Query};

@@ -1,8 +1,8 @@
 //! Several people edit one machine: nobody's work is lost, and each takes back what is his own.
 
-use super::history::RevisionsPage;
 use super::machine::OpenMachine;
 use super::operation::{EditRequest, Operation, ReadOperation};
+use super::revision_log::RevisionsPage;
 use crate::Failure;
 use expect_test::{Expect, expect};
 use proptest::prelude::*;

@@ -25,7 +25,7 @@ const PAGE_BYTES: usize = 256 << 10;
 
 /// The revisions of an open machine, the last one last.
 #[derive(Debug)]
-pub(super) struct History {
+pub(super) struct RevisionLog {
     /// The revision as which the machine was read.
     start: u64,
     revisions: VecDeque<RecordedRevision>,
@@ -122,7 +122,7 @@ fn weight(changes: &[Change]) -> u128 {
     changes.iter().filter(is_there).map(of_one).fold(0, u128::wrapping_add)
 }
 
-impl History {
+impl RevisionLog {
     /// That of a machine that was read as this revision.
     pub(super) fn of(machine: Machine, start: u64) -> Self {
         let mut history = Self {

@@ -1,8 +1,8 @@
 //! What is kept of the past is bounded, and readers get every revision once.
 
 use super::{
-    BYTES_MAX, Fingerprint, History, Inverse, InverseChange, MACHINES_MAX, PAGE_BYTES,
-    REVISIONS_MAX, RevisionsPage,
+    BYTES_MAX, Fingerprint, Inverse, InverseChange, MACHINES_MAX, PAGE_BYTES, REVISIONS_MAX,
+    RevisionLog, RevisionsPage,
 };
 use proptest::prelude::*;
 use rafcon_model::edit::apply;
@@ -16,7 +16,7 @@ fn machine(name: usize) -> Machine {
     notation::parse(&format!("execution ROOT \"{name}\"")).expect("a machine")
 }
 
-fn push(history: &mut History, name: &str, machine: &Machine, mark: Fingerprint) {
+fn push(history: &mut RevisionLog, name: &str, machine: &Machine, mark: Fingerprint) {
     let revision = Revision {
         revision: history.last() + 1,
         id: String::new(),
@@ -34,7 +34,7 @@ fn push(history: &mut History, name: &str, machine: &Machine, mark: Fingerprint)
 
 #[test]
 fn what_is_kept_is_bounded_and_the_start_stays() {
-    let mut history = History::of(machine(0), 5);
+    let mut history = RevisionLog::of(machine(0), 5);
     let last = REVISIONS_MAX + 2;
     for number in 1..=last {
         push(&mut history, "", &machine(number), Fingerprint(number as u128));
@@ -55,15 +55,15 @@ fn what_is_kept_is_bounded_and_the_start_stays() {
 }
 
 /// Revisions with names of these sizes, the first of them revision 11.
-fn told(sizes: &[usize]) -> History {
-    let mut history = History::of(machine(0), 10);
+fn told(sizes: &[usize]) -> RevisionLog {
+    let mut history = RevisionLog::of(machine(0), 10);
     for size in sizes {
         push(&mut history, &"x".repeat(*size), &machine(0), Fingerprint::default());
     }
     history
 }
 
-fn page(history: &History, from: u64) -> String {
+fn page(history: &RevisionLog, from: u64) -> String {
     match history.since(from) {
         RevisionsPage::Reset(now) => format!("reset to {now}"),
         RevisionsPage::Revisions(told) => {
