@@ -2,10 +2,11 @@
 
 use super::players::Run;
 use super::served::{RunFixture, Viewer};
-use crate::blocks::Chunk;
-use crate::host::abandon;
-use crate::recorder::{Read, Recorder};
-use crate::{committer, due};
+use crate::drive::due;
+use crate::life::committer;
+use crate::life::host::abandon;
+use crate::record::blocks::Chunk;
+use crate::record::recorder::{Read, Recorder};
 use expect_test::{Expect, expect};
 use rafcon_engine::{Input, Status};
 use rafcon_protocol::{

@@ -1,12 +1,12 @@
 //! Scripts without an interpreter, and runs of them.
 
-use crate::active::Active;
-use crate::blocks::Chunk;
-use crate::document::Document;
-use crate::driver::RunEnd;
-use crate::error::ValueError;
-use crate::recorder::Recorder;
-use crate::signals::PREEMPTED;
+use crate::drive::document::Document;
+use crate::drive::driver::RunEnd;
+use crate::drive::error::ValueError;
+use crate::places::active::Active;
+use crate::places::signals::PREEMPTED;
+use crate::record::blocks::Chunk;
+use crate::record::recorder::Recorder;
 use crate::{Clock, Driver, Place, Scripts};
 use rafcon_engine::{
     Finish, Globals, Input, Job, Literals, ModelLiterals, NodeId, Program, Returned, ScriptResult,

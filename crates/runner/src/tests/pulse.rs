@@ -1,8 +1,8 @@
 //! An engine that cannot be reached, and one that has failed: both are found, and neither keeps a run from its end.
 
 use super::players::Run;
-use crate::driver::RunEnd;
-use crate::pulse::UNREACHED;
+use crate::drive::driver::RunEnd;
+use crate::drive::pulse::UNREACHED;
 use rafcon_engine::{Input, Refusal, Start, Status};
 use rafcon_protocol::{Breakpoint, Command, Envelope, Scope, Unattended, When};
 use std::sync::Barrier;

@@ -1,8 +1,8 @@
 //! Whole runs over real sockets: a host with scripts of plain Rust, and viewers that speak the protocol.
 
-use crate::error::ValueError;
-use crate::keep::Keep;
-use crate::signals::PREEMPTED;
+use crate::drive::error::ValueError;
+use crate::places::signals::PREEMPTED;
+use crate::record::keep::Keep;
 use crate::{Asked, Driver, Host, Opening, Place, Scripts, serve};
 use rafcon_engine::{
     Check, Globals, Job, Literals, ModelLiterals, NoGlobals, Program, Returned, ScriptResult,

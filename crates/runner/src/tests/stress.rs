@@ -1,7 +1,7 @@
 //! Random machines on real threads, stopped at random moments: every run ends, and whatever was entered is left.
 
 use super::players::Run;
-use crate::snapshot;
+use crate::drive::snapshot;
 use proptest::prelude::*;
 use rafcon_engine::Input;
 use std::fmt::Write as _;

@@ -1,0 +1,495 @@
+//! Drives an engine with threads: every input goes through one lock, effects are carried out under it, and a branch's next
+//! script goes on inline on the thread that finished the last one.
+
+use crate::drive::branch::{self, BranchWork, Worker};
+use crate::drive::core::{Core, InputOutcome, Next};
+use crate::drive::document::Document;
+use crate::drive::error::CommandError;
+use crate::drive::points::Points;
+use crate::drive::pulse::Pulse;
+use crate::drive::questions::Questions;
+use crate::drive::record_events::{self, ExtraRecords};
+use crate::drive::roots::Roots;
+use crate::places::active::Active;
+use crate::places::signals::PREEMPTED;
+use crate::places::timers::Timers;
+use crate::record::recorder::Recorder;
+use crate::record::tell;
+use crate::{Clock, Places, Scripts};
+use rafcon_engine::{
+    BranchId, Effect, Event, Finish, Input, Job, NodeId, PathId, Program, Refusal,
+};
+use rafcon_locks::{Condvar, Mutex};
+use rafcon_protocol::LogLevel;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Instant;
+
+/// How a run of a process ends.
+#[derive(Debug)]
+pub(crate) enum RunEnd<D> {
+    /// The run is over.
+    Finished(Finish<D>),
+    /// A script does not end: the process has to.
+    CutOff,
+    /// The engine failed: nothing that it says can be trusted any more, and the process has to end.
+    Broken,
+}
+
+/// A run in progress.
+#[derive(Debug)]
+pub struct Driver<S: Scripts> {
+    scripts: S,
+    document: Document<S::Value>,
+    places: Arc<Places>,
+    recorder: Arc<Recorder>,
+    clock: Clock,
+    core: Mutex<Core<S::Value>>,
+    questions: Questions,
+    points: Points,
+    timers: Timers,
+    pulse: Pulse,
+    /// Who has paused the run: true if its journal did, and not a command.
+    journal_pauses: Mutex<bool>,
+    /// Whether there are stand-ins among the values, for which scripts must be looked through.
+    any_lost: AtomicBool,
+    roots: Roots,
+    /// Whether the run's last event was told. Held by whoever tells something that may come later.
+    over: Mutex<bool>,
+    end: Mutex<Option<RunEnd<S::Value>>>,
+    ended: Condvar,
+}
+
+impl<S: Scripts> Driver<S> {
+    /// A run that has not begun.
+    pub(crate) fn new(
+        document: Document<S::Value>,
+        scripts: S,
+        clock: Clock,
+        active: Active,
+        recorder: Recorder,
+    ) -> Arc<Self> {
+        let places = Arc::new(Places::default());
+        let mut core = Core::new(document.program(), Arc::clone(&places), active);
+        core.numbering = recorder.names().numbering();
+        let timers = Timers::default();
+        timers.adopt(&document.program());
+        Arc::new(Self {
+            scripts,
+            document,
+            places,
+            recorder: Arc::new(recorder),
+            clock,
+            core: Mutex::new(core),
+            questions: Questions::default(),
+            points: Points::default(),
+            timers,
+            pulse: Pulse::default(),
+            journal_pauses: Mutex::new(false),
+            any_lost: AtomicBool::new(false),
+            roots: Roots::default(),
+            over: Mutex::new(false),
+            end: Mutex::new(None),
+            ended: Condvar::new(),
+        })
+    }
+
+    /// The host of the scripts.
+    pub fn scripts(&self) -> &S {
+        &self.scripts
+    }
+
+    /// What is run now.
+    pub fn program(&self) -> Arc<Program<S::Value>> {
+        self.document.program()
+    }
+
+    pub(crate) fn document(&self) -> &Document<S::Value> {
+        &self.document
+    }
+
+    /// The places met so far.
+    pub fn places(&self) -> &Arc<Places> {
+        &self.places
+    }
+
+    pub(crate) fn questions(&self) -> &Questions {
+        &self.questions
+    }
+
+    pub(crate) fn timers(&self) -> &Timers {
+        &self.timers
+    }
+
+    pub(crate) fn over(&self) -> &Mutex<bool> {
+        &self.over
+    }
+
+    pub(crate) fn points(&self) -> &Points {
+        &self.points
+    }
+
+    pub(crate) fn pulse(&self) -> &Pulse {
+        &self.pulse
+    }
+
+    /// Whether the run is paused because its journal could not be written. Held by whoever pauses the run or lets it go on.
+    pub(crate) fn journal_pauses(&self) -> &Mutex<bool> {
+        &self.journal_pauses
+    }
+
+    pub(crate) fn roots(&self) -> &Roots {
+        &self.roots
+    }
+
+    pub(crate) fn recorder(&self) -> &Arc<Recorder> {
+        &self.recorder
+    }
+
+    pub(crate) fn clock(&self) -> Clock {
+        self.clock
+    }
+
+    /// Gives the engine an input from outside its branches.
+    pub fn command(self: &Arc<Self>, input: Input<S::Value>) -> Result<(), Refusal> {
+        if matches!(input, Input::Stop) {
+            // Whoever holds the engine may wait for a disk that refuses.
+            self.recorder.safety().end();
+        }
+        self.submit(input, None).map(drop)
+    }
+
+    /// Gives the engine the end of a script; the answer is the next script of the same branch, if there is one now.
+    pub(crate) fn finished(
+        self: &Arc<Self>,
+        input: Input<S::Value>,
+        branch: BranchId,
+    ) -> Next<S::Value> {
+        self.submit(input, Some(branch)).unwrap_or_else(|refusal| {
+            self.recorder.push(self.clock.now_ns(), [tell::defect(&refusal.to_string())]);
+            None
+        })
+    }
+
+    /// Does something with the engine that gives it no input, if it can be had until a moment. Called outside the interpreter.
+    pub(crate) fn try_core<T>(
+        &self,
+        until: Instant,
+        act: impl FnOnce(&mut Core<S::Value>) -> T,
+    ) -> Option<T> {
+        let mut core = self.core.try_lock_until(until)?;
+        Some(act(&mut core))
+    }
+
+    /// Does something with the engine that gives it no input.
+    pub(crate) fn with_core<T: Send>(
+        &self,
+        act: impl FnOnce(&mut Core<S::Value>) -> T + Send,
+    ) -> Option<T> {
+        if let Some(mut core) = self.core.try_lock() {
+            return Some(act(&mut core));
+        }
+        let (mut act, mut done) = (Some(act), None);
+        self.scripts.park(&mut || done = act.take().map(|act| act(&mut self.core.lock())));
+        done
+    }
+
+    /// Waits for the end of the run.
+    pub(crate) fn wait(&self) -> Option<RunEnd<S::Value>> {
+        let mut found = None;
+        self.scripts.park(&mut || {
+            let mut end = self.end.lock();
+            while end.is_none() {
+                self.ended.wait(&mut end);
+            }
+            found = end.take();
+        });
+        found
+    }
+
+    /// Ends all threads of the run, which has to be over.
+    pub(crate) fn close(&self) {
+        let mut threads = Vec::new();
+        self.scripts.park(&mut || {
+            let mut core = self.core.lock();
+            core.crew.dismiss();
+            threads = std::mem::take(&mut core.threads);
+            drop(core);
+            for thread in threads.drain(..) {
+                if thread.join().is_err() {
+                    self.recorder
+                        .push(self.clock.now_ns(), [tell::defect("a branch's thread panicked")]);
+                }
+            }
+        });
+        self.scripts.settle();
+    }
+
+    fn submit(
+        self: &Arc<Self>,
+        input: Input<S::Value>,
+        own: Option<BranchId>,
+    ) -> Result<Next<S::Value>, Refusal> {
+        let answer = match self.core.try_lock() {
+            Some(mut core) => self.drive(&mut core, input, own),
+            None => self.submit_parked(input, own),
+        };
+        self.scripts.settle();
+        answer
+    }
+
+    /// The lock is taken: whoever holds it may need the interpreter, so it is not waited for from inside.
+    fn submit_parked(
+        self: &Arc<Self>,
+        input: Input<S::Value>,
+        own: Option<BranchId>,
+    ) -> Result<Next<S::Value>, Refusal> {
+        let (mut input, mut answer) = (Some(input), Ok(None));
+        self.scripts.park(&mut || {
+            if let Some(input) = input.take() {
+                answer = self.drive(&mut self.core.lock(), input, own);
+            }
+        });
+        answer
+    }
+
+    /// Gives the engine an input from outside its branches, unless `late` says that it is too late for it. If it is taken, `then`
+    /// is done before anything follows from it, and what it answers is kept with the events of the input or not at all.
+    pub(crate) fn input_beside(
+        self: &Arc<Self>,
+        input: Input<S::Value>,
+        late: impl FnOnce() -> bool + Send,
+        then: impl FnOnce() -> ExtraRecords + Send,
+    ) -> Result<(), CommandError> {
+        if matches!(input, Input::Stop) {
+            // Whoever holds the engine may wait for a disk that refuses.
+            self.recorder.safety().end();
+        }
+        let take = |core: &mut Core<S::Value>| {
+            if late() {
+                return Err(CommandError::Late);
+            }
+            let driven = self.drive_beside(core, input, None, then);
+            driven.map(drop).map_err(CommandError::Engine)
+        };
+        let taken = self.with_core(take);
+        self.scripts.settle();
+        taken.unwrap_or(Err(CommandError::Unreachable))
+    }
+
+    /// There are stand-ins for lost values from now on, if that is so.
+    pub(crate) fn note_lost_values(&self, any: bool) {
+        self.any_lost.fetch_or(any, Ordering::Relaxed);
+    }
+
+    pub(crate) fn drive(
+        self: &Arc<Self>,
+        core: &mut Core<S::Value>,
+        input: Input<S::Value>,
+        own: Option<BranchId>,
+    ) -> Result<Next<S::Value>, Refusal> {
+        self.drive_beside(core, input, own, ExtraRecords::default)
+    }
+
+    fn drive_beside(
+        self: &Arc<Self>,
+        core: &mut Core<S::Value>,
+        input: Input<S::Value>,
+        own: Option<BranchId>,
+        then: impl FnOnce() -> ExtraRecords,
+    ) -> Result<Next<S::Value>, Refusal> {
+        if core.is_broken {
+            return Err(Refusal::Broken);
+        }
+        let drive = || -> Result<Next<S::Value>, Refusal> {
+            let mut turn = InputOutcome::of(own);
+            core.engine.handle(input, self.scripts.globals(), &mut core.outbox)?;
+            self.carry_out(core, &mut turn, then());
+            self.answer_pending(core, &mut turn)?;
+            let next = core.settle(turn);
+            self.staff(core);
+            Ok(next)
+        };
+        catch_unwind(AssertUnwindSafe(drive)).unwrap_or_else(|_panic| Err(self.breaks(core)))
+    }
+
+    /// The engine, or what carries out what it says, has panicked: it may be changed by half, and takes no further input. The run
+    /// ends with its process, as after any crash.
+    fn breaks(&self, core: &mut Core<S::Value>) -> Refusal {
+        core.is_broken = true;
+        let what = "the engine failed; the process of this run ends, and it can be taken up";
+        self.recorder.push(self.clock.now_ns(), [tell::defect(what)]);
+        self.end_with(RunEnd::Broken);
+        Refusal::Broken
+    }
+
+    /// Sees to it that a thread is on its way to branches that have none, and that scripts without a thread are answered.
+    fn staff(self: &Arc<Self>, core: &mut Core<S::Value>) {
+        self.recruit(core);
+        while !core.pending.is_empty() {
+            let mut outside = InputOutcome::of(None);
+            if let Err(refusal) = self.answer_pending(core, &mut outside) {
+                self.recorder.push(self.clock.now_ns(), [tell::defect(&refusal.to_string())]);
+            }
+            self.recruit(core);
+        }
+    }
+
+    /// Gives the engine the answers for scripts that could not be run.
+    fn answer_pending(
+        self: &Arc<Self>,
+        core: &mut Core<S::Value>,
+        turn: &mut InputOutcome<S::Value>,
+    ) -> Result<(), Refusal> {
+        while let Some(input) = core.pending.pop_front() {
+            core.engine.handle(input, self.scripts.globals(), &mut core.outbox)?;
+            self.carry_out(core, turn, ExtraRecords::default());
+        }
+        Ok(())
+    }
+
+    fn carry_out(
+        &self,
+        core: &mut Core<S::Value>,
+        turn: &mut InputOutcome<S::Value>,
+        beside: ExtraRecords,
+    ) {
+        let entered = self.look_ahead(core);
+        let now_ns = self.clock.now_ns();
+        self.pulse.moved(now_ns);
+        record_events::record(core, &self.scripts, now_ns, (&self.recorder, beside));
+        self.set_alarms(core, &entered);
+        let mut effects = std::mem::take(&mut core.outbox.effects);
+        for effect in effects.drain(..) {
+            self.carry_out_one(core, turn, effect);
+        }
+        core.outbox.effects = effects;
+        self.questions.withdraw_orphans();
+    }
+
+    fn carry_out_one(
+        &self,
+        core: &mut Core<S::Value>,
+        turn: &mut InputOutcome<S::Value>,
+        effect: Effect<S::Value>,
+    ) {
+        match effect {
+            Effect::Run(job) => {
+                let lost = self.lost_input(&job);
+                let frame = job.frame;
+                let begun = core.begin(job);
+                if let Some(why) = lost {
+                    let path = begun.place.text.to_string();
+                    let line = tell::log(path, LogLevel::Error, why.clone());
+                    self.recorder.push(self.clock.now_ns(), [line]);
+                    let result = self.scripts.failure(&why);
+                    return core.pending.push_back(Input::Finished { frame, result });
+                }
+                if begun.place.signals.any(PREEMPTED) {
+                    self.timers.asked_to_end(&begun.place, self.clock.now_ns());
+                }
+                core.dispatch(begun, turn);
+            }
+            Effect::Check(check) => {
+                let begun = core.begin_check(check);
+                core.dispatch(begun, turn);
+            }
+            // A branch gets its thread with its first piece of work.
+            Effect::Fork { .. } => {}
+            Effect::EndBranch { branch } => core.end_branch(branch, turn),
+            Effect::Preempt(path) => {
+                core.signal(path);
+                self.questions.withdraw(path);
+                if let Some(place) = core.at(path) {
+                    self.timers.asked_to_end(place, self.clock.now_ns());
+                }
+            }
+            Effect::Paused(paused) => core.pause(paused),
+            Effect::Finish(finish) => self.finish(finish),
+        }
+    }
+
+    /// Why this script cannot run: one of its values is only a stand-in.
+    fn lost_input(&self, job: &Job<S::Value>) -> Option<String> {
+        if !self.any_lost.load(Ordering::Relaxed) {
+            return None;
+        }
+        let values = job.inputs.iter().chain(&job.error);
+        values.into_iter().find_map(|value| self.scripts.is_lost(value))
+    }
+
+    /// What the events about to be recorded mean to the driver itself: another machine is run from now on; the states that
+    /// are entered, if any has a deadline.
+    fn look_ahead(&self, core: &Core<S::Value>) -> Vec<(PathId, NodeId)> {
+        let mut entered = Vec::new();
+        let any = self.timers.any();
+        for event in &core.outbox.events {
+            match event {
+                Event::Entered { path, node, .. } if any => entered.push((*path, *node)),
+                Event::Changed => self.adopt(core),
+                Event::ChangeWaits { path } => self.change_waits(core, *path),
+                _ => {}
+            }
+        }
+        entered
+    }
+
+    fn set_alarms(&self, core: &Core<S::Value>, entered: &[(PathId, NodeId)]) {
+        for (path, node) in entered {
+            if let Some(place) = core.at(*path) {
+                self.timers.entered(place, *node, self.clock.now_ns());
+            }
+        }
+    }
+
+    fn recruit(self: &Arc<Self>, core: &mut Core<S::Value>) {
+        while core.crew.needs_thread() {
+            match branch::start(self, core.threads.len()) {
+                Ok(thread) => {
+                    core.threads.push(thread);
+                    core.crew.sent();
+                }
+                Err(error) => self.give_up(core, &error),
+            }
+        }
+    }
+
+    fn give_up(&self, core: &mut Core<S::Value>, error: &std::io::Error) {
+        let Some(turn) = core.crew.give_up() else { return };
+        let reason = format!(
+            "the system gave no thread for this branch ({error}); let fewer states run side by side"
+        );
+        core.pending.push_back(match turn.work {
+            BranchWork::Script(job) => {
+                Input::Finished { frame: job.frame, result: self.scripts.failure(&reason) }
+            }
+            BranchWork::Condition(check) => {
+                Input::Checked { check: check.check, result: Err(reason.into()) }
+            }
+        });
+    }
+
+    /// The next branch without a thread, for a thread that was sent for it; without one the thread is idle.
+    pub(crate) fn seek(self: &Arc<Self>, worker: &Arc<Worker<S::Value>>) -> Next<S::Value> {
+        let seek = |core: &mut Core<S::Value>| {
+            core.crew.arrive();
+            let turn = core.crew.take(Arc::clone(worker));
+            self.staff(core);
+            turn
+        };
+        self.with_core(seek).flatten()
+    }
+
+    pub(crate) fn finish(&self, finish: Finish<S::Value>) {
+        self.questions.end();
+        self.timers.close();
+        self.end_with(RunEnd::Finished(finish));
+    }
+
+    /// This is the end, unless there is one already.
+    pub(crate) fn end_with(&self, end: RunEnd<S::Value>) {
+        self.end.lock().get_or_insert(end);
+        self.ended.notify_all();
+    }
+}

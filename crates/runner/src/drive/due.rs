@@ -1,0 +1,60 @@
+//! What becomes of states that are past their time: a deadline preempts the state, a script that does not end in its grace
+//! period ends with the process. Knows the consequences; must never know when they are due.
+
+use crate::drive::core::Core;
+use crate::drive::driver::RunEnd;
+use crate::places::timers::{Due, TimerAction};
+use crate::record::tell;
+use crate::{Driver, Scripts};
+use rafcon_engine::{Input, Refusal};
+use rafcon_model::StatePath;
+use rafcon_protocol::Event;
+use std::sync::Arc;
+
+/// The exit status of a runner that ended because a script did not.
+pub(crate) const CUT_OFF: i32 = 86;
+
+/// Sees to what comes to its time, until the run is over.
+pub(crate) fn serve<S: Scripts>(driver: &Arc<Driver<S>>) {
+    while let Some(due) = driver.timers().next(driver.clock()) {
+        match due.what {
+            TimerAction::Deadline => driver.deadline_passed(&due),
+            TimerAction::Grace => driver.cut_off(&due),
+        }
+    }
+}
+
+impl<S: Scripts> Driver<S> {
+    /// Preempts the very run of the state that is meant.
+    fn deadline_passed(self: &Arc<Self>, due: &Due) {
+        let preempt = |core: &mut Core<S::Value>| -> Result<(), Refusal> {
+            if !due.is_active() {
+                return Ok(());
+            }
+            let path = due.place.text.to_string();
+            self.tell(Event::DeadlinePassed { path, deadline_ms: due.ms });
+            let input = Input::Preempt(StatePath::parse(&due.place.text));
+            self.drive(core, input, None).map(drop)
+        };
+        if let Some(Err(refusal)) = self.with_core(preempt) {
+            let message = format!("its deadline is over, but it cannot be preempted: {refusal}");
+            self.say(due, message);
+        }
+        self.scripts().settle();
+    }
+
+    fn say(&self, due: &Due, message: String) {
+        let path = due.place.text.to_string();
+        self.tell_in_time(tell::log(path, rafcon_protocol::LogLevel::Warning, message));
+    }
+
+    /// Lets the process end: nothing else ends a script that does not want to.
+    fn cut_off(&self, due: &Due) {
+        if !due.is_active() {
+            return;
+        }
+        let path = due.place.text.to_string();
+        self.tell(Event::CutOff { path, grace_ms: due.ms });
+        self.end_with(RunEnd::CutOff);
+    }
+}

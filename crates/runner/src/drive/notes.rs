@@ -1,0 +1,121 @@
+//! What goes into the record beside the engine's events. Called on any thread, also by the holder of the engine:
+//! it takes the lock of the record, and nothing that whoever writes a record waits for.
+
+use crate::drive::driver::Driver;
+use crate::drive::error::CommandError;
+use crate::record::tell;
+use crate::{Place, Scripts};
+use rafcon_engine::PathId;
+use rafcon_protocol::{Event, Keeping, LogLevel, Stream};
+use rafcon_storage::journal::Record;
+use std::sync::Arc;
+
+/// Longer lines are cut, in bytes.
+const LINE_BYTES_MAX: usize = 1 << 20;
+
+impl<S: Scripts> Driver<S> {
+    /// Notes a line down that a state wrote.
+    pub fn log(&self, path: Option<PathId>, level: LogLevel, stream: Stream, message: String) {
+        let place = path.and_then(|path| self.places().get(path));
+        if place.is_some_and(|place| !self.keeps_line(place, level, stream)) {
+            return;
+        }
+        let record = self.line(place.map(|place| &**place), (level, stream), cut(message));
+        self.recorder().push(self.clock().now_ns(), [record]);
+        let safety = self.recorder().safety();
+        if safety.is_full() {
+            self.scripts().park(&mut || safety.wait_for_room());
+        }
+    }
+
+    /// Notes an event down.
+    pub(crate) fn tell(&self, event: Event) {
+        self.recorder().push(self.clock().now_ns(), [tell::told(event)]);
+    }
+
+    /// Notes down what may come after the run's last event, and then is nothing any more.
+    pub(crate) fn tell_in_time(&self, record: Record) {
+        let over = self.over().lock();
+        if !*over {
+            self.recorder().push(self.clock().now_ns(), [record]);
+        }
+    }
+
+    /// Sets global variables before anything runs, and notes them down.
+    pub(crate) fn set_globals(
+        &self,
+        globals: &[(String, serde_json::Value)],
+    ) -> Result<(), CommandError> {
+        for (name, json) in globals {
+            let set = self.scripts().value(json).and_then(|value| {
+                self.global(name, Some(&value));
+                self.scripts().restore_global(name, value)
+            });
+            set.map_err(|why| CommandError::Global { name: name.clone(), why })?;
+        }
+        Ok(())
+    }
+
+    /// Notes down that a global variable got a value, or was deleted.
+    pub fn global(&self, name: &str, value: Option<&S::Value>) {
+        let mut pen = self.recorder().write();
+        if pen.keeps_values() {
+            let value = value.map(|value| pen.kept(&self.scripts().keep(value)));
+            pen.note(self.clock().now_ns(), &Record::Global { name: name.into(), value });
+        }
+    }
+
+    /// Notes down what a state keeps from one run to the next: all of it, as one value.
+    pub fn persistent(&self, place: &Arc<Place>, value: &S::Value) {
+        let mut pen = self.recorder().write();
+        if pen.keeps_values() && place.keeping == Keeping::Full {
+            let value = pen.kept(&self.scripts().keep(value));
+            let place = place.number;
+            pen.note(self.clock().now_ns(), &Record::Persistent { place, value });
+        }
+    }
+
+    /// Waits, outside the interpreter, before a script begins: while too much is not safe from a power cut, and with the strict
+    /// rule while anything is not.
+    pub(crate) fn wait_for_safety(&self) {
+        let safety = self.recorder().safety();
+        if safety.holds() {
+            self.scripts().park(&mut || safety.wait());
+        }
+    }
+
+    /// What a state prints is left out where nothing but its status is to be told; errors never are.
+    fn keeps_line(&self, place: &Place, level: LogLevel, stream: Stream) -> bool {
+        let printed = stream != Stream::Engine && level < LogLevel::Error;
+        let told = self.recorder().keeping() == Keeping::Off || place.keeping != Keeping::Off;
+        told || !printed
+    }
+
+    /// A line of a place that the record knows is short.
+    fn line(
+        &self,
+        place: Option<&Place>,
+        (level, stream): (LogLevel, Stream),
+        message: String,
+    ) -> Record {
+        let number = place.map(|place| place.number);
+        match place {
+            Some(place) if self.recorder().names().latest(place.number).is_none() => {
+                let path = place.text.to_string();
+                tell::told(Event::Log { path, level, stream, message })
+            }
+            _ => Record::Log { place: number, level, stream, message },
+        }
+    }
+}
+
+fn cut(mut line: String) -> String {
+    if line.len() > LINE_BYTES_MAX {
+        let ends = (0..=LINE_BYTES_MAX).rev();
+        let end = ends.into_iter().find(|&end| line.is_char_boundary(end)).unwrap_or_default();
+        let rest = format!("… ({} more bytes)", line.len() - end);
+        line.truncate(end);
+        line.push_str(&rest);
+    }
+    line
+}

@@ -1,0 +1,192 @@
+//! Questions of states to people: open until somebody answers, their time is over, or their state is to end. Knows who waits
+//! for an answer; must never know how people see a question.
+
+use crate::drive::error::QuestionError;
+use crate::places::signals::PREEMPTED;
+use crate::{Clock, Driver, Place, Scripts};
+use rafcon_engine::PathId;
+use rafcon_locks::{Condvar, Mutex};
+use rafcon_protocol::{Closing, Event, Form, Question};
+use serde_json::Value;
+use std::collections::BTreeMap;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::{Duration, Instant};
+
+/// What a script asks.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Asked {
+    /// The text.
+    pub message: String,
+    /// How it is answered.
+    pub form: Form,
+    /// Time to answer, in ms; `None`: as long as it takes.
+    pub timeout_ms: Option<u64>,
+    /// The answer when the time is over.
+    pub default: Option<Value>,
+}
+
+/// How a question came to its end.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Closed {
+    /// How.
+    pub how: Closing,
+    /// The answer, or the default; `None` if there is neither.
+    pub answer: Option<Value>,
+}
+
+/// The questions of a run.
+#[derive(Debug, Default)]
+pub(crate) struct Questions {
+    /// How many are open: mostly none, and then nobody has to look.
+    count: AtomicUsize,
+    list: Mutex<List>,
+    closed: Condvar,
+}
+
+#[derive(Debug, Default)]
+struct List {
+    /// The number of the last question.
+    last: u64,
+    open: BTreeMap<u64, Open>,
+    /// The run is over: nothing is asked any more.
+    over: bool,
+}
+
+#[derive(Debug)]
+struct Open {
+    question: Question,
+    place: Arc<Place>,
+    /// Filled once, by whoever comes first.
+    end: Option<QuestionEnd>,
+}
+
+#[derive(Debug)]
+struct QuestionEnd {
+    closed: Closed,
+    author: String,
+}
+
+impl<S: Scripts> Driver<S> {
+    /// Asks people, and waits for the end of the question. Called on a thread of the state's script; the interpreter is left
+    /// meanwhile.
+    pub fn ask(&self, place: &Arc<Place>, asked: Asked) -> Result<Closed, QuestionError> {
+        asked.form.check().map_err(QuestionError::Form)?;
+        if let Some(default) = &asked.default {
+            asked.form.takes(default).map_err(QuestionError::Default)?;
+        }
+        let timeout = asked.timeout_ms.map(Duration::from_millis);
+        let question = self.questions().open(place, asked);
+        let id = question.id;
+        self.tell(Event::Asked { question: Box::new(question) });
+        let mut end = None;
+        let deadline = timeout.and_then(Clock::moment);
+        self.scripts().park(&mut || end = Some(self.questions().wait(id, deadline)));
+        let QuestionEnd { closed, author } = end.unwrap_or_else(withdrawn);
+        let (how, answer) = (closed.how, closed.answer.clone());
+        self.tell(Event::Closed { id, how, answer, author });
+        Ok(closed)
+    }
+}
+
+impl Questions {
+    /// Numbers of questions go on after this one.
+    pub(crate) fn go_on_after(&self, last: u64) {
+        self.list.lock().last = last;
+    }
+
+    /// Answers a question; the first answer counts.
+    pub(crate) fn answer(
+        &self,
+        id: u64,
+        answer: &Value,
+        author: &str,
+    ) -> Result<(), QuestionError> {
+        let mut list = self.list.lock();
+        let last = list.last;
+        let Some(open) = list.open.get_mut(&id).filter(|open| open.end.is_none()) else {
+            let is_closed = id > 0 && id <= last;
+            return Err(if is_closed {
+                QuestionError::Closed(id)
+            } else {
+                QuestionError::Unknown(id)
+            });
+        };
+        open.question.form.takes(answer).map_err(QuestionError::Answer)?;
+        let closed = Closed { how: Closing::Answered, answer: Some(answer.clone()) };
+        open.end = Some(QuestionEnd { closed, author: author.to_owned() });
+        self.closed.notify_all();
+        Ok(())
+    }
+
+    /// Those that nobody has answered yet, in the order of their ids.
+    pub(crate) fn unanswered(&self) -> Vec<Question> {
+        let list = self.list.lock();
+        let open = list.open.values().filter(|open| open.end.is_none());
+        open.map(|open| open.question.clone()).collect()
+    }
+
+    /// The state at this place is to end.
+    pub(crate) fn withdraw(&self, path: PathId) {
+        self.withdraw_if(|place| place.path == path);
+    }
+
+    /// Closes what states asked that are not active any more.
+    pub(crate) fn withdraw_orphans(&self) {
+        if self.count.load(Ordering::Relaxed) == 0 {
+            return;
+        }
+        self.withdraw_if(|place| !place.is_active());
+    }
+
+    /// The run is over.
+    pub(crate) fn end(&self) {
+        self.list.lock().over = true;
+        self.withdraw_if(|_| true);
+    }
+
+    fn withdraw_if(&self, wanted: impl Fn(&Place) -> bool) {
+        let mut list = self.list.lock();
+        let unanswered = list.open.values_mut().filter(|open| open.end.is_none());
+        for open in unanswered.filter(|open| wanted(&open.place)) {
+            open.end = Some(withdrawn());
+            self.closed.notify_all();
+        }
+    }
+
+    fn open(&self, place: &Arc<Place>, asked: Asked) -> Question {
+        let Asked { message, form, timeout_ms, default } = asked;
+        let mut list = self.list.lock();
+        list.last += 1;
+        let (id, path) = (list.last, place.text.to_string());
+        let question = Question { id, path, message, form, timeout_ms, default };
+        let end = (list.over || place.signals.any(PREEMPTED)).then(withdrawn);
+        self.count.fetch_add(1, Ordering::Relaxed);
+        list.open.insert(id, Open { question: question.clone(), place: Arc::clone(place), end });
+        question
+    }
+
+    fn wait(&self, id: u64, deadline: Option<Instant>) -> QuestionEnd {
+        let mut list = self.list.lock();
+        while list.open.get(&id).is_some_and(|open| open.end.is_none()) {
+            let Some(deadline) = deadline else {
+                self.closed.wait(&mut list);
+                continue;
+            };
+            if self.closed.wait_until(&mut list, deadline).timed_out() {
+                break;
+            }
+        }
+        self.count.fetch_sub(1, Ordering::Relaxed);
+        list.open.remove(&id).map_or_else(withdrawn, |open| {
+            open.end.unwrap_or_else(|| QuestionEnd {
+                closed: Closed { how: Closing::TimedOut, answer: open.question.default },
+                author: String::new(),
+            })
+        })
+    }
+}
+
+fn withdrawn() -> QuestionEnd {
+    QuestionEnd { closed: Closed { how: Closing::Withdrawn, answer: None }, author: String::new() }
+}

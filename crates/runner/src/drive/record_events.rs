@@ -1,0 +1,201 @@
+//! What the engine says, written down as it is kept, and what the places of a run learn from it. Knows events; must never know
+//! where the record lies.
+
+use crate::Scripts;
+use crate::drive::core::Core;
+use crate::places::last::Last;
+use crate::record::keep::Keep;
+use crate::record::names::{self, port_number};
+use crate::record::record_encoder::StateEnd;
+use crate::record::recorder::{RecordWriter, Recorder};
+use crate::record::tell;
+use rafcon_engine::{Event, NodeId, PathId};
+use rafcon_model::OutcomeId;
+use rafcon_protocol::Keeping;
+use rafcon_storage::journal::{Kept, PlaceNumber, Record};
+use std::sync::Arc;
+
+/// One group of events on its way into the record.
+struct RecordGroup<'p, S: Scripts> {
+    core: &'p mut Core<S::Value>,
+    scripts: &'p S,
+    pen: RecordWriter<'p>,
+    now: u64,
+}
+
+/// What is written down in one group with the events of an input: all of it is kept or nothing.
+#[derive(Debug, Default)]
+pub(crate) struct ExtraRecords {
+    /// Before them.
+    pub(crate) first: Option<Record>,
+    /// After them.
+    pub(crate) last: Option<Record>,
+}
+
+/// Writes the events of the outbox down with what stands beside them, and makes the places that they are the first to name.
+pub(crate) fn record<S: Scripts>(
+    core: &mut Core<S::Value>,
+    scripts: &S,
+    now: u64,
+    (recorder, beside): (&Recorder, ExtraRecords),
+) {
+    let ExtraRecords { first, last } = beside;
+    if core.outbox.events.is_empty() && first.is_none() && last.is_none() {
+        return;
+    }
+    let mut events = std::mem::take(&mut core.outbox.events);
+    let pen = recorder.write();
+    let mut page = RecordGroup { core, scripts, pen, now };
+    if let Some(first) = first {
+        page.pen.note(page.now, &first);
+    }
+    for event in &events {
+        page.write(event);
+    }
+    if let Some(last) = last {
+        page.pen.note(page.now, &last);
+    }
+    events.clear();
+    page.core.outbox.events = events;
+}
+
+impl<S: Scripts> RecordGroup<'_, S> {
+    fn write(&mut self, event: &Event<S::Value>) {
+        match event {
+            Event::Entered { path, node, inputs, undoes } => {
+                let (place, keeps) = self.place(*path, *node);
+                self.enter(*path);
+                self.begin(*path, *node, inputs);
+                if keeps {
+                    inputs.iter().for_each(|value| self.value(value));
+                }
+                self.pen.entered(self.now, place, *undoes);
+            }
+            Event::Left { path, node, outcome, outputs, absent, error, undoes } => {
+                let (place, keeps) = self.place(*path, *node);
+                self.leave(*path, *outcome);
+                if let Some(last) = self.last(*path) {
+                    last.end(outputs, error.clone());
+                }
+                let error = error.as_ref().filter(|_| keeps).map(|error| self.kept(error));
+                if keeps {
+                    self.outputs(outputs, absent.as_deref().unwrap_or_default());
+                }
+                let end = StateEnd { place, outcome: outcome.0, undoes: *undoes };
+                self.pen.left(self.now, end, error.as_ref());
+            }
+            Event::Scoped { path, port, value } => {
+                if let Some(last) = self.last(*path) {
+                    last.set_scoped(*port, value.clone());
+                }
+                if let Some((place, true)) = self.place_at(*path) {
+                    let value = self.kept(value);
+                    self.pen.scoped(self.now, place, port_number(*port), &value);
+                }
+            }
+            event => self.rare(event),
+        }
+    }
+
+    fn rare(&mut self, event: &Event<S::Value>) {
+        match event {
+            Event::Dropped { path } => {
+                if let Some(place) = self.core.at(*path) {
+                    place.drop_entry();
+                }
+            }
+            Event::Stopping => {
+                self.core.set_flags(0);
+                self.pen.run_ends();
+            }
+            Event::Changed => self.core.generation += 1,
+            // It may never have been entered, and ends now.
+            Event::Forced { path, .. } => drop(self.place_at(*path)),
+            _ => {}
+        }
+        let record = match event {
+            Event::Note { path, level, note } => {
+                self.place_at(*path).map(|(place, _)| tell::note(place, *level, note))
+            }
+            event => tell::rare(event, &self.core.engine),
+        };
+        if let Some(record) = record {
+            self.pen.note(self.now, &record);
+        }
+    }
+
+    /// The number of a place in the record, where it is defined from now on, and whether values are kept there.
+    fn place(&mut self, path: PathId, node: NodeId) -> (PlaceNumber, bool) {
+        let generation = self.core.generation;
+        let known = self.core.known(path, node);
+        let (number, keeping) = (known.place.number, known.place.keeping);
+        if known.defined != generation {
+            known.defined = generation;
+            self.define(number, path, node);
+        }
+        (number, keeping == Keeping::Full && self.pen.keeps_values())
+    }
+
+    fn place_at(&mut self, path: PathId) -> Option<(PlaceNumber, bool)> {
+        let node = self.core.engine.path_node(path)?;
+        Some(self.place(path, node))
+    }
+
+    fn define(&mut self, number: PlaceNumber, path: PathId, node: NodeId) {
+        let place = names::definition(&self.core.engine, path, node);
+        if self.pen.names().latest(number).is_none_or(|latest| *latest != place) {
+            self.pen.define(number, Arc::new(place));
+        }
+    }
+
+    fn value(&mut self, value: &S::Value) {
+        let keep = self.scripts.keep(value);
+        self.pen.value(&keep);
+    }
+
+    fn kept(&mut self, value: &S::Value) -> Kept {
+        let keep: Keep<'_> = self.scripts.keep(value);
+        self.pen.kept(&keep)
+    }
+
+    /// The outputs, without those at the places in `absent`.
+    fn outputs(&mut self, outputs: &[S::Value], absent: &[u32]) {
+        for (index, value) in (0..).zip(outputs) {
+            if absent.contains(&index) {
+                self.pen.absent();
+            } else {
+                self.value(value);
+            }
+        }
+    }
+
+    /// The state at `path` begins a run; of a script, its host knows what it held.
+    fn begin(&mut self, path: PathId, node: NodeId, inputs: &Arc<[S::Value]>) {
+        let program = self.core.engine.program();
+        let node = program.node(node);
+        if node.is_script() {
+            return;
+        }
+        let begun = Last::begun(node.state(), inputs);
+        if let Some(known) = self.core.known.get_mut(path.index()).and_then(Option::as_mut) {
+            known.last = Some(Box::new(begun));
+        }
+    }
+
+    fn last(&mut self, path: PathId) -> Option<&mut Last<S::Value>> {
+        let known = self.core.known.get_mut(path.index())?.as_mut()?;
+        known.last.as_deref_mut()
+    }
+
+    fn enter(&self, path: PathId) {
+        if let Some(place) = self.core.at(path) {
+            place.enter(self.now, self.core.around(place));
+        }
+    }
+
+    fn leave(&self, path: PathId, outcome: OutcomeId) {
+        if let Some(place) = self.core.at(path) {
+            place.leave(outcome, self.core.around(place));
+        }
+    }
+}

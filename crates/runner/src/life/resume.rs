@@ -1,0 +1,444 @@
+//! Runs that are taken up again: after the end of their runner, or at an entry of their history. Knows what has to be put back,
+//! and in which order; what a journal says, others read.
+
+use crate::drive::dispatch::Order;
+use crate::drive::error::{CommandError, LoadFailure, ResumeError};
+use crate::drive::prepare::{Prepared, prepare};
+use crate::drive::record_events::ExtraRecords;
+use crate::life::begun::begun_at;
+use crate::life::journal::options;
+use crate::life::restore_values::{RestoreContext, ValueRestorer};
+use crate::record::recorder::Recorder;
+use crate::record::tell;
+use crate::viewers::commands::Answers;
+use crate::{Driver, Host, Scripts};
+use rafcon_engine::{Counted, Finish, Input, Interrupted, Restore, Start, Stopping};
+use rafcon_model::OutcomeId;
+use rafcon_protocol::{
+    Answer, Beginning, Command, Crash, Event, Launch, LogLevel, OnCrash, Resume, RunStatus, active,
+};
+use rafcon_storage::journal::{
+    About, Entry, Hash, Journal, JournalError, Kept, Moment, Packed, Place, Reader, Record, TakenUp,
+};
+use smol_str::SmolStr;
+use std::fs;
+use std::path::Path;
+use std::sync::Arc;
+
+/// After its root was left a run does not say more than this.
+const LAST_EVENTS: u64 = 10_000;
+
+/// A journal that a runner goes on with, and the moment from which.
+pub(crate) struct Resumed {
+    pub(crate) taken_up: TakenUp,
+    journal: Journal,
+    reader: Reader,
+    /// How the run stood at its end.
+    last: Moment,
+    from: Option<From>,
+    crash: Crash,
+    policy: OnCrash,
+}
+
+/// An entry of the history to go back to.
+struct From {
+    sequence: u64,
+    /// The moment before it.
+    before: Moment,
+    /// The root and its inputs, if it is the root that was entered.
+    root: Option<(Arc<Place>, Vec<Kept>)>,
+}
+
+impl Resumed {
+    /// Takes the journal of the run over.
+    pub(crate) fn take_up(launch: &Launch, resume: Resume) -> Result<Self, ResumeError> {
+        let folder = launch.run_folder.as_deref().ok_or(ResumeError::NoFolder)?;
+        let crash = launch.crash.clone().unwrap_or_else(|| crash(folder));
+        let (journal, taken_up) = Journal::take_up(folder, &options(launch.size_max))?;
+        match look(folder, taken_up.sequence, resume.from) {
+            Ok((reader, last, from)) => {
+                Ok(Self { taken_up, journal, reader, last, from, crash, policy: resume.policy })
+            }
+            Err(why) => {
+                // What cannot be closed is as it was found: a run without a runner.
+                drop(journal.close());
+                Err(why)
+            }
+        }
+    }
+
+    /// Loads the machine as the run kept it.
+    pub(crate) fn prepare<H: Host>(
+        &self,
+        host: &mut H,
+        launch: &Launch,
+    ) -> Result<Prepared<crate::HostValue<H>>, LoadFailure> {
+        let about = &self.taken_up.about;
+        let has_entered = self.last.entries() > 0;
+        // Its first state may be gone since it was entered.
+        let Beginning { start_from, afterwards, hold, .. } =
+            if has_entered { Beginning::default() } else { about.beginning.clone() };
+        let launch = &Launch {
+            machine: about.machine.clone(),
+            libraries: about.libraries.clone(),
+            config: launch.config.clone().or_else(|| about.config.clone()),
+            homes: about.homes.clone().or_else(|| launch.homes.clone()),
+            inputs: about.beginning.inputs.clone(),
+            start_from,
+            afterwards,
+            hold,
+            ..launch.clone()
+        };
+        let packed = self.kept_machine().map(|hash| {
+            let hash = Hash::parse(hash).ok_or_else(|| ResumeError::NotAHash(hash.to_owned()))?;
+            Packed::read(self.reader.folder(), hash).map_err(ResumeError::from)
+        });
+        Ok(prepare(host, launch, packed.transpose()?)?)
+    }
+
+    /// The hash of the machine that the run goes by, if it was kept.
+    pub(crate) fn kept_machine(&self) -> Option<&str> {
+        self.last.whole().root.as_deref()
+    }
+
+    /// The run's life goes on with this record.
+    pub(crate) fn recorder(self) -> (Recorder, ResumedPast) {
+        let Self { taken_up, journal, reader, last, from, crash, policy } = self;
+        let About { keeping, strict, .. } = taken_up.about;
+        let recorder = Recorder::with_journal(journal, Some(&taken_up), (keeping, strict));
+        (recorder, ResumedPast { reader, last, from, crash, policy, taken_up })
+    }
+}
+
+/// How the run stood after its last event, and where it is to go back to.
+fn look(
+    folder: &Path,
+    last: u64,
+    from: Option<u64>,
+) -> Result<(Reader, Moment, Option<From>), ResumeError> {
+    let mut reader = Reader::open(folder)?;
+    let last = reader.moment(last)?;
+    if from.is_none() {
+        reader.check_values(&last).map_err(damaged_value)?;
+    }
+    let from = from.map(|sequence| From::find(&mut reader, sequence)).transpose()?;
+    if from.is_none() && last.whole().status == RunStatus::Finished {
+        return Err(ResumeError::Ended);
+    }
+    Ok((reader, last, from))
+}
+
+/// No script gets a value that is not as it was written.
+fn damaged_value(error: JournalError) -> ResumeError {
+    ResumeError::DamagedValue(Box::new(error))
+}
+
+/// What a run that is taken up has behind it.
+pub(crate) struct ResumedPast {
+    reader: Reader,
+    last: Moment,
+    from: Option<From>,
+    crash: Crash,
+    policy: OnCrash,
+    pub(crate) taken_up: TakenUp,
+}
+
+impl ResumedPast {
+    /// The latest commands, with their answers: none of them is carried out again.
+    pub(crate) fn answers(&self) -> Answers {
+        self.last.whole().answers.clone()
+    }
+
+    /// Puts everything back and lets the run go on, or begin by `start` if its first state was not entered.
+    pub(crate) fn go_on<S: Scripts>(
+        mut self,
+        driver: &Arc<Driver<S>>,
+        start: Start<S::Value>,
+        hold: bool,
+    ) -> Result<(), CommandError> {
+        let whole = self.last.whole();
+        // There are fewer questions than events.
+        driver.questions().go_on_after(self.taken_up.sequence);
+        let (life, crash, policy) = (self.taken_up.life, self.crash.clone(), self.policy);
+        driver.tell(Event::Resumed { life, crash, policy });
+        if let Some(lost) = &self.taken_up.lost {
+            let text = format!("the journal is damaged: {lost}; the run goes on from before");
+            let line = tell::log(String::new(), LogLevel::Error, text);
+            driver.recorder().push(driver.clock().now_ns(), [line]);
+        }
+        let has_entered = self.last.entries() > 0;
+        let first = self.taken_up.about.beginning.breakpoints.iter().filter(|_| !has_entered);
+        first
+            .chain(whole.breakpoints.values())
+            .try_for_each(|point| driver.set_breakpoint(point))?;
+        if let Some(from) = &self.from {
+            return driver.go_back(&self.reader, from, counted(&self.last), &Order::ours());
+        }
+        if let Some(finish) = driver.ending(&mut self.reader, &self.last) {
+            driver.finish(finish);
+            return Ok(());
+        }
+        let held = match whole.status {
+            RunStatus::Stepping => true,
+            RunStatus::Paused => somebody_paused(&mut self.reader, &self.last),
+            _ => false,
+        };
+        let (root, around) = driver.revive(&self.reader, &self.last);
+        driver.put_back(around);
+        let Some(root) = root else {
+            if !has_entered {
+                driver.set_globals(&self.taken_up.about.beginning.globals)?;
+            }
+            let hold = hold || held || start.hold;
+            return Ok(driver.command(Input::Start(Start { hold, ..start }))?);
+        };
+        let crash = driver.scripts().failure(&crash_text(&self.crash)).error;
+        let interrupted = match policy {
+            OnCrash::Ask => Interrupted::Wait,
+            OnCrash::Abort => Interrupted::Abort,
+            OnCrash::Restart => Interrupted::Again,
+        };
+        let counted = counted(&self.last);
+        let hold = hold || held;
+        let stopping = stopping(&self.last);
+        let begun_at = begun_at(&mut self.reader, &self.last, &self.taken_up.about.beginning);
+        let restore = Restore { root, interrupted, crash, hold, counted, stopping, begun_at };
+        Ok(driver.command(Input::Restore(Box::new(restore)))?)
+    }
+}
+
+/// The events at the end of a journal, as far as taking a run up looks back.
+pub(crate) fn latest(reader: &mut Reader, last: &Moment) -> Result<Vec<Entry>, JournalError> {
+    let first = last.sequence().saturating_sub(LAST_EVENTS).max(1);
+    reader.page(first, usize::try_from(LAST_EVENTS).unwrap_or(usize::MAX).saturating_add(1))
+}
+
+/// Whether a run that was paused at its end was so because somebody wanted it: then a command says so, in one group with the pause
+/// or later. Else its journal could not be written, and nobody holds it.
+fn somebody_paused(reader: &mut Reader, last: &Moment) -> bool {
+    let Ok(entries) = latest(reader, last) else { return true };
+    let mut events = entries.iter().rev().filter_map(|entry| match &entry.record {
+        Record::Told(event) => Some(&**event),
+        _ => None,
+    });
+    while let Some(event) = events.next() {
+        match event {
+            Event::Commanded { envelope, answer: Answer::Applied }
+                if envelope.command == Command::Pause =>
+            {
+                return true;
+            }
+            // A breakpoint may pause the whole run.
+            Event::Paused { paused: true } => {
+                return matches!(events.next(), Some(Event::Hit { held: true, .. }));
+            }
+            _ => {}
+        }
+    }
+    true
+}
+
+/// How the run was asked to stop, if it was. Where a journal does not say when, everything active was asked to end.
+fn stopping(last: &Moment) -> Option<Stopping> {
+    let whole = last.whole();
+    let everything = Stopping { order: last.sequence() + 1, twice: false };
+    let stop =
+        whole.stop.map_or(everything, |stop| Stopping { order: stop.order, twice: stop.twice });
+    (whole.status == RunStatus::Stopping).then_some(stop)
+}
+
+/// What the engine of the life before had counted.
+fn counted(last: &Moment) -> Counted {
+    Counted { states_run: last.states_run(), entries: last.entries() }
+}
+
+impl<S: Scripts> Driver<S> {
+    /// Begins again at an entry of the history of this run, which has to stand still.
+    pub(crate) fn start_from_history(
+        self: &Arc<Self>,
+        sequence: u64,
+        order: &Order<'_>,
+    ) -> Result<(), CommandError> {
+        let folder = self.recorder().folder().ok_or(CommandError::NoJournal)?;
+        let mut reader = Reader::open(folder).map_err(ResumeError::from)?;
+        let from = From::find(&mut reader, sequence)?;
+        self.go_back(&reader, &from, Counted::default(), order)
+    }
+
+    /// How a run ended whose runner died before it could say so: nothing is active any more, and its root was left.
+    fn ending(&self, reader: &mut Reader, last: &Moment) -> Option<Finish<S::Value>> {
+        if last.entries() == 0 || !last.active().is_empty() {
+            return None;
+        }
+        let entries = latest(reader, last).ok()?;
+        let root = |record: &Record| {
+            let Record::Left { place, .. } = record else { return None };
+            let place = last.places().get(*place)?;
+            (!place.path.contains('/')).then(|| Arc::clone(place))
+        };
+        let is_later = |record: &&Record| !matches!(record, Record::WentBack { .. });
+        let mut left = entries.iter().rev().map(|entry| &entry.record).take_while(is_later);
+        let (record, place) = left.find_map(|record| Some((record, root(record)?)))?;
+        let Record::Left { outcome, outputs, error, .. } = record else { return None };
+        let machine = self.machine();
+        let mut reviver = ValueRestorer::new(self.scripts(), reader, &machine);
+        let mut outputs = reviver.named(&place, &place.outputs, outputs);
+        let port = [(0, SmolStr::new("error"))];
+        outputs.extend(reviver.named(&place, &port, error.as_slice()));
+        let name = place.outcomes.iter().find(|(id, _)| id == outcome);
+        Some(Finish {
+            outcome: OutcomeId(*outcome),
+            outcome_name: name.map(|(_, name)| name.clone()).unwrap_or_default(),
+            outputs,
+            scoped_variables: Vec::new(),
+            states_run: last.states_run(),
+        })
+    }
+
+    fn go_back(
+        self: &Arc<Self>,
+        reader: &Reader,
+        from: &From,
+        counted: Counted,
+        order: &Order<'_>,
+    ) -> Result<(), CommandError> {
+        let (root, around) = self.revive(reader, &from.before);
+        let input = match root {
+            Some(root) => Input::Restore(Box::new(Restore {
+                root,
+                interrupted: Interrupted::Again,
+                crash: None,
+                hold: true,
+                counted,
+                stopping: None,
+                begun_at: None,
+            })),
+            None => self.begin_again(reader, from),
+        };
+        let moment = from.before.to_bytes();
+        let record = Record::WentBack { sequence: from.sequence, moment };
+        // A command that is refused must not touch what a script may be using.
+        self.input_beside(
+            input,
+            || order.is_late(),
+            || {
+                self.put_back(around);
+                ExtraRecords { first: Some(record), last: order.note() }
+            },
+        )
+    }
+
+    fn begin_again(&self, reader: &Reader, from: &From) -> Input<S::Value> {
+        let machine = self.machine();
+        let mut reviver = ValueRestorer::new(self.scripts(), reader, &machine);
+        let root = from.root.as_ref();
+        let inputs = root.map(|(place, inputs)| reviver.named(place, &place.inputs, inputs));
+        self.note_lost_values(reviver.note_lost_values());
+        Input::Start(Start { inputs: inputs.unwrap_or_default(), hold: true, ..Start::default() })
+    }
+
+    /// What was active at a moment, and what was around it.
+    fn revive(
+        &self,
+        reader: &Reader,
+        moment: &Moment,
+    ) -> (Option<rafcon_engine::Restored<S::Value>>, RestoreContext<S::Value>) {
+        let machine = self.machine();
+        let mut reviver = ValueRestorer::new(self.scripts(), reader, &machine);
+        let root = reviver.root(moment);
+        let around = reviver.surroundings(moment);
+        self.note_lost_values(reviver.note_lost_values());
+        (root, around)
+    }
+
+    /// Puts global variables and what states keep back.
+    fn put_back(&self, around: RestoreContext<S::Value>) {
+        let RestoreContext { globals, persistent, mut problems } = around;
+        let globals = globals.into_iter().map(|(name, value)| {
+            let put = self.scripts().restore_global(&name, value);
+            put.map_err(|why| format!("the global variable \"{name}\" cannot be put back: {why}"))
+        });
+        problems.extend(globals.filter_map(Result::err));
+        let persistent = persistent.into_iter().map(|(path, value)| {
+            let put = self.scripts().restore_persistent(&path, value);
+            put.map_err(|why| format!("what {path} keeps cannot be put back: {why}"))
+        });
+        problems.extend(persistent.filter_map(Result::err));
+        let now = self.clock().now_ns();
+        let lines =
+            problems.into_iter().map(|line| tell::log(String::new(), LogLevel::Warning, line));
+        self.recorder().push(now, lines);
+    }
+}
+
+impl From {
+    /// Finds the entry.
+    fn find(reader: &mut Reader, sequence: u64) -> Result<Self, ResumeError> {
+        let page = reader.page(sequence, 1)?;
+        let entry = page.first().filter(|entry| entry.sequence == sequence);
+        let Some(Record::Entered { place, inputs, undoes: None }) =
+            entry.map(|entry| &entry.record)
+        else {
+            return Err(ResumeError::NotAnEntry(sequence));
+        };
+        let (place, inputs) = (*place, inputs.clone());
+        let before = reader.moment(sequence - 1)?;
+        reader.check_values(&before).map_err(damaged_value)?;
+        let root = if before.active().is_empty() {
+            reader.moment(sequence)?.places().get(place).map(|place| (Arc::clone(place), inputs))
+        } else {
+            None
+        };
+        Ok(Self { sequence, before, root })
+    }
+}
+
+/// What is known of the end of the last runner, if nobody saw it.
+fn crash(folder: &Path) -> Crash {
+    let read = |name| fs::read(folder.join(name)).unwrap_or_default();
+    let paths = read(active::PATHS_FILE);
+    let active = active::running(&read(active::SLOTS_FILE), &String::from_utf8_lossy(&paths));
+    Crash { reason: "nobody saw how it ended".to_owned(), active }
+}
+
+/// What scripts see as the error of a state that a crash interrupted.
+fn crash_text(crash: &Crash) -> String {
+    let active = match crash.active.as_slice() {
+        [] => "no script was running".to_owned(),
+        active => format!("the scripts of {} were running", active.join(", ")),
+    };
+    format!("the runner of this run ended in the middle of it: {}; {active}", crash.reason)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::somebody_paused;
+    use rafcon_storage::journal::{About, Journal, Options, Reader, notation};
+
+    const PAUSED: &str = r#"told {"type":"paused","paused":true}"#;
+    const LINE: &str =
+        r#"told {"type":"log","path":"","level":"error","stream":"engine","message":"full"}"#;
+    const COMMAND: &str = r#"told {"type":"commanded","envelope":{"id":"1","command":{"type":"pause"}},"answer":{"answer":"applied"}}"#;
+    const HIT: &str = r#"told {"type":"hit","breakpoint":1,"path":"R","hits":1,"held":true}"#;
+
+    /// Whether somebody wanted the pause at the end of this run.
+    fn check(events: &[&str], expected: bool) {
+        let folder = tempfile::tempdir().unwrap();
+        let run = format!("place R \"Root\" outcome done\nenter R\n{}\n", events.join("\n"));
+        let journal =
+            Journal::create(folder.path(), &About::default(), &Options::default()).unwrap();
+        journal.append(&notation::batch(&run, 0).unwrap()).unwrap();
+        drop(journal);
+        let mut reader = Reader::open(folder.path()).unwrap();
+        let last = reader.moment(events.len() as u64 + 1).unwrap();
+        assert_eq!(somebody_paused(&mut reader, &last), expected, "{events:?}");
+    }
+
+    #[test]
+    fn a_pause_that_the_journal_needed_holds_nobody_after_a_crash() {
+        check(&[PAUSED, LINE], false);
+        check(&[PAUSED, COMMAND], true);
+        check(&[PAUSED, LINE, COMMAND], true);
+        check(&[HIT, PAUSED], true);
+    }
+}

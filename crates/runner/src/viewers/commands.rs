@@ -1,0 +1,147 @@
+//! What viewers send: each command once, whoever sends it and whichever runner the run has, every one answered; questions about active states.
+
+use crate::Scripts;
+use crate::drive::driver::Driver;
+use crate::drive::inquiry;
+use crate::record::tell;
+use crate::viewers::connection::{IncomingLine, Sender};
+use rafcon_locks::{Condvar, Mutex};
+use rafcon_protocol::{Answer, Envelope, LogLevel, ToRunner, ToViewer, decode};
+use rafcon_storage::journal::ANSWERS_MAX;
+use std::collections::VecDeque;
+use std::hash::{DefaultHasher, Hash as _, Hasher as _};
+use std::sync::Arc;
+use std::sync::mpsc::Receiver;
+
+/// Commands by their ids, with their answers.
+pub(crate) type Answers = VecDeque<(String, Answer)>;
+
+/// Where all viewers of a run hand their commands in.
+#[derive(Debug)]
+pub(crate) struct CommandDispatcher<S: Scripts> {
+    driver: Arc<Driver<S>>,
+    /// The latest commands.
+    known: Mutex<VecDeque<KnownCommand>>,
+    answered: Condvar,
+}
+
+/// A command that came.
+#[derive(Debug)]
+struct KnownCommand {
+    id: String,
+    /// What it asks for, as far as it tells it from others; not known of those that runners before have answered.
+    asks: Option<u64>,
+    /// None yet while it is being carried out.
+    answer: Option<Answer>,
+}
+
+impl<S: Scripts> CommandDispatcher<S> {
+    /// A desk at which these commands were answered: by the runners before, if there were any.
+    pub(crate) fn new(driver: Arc<Driver<S>>, answers: Answers) -> Self {
+        let known = |(id, answer)| KnownCommand { id, asks: None, answer: Some(answer) };
+        let known = Mutex::new(answers.into_iter().map(known).collect());
+        Self { driver, known, answered: Condvar::new() }
+    }
+
+    /// Serves one viewer until it goes away. `answering` is held from a command to its answer.
+    pub(crate) fn serve(
+        &self,
+        heard: &Receiver<IncomingLine>,
+        sender: &Sender,
+        answering: &Mutex<()>,
+    ) {
+        for words in heard {
+            let _until_it_is_answered = answering.lock();
+            match words {
+                IncomingLine::Text(text) => self.read(&text, sender),
+                IncomingLine::Nonsense => self.complain("a line that is no text, or too long"),
+            }
+        }
+    }
+
+    fn read(&self, text: &str, sender: &Sender) {
+        match decode::<ToRunner>(text) {
+            Ok(ToRunner::Command(envelope)) => {
+                let answer = self.answer(&envelope);
+                let id = envelope.id;
+                sender.send(&ToViewer::Answer { id, answer });
+            }
+            Ok(ToRunner::Inspect { id, path }) => {
+                let data = inquiry::state_data(&self.driver, &path);
+                sender.send(&ToViewer::Inspection { id, path, data });
+            }
+            // Whoever hears has answered it.
+            Ok(ToRunner::Ping { .. }) => {}
+            Ok(ToRunner::Launch(_) | ToRunner::Join(_)) => {
+                self.complain("a second launch or join: it has its run");
+            }
+            Err(error) => match command_id(text) {
+                Some(id) => {
+                    let reason = format!("this runner does not know the command: {error}");
+                    sender.send(&ToViewer::Answer { id, answer: Answer::Refused { reason } });
+                }
+                None => self.complain(&error.to_string()),
+            },
+        }
+    }
+
+    fn complain(&self, what: &str) {
+        let message = format!("a viewer sent {what}; it was ignored");
+        self.driver.tell_in_time(tell::log(String::new(), LogLevel::Warning, message));
+    }
+
+    /// The answer of a command that was sent before, from whomever; else it is carried out.
+    fn answer(&self, envelope: &Envelope) -> Answer {
+        let id = envelope.id.as_str();
+        if let Some(answer) = self.earlier(envelope) {
+            return answer;
+        }
+        let answer = self.driver.obey(envelope);
+        let mut known = self.known.lock();
+        if let Some(entry) = known.iter_mut().find(|known| known.id == id) {
+            entry.answer = Some(answer.clone());
+        }
+        self.answered.notify_all();
+        answer
+    }
+
+    /// The answer to this id, waited for if need be; without one the id is taken.
+    fn earlier(&self, envelope: &Envelope) -> Option<Answer> {
+        let (id, asks) = (envelope.id.as_str(), asks(envelope));
+        let mut known = self.known.lock();
+        while let Some(entry) = known.iter().find(|known| known.id == id) {
+            if entry.asks.is_some() && entry.asks != asks {
+                return Some(taken(id));
+            }
+            if let Some(answer) = &entry.answer {
+                return Some(answer.clone());
+            }
+            self.answered.wait(&mut known);
+        }
+        if known.len() >= ANSWERS_MAX
+            && let Some(oldest) = known.iter().position(|known| known.answer.is_some())
+        {
+            known.remove(oldest);
+        }
+        known.push_back(KnownCommand { id: id.to_owned(), asks, answer: None });
+        None
+    }
+}
+
+/// What tells the command from others; nothing if it cannot be told.
+fn asks(envelope: &Envelope) -> Option<u64> {
+    let mut hasher = DefaultHasher::new();
+    serde_json::to_string(&envelope.command).ok()?.hash(&mut hasher);
+    Some(hasher.finish())
+}
+
+fn taken(id: &str) -> Answer {
+    let reason = format!("the id {id} came with another command before: choose a new id for each");
+    Answer::Refused { reason }
+}
+
+/// The id of a command that does not decode.
+fn command_id(text: &str) -> Option<String> {
+    let json: serde_json::Value = serde_json::from_str(text).ok()?;
+    Some(json.get("id")?.as_str()?.to_owned())
+}

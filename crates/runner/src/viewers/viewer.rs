@@ -1,0 +1,170 @@
+//! What one viewer is told, at its own pace: it reads the recorder from its own place, and no branch ever waits for it.
+
+use crate::drive::driver::Driver;
+use crate::drive::snapshot;
+use crate::record::archive::Archive;
+use crate::record::blocks::Chunk;
+use crate::record::record_encoder::is_rare;
+use crate::viewers::connection::Sender;
+use crate::{Clock, Scripts};
+use rafcon_protocol::{FRAME_HEAD, FrameKind, Join, LogLevel, Stream, ToViewer, frame_head};
+use rafcon_storage::journal::stream::EventBlock;
+use rafcon_storage::journal::{Item, Record};
+use std::time::Duration;
+
+/// While things happen, they are told in bundles this far apart.
+const BUNDLE_EVERY: Duration = Duration::from_millis(10);
+/// Snapshots are at least this far apart, in ms.
+const SNAPSHOT_EVERY_MS: u64 = 100;
+
+/// One viewer's view of a run.
+#[derive(Debug)]
+pub(crate) struct Viewer<'d, S: Scripts> {
+    driver: &'d Driver<S>,
+    sender: &'d Sender,
+    join: Join,
+    next: u64,
+    /// When the last snapshot was sent, in ms since the start.
+    last_snapshot_ms: Option<u64>,
+    /// Something happened since the last snapshot.
+    stale: bool,
+    /// The last record that is in a snapshot, or will be in the next.
+    seen: u64,
+    chunk: Chunk,
+    archive: Archive,
+    /// The frame of events that is sent next: room for its head, then blocks.
+    frame: Vec<u8>,
+}
+
+impl<'d, S: Scripts> Viewer<'d, S> {
+    /// A viewer that has seen everything before what it asks for.
+    pub(crate) fn new(driver: &'d Driver<S>, sender: &'d Sender, join: &Join) -> Self {
+        let next = if join.from == 0 { driver.recorder().tellable() } else { join.from };
+        Self {
+            driver,
+            sender,
+            join: join.clone(),
+            next,
+            last_snapshot_ms: None,
+            stale: true,
+            seen: 0,
+            chunk: Chunk::default(),
+            archive: Archive::default(),
+            frame: vec![0; FRAME_HEAD],
+        }
+    }
+
+    /// Tells everything until the run is over and told, or the viewer is gone.
+    pub(crate) fn follow(mut self) {
+        self.driver.recorder().names().write(&mut self.frame);
+        self.flush();
+        while !self.sender.is_lost() {
+            if self.tell_new() {
+                return;
+            }
+            self.rest();
+        }
+    }
+
+    /// Tells what is new, and how things stand in between: events may come faster than they can be told, without end. True when
+    /// nothing more will come.
+    fn tell_new(&mut self) -> bool {
+        loop {
+            let rare = !self.join.every_event;
+            let read = self.driver.recorder().read(self.next, rare, &mut self.chunk);
+            let caught_up = read.next == self.next;
+            self.stale |= !caught_up;
+            if read.missed > 0 {
+                self.tell_old(self.next + read.missed);
+                continue;
+            }
+            self.next = read.next;
+            self.send_chunk();
+            if read.closed || self.sender.is_lost() {
+                return true;
+            }
+            self.tell_snapshot();
+            if caught_up {
+                return false;
+            }
+        }
+    }
+
+    /// Tells what only the journal still has, before event `end`; all of it, or that it is lost.
+    fn tell_old(&mut self, end: u64) {
+        while self.next < end && !self.sender.is_lost() {
+            let Some(page) = self.archive.page(self.driver.recorder().folder(), self.next, end)
+            else {
+                self.tell_missed(end, end - self.next);
+                self.next = end;
+                return;
+            };
+            self.next = page.last().map_or(end, |(sequence, ..)| sequence + 1);
+            for (sequence, t_ns, record) in page {
+                if self.join.every_event || is_rare(&record) {
+                    self.push(sequence, t_ns, record);
+                }
+            }
+            self.flush();
+            self.tell_snapshot();
+        }
+    }
+
+    fn tell_missed(&mut self, next: u64, missed: u64) {
+        let message = format!(
+            "this viewer reads too slowly: {missed} events were left out before event {next}"
+        );
+        let (level, stream) = (LogLevel::Warning, Stream::Engine);
+        let record = Record::Log { place: None, level, stream, message };
+        self.push(next.saturating_sub(1), self.driver.clock().now_ns(), record);
+        self.flush();
+    }
+
+    fn send_chunk(&mut self) {
+        self.chunk.blocks().for_each(|block| block.write(&mut self.frame));
+        self.flush();
+    }
+
+    /// Adds one event to the next frame.
+    fn push(&mut self, sequence: u64, t_ns: u64, record: Record) {
+        let mut items = Vec::new();
+        Item::Record(t_ns, record).write(&mut t_ns.clone(), &mut items);
+        EventBlock { first: sequence, t_before: t_ns, items: &items }.write(&mut self.frame);
+    }
+
+    /// Sends the frame, if there is anything in it.
+    fn flush(&mut self) {
+        let length = self.frame.len() - FRAME_HEAD;
+        if length > 0 {
+            self.frame[..FRAME_HEAD].copy_from_slice(&frame_head(FrameKind::Events, length));
+            self.sender.send_frame(&self.frame);
+            self.frame.truncate(FRAME_HEAD);
+        }
+    }
+
+    fn tell_snapshot(&mut self) {
+        let last = self.driver.recorder().last();
+        self.stale |= last > self.seen;
+        self.seen = last;
+        let now = self.driver.clock().now_ms();
+        if !self.stale || self.snapshot_due_ms() > now {
+            return;
+        }
+        if let Some(snapshot) = snapshot::take(self.driver) {
+            self.sender.send(&ToViewer::Snapshot(snapshot));
+        }
+        (self.stale, self.last_snapshot_ms) = (false, Some(now));
+    }
+
+    fn snapshot_due_ms(&self) -> u64 {
+        self.last_snapshot_ms.map_or(0, |last| last + SNAPSHOT_EVERY_MS)
+    }
+
+    /// Waits until something is to be told: at least the time between two bundles, and without end while nothing happens.
+    fn rest(&self) {
+        self.driver.recorder().wait_closed(Clock::moment(BUNDLE_EVERY));
+        let due = self.snapshot_due_ms().saturating_sub(self.driver.clock().now_ms());
+        let deadline = if self.stale { Clock::moment(Duration::from_millis(due)) } else { None };
+        self.driver.recorder().wait(self.next, self.seen, deadline);
+    }
+}

@@ -1,0 +1,209 @@
+//! Everybody who is connected to a run: each viewer is told and may command, none holds up another or the run. Knows who is
+//! there; must never know what is said.
+
+use crate::drive::driver::Driver;
+use crate::viewers::commands::{Answers, CommandDispatcher};
+use crate::viewers::connection::{IncomingLine, Line, Receiver, Sender, Socket};
+use crate::viewers::viewer::Viewer;
+use crate::viewers::viewer_reader;
+use crate::{Clock, Scripts};
+use rafcon_engine::Input;
+use rafcon_locks::{Condvar, Mutex};
+use rafcon_protocol::{Join, ToViewer};
+use std::io;
+use std::sync::{Arc, mpsc};
+use std::thread::{self, Scope};
+use std::time::Duration;
+
+/// How long viewers that do not read may hold up the end of the process, after the run is over.
+const DRAIN_TIMEOUT: Duration = Duration::from_secs(10);
+/// Viewers at most.
+pub(crate) const GUESTS_MAX: usize = 64;
+
+/// A viewer that was not let in.
+#[derive(Debug, thiserror::Error)]
+enum AdmitError {
+    /// There is nothing to see any more.
+    #[error("the run is over; its journal tells how it went")]
+    RunOver,
+    #[error("{GUESTS_MAX} viewers are connected; let one of them leave")]
+    Full,
+}
+
+/// The viewers of a run.
+#[derive(Debug)]
+pub(crate) struct ViewerSet<S: Scripts> {
+    driver: Arc<Driver<S>>,
+    desk: CommandDispatcher<S>,
+    /// What each is told first.
+    loaded: ToViewer,
+    present: Mutex<Present>,
+    /// Held while the engine is told whether anybody is there.
+    noting: Mutex<()>,
+    /// A viewer was told everything, or has gone.
+    changed: Condvar,
+}
+
+#[derive(Debug, Default)]
+struct Present {
+    guests: Vec<Arc<ViewerConnection>>,
+    /// Connections whose owners have not said yet who they are.
+    arriving: Vec<Socket>,
+    /// The run is over: nobody is let in any more.
+    closed: bool,
+}
+
+/// One viewer.
+#[derive(Debug)]
+struct ViewerConnection {
+    sender: Sender,
+    socket: Socket,
+    /// Held from a command to its answer.
+    answering: Mutex<()>,
+    /// Whether nothing is left to tell it. Written with the list locked.
+    told: Mutex<bool>,
+}
+
+impl<S: Scripts> ViewerSet<S> {
+    /// A run that nobody watches; these commands were answered before.
+    pub(crate) fn new(driver: Arc<Driver<S>>, loaded: ToViewer, answers: Answers) -> Self {
+        let desk = CommandDispatcher::new(Arc::clone(&driver), answers);
+        let (present, noting) = (Mutex::default(), Mutex::new(()));
+        Self { driver, desk, loaded, present, noting, changed: Condvar::new() }
+    }
+
+    /// Somebody has connected; false if nobody is let in any more.
+    pub(crate) fn arrive(&self, socket: &Socket) -> bool {
+        let mut present = self.present.lock();
+        let room = !present.closed && present.arriving.len() < GUESTS_MAX;
+        if room {
+            present.arriving.push(socket.clone());
+        }
+        room
+    }
+
+    /// Somebody who had connected is a viewer now, or is gone.
+    pub(crate) fn arrived(&self, socket: &Socket) {
+        self.present.lock().arriving.retain(|other| !other.is(socket));
+    }
+
+    /// Lets a viewer in: it is told what it wants to know, by threads of its own.
+    pub(crate) fn welcome<'scope>(
+        &'scope self,
+        scope: &'scope Scope<'scope, '_>,
+        line: Line,
+        join: Join,
+    ) -> io::Result<()> {
+        let Line { sender, receiver, socket } = line;
+        let guest =
+            ViewerConnection { sender, socket, answering: Mutex::new(()), told: Mutex::new(false) };
+        let guest = Arc::new(guest);
+        if let Err(refused) = self.admit(&guest) {
+            guest.sender.send(&ToViewer::LoadFailed { reason: refused.to_string() });
+            return Ok(());
+        }
+        let seated = self.seat(scope, &guest, receiver, join);
+        if seated.is_err() {
+            guest.socket.shut();
+            self.leave(&guest);
+        }
+        seated
+    }
+
+    /// Gives a viewer its threads.
+    fn seat<'scope>(
+        &'scope self,
+        scope: &'scope Scope<'scope, '_>,
+        guest: &Arc<ViewerConnection>,
+        receiver: Receiver,
+        join: Join,
+    ) -> io::Result<()> {
+        let named = |name: &str| thread::Builder::new().name(name.to_owned());
+        let [heard, heeded, told] = [(); 3].map(|()| Arc::clone(guest));
+        let (rest, words) = viewer_reader::way();
+        named("commands").spawn_scoped(scope, move || self.heed(&heeded, &words))?;
+        let hear = move || {
+            viewer_reader::hear(receiver, &heard.sender, &rest, || self.driver.engine_pulse());
+        };
+        named("hearing").spawn_scoped(scope, hear)?;
+        named("viewer").spawn_scoped(scope, move || self.tell(&told, &join))?;
+        Ok(())
+    }
+
+    fn admit(&self, guest: &Arc<ViewerConnection>) -> Result<(), AdmitError> {
+        let mut present = self.present.lock();
+        if present.closed {
+            return Err(AdmitError::RunOver);
+        }
+        if present.guests.len() >= GUESTS_MAX {
+            return Err(AdmitError::Full);
+        }
+        present.guests.push(Arc::clone(guest));
+        let first = present.guests.len() == 1;
+        drop(present);
+        if first {
+            self.attended();
+        }
+        Ok(())
+    }
+
+    /// Takes commands until the viewer goes away. The run goes on without it.
+    fn heed(&self, guest: &Arc<ViewerConnection>, words: &mpsc::Receiver<IncomingLine>) {
+        self.desk.serve(words, &guest.sender, &guest.answering);
+        guest.sender.lose();
+        self.leave(guest);
+    }
+
+    /// A viewer is not there any more.
+    fn leave(&self, guest: &Arc<ViewerConnection>) {
+        let mut present = self.present.lock();
+        present.guests.retain(|other| !Arc::ptr_eq(other, guest));
+        let last = present.guests.is_empty() && !present.closed;
+        self.changed.notify_all();
+        drop(present);
+        if last {
+            self.attended();
+        }
+    }
+
+    fn tell(&self, guest: &ViewerConnection, join: &Join) {
+        guest.sender.send(&self.loaded);
+        Viewer::new(&self.driver, &guest.sender, join).follow();
+        let _list = self.present.lock();
+        *guest.told.lock() = true;
+        self.changed.notify_all();
+    }
+
+    /// Lets the engine know whether anybody is there. One after the other: what it is told last is what is true.
+    fn attended(&self) {
+        let _turn = self.noting.lock();
+        let anybody = !self.present.lock().guests.is_empty();
+        // Refused when the run is over or has not begun, and then it makes no difference.
+        drop(self.driver.command(Input::Attended(anybody)));
+    }
+
+    /// Waits until everybody was told everything, for a while; then all connections end, after `told`: what a viewer does who
+    /// sees its connection end comes later.
+    pub(crate) fn part(&self, told: impl FnOnce()) {
+        let deadline = Clock::moment(DRAIN_TIMEOUT);
+        let mut present = self.present.lock();
+        present.closed = true;
+        while present.guests.iter().any(|guest| !*guest.told.lock()) {
+            let in_time = deadline.is_some_and(|deadline| {
+                !self.changed.wait_until(&mut present, deadline).timed_out()
+            });
+            if !in_time {
+                break;
+            }
+        }
+        let guests = present.guests.clone();
+        present.arriving.iter().for_each(Socket::shut);
+        drop(present);
+        told();
+        for guest in guests {
+            // A command that ended the run is answered like any other.
+            drop(deadline.and_then(|deadline| guest.answering.try_lock_until(deadline)));
+            guest.socket.shut();
+        }
+    }
+}
