@@ -1,26 +1,49 @@
-//! The order of the folders inside a crate: a file imports from its own folder and from lower ones, so that no folder knows
+//! The order of the folders inside a module: a file imports from its own folder and from lower ones, so that no folder knows
 //! another that knows it.
 
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Crates whose folders have an order, the lowest first. Every file but `lib.rs` and tests lies in one of them.
-const FOLDERS: [(&str, &[&str]); 1] =
-    [("runner", &["places", "record", "drive", "viewers", "life"])];
+/// A module whose folders have an order. Every file below it but its own one and tests lies in one of them.
+struct Module {
+    /// Where it lies, from `crates`.
+    source: &'static str,
+    /// Its own file there.
+    own_file: &'static str,
+    /// How paths into it begin.
+    root: &'static str,
+    /// Its folders, the lowest first.
+    order: &'static [&'static str],
+}
+
+const MODULES: [Module; 2] = [
+    Module {
+        source: "runner/src",
+        own_file: "lib.rs",
+        root: "crate::",
+        order: &["places", "record", "drive", "viewers", "life"],
+    },
+    Module {
+        source: "engine/src/engine",
+        own_file: "mod.rs",
+        root: "crate::engine::",
+        order: &["state", "stepping", "backward", "commands", "changes", "life"],
+    },
+];
 
 #[test]
 fn a_file_imports_from_its_own_folder_and_lower_ones() {
     let mut found = Vec::new();
-    for (package, order) in FOLDERS {
-        let source =
-            Path::new(env!("CARGO_MANIFEST_DIR")).join("../crates").join(package).join("src");
-        let library = fs::read_to_string(source.join("lib.rs")).expect("a library has lib.rs");
-        let folder_of = exported(&library, order);
-        for file in files(&source) {
+    for module in &MODULES {
+        let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("../crates").join(module.source);
+        let own_file = source.join(module.own_file);
+        let own_text = fs::read_to_string(&own_file).expect("a module has its own file");
+        let folder_of = exported(&own_text, module.order);
+        for file in files(&source).iter().filter(|file| **file != own_file) {
             let name = file.strip_prefix(&source).expect("it lies there").display().to_string();
-            let text = fs::read_to_string(&file).expect("a source is text");
-            found.extend(faults(&name, &text, order, &folder_of));
+            let text = fs::read_to_string(file).expect("a source is text");
+            found.extend(faults(&name, &text, module, &folder_of));
         }
     }
     assert!(found.is_empty(), "{}", found.join("\n"));
@@ -28,9 +51,10 @@ fn a_file_imports_from_its_own_folder_and_lower_ones() {
 
 #[test]
 fn an_import_upwards_is_found() {
-    let order = ["low", "high"];
-    let folder_of = exported("pub use high::door::{Door, open};\npub use low::Floor;\n", &order);
-    let check = |text| faults("low/a.rs", text, &order, &folder_of).concat();
+    let order = &["low", "high"];
+    let module = Module { source: "", own_file: "lib.rs", root: "crate::", order };
+    let folder_of = exported("pub use high::door::{Door, open};\npub use low::Floor;\n", order);
+    let check = |text| faults("low/a.rs", text, &module, &folder_of).concat();
     assert_eq!(check("use crate::low::b;\nuse crate::{Floor, low::c};\n"), "");
     assert_eq!(check("use crate::high::b;\n"), "low/a.rs imports from high, which is above it");
     assert_eq!(
@@ -39,7 +63,7 @@ fn an_import_upwards_is_found() {
     );
     assert_eq!(check("#[cfg(test)]\nmod tests { use crate::high::b; }\n"), "");
     assert_eq!(
-        faults("b.rs", "", &order, &folder_of),
+        faults("b.rs", "", &module, &folder_of),
         ["b.rs lies in none of the folders low, high"]
     );
 }
@@ -48,14 +72,15 @@ fn an_import_upwards_is_found() {
 fn faults(
     file: &str,
     text: &str,
-    order: &[&str],
+    module: &Module,
     folder_of: &BTreeMap<String, String>,
 ) -> Vec<String> {
     let folder = file.split('/').next().unwrap_or_default();
+    let order = module.order;
     let Some(height) = order.iter().position(|known| *known == folder) else {
         return vec![format!("{file} lies in none of the folders {}", order.join(", "))];
     };
-    let mut above: Vec<&str> = imported(text)
+    let mut above: Vec<&str> = imported(text, module.root)
         .into_iter()
         .filter_map(|name| folder_of.get(name).map(String::as_str))
         .filter(|folder| order.iter().position(|known| known == folder) > Some(height))
@@ -66,7 +91,7 @@ fn faults(
     above.into_iter().map(fault).collect()
 }
 
-/// In which folder each name lies that the crate's root has: the folders, and what `lib.rs` exports from them.
+/// In which folder each name lies that the module has: the folders, and what its own file exports from them.
 fn exported(library: &str, order: &[&str]) -> BTreeMap<String, String> {
     let mut names: BTreeMap<String, String> =
         order.iter().map(|folder| ((*folder).to_owned(), (*folder).to_owned())).collect();
@@ -81,10 +106,10 @@ fn exported(library: &str, order: &[&str]) -> BTreeMap<String, String> {
     names
 }
 
-/// The first names of all paths that begin at the crate's root, but for tests.
-fn imported(text: &str) -> Vec<&str> {
+/// The first names of all paths that begin at the module's root, but for tests.
+fn imported<'t>(text: &'t str, root: &str) -> Vec<&'t str> {
     let production = text.split("#[cfg(test)]").next().unwrap_or_default();
-    let paths = production.match_indices("crate::").filter(|(at, _)| !is_comment(production, *at));
+    let paths = production.match_indices(root).filter(|(at, _)| !is_comment(production, *at));
     paths.flat_map(|(at, root)| first_names(&production[at + root.len()..])).collect()
 }
 
@@ -120,7 +145,7 @@ fn word(text: &str) -> &str {
     &text[..end]
 }
 
-/// The files of the product below a folder, without `lib.rs`.
+/// The files of the product below a folder.
 fn files(folder: &Path) -> Vec<PathBuf> {
     let mut found = Vec::new();
     for entry in fs::read_dir(folder).expect("a folder can be read") {
@@ -130,10 +155,7 @@ fn files(folder: &Path) -> Vec<PathBuf> {
             if name != "tests" {
                 found.extend(files(&path));
             }
-        } else if path.extension().is_some_and(|end| end == "rs")
-            && name != "lib.rs"
-            && name != "tests.rs"
-        {
+        } else if path.extension().is_some_and(|end| end == "rs") && name != "tests.rs" {
             found.push(path);
         }
     }

@@ -1,62 +1,28 @@
 //! The run of one program: takes inputs, keeps the active configuration, gives effects and events.
 
-mod again;
-mod barrier;
-mod begun;
-mod branch;
-mod branches;
-mod breakpoints;
-mod change;
-mod checks;
-mod control;
-mod data;
-mod enter;
-mod export;
-mod fitting;
-mod force;
-mod frames;
-mod hierarchy;
-mod inspect;
-mod invariants;
-mod leave;
-mod library;
-mod migrate;
-mod phase;
-mod places;
-mod preempt;
-mod preemptive;
-mod recover;
-mod refusal;
-mod restore;
-mod resume;
-mod reverse;
-mod reverse_enter;
-mod reverse_leave;
-mod snapshot;
-mod start;
-mod step;
-mod suspend;
-mod suspended;
-mod undo_log;
-mod undo_log_change;
+mod backward;
+mod changes;
+mod commands;
+mod life;
+mod state;
+mod stepping;
 
-pub use change::ChangeEffect;
-pub use inspect::Inspection;
-pub use refusal::{Command, Refusal, Status};
-pub use snapshot::{Active, Activity, Hold};
+pub use life::inspect::Inspection;
+pub use state::refusal::{ChangeEffect, Command, Refusal, Status};
+pub use state::snapshot::{Active, Activity, Hold};
 
 use crate::{
     Breakpoint, Counted, Datum, Finish, Globals, Input, NodeId, Outbox, PathId, Program, Stopping,
 };
-use branches::Branches;
-use frames::Frames;
-use places::Places;
 use rafcon_model::StatePath;
 use smol_str::SmolStr;
-use start::Given;
+use state::branches::Branches;
+use state::frames::Frames;
+use state::places::Places;
+use state::step::{Step, Work};
+use state::suspended::Control;
 use std::sync::Arc;
-use step::{Step, Work};
-use suspended::Control;
+use stepping::start::Given;
 
 /// One run of a program, from idle to finished.
 #[derive(Debug)]
@@ -124,7 +90,7 @@ impl<D: Datum> Engine<D> {
             entered: 0,
             crash: None,
             entries: 0,
-            steps_max: undo_log::STEPS_MAX,
+            steps_max: state::undo_log::STEPS_MAX,
             steps_kept: 0,
             change: None,
         };

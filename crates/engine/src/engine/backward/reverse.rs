@@ -1,0 +1,258 @@
+//! One step back: what can go, and what a hierarchy does. Each branch steps back to its own start; how states are entered and
+//! left backwards stands in `reverse_enter.rs` and `reverse_leave.rs`.
+
+use crate::engine::Refusal;
+use crate::engine::state::frames::{Frame, NONE};
+use crate::engine::state::phase::Phase;
+use crate::engine::state::step::{Back, Step, Work};
+use crate::engine::state::undo_log::EndedRun;
+use crate::program::{Body, Concurrency};
+use crate::{Datum, FrameId, PathId, When};
+use rafcon_model::StatePath;
+use std::sync::Arc;
+
+/// Why something cannot go back; of two reasons the later counts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum Reason {
+    AtStart,
+    Lost,
+}
+
+impl<D: Datum> Step<'_, D> {
+    /// One step back of all that stands still, or of one branch.
+    pub(in crate::engine) fn back(&mut self, branch: Option<&StatePath>) -> Result<(), Refusal> {
+        if !self.keeps_trail() {
+            return Err(Refusal::NoHistory);
+        }
+        let place = self.branch_place(branch)?;
+        let mut plan = Vec::new();
+        let mut reason = None;
+        for slot in self.active() {
+            match self.can_go_back(slot, place) {
+                Ok(back) => plan.extend(back),
+                Err((because, path)) => reason = reason.max(Some((because, path))),
+            }
+        }
+        if plan.is_empty() {
+            return Err(self.cannot(reason, branch));
+        }
+        self.end_pause();
+        self.run.control.run_to = None;
+        self.run.work.extend(plan.into_iter().rev().map(Work::Back));
+        Ok(())
+    }
+
+    fn cannot(&self, reason: Option<(Reason, PathId)>, branch: Option<&StatePath>) -> Refusal {
+        let path = |path| self.run.places.text(path, self.program);
+        match reason {
+            Some((Reason::Lost, at)) => Refusal::TooFarBack { path: path(at) },
+            Some((Reason::AtStart, at)) => Refusal::AtStart { path: path(at) },
+            None => Refusal::NothingHeld { branch: branch.cloned() },
+        }
+    }
+
+    /// What a frame does in a step back, if it does anything.
+    fn can_go_back(
+        &self,
+        slot: u32,
+        within: Option<PathId>,
+    ) -> Result<Option<Back>, (Reason, PathId)> {
+        let frame = self.run.frames.get(slot);
+        let here = within.is_none_or(|top| self.run.is_below(frame.path, top));
+        let stands = matches!(frame.phase, Phase::Held | Phase::Waiting(_));
+        let id = self.run.frames.id(slot);
+        if frame.preempted {
+            return Ok(None);
+        }
+        match self.body(slot) {
+            Body::Concurrency(kind, _) => self.branches_go_back(slot, *kind, within),
+            Body::Hierarchy(_) if here && stands => {
+                let last = frame.trail.traces.back().map(|trace| trace.past.is_lost());
+                let back = self.last_goes_back(slot, last.or(frame.trail.lost.then_some(true)))?;
+                Ok(Some(back(id)))
+            }
+            Body::Library(_) if here && stands => {
+                let lost = frame.pasts.first().and_then(Option::as_ref).map(EndedRun::is_lost);
+                let ended = frame.ended.iter().any(Option::is_some);
+                let back = self.last_goes_back(slot, lost.or(ended.then_some(true)))?;
+                Ok(Some(back(id)))
+            }
+            Body::Script | Body::Hierarchy(_) | Body::Library(_) => Ok(None),
+        }
+    }
+
+    /// Whether a frame can undo its last child: `lost` says whether that is not known any more; without one it is left.
+    fn last_goes_back(
+        &self,
+        slot: u32,
+        lost: Option<bool>,
+    ) -> Result<fn(FrameId) -> Back, (Reason, PathId)> {
+        let path = self.run.frames.get(slot).path;
+        match lost {
+            Some(false) => Ok(Back::Last),
+            Some(true) => Err((Reason::Lost, path)),
+            None if self.is_outermost(slot) => Err((Reason::AtStart, path)),
+            None => Ok(Back::Leave),
+        }
+    }
+
+    fn branches_go_back(
+        &self,
+        slot: u32,
+        kind: Concurrency,
+        within: Option<PathId>,
+    ) -> Result<Option<Back>, (Reason, PathId)> {
+        let frame = self.run.frames.get(slot);
+        let decides = kind.decider().is_some_and(|decider| frame.active_child(decider) != NONE);
+        let is_decided = frame.open > 0 && frame.winner.is_some();
+        if decides || is_decided {
+            return Ok(None);
+        }
+        if self.all_at_start(slot) {
+            return self.start_goes_back(slot, within);
+        }
+        let ended = (0..).zip(&frame.ended).filter(|(_, ended)| ended.is_some());
+        let ended = ended.map(|(child, _)| child).filter(|&child| Some(child) != kind.decider());
+        let here = |&child: &u32| within.is_none_or(|top| self.is_child_within(slot, child, top));
+        let children = ended.filter(here).collect::<Vec<_>>();
+        let is_known = |child: &u32| {
+            let past = frame.pasts.get(*child as usize).and_then(Option::as_ref);
+            past.is_some_and(|past| !past.is_lost())
+        };
+        if !children.iter().all(is_known) {
+            return Err((Reason::Lost, frame.path));
+        }
+        if children.is_empty() {
+            let at_start = within.filter(|&top| self.begins_held(slot, top));
+            return at_start.map_or(Ok(None), |top| Err((Reason::AtStart, top)));
+        }
+        Ok(Some(Back::Branches(self.run.frames.id(slot), children)))
+    }
+
+    /// A concurrency state whose children are all at their start is left.
+    fn start_goes_back(
+        &self,
+        slot: u32,
+        within: Option<PathId>,
+    ) -> Result<Option<Back>, (Reason, PathId)> {
+        let mut holds = self.run.control.holds.iter().filter(|hold| hold.spot.parent == slot);
+        let checks = holds.any(|hold| hold.check().is_some());
+        if checks || !within.is_none_or(|top| self.is_around(slot, top)) {
+            return Ok(None);
+        }
+        if self.is_outermost(slot) {
+            return Err((Reason::AtStart, self.run.frames.get(slot).path));
+        }
+        Ok(Some(Back::Leave(self.run.frames.id(slot))))
+    }
+
+    /// Whether the child at this place is held before it begins.
+    fn begins_held(&self, slot: u32, top: PathId) -> bool {
+        let holds = self.run.control.holds.iter().filter(|hold| hold.by().is_some());
+        let mut spots = holds.map(|hold| hold.spot).filter(|spot| spot.parent == slot);
+        spots.any(|spot| spot.when == When::Before && self.is_child_within(slot, spot.child, top))
+    }
+
+    /// Whether a branch that is named by `top` begins in this frame, or is around it.
+    fn is_around(&self, slot: u32, top: PathId) -> bool {
+        let path = self.run.frames.get(slot).path;
+        self.run.places.parent(top) == Some(path) || self.run.is_below(path, top)
+    }
+
+    fn is_child_within(&self, slot: u32, child: u32, top: PathId) -> bool {
+        let path = self.run.frames.get(slot).path;
+        let child = self.run.places.child(path, child as usize, self.program);
+        child.is_some_and(|child| self.run.is_below(child, top))
+    }
+
+    /// Whether no child of a concurrency state is active or has ended.
+    pub(in crate::engine) fn all_at_start(&self, slot: u32) -> bool {
+        let frame = self.run.frames.get(slot);
+        let quiet = frame.children.iter().all(|&child| child == NONE);
+        quiet && frame.ended.iter().all(Option::is_none)
+    }
+
+    /// Whether a state is the root, or the root of a library that is.
+    pub(in crate::engine) fn is_outermost(&self, slot: u32) -> bool {
+        let parent = self.run.frames.get(slot).parent;
+        let in_library = || matches!(self.body(parent), Body::Library(_));
+        parent == NONE || in_library() && self.is_outermost(parent)
+    }
+
+    /// Does what was planned, if the frame is still there.
+    pub(in crate::engine) fn go_back(&mut self, back: Back) {
+        let (Back::Last(id) | Back::Branches(id, _) | Back::Leave(id)) = back;
+        let Some(slot) = self.run.frames.find(id) else { return };
+        let branch = self.run.frames.get(slot).branch;
+        self.run.branches.set(branch, true);
+        match back {
+            Back::Last(_) => self.undo_last(slot),
+            Back::Branches(_, children) => self.branches_back(slot, &children),
+            Back::Leave(_) => self.leave_back(slot),
+        }
+    }
+
+    /// The defaults of a state's outputs, as they were when it began.
+    pub(in crate::engine) fn outputs_anew(&self, slot: u32) -> Arc<[D]> {
+        let frame = self.run.frames.get(slot);
+        let node = self.program.node(frame.node);
+        if frame.parent != NONE
+            && let Body::Library(content) = self.body(frame.parent)
+        {
+            return self.root_outputs(frame.parent, content, node);
+        }
+        Arc::clone(&node.outputs)
+    }
+
+    /// Undoes the last child of a hierarchy or library state.
+    fn undo_last(&mut self, slot: u32) {
+        let branch = self.run.frames.get(slot).branch;
+        self.run.control.take_in(slot);
+        let outputs = self.outputs_anew(slot);
+        let frame = self.run.frames.get_mut(slot);
+        frame.stand_ready();
+        let root = frame.pasts.first_mut().and_then(Option::take);
+        let past = if let Some(root) = root {
+            frame.ended.clear();
+            frame.outputs = Some(outputs);
+            Some((0, root))
+        } else {
+            frame.trail.undoing = true;
+            frame.trail.take_past()
+        };
+        match past {
+            Some((child, past)) if past.entry > 0 => self.enter_back((slot, child), past, branch),
+            Some(_) | None => self.child_undone(slot),
+        }
+    }
+}
+
+impl<D> Frame<D> {
+    /// Forgets how it was held.
+    pub(in crate::engine) fn stand_ready(&mut self) {
+        self.phase = Phase::Child;
+        self.marker = None;
+        self.pass = None;
+        self.after = false;
+    }
+
+    /// The frame of a child of a concurrency state.
+    pub(in crate::engine) fn active_child(&self, child: u32) -> u32 {
+        self.children.get(child as usize).copied().unwrap_or(NONE)
+    }
+}
+
+impl<D: Datum> crate::engine::Engine<D> {
+    /// Keeps no more than so many steps to go back; none, with 0. Before the run starts.
+    #[must_use]
+    pub fn with_trail(mut self, steps_max: usize) -> Self {
+        self.run.steps_max = steps_max;
+        self
+    }
+
+    /// Keeps nothing to step back.
+    #[must_use]
+    pub fn without_trail(self) -> Self {
+        self.with_trail(0)
+    }
+}

@@ -1,0 +1,234 @@
+//! Carrying active states over to another program: what was an index becomes a name, and an index again.
+
+use crate::engine::state::frames::{NONE, Slot};
+use crate::engine::state::phase::Phase;
+use crate::engine::state::step::Step;
+use crate::engine::state::suspended::{StopPoint, SuspendReason};
+use crate::program::{Body, Exit, Inside, Node};
+use crate::{Datum, Event, NodeId, Program, When};
+use rafcon_model::{PortId, StateId};
+use std::collections::BTreeMap;
+
+/// Where a value in a container comes from.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
+pub(in crate::engine) enum Source {
+    Input(PortId),
+    Variable(PortId),
+    Output(StateId, PortId),
+}
+
+impl<'s, D: Datum> Step<'s, D> {
+    /// What ran by `before` runs by the program of this step.
+    pub(in crate::engine) fn migrate(&mut self, before: &Program<D>) {
+        self.migrate_start(before);
+        self.run.places.change(self.program);
+        let frames = self.active();
+        let loose = self.migrate_holds(before);
+        for &slot in &frames {
+            self.migrate_frame(slot, before);
+        }
+        self.renew_holds();
+        for slot in loose.into_iter().rev() {
+            self.advance_later(slot);
+        }
+        for slot in frames.into_iter().rev() {
+            if self.finds_a_way(slot) {
+                self.advance_later(slot);
+            }
+        }
+    }
+
+    /// The way to the state to start from, as far as it is still there.
+    fn migrate_start(&mut self, before: &Program<D>) {
+        let mut at = (before.node(Program::<D>::ROOT), self.program.node(Program::<D>::ROOT));
+        let mut steps = Vec::new();
+        for &step in &self.run.start_from {
+            let Some(was) = at.0.child(step as usize).map(|child| before.node(child)) else {
+                break;
+            };
+            let Some((index, is)) = self.program.child_of(at.1, was.id()) else { break };
+            at = (was, self.program.node(is));
+            steps.push(index);
+        }
+        self.run.start_from = steps;
+    }
+
+    /// The children before or after which something is held, by their names. Frames have not been carried over yet.
+    ///
+    /// A condition about a child that is gone needs no answer: its frame, which is given back, looks again what is next.
+    fn migrate_holds(&mut self, before: &Program<D>) -> Vec<u32> {
+        let mut loose = Vec::new();
+        for mut hold in std::mem::take(&mut self.run.control.holds) {
+            let StopPoint { parent, child, .. } = hold.spot;
+            hold.spot.child = self.same_child(before, hold.spot);
+            let is_gone = parent != NONE && child != NONE && hold.spot.child == NONE;
+            if let SuspendReason::Checking { inquiry, .. } = &mut hold.why {
+                inquiry.spot = hold.spot;
+                if is_gone {
+                    loose.push(parent);
+                    continue;
+                }
+            }
+            self.run.control.holds.push(hold);
+        }
+        loose
+    }
+
+    /// The index that a child has now; none, if it is gone.
+    fn same_child(&self, before: &Program<D>, spot: StopPoint) -> u32 {
+        let StopPoint { parent, child, .. } = spot;
+        if parent == NONE {
+            return child;
+        }
+        let path = self.run.frames.get(parent).path;
+        let around = before.node(self.run.frames.get(parent).node);
+        let id = around.child(child as usize).map(|child| before.node(child).id());
+        let now = self.run.places.node(path).map(|node| self.program.node(node));
+        let found = id.zip(now).and_then(|(id, now)| self.program.child_of(now, id));
+        found.map_or(NONE, |(index, _)| index)
+    }
+
+    /// What is held before another child than it was is held there, and says so.
+    fn renew_holds(&mut self) {
+        let mut holds = std::mem::take(&mut self.run.control.holds);
+        for hold in &mut holds {
+            let StopPoint { parent, .. } = hold.spot;
+            let SuspendReason::Held { by, next } = &mut hold.why else { continue };
+            if parent == NONE || !self.is_hierarchy(parent) {
+                continue;
+            }
+            let upcoming = self.upcoming(parent);
+            if hold.spot.when == When::Before {
+                hold.spot.child = upcoming.unwrap_or(NONE);
+            }
+            let there = upcoming.map(|child| self.child_path(parent, child));
+            if there != *next {
+                *next = there;
+                let (path, by) = (self.run.frames.get(parent).path, *by);
+                self.out.events.push(Event::Held { path, next: there, by });
+            }
+        }
+        self.run.control.holds = holds;
+    }
+
+    fn migrate_frame(&mut self, slot: u32, before: &Program<D>) {
+        let frame = self.run.frames.get(slot);
+        let was = before.node(frame.node);
+        let is = self.node_at(frame.parent, was);
+        let pass = frame.pass.map(|child| self.same_child(before, StopPoint::before(slot, child)));
+        let steps = self.run.start_from.len();
+        let frame = self.run.frames.get_mut(slot);
+        frame.node = is;
+        frame.pass = pass;
+        frame.start_depth = frame.start_depth.filter(|&depth| (depth as usize) < steps);
+        self.renew_outputs(slot);
+        self.migrate_trail(slot, before, was);
+        match (&was.body, self.body(slot)) {
+            (Body::Hierarchy(old), Body::Hierarchy(new)) => {
+                self.migrate_last(slot, before, old);
+                self.migrate_slots(slot, (before, was, old), new);
+            }
+            (Body::Concurrency(_, old), Body::Concurrency(_, new)) => {
+                self.migrate_slots(slot, (before, was, old), new);
+            }
+            _ => {}
+        }
+    }
+
+    /// Defaults of the outputs of a container count when it ends.
+    fn renew_outputs(&mut self, slot: u32) {
+        if self.run.frames.get(slot).outputs.is_some() {
+            let outputs = self.outputs_anew(slot);
+            self.run.frames.get_mut(slot).outputs = Some(outputs);
+        }
+    }
+
+    /// The node that stands where this one stood; the frame around it was carried over before.
+    fn node_at(&self, parent: u32, was: &Node<D>) -> NodeId {
+        if parent == NONE {
+            return Program::<D>::ROOT;
+        }
+        let around = self.program.node(self.run.frames.get(parent).node);
+        self.program.child_of(around, was.id()).map_or(Program::<D>::ROOT, |found| found.1)
+    }
+
+    fn migrate_last(&mut self, slot: u32, before: &Program<D>, old: &Inside<D>) {
+        let around = self.program.node(self.run.frames.get(slot).node);
+        let frame = self.run.frames.get_mut(slot);
+        let Some((child, outcome)) = frame.last else { return };
+        let was = before.node(old.child(child));
+        let found = self.program.child_of(around, was.id());
+        let last = found.and_then(|(index, node)| {
+            let outcome = self.program.node(node).outcome_index(was.outcome_id(outcome).0)?;
+            Some((index, outcome))
+        });
+        frame.last = last;
+        if last.is_none() {
+            // It has begun all the same.
+            frame.start_depth = None;
+        }
+    }
+
+    /// Values stay where their names do. Scoped variables that are new begin with their default.
+    fn migrate_slots(
+        &mut self,
+        slot: u32,
+        (before, was, old): (&Program<D>, &Node<D>, &Inside<D>),
+        new: &'s Inside<D>,
+    ) {
+        let frame = self.run.frames.get_mut(slot);
+        let (path, is) = (frame.path, self.program.node(frame.node));
+        if frame.slots.len() != old.slots as usize {
+            return;
+        }
+        let values = std::mem::take(&mut frame.slots);
+        let mut kept: BTreeMap<_, _> = sources(before, was, old).into_iter().zip(values).collect();
+        let mut fresh = new.scoped.iter();
+        for source in sources(self.program, is, new) {
+            let scoped = matches!(source, Source::Variable(_)).then(|| fresh.next()).flatten();
+            let value = kept.remove(&source).unwrap_or_else(|| {
+                let value = scoped.map(|scoped| scoped.initial.clone());
+                self.run.sequence += u64::from(value.is_some());
+                if let Some((scoped, value)) = scoped.zip(value.clone()) {
+                    self.out.events.push(Event::Scoped { path, port: scoped.port.id, value });
+                }
+                Slot { sequence: if value.is_some() { self.run.sequence } else { 0 }, value }
+            });
+            frame.slots.push(value);
+        }
+    }
+
+    /// Whether a container that waits need not wait any more.
+    fn finds_a_way(&self, slot: u32) -> bool {
+        let frame = self.run.frames.get(slot);
+        if !matches!(frame.phase, Phase::Waiting(_)) {
+            return false;
+        }
+        match self.body(slot) {
+            Body::Hierarchy(inside) => match frame.last {
+                Some((child, outcome)) => self.exit(inside, child, outcome) != Exit::Nowhere,
+                None => inside.start != Exit::Nowhere,
+            },
+            Body::Concurrency(_, inside) => frame.last.is_some_and(|(child, outcome)| {
+                matches!(self.exit(inside, child, outcome), Exit::Outcome(_))
+            }),
+            Body::Script | Body::Library(_) => false,
+        }
+    }
+}
+
+/// What each slot of a container is for.
+pub(in crate::engine) fn sources<D>(
+    program: &Program<D>,
+    node: &Node<D>,
+    inside: &Inside<D>,
+) -> Vec<Source> {
+    let inputs = node.inputs().iter().map(|port| Source::Input(port.id));
+    let variables = inside.scoped.iter().map(|scoped| Source::Variable(scoped.port.id));
+    let outputs = inside.sources.iter().filter_map(|&(child, port)| {
+        let child = program.node(inside.child(child));
+        let port = child.outputs().get(port as usize)?;
+        Some(Source::Output(child.id().clone(), port.id))
+    });
+    inputs.chain(variables).chain(outputs).collect()
+}

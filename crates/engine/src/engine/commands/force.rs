@@ -1,0 +1,171 @@
+//! Outcomes that somebody chooses: for a state that waits or is held, or for one before which something is held.
+
+use crate::engine::Refusal;
+use crate::engine::state::frames::{Ended, NONE};
+use crate::engine::state::phase::{Cause, Phase};
+use crate::engine::state::step::Step;
+use crate::engine::state::suspended::{StopPoint, SuspendReason, SuspendedBranch};
+use crate::engine::state::undo_log::EndedRun;
+use crate::program::{ABORTED, Body, Concurrency, Inside, Node};
+use crate::{Datum, Effect, Event, PathId, When};
+use rafcon_model::{OutcomeId, StatePath};
+
+impl<'s, D: Datum> Step<'s, D> {
+    pub(in crate::engine) fn force(
+        &mut self,
+        path: &StatePath,
+        outcome: OutcomeId,
+    ) -> Result<(), Refusal> {
+        let (node, steps) = self.program.descend(path)?;
+        let refusal = || Refusal::NoSuchOutcome { path: path.clone(), outcome };
+        let index = self.program.node(node).outcome_index(outcome.0).ok_or_else(refusal)?;
+        let place = self.run.place(self.program, &steps);
+        let cannot = |reason| Refusal::CannotForce { path: path.clone(), reason };
+        let nowhere = "it is not active, and nothing is held before it";
+        let place = place.ok_or_else(|| cannot(nowhere))?;
+        if let Some(slot) = self.frame_at(place) {
+            return self.force_end((slot, place), outcome, index).map_err(cannot);
+        }
+        let hold = self.take_hold_before(place).ok_or_else(|| cannot(nowhere))?;
+        self.out.events.push(Event::Forced { path: place, outcome });
+        self.skip(&hold, index);
+        Ok(())
+    }
+
+    /// Ends a state that stands still.
+    fn force_end(
+        &mut self,
+        (slot, path): (u32, PathId),
+        outcome: OutcomeId,
+        index: u32,
+    ) -> Result<(), &'static str> {
+        self.stands_still(slot)?;
+        self.out.events.push(Event::Forced { path, outcome });
+        for SuspendedBranch { spot, branch, .. } in self.run.control.take_in(slot) {
+            if self.is_branch(spot) {
+                self.run.branches.end(branch);
+                self.out.effects.push(Effect::EndBranch { branch });
+            }
+        }
+        let frame = self.run.frames.get_mut(slot);
+        frame.last_error = frame.last_error.take().filter(|_| index == ABORTED);
+        let node = self.program.node(frame.node);
+        match &node.body {
+            Body::Hierarchy(inside) | Body::Concurrency(_, inside) => {
+                self.leave_container(slot, inside, index);
+            }
+            Body::Library(_) => {
+                let outputs = self.run.frames.get_mut(slot).outputs.take();
+                let outputs = outputs.unwrap_or_else(|| node.outputs.clone());
+                let ended = Ended { outcome: index, outputs, absent: Vec::new(), error: None };
+                self.leave(slot, ended);
+            }
+            Body::Script => self.leave(slot, without_outputs(node, index)),
+        }
+        Ok(())
+    }
+
+    /// Why a state goes on by itself, if it does.
+    fn stands_still(&self, slot: u32) -> Result<(), &'static str> {
+        let frame = self.run.frames.get(slot);
+        let checks = |hold: &SuspendedBranch<D>| hold.spot.parent == slot && hold.check().is_some();
+        match frame.phase {
+            Phase::Script => Err("its script runs; preempt it instead"),
+            Phase::Checking => Err("the condition of a breakpoint is being evaluated; wait for it"),
+            _ if self.run.control.holds.iter().any(checks) => {
+                Err("the condition of a breakpoint is being evaluated; wait for it")
+            }
+            Phase::Held | Phase::Waiting(_) => Ok(()),
+            Phase::Branches if frame.children.iter().all(|&child| child == NONE) => Ok(()),
+            Phase::Begun | Phase::Child | Phase::Branches | Phase::Deciding => {
+                Err("states in it are active; choose one of those, or preempt it")
+            }
+        }
+    }
+
+    /// Takes away what is held before the state at this place.
+    fn take_hold_before(&mut self, place: PathId) -> Option<SuspendedBranch<D>> {
+        let before = |hold: &&SuspendedBranch<D>| match hold.why {
+            SuspendReason::Held { .. } if hold.spot.when == When::Before => {
+                self.place_at(hold.spot) == Some(place)
+            }
+            SuspendReason::Held { .. } | SuspendReason::Checking { .. } => false,
+        };
+        let id = self.run.control.holds.iter().find(before)?.id;
+        self.run.control.take(id)
+    }
+
+    fn place_at(&self, spot: StopPoint) -> Option<PathId> {
+        if spot.is_root() {
+            return Some(PathId(0));
+        }
+        let around = self.run.frames.get(spot.parent).path;
+        self.run.places.child(around, spot.child as usize, self.program)
+    }
+
+    /// Goes past a state as if it had ended so, without outputs.
+    fn skip(&mut self, hold: &SuspendedBranch<D>, outcome: u32) {
+        let StopPoint { parent, child, .. } = hold.spot;
+        if hold.spot.is_root() {
+            self.run.finish = Some(Box::new(self.unbegun(outcome)));
+            return self.finish();
+        }
+        let past = self.keeps_trail().then(|| EndedRun::skipped(outcome));
+        match self.body(parent) {
+            Body::Script => {}
+            Body::Hierarchy(_) => {
+                let frame = self.run.frames.get_mut(parent);
+                frame.gave = frame.last_error.take();
+                let first = frame.trail.undo.len();
+                if let Some(past) = past {
+                    self.trace(parent, child, past, first);
+                }
+                self.run.frames.get_mut(parent).last = Some((child, outcome));
+                self.wake(&[parent], Cause::LetGo);
+            }
+            Body::Library(content) => {
+                let Some(root) = content.root() else { return };
+                let outputs = self.root_outputs(parent, content, self.program.node(root));
+                let ended = Ended { outcome, outputs, absent: Vec::new(), error: None };
+                self.library_root_ended(parent, content, (ended, past));
+            }
+            Body::Concurrency(kind, inside) => self.skip_branch(hold, (*kind, inside), outcome),
+        }
+    }
+
+    fn skip_branch(
+        &mut self,
+        hold: &SuspendedBranch<D>,
+        (kind, inside): (Concurrency, &'s Inside<D>),
+        outcome: u32,
+    ) {
+        let StopPoint { parent, child, .. } = hold.spot;
+        let ended = without_outputs(self.program.node(inside.child(child)), outcome);
+        let frame = self.run.frames.get_mut(parent);
+        frame.ended[child as usize] = Some(ended);
+        if let Some(place) = frame.pasts.get_mut(child as usize) {
+            *place = Some(EndedRun::skipped(outcome));
+        }
+        if kind.decider() == Some(child) {
+            frame.last = Some((child, outcome));
+            self.wake(&[parent], Cause::LetGo);
+        } else {
+            self.branch_done(parent, child, hold.branch);
+        }
+    }
+
+    /// Asks one active state to end, and all in it.
+    pub(in crate::engine) fn preempt_at(&mut self, path: &StatePath) -> Result<(), Refusal> {
+        let steps = self.program.descend(path)?.1;
+        let place = self.run.place(self.program, &steps);
+        let slot = place.and_then(|place| self.frame_at(place));
+        let slot = slot.ok_or_else(|| Refusal::NotActive { path: path.clone() })?;
+        let frames = self.run.frames.below(slot);
+        self.preempt(&frames);
+        Ok(())
+    }
+}
+
+fn without_outputs<D: Datum>(node: &Node<D>, outcome: u32) -> Ended<D> {
+    crate::engine::stepping::leave::ended(node, outcome, Vec::new(), None)
+}

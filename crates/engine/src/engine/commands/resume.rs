@@ -1,0 +1,280 @@
+//! Letting go what is held: resume, steps forward, and where a step ends.
+
+use crate::engine::state::frames::{Marker, NONE};
+use crate::engine::state::phase::Cause;
+use crate::engine::state::step::{Step, Work};
+use crate::engine::state::suspended::{StopPoint, SuspendReason, SuspendedBranch};
+use crate::engine::{Refusal, Status};
+use crate::program::Body;
+use crate::{BranchId, Datum, PathId, Stride, When};
+use rafcon_model::StatePath;
+use std::collections::BTreeMap;
+
+impl<D: Datum> Step<'_, D> {
+    /// Goes past a spot: after it was held there, or because no condition was true.
+    pub(in crate::engine) fn go_past(&mut self, spot: StopPoint, branch: BranchId, was_held: bool) {
+        let StopPoint { parent, child, when } = spot;
+        match when {
+            When::Before if spot.is_root() => self.enter_root(),
+            When::After if spot.is_root() => self.finish(),
+            When::Before if self.is_branch(spot) => self.begin_branch(parent, child, branch),
+            When::After if self.is_branch(spot) => self.branch_done(parent, child, branch),
+            When::Before | When::After => {
+                let frame = self.run.frames.get_mut(parent);
+                frame.pass = match when {
+                    When::Before => Some(child),
+                    When::After => was_held.then_some(NONE),
+                };
+                self.wake(&[parent], Cause::LetGo);
+            }
+        }
+    }
+
+    /// Does what was planned with [`Work::Pass`], if the hold is still there.
+    pub(in crate::engine) fn pass(&mut self, id: u64) {
+        if let Some(hold) = self.run.control.take(id) {
+            self.go_past(hold.spot, hold.branch, true);
+        }
+    }
+
+    fn pass_later(&mut self, holds: &[SuspendedBranch<D>]) {
+        self.run.work.extend(holds.iter().rev().map(|hold| Work::Pass(hold.id)));
+    }
+
+    /// What is held, or what is held at and below a place: in the order of the machine.
+    pub(in crate::engine) fn held(&self, within: Option<PathId>) -> Vec<SuspendedBranch<D>> {
+        let active = self.active();
+        let order: BTreeMap<u32, usize> = active.iter().copied().zip(1..).collect();
+        let holds = self.run.control.holds.iter().filter(|hold| hold.by().is_some());
+        let here =
+            |hold: &&SuspendedBranch<D>| within.is_none_or(|top| self.is_within(hold.spot, top));
+        let mut held: Vec<_> = holds.filter(here).cloned().collect();
+        held.sort_by_key(|hold| (order.get(&hold.spot.parent).copied(), hold.spot.child));
+        held
+    }
+
+    fn is_within(&self, spot: StopPoint, top: PathId) -> bool {
+        if spot.is_root() {
+            return false;
+        }
+        let around = self.run.frames.get(spot.parent).path;
+        let begins = self.is_branch(spot)
+            && self.run.places.child(around, spot.child as usize, self.program) == Some(top);
+        begins || self.run.is_below(around, top)
+    }
+
+    /// The place of a branch: of a child of a concurrency state that is active.
+    pub(in crate::engine) fn branch_place(
+        &self,
+        branch: Option<&StatePath>,
+    ) -> Result<Option<PathId>, Refusal> {
+        let Some(path) = branch else { return Ok(None) };
+        let refusal = || Refusal::NoSuchBranch { path: path.clone() };
+        let steps = self.program.descend(path)?.1;
+        let (child, above) = steps.split_last().ok_or_else(refusal)?;
+        let place = self.run.place(self.program, above).ok_or_else(refusal)?;
+        let slot = self.frame_at(place).ok_or_else(refusal)?;
+        if !self.is_branch(StopPoint::before(slot, *child)) {
+            return Err(refusal());
+        }
+        Ok(self.run.places.child(place, *child as usize, self.program))
+    }
+
+    /// The frame of the state that is active at a place.
+    pub(in crate::engine) fn frame_at(&self, place: PathId) -> Option<u32> {
+        self.active().into_iter().find(|&slot| self.run.frames.get(slot).path == place)
+    }
+
+    /// Ends a pause and steps: of the whole run, or of one branch.
+    pub(in crate::engine) fn resume(&mut self, branch: Option<&StatePath>) -> Result<(), Refusal> {
+        let place = self.branch_place(branch)?;
+        self.end_pause();
+        match place {
+            None => self.step_all(false),
+            Some(place) => self.free_within(place),
+        }
+        if place.is_none() {
+            self.run.control.run_to = None;
+        }
+        let held = self.held(place);
+        for hold in &held {
+            self.run.branches.set(hold.branch, false);
+        }
+        self.pass_later(&held);
+        Ok(())
+    }
+
+    /// One branch goes on by itself, and all in it; if the run was paused, the others go step by step.
+    fn free_within(&mut self, place: PathId) {
+        for slot in self.active() {
+            let frame = self.run.frames.get(slot);
+            if self.run.is_below(frame.path, place) {
+                self.run.branches.set(frame.branch, false);
+            }
+        }
+    }
+
+    /// A pause becomes steps.
+    pub(in crate::engine) fn end_pause(&mut self) {
+        if self.run.status == Status::Paused {
+            self.pause(false);
+            self.step_all(true);
+        }
+    }
+
+    /// Holds wherever a next state would begin.
+    pub(in crate::engine) fn step_mode(&mut self) {
+        self.end_pause();
+        self.step_all(true);
+    }
+
+    pub(in crate::engine) fn step_all(&mut self, steps: bool) {
+        self.run.branches.set_all(steps);
+        for slot in self.active() {
+            self.run.frames.get_mut(slot).marker = None;
+        }
+    }
+
+    /// Goes on with all branches until one comes to this state.
+    pub(in crate::engine) fn run_to(&mut self, path: StatePath) -> Result<(), Refusal> {
+        self.program.find(&path)?;
+        self.resume(None)?;
+        self.run.control.run_to = Some(path);
+        Ok(())
+    }
+
+    /// One step forward of what is held.
+    pub(in crate::engine) fn forward(
+        &mut self,
+        stride: Stride,
+        branch: Option<&StatePath>,
+    ) -> Result<(), Refusal> {
+        let place = self.branch_place(branch)?;
+        let held = self.held(place);
+        if held.is_empty() {
+            return Err(Refusal::NothingHeld { branch: branch.cloned() });
+        }
+        self.end_pause();
+        self.run.control.run_to = None;
+        for hold in &held {
+            self.mark(hold, stride);
+        }
+        self.pass_later(&held);
+        Ok(())
+    }
+
+    /// Where the step of this hold ends: marked in the frame that it does not leave, or below which it holds nowhere.
+    fn mark(&mut self, hold: &SuspendedBranch<D>, stride: Stride) {
+        let spot = hold.spot;
+        let runs_through = match stride {
+            Stride::Into | Stride::Back => false,
+            Stride::Over => spot.is_root() || self.is_branch(spot),
+            Stride::Out => self.leads_out_of_all(spot),
+        };
+        self.run.branches.set(hold.branch, !runs_through);
+        if spot.is_root() || self.is_branch(spot) {
+            return;
+        }
+        self.run.frames.get_mut(spot.parent).marker = match stride {
+            Stride::Over => Some(Marker::Over),
+            Stride::Out => Some(Marker::Out),
+            Stride::Into | Stride::Back => None,
+        };
+    }
+
+    /// Whether behind the end of this container there is nothing that could hold the branch.
+    fn leads_out_of_all(&self, spot: StopPoint) -> bool {
+        if spot.is_root() || self.is_branch(spot) {
+            return true;
+        }
+        let parent = self.run.frames.get(spot.parent).parent;
+        parent == NONE
+            || matches!(self.body(parent), Body::Library(_))
+                && self.leads_out_of_all(StopPoint::before(parent, 0))
+    }
+
+    /// Whether a step over or out of something is under way, that holds nowhere before a child of this frame.
+    pub(in crate::engine) fn is_passed_over(&self, slot: u32) -> bool {
+        let frame = self.run.frames.get(slot);
+        frame.marker == Some(Marker::Out) || self.is_inside_of_step(frame.parent, frame.branch)
+    }
+
+    /// Whether a step over or out of this frame, or of one around it on the same branch, is under way.
+    pub(in crate::engine) fn is_inside_of_step(&self, slot: u32, branch: BranchId) -> bool {
+        let mut next = slot;
+        while next != NONE {
+            let frame = self.run.frames.get(next);
+            if frame.branch != branch {
+                return false;
+            }
+            if frame.marker.is_some() {
+                return true;
+            }
+            next = frame.parent;
+        }
+        false
+    }
+
+    /// Lets go what is held between the children of a frame that is asked to end: those that have not begun never do, those
+    /// that were left have ended.
+    pub(in crate::engine) fn release(&mut self, slot: u32) {
+        for SuspendedBranch { spot, branch, .. } in self.run.control.take_in(slot) {
+            match spot.when {
+                _ if !self.is_branch(spot) => {}
+                When::Before => self.branch_never_begins(slot, branch),
+                When::After => self.branch_done(slot, spot.child, branch),
+            }
+        }
+    }
+
+    /// Whoever was connected has gone: what breakpoints hold goes on or stops, as they say.
+    pub(in crate::engine) fn attend(&mut self, attended: bool) {
+        use crate::Unattended::{Continue, Stop};
+        self.run.control.attended = attended;
+        let running = matches!(self.run.status, Status::Running | Status::Paused);
+        if attended || !running {
+            return;
+        }
+        let alone = |id| self.run.control.breakpoints.get(id).map(|found| found.unattended);
+        let of = |hold: &SuspendedBranch<D>| match hold.why {
+            SuspendReason::Held { by: crate::HeldBy::Breakpoint(id), .. } => alone(id),
+            SuspendReason::Held { .. } | SuspendReason::Checking { .. } => None,
+        };
+        let paused_by = self.run.control.paused_by.and_then(alone);
+        let held = self.held(None);
+        if paused_by == Some(Stop) || held.iter().any(|hold| of(hold) == Some(Stop)) {
+            return self.stop();
+        }
+        let go_on = held.into_iter().filter(|hold| of(hold) == Some(Continue)).collect::<Vec<_>>();
+        if paused_by == Some(Continue) {
+            self.go_on();
+        }
+        for hold in &go_on {
+            self.run.branches.set(hold.branch, false);
+        }
+        self.pass_later(&go_on);
+    }
+
+    /// Ends a pause; what it held goes on, what steps and breakpoints hold stays.
+    fn go_on(&mut self) {
+        self.pause(false);
+        let held = self.held(None);
+        let by_pause = held.into_iter().filter(|hold| hold.by() == Some(crate::HeldBy::Pause));
+        let by_pause = by_pause.collect::<Vec<_>>();
+        self.pass_later(&by_pause);
+    }
+}
+
+impl<D: Datum> crate::engine::Run<D> {
+    /// Whether a place is `top`, or in it.
+    pub(in crate::engine) fn is_below(&self, place: PathId, top: PathId) -> bool {
+        let mut next = Some(place);
+        while let Some(place) = next {
+            if place == top {
+                return true;
+            }
+            next = self.places.parent(place);
+        }
+        false
+    }
+}

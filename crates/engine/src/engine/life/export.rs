@@ -1,0 +1,143 @@
+//! What is active, by names: the counterpart of taking a run up.
+
+use crate::engine::Engine;
+use crate::engine::state::frames::{Ended, Frame, NONE};
+use crate::program::{Body, Concurrency, Inside, Node};
+use crate::{Datum, Restored, RestoredEnd, RestoredVariable};
+use rafcon_model::{OutcomeId, PortId};
+use std::collections::BTreeMap;
+
+impl<D: Datum> Engine<D> {
+    /// What is active now, with all its data; `None` if nothing is. Of a hierarchy, only the child that ended last comes
+    /// with its outcome; the others count as *aborted*, for their outcomes matter no more.
+    pub fn configuration(&self) -> Option<Restored<D>> {
+        let frames = self.run.frames.below(self.run.root?);
+        let mut made: BTreeMap<u32, Restored<D>> = BTreeMap::new();
+        for &slot in frames.iter().rev() {
+            let children = &self.run.frames.get(slot).children;
+            let children = children.iter().filter(|&&child| child != NONE);
+            let children = children.filter_map(|child| made.remove(child)).collect();
+            made.insert(slot, self.exported(slot, children));
+        }
+        made.remove(&self.run.root?)
+    }
+
+    fn exported(&self, slot: u32, children: Vec<Restored<D>>) -> Restored<D> {
+        let frame = self.run.frames.get(slot);
+        let node = self.program.node(frame.node);
+        let inputs = frame.inputs.clone().unwrap_or_default();
+        let mut restored = Restored {
+            state: node.id().clone(),
+            inputs: node.inputs().iter().map(|port| port.id).zip(inputs.iter().cloned()).collect(),
+            order: frame.slots.first().map_or(0, |slot| slot.sequence),
+            error: frame.error.clone(),
+            preempted: Some(frame.preempted),
+            scoped: Vec::new(),
+            ended: Vec::new(),
+            last: None,
+            children,
+        };
+        match &node.body {
+            Body::Script | Body::Library(_) => {}
+            Body::Hierarchy(inside) => {
+                restored.scoped = variables(frame, node, inside);
+                restored.ended = self.ends(frame, node, inside);
+                restored.last = frame.last.map(|(child, _)| self.id_of(inside, child));
+            }
+            Body::Concurrency(kind, inside) => {
+                restored.scoped = variables(frame, node, inside);
+                restored.ended = self.ends_of_branches(frame, *kind, inside);
+            }
+        }
+        restored
+    }
+
+    fn id_of(&self, inside: &Inside<D>, child: u32) -> rafcon_model::StateId {
+        self.program.node(inside.child(child)).id().clone()
+    }
+
+    /// The outputs that flow on, each by itself, and how the child ended that ended last.
+    fn ends(&self, frame: &Frame<D>, node: &Node<D>, inside: &Inside<D>) -> Vec<RestoredEnd<D>> {
+        let slots = frame.slots.iter().skip(node.inputs().len() + inside.scoped.len());
+        let given = inside.sources.iter().zip(slots).filter_map(|(&(child, port), slot)| {
+            let output = self.output(inside, child, port).zip(slot.value.clone());
+            let outputs = output.into_iter().collect();
+            let end = RestoredEnd { outputs, order: slot.sequence, ..self.end(inside, child) };
+            (!end.outputs.is_empty()).then_some(end)
+        });
+        let mut ends: Vec<_> = given.collect();
+        ends.sort_by_key(|end| end.order);
+        ends.extend(frame.last.map(|(child, outcome)| RestoredEnd {
+            outcome: self.program.node(inside.child(child)).outcome_id(outcome),
+            error: frame.last_error.clone(),
+            order: self.run.sequence,
+            ..self.end(inside, child)
+        }));
+        ends
+    }
+
+    fn end(&self, inside: &Inside<D>, child: u32) -> RestoredEnd<D> {
+        RestoredEnd {
+            state: self.id_of(inside, child),
+            outcome: OutcomeId::ABORTED,
+            outputs: Vec::new(),
+            error: None,
+            order: 0,
+        }
+    }
+
+    fn output(&self, inside: &Inside<D>, child: u32, port: u32) -> Option<PortId> {
+        let outputs = self.program.node(inside.child(child)).outputs();
+        outputs.get(port as usize).map(|port| port.id)
+    }
+
+    /// How branches ended: the winner of a race first, and in a barrier in the order of their values.
+    fn ends_of_branches(
+        &self,
+        frame: &Frame<D>,
+        kind: Concurrency,
+        inside: &Inside<D>,
+    ) -> Vec<RestoredEnd<D>> {
+        let ended = (0..).zip(&frame.ended);
+        let ended = ended.filter_map(|(child, ended)| Some((child, ended.as_ref()?)));
+        let end = |(child, ended): (u32, &Ended<D>)| {
+            let node = self.program.node(inside.child(child));
+            let is_absent = |port: u32| ended.absent.contains(&port);
+            let ports = (0..).zip(node.outputs().iter().zip(ended.outputs.iter()));
+            let given = ports.filter(|(index, _)| !is_absent(*index));
+            RestoredEnd {
+                outcome: node.outcome_id(ended.outcome),
+                outputs: given.map(|(_, (port, value))| (port.id, value.clone())).collect(),
+                error: ended.error.clone(),
+                order: match kind {
+                    Concurrency::Preemptive => u64::from(frame.winner != Some(child)),
+                    Concurrency::Barrier(_) => self.put_down(frame, inside, child),
+                },
+                ..self.end(inside, child)
+            }
+        };
+        ended.map(end).collect()
+    }
+
+    /// When the outputs of a child were put down.
+    fn put_down(&self, frame: &Frame<D>, inside: &Inside<D>, child: u32) -> u64 {
+        let first = self.program.node(frame.node).inputs().len() + inside.scoped.len();
+        let slots = inside.sources.iter().zip(frame.slots.iter().skip(first));
+        let own = slots.filter(|((source, _), slot)| *source == child && slot.value.is_some());
+        own.map(|(_, slot)| slot.sequence).min().unwrap_or_default()
+    }
+}
+
+fn variables<D: Datum>(
+    frame: &Frame<D>,
+    node: &Node<D>,
+    inside: &Inside<D>,
+) -> Vec<RestoredVariable<D>> {
+    let slots = frame.slots.iter().skip(node.inputs().len());
+    let kept = inside.scoped.iter().zip(slots);
+    kept.filter_map(|(scoped, slot)| {
+        let value = slot.value.clone()?;
+        Some(RestoredVariable { port: scoped.port.id, value, order: slot.sequence })
+    })
+    .collect()
+}

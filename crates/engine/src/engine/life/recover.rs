@@ -1,0 +1,111 @@
+//! What becomes of scripts that a crash interrupted: they wait, abort, or run again.
+
+use crate::engine::Refusal;
+use crate::engine::state::frames::NONE;
+use crate::engine::state::phase::Phase;
+use crate::engine::state::step::{Step, Work};
+use crate::engine::state::suspended::StopPoint;
+use crate::program::{ABORTED, Body, PREEMPTED};
+use crate::{Datum, HeldBy, Interrupted, Verdicts, WaitReason};
+use rafcon_model::StatePath;
+use std::sync::Arc;
+
+impl<D: Datum> Step<'_, D> {
+    /// Decides about all scripts that wait, or those at and below one place.
+    pub(in crate::engine) fn recover(
+        &mut self,
+        path: Option<&StatePath>,
+        interrupted: Interrupted,
+    ) -> Result<(), Refusal> {
+        let mut waiting = self.active();
+        waiting.retain(|&slot| self.is_interrupted(slot) && self.is_at_or_below(slot, path));
+        if waiting.is_empty() {
+            return Err(Refusal::NotInterrupted { path: path.cloned() });
+        }
+        if interrupted != Interrupted::Wait {
+            for slot in waiting {
+                self.take_up_script(slot, interrupted, false);
+            }
+            self.run.work.reverse();
+        }
+        Ok(())
+    }
+
+    fn is_interrupted(&self, slot: u32) -> bool {
+        self.run.frames.get(slot).phase == Phase::Waiting(WaitReason::Interrupted)
+    }
+
+    fn is_at_or_below(&self, slot: u32, path: Option<&StatePath>) -> bool {
+        let Some(StatePath(above)) = path else { return true };
+        let place = self.run.frames.get(slot).path;
+        self.run.places.text(place, self.program).0.starts_with(above)
+    }
+
+    /// A script that ran when the run ended. What is left as work stands in the order in which it is to be done.
+    pub(in crate::engine) fn take_up_script(
+        &mut self,
+        slot: u32,
+        interrupted: Interrupted,
+        hold: bool,
+    ) {
+        let asked = self.run.frames.get(slot).preempted;
+        match interrupted {
+            Interrupted::Wait if asked => self.end_script_later(slot, PREEMPTED, None),
+            Interrupted::Wait => self.wait(slot, WaitReason::Interrupted),
+            Interrupted::Abort => {
+                let error = self.run.crash.clone();
+                self.end_script_later(slot, ABORTED, error);
+            }
+            Interrupted::Again if hold => {
+                let branch = self.run.frames.get(slot).branch;
+                self.hold(StopPoint::before(slot, NONE), branch, HeldBy::Start);
+            }
+            Interrupted::Again => self.run_again(slot),
+        }
+    }
+
+    /// What stood still before its script goes on: it ends if it was asked to, else its script runs.
+    pub(in crate::engine) fn advance_script(&mut self, slot: u32) {
+        let frame = self.run.frames.get(slot);
+        match frame.phase {
+            Phase::Held | Phase::Checking | Phase::Waiting(_) if frame.preempted => {
+                self.end_script_later(slot, PREEMPTED, None);
+            }
+            Phase::Held => self.run_again(slot),
+            Phase::Begun
+            | Phase::Checking
+            | Phase::Script
+            | Phase::Child
+            | Phase::Waiting(_)
+            | Phase::Branches
+            | Phase::Deciding => {}
+        }
+    }
+
+    fn run_again(&mut self, slot: u32) {
+        let verdicts = self.verdicts_for(slot);
+        self.run_script(slot, verdicts);
+    }
+
+    /// Gives nothing out: there is no result.
+    fn end_script_later(&mut self, slot: u32, outcome: u32, error: Option<D>) {
+        let frame = self.run.frames.get_mut(slot);
+        // It is not woken any more.
+        frame.phase = Phase::Begun;
+        let node = self.program.node(frame.node);
+        let ended = crate::engine::stepping::leave::ended(node, outcome, Vec::new(), error);
+        self.run.work.push(Work::Leave { slot, ended: Box::new(ended) });
+    }
+
+    /// What a decider is told about the branches of its barrier.
+    fn verdicts_for(&self, slot: u32) -> Option<Arc<Verdicts<D>>> {
+        let frame = self.run.frames.get(slot);
+        if !self.program.node(frame.node).id().is_decider() || frame.parent == NONE {
+            return None;
+        }
+        match self.body(frame.parent) {
+            Body::Concurrency(_, inside) => Some(Arc::new(self.verdicts(frame.parent, inside))),
+            Body::Script | Body::Hierarchy(_) | Body::Library(_) => None,
+        }
+    }
+}

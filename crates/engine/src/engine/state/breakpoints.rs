@@ -1,0 +1,73 @@
+//! The breakpoints of a run and how often each was passed. Knows no frame.
+
+use crate::{Breakpoint, When};
+use rafcon_model::StatePath;
+
+#[derive(Debug)]
+struct BreakpointEntry {
+    breakpoint: Breakpoint,
+    hits: u32,
+}
+
+/// All breakpoints by rising id.
+#[derive(Debug, Default)]
+pub(in crate::engine) struct Breakpoints {
+    all: Vec<BreakpointEntry>,
+}
+
+impl Breakpoints {
+    pub(in crate::engine) fn is_empty(&self) -> bool {
+        self.all.is_empty()
+    }
+
+    pub(in crate::engine) fn iter(&self) -> impl Iterator<Item = (&Breakpoint, u32)> {
+        self.all.iter().map(|entry| (&entry.breakpoint, entry.hits))
+    }
+
+    pub(in crate::engine) fn get(&self, id: u64) -> Option<&Breakpoint> {
+        let place = self.place(id).ok()?;
+        Some(&self.all[place].breakpoint)
+    }
+
+    fn place(&self, id: u64) -> Result<usize, usize> {
+        self.all.binary_search_by_key(&id, |entry| entry.breakpoint.id)
+    }
+
+    /// One with the same id is replaced, and its hits are forgotten.
+    pub(in crate::engine) fn set(&mut self, breakpoint: Breakpoint) {
+        let place = self.place(breakpoint.id);
+        let entry = BreakpointEntry { breakpoint, hits: 0 };
+        match place {
+            Ok(place) => self.all[place] = entry,
+            Err(place) => self.all.insert(place, entry),
+        }
+    }
+
+    /// Whether it was there.
+    pub(in crate::engine) fn remove(&mut self, id: u64) -> bool {
+        let place = self.place(id);
+        if let Ok(place) = place {
+            self.all.remove(place);
+        }
+        place.is_ok()
+    }
+
+    /// Those that are enabled on this side of the state that `stands` agrees to, the lowest id last.
+    pub(in crate::engine) fn at(
+        &self,
+        when: When,
+        stands: impl Fn(&StatePath) -> bool,
+    ) -> Vec<u64> {
+        let all = self.all.iter().rev().map(|entry| &entry.breakpoint);
+        let here = all.filter(|b| b.enabled && b.when == when && stands(&b.path));
+        here.map(|breakpoint| breakpoint.id).collect()
+    }
+
+    /// Counts that a breakpoint was passed. How often by now, and what it says.
+    pub(in crate::engine) fn hit(&mut self, id: u64) -> Option<(u32, &Breakpoint)> {
+        let place = self.place(id).ok()?;
+        let entry = self.all.get_mut(place).filter(|entry| entry.breakpoint.enabled)?;
+        entry.hits = entry.hits.saturating_add(1);
+        Some((entry.hits, &entry.breakpoint))
+    }
+}

@@ -1,0 +1,108 @@
+//! One call of the engine: everything that follows from one input.
+
+use crate::engine::Run;
+use crate::engine::state::frames::{Ended, NONE};
+use crate::engine::state::phase::Phase;
+use crate::program::{Body, Concurrency, Inside};
+use crate::{Datum, Event, FrameId, Globals, Level, Note, Outbox, PathId, Program};
+
+/// What is left to do, last in first out. Depth of the machine becomes length of this list, never depth of the stack.
+#[derive(Debug)]
+pub(in crate::engine) enum Work<D> {
+    /// Enter a child.
+    Enter { parent: u32, child: u32 },
+    /// Look what is next in a container.
+    Advance(FrameId),
+    /// Go on where something was held.
+    Pass(u64),
+    /// Go a step back.
+    Back(Back),
+    /// Leave a library state as its root ended.
+    Leave { slot: u32, ended: Box<Ended<D>> },
+}
+
+/// The engine at work, with all that it may touch.
+pub(in crate::engine) struct Step<'s, D> {
+    pub(in crate::engine) program: &'s Program<D>,
+    pub(in crate::engine) run: &'s mut Run<D>,
+    pub(in crate::engine) globals: &'s dyn Globals<D>,
+    pub(in crate::engine) out: &'s mut Outbox<D>,
+}
+
+impl<'s, D: Datum> Step<'s, D> {
+    /// Works until nothing is left.
+    pub(in crate::engine) fn work(&mut self) {
+        while self.work_once() {}
+    }
+
+    /// Does one thing; false if there is none.
+    pub(in crate::engine) fn work_once(&mut self) -> bool {
+        let Some(work) = self.run.work.pop() else { return false };
+        match work {
+            Work::Enter { parent, child } => self.enter(parent, child),
+            Work::Advance(frame) => self.advance(frame),
+            Work::Pass(hold) => self.pass(hold),
+            Work::Back(back) => self.go_back(back),
+            Work::Leave { slot, ended } => self.leave(slot, *ended),
+        }
+        true
+    }
+
+    pub(in crate::engine) fn body(&self, slot: u32) -> &'s Body<D> {
+        &self.program.node(self.run.frames.get(slot).node).body
+    }
+
+    pub(in crate::engine) fn advance_later(&mut self, slot: u32) {
+        self.run.work.push(Work::Advance(self.run.frames.id(slot)));
+    }
+
+    /// Looks what is next in a container. Nothing, while a child of it is active.
+    fn advance(&mut self, frame: FrameId) {
+        let Some(slot) = self.run.frames.find(frame) else { return };
+        if self.is_held_anew(slot) {
+            return;
+        }
+        match self.body(slot) {
+            Body::Hierarchy(inside) => self.advance_hierarchy(slot, inside),
+            Body::Concurrency(kind, inside) => self.advance_concurrency(slot, *kind, inside),
+            Body::Script => self.advance_script(slot),
+            Body::Library(content) => self.advance_library(slot, content),
+        }
+    }
+
+    /// Whether a frame that was to look what is next did so before, and is held there: it was asked to end twice in one
+    /// answer. Whatever lets it go takes its hold away first.
+    fn is_held_anew(&self, slot: u32) -> bool {
+        let frame = self.run.frames.get(slot);
+        let mut holds = self.run.control.holds.iter().map(|hold| hold.spot);
+        matches!(frame.phase, Phase::Held | Phase::Checking)
+            && holds.any(|spot| spot.parent == slot && !self.is_branch(spot))
+    }
+
+    fn advance_concurrency(&mut self, slot: u32, kind: Concurrency, inside: &'s Inside<D>) {
+        let frame = self.run.frames.get(slot);
+        let decides = kind.decider().is_some_and(|decider| frame.active_child(decider) != NONE);
+        if frame.open > 0 || decides {
+            return;
+        }
+        match kind {
+            Concurrency::Barrier(decider) => self.advance_barrier(slot, decider, inside),
+            Concurrency::Preemptive => self.advance_preemptive(slot, inside),
+        }
+    }
+
+    pub(in crate::engine) fn note(&mut self, path: PathId, level: Level, note: Note) {
+        self.out.events.push(Event::Note { path, level, note: Box::new(note) });
+    }
+}
+
+/// What goes a step back.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(in crate::engine) enum Back {
+    /// The last child of a hierarchy or library state is undone, or it is left, if there is none.
+    Last(FrameId),
+    /// These children of a concurrency state, that ended, are entered backwards.
+    Branches(FrameId, Vec<u32>),
+    /// A state whose children are all at their start is left.
+    Leave(FrameId),
+}

@@ -1,0 +1,259 @@
+//! Values on their way: into states, into containers, out of containers.
+
+use crate::engine::state::frames::{Ended, Slot};
+use crate::engine::state::step::Step;
+use crate::program::{Checks, FlowRange, Initial, Inside, Node, index};
+use crate::{Datum, Event, Globals, Level, Note, PathId};
+use rafcon_model::{Answer, DataType, Port};
+use smol_str::SmolStr;
+use std::sync::Arc;
+
+/// The newest value among the slots that `wanted` agrees to.
+fn newest<'v, D>(
+    slots: &'v [Slot<D>],
+    among: &[u32],
+    wanted: impl Fn(&D) -> bool,
+) -> Option<&'v D> {
+    let mut best: Option<(u64, &D)> = None;
+    for slot in among.iter().filter_map(|&index| slots.get(index as usize)) {
+        let Some(value) = slot.value.as_ref().filter(|value| wanted(value)) else { continue };
+        if best.is_none_or(|(sequence, _)| sequence < slot.sequence) {
+            best = Some((slot.sequence, value));
+        }
+    }
+    best.map(|(_, value)| value)
+}
+
+impl<'s, D: Datum> Step<'s, D> {
+    /// The inputs of a child: for each port the newest value that flows into it and is not `None`, else its default; and
+    /// the error of the state before in a port with the name `error`.
+    pub(in crate::engine) fn child_inputs(
+        &mut self,
+        parent: u32,
+        node: &'s Node<D>,
+        (path, error): (PathId, Option<&D>),
+    ) -> Arc<[D]> {
+        let error = node.error_input.zip(error);
+        if let (Some(constant), None) = (&node.constant_inputs, error) {
+            return Arc::clone(constant);
+        }
+        let (slots, tables) = (&self.run.frames.get(parent).slots, &self.program.tables);
+        let flowing = |port: usize| match error {
+            Some((index, error)) if index as usize == port => Some(error.clone()),
+            _ => newest(slots, tables.slots(node.gather, port), |value| !value.is_none()).cloned(),
+        };
+        inputs(node, path, (self.globals, &mut self.out.events), flowing)
+    }
+
+    /// The default inputs of a state, or what `given` says for a port.
+    pub(in crate::engine) fn default_inputs(
+        &mut self,
+        node: &'s Node<D>,
+        path: PathId,
+        given: impl Fn(usize) -> Option<D>,
+    ) -> Arc<[D]> {
+        inputs(node, path, (self.globals, &mut self.out.events), given)
+    }
+
+    /// The values that a container begins with: its inputs, then its scoped variables, into which inputs may flow.
+    pub(in crate::engine) fn fill(&mut self, slot: u32, inside: &'s Inside<D>) {
+        let frame = self.run.frames.get_mut(slot);
+        frame.slots.resize(inside.slots as usize, Slot { sequence: 0, value: None });
+        let inputs = frame.inputs.clone().unwrap_or_default();
+        let initial = inside.scoped.iter().map(|scoped| &scoped.initial);
+        for (value, place) in inputs.iter().chain(initial).zip(&mut frame.slots) {
+            self.run.sequence += 1;
+            *place = Slot { sequence: self.run.sequence, value: Some(value.clone()) };
+        }
+        let path = frame.path;
+        let scoped = inside.scoped.iter();
+        self.out.events.extend(scoped.map(|scoped| Event::Scoped {
+            path,
+            port: scoped.port.id,
+            value: scoped.initial.clone(),
+        }));
+        self.store(slot, inside, inside.scatter, (&inputs, &[]));
+        self.give_scoped(slot, inside);
+    }
+
+    /// Puts the outputs of a child that ended where they flow.
+    pub(in crate::engine) fn store_outputs(
+        &mut self,
+        slot: u32,
+        inside: &'s Inside<D>,
+        child: u32,
+        ended: &Ended<D>,
+    ) {
+        let wires = self.program.node(inside.child(child)).scatter;
+        self.store(slot, inside, wires, (&ended.outputs, &ended.absent));
+    }
+
+    fn store(
+        &mut self,
+        slot: u32,
+        inside: &'s Inside<D>,
+        wires: FlowRange,
+        (values, absent): (&[D], &[u32]),
+    ) {
+        if wires.is_empty() {
+            return;
+        }
+        // Ports before scoped variables, so that of what one state gave the scoped variable is the newer.
+        let node = self.program.node(self.run.frames.get(slot).node);
+        let variables = index(node.inputs.len())..index(node.inputs.len() + inside.scoped.len());
+        for to_variables in [false, true] {
+            for (port, value) in values.iter().enumerate() {
+                if absent.iter().any(|&index| index as usize == port) {
+                    continue;
+                }
+                let targets = self.program.tables.slots(wires, port).iter();
+                let targets = targets.filter(|target| variables.contains(target) == to_variables);
+                targets.for_each(|&target| self.put(slot, inside, target, value));
+            }
+        }
+    }
+
+    pub(in crate::engine) fn put(
+        &mut self,
+        slot: u32,
+        inside: &'s Inside<D>,
+        target: u32,
+        value: &D,
+    ) {
+        let frame = self.run.frames.get_mut(slot);
+        let Some(place) = frame.slots.get_mut(target as usize) else { return };
+        self.run.sequence += 1;
+        let slot = Slot { sequence: self.run.sequence, value: Some(value.clone()) };
+        let replaced = std::mem::replace(place, slot);
+        if frame.trail.logs {
+            frame.trail.undo.push_back((target, replaced));
+        }
+        let node = self.program.node(frame.node);
+        let variable = (target as usize).checked_sub(node.inputs.len());
+        let Some(scoped) = variable.and_then(|index| inside.scoped.get(index)) else { return };
+        let path = frame.path;
+        if scoped.typed && is_misfit(value, &scoped.port.data_type) {
+            self.note(path, Level::Error, mismatch(&scoped.port, value));
+        }
+        self.out.events.push(Event::Scoped { path, port: scoped.port.id, value: value.clone() });
+    }
+
+    /// The outputs of a container: for each port the newest value that flows into it, `None` too, else its default.
+    pub(in crate::engine) fn container_outputs(
+        &mut self,
+        slot: u32,
+        inside: &Inside<D>,
+    ) -> Arc<[D]> {
+        let frame = self.run.frames.get_mut(slot);
+        let outputs = frame.outputs.take().unwrap_or_default();
+        if inside.gather.is_empty() {
+            return outputs;
+        }
+        let tables = &self.program.tables;
+        let value = |(port, default): (usize, &D)| {
+            newest(&frame.slots, tables.slots(inside.gather, port), |_| true)
+                .unwrap_or(default)
+                .clone()
+        };
+        outputs.iter().enumerate().map(value).collect()
+    }
+
+    /// Notes every input that does not fit the type of its port.
+    pub(in crate::engine) fn check_inputs(
+        &mut self,
+        path: PathId,
+        node: &'s Node<D>,
+        values: &[D],
+    ) {
+        self.check(path, node.input_checks, values, || node.inputs());
+    }
+
+    /// Notes every output that does not fit the type of its port.
+    pub(in crate::engine) fn check_outputs(
+        &mut self,
+        path: PathId,
+        node: &'s Node<D>,
+        values: &[D],
+    ) {
+        self.check(path, node.output_checks, values, || node.outputs());
+    }
+
+    /// Looks at the ports only when it has something to say about them.
+    fn check(
+        &mut self,
+        path: PathId,
+        checks: Checks,
+        values: &[D],
+        ports: impl Fn() -> &'s [Port],
+    ) {
+        for (index, declared) in self.program.tables.checks(checks) {
+            let Some(value) = values.get(index).filter(|value| is_misfit(*value, declared)) else {
+                continue;
+            };
+            if let Some(port) = ports().get(index) {
+                self.note(path, Level::Error, mismatch(port, value));
+            }
+        }
+    }
+}
+
+fn is_misfit<D: Datum>(value: &D, declared: &DataType) -> bool {
+    !value.is_none() && value.fits(declared) == Answer::No
+}
+
+fn mismatch<D: Datum>(port: &Port, value: &D) -> Note {
+    Note::TypeMismatch {
+        port: port.name.clone(),
+        expected: port.data_type.clone(),
+        found: value.type_name(),
+    }
+}
+
+/// For each input of a state what `given` says, else its default.
+fn inputs<D: Datum>(
+    node: &Node<D>,
+    path: PathId,
+    (globals, events): (&dyn Globals<D>, &mut Vec<Event<D>>),
+    given: impl Fn(usize) -> Option<D>,
+) -> Arc<[D]> {
+    let value = |(port, initial): (usize, &Initial<D>)| {
+        given(port).unwrap_or_else(|| {
+            default(initial, globals).unwrap_or_else(|problem| {
+                let note = Box::new(problem.note(node.inputs().get(port)));
+                events.push(Event::Note { path, level: Level::Error, note });
+                D::none()
+            })
+        })
+    };
+    node.inputs.iter().enumerate().map(value).collect()
+}
+
+/// Why a port has no default.
+enum Problem<'p> {
+    NoGlobal(&'p SmolStr),
+    Bad(&'p SmolStr),
+}
+
+impl Problem<'_> {
+    fn note(self, port: Option<&Port>) -> Note {
+        match self {
+            Self::NoGlobal(name) => Note::NoSuchGlobal { name: name.clone() },
+            Self::Bad(reason) => {
+                let port = port.map(|port| port.name.clone()).unwrap_or_default();
+                Note::BadDefault { port, reason: reason.clone() }
+            }
+        }
+    }
+}
+
+/// The value of a port when nothing flows into it.
+fn default<'p, D: Datum>(
+    initial: &'p Initial<D>,
+    globals: &dyn Globals<D>,
+) -> Result<D, Problem<'p>> {
+    match initial {
+        Initial::Is(value) => Ok(value.clone()),
+        Initial::Global(name) => globals.get(name).ok_or(Problem::NoGlobal(name)),
+        Initial::Bad(reason) => Err(Problem::Bad(reason)),
+    }
+}

@@ -1,0 +1,148 @@
+//! Hierarchy states: one child after the other, as transitions say.
+
+use crate::engine::state::frames;
+use crate::engine::state::frames::Ended;
+use crate::engine::state::phase::{Cause, Phase};
+use crate::engine::state::step::Step;
+use crate::engine::state::suspended::StopPoint;
+use crate::engine::state::undo_log::EndedRun;
+use crate::program::{ABORTED, Body, Exit, Inside, PREEMPTED};
+use crate::{Datum, Event, WaitReason};
+
+impl<'s, D: Datum> Step<'s, D> {
+    /// Follows the transition of the child that ended last, or the start transition.
+    pub(in crate::engine) fn advance_hierarchy(&mut self, slot: u32, inside: &'s Inside<D>) {
+        let frame = self.run.frames.get(slot);
+        if !frame.children.is_empty() || !self.passes_end(slot) {
+            return;
+        }
+        match self.next_exit(slot, inside) {
+            Exit::Outcome(outcome) => self.leave_container(slot, inside, outcome),
+            Exit::Child(child) => self.go_to(slot, inside, child),
+            Exit::Nowhere => self.nowhere(slot, inside),
+        }
+    }
+
+    /// Where a hierarchy goes now.
+    pub(in crate::engine) fn next_exit(&self, slot: u32, inside: &Inside<D>) -> Exit {
+        let frame = self.run.frames.get(slot);
+        match (frame.last, self.leads_to(slot)) {
+            (Some((child, outcome)), _) => self.exit(inside, child, outcome),
+            (None, Some(child)) => Exit::Child(child),
+            (None, None) => inside.start,
+        }
+    }
+
+    /// The child of a hierarchy that comes next.
+    pub(in crate::engine) fn upcoming(&self, slot: u32) -> Option<u32> {
+        let Body::Hierarchy(inside) = self.body(slot) else { return None };
+        match self.next_exit(slot, inside) {
+            Exit::Child(child) => Some(child),
+            Exit::Outcome(_) | Exit::Nowhere => None,
+        }
+    }
+
+    /// Whether nothing holds a container behind the child that was left last.
+    pub(in crate::engine) fn passes_end(&mut self, slot: u32) -> bool {
+        let frame = self.run.frames.get_mut(slot);
+        let (branch, last) = (frame.branch, frame.last);
+        if !std::mem::take(&mut frame.after) {
+            return true;
+        }
+        last.is_none_or(|(child, _)| self.passes(StopPoint::after(slot, child), branch))
+    }
+
+    pub(in crate::engine) fn exit(&self, inside: &Inside<D>, child: u32, outcome: u32) -> Exit {
+        self.program.tables.exit(self.program.node(inside.child(child)).exits, outcome)
+    }
+
+    /// The next child, unless the hierarchy was preempted (only a handler, behind the outcome preempted, runs then, and
+    /// none after a second stop) or is held.
+    fn go_to(&mut self, slot: u32, inside: &'s Inside<D>, child: u32) {
+        let frame = self.run.frames.get_mut(slot);
+        let is_handler = frame.last.is_some_and(|(_, outcome)| outcome == PREEMPTED);
+        let pass = frame.pass.take();
+        if frame.preempted && (!is_handler || self.run.stopped_twice) {
+            self.leave_container(slot, inside, PREEMPTED);
+        } else if self.passes_to(slot, child, pass) {
+            self.run.frames.get_mut(slot).phase = Phase::Child;
+            self.enter(slot, child);
+        }
+    }
+
+    /// Whether nothing holds a frame before this child. Where it was let go, nothing does again.
+    pub(in crate::engine) fn passes_to(
+        &mut self,
+        slot: u32,
+        child: u32,
+        pass: Option<u32>,
+    ) -> bool {
+        let branch = self.run.frames.get(slot).branch;
+        let spot = StopPoint::before(slot, child);
+        match pass {
+            None => self.passes(spot, branch),
+            Some(passed) => passed == child || self.passes_breakpoints(spot, branch),
+        }
+    }
+
+    /// There is no transition: aborted and preempted go up, anything else waits.
+    pub(in crate::engine) fn nowhere(&mut self, slot: u32, inside: &'s Inside<D>) {
+        let frame = self.run.frames.get(slot);
+        match frame.last {
+            _ if frame.preempted => self.leave_container(slot, inside, PREEMPTED),
+            Some((_, ABORTED)) => self.leave_container(slot, inside, ABORTED),
+            Some((_, PREEMPTED)) => self.leave_container(slot, inside, PREEMPTED),
+            Some((child, outcome)) => {
+                let id = self.program.node(inside.child(child)).outcome_id(outcome);
+                let child = self.child_path(slot, child);
+                self.wait(slot, WaitReason::NoTransition { child, outcome: id });
+            }
+            None => self.wait(slot, WaitReason::NoStart),
+        }
+    }
+
+    pub(in crate::engine) fn wait(&mut self, slot: u32, reason: WaitReason) {
+        let frame = self.run.frames.get_mut(slot);
+        frame.phase = Phase::Waiting(reason.clone());
+        self.out.events.push(Event::Waiting { path: frame.path, reason });
+        if self.run.control.stop_next {
+            self.stop();
+        }
+    }
+
+    /// A child of a hierarchy ended.
+    pub(in crate::engine) fn child_of_hierarchy_ended(
+        &mut self,
+        slot: u32,
+        inside: &'s Inside<D>,
+        child: u32,
+        (ended, past): (Ended<D>, Option<EndedRun<D>>),
+    ) {
+        let first = self.run.frames.get(slot).trail.undo.len();
+        self.store_outputs(slot, inside, child, &ended);
+        if let Some(past) = past {
+            self.trace(slot, child, past, first);
+        }
+        let frame: &mut frames::Frame<D> = self.run.frames.get_mut(slot);
+        frame.children.clear();
+        frame.after = true;
+        frame.last = Some((child, ended.outcome));
+        frame.last_error = ended.error.filter(|_| ended.outcome == ABORTED);
+        if self.runs_in_a_circle(slot, inside) {
+            self.run.frames.get_mut(slot).last_error.clone_from(&self.program.circle);
+            return self.leave_container_later(slot, inside, ABORTED);
+        }
+        self.wake(&[slot], Cause::ChildEnded);
+    }
+
+    /// Whether more children ended within one answer than there are ways for a child to end: then no script runs between
+    /// them, nothing can ever change, and the circle would go on for good.
+    fn runs_in_a_circle(&mut self, slot: u32, inside: &Inside<D>) -> bool {
+        let frame = self.run.frames.get_mut(slot);
+        if frame.turn != self.run.turn {
+            (frame.turn, frame.steps) = (self.run.turn, 0);
+        }
+        frame.steps += 1;
+        frame.steps > inside.exits
+    }
+}

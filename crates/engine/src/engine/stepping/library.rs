@@ -1,0 +1,153 @@
+//! Library states: a frame for the state and one for the root of its content, which share data and fate.
+
+use crate::engine::state::frames::{Ended, Seed};
+use crate::engine::state::phase::{Cause, Phase};
+use crate::engine::state::step::{Step, Work};
+use crate::engine::state::suspended::StopPoint;
+use crate::engine::state::undo_log::EndedRun;
+use crate::program::{ABORTED, Content, Node, PREEMPTED};
+use crate::{Datum, Level, Note, PathId};
+use std::sync::Arc;
+
+impl<'s, D: Datum> Step<'s, D> {
+    pub(in crate::engine) fn begin_library(&mut self, slot: u32, content: &'s Content<D>) {
+        match content {
+            Content::Found { .. } => {
+                self.run.frames.get_mut(slot).phase = Phase::Child;
+                self.run.work.push(Work::Enter { parent: slot, child: 0 });
+            }
+            Content::Missing { reason, error } => {
+                let frame = self.run.frames.get_mut(slot);
+                let path = frame.path;
+                let outputs = frame.outputs.take().unwrap_or_default();
+                let reason = reason.clone();
+                self.note(path, Level::Error, Note::MissingLibrary { reason });
+                let error = error.clone();
+                let ended = Ended { outcome: ABORTED, outputs, absent: Vec::new(), error };
+                self.run.work.push(Work::Leave { slot, ended: Box::new(ended) });
+            }
+        }
+    }
+
+    /// Goes on where a library state was held: before its root, or after it.
+    pub(in crate::engine) fn advance_library(&mut self, slot: u32, content: &'s Content<D>) {
+        let frame = self.run.frames.get_mut(slot);
+        if let Some(ended) = frame.ended.pop().flatten() {
+            self.leave(slot, ended);
+        } else if frame.preempted {
+            let outputs = frame.outputs.take().unwrap_or_default();
+            self.leave(
+                slot,
+                Ended { outcome: PREEMPTED, outputs, absent: Vec::new(), error: None },
+            );
+        } else if content.root().is_none() {
+            // Its library was lost while it was held.
+            self.begin_library(slot, content);
+        } else {
+            frame.phase = Phase::Child;
+            self.enter_library_root(slot, content);
+        }
+    }
+
+    /// The root takes the inputs, output defaults and error of the library state.
+    pub(in crate::engine) fn enter_library_root(&mut self, parent: u32, content: &'s Content<D>) {
+        let Content::Found { root, .. } = content else { return };
+        let node = self.program.node(*root);
+        let path = self.child_path(parent, 0);
+        let entered_at = self.out.events.len();
+        let inputs = self.library_root_inputs(parent, content, (node, path));
+        let outputs = self.root_outputs(parent, content, node);
+        let frame = self.run.frames.get_mut(parent);
+        let error = frame.error.take();
+        let frame = self.run.frames.get(parent);
+        let seed = Seed {
+            node: *root,
+            path,
+            branch: frame.branch,
+            parent,
+            preempted: frame.preempted,
+            start_depth: self.start_depth(parent, 0),
+            inputs,
+            outputs,
+            error,
+            entered_at,
+        };
+        self.begin(seed, 0, None);
+    }
+
+    /// The inputs of a root are those of its library state.
+    pub(in crate::engine) fn library_root_inputs(
+        &mut self,
+        library: u32,
+        content: &'s Content<D>,
+        (root, path): (&'s Node<D>, PathId),
+    ) -> Arc<[D]> {
+        let inputs = self.run.frames.get(library).inputs.clone().unwrap_or_default();
+        let Content::Found { ports: Some(ports), .. } = content else { return inputs };
+        let from = |port: usize| inputs.get(ports.inputs[port]? as usize).cloned();
+        self.default_inputs(root, path, from)
+    }
+
+    /// The defaults of the outputs of a root are those of its library state.
+    pub(in crate::engine) fn root_outputs(
+        &self,
+        library: u32,
+        content: &Content<D>,
+        root: &Node<D>,
+    ) -> Arc<[D]> {
+        let outputs = self.run.frames.get(library).outputs.clone().unwrap_or_default();
+        match content {
+            Content::Found { ports: Some(ports), .. } => {
+                mapped(&ports.defaults, &outputs, &root.outputs)
+            }
+            Content::Found { ports: None, .. } | Content::Missing { .. } => outputs,
+        }
+    }
+
+    /// The library state ends as its root did.
+    pub(in crate::engine) fn library_root_ended(
+        &mut self,
+        slot: u32,
+        content: &'s Content<D>,
+        (ended, past): (Ended<D>, Option<EndedRun<D>>),
+    ) {
+        let Content::Found { ports, outcomes, .. } = content else { return };
+        let free = self.run.is_free();
+        let frame = self.run.frames.get_mut(slot);
+        frame.children.clear();
+        frame.pasts.clear();
+        frame.pasts.push(past);
+        let outcome = outcomes.get(ended.outcome as usize).copied().unwrap_or(ABORTED);
+        let ended = match ports {
+            None => Ended { outcome, ..ended },
+            Some(ports) => Ended {
+                outcome,
+                outputs: mapped(
+                    &ports.outputs,
+                    &ended.outputs,
+                    &frame.outputs.take().unwrap_or_default(),
+                ),
+                absent: Vec::new(),
+                error: ended.error,
+            },
+        };
+        let branch = frame.branch;
+        if free {
+            return self.run.work.push(Work::Leave { slot, ended: Box::new(ended) });
+        }
+        frame.ended.push(Some(ended));
+        if self.passes(StopPoint::after(slot, 0), branch) {
+            self.run.frames.get_mut(slot).phase = Phase::Held;
+            self.wake(&[slot], Cause::LetGo);
+        }
+    }
+}
+
+/// For each port the value of the port that is the same as it, else the one in `otherwise`.
+fn mapped<D: Clone>(same: &[Option<u32>], values: &[D], otherwise: &[D]) -> Arc<[D]> {
+    let value = |(same, otherwise): (&Option<u32>, &D)| {
+        let found = same.and_then(|index| values.get(index as usize));
+        found.unwrap_or(otherwise).clone()
+    };
+    same.iter().zip(otherwise).map(value).collect()
+}

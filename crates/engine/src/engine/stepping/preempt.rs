@@ -1,0 +1,44 @@
+//! Asking active states to end. What is asked once stays asked, so that no request is ever lost.
+
+use crate::engine::state::frames::NONE;
+use crate::engine::state::phase::{Cause, Reaction, react};
+use crate::engine::state::step::{Step, Work};
+use crate::{Datum, Effect};
+
+impl<D: Datum> Step<'_, D> {
+    /// Preempts all active children of a state, in their order.
+    pub(in crate::engine) fn preempt_children(&mut self, slot: u32) {
+        let children = self.run.frames.get(slot).children.clone();
+        let active = children.into_iter().filter(|&child| child != NONE);
+        let frames = active.flat_map(|child| self.run.frames.below(child)).collect::<Vec<_>>();
+        self.preempt(&frames);
+        self.release(slot);
+    }
+
+    /// Preempts these frames; those that stand still look what is next.
+    pub(in crate::engine) fn preempt(&mut self, frames: &[u32]) {
+        for &slot in frames {
+            let frame = self.run.frames.get_mut(slot);
+            if !frame.preempted {
+                frame.preempted = true;
+                self.out.effects.push(Effect::Preempt(frame.path));
+            }
+        }
+        self.wake(frames, Cause::Preempted);
+        if !self.run.control.holds.is_empty() {
+            for &slot in frames {
+                self.release(slot);
+            }
+        }
+    }
+
+    /// Lets those frames look what is next that do so for this cause, the first of them first.
+    pub(in crate::engine) fn wake(&mut self, frames: &[u32], cause: Cause) {
+        for &slot in frames.iter().rev() {
+            let reaction = react(&self.run.frames.get(slot).phase, cause);
+            if reaction == Reaction::Advance {
+                self.run.work.push(Work::Advance(self.run.frames.id(slot)));
+            }
+        }
+    }
+}
