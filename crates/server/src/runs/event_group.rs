@@ -4,7 +4,7 @@
 use rafcon_protocol::api::HistoryEntry;
 use rafcon_storage::journal::is_about_values;
 use rafcon_storage::journal::stream::{EventBlock, StreamDefinitions, StreamItem};
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
 /// Events that follow one another.
 #[derive(Debug)]
@@ -17,6 +17,7 @@ pub(crate) struct EventGroup {
     pub(super) t_before: u64,
     /// The events as items of the journal, without definitions.
     pub(super) items: Box<[u8]>,
+    definitions: Arc<StreamDefinitions>,
     whole: OnceLock<Vec<EventText>>,
     bare: OnceLock<Vec<EventText>>,
 }
@@ -31,24 +32,35 @@ pub(crate) struct EventText {
 }
 
 impl EventGroup {
-    /// The events from number `first` to before number `next`.
-    pub(super) fn new(first: u64, next: u64, t_before: u64, items: Box<[u8]>) -> Self {
-        let (whole, bare) = (OnceLock::new(), OnceLock::new());
-        Self { first, next, t_before, items, whole, bare }
+    /// The events of a block up to before number `next`, named as `definitions` say.
+    pub(super) fn new(
+        block: EventBlock<'_>,
+        next: u64,
+        definitions: &Arc<StreamDefinitions>,
+    ) -> Self {
+        Self {
+            first: block.first,
+            next,
+            t_before: block.t_before,
+            items: block.items.into(),
+            definitions: Arc::clone(definitions),
+            whole: OnceLock::new(),
+            bare: OnceLock::new(),
+        }
     }
 
     /// The texts of all its events, with or without values.
-    pub(super) fn texts(&self, values: bool, definitions: &StreamDefinitions) -> &[EventText] {
+    pub(crate) fn texts(&self, values: bool) -> &[EventText] {
         let texts = if values { &self.whole } else { &self.bare };
-        texts.get_or_init(|| self.spell(values, definitions))
+        texts.get_or_init(|| self.spell(values))
     }
 
-    fn spell(&self, values: bool, definitions: &StreamDefinitions) -> Vec<EventText> {
+    fn spell(&self, values: bool) -> Vec<EventText> {
         let block = EventBlock { first: self.first, t_before: self.t_before, items: &self.items };
         let events = block.items().filter_map(|item| match item {
             Ok(StreamItem::Event { sequence, t_ns, record, .. }) => {
                 let is_wanted = values || !is_about_values(&record);
-                let event = is_wanted.then(|| definitions.event(sequence, record, values));
+                let event = is_wanted.then(|| self.definitions.event(sequence, record, values));
                 let entry =
                     event.and_then(Result::ok).map(|event| HistoryEntry { sequence, t_ns, event });
                 let text = entry.and_then(|entry| serde_json::to_string(&entry).ok());

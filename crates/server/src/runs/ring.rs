@@ -2,7 +2,7 @@
 //!
 //! Knows numbers and sizes. Must never know who reads, nor wait for them.
 
-use super::event_group::{EventGroup, EventText};
+use super::event_group::EventGroup;
 use rafcon_locks::Mutex;
 use rafcon_protocol::Event;
 use rafcon_storage::journal::stream::{EventBlock, StreamDefinitions, StreamItem};
@@ -21,8 +21,8 @@ const GROUP_BYTES: usize = 4 << 10;
 #[derive(Debug)]
 pub(crate) struct Ring {
     kept: Mutex<RingContent>,
-    definitions: StreamDefinitions,
     last: watch::Sender<u64>,
+    folder: Option<PathBuf>,
     bytes_max: usize,
 }
 
@@ -32,6 +32,8 @@ struct RingContent {
     bytes: usize,
     /// The number of the event that comes next.
     next: u64,
+    /// What the runner's numbers stand for.
+    definitions: Arc<StreamDefinitions>,
 }
 
 /// What there is from a cursor on.
@@ -50,13 +52,8 @@ impl Ring {
     }
 
     fn with_room(bytes_max: usize, folder: Option<PathBuf>) -> Self {
-        let kept = RingContent { groups: VecDeque::new(), bytes: 0, next: 1 };
-        Self {
-            kept: Mutex::new(kept),
-            definitions: StreamDefinitions::new(folder),
-            last: watch::Sender::new(0),
-            bytes_max,
-        }
+        let kept = Mutex::new(RingContent::empty(1, folder.clone()));
+        Self { kept, last: watch::Sender::new(0), folder, bytes_max }
     }
 
     /// The groups that hold about `count` events from number `from` on.
@@ -72,11 +69,6 @@ impl Ring {
         EventsPage::Events(wanted.cloned().collect())
     }
 
-    /// The texts of a group that was read, with or without values.
-    pub(crate) fn texts<'g>(&self, group: &'g EventGroup, values: bool) -> &'g [EventText] {
-        group.texts(values, &self.definitions)
-    }
-
     /// The number of the last event; with `changed`, when there are more. All up to it can be read, here or in the journal.
     pub(crate) fn last(&self) -> watch::Receiver<u64> {
         self.last.subscribe()
@@ -90,14 +82,18 @@ impl Ring {
     /// Takes in what a runner sent. What is known already is left out; behind a gap, all before it is in the journal only. Gives
     /// the last event of the run, if it came.
     pub(super) fn push(&self, bytes: &[u8]) -> Result<Option<Event>, Broken> {
-        let (mut next, mut finish) = (self.next(), None);
+        let (mut next, definitions) = {
+            let kept = self.kept.lock();
+            (kept.next, Arc::clone(&kept.definitions))
+        };
+        let mut finish = None;
         for block in EventBlock::read_all(bytes) {
-            let mut new = NewGroups::default();
+            let mut new = NewGroups::new(&definitions);
             let block = block?;
             let mut before_ns = block.t_before;
             for item in block.items() {
                 let Some(StreamItem::Event { sequence, t_ns, record, bytes }) =
-                    self.definitions.learn(item?)
+                    definitions.learn(item?)
                 else {
                     continue;
                 };
@@ -130,7 +126,7 @@ impl Ring {
     pub(super) fn settle(&self, last: u64) {
         let mut kept = self.kept.lock();
         let next = kept.next.max(last + 1);
-        *kept = RingContent { groups: VecDeque::new(), bytes: 0, next };
+        *kept = RingContent::empty(next, self.folder.clone());
         drop(kept);
         self.tell(next - 1);
     }
@@ -145,8 +141,9 @@ impl Ring {
 }
 
 /// Events of one block on their way into the ring.
-#[derive(Debug, Default)]
-struct NewGroups {
+#[derive(Debug)]
+struct NewGroups<'d> {
+    definitions: &'d Arc<StreamDefinitions>,
     done: Vec<EventGroup>,
     first: u64,
     next: u64,
@@ -154,7 +151,11 @@ struct NewGroups {
     items: Vec<u8>,
 }
 
-impl NewGroups {
+impl<'d> NewGroups<'d> {
+    fn new(definitions: &'d Arc<StreamDefinitions>) -> Self {
+        Self { definitions, done: Vec::new(), first: 0, next: 0, t_before: 0, items: Vec::new() }
+    }
+
     fn add(&mut self, sequence: u64, before_ns: u64, bytes: &[u8]) {
         if self.items.len() >= GROUP_BYTES {
             self.close();
@@ -168,8 +169,10 @@ impl NewGroups {
 
     fn close(&mut self) {
         if !self.items.is_empty() {
-            let items = std::mem::take(&mut self.items).into_boxed_slice();
-            self.done.push(EventGroup::new(self.first, self.next, self.t_before, items));
+            let block =
+                EventBlock { first: self.first, t_before: self.t_before, items: &self.items };
+            self.done.push(EventGroup::new(block, self.next, self.definitions));
+            self.items.clear();
         }
     }
 
@@ -188,6 +191,11 @@ fn finish_of(record: Record) -> Option<Event> {
 }
 
 impl RingContent {
+    fn empty(next: u64, folder: Option<PathBuf>) -> Self {
+        let definitions = Arc::new(StreamDefinitions::new(folder));
+        Self { groups: VecDeque::new(), bytes: 0, next, definitions }
+    }
+
     fn push(&mut self, group: EventGroup) {
         if group.first > self.next {
             self.groups.clear();
@@ -213,6 +221,7 @@ fn bytes_of(group: &EventGroup) -> usize {
 #[cfg(test)]
 mod tests {
     use super::{EventsPage, Ring};
+    use crate::runs::event_group::EventText;
     use expect_test::expect;
     use proptest::prelude::*;
     use rafcon_protocol::{Event, Outcome};
@@ -221,6 +230,7 @@ mod tests {
     use rafcon_storage::journal::{
         Definition, Item, Kept, Place, PlaceNumber, Record, Stored, ValueNumber,
     };
+    use std::sync::Arc;
 
     /// A block of items, the first event of which has this number.
     fn block(first: u64, items: &[Item]) -> Vec<u8> {
@@ -245,7 +255,7 @@ mod tests {
         match ring.read(from, 100) {
             EventsPage::Behind => None,
             EventsPage::Events(groups) => {
-                let texts = groups.iter().flat_map(|group| ring.texts(group, true));
+                let texts = groups.iter().flat_map(|group| group.texts(true));
                 Some(texts.map(|text| text.sequence).filter(|number| *number >= from).collect())
             }
         }
@@ -254,8 +264,8 @@ mod tests {
     /// The texts of all events, a line each.
     fn texts(ring: &Ring, values: bool) -> String {
         let EventsPage::Events(groups) = ring.read(1, 100) else { panic!("the ring has them") };
-        let texts = groups.iter().flat_map(|group| ring.texts(group, values));
-        let line = |text: &super::EventText| {
+        let texts = groups.iter().flat_map(|group| group.texts(values));
+        let line = |text: &EventText| {
             format!("{} {}\n", text.sequence, text.text.as_deref().unwrap_or("-"))
         };
         texts.map(line).collect()
@@ -294,6 +304,18 @@ mod tests {
         (1..=100).for_each(|sequence| push(&ring, sequence..=sequence));
         assert_eq!(read(&ring, 90), None);
         assert_eq!(read(&ring, 91), Some((91..=100).collect()));
+    }
+
+    #[test]
+    fn a_run_that_is_over_keeps_no_definitions() {
+        let ring = ring();
+        push(&ring, 1..=3);
+        let EventsPage::Events(groups) = ring.read(1, 100) else { panic!("the ring has them") };
+        let definitions = Arc::downgrade(&ring.kept.lock().definitions);
+        ring.settle(3);
+        assert!(definitions.upgrade().is_some(), "a reader still has events of it");
+        drop(groups);
+        assert!(definitions.upgrade().is_none());
     }
 
     #[test]
@@ -393,7 +415,7 @@ mod tests {
             let ring = ring();
             drop(ring.push(&bytes));
             if let EventsPage::Events(groups) = ring.read(ring.next().saturating_sub(9), 100) {
-                let texts = groups.iter().map(|group| ring.texts(group, true).len());
+                let texts = groups.iter().map(|group| group.texts(true).len());
                 prop_assert!(texts.sum::<usize>() <= 200);
             }
         }

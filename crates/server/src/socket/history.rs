@@ -142,8 +142,7 @@ impl RunHistory {
     /// What the ring has.
     fn live(&mut self, groups: &[Arc<EventGroup>]) -> NextMessage {
         let Cursor { next: from, values, .. } = self.cursor;
-        let run = Arc::clone(&self.run);
-        let texts = groups.iter().flat_map(|group| run.ring().texts(group, values));
+        let texts = groups.iter().flat_map(|group| group.texts(values));
         let (mut bytes, mut next, mut page) = (0, from, Vec::new());
         for event in texts.skip_while(|event| event.sequence < from) {
             if bytes >= PAGE_BYTES || page.len() == PAGE_COUNT {
