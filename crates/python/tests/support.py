@@ -9,10 +9,12 @@ import sys
 import tempfile
 import threading
 
+from event_stream import EventStream
+
 ROOT = pathlib.Path(__file__).resolve().parents[3]
 EXTENSION = os.environ.get("RAFCON_EXTENSION") or str(ROOT / "target/debug/librafcon_python.so")
 BINARY = os.environ.get("RAFCON_BINARY") or str(ROOT / "target/debug/rafcon")
-PROTOCOL = 2
+PROTOCOL = 3
 #: A run that takes longer than this is stuck; no test's answer depends on it.
 STUCK_S = 60
 
@@ -50,12 +52,13 @@ class Runner:
         self._watchdog.daemon = True
         self._watchdog.start()
         self.socket = ours
-        self._lines = ours.makefile("rb")
+        self._stream = ours.makefile("rb")
+        self._events = EventStream(self._stream)
         self.messages = []
         self.send(hello or {"protocol": PROTOCOL, "program": "test"})
         launch = {"every_event": True, "run_folder": self.folder.name, "config": None, **launch}
         self.send({"message": "launch", "machine": str(machine), **launch})
-        self.hello = self._next_line()
+        self.hello = self._hello()
 
     def _pump(self, name):
         stream = getattr(self.process, name)
@@ -77,17 +80,23 @@ class Runner:
     def command(self, name, id="1", **fields):
         self.send({"message": "command", "id": id, "command": {"type": name}, **fields})
 
-    def _next_line(self):
+    def _hello(self):
         try:
-            line = self._lines.readline()
+            line = self._stream.readline()
         except ConnectionResetError:
             line = b""
         return json.loads(line) if line else None
 
+    def _next(self):
+        try:
+            return self._events.next()
+        except ConnectionResetError:
+            return None
+
     def read(self, wanted=lambda message: False):
         """Messages up to and including the first that is wanted; None if the talk ended before that."""
         while True:
-            message = self._next_line()
+            message = self._next()
             if message is None:
                 return None
             self.messages.append(message)
@@ -131,7 +140,7 @@ class Runner:
         for pump in self._pumps:
             pump.join()
         self._watchdog.cancel()
-        self._lines.close()
+        self._stream.close()
         self.socket.close()
         files = self._files()
         self.folder.cleanup()
