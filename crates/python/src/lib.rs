@@ -34,6 +34,7 @@ mod questions;
 mod restore;
 mod returned;
 mod run;
+mod run_messages;
 mod runtime;
 mod script;
 mod scripts;

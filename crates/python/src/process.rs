@@ -150,6 +150,7 @@ pub(crate) fn fill(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("VERSION", env!("CARGO_PKG_VERSION"))?;
     module.add("PROTOCOL", rafcon_protocol::VERSION)?;
     module.add_class::<crate::signals::Signals>()?;
+    module.add_class::<crate::run_messages::RunMessages>()?;
     module.add_class::<crate::build::Document>()?;
     module.add_class::<crate::build_files::LibraryRoots>()?;
     module.add_class::<package::Importer>()

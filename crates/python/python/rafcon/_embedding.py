@@ -97,9 +97,12 @@ class Run:
             self._over.set()
 
     def _read(self, ours):
-        with ours, ours.makefile("rb") as lines:
-            for line in lines:
-                self._hear(json.loads(line))
+        frames = native.RunMessages()
+        with ours, ours.makefile("rb") as stream:
+            self._hear(json.loads(stream.readline() or b"{}"))
+            while len(head := stream.read(frames.HEAD)) == frames.HEAD:
+                for message in frames.read(head, stream.read(frames.length(head))):
+                    self._hear(json.loads(message))
 
     def _hear(self, message):
         kind = message.get("message")
