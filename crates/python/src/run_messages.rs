@@ -51,6 +51,7 @@ impl RunMessages {
 }
 
 fn kind_and_length(head: &[u8]) -> PyResult<(FrameKind, usize)> {
-    let head = head.try_into().map_err(|_| PyValueError::new_err("the head of a frame is cut"))?;
+    let head =
+        head.try_into().map_err(|_cut| PyValueError::new_err("the head of a frame is cut"))?;
     Ok(read_frame_head(head)?)
 }
