@@ -22,15 +22,24 @@ impl RunMessages {
         Self { events: Mutex::new(StreamReader::new(0, false, None)) }
     }
 
-    /// How many bytes follow the head of a frame, which is as long as `HEAD` says.
-    #[staticmethod]
-    fn length(head: &[u8]) -> PyResult<usize> {
-        Ok(kind_and_length(head)?.1)
+    /// The messages of the next frame of a stream as JSON, events among them: `{"message": "event", "event": …}`; none at the end,
+    /// which a frame that is cut is too.
+    fn next(&self, stream: &Bound<'_, PyAny>) -> PyResult<Option<Vec<String>>> {
+        let head = stream.call_method1("read", (FRAME_HEAD,))?;
+        let Ok(head) = head.extract::<&[u8]>()?.try_into() else { return Ok(None) };
+        let (kind, length) = read_frame_head(head)?;
+        let content = stream.call_method1("read", (length,))?;
+        let content = content.extract::<&[u8]>()?;
+        if content.len() < length {
+            return Ok(None);
+        }
+        self.read(kind, content).map(Some)
     }
+}
 
-    /// The messages of a frame as JSON, events among them: `{"message": "event", "event": …}`.
-    fn read(&self, head: &[u8], content: &[u8]) -> PyResult<Vec<String>> {
-        match kind_and_length(head)?.0 {
+impl RunMessages {
+    fn read(&self, kind: FrameKind, content: &[u8]) -> PyResult<Vec<String>> {
+        match kind {
             FrameKind::Message => Ok(vec![String::from_utf8_lossy(content).into_owned()]),
             FrameKind::Events => {
                 let mut messages = Vec::new();
@@ -44,14 +53,4 @@ impl RunMessages {
             FrameKind::Unknown => Ok(Vec::new()),
         }
     }
-
-    /// How long the head of a frame is, in bytes.
-    #[classattr]
-    const HEAD: usize = FRAME_HEAD;
-}
-
-fn kind_and_length(head: &[u8]) -> PyResult<(FrameKind, usize)> {
-    let head =
-        head.try_into().map_err(|_cut| PyValueError::new_err("the head of a frame is cut"))?;
-    Ok(read_frame_head(head)?)
 }

@@ -4,7 +4,7 @@
 
 use crate::console::{Key, Wish};
 use anyhow::{Context as _, Result};
-use rafcon_protocol::{FrameKind, Hello, Stream, ToRunner, ToViewer, decode, encode, read_frame};
+use rafcon_protocol::{Hello, Stream, ToRunner, ToViewer, decode, encode, read_frame};
 use rafcon_storage::journal::stream::StreamReader;
 use rafcon_supervisor::clock::since_1970_ms;
 use rafcon_supervisor::{Exit, Process};
@@ -253,27 +253,17 @@ fn messages(control: UnixStream, queue: &Queue, mut events: StreamReader) -> Flo
     let mut content = Vec::new();
     loop {
         match read_frame(&mut frames, &mut content) {
-            Ok(Some(FrameKind::Message)) => {
-                let message = decode(&String::from_utf8_lossy(&content));
-                queue.send(
-                    message.map_or_else(nonsense, |message| Cause::Messages(vec![message])),
-                )?;
-            }
-            Ok(Some(FrameKind::Events)) => {
+            Ok(Some(kind)) => {
                 let mut batch = Vec::new();
-                let show = |sequence, t_ns, event| {
-                    batch.push(ToViewer::Event { sequence, t_ns, event });
-                };
-                let read = events.read(&content, show);
+                let read = events.read_frame(kind, &content, |message| batch.push(message));
                 while !batch.is_empty() {
                     let rest = batch.split_off(batch.len().min(BATCH));
                     queue.send(Cause::Messages(std::mem::replace(&mut batch, rest)))?;
                 }
-                if let Err(broken) = read {
-                    queue.send(nonsense(broken))?;
+                if let Err(bad) = read {
+                    queue.send(nonsense(bad))?;
                 }
             }
-            Ok(Some(FrameKind::Unknown)) => {}
             Err(error) if error.kind() == ErrorKind::InvalidData => {
                 queue.send(nonsense(error))?;
                 return queue.send(Cause::Silence);

@@ -100,8 +100,8 @@ class Run:
         frames = native.RunMessages()
         with ours, ours.makefile("rb") as stream:
             self._hear(json.loads(stream.readline() or b"{}"))
-            while len(head := stream.read(frames.HEAD)) == frames.HEAD:
-                for message in frames.read(head, stream.read(frames.length(head))):
+            while (messages := frames.next(stream)) is not None:
+                for message in messages:
                     self._hear(json.loads(message))
 
     def _hear(self, message):

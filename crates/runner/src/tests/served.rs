@@ -496,20 +496,10 @@ impl Viewer {
 
     fn read(&mut self) -> Option<()> {
         let mut content = Vec::new();
-        match read_frame(&mut self.socket, &mut content).ok()?? {
-            FrameKind::Message => {
-                let text = std::str::from_utf8(&content).unwrap();
-                self.waiting.push_back(decode(text).unwrap());
-            }
-            FrameKind::Events => {
-                let waiting = &mut self.waiting;
-                let show = |sequence, t_ns, event| {
-                    waiting.push_back(ToViewer::Event { sequence, t_ns, event });
-                };
-                self.events.read(&content, show).unwrap();
-            }
-            FrameKind::Unknown => panic!("a frame of no known kind"),
-        }
+        let kind = read_frame(&mut self.socket, &mut content).ok()??;
+        assert_ne!(kind, FrameKind::Unknown);
+        let waiting = &mut self.waiting;
+        self.events.read_frame(kind, &content, |message| waiting.push_back(message)).unwrap();
         Some(())
     }
 

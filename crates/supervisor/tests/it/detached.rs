@@ -57,18 +57,9 @@ fn messages(control: UnixStream) -> impl Iterator<Item = ToViewer> {
     let (mut events, mut content) = (StreamReader::new(0, false, None), Vec::new());
     let frames = std::iter::from_fn(move || {
         let mut messages = Vec::new();
-        match read_frame(&mut runner, &mut content).unwrap()? {
-            FrameKind::Message => {
-                messages.push(decode(std::str::from_utf8(&content).unwrap()).unwrap());
-            }
-            FrameKind::Events => {
-                let show = |sequence, t_ns, event| {
-                    messages.push(ToViewer::Event { sequence, t_ns, event });
-                };
-                events.read(&content, show).unwrap();
-            }
-            FrameKind::Unknown => panic!("a frame of no known kind"),
-        }
+        let kind = read_frame(&mut runner, &mut content).unwrap()?;
+        assert_ne!(kind, FrameKind::Unknown);
+        events.read_frame(kind, &content, |message| messages.push(message)).unwrap();
         Some(messages)
     });
     frames.flatten()

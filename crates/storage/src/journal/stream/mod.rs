@@ -11,7 +11,7 @@ mod tests;
 
 pub use definitions::StreamDefinitions;
 pub use history::PlaceHistory;
-pub use reader::StreamReader;
+pub use reader::{BadFrame, StreamReader};
 
 use super::binary::{BinaryReader, BinaryWriter, Broken, Sent};
 use super::record::{Place, PlaceNumber, Record, ValueNumber};

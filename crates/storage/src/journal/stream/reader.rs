@@ -3,8 +3,19 @@
 use super::{EventBlock, StreamDefinitions, StreamItem};
 use crate::journal::binary::Broken;
 use crate::journal::found::is_about_values;
-use rafcon_protocol::Event;
+use rafcon_protocol::{Event, FrameError, FrameKind, ToViewer, decode};
 use std::path::PathBuf;
+
+/// A frame of a runner that cannot be read.
+#[derive(Debug, thiserror::Error)]
+pub enum BadFrame {
+    /// It holds something else than a message.
+    #[error(transparent)]
+    Message(#[from] FrameError),
+    /// It holds something else than events.
+    #[error(transparent)]
+    Events(#[from] Broken),
+}
 
 /// Turns blocks into events, each once, however often it was sent.
 #[derive(Debug)]
@@ -20,6 +31,24 @@ impl StreamReader {
     /// one, lies in `folder`.
     pub fn new(from: u64, values: bool, folder: Option<PathBuf>) -> Self {
         Self { definitions: StreamDefinitions::new(folder), last: from.saturating_sub(1), values }
+    }
+
+    /// Reads what a frame of a runner holds: shows its message, or each of its events that is new. A frame of no known kind holds
+    /// nothing.
+    pub fn read_frame(
+        &mut self,
+        kind: FrameKind,
+        content: &[u8],
+        mut show: impl FnMut(ToViewer),
+    ) -> Result<(), BadFrame> {
+        match kind {
+            FrameKind::Message => show(decode(&String::from_utf8_lossy(content))?),
+            FrameKind::Events => self.read(content, |sequence, t_ns, event| {
+                show(ToViewer::Event { sequence, t_ns, event });
+            })?,
+            FrameKind::Unknown => {}
+        }
+        Ok(())
     }
 
     /// Reads the blocks in `bytes`: shows each event that is new, with its number and its time in ns.
