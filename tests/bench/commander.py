@@ -13,6 +13,10 @@ import socket
 import subprocess
 import sys
 import time
+from pathlib import Path
+
+sys.path.append(str(Path(__file__).parents[2] / "crates/python/tests"))
+from event_stream import EventStream  # noqa: E402
 
 STATE = "ROOT/WAIT"
 
@@ -32,13 +36,13 @@ def connect(runs):
 
 def preempt(talk):
     """Preempts the state each time it is entered; gives the times when the commands were sent."""
-    lines = talk.makefile("rb")
-    hello = json.loads(lines.readline())
+    incoming = talk.makefile("rb")
+    hello = json.loads(incoming.readline())
     send(talk, hello)
+    stream = EventStream(incoming)
     send(talk, {"message": "join", "from": 1, "every_event": True})
     sent = []
-    for line in lines:
-        message = json.loads(line)
+    while message := stream.next():
         event = message.get("event", {})
         if message["message"] == "event" and event["type"] == "entered" and event["path"] == STATE:
             command = {"type": "preempt", "path": STATE}

@@ -1,7 +1,7 @@
 /** Questions of states, answered in mission control: by text, by boxes, by choice, and by nobody. */
 
 import { expect } from "vitest";
-import type { Picture } from "../src/model/generated/protocol.ts";
+import type { Moment } from "../src/model/generated/protocol.ts";
 import { journey } from "./support/journey.ts";
 import { endRun, missionFolder, missionOf, openMission, startRun } from "./support/mission.ts";
 
@@ -64,7 +64,7 @@ journey(
     await form("Is the way free?").getByRole("button", { name: "Go around" }).click();
     await mission.getByText("owner answered “Go around”").waitFor();
     await mission.getByRole("button", { name: "Drive to the bay" }).waitFor();
-    const { globals } = await server.ask<Picture>("GET", `/runs/${run}/moments`);
+    const { globals } = await server.ask<Moment>("GET", `/runs/${run}/moments`);
     expect(globals).toMatchObject({ label: "box 9", clean: [false, true, true], way: "Go around" });
     await endRun(server, run);
   },
@@ -106,7 +106,7 @@ journey(
       .first()
       .waitFor();
     await mission.getByRole("button", { name: "Drive to the bay" }).waitFor();
-    const { globals } = await server.ask<Picture>("GET", `/runs/${run}/moments`);
+    const { globals } = await server.ask<Moment>("GET", `/runs/${run}/moments`);
     expect(globals["empty"]).toEqual(["no", true]);
     await endRun(server, run);
   },

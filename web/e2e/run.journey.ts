@@ -1,7 +1,7 @@
 /** Runs by the page: started, paused, stepped, held, steered and stopped. */
 
 import { expect } from "vitest";
-import type { Picture } from "../src/model/generated/protocol.ts";
+import type { Moment } from "../src/model/generated/protocol.ts";
 import { journey } from "./support/journey.ts";
 import { examples } from "./support/places.ts";
 import {
@@ -82,7 +82,7 @@ journey(
     await heldBefore(app, `${PACKER}/ISFULL`);
     const run = await runInFront(app);
     const count = async () => {
-      const picture = await server.ask<Picture>("GET", `/runs/${run}/moments`);
+      const picture = await server.ask<Moment>("GET", `/runs/${run}/moments`);
       return picture.active.find(({ path }) => path === PACKER)?.scoped["count"];
     };
     await press(app, "Into");
@@ -198,7 +198,7 @@ journey(
     await press(app, "Start");
     await heldBefore(app, ONE_PART);
     await app.sheet.locator(".run-chooser").getByText("breakpoint 1").waitFor();
-    const picture = await server.ask<Picture>("GET", `/runs/${await runInFront(app)}/moments`);
+    const picture = await server.ask<Moment>("GET", `/runs/${await runInFront(app)}/moments`);
     expect(picture.active.find(({ path }) => path === PACKER)?.scoped["count"]).toBe(2);
     await app.sheet.getByText("1 hit").waitFor();
     await press(app, "Resume");

@@ -1,7 +1,7 @@
 /** The time of a run: scrubbed, stepped, searched, begun again, compared; what the page shows is what the command line tells. */
 
 import { expect } from "vitest";
-import type { Comparison, Picture } from "../src/model/generated/protocol.ts";
+import type { Comparison, Moment } from "../src/model/generated/protocol.ts";
 import type { App } from "./support/app.ts";
 import { journey } from "./support/journey.ts";
 import { ended, heldBefore, press, runInFront } from "./support/runs.ts";
@@ -286,9 +286,9 @@ journey(
       told(server, run).filter(
         ({ event }) => event.type === "entered" && event.path === "PACKER/ONEPAR/PICKIT",
       );
-    const count = ({ active }: Picture) =>
+    const count = ({ active }: Moment) =>
       active.find(({ path }) => path === "PACKER")?.scoped["count"];
-    const now = await server.ask<Picture>("GET", `/runs/${run}/moments`);
+    const now = await server.ask<Moment>("GET", `/runs/${run}/moments`);
     expect(count(now)).toBe(2);
     expect(count(replayed(server, run, entries()[2]?.sequence ?? 0))).toBe(2);
     expect(entries()).toHaveLength(5);

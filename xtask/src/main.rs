@@ -12,18 +12,15 @@ mod bench;
 mod bench_web;
 mod ci;
 mod conformance;
-mod corrupt;
 mod demo;
 mod dist;
+mod long_tests;
 mod process;
 mod product;
 mod python;
 mod reference;
-mod simulate;
-mod soak;
 mod test;
 mod tidy;
-mod torture;
 mod types;
 mod web;
 mod workspace;
@@ -63,13 +60,13 @@ enum Task {
     /// Pack an archive and a wheel.
     Dist,
     /// Run random machines through random orders, and watch that the engine keeps its promises.
-    Simulate(simulate::SimulateOptions),
+    Simulate(long_tests::SimulateOptions),
     /// Do for long what the tests do briefly: random runs of the engine, saves that are killed, a server's clients.
-    Soak(soak::SoakOptions),
+    Soak(long_tests::SoakOptions),
     /// Damage files of runs, and check that what is read of them is true or said to be damaged.
-    Corrupt(corrupt::CorruptOptions),
+    Corrupt(long_tests::CorruptOptions),
     /// Kill runners and servers in the middle of a run, and take the runs up again.
-    Torture(torture::TortureOptions),
+    Torture(long_tests::TortureOptions),
     /// Build the page, which `rafcon serve` hands out and a release build carries; or check its sources.
     Web(web::WebOptions),
     /// Write what is generated from the words of the server: `OpenAPI` and TypeScript.
@@ -100,10 +97,10 @@ fn run(task: Task) -> anyhow::Result<()> {
         Task::Pictures => bench_web::pictures(),
         Task::Demo(options) => demo::run(&options),
         Task::Dist => dist::run(),
-        Task::Simulate(options) => simulate::run(&options),
-        Task::Soak(options) => soak::run(&options),
-        Task::Corrupt(options) => corrupt::run(&options),
-        Task::Torture(options) => torture::run(&options),
+        Task::Simulate(options) => long_tests::simulate(&options),
+        Task::Soak(options) => long_tests::soak(&options),
+        Task::Corrupt(options) => long_tests::corrupt(&options),
+        Task::Torture(options) => long_tests::torture(&options),
         Task::Web(options) => web::run(options),
         Task::Types(options) => types::run(options),
         Task::Tidy(options) => tidy::run(options),

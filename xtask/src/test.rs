@@ -104,19 +104,9 @@ fn run_part(part: Part, product: &Product) -> Result<()> {
 /// Each part in a process of its own, whose lines begin with its name. All run to their end, whatever fails.
 /// The last lines of those that failed are shown once more, where nothing of another part is between them.
 fn run_side_by_side() -> Result<()> {
-    let waiting = Mutex::new(SIDE_BY_SIDE.into_iter());
-    let failed = Mutex::new(Vec::new());
-    let next = || waiting.lock().ok().and_then(|mut waiting| waiting.next());
-    let work = || {
-        while let Some(part) = next() {
-            let result = run_beside(part);
-            if let (Err(error), Ok(mut failed)) = (result, failed.lock()) {
-                failed.push(format!("{error:#}"));
-            }
-        }
-    };
-    thread::scope(|scope| (0..AT_ONCE).for_each(|_| drop(scope.spawn(work))));
-    let failed = failed.into_inner().unwrap_or_default();
+    let results = process::side_by_side(&SIDE_BY_SIDE, AT_ONCE, |part| run_beside(*part));
+    let failed = results.into_iter().filter_map(Result::err);
+    let failed: Vec<_> = failed.map(|error| format!("{error:#}")).collect();
     if !failed.is_empty() {
         bail!("{}", failed.join("\n\n"));
     }

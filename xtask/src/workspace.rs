@@ -8,14 +8,17 @@ use serde_json::Value;
 use crate::process;
 
 /// The folders of the library and binary crates below `crates/`, in dependency order.
-pub(crate) const CRATES: [&str; 9] = [
+pub(crate) const CRATES: [&str; 12] = [
+    "locks",
     "model",
+    "testkit",
     "storage",
     "engine",
     "protocol",
     "runner",
     "python",
     "supervisor",
+    "check",
     "server",
     "rafcon",
 ];

@@ -50,10 +50,10 @@ pub(crate) enum Returned {
 #[derive(Debug, thiserror::Error)]
 pub enum FactsError {
     /// It is not what the program writes.
-    #[error("it gave a strange answer: {0}")]
+    #[error("cannot understand its answer: {0}")]
     Strange(#[from] serde_json::Error),
     /// It is about other scripts.
-    #[error("it was asked about {asked} scripts and answered about {answered}")]
+    #[error("it got {asked} scripts and answered for {answered}")]
     Count {
         /// So many were asked about.
         asked: usize,

@@ -43,7 +43,7 @@ fn note(path: &StatePath, line: u64, name: &str) -> Finding {
         what: format!(
             "no script of the machine sets the global variable {name:?}, which is read here"
         ),
-        remedy: "set it in a script, or give it when the machine is started".to_owned(),
+        remedy: "set it in a script, or set it at the start of the machine".to_owned(),
         repairs: Vec::new(),
     }
 }

@@ -68,7 +68,7 @@ pub(crate) fn findings(machine: &Machine, facts: &ScriptFacts<'_>) -> Vec<Findin
             file: None,
             line: None,
             what: format!("{scripts} could not be checked"),
-            remedy: "see that Python starts, and check again".to_owned(),
+            remedy: "make sure that Python starts, and check again".to_owned(),
             repairs: Vec::new(),
         });
     }
@@ -163,7 +163,7 @@ impl Judge<'_> {
             }
             Returned::Name(_) | Returned::Id(_) => return None,
         };
-        let what = format!("`execute` returns {shown}, which is no outcome of the state");
+        let what = format!("`execute` returns {shown}, which is not an outcome of the state");
         let remedy = format!("return one of {}, or add the outcome", listed(outcomes));
         let added = name.and_then(|name| self.add_outcome(name));
         let finding = self.error("ScriptOutcome", Some(line), what, remedy);
@@ -180,8 +180,9 @@ impl Judge<'_> {
         if has(&self.state.inputs, name) || name == ERROR {
             return None;
         }
-        let what =
-            format!("`execute` reads the input {name:?}, which the state has not, so it aborts");
+        let what = format!(
+            "`execute` reads the input {name:?}, but the state has no such input and aborts"
+        );
         let finding = self.port_finding((line, name), what, ("input", &self.state.inputs));
         let added = self.add_port(name, PortList::Input, "input");
         Some(Finding { repairs: added.into_iter().collect(), ..finding })
@@ -192,7 +193,7 @@ impl Judge<'_> {
             return None;
         }
         let what = format!(
-            "`execute` writes the output {name:?}, which the state has not, so the value is lost"
+            "`execute` writes the output {name:?}, but the state has no such output, and the value is lost"
         );
         let finding = self.port_finding((line, name), what, ("output", &self.state.outputs));
         let added = self.add_port(name, PortList::Output, "output");

@@ -1,12 +1,12 @@
-//! What is active in a run at one moment, with all its data, by names that outlive the run: what a run is taken up from
-//! after a crash, or begun again from at an entry of its history.
+//! What is active in a run at one moment, with all its data, by names that outlive the run: what a run is resumed from after a
+//! crash, or started again from at an entry of its history.
 
 use rafcon_model::{OutcomeId, PortId, StateId};
 
 /// One active state and what is in it. Orders are numbers that rise with time: of two values for one target, the one with
 /// the higher order is the newer.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Restored<D> {
+pub struct ActiveStateData<D> {
     /// Which child of the state around it; the root's own id at the top.
     pub state: StateId,
     /// Its inputs. Ports that are missing here get their defaults.
@@ -19,10 +19,10 @@ pub struct Restored<D> {
     /// that decided a race, and of the request to stop.
     pub preempted: Option<bool>,
     /// The scoped variables of a container.
-    pub scoped: Vec<RestoredVariable<D>>,
+    pub scoped: Vec<ScopedValue<D>>,
     /// How children of a container ended, by rising order. Of several ends of one child the last counts; earlier ones are
     /// there only for outputs that later ones left out.
-    pub ended: Vec<RestoredEnd<D>>,
+    pub ended: Vec<ChildEnd<D>>,
     /// The child of a container that ended last: it says what is next, unless a child is active.
     pub last: Option<StateId>,
     /// The children that are active.
@@ -31,7 +31,7 @@ pub struct Restored<D> {
 
 /// A scoped variable.
 #[derive(Debug, Clone, PartialEq)]
-pub struct RestoredVariable<D> {
+pub struct ScopedValue<D> {
     /// Which.
     pub port: PortId,
     /// Its value.
@@ -42,7 +42,7 @@ pub struct RestoredVariable<D> {
 
 /// How a child ended.
 #[derive(Debug, Clone, PartialEq)]
-pub struct RestoredEnd<D> {
+pub struct ChildEnd<D> {
     /// The child.
     pub state: StateId,
     /// Its outcome.

@@ -5,7 +5,7 @@ use rafcon_model::{OutcomeId, StateId};
 use smol_str::SmolStr;
 use std::sync::Arc;
 
-/// Work for whoever drives the engine, to be done in order.
+/// Work for the driver of the engine, to be done in order.
 #[derive(Debug, Clone)]
 pub enum Effect<D> {
     /// A branch begins; its first job follows. Branch 0 is there from the start and ends with [`Effect::Finish`].

@@ -55,7 +55,7 @@ pub enum Event<D> {
         /// For what.
         reason: WaitReason,
     },
-    /// A branch is held until somebody lets it go on.
+    /// A branch is held until a command lets it continue.
     Held {
         /// The container that is held: a concurrency state, where one of its branches is; the root, where that has not
         /// begun or has ended.
@@ -105,7 +105,7 @@ pub enum Event<D> {
         /// What it is.
         note: Box<Note>,
     },
-    /// The run was paused (true) or goes on (false).
+    /// The run was paused (true) or resumed (false).
     Paused(bool),
     /// The run was asked to stop.
     Stopping,
@@ -130,7 +130,7 @@ pub enum WaitReason {
     NoStart,
     /// A preemptive concurrency state has no children.
     NoChildren,
-    /// A crash interrupted the script, and nobody has decided what becomes of it.
+    /// A crash interrupted the script; a command must decide what becomes of it.
     Interrupted,
 }
 

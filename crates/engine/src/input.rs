@@ -1,6 +1,6 @@
-//! What the engine is told.
+//! The inputs of the engine.
 
-use crate::{Breakpoint, FrameId, Interrupted, Program, Restored};
+use crate::{ActiveStateData, FrameId, Interrupted, Program};
 use rafcon_model::{OutcomeId, StatePath};
 use smol_str::SmolStr;
 use std::sync::Arc;
@@ -49,7 +49,7 @@ pub enum Input<D> {
     Checked {
         /// The number of the [`crate::Check`].
         check: u64,
-        /// Whether it is true; the error says why that cannot be told, and counts as true.
+        /// Whether it is true. The error says why it cannot be evaluated, and counts as true.
         result: Result<bool, SmolStr>,
     },
 }
@@ -85,7 +85,7 @@ pub struct Start<D> {
 /// What happens after the state that a run was begun at. Inside a concurrency state, the outermost one counts as that state.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Then {
-    /// The run goes on.
+    /// The run resumes.
     #[default]
     GoOn,
     /// The run is held, in step mode.
@@ -110,7 +110,7 @@ impl<D> Default for Start<D> {
 #[derive(Debug, Clone)]
 pub struct Restore<D> {
     /// The root, with all that was active.
-    pub root: Restored<D>,
+    pub root: ActiveStateData<D>,
     /// What becomes of scripts that were running.
     pub interrupted: Interrupted,
     /// The error of scripts that are aborted.
@@ -142,7 +142,7 @@ pub struct BegunAt {
 pub struct Stopping {
     /// The order of the last request: every state that was entered before it was asked to end.
     pub order: u64,
-    /// It was asked twice, so no handler begins any more.
+    /// It was asked twice: no further handler begins.
     pub twice: bool,
 }
 
@@ -187,4 +187,54 @@ pub enum Returned {
     Other(SmolStr),
     /// It raised an exception (which stands in [`ScriptResult::error`]).
     Raised,
+}
+
+/// A breakpoint of a run.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Breakpoint {
+    /// Chosen by the client that sets it; the same id replaces the earlier breakpoint.
+    pub id: u64,
+    /// The state. It need not exist (yet).
+    pub path: StatePath,
+    /// On which side of the state.
+    pub when: When,
+    /// Text that the driver evaluates ([`crate::Effect::Check`]); without one the breakpoint always holds.
+    pub condition: Option<SmolStr>,
+    /// Holds from the n-th time on that it is passed and its condition is true; 0 and 1 mean each time.
+    pub hit_count: u32,
+    /// What is held.
+    pub scope: Scope,
+    /// What happens while no viewer is connected.
+    pub unattended: Unattended,
+    /// A disabled one does nothing.
+    pub enabled: bool,
+}
+
+/// On which side of a state.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum When {
+    /// Before it is entered.
+    Before,
+    /// After it was left, before what follows.
+    After,
+}
+
+/// What a breakpoint holds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Scope {
+    /// The branch that came to it.
+    Branch,
+    /// All branches, as a pause does.
+    Run,
+}
+
+/// What a breakpoint does while no viewer is connected.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Unattended {
+    /// Holds all the same.
+    Hold,
+    /// Lets go on, also what it held when the last viewer was lost.
+    Continue,
+    /// Stops the run.
+    Stop,
 }

@@ -3,10 +3,7 @@
 //! Knows the active configuration, data scopes, preemption and the ends of states. Must never know threads, clocks,
 //! Python or I/O: it takes [`Input`]s and returns [`Effect`]s and [`Event`]s in an [`Outbox`].
 #![warn(clippy::wildcard_enum_match_arm)]
-
-pub mod breakpoint;
 pub mod configuration;
-pub mod datum;
 pub mod effect;
 pub mod engine;
 pub mod event;
@@ -15,20 +12,19 @@ pub mod input;
 pub mod program;
 mod values;
 
-pub use breakpoint::{Breakpoint, Scope, Unattended, When};
-pub use configuration::{Interrupted, Restored, RestoredEnd, RestoredVariable};
-pub use datum::{Datum, Globals, Literals, NoGlobals};
+pub use configuration::{ActiveStateData, ChildEnd, Interrupted, ScopedValue};
 pub use effect::{Check, Effect, Finish, Job, Outbox, Verdict, Verdicts};
 pub use engine::{
-    Active, Activity, ChangeEffect, Command, Engine, Hold, Inspection, Refusal, Status,
+    ActiveState, Activity, ChangeEffect, Command, Engine, Hold, Inspection, Refusal, Status,
 };
 pub use event::{Event, HeldBy, Level, Note, WaitReason};
 pub use ids::{BranchId, FrameId, NodeId, PathId};
 pub use input::{
-    BegunAt, Change, Counted, Input, Restore, Returned, ScriptResult, Start, Stopping, Stride, Then,
+    BegunAt, Breakpoint, Change, Counted, Input, Restore, Returned, Scope, ScriptResult, Start,
+    Stopping, Stride, Then, Unattended, When,
 };
 pub use program::{Node, Program, UnknownPath};
-pub use values::{ModelLiterals, failed};
+pub use values::{Datum, Globals, Literals, ModelLiterals, NoGlobals, failed};
 
 #[cfg(test)]
 mod tests;

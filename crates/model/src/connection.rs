@@ -1,4 +1,4 @@
-//! Transitions and data flows: the lines between states. Knows what a line says, not whether it is legal.
+//! Transitions and data flows: the lines between states. Knows the parts of a line, not whether it is legal.
 
 use crate::port::Extra;
 use crate::{DataFlowId, OutcomeId, PortId, StateId, TransitionId};

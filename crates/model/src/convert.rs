@@ -5,7 +5,7 @@ use crate::literal::{self, LiteralError, parse_float, parse_int};
 use crate::{DataType, Value};
 use smol_str::{SmolStr, format_smolstr};
 
-/// What a value stands for.
+/// The meaning of a value.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Conversion {
     /// This value.
@@ -14,11 +14,11 @@ pub enum Conversion {
     Global(SmolStr),
     /// Only Python can make the value of this type.
     NeedsPython,
-    /// The value does not fit the type; why, in words for the user.
+    /// The value does not fit the type; the reason for the user.
     Fails(SmolStr),
 }
 
-/// What a port's default stands for (`docs/format.md`, defaults): the text `None` is `None` for every type, a text that
+/// The meaning of a port's default (`docs/format.md`, defaults): the text `None` is `None` for every type, a text that
 /// begins with `$` names a global variable, any other text is converted to the type.
 ///
 /// ```
@@ -36,7 +36,7 @@ pub fn convert(value: &Value, data_type: &DataType) -> Conversion {
     }
 }
 
-/// The same for a runtime value of a library state, where the text `None` is a text like any other.
+/// The meaning of a runtime value of a library state, where the text `None` is a text like any other.
 pub fn convert_runtime_value(value: &Value, data_type: &DataType) -> Conversion {
     match value {
         Value::Str(text) => match text.strip_prefix('$').filter(|name| !name.is_empty()) {
@@ -51,7 +51,7 @@ pub fn convert_runtime_value(value: &Value, data_type: &DataType) -> Conversion 
     }
 }
 
-/// Whether a value that is no text is of the type; `None` where only Python can tell.
+/// Whether a value other than a text has the type; `None` if only Python can tell.
 fn fits(value: &Value, data_type: &DataType) -> Option<bool> {
     let any = matches!(data_type, DataType::Object | DataType::None);
     match value {
@@ -105,7 +105,7 @@ fn not_a_literal(text: &str, error: &LiteralError) -> Conversion {
     Conversion::Fails(format_smolstr!("{text:?} is not a Python literal ({error})"))
 }
 
-/// Whether Python takes the literal for true.
+/// Whether the literal is true in Python.
 fn truth(text: &str) -> Conversion {
     let value = match literal::parse(text) {
         Ok(value) => value,
@@ -124,7 +124,7 @@ fn truth(text: &str) -> Conversion {
     }))
 }
 
-/// What `set(text)` gives.
+/// The result of `set(text)`.
 fn characters(text: &str) -> Value {
     let mut seen: Vec<char> = Vec::new();
     for c in text.chars() {

@@ -6,11 +6,11 @@ use crate::{DataFlow, DataFlowId, PortId, StateId};
 use imbl::OrdSet;
 use std::sync::Arc;
 
-/// Which value goes where in one container. Cloning shares everything.
+/// The data flows of one container. Cloning shares everything.
 #[derive(Debug, Clone, Default)]
 pub struct DataFlows {
     by_id: Sorted<DataFlowId, DataFlow>,
-    /// Only when there are many.
+    /// Indexes, only for many data flows.
     index: Option<Arc<DataFlowIndex>>,
 }
 
@@ -29,17 +29,17 @@ impl PartialEq for DataFlows {
 }
 
 impl DataFlows {
-    /// All by rising id.
+    /// All, sorted by id.
     pub fn iter(&self) -> impl DoubleEndedIterator<Item = &DataFlow> {
         self.by_id.values()
     }
 
-    /// How many there are.
+    /// The number of data flows.
     pub fn len(&self) -> usize {
         self.by_id.len()
     }
 
-    /// Whether there is none.
+    /// Whether it is empty.
     pub fn is_empty(&self) -> bool {
         self.by_id.is_empty()
     }
@@ -49,12 +49,12 @@ impl DataFlows {
         self.by_id.get(&id)
     }
 
-    /// The ids of those that are others in `newer`, or there in only one of both.
+    /// The ids of data flows that differ in `newer`, or exist in only one of both.
     pub fn differing(&self, newer: &Self) -> Vec<DataFlowId> {
         self.by_id.differing(&newer.by_id)
     }
 
-    /// Those that end at this port, by rising id.
+    /// Those that end at this port, sorted by id.
     pub fn into_port<'s>(
         &'s self,
         state: &StateId,
@@ -78,7 +78,7 @@ impl DataFlows {
         few.chain(self.links_from(end.clone(), move |source| *source == end))
     }
 
-    /// Those that lead from one port to another: one at most in a valid container.
+    /// Those from one port to another: at most one in a valid container.
     pub fn between(&self, from: DataFlowEnd, to: DataFlowEnd) -> impl Iterator<Item = &DataFlow> {
         let wanted = (from.clone(), to.clone());
         let few = self.few().filter(move |f| (source_of(f), target_of(f)) == wanted);
@@ -106,7 +106,7 @@ impl DataFlows {
         few.chain(self.links_from(lowest(state), move |(state, _)| *state == wanted))
     }
 
-    /// All while they are so few that no index is kept.
+    /// All, while they are too few for an index.
     fn few(&self) -> impl Iterator<Item = &DataFlow> {
         let all = self.index.is_none().then(|| self.by_id.values());
         all.into_iter().flatten()
@@ -125,7 +125,7 @@ impl DataFlows {
         keys.into_iter().flatten().filter_map(|(_, _, id)| self.by_id.get(id))
     }
 
-    /// Those from `low` on, as long as their source is wanted.
+    /// Those from `low` on, as long as their source matches.
     fn links_from(
         &self,
         low: DataFlowEnd,
@@ -137,7 +137,7 @@ impl DataFlows {
         keys.filter_map(|(_, _, id)| self.by_id.get(id))
     }
 
-    /// Puts a data flow in its place; gives back the one that had its id.
+    /// Inserts a data flow, and returns the one that had its id.
     pub fn insert(&mut self, flow: DataFlow) -> Option<DataFlow> {
         let id = flow.id;
         let ends = (source_of(&flow), target_of(&flow));
@@ -154,7 +154,7 @@ impl DataFlows {
         earlier
     }
 
-    /// Takes the data flow with this id out.
+    /// Removes the data flow with this id.
     pub fn remove(&mut self, id: DataFlowId) -> Option<DataFlow> {
         let flow = self.by_id.remove(&id)?;
         if self.by_id.len() < MANY / 2 {
@@ -165,12 +165,12 @@ impl DataFlows {
         Some(flow)
     }
 
-    /// The id for the next one: above all that are used, 1 at first.
+    /// The next free id: above all used ids, 1 at first.
     pub fn next_id(&self) -> DataFlowId {
         self.free_ids().next().unwrap_or(DataFlowId(0))
     }
 
-    /// The ids for the next ones.
+    /// The next free ids.
     pub fn free_ids(&self) -> impl Iterator<Item = DataFlowId> {
         let last = self.by_id.last().map(|(id, _)| id.0);
         ids::free_ids(last, |id| self.by_id.contains_key(&DataFlowId(id))).map(DataFlowId)

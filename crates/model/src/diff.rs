@@ -1,4 +1,4 @@
-//! What differs between two machines. Knows that shared parts are equal, and skips them; never what the difference is for.
+//! Finds the differences between two machines. Skips shared parts, which are equal.
 
 use crate::{Machine, State, StatePath, States};
 use std::sync::Arc;
@@ -6,15 +6,15 @@ use std::sync::Arc;
 /// A state that differs.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Difference {
-    /// A state is there now, with everything inside it.
+    /// A state was added, with everything inside it.
     Added(StatePath),
-    /// A state is gone, with everything inside it.
+    /// A state was removed, with everything inside it.
     Removed(StatePath),
-    /// A state itself is another one now; its children are looked at on their own.
+    /// A state itself changed; its children are compared separately.
     Changed(StatePath, Vec<Aspect>),
 }
 
-/// What of a state itself differs: as its files are divided.
+/// The part of a state that differs: one for each of its files.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Aspect {
     /// Name, description, kind, outcomes, ports, transitions, data flows, library reference, unknown keys.
@@ -27,8 +27,8 @@ pub enum Aspect {
     Layout,
 }
 
-/// The states that differ from `old` to `new`, a state before what stands inside it. What both machines share is skipped, so
-/// that the cost is that of the change, not that of the machine. The contents of libraries are no part of a machine.
+/// The states that differ between `old` and `new`, parents first. Skips what both machines share, so
+/// that the cost depends on the change, not on the machine. The contents of libraries are no part of a machine.
 ///
 /// ```
 /// use rafcon_model::{Aspect, Difference, StatePath, diff};
@@ -79,7 +79,7 @@ impl Pair<'_> {
     }
 }
 
-/// The children of both states, by rising id.
+/// The children of both states, sorted by id.
 fn push_children<'m>(path: &StatePath, old: &'m State, new: &'m State, open: &mut Vec<Pair<'m>>) {
     let states = |state: &'m State| state.container().map(|container| &container.states);
     let (old, new, none) = (states(old), states(new), States::default());

@@ -1,11 +1,11 @@
-//! Undo and redo: a tree of edits and the place in it where the machine is now. Knows how to take edits back and make them
-//! again; never who made them.
+//! Undo and redo: a tree of edits and the current position in it. Knows how to undo and redo
+//! edits; never who made them.
 
 use crate::edit::{Edit, EditError, apply};
 use crate::{Machine, Types};
 use smol_str::SmolStr;
 
-/// What was done to a machine, step by step. Steps that were undone stay as a branch when something else is done instead.
+/// The edits of a machine, step by step. Undone steps stay as a branch when another edit follows.
 ///
 /// ```
 /// use rafcon_model::edit::{Edit, StateEdit};
@@ -26,31 +26,31 @@ use smol_str::SmolStr;
 #[derive(Debug, Clone, Default)]
 pub struct History {
     steps: Vec<HistoryStep>,
-    /// The last step that is done.
+    /// The current step.
     current: Option<StepId>,
-    /// Where redo goes from the very beginning.
+    /// The step that redo applies at the beginning.
     first: Option<StepId>,
 }
 
-/// A step in a [`History`], counted in the order in which they were done.
+/// The number of a step in a [`History`], in the order of the edits.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct StepId(pub usize);
 
 /// One named step.
 #[derive(Debug, Clone)]
 pub struct HistoryStep {
-    /// The step before; `None` for one from the very beginning.
+    /// The previous step; `None` at the beginning.
     pub parent: Option<StepId>,
     /// For people: "Rename state".
     pub name: SmolStr,
-    /// Takes the step back if it is done, makes it again if not.
+    /// Undoes the step if it is done, redoes it if not.
     edit: Edit,
-    /// Where redo goes from here: the step that was done or undone last.
+    /// The step that redo applies from here: the last one done or undone.
     next: Option<StepId>,
 }
 
 impl History {
-    /// Applies an edit and remembers it under a name. A refused edit leaves no step.
+    /// Applies an edit and adds it under a name. A refused edit adds no step.
     pub fn apply(
         &mut self,
         machine: &mut Machine,
@@ -62,7 +62,7 @@ impl History {
         Ok(self.record(name, back))
     }
 
-    /// Remembers an edit that was applied already, by what takes it back.
+    /// Adds an edit that is already applied, by its inverse.
     pub fn record(&mut self, name: impl AsRef<str>, back: Edit) -> StepId {
         let id = StepId(self.steps.len());
         let (parent, name) = (self.current, SmolStr::new(name));
@@ -72,8 +72,8 @@ impl History {
         id
     }
 
-    /// Takes the last step back; `None` if there is none. Refused if others have changed the machine so that it cannot be
-    /// taken back.
+    /// Undoes the current step; `None` if there is none. Refused if other changes of the machine prevent
+    /// it.
     pub fn undo(
         &mut self,
         machine: &mut Machine,
@@ -86,7 +86,7 @@ impl History {
         Ok(Some(id))
     }
 
-    /// Makes the step again that was undone last; `None` if there is none.
+    /// Redoes the last undone step; `None` if there is none.
     pub fn redo(
         &mut self,
         machine: &mut Machine,
@@ -98,17 +98,17 @@ impl History {
         Ok(Some(id))
     }
 
-    /// The name of the step that undo takes back.
+    /// The name of the step that undo would undo.
     pub fn undo_name(&self) -> Option<&str> {
         self.current.and_then(|id| self.step(id)).map(|step| step.name.as_str())
     }
 
-    /// The name of the step that redo makes again.
+    /// The name of the step that redo would redo.
     pub fn redo_name(&self) -> Option<&str> {
         self.next().and_then(|id| self.step(id)).map(|step| step.name.as_str())
     }
 
-    /// The last step that is done.
+    /// The current step.
     pub fn current(&self) -> Option<StepId> {
         self.current
     }
@@ -118,7 +118,7 @@ impl History {
         self.steps.get(id.0)
     }
 
-    /// All steps, also those on branches, in the order in which they were done.
+    /// All steps, including those on branches, in the order of the edits.
     pub fn steps(&self) -> impl Iterator<Item = (StepId, &HistoryStep)> {
         self.steps.iter().enumerate().map(|(index, step)| (StepId(index), step))
     }
@@ -141,7 +141,7 @@ impl History {
         }
     }
 
-    /// Applies the edit of a step, and keeps in its place what takes that back.
+    /// Applies the edit of a step, and replaces it by its inverse.
     fn swap(
         &mut self,
         machine: &mut Machine,

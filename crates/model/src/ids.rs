@@ -6,7 +6,7 @@ use std::fmt;
 /// The id of a barrier's decider, fixed by the file format.
 pub const DECIDER_ID: &str = "unique_decider_state_id";
 
-/// The id of a state: unique among its siblings and different from its parent's. Six upper-case letters when made here.
+/// The id of a state: unique among its siblings and different from its parent's. A new id has six upper-case letters.
 #[derive(Debug, Clone, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct StateId(pub SmolStr);
 
@@ -39,19 +39,19 @@ impl fmt::Display for StateId {
     }
 }
 
-/// The smallest number from 0 on that is not taken.
+/// The smallest free number from 0 on.
 pub(crate) fn smallest_free(taken: impl Fn(i64) -> bool) -> i64 {
     (0..i64::MAX).find(|id| !taken(*id)).unwrap_or_default()
 }
 
-/// The id after `last`, 1 after nothing; `None` where ids come to their end.
+/// The id after `last`, 1 at first; `None` after the largest id.
 pub(crate) fn id_after(last: Option<i64>) -> Option<i64> {
     const END: i64 = i64::MAX - (1 << 32);
     let next = last.map_or(1, |last| last.saturating_add(1).max(1));
     (next < END).then_some(next)
 }
 
-/// Ids that are not taken: those after `last`, or the gaps from 1 on if there is no room after it.
+/// Free ids: those after `last`, or the gaps from 1 on if there are none after it.
 pub(crate) fn free_ids(
     last: Option<i64>,
     taken: impl Fn(i64) -> bool,
@@ -93,7 +93,7 @@ number_id! {
 impl OutcomeId {
     /// Every state has this outcome: an error ended it.
     pub const ABORTED: Self = Self(-1);
-    /// Every state has this outcome: it was asked to end.
+    /// Every state has this outcome: it was preempted.
     pub const PREEMPTED: Self = Self(-2);
 
     /// Whether this is one of the two outcomes that every state has.
@@ -102,17 +102,17 @@ impl OutcomeId {
     }
 }
 
-/// Makes state ids of six upper-case letters. The same seed gives the same ids, so that the caller decides about chance.
+/// Makes state ids of six upper-case letters. The same seed gives the same ids, so that the caller controls randomness.
 #[derive(Debug, Clone)]
 pub struct Fresh(u64);
 
 impl Fresh {
-    /// A maker whose ids depend on `seed` only.
+    /// A generator whose ids depend on `seed` only.
     pub fn new(seed: u64) -> Self {
         Self(seed)
     }
 
-    /// An id that is not taken.
+    /// A free id.
     pub fn id(&mut self, taken: impl Fn(&StateId) -> bool) -> StateId {
         loop {
             let id = self.letters();
@@ -141,7 +141,7 @@ impl Fresh {
     }
 }
 
-/// Where a state stands: ids from the root down. Inside a library the library state's id is followed by the id of the
+/// The path of a state: ids from the root down. Inside a library, the library state's id is followed by the id of the
 /// library's root state.
 #[derive(Debug, Clone, PartialEq, Eq, Hash, PartialOrd, Ord, Default)]
 pub struct StatePath(pub Vec<StateId>);
@@ -152,7 +152,7 @@ impl StatePath {
         Self(vec![id])
     }
 
-    /// This path and one id more.
+    /// This path with one more id.
     #[must_use]
     pub fn child(&self, id: StateId) -> Self {
         let mut ids = Vec::with_capacity(self.0.len() + 1);

@@ -4,7 +4,6 @@
 //! Must never know files, threads, time or Python.
 
 pub mod connection;
-pub mod container;
 pub mod convert;
 pub mod data_flows;
 pub mod diff;
@@ -12,7 +11,6 @@ pub mod edit;
 pub mod history;
 pub mod ids;
 pub mod json;
-pub mod library;
 pub mod literal;
 pub mod machine;
 pub mod notation;
@@ -26,20 +24,21 @@ pub mod types;
 pub mod value;
 
 pub use connection::{DataFlow, Origin, Target, Transition};
-pub use container::{Container, States};
 pub use convert::{Conversion, convert, convert_runtime_value};
 pub use data_flows::DataFlows;
 pub use diff::{Aspect, Difference, diff};
 pub use history::History;
 pub use ids::{DECIDER_ID, DataFlowId, Fresh, OutcomeId, PortId, StateId, StatePath, TransitionId};
 pub use json::Json;
-pub use library::{Library, LibraryContent, RuntimeValue, RuntimeValues};
 pub use machine::{Header, Machine};
 pub use port::{Outcome, Outcomes, Port, Ports};
 pub use problems::{Problem, problems};
 pub use rules::{Part, PortKind, Rule, Severity};
 pub use sorted::Sorted;
-pub use state::{Kind, KindName, Layout, Script, State};
+pub use state::{
+    Container, Kind, KindName, Layout, Library, LibraryContent, RuntimeValue, RuntimeValues,
+    Script, State, States,
+};
 pub use transitions::Transitions;
 pub use types::{Answer, BuiltinTypes, DataType, Types};
 pub use value::Value;

@@ -4,16 +4,16 @@ use crate::{Json, Kind, LibraryContent, State, StatePath};
 use smol_str::SmolStr;
 use std::sync::Arc;
 
-/// A state machine: an immutable tree. Cloning it is cheap, and two machines share what they have in common.
+/// A state machine: an immutable tree. Cloning it is cheap, and two machines share their common parts.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Machine {
-    /// What the file says about the machine itself.
+    /// The header of its file.
     pub header: Header,
     /// The outermost state.
     pub root: Arc<State>,
 }
 
-/// What stands in `statemachine.json`.
+/// The content of `statemachine.json`.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Header {
     /// UTC, `YYYY-MM-DD hh:mm:ss`; opaque.
@@ -47,7 +47,7 @@ impl Machine {
         })
     }
 
-    /// The state at `path`, to be changed in place; `None` inside libraries. States that others share are copied on the way.
+    /// The state at `path`, mutable; `None` inside libraries. Copies shared states on the path.
     pub(crate) fn state_mut(&mut self, path: &StatePath) -> Option<&mut State> {
         let (first, rest) = path.0.split_first()?;
         if *first != self.root.id {
@@ -58,7 +58,7 @@ impl Machine {
         })
     }
 
-    /// How many states there are, libraries counted as one each.
+    /// The number of states; a library counts as one.
     pub fn count(&self) -> usize {
         let mut open = vec![&*self.root];
         let mut count = 0;

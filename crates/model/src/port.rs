@@ -1,10 +1,10 @@
-//! Outcomes and data ports: what a state shows to its surroundings.
+//! Outcomes and data ports: the interface of a state.
 
 use crate::{DataType, Json, OutcomeId, PortId, Value};
 use smol_str::SmolStr;
 use std::sync::Arc;
 
-/// Keys of an element that this program does not know; kept and written back. `None` when there are none.
+/// Unknown keys of an element; kept and written back. `None` if there are none.
 pub type Extra = Option<Box<Json>>;
 
 /// One way in which a state can end.
@@ -25,9 +25,9 @@ pub struct Port {
     pub id: PortId,
     /// Unique in its own kind.
     pub name: SmolStr,
-    /// What it declares to hold.
+    /// The declared type.
     pub data_type: DataType,
-    /// As it stands in the file. A string for another type is raw text, converted when a run starts; a string that starts
+    /// The value in the file. A string for another type is raw text, converted when a run starts; a string that starts
     /// with `$` names a global variable.
     pub default: Value,
     /// Unknown keys of the file.
@@ -48,7 +48,7 @@ impl Port {
     }
 }
 
-/// Something with an id of its own, kept in an [`Elements`] list.
+/// An element with its own id in an [`Elements`] list.
 pub trait Element: Clone {
     /// The type of its id.
     type Id: Copy + Ord;
@@ -94,22 +94,22 @@ impl<T> Default for Elements<T> {
 }
 
 impl<T: Element> Elements<T> {
-    /// All elements by rising id.
+    /// All elements, sorted by id.
     pub fn iter(&self) -> std::slice::Iter<'_, T> {
         self.as_slice().iter()
     }
 
-    /// All elements by rising id.
+    /// All elements, sorted by id.
     pub fn as_slice(&self) -> &[T] {
         self.0.as_deref().unwrap_or_default()
     }
 
-    /// How many there are.
+    /// The number of elements.
     pub fn len(&self) -> usize {
         self.as_slice().len()
     }
 
-    /// Whether there is none.
+    /// Whether it is empty.
     pub fn is_empty(&self) -> bool {
         self.0.is_none()
     }
@@ -124,7 +124,7 @@ impl<T: Element> Elements<T> {
         self.iter().find(|element| element.name() == name)
     }
 
-    /// Puts an element in its place; gives back the one that had its id.
+    /// Inserts an element, and returns the one that had its id.
     pub fn insert(&mut self, element: T) -> Option<T> {
         match self.index(element.id()) {
             Ok(index) => {
@@ -140,7 +140,7 @@ impl<T: Element> Elements<T> {
         }
     }
 
-    /// Takes the element with this id out.
+    /// Removes the element with this id.
     pub fn remove(&mut self, id: T::Id) -> Option<T> {
         let index = self.index(id).ok()?;
         let (before, rest) = self.as_slice().split_at(index);

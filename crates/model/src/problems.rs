@@ -1,4 +1,4 @@
-//! Everything that is wrong with a machine. Knows the way through the tree; the rules themselves stand in
+//! Finds all faults of a machine. Knows the way through the tree; the rules themselves are in
 //! [`rules`](crate::rules).
 
 use crate::rules::{Fault, MAX_NESTING, Part, Rule, Severity, errors_of, faults_of, parts};
@@ -10,13 +10,13 @@ use std::sync::Arc;
 /// A rule that a part of the machine breaks.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Problem {
-    /// The state. Inside a library: below the first state that uses it.
+    /// The path of the state. Inside a library: below the first state that uses it.
     pub path: StatePath,
-    /// Which part of the state.
+    /// The part of the state.
     pub part: Part,
     /// The rule.
     pub rule: Rule,
-    /// What is wrong, in words for the user.
+    /// The fault, for the user.
     pub what: String,
 }
 
@@ -26,7 +26,7 @@ impl Problem {
         self.rule.severity()
     }
 
-    /// What the user can do.
+    /// The remedy for the user.
     pub fn way_out(&self) -> &'static str {
         self.rule.way_out()
     }
@@ -44,7 +44,7 @@ impl fmt::Display for Problem {
 }
 
 /// Every rule that the machine breaks, state by state from the root down. Never fails and never panics, whatever the
-/// machine looks like. The content of a library is looked at once, however many states use it.
+/// machine looks like. Checks the content of a library once, however many states use it.
 ///
 /// ```
 /// use rafcon_model::{BuiltinTypes, problems};
@@ -76,7 +76,7 @@ pub fn problems(machine: &Machine, types: &dyn Types) -> Vec<Problem> {
     found
 }
 
-/// The first problem that keeps a state out of its place below `parent`, in it or anywhere inside but in libraries.
+/// The first problem that forbids a state below `parent`, in it or anywhere inside except in libraries.
 pub(crate) fn refusal(
     parent: &State,
     path: &StatePath,
@@ -150,7 +150,7 @@ impl Visit<'_> {
     }
 }
 
-/// The children of a hierarchy to which no transitions lead from its start. Where there is no start, that is the fault.
+/// The children of a hierarchy that no transitions reach from its start. A missing start is a fault of its own.
 fn unreachable(container: &Container) -> impl Iterator<Item = &StateId> {
     let start = container.transitions.from(&Origin::Income).next();
     let mut open: Vec<&StateId> =

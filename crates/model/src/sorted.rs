@@ -1,19 +1,19 @@
-//! A map in the order of its keys that costs little for a handful of entries and shares its structure when it holds many.
-//! Knows nothing of what it holds.
+//! A sorted map that is small for few entries and shares its structure when it has many.
+//! Does not know its entries.
 
 use imbl::OrdMap;
 use imbl::ordmap::DiffItem;
 use std::fmt;
 use std::sync::Arc;
 
-/// From this size on the entries live in a tree instead of one list.
+/// From this size on, the entries are in a tree instead of one list.
 pub(crate) const MANY: usize = 32;
-/// Below this size a list has no room to spare.
+/// Below this size, a list has no spare capacity.
 const EXACT: usize = 8;
-/// Below this size they go back into a list.
+/// Below this size, the entries move back into a list.
 const FEW: usize = 16;
 
-/// A persistent map: cloning it is cheap, changing a clone leaves the original as it is.
+/// A persistent map: cloning it is cheap, and changing a clone does not change the original.
 #[derive(Clone)]
 pub struct Sorted<K, V>(Form<K, V>);
 
@@ -35,7 +35,7 @@ impl<K: Ord + Clone, V: Clone> Sorted<K, V> {
         Self::default()
     }
 
-    /// How many entries there are.
+    /// The number of entries.
     pub fn len(&self) -> usize {
         match &self.0 {
             Form::Few(_) => self.few().len(),
@@ -43,7 +43,7 @@ impl<K: Ord + Clone, V: Clone> Sorted<K, V> {
         }
     }
 
-    /// Whether there is none.
+    /// Whether it is empty.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
@@ -62,18 +62,18 @@ impl<K: Ord + Clone, V: Clone> Sorted<K, V> {
         }
     }
 
-    /// The entries by rising key.
+    /// The entries, sorted by key.
     pub fn iter(&self) -> impl DoubleEndedIterator<Item = (&K, &V)> + Clone {
         let few = self.few().iter().map(|(key, value)| (key, value));
         few.chain(self.many().into_iter().flat_map(OrdMap::iter))
     }
 
-    /// The keys, rising.
+    /// The keys, sorted.
     pub fn keys(&self) -> impl DoubleEndedIterator<Item = &K> + Clone {
         self.iter().map(|(key, _)| key)
     }
 
-    /// The values by rising key.
+    /// The values, sorted by key.
     pub fn values(&self) -> impl DoubleEndedIterator<Item = &V> + Clone {
         self.iter().map(|(_, value)| value)
     }
@@ -94,7 +94,7 @@ impl<K: Ord + Clone, V: Clone> Sorted<K, V> {
         self.get(key).is_some()
     }
 
-    /// The value of a key, to be changed in place.
+    /// The value of a key, mutable.
     pub fn get_mut(&mut self, key: &K) -> Option<&mut V> {
         match &mut self.0 {
             Form::Few(entries) => {
@@ -111,7 +111,7 @@ impl<K: Ord + Clone, V: Clone> Sorted<K, V> {
         self.iter().next_back()
     }
 
-    /// Sets the value of a key; gives back the earlier one.
+    /// Sets the value of a key, and returns the earlier one.
     pub fn insert(&mut self, key: K, value: V) -> Option<V> {
         match &mut self.0 {
             Form::Few(entries) => {
@@ -134,7 +134,7 @@ impl<K: Ord + Clone, V: Clone> Sorted<K, V> {
         }
     }
 
-    /// Takes the value of a key out.
+    /// Removes the value of a key.
     pub fn remove(&mut self, key: &K) -> Option<V> {
         match &mut self.0 {
             Form::Few(entries) => {
@@ -157,7 +157,7 @@ impl<K: Ord + Clone, V: Clone> Sorted<K, V> {
         }
     }
 
-    /// Whether both are the same piece of memory: then they are equal, and nothing below needs a look.
+    /// Whether both share the same memory: then they are equal without a comparison.
     pub fn ptr_eq(&self, other: &Self) -> bool {
         match (&self.0, &other.0) {
             (Form::Few(None), Form::Few(None)) => true,
@@ -173,8 +173,8 @@ fn position<K: Ord, V>(entries: &[(K, V)], key: &K) -> Result<usize, usize> {
 }
 
 impl<K: Ord + Clone, V: Clone + PartialEq> Sorted<K, V> {
-    /// The keys with another value in `newer`, or with one in only one of both, rising. Memory that both share is not looked
-    /// at.
+    /// The keys whose values differ in `newer`, or that exist in only one of both, sorted. Skips memory that both
+    /// share.
     pub fn differing(&self, newer: &Self) -> Vec<K> {
         if let (Form::Many(old), Form::Many(new)) = (&self.0, &newer.0) {
             let key = |item: DiffItem<'_, '_, K, V>| match item {

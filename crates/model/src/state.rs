@@ -2,11 +2,13 @@
 
 use crate::ids::smallest_free;
 use crate::port::Extra;
+use crate::sorted::Sorted;
 use crate::{
-    Container, Json, Library, LibraryContent, Outcome, OutcomeId, Outcomes, PortId, Ports, StateId,
-    json,
+    DataFlows, Json, Origin, Outcome, OutcomeId, Outcomes, PortId, Ports, StateId, Target,
+    Transitions, Value, json,
 };
 use smol_str::SmolStr;
+use std::collections::BTreeMap;
 use std::fmt;
 use std::sync::Arc;
 
@@ -21,15 +23,15 @@ pub struct State {
     pub description: Option<Arc<str>>,
     /// The ways to end; always with aborted (-1) and preempted (-2).
     pub outcomes: Outcomes,
-    /// What it takes.
+    /// The inputs.
     pub inputs: Ports,
-    /// What it gives.
+    /// The outputs.
     pub outputs: Ports,
     /// Nested notes of the user, keys are strings; `None` when there are none.
     pub semantic_data: Option<Arc<Json>>,
-    /// Where its parts stand on the screen.
+    /// The positions of its parts on the screen.
     pub layout: Layout,
-    /// What kind of state it is, with what only that kind has.
+    /// The kind of the state, with everything that only this kind has.
     pub kind: Kind,
     /// Unknown keys of the file.
     pub extra: Extra,
@@ -42,7 +44,7 @@ pub enum Kind {
     Execution(Script),
     /// Runs a script that decides how its barrier ends.
     Decider(Script),
-    /// Runs its children one after the other.
+    /// Runs its children in sequence.
     Hierarchy(Container),
     /// Runs its children at the same time, waits for all, then runs the decider.
     Barrier(Container),
@@ -82,7 +84,7 @@ impl fmt::Display for KindName {
     }
 }
 
-/// Equal down to the last state; shared parts are not looked at. Never recurses, so that depth is no danger.
+/// Deep equality that skips shared parts. Never recurses, so that depth cannot overflow the stack.
 impl PartialEq for State {
     fn eq(&self, other: &Self) -> bool {
         let mut open = vec![(self, other)];
@@ -98,7 +100,7 @@ impl PartialEq for State {
     }
 }
 
-/// Pairs of states that stand inside `a` and `b`; false if they differ in number or id.
+/// Pairs of the children of `a` and `b`; false if they differ in number or id.
 fn push_inside<'s>(a: &'s State, b: &'s State, open: &mut Vec<(&'s State, &'s State)>) -> bool {
     if let (Some(a), Some(b)) = (a.container(), b.container()) {
         let (a, b) = (&a.states, &b.states);
@@ -117,7 +119,7 @@ fn push_inside<'s>(a: &'s State, b: &'s State, open: &mut Vec<(&'s State, &'s St
 }
 
 impl Kind {
-    /// Whether both are the same but for children, scripts and the content of a library.
+    /// Whether both are equal except for children, scripts and the content of a library.
     pub(crate) fn is_same_shell(&self, other: &Self) -> bool {
         match (self, other) {
             (Self::Execution(_), Self::Execution(_)) | (Self::Decider(_), Self::Decider(_)) => true,
@@ -177,7 +179,7 @@ impl State {
         }
     }
 
-    /// Whether both are the same but for what stands inside.
+    /// Whether both are equal except for their content.
     fn is_same_alone(&self, other: &Self) -> bool {
         (&self.id, &self.name, &self.description) == (&other.id, &other.name, &other.description)
             && (&self.outcomes, &self.inputs, &self.outputs)
@@ -196,7 +198,7 @@ impl State {
         }
     }
 
-    /// The inside of a hierarchy or concurrency state, to be changed.
+    /// The inside of a hierarchy or concurrency state, mutable.
     pub fn container_mut(&mut self) -> Option<&mut Container> {
         match &mut self.kind {
             Kind::Hierarchy(c) | Kind::Barrier(c) | Kind::Preemptive(c) => Some(c),
@@ -233,7 +235,7 @@ impl State {
 pub struct Layout(Option<Arc<str>>);
 
 impl Layout {
-    /// The text of a `meta_data.json`, compact if it is to be equal to one from [`Layout::from_json`].
+    /// The text of a `meta_data.json`; to be equal to one from [`Layout::from_json`], it must be compact.
     pub fn from_text(text: &str) -> Self {
         Self(Some(text.into()))
     }
@@ -255,4 +257,69 @@ impl Layout {
     pub fn json(&self) -> Json {
         self.text().and_then(|text| json::parse(text).ok()).unwrap_or_else(Json::object)
     }
+}
+
+/// Child states by id; the order of the map is the order of children everywhere.
+pub type States = Sorted<StateId, Arc<State>>;
+
+/// Children and the lines between them. Cloning shares everything.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Container {
+    /// The children.
+    pub states: States,
+    /// The transitions between the children.
+    pub transitions: Transitions,
+    /// The data flows.
+    pub data_flows: DataFlows,
+    /// Variables that the children share through data flows.
+    pub scoped_variables: Ports,
+}
+
+impl Container {
+    /// The start: the target of the start transition in the container with the id `id`.
+    pub fn start(&self, id: &StateId) -> Option<Target> {
+        self.transitions.from(&Origin::Income).next()?.target(id)
+    }
+}
+
+/// The reference to a library and the values of this instance. Outcomes and ports of the library state are those of the
+/// library's root; the surrounding [`State`] has them.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Library {
+    /// Root name and folders below it, joined by `/`: `generic/dialog`.
+    pub path: SmolStr,
+    /// The folder of the library.
+    pub name: SmolStr,
+    /// The version that the instance was made with; `None` for no version.
+    pub version: Option<SmolStr>,
+    /// Values of input ports.
+    pub inputs: RuntimeValues,
+    /// Values of output ports.
+    pub outputs: RuntimeValues,
+    /// The content under `path` and `name`.
+    pub content: LibraryContent,
+}
+
+/// Runtime values by port.
+pub type RuntimeValues = BTreeMap<PortId, RuntimeValue>;
+
+/// The value of a library instance for one port.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RuntimeValue {
+    /// The value in the file (like a port's default).
+    pub value: Value,
+    /// Whether it is used instead of the port's default.
+    pub used: bool,
+}
+
+/// The content of a library state.
+#[derive(Debug, Clone, PartialEq)]
+pub enum LibraryContent {
+    /// The library's root state, shared by all its instances.
+    Found(Arc<State>),
+    /// It was not found. The instance keeps its reference, runtime values, and the ports that its connections use.
+    Missing {
+        /// The reason, for the user.
+        reason: SmolStr,
+    },
 }

@@ -6,11 +6,11 @@ use crate::{Origin, OutcomeId, StateId, Transition, TransitionId};
 use imbl::OrdSet;
 use std::sync::Arc;
 
-/// What runs after what in one container. Cloning shares everything.
+/// The transitions of one container. Cloning shares everything.
 #[derive(Debug, Clone, Default)]
 pub struct Transitions {
     by_id: Sorted<TransitionId, Transition>,
-    /// Only when there are many.
+    /// Indexes, only for many transitions.
     index: Option<Arc<TransitionIndex>>,
 }
 
@@ -29,17 +29,17 @@ impl PartialEq for Transitions {
 }
 
 impl Transitions {
-    /// All by rising id.
+    /// All, sorted by id.
     pub fn iter(&self) -> impl DoubleEndedIterator<Item = &Transition> {
         self.by_id.values()
     }
 
-    /// How many there are.
+    /// The number of transitions.
     pub fn len(&self) -> usize {
         self.by_id.len()
     }
 
-    /// Whether there is none.
+    /// Whether it is empty.
     pub fn is_empty(&self) -> bool {
         self.by_id.is_empty()
     }
@@ -49,12 +49,12 @@ impl Transitions {
         self.by_id.get(&id)
     }
 
-    /// The ids of those that are others in `newer`, or there in only one of both.
+    /// The ids of transitions that differ in `newer`, or exist in only one of both.
     pub fn differing(&self, newer: &Self) -> Vec<TransitionId> {
         self.by_id.differing(&newer.by_id)
     }
 
-    /// Those that begin at `origin`: one at most in a valid container.
+    /// Those that begin at `origin`: at most one in a valid container.
     pub fn from<'s>(&'s self, origin: &Origin) -> impl Iterator<Item = &'s Transition> + use<'s> {
         let end = match origin {
             Origin::Income => (None, None),
@@ -99,13 +99,13 @@ impl Transitions {
         few.chain(self.many(|index| &index.by_origin, lowest(state), highest(state)))
     }
 
-    /// All while they are so few that no index is kept.
+    /// All, while they are too few for an index.
     fn few(&self) -> impl Iterator<Item = &Transition> {
         let all = self.index.is_none().then(|| self.by_id.values());
         all.into_iter().flatten()
     }
 
-    /// Those between two keys of an index, while there is one.
+    /// Those between two keys of an index, if there is one.
     fn many<'s>(
         &'s self,
         pick: fn(&'s TransitionIndex) -> &'s OrdSet<(TransitionEnd, TransitionId)>,
@@ -117,7 +117,7 @@ impl Transitions {
         keys.into_iter().flatten().filter_map(|(_, id)| self.by_id.get(id))
     }
 
-    /// Puts a transition in its place; gives back the one that had its id.
+    /// Inserts a transition, and returns the one that had its id.
     pub fn insert(&mut self, transition: Transition) -> Option<Transition> {
         let id = transition.id;
         let keys = (origin_of(&transition), target_of(&transition));
@@ -134,7 +134,7 @@ impl Transitions {
         earlier
     }
 
-    /// Takes the transition with this id out.
+    /// Removes the transition with this id.
     pub fn remove(&mut self, id: TransitionId) -> Option<Transition> {
         let transition = self.by_id.remove(&id)?;
         if self.by_id.len() < MANY / 2 {
@@ -145,12 +145,12 @@ impl Transitions {
         Some(transition)
     }
 
-    /// The id for the next one: above all that are used, 1 at first.
+    /// The next free id: above all used ids, 1 at first.
     pub fn next_id(&self) -> TransitionId {
         self.free_ids().next().unwrap_or(TransitionId(0))
     }
 
-    /// The ids for the next ones.
+    /// The next free ids.
     pub fn free_ids(&self) -> impl Iterator<Item = TransitionId> {
         let last = self.by_id.last().map(|(id, _)| id.0);
         ids::free_ids(last, |id| self.by_id.contains_key(&TransitionId(id))).map(TransitionId)

@@ -1,4 +1,4 @@
-//! Data types of ports. Knows Python's built-in types; any other type is a name that somebody else answers for.
+//! Data types of ports. Knows Python's built-in types; for any other type, [`Types`] answers.
 
 use crate::{Json, Value};
 use smol_str::{SmolStr, format_smolstr};
@@ -7,7 +7,7 @@ use std::fmt;
 /// The declared type of a data port or scoped variable.
 #[derive(Debug, Clone, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum DataType {
-    /// `NoneType`: nothing declared.
+    /// `NoneType`: no type is declared.
     None,
     /// `bool`
     Bool,
@@ -59,7 +59,7 @@ impl DataType {
         }
     }
 
-    /// The name without `builtins.` for built-in types: what people read and write.
+    /// The name for people, without `builtins.` for built-in types.
     pub fn short_name(&self) -> SmolStr {
         match BUILTINS.iter().find(|(_, data_type)| data_type == self) {
             Some((name, _)) => SmolStr::new_static(name),
@@ -90,7 +90,7 @@ impl DataType {
         Json::Object(vec![("__type__".into(), Json::Str(name))])
     }
 
-    /// The type that a value of the model has; `None` for one that only Python can read.
+    /// The type of a value of the model; `None` for a value that only Python can read.
     pub fn of(value: &Value) -> Option<Self> {
         Some(match value {
             Value::None => Self::None,
@@ -121,13 +121,13 @@ pub enum Answer {
     Yes,
     /// It does not hold.
     No,
-    /// Nobody here can tell.
+    /// Only Python can tell.
     Unknown,
 }
 
-/// Answers for types that the model does not know by itself.
+/// Answers questions about types that the model does not know.
 pub trait Types {
-    /// Whether `sub` is `base` or inherits from it. Asked only for pairs with a type that is not built in.
+    /// Whether `sub` is `base` or inherits from it. Called only for pairs with a type that is not built in.
     fn is_subclass(&self, sub: &DataType, base: &DataType) -> Answer;
 }
 

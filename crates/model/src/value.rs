@@ -1,5 +1,5 @@
-//! Values as they stand in files: port defaults, runtime values. Knows Python's built-in types, and keeps what only
-//! Python can read as it was written.
+//! Values in files: port defaults and runtime values. Knows Python's built-in types, and keeps values that only
+//! Python can read unchanged.
 
 use crate::json::{Json, canonical_int};
 use smol_str::SmolStr;
@@ -41,7 +41,7 @@ pub enum Value {
     Encoded(Arc<Json>),
 }
 
-/// The same text in the file: unlike in Python, `NaN` equals itself, and `1`, `1.0` and `True` differ.
+/// Equality of the texts in the file: unlike in Python, `NaN` equals itself, and `1`, `1.0` and `True` differ.
 impl PartialEq for Value {
     fn eq(&self, other: &Self) -> bool {
         match (self, other) {
@@ -80,7 +80,7 @@ impl Value {
     /// Reads the file's encoding of a value (`docs/format.md`, special values).
     ///
     /// A plain object is a `dict`; its keys become integers only if every key is the canonical text of one, so that no
-    /// two keys ever fall together.
+    /// two keys become equal.
     pub fn from_json(json: &Json) -> Self {
         match json {
             Json::Null => Self::None,

@@ -124,7 +124,7 @@ fn in_answers(words: &mut Words) {
     words.visit::<api::MachineProblem>();
     words.visit::<api::MachineSteps>();
     words.visit::<api::MachineVersions>();
-    words.visit::<api::Picture>();
+    words.visit::<api::Moment>();
     words.visit::<api::Project>();
     words.visit::<api::Pruned>();
     words.visit::<api::RevisionPage>();

@@ -219,7 +219,7 @@ pub(crate) fn batch(changes: Vec<Change<'_>>) -> PyResult<Edit> {
 }
 
 fn missing(path: &StatePath) -> PyErr {
-    PyKeyError::new_err(format!("there is no state {path} any more; look at the machine again"))
+    PyKeyError::new_err(format!("the state {path} no longer exists; read the machine again"))
 }
 
 /// A library state has a value of its own for every port from the start.
@@ -265,7 +265,7 @@ fn fact<'py>(py: Python<'py>, state: &State, key: &str) -> PyResult<Bound<'py, P
         "children" => children(py, state)?.into_any(),
         "free_port_id" => state.free_port_id().0.into_pyobject(py)?.into_any(),
         "free_outcome_id" => state.free_outcome_id().0.into_pyobject(py)?.into_any(),
-        other => return Err(PyKeyError::new_err(format!("no fact is named {other}"))),
+        other => return Err(PyKeyError::new_err(format!("the fact {other} does not exist"))),
     })
 }
 

@@ -47,7 +47,7 @@ pub(crate) fn driver() -> PyResult<Run> {
         return Err(PyRuntimeError::new_err(why));
     }
     if thread::engine_waits() {
-        let why = "a global variable is being read for a port's default; the state machine cannot be asked meanwhile";
+        let why = "a global variable is being read for a port's default; the state machine cannot answer meanwhile";
         return Err(PyRuntimeError::new_err(why));
     }
     let run = DRIVER.read().clone();

@@ -69,8 +69,10 @@ fn take() -> Vec<Line> {
     early.is_over = true;
     let mut lines = std::mem::take(&mut early.lines);
     if early.left_out > 0 {
-        let message =
-            format!("{} further lines, said before the run began, are left out", early.left_out);
+        let message = format!(
+            "{} further lines from before the start of the run are left out",
+            early.left_out
+        );
         lines.push(Line { level: LogLevel::Warning, stream: Stream::Engine, message });
     }
     lines

@@ -54,7 +54,7 @@ pub(crate) fn taken(py: Python<'_>, path: u32) -> PyResult<Document> {
     let place = place(py, path)?;
     let driver = current::driver()?;
     let state = driver.machine().state(&StatePath::parse(&place.text)).cloned();
-    let gone = || PyKeyError::new_err(format!("there is no state {} any more", place.text));
+    let gone = || PyKeyError::new_err(format!("the state {} no longer exists", place.text));
     let machine = Machine { header: Header::default(), root: state.ok_or_else(gone)? };
     Ok(Document::of(machine, None, Arc::default()))
 }

@@ -29,7 +29,7 @@ pub(crate) fn command(
     match thread::leave(py, || driver.obey(&envelope)) {
         Answer::Applied => Ok(()),
         Answer::Refused { reason } => Err(PyRuntimeError::new_err(reason)),
-        Answer::Expired => Err(PyRuntimeError::new_err("the command came too late")),
+        Answer::Expired => Err(PyRuntimeError::new_err("the command arrived too late")),
     }
 }
 
@@ -60,7 +60,7 @@ fn named(name: &str, path: String, number: u64) -> PyResult<Command> {
         "start_from_history" => Command::StartFromHistory { sequence: number },
         "set_breakpoint" => Command::SetBreakpoint { breakpoint: breakpoint(number, path) },
         "remove_breakpoint" => Command::RemoveBreakpoint { id: number },
-        other => return Err(PyValueError::new_err(format!("no command is named {other}"))),
+        other => return Err(PyValueError::new_err(format!("the command {other} does not exist"))),
     })
 }
 

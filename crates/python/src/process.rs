@@ -47,7 +47,7 @@ impl Host for PythonHost {
         }
         let begun = Python::attach(|py| Runtime::get(py)?.begin_plugins(py, launch));
         if let Err(error) = begun {
-            let message = format!("the plugins do not know what is run: {error}");
+            let message = format!("the plugins cannot learn which machine runs: {error}");
             early::say(LogLevel::Error, message);
         }
     }
@@ -123,7 +123,7 @@ pub(crate) fn default_signals(py: Python<'_>) -> PyResult<()> {
 }
 
 /// The exit code is for whoever has no connection; a viewer knows more.
-#[expect(clippy::print_stderr, reason = "without a viewer there is nowhere else to say it")]
+#[expect(clippy::print_stderr, reason = "without a viewer there is no other place to report it")]
 fn exit_code(end: Result<(), ServeError>) -> i32 {
     match end {
         Ok(()) => 0,

@@ -20,7 +20,7 @@ pub(crate) fn ask(
     default: Option<&str>,
 ) -> PyResult<(&'static str, Option<String>)> {
     let path = thread::current_path().ok_or_else(|| {
-        PyRuntimeError::new_err("only the thread of a state's script can ask people something")
+        PyRuntimeError::new_err("only the thread of a state's script can ask a question")
     })?;
     let place = place(py, path.0)?;
     let form: Form = serde_json::from_str(form).map_err(wrong)?;

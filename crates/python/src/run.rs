@@ -38,7 +38,7 @@ fn flush(py: Python<'_>, runtime: &Runtime) {
     if !runtime.pending.bind(py).is_empty()
         && let Err(error) = runtime.flush_capture.call0(py)
     {
-        current::say(LogLevel::Error, format!("what the script printed last is lost: {error}"));
+        current::say(LogLevel::Error, format!("the last output of the script is lost: {error}"));
     }
 }
 

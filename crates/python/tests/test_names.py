@@ -277,8 +277,11 @@ class Start(unittest.TestCase):
         class Reactor:
             def __init__(self):
                 self.stopped, self.running = threading.Event(), False
+            def callWhenRunning(self, function):
+                self.begin = function
             def run(self):
                 self.running = True
+                self.begin()
                 self.stopped.wait()
             def callFromThread(self, function):
                 function()
@@ -296,7 +299,7 @@ class Start(unittest.TestCase):
 
     def test_it_needs_a_machine_that_is_there(self):
         for arguments, reason in (
-            ((), "no state machine is named; give one with -o"),
+            ((), "no state machine is named; name one with -o"),
             (("-o", "/nowhere"), "there is no state machine in /nowhere"),
             (("-o", self.machine(), "-c", "/nowhere"), "there is no configuration /nowhere"),
         ):

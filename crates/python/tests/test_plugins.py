@@ -127,7 +127,7 @@ class Plugins(unittest.TestCase):
         self.check(
             "def post_init(arguments): print(sorted(arguments))",
             [
-                "RAFCON_PLUGIN_ARGUMENTS cannot be read, so plugins get no options of theirs: "
+                "cannot read RAFCON_PLUGIN_ARGUMENTS, so plugins get no options: "
                 "unrecognized arguments: --no",
                 "['start_state_path', 'state_machine_path']",
                 "runs",

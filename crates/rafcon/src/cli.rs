@@ -1,4 +1,4 @@
-//! The words of the command line, as clap reads them: the raw half. What they mean is checked by each command.
+//! The commands and options of the command line, as clap parses them. Each command checks what they mean.
 
 mod kept;
 mod remote;
@@ -51,149 +51,148 @@ pub(crate) enum Command {
 
 /// Run a machine until it ends.
 ///
-/// On a terminal the active states are shown live; otherwise, or with `--output json`, every event is one line.
-/// Ctrl-C asks the machine to stop in an orderly way, a second Ctrl-C kills it; Ctrl-Z puts the view aside and a
-/// terminal that hangs up ends it, and both leave the run alive. Scripts read what is piped in; a terminal's keyboard
-/// is not theirs.
+/// A terminal shows the active states live; without one, or with `--output json`, each event is one line.
+/// Ctrl-C stops the machine in an orderly way, a second Ctrl-C kills it. Ctrl-Z suspends the view and a terminal that
+/// hangs up ends it; the run continues in both cases. Scripts can read a piped input, but not the keyboard.
 #[derive(Debug, Args)]
 #[command(after_help = EXIT_CODES)]
 pub(crate) struct Run {
-    /// Folder of the machine (or a file in it); at a server the project and the folder in it, such as `robots/pick`
+    /// Folder of the machine, or a file in it; with --server the project and the folder in it, such as `robots/pick`
     pub(crate) path: PathBuf,
-    /// Begin at this state: ids from the root down, joined by `/`
+    /// Start at this state: the ids from the root down, joined by `/`
     #[arg(long, value_name = "STATE_PATH")]
     pub(crate) start_from: Option<String>,
     /// Value for an input port of the root, as JSON (repeat for more)
     #[arg(long = "input", value_name = "NAME=JSON")]
     pub(crate) inputs: Vec<String>,
-    /// Global variable that is there before the first state runs, as JSON (repeat for more)
+    /// Global variable to set before the first state runs, as JSON (repeat for more)
     #[arg(long = "global", value_name = "NAME=JSON")]
     pub(crate) globals: Vec<String>,
     #[command(flatten)]
     pub(crate) libraries: Libraries,
     #[command(flatten)]
     pub(crate) python: Python,
-    /// What is written to the standard output
+    /// Format of the standard output
     #[arg(long, value_enum, default_value_t = Output::Text)]
     pub(crate) output: Output,
-    /// Stop the machine after this time, and kill it if it does not end then
+    /// Stop the machine after this time, and kill it if it does not end
     #[arg(long, value_name = "SECONDS")]
     pub(crate) timeout: Option<f64>,
     #[command(flatten)]
     pub(crate) runs: Runs,
     #[command(flatten)]
     pub(crate) keeping: Keeping,
-    /// Hold before the first state, to go on step by step or after breakpoints were set
+    /// Pause before the first state, to step or to set breakpoints first
     #[arg(long)]
     pub(crate) hold: bool,
-    /// Hold at this state: path or name, then `after` if it is to be left first, then `if` and a Python condition over
-    /// `inputs`, `outputs`, `scoped`, `outcome`, `gvm` (repeat for more)
+    /// Breakpoint before this state, given by path or name; `after` pauses after it, and `if` adds a condition in Python
+    /// over `inputs`, `outputs`, `scoped`, `outcome` and `gvm` (repeat for more)
     #[arg(long = "break", value_name = "STATE [after] [if CONDITION]")]
     pub(crate) breakpoints: Vec<String>,
     #[command(flatten)]
     pub(crate) remote: Remote,
 }
 
-/// What is kept of a run, and what becomes of it when its runner dies.
+/// What the journal of a run keeps, and what happens when its runner dies.
 #[derive(Debug, Args)]
 pub(crate) struct Keeping {
-    /// How much of the run is kept
+    /// How much of the run is recorded
     #[arg(long, value_enum, default_value_t = Level::Full)]
     pub(crate) keep: Level,
-    /// Let no script begin before everything up to it is safe from a power cut
+    /// Start each script only when everything before it is safe from a power cut
     #[arg(long)]
     pub(crate) strict: bool,
-    /// Size of the run's journal beyond which old detail is given up
+    /// Maximum size of the run's journal; beyond it, old details are deleted
     #[arg(long, value_name = "MEGABYTES")]
     pub(crate) keep_max: Option<u64>,
-    /// What becomes of the scripts that were running if the runner dies; else what the root state's semantic data
-    /// `on_crash` says, else `ask`
+    /// What to do with the interrupted scripts if the runner dies; the default is `on_crash` in the semantic data of the
+    /// root state, or `ask`
     #[arg(long, value_enum)]
     pub(crate) on_crash: Option<OnCrash>,
 }
 
-/// How much of a run is kept.
+/// How much of a run is recorded.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Level {
-    /// Everything: it can be replayed and taken up again
+    /// Everything; the run can be replayed and resumed
     Full,
     /// States, outcomes, commands and the log, without values
     Status,
-    /// Nothing
+    /// Nothing at all
     Off,
 }
 
-/// What becomes of scripts that a crash has interrupted.
+/// What to do with scripts that a crash interrupted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum OnCrash {
-    /// Nothing moves until somebody decides
+    /// Wait until a user decides
     Ask,
-    /// They are aborted, so that the machine's recovery transitions take over
+    /// Abort them; the machine's recovery transitions take over
     Abort,
-    /// They run again, with the inputs that they had
+    /// Run them again, with the same inputs
     Restart,
 }
 
-/// Take up a run whose runner has died.
+/// Resume a run whose runner died.
 ///
-/// It goes on in its own folder, with the machine, the data and the history that it had.
+/// The run continues in its own folder, with its machine, its data and its history.
 #[derive(Debug, Args)]
 #[command(after_help = EXIT_CODES)]
 pub(crate) struct Resume {
-    /// The run: its id, the beginning of it, its folder, or `last`
+    /// The run: its id or the start of the id, its folder, or `last`
     pub(crate) run: String,
-    /// What becomes of the scripts that were running
+    /// What to do with the scripts that were interrupted
     #[arg(long, value_enum, default_value_t = OnCrash::Ask)]
     pub(crate) policy: OnCrash,
-    /// Go on from this `entered` event of its history instead, and hold there
+    /// Continue from this `entered` event of the history instead, and pause there
     #[arg(long, value_name = "SEQUENCE")]
     pub(crate) from: Option<u64>,
     #[command(flatten)]
     pub(crate) runs: Runs,
     #[command(flatten)]
     pub(crate) python: Python,
-    /// What is written to the standard output
+    /// Format of the standard output
     #[arg(long, value_enum, default_value_t = Output::Text)]
     pub(crate) output: Output,
-    /// Stop the machine after this time, and kill it if it does not end then
+    /// Stop the machine after this time, and kill it if it does not end
     #[arg(long, value_name = "SECONDS")]
     pub(crate) timeout: Option<f64>,
     #[command(flatten)]
     pub(crate) remote: Remote,
 }
 
-/// Join a run that is going on: watch it, step it, answer its questions.
+/// Join an active run: watch it, step it, answer its questions.
 ///
-/// Leaving (`q` or Ctrl-C) leaves it running. `?` lists the keys.
+/// `q` or Ctrl-C leaves; the run continues. `?` lists the keys.
 #[derive(Debug, Args)]
 pub(crate) struct Attach {
-    /// The run: its id, the beginning of it, its folder, or `last`
+    /// The run: its id or the start of the id, its folder, or `last`
     #[arg(default_value = "last")]
     pub(crate) run: String,
     #[command(flatten)]
     pub(crate) runs: Runs,
-    /// What is written to the standard output
+    /// Format of the standard output
     #[arg(long, value_enum, default_value_t = Output::Text)]
     pub(crate) output: Output,
-    /// Begin with this event of its history instead of now
+    /// Start with this event of the history instead of now
     #[arg(long, value_name = "SEQUENCE", default_value_t = 0)]
     pub(crate) from: u64,
     #[command(flatten)]
     pub(crate) remote: Remote,
 }
 
-/// Say one command to a run that is going on, and print the answer.
+/// Send one command to an active run, and print the answer.
 ///
-/// The command is its name, then its fields as NAME=JSON (a text needs no quotes), such as
+/// Write the name of the command, then its fields as NAME=JSON (text needs no quotes), such as
 /// `rafcon tell last step_into` or `rafcon tell last force_outcome path=ROOT/SCAN outcome=0`.
-/// docs/protocol.md lists them. Exits with 1 if it is refused.
+/// docs/protocol.md lists the commands. The exit code is 1 if the run refuses the command.
 #[derive(Debug, Args)]
 pub(crate) struct Tell {
-    /// The run: its id, the beginning of it, its folder, or `last`
+    /// The run: its id or the start of the id, its folder, or `last`
     pub(crate) run: String,
-    /// The command's name
+    /// Name of the command
     pub(crate) command: String,
-    /// Its fields
+    /// Fields of the command
     #[arg(value_name = "NAME=JSON")]
     pub(crate) fields: Vec<String>,
     #[command(flatten)]
@@ -204,67 +203,67 @@ pub(crate) struct Tell {
 
 const EXIT_CODES: &str = "\
 Exit codes:
-  0  the machine ended by its outcome 0
-  1  the machine could not be loaded, or the run could not begin
+  0  the machine ended with its outcome 0
+  1  the machine could not be loaded, or the run could not start
   2  wrong usage
-  3  it ended by another outcome of its own
-  4  it was aborted: an error left the root state
-  5  it was preempted or stopped
-  6  the time given by --timeout was over
-  7  the Python process that ran it died";
+  3  the machine ended with another outcome of its own
+  4  the machine was aborted: an error left the root state
+  5  the machine was preempted or stopped
+  6  the time limit of --timeout expired
+  7  the Python process of the run died";
 
-/// What a run writes.
+/// Format of a run's output.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Output {
     /// For people: a live view on a terminal, plain lines elsewhere
     Text,
-    /// One JSON object a line, `finished` last
+    /// One JSON object per line, `finished` last
     Json,
 }
 
-/// List every problem of a machine, with the way out.
+/// List every problem of a machine, and how to fix it.
 ///
-/// Exits with 1 if there is an error. Scripts are read by the chosen Python, never run.
+/// The exit code is 1 if there is an error. The chosen Python parses the scripts but never runs them.
 #[derive(Debug, Args)]
 pub(crate) struct Check {
-    /// Folder of the machine (or a file in it)
+    /// Folder of the machine, or a file in it
     pub(crate) path: PathBuf,
     #[command(flatten)]
     pub(crate) libraries: Libraries,
     #[command(flatten)]
     pub(crate) python: Python,
-    /// How problems are written
+    /// Output format
     #[arg(long, value_enum, default_value_t = CheckFormat::Text)]
     pub(crate) format: CheckFormat,
 }
 
-/// How problems are written.
+/// Output format of the problems.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum CheckFormat {
     /// For people
     Text,
-    /// One JSON object a line
+    /// One JSON object per line
     Json,
 }
 
 /// Print a machine.
 #[derive(Debug, Args)]
 pub(crate) struct Show {
-    /// Folder of the machine (or a file in it)
+    /// Folder of the machine, or a file in it
     pub(crate) path: PathBuf,
     #[command(flatten)]
     pub(crate) libraries: Libraries,
-    /// How it is printed
+    /// Output format
     #[arg(long, value_enum, default_value_t = ShowFormat::Tree)]
     pub(crate) format: ShowFormat,
 }
 
-/// How a machine is printed.
+/// Output format of a machine.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum ShowFormat {
     /// An indented tree for people
     Tree,
-    /// The text notation: everything but scripts and layout, for tests, mails and bug reports
+    /// Text notation: everything except scripts and layout, for tests, mails and bug reports
     TextNotation,
     /// One JSON document
     Json,
@@ -277,22 +276,22 @@ pub(crate) enum ShowFormat {
 /// Rewrite a machine in the current file format.
 #[derive(Debug, Args)]
 pub(crate) struct Fmt {
-    /// Folder of the machine (or a file in it)
+    /// Folder of the machine, or a file in it
     pub(crate) path: PathBuf,
-    /// Write nothing; exit with 1 if something would change
+    /// Only check: write nothing, and exit with 1 if a file would change
     #[arg(long)]
     pub(crate) check: bool,
 }
 
-/// Make a new machine.
+/// Create a machine.
 #[derive(Debug, Args)]
 pub(crate) struct New {
-    /// Folder to make; its name becomes the machine's
+    /// Folder to create; the machine gets its name
     pub(crate) path: PathBuf,
-    /// What to begin with
+    /// Template of the machine
     #[arg(long, value_parser = template_names(), default_value = "hello")]
     pub(crate) template: String,
-    /// Number of states, for templates that come in sizes
+    /// Number of states, for templates that have a size
     #[arg(long)]
     pub(crate) states: Option<usize>,
 }
@@ -308,7 +307,7 @@ fn template_names() -> PossibleValuesParser {
 /// Print the completions of a shell.
 #[derive(Debug, Args)]
 pub(crate) struct Completions {
-    /// Which shell
+    /// The shell
     pub(crate) shell: clap_complete::Shell,
 }
 
@@ -319,10 +318,10 @@ pub(crate) struct Man {}
 /// Where libraries are found.
 #[derive(Debug, Args)]
 pub(crate) struct Libraries {
-    /// Folder of libraries and the name that machines know it by (repeat for more)
+    /// Folder of libraries, and the name that machines use for it (repeat for more)
     #[arg(long = "library-path", value_name = "NAME=DIR")]
     pub(crate) roots: Vec<String>,
-    /// RAFCON's config.yaml, or the folder that holds it; it is read, never written
+    /// RAFCON's config.yaml, or its folder; read but never written
     #[arg(long, value_name = "PATH")]
     pub(crate) config: Option<PathBuf>,
 }
@@ -330,7 +329,7 @@ pub(crate) struct Libraries {
 /// Where the folders of runs lie.
 #[derive(Debug, Args)]
 pub(crate) struct Runs {
-    /// Folder that keeps the runs; else `rafcon/runs` in the user's folder for program state
+    /// Folder of the runs; the default is `rafcon/runs` in the user's folder for program state
     #[arg(long, value_name = "DIR", env = "RAFCON_RUNS")]
     pub(crate) runs: Option<PathBuf>,
 }
@@ -338,7 +337,7 @@ pub(crate) struct Runs {
 /// Which Python runs the scripts.
 #[derive(Debug, Args)]
 pub(crate) struct Python {
-    /// Interpreter for the scripts; else the active virtual environment's, else `python3` on the PATH
+    /// Interpreter for the scripts; the default is that of the active virtual environment, or `python3` on the PATH
     #[arg(long, value_name = "PROGRAM", env = "RAFCON_PYTHON")]
     pub(crate) python: Option<PathBuf>,
 }

@@ -30,8 +30,7 @@ const KEYS_EVERY: Duration = Duration::from_millis(200);
 const RAW_LINE: u64 = 64 * 1024;
 
 /// What is told of an engine that takes no inputs.
-pub(crate) const STUCK: &str = "the run stands still: its program is heard, but its engine takes no inputs; a stop ends the \
-                                program if need be";
+pub(crate) const STUCK: &str = "the run hangs: its process answers, but its engine takes no inputs; a stop ends the process if necessary";
 
 /// Something that happened.
 #[derive(Debug, PartialEq)]

@@ -82,7 +82,7 @@ fn root(text: &str) -> Result<(String, PathBuf)> {
             Ok((name.to_owned(), absolute(Path::new(folder))?))
         }
         _ => Err(Usage(format!(
-            "--library-path {text}: write a name and a folder, such as --library-path generic=/opt/libraries"
+            "--library-path {text}: write NAME=DIR, such as --library-path generic=/opt/libraries"
         ))
         .into()),
     }

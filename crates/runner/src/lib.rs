@@ -3,13 +3,69 @@
 //! Knows how to drive an engine and whom to tell. Must never know HTTP, browsers or Python: scripts run behind the port
 //! [`Scripts`].
 
-mod drive;
-mod life;
-mod places;
-mod record;
+/// The engine with its lock, threads and scripts: what goes in, what comes out, and what is written down of it.
+mod drive {
+    pub(crate) mod branch;
+    pub(crate) mod core;
+    pub(crate) mod dispatch;
+    pub(crate) mod document;
+    pub(crate) mod driver;
+    pub(crate) mod due;
+    pub(crate) mod error;
+    pub(crate) mod inquiry;
+    pub(crate) mod notes;
+    pub(crate) mod past;
+    pub(crate) mod points;
+    pub(crate) mod prepare;
+    pub(crate) mod pulse;
+    pub(crate) mod questions;
+    pub(crate) mod record_events;
+    pub(crate) mod roots;
+    pub(crate) mod scripts;
+    pub(crate) mod snapshot;
+    pub(crate) mod worker_pool;
+}
+/// A run from its launch to its end, and again after a crash.
+mod life {
+    pub(crate) mod begun;
+    pub(crate) mod committer;
+    pub(crate) mod host;
+    pub(crate) mod journal;
+    pub(crate) mod restore_values;
+    pub(crate) mod resume;
+}
+/// Where a state of a run stands: its signals, mail and time limits, and what it did last. Must never know what drives it.
+mod places {
+    pub(crate) mod active;
+    pub(crate) mod clock;
+    pub(crate) mod files;
+    pub(crate) mod last;
+    pub(crate) mod limits;
+    pub(crate) mod mailbox;
+    pub(crate) mod place;
+    pub mod signals;
+    pub(crate) mod timers;
+}
+/// What happened in a run, as bytes: in the journal, in memory, and what of it is safe. Must never know threads or viewers.
+mod record {
+    pub(crate) mod blocks;
+    pub(crate) mod keep;
+    pub(crate) mod names;
+    pub(crate) mod record_encoder;
+    pub(crate) mod recorder;
+    pub(crate) mod safety;
+    pub(crate) mod tell;
+}
 #[cfg(test)]
 mod tests;
-mod viewers;
+/// Who is connected to a run: each is sent what it wants, and may command. Must never know how a run begins or ends.
+mod viewers {
+    pub(crate) mod commands;
+    pub(crate) mod connection;
+    pub(crate) mod listener;
+    pub(crate) mod viewer;
+    pub(crate) mod viewer_set;
+}
 
 pub use drive::document::Edited;
 pub use drive::driver::Driver;

@@ -91,7 +91,7 @@ fn bad_body(rejection: JsonRejection, bytes_max: usize) -> Failure {
 
 fn too_large(bytes_max: usize) -> Failure {
     let message = format!("the body is larger than {} KiB: send less at a time", bytes_max >> 10);
-    Failure::new(StatusCode::PAYLOAD_TOO_LARGE, "body_too_large", message)
+    Failure::too_large("body_too_large", message)
 }
 
 /// What stands behind the `?` of an address.
@@ -126,6 +126,19 @@ impl<S: Send + Sync, T: DeserializeOwned + Send> FromRequestParts<S> for Path<T>
         let path = axum::extract::Path::<T>::from_request_parts(parts, state).await;
         Ok(Self(path.map_err(bad)?.0))
     }
+}
+
+/// An id is no longer, in bytes.
+const LENGTH_MAX: usize = 128;
+
+/// Refuses what is no id.
+pub(crate) fn check_request_id(id: &str) -> Result<(), Failure> {
+    if id.is_empty() || id.len() > LENGTH_MAX {
+        let message =
+            format!("an id has 1 to {LENGTH_MAX} bytes: a random one does for each request");
+        return Err(Failure::bad("bad_id", message));
+    }
+    Ok(())
 }
 
 #[cfg(test)]

@@ -1,7 +1,9 @@
-//! A request that cannot be served, as an answer: what, where, and the way out.
+//! A request that cannot be served, as an answer: what, where, and the way out. The one place that knows which status of HTTP
+//! goes with which reason.
 
 use axum::Json;
-use axum::http::StatusCode;
+use axum::http::header::{ALLOW, HeaderName, RETRY_AFTER, WWW_AUTHENTICATE};
+use axum::http::{HeaderValue, StatusCode};
 use axum::response::{IntoResponse, Response};
 use rafcon_protocol::api::Refusal;
 
@@ -9,72 +11,136 @@ use rafcon_protocol::api::Refusal;
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{message}")]
 pub struct Failure {
-    status: StatusCode,
+    reason: Reason,
     code: &'static str,
     message: String,
-    header: Option<(&'static str, String)>,
+    header: Option<(HeaderName, String)>,
+}
+
+/// Why a request is not served.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Reason {
+    /// The request cannot be understood.
+    Bad,
+    /// The server does not know who sent the request.
+    Unauthorized,
+    /// The sender may not do this.
+    Forbidden,
+    /// What the request names does not exist.
+    NotFound,
+    /// The route exists, but not for this method.
+    WrongMethod,
+    /// The request does not fit what is there now.
+    Conflict,
+    /// The request is larger than the server takes.
+    TooLarge,
+    /// The request was meant for another server.
+    WrongHost,
+    /// The request is understood and cannot be served with what is there.
+    Unprocessable,
+    /// Too many such requests are open, or too much is there already.
+    TooMany,
+    /// A defect of this program.
+    Defect,
+    /// The server cannot serve the request now.
+    Unavailable,
 }
 
 impl Failure {
-    /// A refusal with a status, a stable code and a sentence for people.
-    pub fn new(status: StatusCode, code: &'static str, message: impl Into<String>) -> Self {
-        Self { status, code, message: message.into(), header: None }
+    /// A refusal with a reason, a stable code and a sentence for people.
+    pub fn new(reason: Reason, code: &'static str, message: impl Into<String>) -> Self {
+        Self { reason, code, message: message.into(), header: None }
     }
 
-    /// The same with a header that programs understand, such as `Retry-After`.
+    /// Says after how many seconds the same request may succeed.
     #[must_use]
-    pub fn with_header(self, name: &'static str, value: String) -> Self {
-        Self { header: Some((name, value)), ..self }
+    pub fn retry_after(self, seconds: u64) -> Self {
+        Self { header: Some((RETRY_AFTER, seconds.to_string())), ..self }
     }
 
-    /// What was asked for is not there.
+    /// Says that a token is needed.
+    #[must_use]
+    pub fn asking_for_token(self) -> Self {
+        Self { header: Some((WWW_AUTHENTICATE, "Bearer".to_owned())), ..self }
+    }
+
+    /// Says which methods the route has.
+    #[must_use]
+    pub fn allowing(self, methods: String) -> Self {
+        Self { header: Some((ALLOW, methods)), ..self }
+    }
+
+    /// See [`Reason::NotFound`].
     pub fn not_found(code: &'static str, message: impl Into<String>) -> Self {
-        Self::new(StatusCode::NOT_FOUND, code, message)
+        Self::new(Reason::NotFound, code, message)
     }
 
-    /// What was asked for cannot be understood.
+    /// See [`Reason::Bad`].
     pub fn bad(code: &'static str, message: impl Into<String>) -> Self {
-        Self::new(StatusCode::BAD_REQUEST, code, message)
+        Self::new(Reason::Bad, code, message)
     }
 
-    /// What was asked for does not fit what is there now.
+    /// See [`Reason::Conflict`].
     pub fn conflict(code: &'static str, message: impl Into<String>) -> Self {
-        Self::new(StatusCode::CONFLICT, code, message)
+        Self::new(Reason::Conflict, code, message)
     }
 
-    /// It is understood, and cannot be done with what is there.
+    /// See [`Reason::Unprocessable`].
     pub fn unprocessable(code: &'static str, message: impl Into<String>) -> Self {
-        Self::new(StatusCode::UNPROCESSABLE_ENTITY, code, message)
+        Self::new(Reason::Unprocessable, code, message)
     }
 
-    /// Too many ask for it, or too much is there already.
+    /// See [`Reason::TooMany`].
     pub fn too_many(code: &'static str, message: impl Into<String>) -> Self {
-        Self::new(StatusCode::TOO_MANY_REQUESTS, code, message)
+        Self::new(Reason::TooMany, code, message)
     }
 
-    /// The server cannot do it now.
+    /// See [`Reason::TooLarge`].
+    pub fn too_large(code: &'static str, message: impl Into<String>) -> Self {
+        Self::new(Reason::TooLarge, code, message)
+    }
+
+    /// See [`Reason::Unavailable`].
     pub fn unavailable(code: &'static str, message: impl Into<String>) -> Self {
-        Self::new(StatusCode::SERVICE_UNAVAILABLE, code, message)
+        Self::new(Reason::Unavailable, code, message)
     }
 
-    /// Nobody knows who asks.
+    /// See [`Reason::Unauthorized`].
     pub fn unauthorized(code: &'static str, message: impl Into<String>) -> Self {
-        Self::new(StatusCode::UNAUTHORIZED, code, message)
+        Self::new(Reason::Unauthorized, code, message)
     }
 
-    /// A defect of this program.
+    /// See [`Reason::Defect`].
     pub fn defect(code: &'static str, message: impl Into<String>) -> Self {
-        Self::new(StatusCode::INTERNAL_SERVER_ERROR, code, message)
+        Self::new(Reason::Defect, code, message)
     }
 
-    /// Whoever asks may not.
+    /// See [`Reason::Forbidden`].
     pub fn forbidden(code: &'static str, message: impl Into<String>) -> Self {
-        Self::new(StatusCode::FORBIDDEN, code, message)
+        Self::new(Reason::Forbidden, code, message)
     }
 
-    /// The status that goes with it.
+    /// Why the request is not served.
+    pub fn reason(&self) -> Reason {
+        self.reason
+    }
+
+    /// The status of HTTP that goes with the reason.
     pub fn status(&self) -> StatusCode {
-        self.status
+        match self.reason {
+            Reason::Bad => StatusCode::BAD_REQUEST,
+            Reason::Unauthorized => StatusCode::UNAUTHORIZED,
+            Reason::Forbidden => StatusCode::FORBIDDEN,
+            Reason::NotFound => StatusCode::NOT_FOUND,
+            Reason::WrongMethod => StatusCode::METHOD_NOT_ALLOWED,
+            Reason::Conflict => StatusCode::CONFLICT,
+            Reason::TooLarge => StatusCode::PAYLOAD_TOO_LARGE,
+            Reason::WrongHost => StatusCode::MISDIRECTED_REQUEST,
+            Reason::Unprocessable => StatusCode::UNPROCESSABLE_ENTITY,
+            Reason::TooMany => StatusCode::TOO_MANY_REQUESTS,
+            Reason::Defect => StatusCode::INTERNAL_SERVER_ERROR,
+            Reason::Unavailable => StatusCode::SERVICE_UNAVAILABLE,
+        }
     }
 
     /// The stable word for programs.
@@ -90,9 +156,10 @@ impl Failure {
 
 impl IntoResponse for Failure {
     fn into_response(self) -> Response {
-        let mut response = (self.status, Json(self.refusal())).into_response();
-        let header = self.header.and_then(|(name, value)| Some((name, value.parse().ok()?)));
-        if let Some((name, value)) = header {
+        let mut response = (self.status(), Json(self.refusal())).into_response();
+        if let Some((name, value)) = self.header
+            && let Ok(value) = HeaderValue::try_from(value)
+        {
             response.headers_mut().insert(name, value);
         }
         response

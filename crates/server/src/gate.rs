@@ -2,7 +2,6 @@
 //! holds no thread. Must never know what the work is.
 
 use crate::Failure;
-use crate::blocking::blocking;
 use std::sync::Arc;
 use tokio::sync::Semaphore;
 
@@ -49,7 +48,17 @@ impl Gate {
 fn crowded() -> Failure {
     let message = format!("{INSIDE} others ask for the like at the moment: ask again in a second");
     let failure = Failure::too_many("too_many_at_once", message);
-    failure.with_header("retry-after", "1".to_owned())
+    failure.retry_after(1)
+}
+
+/// Does the work on a thread of its own kind, and waits for it without holding anybody up.
+pub(crate) async fn blocking<T: Send + 'static>(
+    work: impl FnOnce() -> Result<T, Failure> + Send + 'static,
+) -> Result<T, Failure> {
+    tokio::task::spawn_blocking(work).await.unwrap_or_else(|_stopped| {
+        let message = "the server could not finish this request: try again, and report it";
+        Err(Failure::unavailable("not_finished", message))
+    })
 }
 
 #[cfg(test)]

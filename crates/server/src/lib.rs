@@ -5,7 +5,6 @@
 //! `docs/api.md` is for whoever writes a client.
 
 pub mod access;
-mod blocking;
 mod change_counters;
 mod child;
 mod description;
@@ -20,7 +19,6 @@ mod log;
 mod page;
 mod projects;
 mod python;
-mod request_id;
 mod router;
 mod runs;
 pub mod settings;
@@ -28,7 +26,7 @@ mod socket;
 mod state;
 mod watch;
 
-pub use failure::Failure;
+pub use failure::{Failure, Reason};
 pub use listen::{AddressFile, ServeError, Server, TlsError, serve};
 pub use page::PageFiles;
 pub use router::{openapi, router};

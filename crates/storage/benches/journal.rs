@@ -2,8 +2,8 @@
 
 use criterion::{BatchSize, Criterion, criterion_group, criterion_main};
 use rafcon_model::{Machine, State};
-use rafcon_storage::Libraries;
-use rafcon_storage::journal::{About, Batch, Journal, Kept, Left, Options, Packer, PlaceNumber};
+use rafcon_storage::journal::{About, Batch, Journal, Kept, Left, Options, PlaceNumber};
+use rafcon_storage::{Libraries, Packer};
 use rafcon_testkit::notation;
 use std::fmt::Write as _;
 use std::sync::Arc;

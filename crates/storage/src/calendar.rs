@@ -5,23 +5,23 @@
 pub struct Date {
     /// Such as 2026.
     pub year: u64,
-    /// From 1.
+    /// The month, from 1.
     pub month: u64,
-    /// Of the month, from 1.
+    /// The day of the month, from 1.
     pub day: u64,
-    /// From 0.
+    /// Counted from 0.
     pub hour: u64,
-    /// From 0.
+    /// Counted from 0.
     pub minute: u64,
-    /// From 0.
+    /// Counted from 0.
     pub second: u64,
 }
 
 impl Date {
-    /// The date so many seconds after 1970-01-01.
+    /// The date this many seconds after 1970-01-01.
     pub fn since_1970(seconds: u64) -> Self {
         let (days, second) = (seconds / 86_400, seconds % 86_400);
-        // Counted from 0000-03-01, so that the leap day is a year's last.
+        // Years begin on March 1, so that the leap day is the last day of a year.
         let days = days + 719_468;
         let (era, day) = (days / 146_097, days % 146_097);
         let year = (day - day / 1460 + day / 36_524 - day / 146_096) / 365;
@@ -34,7 +34,7 @@ impl Date {
     }
 }
 
-/// As machines keep it: `2026-01-31 12:00:00`.
+/// As in the files of machines: `2026-01-31 12:00:00`.
 impl std::fmt::Display for Date {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let Self { year, month, day, hour, minute, second } = self;

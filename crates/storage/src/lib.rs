@@ -6,20 +6,17 @@ pub mod calendar;
 pub mod config;
 pub mod files;
 pub mod journal;
-pub mod libraries;
-pub mod place;
+mod packer;
 pub mod problem;
 pub mod read;
+mod staging;
 mod whereabouts;
 pub mod write;
 
-#[cfg(test)]
-mod testing;
-
 pub use config::{Config, Environment, Naming};
-pub use libraries::{Libraries, Root, roots};
-pub use place::{Saved, StateFolder};
-pub use problem::{Fault, LoadProblem, Wrong};
-pub use read::{LoadError, Loaded, fill_library, load, load_packed, state_from_core_data};
-pub use write::core_data;
-pub use write::{FormatError, Formatted, SaveError, format, save};
+pub use files::{Saved, StateFolder};
+pub use packer::Packer;
+pub use problem::{Fault, LoadError, LoadProblem, Wrong};
+pub use read::libraries::{self, Libraries, Root, roots};
+pub use read::{Loaded, fill_library, load, load_packed, state_from_core_data};
+pub use write::{FormatError, Formatted, SaveError, core_data, format, save};

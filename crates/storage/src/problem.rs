@@ -1,31 +1,31 @@
-//! What was found wrong while reading a machine. The machine is there nevertheless; each problem says what, where and the
-//! way out. Knows faults of files, not validity rules: those are the model's.
+//! Problems found while reading a machine, and errors that prevent it. A problem does not prevent reading; each names what,
+//! where and the remedy. Knows faults of files, not validity rules: those belong to the model.
 
 use rafcon_model::json::ParseError;
 use rafcon_model::{PortId, StateId, StatePath};
 use smol_str::SmolStr;
-use std::fmt;
 use std::path::PathBuf;
+use std::{fmt, io};
 
 /// One fault of one file.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct LoadProblem {
-    /// The state that it concerns; empty for the machine as a whole.
+    /// The path of the state; empty for the machine as a whole.
     pub state: StatePath,
     /// The file, relative to the machine's folder.
     pub file: PathBuf,
-    /// What is wrong.
+    /// The fault.
     pub fault: Fault,
 }
 
 impl LoadProblem {
-    /// Whether the rules of machines find it too, in the machine that was loaded: whoever asks both leaves it out.
+    /// Whether the validity rules also find it in the loaded machine. A caller that checks both leaves it out.
     pub fn is_found_by_rules(&self) -> bool {
         matches!(self.fault, Fault::LibraryVersion { .. } | Fault::ValueWithoutPort { .. })
     }
 }
 
-/// What can be wrong with a file.
+/// A fault of a file.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum Fault {
     /// The file does not parse.
@@ -40,20 +40,20 @@ pub enum Fault {
     /// One of the state's parts is set aside.
     #[error("{element}: {wrong}")]
     Element {
-        /// Where it stands in the file, such as `outcomes.3`.
+        /// Its place in the file, such as `outcomes.3`.
         element: SmolStr,
         /// What is wrong with it.
         wrong: Wrong,
     },
-    /// The class name is none that is known.
+    /// The class name is unknown.
     #[error("unknown class `{0}`")]
     UnknownClass(SmolStr),
     /// Another state beside or around it has the same id.
     #[error("the id {old} is taken; the state is now {new}")]
     TakenId {
-        /// As it stands in the file.
+        /// The id in the file.
         old: StateId,
-        /// As the state is known from now on.
+        /// The new id of the state.
         new: StateId,
     },
     /// The library was not found or not readable.
@@ -61,7 +61,7 @@ pub enum Fault {
     MissingLibrary {
         /// Path and name of the library.
         library: SmolStr,
-        /// Why.
+        /// The reason.
         reason: SmolStr,
     },
     /// The instance was made with another version of the library.
@@ -89,7 +89,7 @@ pub enum Fault {
     InLibrary {
         /// Path and name of the library.
         library: SmolStr,
-        /// How many.
+        /// The number of faults.
         count: usize,
         /// The first of them.
         first: Box<str>,
@@ -105,20 +105,20 @@ pub enum Fault {
     RootElsewhere(SmolStr),
 }
 
-/// What can be wrong with a part of a document.
+/// A fault of a part of a document.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum Wrong {
-    /// A key that must be there is not.
+    /// A required key is missing.
     #[error("`{0}` is missing")]
     Missing(&'static str),
-    /// A value of another type.
+    /// A value has a wrong type.
     #[error("`{key}` should be {expected}, not {found}")]
     Type {
         /// The key.
         key: &'static str,
-        /// What it should be.
+        /// The expected type.
         expected: &'static str,
-        /// What it is.
+        /// The actual type.
         found: &'static str,
     },
     /// Not an object.
@@ -128,7 +128,7 @@ pub enum Wrong {
     #[error("the key is not a whole number")]
     Key,
     /// The key of an element is the same number as another's.
-    #[error("the same id stands here twice")]
+    #[error("the same id occurs twice")]
     Twice,
     /// The id in the element differs from its key, which counts.
     #[error("the id inside is {0}, the key counts")]
@@ -136,7 +136,7 @@ pub enum Wrong {
 }
 
 impl Fault {
-    /// What the user can do about it.
+    /// The remedy for the user.
     pub fn remedy(&self) -> &'static str {
         match self {
             Self::Malformed(_) | Self::NotUtf8 => {
@@ -167,7 +167,7 @@ impl Fault {
         }
     }
 
-    /// Whether only a note: the machine means what its files say.
+    /// Whether it is only a note: the machine was loaded as its files describe it.
     pub fn is_note(&self) -> bool {
         matches!(
             self,
@@ -185,4 +185,67 @@ impl fmt::Display for LoadProblem {
         }
         write!(f, "; {}", self.fault.remedy())
     }
+}
+
+/// Why a machine cannot be read.
+#[derive(Debug, thiserror::Error)]
+pub enum LoadError {
+    /// Nothing is at the path.
+    #[error("{} does not exist; give the folder of a state machine or a file in it", path.display())]
+    NotFound {
+        /// The requested path.
+        path: PathBuf,
+    },
+    /// There is no header.
+    #[error("{} is not a state machine: it has no statemachine.json", path.display())]
+    NotAMachine {
+        /// The folder.
+        path: PathBuf,
+    },
+    /// The machine has a layout that is too old to read.
+    #[error(
+        "{} has only a statemachine.yaml; save it with a RAFCON before 1.0, which writes statemachine.json",
+        path.display()
+    )]
+    Yaml {
+        /// The folder.
+        path: PathBuf,
+    },
+    /// There is a header, and no state at all.
+    #[error("{} has no root state: a folder with core_data.json is missing", path.display())]
+    NoRoot {
+        /// The folder.
+        path: PathBuf,
+    },
+    /// The disk fails.
+    #[error("cannot read {}", path.display())]
+    Io {
+        /// The file or folder.
+        path: PathBuf,
+        /// The error of the system.
+        source: io::Error,
+    },
+    /// A link leads out of the folders from which machines may be loaded.
+    #[error(
+        "{} leads out of the folders that may be read; put its target there, or add the folder of its target",
+        link.display()
+    )]
+    Outside {
+        /// The link.
+        link: PathBuf,
+    },
+    /// The file is too large or not a regular file.
+    #[error("{} is not a regular file of at most 64 MiB; put one there", file.display())]
+    Unfit {
+        /// The file.
+        file: PathBuf,
+    },
+    /// A save was interrupted and cannot be finished.
+    #[error("cannot finish the interrupted save in {}", path.display())]
+    Recovery {
+        /// The machine's folder.
+        path: PathBuf,
+        /// The error of the system.
+        source: io::Error,
+    },
 }

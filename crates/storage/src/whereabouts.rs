@@ -1,8 +1,8 @@
-//! From the path of a state to its folder, also inside libraries. Knows what was loaded, reads nothing.
+//! Finds the folder of a state by its path, also inside libraries. Knows what was loaded, reads nothing.
 
 use crate::Libraries;
+use crate::files::{Saved, StateFolder};
 use crate::libraries::ReadLibrary;
-use crate::place::{Saved, StateFolder};
 use rafcon_model::{Kind, State, StateId, StatePath};
 use std::path::PathBuf;
 use std::sync::Arc;

@@ -16,13 +16,13 @@ const LAUNCH_TIMEOUT: Duration = Duration::from_mins(1);
 #[derive(Debug, thiserror::Error)]
 pub enum BeginError {
     /// The launch is no message.
-    #[error("the launch cannot be said to the runner")]
+    #[error("cannot send the launch to the runner")]
     Launch(#[from] FrameError),
     /// The runner is gone.
-    #[error("the runner ended before it was told what to run; its output says why")]
+    #[error("the runner ended before it read the launch; its output says why")]
     Gone(#[source] io::Error),
     /// The runner does not listen.
-    #[error("the runner did not read what it is to run within {} s; its output may say why", LAUNCH_TIMEOUT.as_secs())]
+    #[error("the runner did not read the launch within {} s; its output may say why", LAUNCH_TIMEOUT.as_secs())]
     Silent(#[source] io::Error),
 }
 
@@ -57,7 +57,7 @@ pub enum JoinError {
     },
     /// Nobody listens.
     #[error(
-        "nobody runs {run}: `rafcon history {run}` shows what happened, `rafcon resume {run}` takes it up again if it did \
+        "{run} is not active: `rafcon history {run}` shows what happened, and `rafcon resume {run}` resumes it if it did \
          not end"
     )]
     Nobody {
@@ -105,6 +105,6 @@ mod tests {
         let (ours, theirs) = UnixStream::pair().unwrap();
         drop(theirs);
         let error = begin(&ours, Launch::default()).unwrap_err().to_string();
-        assert_eq!(error, "the runner ended before it was told what to run; its output says why");
+        assert_eq!(error, "the runner ended before it read the launch; its output says why");
     }
 }

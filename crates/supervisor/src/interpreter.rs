@@ -86,8 +86,8 @@ impl fmt::Display for Interpreter {
 /// It lies at none of its places.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "the extension that makes a Python a runner is missing. These places were tried:\n{}\n\
-     Build it (`cargo build --workspace`), unpack the whole archive, or set RAFCON_EXTENSION to the file",
+    "cannot find the Python extension of RAFCON. Searched:\n{}\n\
+     Build it (`cargo build --workspace`), unpack the complete archive, or set RAFCON_EXTENSION to the file",
     listed(tried)
 )]
 pub struct NoExtension {

@@ -65,13 +65,13 @@ pub enum StartError {
     #[error(transparent)]
     NoExtension(#[from] NoExtension),
     /// There is no control socket.
-    #[error("cannot make a pair of sockets")]
+    #[error("cannot create a pair of sockets")]
     Sockets(#[source] io::Error),
     /// The control socket stays with us.
-    #[error("cannot let the runner inherit its socket")]
+    #[error("cannot pass the socket to the runner")]
     Inherit(#[source] io::Error),
     /// There is no file for what it writes.
-    #[error("cannot open {} for what the runner writes: its folder must be there, and ours", file.display())]
+    #[error("cannot open {} for the output of the runner: its folder must exist and belong to you", file.display())]
     Output {
         /// Which one.
         file: PathBuf,
@@ -183,12 +183,10 @@ impl fmt::Display for Exit {
                 let name = signal_hook::low_level::signal_name(signal).unwrap_or("unknown signal");
                 write!(f, "killed by signal {signal} ({name})")
             }
-            (None, Some(BROKEN)) => {
-                f.write_str("its engine failed inside RAFCON itself; please report it")
-            }
-            (None, Some(UNREACHED)) => {
-                f.write_str("its engine did not take a stop in time, so it ended itself")
-            }
+            (None, Some(BROKEN)) => f.write_str("RAFCON's engine failed; please report this"),
+            (None, Some(UNREACHED)) => f.write_str(
+                "the engine did not react to a stop in time, and the process ended itself",
+            ),
             (None, Some(code)) => write!(f, "exit status {code}"),
             (None, None) => f.write_str("ended"),
         }
@@ -209,7 +207,7 @@ mod tests {
         };
         assert_eq!(told(0), ("exit status 0".to_owned(), false));
         assert_eq!(told(86 << 8), ("exit status 86".to_owned(), true));
-        let engine_failed = "its engine failed inside RAFCON itself; please report it";
+        let engine_failed = "RAFCON's engine failed; please report this";
         assert_eq!(told(87 << 8), (engine_failed.to_owned(), false));
         assert_eq!(told(11), ("killed by signal 11 (SIGSEGV)".to_owned(), false));
     }

@@ -71,7 +71,7 @@ pub fn resume_launch(folder: &Path, policy: OnCrash, from: Option<u64>) -> Launc
         run_folder: Some(folder.to_path_buf()),
         resume: Some(Resume { policy, from }),
         crash: Some(Crash {
-            reason: "its runner ended before the run did".to_owned(),
+            reason: "the runner ended before the run".to_owned(),
             active: running(folder),
         }),
         listen: true,

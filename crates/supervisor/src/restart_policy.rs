@@ -52,19 +52,19 @@ impl RestartPolicy {
         launch: Launch,
     ) -> Next {
         if death.is_wanted {
-            return Next::Ask("its end was wanted");
+            return Next::Ask("a user ended it");
         }
         self.deaths.push_back(now);
         while self.deaths.front().is_some_and(|first| *first + WINDOW < now) {
             self.deaths.pop_front();
         }
         if self.deaths.len() > DEATHS_MAX {
-            return Next::Ask("it died too often in the last minute");
+            return Next::Ask("the runner died too often in the last minute");
         }
         // A script that was cut off because it ignored its grace period is aborted: that is what the period is for.
         let policy = if death.is_cut_off { OnCrash::Abort } else { kept.policy };
         if policy == OnCrash::Ask {
-            return Next::Ask("nothing moves until you decide");
+            return Next::Ask("the run waits until you decide");
         }
         if !kept.has_begun {
             return Next::Again(Box::new(launch));
@@ -117,7 +117,7 @@ mod tests {
             &death(),
             &[1],
             &expect![[r"
-            1 s: nothing moves until you decide
+            1 s: the run waits until you decide
         "]],
         );
         check(
@@ -157,7 +157,7 @@ mod tests {
             &RunnerDeath { is_wanted: true, ..death() },
             &[1],
             &expect![[r"
-            1 s: its end was wanted
+            1 s: a user ended it
         "]],
         );
     }
@@ -174,7 +174,7 @@ mod tests {
             2 s: Some(Abort) Some(["R/A"])
             3 s: Some(Abort) Some(["R/A"])
             4 s: Some(Abort) Some(["R/A"])
-            5 s: it died too often in the last minute
+            5 s: the runner died too often in the last minute
             70 s: Some(Abort) Some(["R/A"])
         "#]],
         );

@@ -21,13 +21,13 @@ pub struct Runs {
 #[derive(Debug, thiserror::Error)]
 pub enum MakeError {
     /// There is no usual place.
-    #[error("there is no HOME to keep runs in: name a folder with --runs")]
+    #[error("no folder for runs: set HOME, or name a folder with --runs")]
     NoHome,
     /// The current folder is gone.
     #[error(transparent)]
     Here(#[from] io::Error),
     /// The folder of all runs cannot be made.
-    #[error("cannot make the folder for runs {}: name another with --runs", folder.display())]
+    #[error("cannot create the folder for runs {}: name another with --runs", folder.display())]
     Runs {
         /// Which one.
         folder: PathBuf,
@@ -42,7 +42,7 @@ pub enum MakeError {
     },
     /// The folder of the run cannot be made.
     #[error(
-        "cannot make the run's folder {}: name another place with --runs, or keep nothing with --keep off",
+        "cannot create the run's folder {}: name another folder with --runs, or record nothing with --keep off",
         folder.display()
     )]
     Run {
@@ -68,7 +68,7 @@ pub enum FindError {
         source: io::Error,
     },
     /// There is none of that name.
-    #[error("there is no run `{text}` in {}: `rafcon runs` lists them", folder.display())]
+    #[error("there is no run `{text}` in {}: `rafcon runs` lists the runs", folder.display())]
     None {
         /// What was asked for.
         text: String,
@@ -76,7 +76,7 @@ pub enum FindError {
         folder: PathBuf,
     },
     /// More than one begins like that.
-    #[error("`{text}` could be {}: write more of it", ids.join(" or "))]
+    #[error("`{text}` could mean {}: write more of the id", ids.join(" or "))]
     Many {
         /// What was asked for.
         text: String,
@@ -203,9 +203,9 @@ mod tests {
         check(
             "20260131",
             &expect![
-                "`20260131` could be 20260131-120000-a-0001 or 20260131-120000-a-0002: write more of it"
+                "`20260131` could mean 20260131-120000-a-0001 or 20260131-120000-a-0002: write more of the id"
             ],
         );
-        check("2025", &expect!["there is no run `2025` in RUNS: `rafcon runs` lists them"]);
+        check("2025", &expect!["there is no run `2025` in RUNS: `rafcon runs` lists the runs"]);
     }
 }

@@ -1,6 +1,10 @@
-//! What the tests of several crates share: machines from text, and edits chosen by numbers.
+//! What the tests of several crates share: machines, journals and folders from text, and edits chosen by
+//! numbers.
 //!
 //! Knows what is public in the crates that it helps to test. No product may depend on it; tests, benches and examples do.
 
 pub mod edits;
+pub mod files;
+pub mod journal_notation;
+pub mod machines;
 pub mod notation;

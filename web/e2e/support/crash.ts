@@ -1,7 +1,7 @@
 /** Runs whose program is killed in the middle, as a fault in a driver does. */
 
 import { expect, vi } from "vitest";
-import type { Picture } from "../../src/model/generated/protocol.ts";
+import type { Moment } from "../../src/model/generated/protocol.ts";
 import type { App } from "./app.ts";
 import { runnersOf } from "./runner.ts";
 import { runInFront, untilActive } from "./runs.ts";
@@ -26,7 +26,7 @@ export async function crashIn(
 async function untilSet(server: Server, run: string, variable: string): Promise<void> {
   await vi.waitUntil(
     async () => {
-      const { globals } = await server.ask<Picture>("GET", `/runs/${run}/moments`);
+      const { globals } = await server.ask<Moment>("GET", `/runs/${run}/moments`);
       return variable in globals;
     },
     { timeout: 20_000, interval: 50 },

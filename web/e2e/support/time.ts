@@ -3,7 +3,7 @@
 import { spawnSync } from "node:child_process";
 import { join } from "node:path";
 import { expect, vi } from "vitest";
-import type { HistoryEntry, Picture, RunSummary } from "../../src/model/generated/protocol.ts";
+import type { HistoryEntry, Moment, RunSummary } from "../../src/model/generated/protocol.ts";
 import type { App } from "./app.ts";
 import { binary } from "./places.ts";
 import type { Server } from "./server.ts";
@@ -90,9 +90,9 @@ export async function activeShown(app: App): Promise<readonly string[]> {
 }
 
 /** How the run stood after an event, as `rafcon replay` tells it. */
-export function replayed(server: Server, run: string, at: number): Picture {
+export function replayed(server: Server, run: string, at: number): Moment {
   const [line = ""] = rafcon(server, "replay", run, "--at", String(at), "--json");
-  return JSON.parse(line) as Picture;
+  return JSON.parse(line) as Moment;
 }
 
 /** All that happened, as `rafcon history` tells it. */
@@ -108,7 +108,7 @@ function rafcon(server: Server, ...words: readonly string[]): readonly string[] 
 }
 
 /** Names of the innermost active states: one a branch. */
-export function innermost({ active }: Picture): readonly string[] {
+export function innermost({ active }: Moment): readonly string[] {
   return active
     .filter(({ path }) => !active.some((other) => other.path.startsWith(`${path}/`)))
     .map(({ names }) => names.split("/").at(-1) ?? "")

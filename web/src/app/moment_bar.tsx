@@ -2,7 +2,7 @@
 
 import { ChevronFirst, ChevronLast, ChevronLeft, ChevronRight, History, Radio } from "lucide-react";
 import { type ReactNode, useEffect } from "react";
-import { clockTime, duration } from "../panels/parts/duration.ts";
+import { duration } from "../panels/parts/duration.ts";
 import { useMoment } from "../panels/parts/moment_words.ts";
 import { timelineOf } from "../panels/timeline/model.ts";
 import type { Watch } from "../store/history/run.ts";
@@ -65,17 +65,14 @@ function OfMoment({ tab, watch, playhead }: MomentBarProps & { readonly playhead
   );
 }
 
-/** When it was: by the clock, unless the run was taken up after a crash, and how long before now or the end. */
+/** How long before now or the end it was. */
 function Ago({ watch, index }: { readonly watch: Watch; readonly index: number }) {
   const { page } = useSession();
   const now = useSignal(watch.now);
-  const snapshot = useSignal(watch.playheadSnapshot);
   const t_ms = watch.journal.t_ns(index) / 1e6;
   const come_ms = useComputed(() => timelineOf(page, watch).end_ns / 1e6, [page, watch]);
   const before = duration(Math.max(0, come_ms - t_ms));
-  const at =
-    now && (snapshot?.picture.life ?? 1) <= 1 ? `, ${clockTime(now.run.started_ms + t_ms)}` : "";
-  return `${at}, ${before} ${now?.link === "over" ? "before the end" : "ago"}`;
+  return `, ${before} ${now?.link === "over" ? "before the end" : "ago"}`;
 }
 
 function useRefusal(id: string, { tab, watch }: MomentBarProps): string | null {

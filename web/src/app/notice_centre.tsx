@@ -4,9 +4,9 @@ import { Bell, CircleAlert, Info, TriangleAlert, X } from "lucide-react";
 import { type KeyboardEvent, useEffect, useRef, useState } from "react";
 import { useHost } from "../panels/context.tsx";
 import { goTo } from "../panels/go_to.ts";
-import { moment } from "../panels/moment.ts";
 import { noticeText, openNotices } from "../store/page/notices.ts";
 import type { Notice } from "../store/page/page.ts";
+import { timeScale, wallTime } from "../store/page/times.ts";
 import { Button, IconButton } from "../ui/button.tsx";
 import { useSignal } from "../ui/signals.ts";
 import { useSession } from "./provided.tsx";
@@ -115,6 +115,7 @@ const SIGNS = { info: Info, warning: TriangleAlert, error: CircleAlert };
 function Line({ notice, onLeave }: { notice: Notice; onLeave: () => void }) {
   const session = useSession();
   const host = useHost();
+  useSignal(timeScale);
   const { action, about, level, at_ms } = notice;
   const Sign = SIGNS[level];
   const close = () => closeNotices(session, [notice]);
@@ -130,7 +131,7 @@ function Line({ notice, onLeave }: { notice: Notice; onLeave: () => void }) {
       <div className="notice-body">
         <span className="notice-text">{noticeText(notice)}</span>
         <span className="notice-foot">
-          <time>{moment(at_ms, Date.now())}</time>
+          <time>{wallTime(at_ms, Date.now())}</time>
           {tab && element && (
             <Button
               kind="quiet"

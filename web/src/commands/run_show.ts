@@ -1,11 +1,12 @@
 /** Which run is shown, at which moment, beside which other; and what becomes of runs that are over. */
 
 import type { RunSummary } from "../model/generated/protocol.ts";
-import { startedInWords, statusInWords, summaryStatusWords } from "../model/run_words.ts";
+import { statusInWords, summaryStatusWords } from "../model/run_words.ts";
 import { comparedRun } from "../store/history/compared_run.ts";
 import { entryToStartFrom } from "../store/history/moments.ts";
 import { followedSignal } from "../store/page/following.ts";
 import { type OpenTab, type Page, runOf } from "../store/page/page.ts";
+import { wallTime } from "../store/page/times.ts";
 import { liveRun, runsOfTab } from "../store/run/running.ts";
 import type { CommandChoice, CommandContext, UserCommand } from "./command.ts";
 import { cannotWhile, lacks } from "./run_rules.ts";
@@ -146,7 +147,7 @@ function choicesOf(
   tab?: OpenTab,
 ): readonly CommandChoice[] {
   return runs.map((run) => ({
-    title: `${startedInWords(run.started_ms, Date.now())}, ${statusInWords(summaryStatusWords(run))}`,
+    title: `${wallTime(run.started_ms, Date.now())}, ${statusInWords(summaryStatusWords(run))}`,
     detail: run.id,
     argument: run.id,
     ...(tab ? { checked: runOf(page)?.id === run.id } : {}),

@@ -2,10 +2,10 @@
 
 import { effect } from "@preact/signals-core";
 import type { Breakpoint, MachineFile } from "../model/generated/protocol.ts";
-import { startedInWords } from "../model/run_words.ts";
 import { drafts } from "../store/document/drafts.ts";
 import type { Start, Watch } from "../store/history/run.ts";
 import type { OpenTab } from "../store/page/page.ts";
+import { wallTime } from "../store/page/times.ts";
 import { keptBreakpoints } from "../store/run/breakpoints.ts";
 import { fileOfTab, runningBeside } from "../store/run/running.ts";
 import type { CommandContext } from "./command.ts";
@@ -36,7 +36,7 @@ async function confirmAnother({ page, shell }: CommandContext, tab: OpenTab): Pr
   const name = first.name === "" ? "this machine" : `“${first.name}”`;
   const goOn =
     live.length === 1 ? `A run of ${name} is active` : `${live.length} runs of ${name} are active`;
-  const began = startedInWords(first.started_ms, Date.now());
+  const began = wallTime(first.started_ms, Date.now());
   const by = first.author === null ? "" : ` by ${first.author}`;
   return shell.confirm({
     title: "Start another run?",

@@ -2,6 +2,8 @@
 
 import { readLayout } from "../model/layout_reader.ts";
 import type { Settings } from "../store/page/page.ts";
+import { THEMES } from "../store/page/settings.ts";
+import { TIME_SCALES } from "../store/page/times.ts";
 import type { FlowMode, HeatMode, ViewModes } from "../store/page/view.ts";
 import { selected, selectedStates } from "../store/page/view.ts";
 import type { CommandContext, PanelSide, UserCommand } from "./command.ts";
@@ -241,29 +243,31 @@ const PANELS: readonly UserCommand[] = [
         ? document.exitFullscreen()
         : document.documentElement.requestFullscreen(),
   },
-  {
-    id: "view.theme",
-    title: "Theme",
-    menu: "View/5",
-    choices: ({ page }) =>
-      THEMES.map(({ value, title }) => ({
-        title,
-        argument: value,
-        checked: page.settings.value.theme === value,
-      })),
-    run: ({ page }, argument) => {
-      page.settings.value = {
-        ...page.settings.peek(),
-        theme: argument as Settings["theme"],
-      };
-    },
-  },
+  setting("view.theme", "Theme", "theme", THEMES),
+  setting("view.times", "Times", "times", TIME_SCALES),
 ];
 
-const THEMES: readonly { value: Settings["theme"]; title: string }[] = [
-  { value: "system", title: "Same as system" },
-  { value: "dark", title: "Dark" },
-  { value: "light", title: "Light" },
-];
+/** Chooses one of a setting's values. */
+function setting<K extends "theme" | "times">(
+  id: string,
+  title: string,
+  key: K,
+  values: readonly { readonly value: Settings[K]; readonly title: string }[],
+): UserCommand {
+  return {
+    id,
+    title,
+    menu: "View/5",
+    choices: ({ page }) =>
+      values.map(({ value, title }) => ({
+        title,
+        argument: value,
+        checked: page.settings.value[key] === value,
+      })),
+    run: ({ page }, argument) => {
+      page.settings.value = { ...page.settings.peek(), [key]: argument };
+    },
+  };
+}
 
 export const VIEW: readonly UserCommand[] = [...LOOK, ...MODES, ...PANELS];

@@ -159,13 +159,3 @@ export function statusInWords({ word, detail }: RunStatusWords): string {
   if (detail === "") return word;
   return word === "waiting" ? `${word} ${detail}` : `${word}: ${detail}`;
 }
-
-const TIME = { hour: "2-digit", minute: "2-digit", second: "2-digit", hourCycle: "h23" } as const;
-
-/** When a run began: `14:03:27` of today, with the date if it was another day. */
-export function startedInWords(started_ms: number, now_ms: number): string {
-  const at = new Date(started_ms);
-  const time = at.toLocaleTimeString([], TIME);
-  if (new Date(now_ms).toDateString() === at.toDateString()) return time;
-  return `${at.toLocaleDateString([], { day: "numeric", month: "short" })} ${time}`;
-}

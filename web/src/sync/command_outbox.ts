@@ -51,8 +51,7 @@ export class CommandOutbox {
       clock,
       send: ({ body }) => server.request("POST", path, body, REPEATED),
       onAnswer: (_, { id: __, ...answer }) => answer,
-      onRefusal: (command, { status, message }) => {
-        const isForNow = status === 0 || status === 429 || status >= 500;
+      onRefusal: (command, { status, message, isForNow }) => {
         if (isForNow && status !== 429) command.isUncertain = true;
         const isLate = this.#isOver || clock.now() > command.end_ms;
         if (isForNow && !isLate) return AGAIN;

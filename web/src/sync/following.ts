@@ -126,7 +126,8 @@ export class Following {
         if (!(error instanceof RefusalError)) throw error;
         // That it was closed was heard while it was asked for.
         if (this.#wasClosed && !opens) continue;
-        if (!isForNow(error)) {
+        // Who has to log in again goes on afterwards.
+        if (!error.isForNow && error.status !== 401) {
           this.#follows.gone(error.message);
           return false;
         }
@@ -144,9 +145,4 @@ export class Following {
     }
     return this.#server.request<MachineDocument>("GET", `${this.path}/document`);
   }
-}
-
-/** Whether the same may be answered otherwise later. */
-function isForNow({ status }: RefusalError): boolean {
-  return status === 0 || status === 401 || status === 429 || status >= 500;
 }

@@ -1,6 +1,6 @@
 import { signal } from "@preact/signals-core";
 import { describe, expect, it } from "vitest";
-import type { Picture } from "../model/generated/protocol.ts";
+import type { Moment } from "../model/generated/protocol.ts";
 import { sketch } from "../model/testing/sketch.ts";
 import { RunMachineSession } from "./run_machine_session.ts";
 import { followRuns } from "./runs.ts";
@@ -76,7 +76,7 @@ describe("the machine of a run", () => {
     server.first().answer(LATER);
     await settle();
     watch.playhead.value = 1;
-    server.first().answer({ sequence: 1, root: "h1" } as Picture);
+    server.first().answer({ sequence: 1, root: "h1" } as Moment);
     await settle();
     server.first().answer(FIRST);
     await settle();

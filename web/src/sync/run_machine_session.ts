@@ -129,8 +129,7 @@ export class RunMachineSession implements MachineSession {
       this.#told();
     } catch (error) {
       if (!(error instanceof RefusalError)) throw error;
-      const isForNow = error.status === 0 || error.status === 429 || error.status >= 500;
-      if (!isForNow) return;
+      if (!error.isForNow) return;
       this.#ports.clock.after(AGAIN_MS, () => {
         if (this.#root === root && !this.#isOver) void this.#goBy(root, runs, run);
       });

@@ -2,7 +2,7 @@
  * while somebody wants them. */
 
 import { effect, type Signal, signal, untracked } from "@preact/signals-core";
-import type { Picture } from "../model/generated/protocol.ts";
+import type { Moment } from "../model/generated/protocol.ts";
 import type { RunSnapshot } from "../store/history/run.ts";
 import { RefusalError } from "../store/page/server.ts";
 import type { Clock } from "./clock.ts";
@@ -10,7 +10,7 @@ import type { Clock } from "./clock.ts";
 interface SnapshotLoaderPorts {
   readonly clock: Clock;
   /** Asks for a moment; null: the newest there is. */
-  readonly ask: (playhead: number | null) => Promise<Picture>;
+  readonly ask: (playhead: number | null) => Promise<Moment>;
   /** The last event that the page knows of. */
   readonly newest: () => number;
 }
@@ -99,16 +99,15 @@ export class SnapshotLoader {
       this.#take(playhead, await this.#ports.ask(playhead));
     } catch (error) {
       if (!(error instanceof RefusalError)) throw error;
-      const isForNow = error.status === 0 || error.status === 429 || error.status >= 500;
       // There is no such moment: the end is what there is to see.
-      if (playhead !== null && !isForNow && this.playhead.peek() === playhead)
+      if (playhead !== null && !error.isForNow && this.playhead.peek() === playhead)
         this.playhead.value = null;
       wait_ms = playhead === this.playhead.peek() ? AGAIN_MS : 0;
     }
     this.#lookAgain(this.playhead.peek() === playhead ? wait_ms : 0);
   }
 
-  #take(playhead: number | null, picture: Picture): void {
+  #take(playhead: number | null, picture: Moment): void {
     if (this.playhead.peek() !== playhead || this.#isOver) return;
     if (playhead === null && this.#wanted === 0) return;
     this.#passing();

@@ -1,6 +1,6 @@
 import fc from "fast-check";
 import { describe, expect, it } from "vitest";
-import type { Answer, Picture, RunNow, RunSummary } from "../model/generated/protocol.ts";
+import type { Answer, Moment, RunNow, RunSummary } from "../model/generated/protocol.ts";
 import { FakeClock } from "./testing/fake_clock.ts";
 import { FakeRun } from "./testing/fake_run.ts";
 import { RunWatch } from "./watch.ts";
@@ -277,7 +277,7 @@ describe("a command", () => {
 });
 
 describe("a moment", () => {
-  const picture = (sequence: number) => ({ sequence }) as Picture;
+  const picture = (sequence: number) => ({ sequence }) as Moment;
   const seen = (watch: RunWatch) => watch.playheadSnapshot.value?.picture.sequence ?? null;
 
   it("that is wanted last is shown, whatever answers come late", async () => {

@@ -8,12 +8,15 @@ mod compare;
 mod expectations;
 mod observed;
 mod ours;
-mod recorded;
 mod stepping;
 mod table;
 
+use std::num::NonZeroUsize;
+use std::thread;
+
 use anyhow::{Result, bail};
 
+use crate::process;
 use crate::product::{Product, Profile};
 use crate::reference::Reference;
 
@@ -65,7 +68,9 @@ pub(crate) fn run(options: &ConformanceOptions) -> Result<()> {
     } else {
         Product::build(Profile::Debug)?
     };
-    let mut rows = cases.map(|case| row(&reference, &product, case)).collect::<Vec<_>>();
+    let cases = cases.collect::<Vec<_>>();
+    let at_once = thread::available_parallelism().map_or(1, NonZeroUsize::get);
+    let mut rows = process::side_by_side(&cases, at_once, |case| row(&reference, &product, case));
     rows.extend(stepping::rows(&reference, &product, options.machine.as_deref()));
     println!("{}", table::render(&rows));
     let unexplained = rows.iter().filter(|row| row.is_failure()).count();
@@ -93,7 +98,7 @@ fn differences(reference: &Reference, product: &Product, case: &Case) -> Result<
     let theirs = Observed::of_reference(&observed::reference(reference, case)?)?;
     let ours = ours::run(product, reference, case)?;
     let mut differences = compare::all(&theirs, &ours, &case.expected);
-    if let Some(recorded) = recorded::find(&case.name)? {
+    if let Some(recorded) = observed::recorded(&case.name)? {
         differences.extend(compare::recorded(&recorded, &ours, &theirs));
     }
     Ok(differences)

@@ -6,8 +6,8 @@ use anyhow::{Context as _, Result};
 use serde_json::Value;
 
 use super::case::Case;
-use crate::process;
 use crate::reference::Reference;
+use crate::{process, workspace};
 
 /// What a user sees of one run.
 #[derive(Debug, Default)]
@@ -106,6 +106,21 @@ fn entered(trace: &Value) -> Vec<String> {
 
 fn texts(value: &Value) -> Vec<String> {
     value.as_array().into_iter().flatten().filter_map(Value::as_str).map(str::to_owned).collect()
+}
+
+/// The recorded runs of the reference for the machines that it ships.
+const RECORDED: &str = "tests/conformance/recorded/shipped.jsonl";
+
+/// The recorded run of this machine, if there is one that says how it ends.
+pub(crate) fn recorded(machine: &str) -> Result<Option<Observed>> {
+    for line in workspace::read(RECORDED)?.lines() {
+        let run: Value =
+            serde_json::from_str(line).with_context(|| format!("{RECORDED}: not JSON"))?;
+        if run["machine"] == machine && run["deterministic"] == true {
+            return Observed::of_reference(&run).map(Some);
+        }
+    }
+    Ok(None)
 }
 
 #[cfg(test)]

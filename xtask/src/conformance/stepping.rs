@@ -52,6 +52,7 @@ pub(crate) fn rows(reference: &Reference, product: &Product, part: Option<&str>)
     let wanted = |(machine, commands): &(&str, &str)| {
         part.is_none_or(|part| name(machine, commands).contains(part))
     };
+    // One after the other: cases of one machine share its copy.
     CASES.into_iter().filter(wanted).map(|case| row(reference, product, case)).collect()
 }
 

@@ -45,7 +45,7 @@ fn an_outcome_that_does_not_exist_can_be_added() {
     check(
         "return 'nope' if inputs['x'] else 'done'",
         &expect![[r#"
-            Error ScriptOutcome ROOT, script.py:2: `execute` returns "nope", which is no outcome of the state; return one of "done", or add the outcome
+            Error ScriptOutcome ROOT, script.py:2: `execute` returns "nope", which is not an outcome of the state; return one of "done", or add the outcome
                 Add the outcome "nope"
         "#]],
     );
@@ -56,9 +56,9 @@ fn ports_that_do_not_exist_can_be_added() {
     check(
         "outputs['nope'] = inputs['missing'] + inputs['x']\noutputs['y'] = 1\nreturn 'done'",
         &expect![[r#"
-            Error ScriptPort ROOT, script.py:2: `execute` reads the input "missing", which the state has not, so it aborts; use one of "x", or add the input
+            Error ScriptPort ROOT, script.py:2: `execute` reads the input "missing", but the state has no such input and aborts; use one of "x", or add the input
                 Add the input "missing"
-            Error ScriptPort ROOT, script.py:2: `execute` writes the output "nope", which the state has not, so the value is lost; use one of "y", or add the output
+            Error ScriptPort ROOT, script.py:2: `execute` writes the output "nope", but the state has no such output, and the value is lost; use one of "y", or add the output
                 Add the output "nope"
         "#]],
     );
@@ -86,7 +86,7 @@ fn a_global_variable_that_nothing_sets_is_noted() {
     check(
         "gvm.set_variable('mode', 1)\ngvm.get_variable('mode')\ngvm.get_variable('speed')\nreturn 'done'",
         &expect![[r#"
-            Note GlobalNeverSet ROOT, script.py:4: no script of the machine sets the global variable "speed", which is read here; set it in a script, or give it when the machine is started
+            Note GlobalNeverSet ROOT, script.py:4: no script of the machine sets the global variable "speed", which is read here; set it in a script, or set it at the start of the machine
         "#]],
     );
 }
@@ -98,7 +98,7 @@ fn a_script_that_was_not_read_is_not_called_right() {
         of_scripts(&machine, &ScriptFacts::new()).iter().map(ToString::to_string).collect();
     expect![[r#"
         [
-            ", scripts: 1 script could not be checked; see that Python starts, and check again",
+            ", scripts: 1 script could not be checked; make sure that Python starts, and check again",
         ]
     "#]]
     .assert_debug_eq(&lines);

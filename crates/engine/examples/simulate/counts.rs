@@ -69,21 +69,21 @@ counts! {
     /// States that were dropped then.
     dropped_states,
     /// Runs that were taken up by another engine.
-    taken_up,
+    resumed,
     /// Runs that were taken up although they had been taken up before.
-    taken_up_again,
+    resumed_again,
     /// Runs that were taken up while they were stopping.
-    taken_up_stopping,
+    resumed_stopping,
     /// Runs that were taken up while a state had been asked to end.
-    taken_up_preempting,
+    resumed_preempting,
     /// Runs that were taken up while a handler ran.
-    taken_up_handling,
+    resumed_handling,
     /// Runs that were taken up while a state was active backwards.
-    taken_up_backwards,
+    resumed_backwards,
     /// Runs that were taken up with breakpoints.
-    taken_up_with_breakpoints,
+    resumed_with_breakpoints,
     /// Runs that were taken up by a changed machine.
-    taken_up_changed,
+    resumed_changed,
     /// Runs that did not fit a changed machine.
     refused_changed,
     /// Moments of the past that a run went back to.

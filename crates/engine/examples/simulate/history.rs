@@ -1,7 +1,7 @@
 //! How a run stands, told from its events alone, as a journal tells it.
 
 use rafcon_engine::{
-    Engine, Event, NodeId, PathId, Restored, RestoredEnd, RestoredVariable, Stopping,
+    ActiveStateData, ChildEnd, Engine, Event, NodeId, PathId, ScopedValue, Stopping,
 };
 use rafcon_model::{KindName, OutcomeId, PortId, Value};
 use std::collections::BTreeMap;
@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 /// What events have said so far. Knows steps forward only.
 #[derive(Debug, Default)]
 pub(crate) struct History {
-    active: BTreeMap<PathId, Restored<Value>>,
+    active: BTreeMap<PathId, ActiveStateData<Value>>,
     events: u64,
     /// The last request to stop, and whether there was one before.
     stop: Option<Stopping>,
@@ -25,7 +25,7 @@ impl History {
             }
             Event::Left { path, node, outcome, outputs, absent, error, .. } => {
                 let absent = absent.as_deref().unwrap_or_default();
-                let end = RestoredEnd {
+                let end = ChildEnd {
                     outputs: given(engine, *node, outputs, absent),
                     error: error.as_deref().cloned(),
                     ..self.ended(engine, *node, *outcome)
@@ -36,7 +36,7 @@ impl History {
                 let Some(around) = self.active.get_mut(path) else { return };
                 around.scoped.retain(|variable| variable.port != *port);
                 let (port, value, order) = (*port, value.clone(), self.events);
-                around.scoped.push(RestoredVariable { port, value, order });
+                around.scoped.push(ScopedValue { port, value, order });
             }
             Event::Dropped { path } => {
                 self.active.remove(path);
@@ -53,10 +53,10 @@ impl History {
         engine: &Engine<Value>,
         (path, node): (PathId, NodeId),
         inputs: &[Value],
-    ) -> Restored<Value> {
+    ) -> ActiveStateData<Value> {
         let about = engine.program().node(node);
         let ports = about.inputs().iter().map(|port| port.id);
-        Restored {
+        ActiveStateData {
             state: about.id().clone(),
             inputs: ports.zip(inputs.iter().cloned()).collect(),
             order: self.events,
@@ -82,17 +82,12 @@ impl History {
         }
     }
 
-    fn ended(
-        &self,
-        engine: &Engine<Value>,
-        node: NodeId,
-        outcome: OutcomeId,
-    ) -> RestoredEnd<Value> {
+    fn ended(&self, engine: &Engine<Value>, node: NodeId, outcome: OutcomeId) -> ChildEnd<Value> {
         let state = engine.program().node(node).id().clone();
-        RestoredEnd { state, outcome, outputs: Vec::new(), error: None, order: self.events }
+        ChildEnd { state, outcome, outputs: Vec::new(), error: None, order: self.events }
     }
 
-    fn left(&mut self, path: PathId, end: RestoredEnd<Value>, engine: &Engine<Value>) {
+    fn left(&mut self, path: PathId, end: ChildEnd<Value>, engine: &Engine<Value>) {
         self.active.remove(&path);
         let around = engine.path_parent(path).and_then(|around| self.active.get_mut(&around));
         if let Some(around) = around {
@@ -112,8 +107,8 @@ impl History {
     }
 
     /// What is active, with all its data.
-    pub(crate) fn configuration(&self, engine: &Engine<Value>) -> Option<Restored<Value>> {
-        let mut made: BTreeMap<PathId, Vec<Restored<Value>>> = BTreeMap::new();
+    pub(crate) fn configuration(&self, engine: &Engine<Value>) -> Option<ActiveStateData<Value>> {
+        let mut made: BTreeMap<PathId, Vec<ActiveStateData<Value>>> = BTreeMap::new();
         // A place has a higher number than the place around it.
         for (path, active) in self.active.iter().rev() {
             let mut restored = active.clone();

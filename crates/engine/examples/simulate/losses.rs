@@ -5,7 +5,8 @@ use crate::edits::{edited, reloaded};
 use crate::watch::{Amid, Checked, promise};
 use crate::world::World;
 use rafcon_engine::{
-    Counted, Engine, Event, Input, Interrupted, ModelLiterals, Outbox, Program, Restore, Restored,
+    ActiveStateData, Counted, Engine, Event, Input, Interrupted, ModelLiterals, Outbox, Program,
+    Restore,
 };
 use rafcon_model::{Machine, StatePath, Value};
 use std::collections::BTreeMap;
@@ -30,7 +31,7 @@ impl World {
         let restore = self.restoring(root, counted);
         self.count_loss();
         let left = self.left(restore);
-        if self.chance(40) && self.take_up_changed(&left)? {
+        if self.chance(40) && self.resume_changed(&left)? {
             return Ok(());
         }
         let program = match self.wide {
@@ -38,7 +39,7 @@ impl World {
             None => Arc::clone(self.engine.program()),
         };
         self.begin_engine(self.machine.clone(), program, &left.breakpoints)?;
-        self.take_up(left)
+        self.resume(left)
     }
 
     /// The same while nothing is held, so that it goes on as if nothing had happened.
@@ -53,10 +54,14 @@ impl World {
         let left = self.left(restore);
         let program = Arc::new(Program::compile(&self.machine, &mut ModelLiterals));
         self.begin_engine(self.machine.clone(), program, &left.breakpoints)?;
-        self.take_up(left)
+        self.resume(left)
     }
 
-    pub(crate) fn restoring(&mut self, root: Restored<Value>, counted: Counted) -> Restore<Value> {
+    pub(crate) fn restoring(
+        &mut self,
+        root: ActiveStateData<Value>,
+        counted: Counted,
+    ) -> Restore<Value> {
         let interrupted = commands::interrupted(&mut self.random);
         let crash = Some(Value::str("crash"));
         let stopping = self.engine.stopping().filter(|_| self.wide.is_some());
@@ -70,14 +75,14 @@ impl World {
         let with_breakpoints = self.engine.breakpoints().next().is_some();
         let backwards = self.watch.is_backwards();
         let counts = &mut self.watch.counts;
-        counts.taken_up += 1;
-        counts.taken_up_again += u64::from(self.was_taken_up);
-        counts.taken_up_stopping += u64::from(amid.stopping);
-        counts.taken_up_preempting += u64::from(amid.preempting);
-        counts.taken_up_handling += u64::from(amid.handling);
-        counts.taken_up_backwards += u64::from(backwards);
-        counts.taken_up_with_breakpoints += u64::from(with_breakpoints);
-        self.was_taken_up = true;
+        counts.resumed += 1;
+        counts.resumed_again += u64::from(self.was_resumed);
+        counts.resumed_stopping += u64::from(amid.stopping);
+        counts.resumed_preempting += u64::from(amid.preempting);
+        counts.resumed_handling += u64::from(amid.handling);
+        counts.resumed_backwards += u64::from(backwards);
+        counts.resumed_with_breakpoints += u64::from(with_breakpoints);
+        self.was_resumed = true;
     }
 
     fn left(&self, restore: Restore<Value>) -> Left {
@@ -94,7 +99,7 @@ impl World {
     }
 
     /// The machine was changed while nobody ran it. Whether it fits the run.
-    fn take_up_changed(&mut self, left: &Left) -> Result<bool, String> {
+    fn resume_changed(&mut self, left: &Left) -> Result<bool, String> {
         let Some(random) = &mut self.wide else { return Ok(false) };
         let mut machine = self.machine.clone();
         for _ in 0..=random.below(4) {
@@ -115,7 +120,7 @@ impl World {
             self.watch.counts.refused_changed += 1;
             return Ok(false);
         }
-        self.watch.counts.taken_up_changed += 1;
+        self.watch.counts.resumed_changed += 1;
         self.has_changed = true;
         self.begin_engine(machine, program, &left.breakpoints)?;
         self.feed(Input::Restore(Box::new(left.restore.clone())))?;
@@ -137,7 +142,7 @@ impl World {
     }
 
     /// Goes on as it was: what was asked to end still is, and nothing else.
-    fn take_up(&mut self, left: Left) -> Checked {
+    fn resume(&mut self, left: Left) -> Checked {
         let input = Input::Restore(Box::new(left.restore));
         self.say(&input);
         self.handle(input).map_err(|refusal| format!("refused: {refusal}"))?;

@@ -99,7 +99,7 @@ fn twins(world: &mut World) -> Checked {
 /// Whether the run goes on from what events alone have said. They do not tell of commands to preempt a state, nor what was
 /// before an engine was lost.
 fn is_told(world: &mut World, amid: Amid) -> bool {
-    let commanded = world.watch.counts.preempt_commands > 0 || world.was_taken_up;
+    let commanded = world.watch.counts.preempt_commands > 0 || world.was_resumed;
     if world.wide.is_some() {
         return !world.has_changed && !commanded && world.chance(90);
     }

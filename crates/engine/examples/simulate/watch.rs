@@ -2,7 +2,9 @@
 
 use crate::counts::Counts;
 use crate::history::History;
-use rafcon_engine::{Active, Activity, Effect, Engine, Event, HeldBy, Job, Outbox, PathId, Status};
+use rafcon_engine::{
+    ActiveState, Activity, Effect, Engine, Event, HeldBy, Job, Outbox, PathId, Status,
+};
 use rafcon_model::{KindName, Machine, StatePath, Value};
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::sync::Arc;
@@ -274,7 +276,7 @@ impl Watch {
     /// A place keeps its name, and what is active stands in the machine.
     fn names_stay(
         &mut self,
-        snapshot: &[Active],
+        snapshot: &[ActiveState],
         engine: &Engine<Value>,
         machine: &Machine,
     ) -> Checked {
@@ -295,7 +297,7 @@ impl Watch {
 
     /// Whoever lost a race was asked to end, and so is everything inside of what was asked, except in hierarchies, which
     /// may run a handler.
-    fn requests_arrive(&self, snapshot: &[Active], engine: &Engine<Value>) -> Checked {
+    fn requests_arrive(&self, snapshot: &[ActiveState], engine: &Engine<Value>) -> Checked {
         let asked = snapshot.iter().filter(|active| active.preempted).map(|active| active.path);
         let asked = asked.collect::<BTreeSet<_>>();
         for active in snapshot {
@@ -324,8 +326,9 @@ impl Amid {
         let snapshot = engine.snapshot();
         let asked = snapshot.iter().filter(|active| active.preempted).map(|active| active.path);
         let asked = asked.collect::<BTreeSet<_>>();
-        let around = |active: &Active| engine.path_parent(active.path);
-        let handles = |active: &Active| around(active).is_some_and(|path| asked.contains(&path));
+        let around = |active: &ActiveState| engine.path_parent(active.path);
+        let handles =
+            |active: &ActiveState| around(active).is_some_and(|path| asked.contains(&path));
         Self {
             stopping: engine.status() == Status::Stopping,
             preempting: !asked.is_empty(),

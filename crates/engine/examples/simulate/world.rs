@@ -7,8 +7,8 @@ use crate::machine::machine;
 use crate::random::Random;
 use crate::watch::{Checked, Watch, promise};
 use rafcon_engine::{
-    Change, Counted, Engine, FrameId, Input, Job, ModelLiterals, NoGlobals, Outbox, Program,
-    Refusal, Restore, Restored, Returned, ScriptResult, Start, Status, Stride,
+    ActiveStateData, Change, Counted, Engine, FrameId, Input, Job, ModelLiterals, NoGlobals,
+    Outbox, Program, Refusal, Restore, Returned, ScriptResult, Start, Status, Stride,
 };
 use rafcon_model::{Machine, Value};
 use rafcon_testkit::notation;
@@ -71,7 +71,7 @@ pub(crate) struct World {
     pub(crate) has_changed: bool,
     pub(crate) mood: Mood,
     /// Whether an earlier engine was lost.
-    pub(crate) was_taken_up: bool,
+    pub(crate) was_resumed: bool,
     /// The machine that runs.
     pub(crate) machine: Machine,
     /// The machine and the program that were given last; they may wait.
@@ -79,7 +79,7 @@ pub(crate) struct World {
     /// Numbers for new states.
     pub(crate) fresh: u32,
     /// Moments of the past.
-    moments: Vec<Restored<Value>>,
+    moments: Vec<ActiveStateData<Value>>,
     /// A frame that has given its result.
     pub(crate) stale: Option<FrameId>,
 }
@@ -96,7 +96,7 @@ impl World {
             watch: Watch::new(plain),
             out: Outbox::default(),
             has_changed: false,
-            was_taken_up: false,
+            was_resumed: false,
             mood,
             machine: machine.clone(),
             latest: (machine, program),

@@ -1,15 +1,63 @@
 //! The run of one program: takes inputs, keeps the active configuration, gives effects and events.
 
-mod backward;
-mod changes;
-mod commands;
-mod life;
-mod state;
-mod stepping;
+/// Backwards: the undo log is followed step by step.
+mod backward {
+    pub(super) mod reverse;
+    pub(super) mod reverse_enter;
+    pub(super) mod reverse_leave;
+}
+/// The program changes while it runs.
+mod changes {
+    pub(super) mod change;
+    pub(super) mod fitting;
+    pub(super) mod migrate;
+    pub(super) mod undo_log_change;
+}
+/// What commands do: hold, resume, breakpoints, forced outcomes.
+mod commands {
+    pub(super) mod checks;
+    pub(super) mod control;
+    pub(super) mod force;
+    pub(super) mod resume;
+    pub(super) mod suspend;
+}
+/// A run as others see it: exported, inspected, restored after a crash, and what must always be true of it.
+mod life {
+    pub(super) mod begun;
+    pub(super) mod export;
+    pub(super) mod inspect;
+    pub(super) mod invariants;
+    pub(super) mod recover;
+    pub(super) mod restore;
+}
+/// What a run is at a moment: active states, suspended branches, and the undo log of the way here.
+mod state {
+    pub(super) mod branches;
+    pub(super) mod breakpoints;
+    pub(super) mod frames;
+    pub(super) mod phase;
+    pub(super) mod places;
+    pub(super) mod refusal;
+    pub(super) mod snapshot;
+    pub(super) mod step;
+    pub(super) mod suspended;
+    pub(super) mod undo_log;
+}
+/// Forwards: states are entered and left, data passes on, branches begin and end.
+mod stepping {
+    pub(super) mod concurrency;
+    pub(super) mod data;
+    pub(super) mod enter;
+    pub(super) mod hierarchy;
+    pub(super) mod leave;
+    pub(super) mod library;
+    pub(super) mod preempt;
+    pub(super) mod start;
+}
 
 pub use life::inspect::Inspection;
 pub use state::refusal::{ChangeEffect, Command, Refusal, Status};
-pub use state::snapshot::{Active, Activity, Hold};
+pub use state::snapshot::{ActiveState, Activity, Hold};
 
 use crate::{
     Breakpoint, Counted, Datum, Finish, Globals, Input, NodeId, Outbox, PathId, Program, Stopping,
@@ -19,7 +67,7 @@ use smol_str::SmolStr;
 use state::branches::Branches;
 use state::frames::Frames;
 use state::places::Places;
-use state::step::{Step, Work};
+use state::step::{Step, View, Work};
 use state::suspended::Control;
 use std::sync::Arc;
 use stepping::start::Given;
@@ -52,7 +100,7 @@ struct Run<D> {
     control: Control<D>,
     sequence: u64,
     branches: Branches,
-    /// Stopped again: no handlers any more.
+    /// Stopped twice: no further handlers begin.
     stopped_twice: bool,
     /// How many inputs were taken.
     turn: u64,
@@ -114,6 +162,10 @@ impl<D: Datum> Engine<D> {
         Ok(())
     }
 
+    fn view(&self) -> View<'_, '_, D> {
+        View { program: &self.program, run: &self.run }
+    }
+
     fn step<'e>(&'e mut self, globals: &'e dyn Globals<D>, out: &'e mut Outbox<D>) -> Step<'e, D> {
         Step { program: &self.program, run: &mut self.run, globals, out }
     }
@@ -133,7 +185,7 @@ impl<D: Datum> Engine<D> {
         self.run.control.breakpoints.iter()
     }
 
-    /// What was counted so far, for whoever takes the run up later.
+    /// What was counted so far: a run that is resumed later goes on counting from there.
     pub fn counted(&self) -> Counted {
         Counted { states_run: self.run.entered, entries: self.run.entries }
     }

@@ -898,7 +898,7 @@ fn a_step_back_during_a_race_that_is_decided_is_refused() {
               end 3
             > step mode
             > step back
-            refused: nothing is held in this run; wait until what runs there has come to its next state
+            refused: nothing is held in this run; wait until a branch comes to its next state
         "]],
     );
 }

@@ -612,7 +612,7 @@ fn a_step_back_that_is_not_possible_is_refused() {
             paused
               paused true
             > step back
-            refused: nothing is held in this run; wait until what runs there has come to its next state
+            refused: nothing is held in this run; wait until a branch comes to its next state
             > A ok
             leave H/A ok
             hold H before H/I (Pause)
@@ -873,7 +873,7 @@ fn a_run_without_history_is_not_stepped_back() {
         leave H/A ok
         hold H before H/I (Step)
         > step back
-        refused: this run keeps no history to step back in; begin a run that does
+        refused: this run keeps no history to step back in; start a run that keeps one
     "]],
     );
 }
@@ -927,7 +927,7 @@ fn the_oldest_steps_are_given_up() {
         set ROOT.n = 7
         hold ROOT before ROOT/A (Step)
         > step back
-        refused: what happened in 'ROOT' before is not known any more: it is too long ago, its states have changed since, or the run was taken up after it; begin again at a moment of the history
+        refused: cannot step back in 'ROOT': its data is lost, because it is too long ago, its states have changed since, or the run was resumed after it; start again at a moment of the history
     "]].assert_eq(&text[end..]);
 }
 
@@ -953,7 +953,7 @@ fn what_lies_too_deep_is_given_up() {
         enter back 2 S0/S1
         hold S0/S1 (Step)
         > step back
-        refused: what happened in 'S0/S1' before is not known any more: it is too long ago, its states have changed since, or the run was taken up after it; begin again at a moment of the history
+        refused: cannot step back in 'S0/S1': its data is lost, because it is too long ago, its states have changed since, or the run was resumed after it; start again at a moment of the history
     "]].assert_eq(&text[end..]);
 }
 
@@ -1032,13 +1032,13 @@ fn steps_across_what_is_gone_are_refused() {
             set ROOT.w = 2
             hold ROOT before ROOT/B (Step)
             > step back
-            refused: what happened in 'ROOT' before is not known any more: it is too long ago, its states have changed since, or the run was taken up after it; begin again at a moment of the history
+            refused: cannot step back in 'ROOT': its data is lost, because it is too long ago, its states have changed since, or the run was resumed after it; start again at a moment of the history
             > step back
-            refused: what happened in 'ROOT' before is not known any more: it is too long ago, its states have changed since, or the run was taken up after it; begin again at a moment of the history
+            refused: cannot step back in 'ROOT': its data is lost, because it is too long ago, its states have changed since, or the run was resumed after it; start again at a moment of the history
             > X ok
             refused: frame 77.0 runs no script; a result is given once, with the frame of its job
             > step back
-            refused: what happened in 'ROOT' before is not known any more: it is too long ago, its states have changed since, or the run was taken up after it; begin again at a moment of the history
+            refused: cannot step back in 'ROOT': its data is lost, because it is too long ago, its states have changed since, or the run was resumed after it; start again at a moment of the history
         "]],
     );
 }
@@ -1088,7 +1088,7 @@ fn steps_into_what_holds_other_data_are_refused() {
             set ROOT.w = 2
             hold ROOT before ROOT/B (Step)
             > step back
-            refused: what happened in 'ROOT' before is not known any more: it is too long ago, its states have changed since, or the run was taken up after it; begin again at a moment of the history
+            refused: cannot step back in 'ROOT': its data is lost, because it is too long ago, its states have changed since, or the run was resumed after it; start again at a moment of the history
             > step over
             enter ROOT/B
               run ROOT/B

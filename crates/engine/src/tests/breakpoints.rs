@@ -198,7 +198,7 @@ fn a_disabled_breakpoint_does_nothing_and_one_with_the_same_id_replaces_it() {
         enter ROOT/A n=1
           run ROOT/A
         > unbreak 1
-        refused: there is no breakpoint 1; the snapshot lists those that there are
+        refused: there is no breakpoint 1; the snapshot lists all breakpoints
     "]],
     );
 }
@@ -435,7 +435,7 @@ fn a_stop_ends_a_condition() {
           preempt ROOT
           end of run: preempted (-2) variables: v=0, 2 states
         > check true
-        refused: nobody waits for the answer to condition 1; it is given once, with the number of its check
+        refused: condition 1 is not being evaluated; its answer is given once, with the number of its check
     "]],
     );
 }
@@ -847,7 +847,7 @@ fn a_stop_ends_branches_that_are_held() {
           end 3
           end of run: preempted (-2), 3 states
         > check true
-        refused: nobody waits for the answer to condition 1; it is given once, with the number of its check
+        refused: condition 1 is not being evaluated; its answer is given once, with the number of its check
     "]],
     );
 }

@@ -210,7 +210,7 @@ fn a_change_that_touches_what_is_active_is_refused() {
         enter ROOT/A
           run ROOT/A
         > change
-        refused: cannot change the machine now: 'ROOT/A' is active and would be gone; let the change wait until that is over, or stop the run
+        refused: cannot change the machine now: 'ROOT/A' is active and would be gone; let the change wait until the state has ended, or stop the run
         > active
         ROOT Inside
         ROOT/A Script
@@ -238,7 +238,7 @@ fn a_change_that_touches_what_is_active_is_refused() {
         leave ROOT/A done y=0
         hold ROOT before ROOT/B (Pause)
         > change
-        refused: cannot change the machine now: 'ROOT/A' has just ended and would be gone, or its outcome would; let the change wait until that is over, or stop the run
+        refused: cannot change the machine now: 'ROOT/A' has just ended and would be gone, or its outcome would; let the change wait until the state has ended, or stop the run
     "]],
     );
 }
@@ -413,7 +413,7 @@ preemptive ROOT
           fork 2
           run ROOT/B on 2
         > change
-        refused: cannot change the machine now: 'ROOT' is active and would have other branches; let the change wait until that is over, or stop the run
+        refused: cannot change the machine now: 'ROOT' is active and would have other branches; let the change wait until the state has ended, or stop the run
         > A done
         leave ROOT/A done
           end 1

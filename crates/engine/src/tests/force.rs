@@ -81,7 +81,7 @@ fn a_state_that_waits_ends_with_an_outcome() {
         leave ROOT/H/B lost
         wait ROOT/H: no transition from ROOT/H/B lost
         > force ROOT/H 9
-        refused: 'ROOT/H' has no outcome 9; its description lists those that it has
+        refused: 'ROOT/H' has no outcome 9; choose one of its outcomes
         > force ROOT/H 1
         force ROOT/H bad
         leave ROOT/H bad y=5

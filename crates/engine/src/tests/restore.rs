@@ -437,7 +437,7 @@ fn a_run_goes_back_only_while_no_script_runs() {
           run ROOT/A
         > keep
         > return
-        refused: cannot take the run up elsewhere: the script of 'ROOT/A' runs; hold the run and wait for its end, or preempt it
+        refused: cannot restore the run: the script of 'ROOT/A' runs; hold the run and wait for its end, or preempt it
         > pause
         paused
           paused true
@@ -483,7 +483,7 @@ fn what_the_machine_has_no_more_is_refused() {
         enter ROOT/B x=7 y=0 z=0
           run ROOT/B
         > cut again elsewhere
-        refused: cannot take the run up there: 'ROOT/B' does not exist in the machine as it is now; choose another moment, or take the change of the machine back
+        refused: cannot restore the run there: 'ROOT/B' does not exist in the machine as it is now; choose another moment, or undo the change of the machine
     "]],
     );
     let other_port = LINE.replace("flow .x -> B.x ; ", "flow ");
@@ -504,7 +504,7 @@ fn what_the_machine_has_no_more_is_refused() {
         enter ROOT/B x=7 y=0 z=0
           run ROOT/B
         > cut again elsewhere
-        refused: cannot take the run up there: 'ROOT/B' has no input 2 in the machine as it is now; choose another moment, or take the change of the machine back
+        refused: cannot restore the run there: 'ROOT/B' has no input 2 in the machine as it is now; choose another moment, or undo the change of the machine
     "]],
     );
 }
@@ -854,7 +854,7 @@ hierarchy ROOT
             leave ROOT/P done
             hold ROOT before ROOT/Z (Pause)
             > step back
-            refused: what happened in 'ROOT' before is not known any more: it is too long ago, its states have changed since, or the run was taken up after it; begin again at a moment of the history
+            refused: cannot step back in 'ROOT': its data is lost, because it is too long ago, its states have changed since, or the run was resumed after it; start again at a moment of the history
         "]],
     );
 }

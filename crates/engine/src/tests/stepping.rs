@@ -289,7 +289,7 @@ fn a_step_ends_a_pause() {
         paused
           paused true
         > step into
-        refused: nothing is held in this run; wait until what runs there has come to its next state
+        refused: nothing is held in this run; wait until a branch comes to its next state
         > A ok
         leave H/A ok
         hold H before H/I (Pause)
@@ -593,9 +593,9 @@ fn a_branch_is_stepped_by_itself() {
         ROOT/C/S Script
         Stepping, 7 states run
         > step into ROOT/C/S
-        refused: nothing is held on the branch 'ROOT/C/S'; wait until what runs there has come to its next state
+        refused: nothing is held on the branch 'ROOT/C/S'; wait until a branch comes to its next state
         > step into ROOT/C
-        refused: 'ROOT/C' is no branch of this moment; a branch is named by a child of a concurrency state that is active
+        refused: 'ROOT/C' is not an active branch; a branch is named by an active child of a concurrency state
         > step into ROOT/C/G
         enter ROOT/C/G/A
           run ROOT/C/G/A on 2
@@ -930,7 +930,7 @@ fn a_step_without_anything_held_is_refused() {
         refused: cannot step: the run is running; it can be paused, stepped from its next states on, or stopped
         > step mode
         > step into
-        refused: nothing is held in this run; wait until what runs there has come to its next state
+        refused: nothing is held in this run; wait until a branch comes to its next state
         > stop
         stopping
           preempt H

@@ -2,9 +2,9 @@
 
 use super::commands::{self, assignments};
 use crate::{
-    Change, Check, Counted, Effect, Engine, Event, Finish, FrameId, Globals, Input, Interrupted,
-    Job, ModelLiterals, Note, Outbox, PathId, Program, Restore, Restored, Returned, ScriptResult,
-    Verdict, WaitReason,
+    ActiveStateData, Change, Check, Counted, Effect, Engine, Event, Finish, FrameId, Globals,
+    Input, Interrupted, Job, ModelLiterals, Note, Outbox, PathId, Program, Restore, Returned,
+    ScriptResult, Verdict, WaitReason,
 };
 use rafcon_model::{Machine, OutcomeId, Port, StatePath, Value, literal};
 use rafcon_testkit::notation;
@@ -29,7 +29,7 @@ pub(super) struct World {
     /// What the machine is changed to.
     next: Option<Machine>,
     /// A moment of the past.
-    moment: Option<Restored<Value>>,
+    moment: Option<ActiveStateData<Value>>,
     running: Vec<Job<Value>>,
     checks: Vec<u64>,
     globals: Variables,
@@ -165,8 +165,8 @@ impl World {
     fn keep_trail(&mut self, steps: &str) {
         let engine = Engine::new(Arc::clone(&self.program));
         self.engine = match steps {
-            "off" => engine.without_trail(),
-            steps => engine.with_trail(steps.parse().expect("a number of steps")),
+            "off" => engine.without_undo_log(),
+            steps => engine.with_undo_log(steps.parse().expect("a number of steps")),
         };
     }
 
@@ -324,7 +324,7 @@ impl World {
     }
 }
 
-fn restore(root: Restored<Value>, interrupted: Interrupted, hold: bool) -> Restore<Value> {
+fn restore(root: ActiveStateData<Value>, interrupted: Interrupted, hold: bool) -> Restore<Value> {
     let (crash, counted) = (Some(Value::str("crash")), Counted::default());
     Restore { root, interrupted, crash, hold, counted, stopping: None, begun_at: None }
 }

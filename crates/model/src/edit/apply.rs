@@ -1,30 +1,30 @@
-//! The one place where a machine changes: runs the steps of an edit, looks at every part that they touch, and takes all
-//! back if a rule is broken that was not broken before.
+//! The only place where a machine changes: runs the steps of an edit, checks every part that they touch, and undoes them
+//! if a rule is broken that was not broken before.
 
 use super::Edit;
 use super::error::EditError;
 use super::forget::forget_places;
 use super::plan::plan;
+use super::scope::Walk;
 use super::scope::{Place, scope_after, scope_before};
 use super::step::{Set, Step};
-use super::walk::Walk;
 use crate::rules::{Fault, Part, Rule, errors_of};
 use crate::{Machine, StateId, StatePath, Types};
 use std::collections::BTreeSet;
 
-/// Takes an edit back: what it changed, in reverse. What was faulty before the edit may be so again.
+/// Undoes an edit by its steps in reverse. May restore faults from before the edit.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Restore {
-    /// What to set, in this order.
+    /// The steps, in this order.
     pub steps: Vec<Step>,
     /// Rules that were broken before the edit.
     pub tolerated: Vec<(StatePath, Part, Rule)>,
 }
 
-/// Changes the machine in place; gives the edit that takes the change back. On error nothing has changed.
+/// Changes the machine in place, and returns the edit that undoes the change. An error changes nothing.
 ///
-/// No edit breaks a rule of the machine: what was wrong before may stay wrong, but nothing gets worse. States that only this
-/// machine holds are changed where they are; those that it shares with a clone are copied first.
+/// No edit breaks a rule of the machine: old faults may stay, but none is added. States that only this
+/// machine holds are changed in place; those that it shares with a clone are copied first.
 pub fn apply(machine: &mut Machine, edit: Edit, types: &dyn Types) -> Result<Edit, EditError> {
     let mut done = Restore::default();
     match edit_all(machine, edit, types, &mut done) {
@@ -39,7 +39,7 @@ pub fn apply(machine: &mut Machine, edit: Edit, types: &dyn Types) -> Result<Edi
     }
 }
 
-/// Applies an edit; adds to `done` what takes it back, even when it is refused in the middle.
+/// Applies an edit; adds the inverse steps to `done`, even if it is refused in the middle.
 fn edit_all(
     machine: &mut Machine,
     edit: Edit,
@@ -70,16 +70,16 @@ fn take_back(machine: &mut Machine, steps: Vec<Step>) {
 /// A broken rule and its place.
 type Known = (StatePath, Part, Rule);
 
-/// The steps of one edit on their way.
+/// The state while the steps of an edit run.
 struct Run<'t> {
     types: &'t dyn Types,
-    /// What the edit may have broken.
+    /// The places that the edit may have broken.
     touched: BTreeSet<Place>,
-    /// What was broken there before, as often as it was.
+    /// The rules that were broken there before, with repetitions.
     before: Vec<Known>,
-    /// What may be broken besides.
+    /// Rules that may be broken in addition.
     tolerated: Vec<Known>,
-    /// Ids that changed on the way: path before, new id.
+    /// Changed ids: path before, new id.
     renamed: Vec<(StatePath, StateId)>,
 }
 
@@ -112,7 +112,7 @@ impl<'t> Run<'t> {
         Ok(())
     }
 
-    /// Remembers a place and what is broken there, unless it has been touched already.
+    /// Notes a place and the rules broken there, unless it is noted already.
     fn touch(&mut self, walk: &mut Walk<'_>, place: Place) {
         if self.touched.contains(&place) {
             return;
@@ -122,7 +122,7 @@ impl<'t> Run<'t> {
         self.touched.insert(place);
     }
 
-    /// Lets what is remembered follow a state to its new id.
+    /// Updates the notes after a change of a state's id.
     fn rename(&mut self, path: &StatePath, id: &StateId) {
         let renamed = |at: StatePath| with_new_id(at, path, id);
         let touched = std::mem::take(&mut self.touched);
@@ -154,7 +154,7 @@ impl<'t> Run<'t> {
         count(&self.before).max(count(&self.tolerated))
     }
 
-    /// What was broken before, under the ids that the states had then.
+    /// The rules broken before, under the ids of that time.
     fn before_by_old_names(mut self) -> impl Iterator<Item = Known> {
         self.renamed.reverse();
         let renamed = self.renamed;
@@ -169,7 +169,7 @@ impl<'t> Run<'t> {
     }
 }
 
-/// The path after the state at `path` has got another id.
+/// The path after a change of the id of the state at `path`.
 fn with_new_id(mut at: StatePath, path: &StatePath, id: &StateId) -> StatePath {
     if at.0.starts_with(&path.0)
         && let Some(index) = path.0.len().checked_sub(1)

@@ -71,7 +71,7 @@ pub(super) fn complete(mut state: Arc<State>) -> Arc<State> {
     state
 }
 
-/// Refuses a new state that is faulty somewhere inside, or too deep.
+/// Refuses a new state that contains faults or is too deep.
 pub(super) fn whole(
     path: &StatePath,
     parent: &State,
@@ -85,7 +85,7 @@ pub(super) fn whole(
     }
 }
 
-/// In a barrier, the transitions that outcomes of a child get by themselves.
+/// In a barrier, the automatic transitions from the outcomes of a child.
 pub(super) fn to_decider(
     path: &StatePath,
     parent: &State,
@@ -114,7 +114,7 @@ fn remove(path: &StatePath, container: &Container, id: &StateId) -> Result<Vec<S
     Ok(steps)
 }
 
-/// The child, if there is one that may leave its container.
+/// The child, if it exists and may leave its container.
 pub(super) fn removable<'c>(
     path: &StatePath,
     container: &'c Container,

@@ -4,17 +4,17 @@ use crate::problems::Problem;
 use crate::rules::{Fault, Part, Rule};
 use crate::{OutcomeId, StatePath};
 
-/// A refusal: what, where and the way out. Nothing has changed.
+/// A refusal: what, where and the remedy. Nothing has changed.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{path}, {part}: {what}; {}", .rule.way_out())]
 pub struct EditError {
     /// The state.
     pub path: StatePath,
-    /// Which part of the state.
+    /// The part of the state.
     pub part: Part,
     /// The rule that forbids the edit.
     pub rule: Rule,
-    /// What is wrong, in words for the user.
+    /// The fault, for the user.
     pub what: String,
 }
 
@@ -49,7 +49,7 @@ impl EditError {
         Self::new(path, Part::Outcome(id), Rule::OutcomeMandatory, what)
     }
 
-    /// What the user can do.
+    /// The remedy for the user.
     pub fn way_out(&self) -> &'static str {
         self.rule.way_out()
     }

@@ -1,11 +1,11 @@
-//! What goes takes its place on the screen along, so that nothing later inherits it by having the same id.
+//! Removes the positions of removed elements from layouts, so that a later element with the same id does not inherit them.
 
 use super::place::LayoutElement;
 use super::step::{Field, Set, Step};
 use crate::{Container, Kind, Layout, Machine, State, StatePath};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// The steps, and those that take the places of removed elements out of the layouts.
+/// The steps, and those that remove the positions of removed elements from the layouts.
 pub(super) fn forget_places(machine: &Machine, mut steps: Vec<Step>) -> Vec<Step> {
     let mut gone: BTreeMap<&StatePath, BTreeSet<LayoutElement>> = BTreeMap::new();
     for step in &steps {
@@ -26,7 +26,7 @@ pub(super) fn forget_places(machine: &Machine, mut steps: Vec<Step>) -> Vec<Step
     steps
 }
 
-/// The element that a step sets, and whether it is there afterwards.
+/// The element that a step sets, and whether it exists afterwards.
 fn element(set: &Set) -> Option<(LayoutElement, bool)> {
     match set {
         Set::Outcome(id, set) => Some((LayoutElement::Outcome(*id), set.is_some())),
@@ -42,7 +42,7 @@ fn element(set: &Set) -> Option<(LayoutElement, bool)> {
     }
 }
 
-/// What a change of kind takes out of a container.
+/// The elements that a change of kind removes from a container.
 fn lost(state: &State, kind: &Kind) -> Vec<LayoutElement> {
     let Some(old) = state.container() else { return Vec::new() };
     let (Kind::Hierarchy(new) | Kind::Barrier(new) | Kind::Preemptive(new)) = kind else {
@@ -67,7 +67,7 @@ fn lines(inside: &Container, wanted: impl Fn(LayoutElement) -> bool) -> Vec<Layo
     transitions.chain(flows).chain(variables).filter(|element| wanted(*element)).collect()
 }
 
-/// The step that takes elements out of a layout; `None` if none of them has a place there.
+/// The step that removes elements from a layout; `None` if none of them has a position there.
 fn without(machine: &Machine, at: &StatePath, elements: &BTreeSet<LayoutElement>) -> Option<Step> {
     let layout = &machine.state(at)?.layout;
     let text = layout.text()?;

@@ -1,4 +1,4 @@
-//! Grouping: states go into a new hierarchy, and what crosses its border gets an outcome or a port there.
+//! Grouping: moves states into a new hierarchy, and adds an outcome or a port for each connection that crosses its border.
 
 use super::children::removable;
 use super::error::EditError;
@@ -45,15 +45,15 @@ struct Grouping<'m> {
     variables: BTreeSet<PortId>,
     group: State,
     inner: Container,
-    /// Where transitions enter the group, and the id of the first.
+    /// The child at which transitions enter the group, and the id of the first transition.
     entry: Option<(StateId, TransitionId)>,
-    /// What stands behind each outcome of the group.
+    /// The target of each outcome of the group.
     exits: Vec<(Target, OutcomeId)>,
     inputs: BTreeMap<GroupEnd, PortId>,
     outputs: BTreeMap<GroupEnd, PortId>,
-    /// What leaves the container.
+    /// The selection that leaves the container.
     leaving: Vec<Step>,
-    /// What is connected anew around the group.
+    /// The new connections around the group.
     outer: Vec<Step>,
 }
 
@@ -132,7 +132,7 @@ impl<'m> Grouping<'m> {
         Ok(())
     }
 
-    /// The words for a transition that cannot be followed.
+    /// The error for a contradictory transition.
     fn faulty(&self, transition: &Transition) -> EditError {
         let part = Part::Transition(transition.id);
         let fault = errors_of(None, self.state, part, &BuiltinTypes).into_iter().next();
@@ -150,7 +150,7 @@ impl<'m> Grouping<'m> {
         self.outer.push(Step::new(self.path, set));
     }
 
-    /// A transition from outside leads to the group now.
+    /// Redirects a transition from outside to the group.
     fn enter(&mut self, transition: &Transition, to: &StateId) -> Result<(), EditError> {
         match &self.entry {
             Some((entry, _)) if entry != to => {
@@ -167,7 +167,7 @@ impl<'m> Grouping<'m> {
         Ok(())
     }
 
-    /// A transition to the outside passes through an outcome of the group, one for each place outside.
+    /// Leads a transition to the outside through an outcome of the group, one for each target outside.
     fn leave(&mut self, transition: &Transition, target: &Target, name: &SmolStr, from: &Origin) {
         let known = self.exits.iter().find(|(place, _)| place == target).map(|(_, id)| *id);
         let id = known.unwrap_or_else(|| self.new_exit(target, name));
@@ -215,7 +215,7 @@ impl<'m> Grouping<'m> {
         self.members.contains(state) || (*state == self.state.id && self.variables.contains(port))
     }
 
-    /// The same end as the group sees it.
+    /// The same end, seen from inside the group.
     fn inner_end(&self, (state, port): &GroupEnd) -> GroupEnd {
         let own = *state == self.state.id;
         (if own { self.group.id.clone() } else { state.clone() }, *port)
@@ -247,7 +247,7 @@ impl<'m> Grouping<'m> {
         Ok(())
     }
 
-    /// The port of the group that stands for an end inside; made and connected at first.
+    /// The port of the group for an end inside; created and connected at its first use.
     fn border_port(
         &mut self,
         flow: &DataFlow,

@@ -1,4 +1,4 @@
-//! Edits of outcomes and ports, with the connections that go with them.
+//! Edits of outcomes and ports, including their connections.
 
 use super::error::EditError;
 use super::plan::{own_interface, state_at};

@@ -27,7 +27,7 @@ pub(super) fn plan(
             return refuse(Rule::WrongKind, "a library state is put in the place of another state");
         }
         (KindName::Library, _) => {
-            return refuse(Rule::LibraryFixed, "its content stands in a library");
+            return refuse(Rule::LibraryFixed, "its content is in a library");
         }
         _ => {}
     }
@@ -42,7 +42,7 @@ pub(super) fn plan(
     Ok(vec![Step::new(path, Set::Kind(Box::new(kind)))])
 }
 
-/// What stays of the inside: everything but transitions and a decider.
+/// The inside that remains: everything but transitions and a decider.
 fn inside(state: &State) -> Container {
     let Some(container) = state.container() else { return Container::default() };
     let mut container = Container { transitions: Transitions::default(), ..container.clone() };

@@ -1,7 +1,7 @@
-//! Edits: changes of a machine as values. Knows what people change and what that means for everything connected; never
+//! Edits: changes of a machine as values. Knows the effects of an edit on everything connected; never
 //! who asks for it, nor when.
 //!
-//! [`apply`] changes a machine in place and gives the edit that takes the change back. A refused edit changes nothing.
+//! [`apply`] changes a machine in place and returns the edit that undoes the change. A refused edit changes nothing.
 //!
 //! ```
 //! use rafcon_model::edit::{Edit, StateEdit, apply};
@@ -38,7 +38,6 @@ mod selection;
 mod step;
 mod substitute;
 mod ungroup;
-mod walk;
 
 pub use apply::{Restore, apply};
 pub use error::EditError;
@@ -53,8 +52,8 @@ use crate::{
 use smol_str::SmolStr;
 use std::sync::Arc;
 
-/// A change of a machine. The path is that of the state that has the changed part: for transitions, data flows and children
-/// that of the container.
+/// A change of a machine. The path is that of the state with the changed part: for transitions, data flows and children
+/// it is the container.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Edit {
     /// Changes a state itself.
@@ -67,36 +66,36 @@ pub enum Edit {
     Transition(StatePath, TransitionId, TransitionEdit),
     /// Changes a data flow in a container.
     DataFlow(StatePath, DataFlowId, DataFlowEdit),
-    /// Changes what a library state sets for one of its ports.
+    /// Changes a runtime value of a library state.
     RuntimeValue(StatePath, PortKind, PortId, RuntimeValueEdit),
-    /// Changes where a state or one of its parts stands on the screen.
+    /// Changes the position of a state or one of its parts on the screen.
     Layout(StatePath, LayoutEdit),
-    /// Changes which states stand in a container.
+    /// Changes the states in a container.
     Children(StatePath, ChildrenEdit),
     /// Changes the machine itself.
     Header(HeaderEdit),
-    /// Several edits, one after the other; all or none.
+    /// Several edits in sequence; all or none.
     Batch(Vec<Self>),
-    /// Takes an edit back; made by [`apply`].
+    /// Undoes an edit; made by [`apply`].
     Restore(Box<Restore>),
 }
 
 /// A change of a state itself.
 #[derive(Debug, Clone, PartialEq)]
 pub enum StateEdit {
-    /// Gives it another name.
+    /// Changes its name.
     SetName(SmolStr),
-    /// Gives it another id; its connections follow.
+    /// Changes its id; its connections follow.
     SetId(StateId),
-    /// Sets or removes the description; an empty one is none.
+    /// Sets or removes the description; an empty one is removed.
     SetDescription(Option<Arc<str>>),
     /// Sets or removes the semantic data.
     SetSemanticData(Option<Arc<Json>>),
     /// Sets or removes the script of an execution state or decider.
     SetScript(Option<Arc<str>>),
-    /// Makes it a state of another kind: execution, hierarchy, barrier or preemptive. Id, name, description, semantic data,
+    /// Changes its kind to execution, hierarchy, barrier or preemptive. Id, name, description, semantic data,
     /// outcomes and ports stay. From container to container the children (without a decider), data flows and scoped
-    /// variables stay, the transitions go; otherwise the inside goes. A barrier gets a decider.
+    /// variables stay, the transitions are removed; otherwise the inside is removed. A barrier gets a decider.
     SetKind(KindName),
 }
 
@@ -105,7 +104,7 @@ pub enum StateEdit {
 pub enum OutcomeEdit {
     /// Adds it with this name.
     Add(SmolStr),
-    /// Gives it another name.
+    /// Changes its name.
     Rename(SmolStr),
     /// Removes it with its transitions.
     Remove,
@@ -123,11 +122,11 @@ pub enum PortEdit {
         /// Its default; a text is converted to the type when a run starts.
         default: Value,
     },
-    /// Gives it another name.
+    /// Changes its name.
     Rename(SmolStr),
-    /// Gives it another type; a default that does not fit is refused, unless both are set in one batch, default first.
+    /// Changes its type; a default that does not fit is refused, unless one batch sets both, default first.
     SetType(DataType),
-    /// Gives it another default.
+    /// Changes its default.
     SetDefault(Value),
     /// Removes it with its data flows.
     Remove,
@@ -143,9 +142,9 @@ pub enum TransitionEdit {
         /// Where it leads.
         to: Target,
     },
-    /// Lets it begin elsewhere.
+    /// Changes its beginning.
     SetOrigin(Origin),
-    /// Lets it lead elsewhere.
+    /// Changes its target.
     SetTarget(Target),
     /// Removes it.
     Remove,
@@ -161,15 +160,15 @@ pub enum DataFlowEdit {
         /// Where it ends.
         to: (StateId, PortId),
     },
-    /// Lets it begin elsewhere.
+    /// Changes its beginning.
     SetSource((StateId, PortId)),
-    /// Lets it end elsewhere.
+    /// Changes its end.
     SetTarget((StateId, PortId)),
     /// Removes it.
     Remove,
 }
 
-/// A change of what a library state sets for a port.
+/// A change of a runtime value of a library state.
 #[derive(Debug, Clone, PartialEq)]
 pub enum RuntimeValueEdit {
     /// Sets the value and uses it.
@@ -188,27 +187,27 @@ pub enum ChildrenEdit {
     Add(Arc<State>),
     /// Removes a state with its connections and everything inside it.
     Remove(StateId),
-    /// Sets or removes where a hierarchy starts.
+    /// Sets or removes the start of a hierarchy.
     SetStart(Option<Target>),
-    /// Puts states and scoped variables into a new hierarchy; what crosses its border gets outcomes and ports.
+    /// Moves states and scoped variables into a new hierarchy; connections across its border get outcomes and ports.
     Group {
-        /// What goes into the group.
+        /// The states that move into the group.
         states: Vec<StateId>,
-        /// Scoped variables that go with them.
+        /// The scoped variables that move with them.
         scoped_variables: Vec<PortId>,
         /// The id of the new hierarchy.
         id: StateId,
         /// Its name.
         name: SmolStr,
     },
-    /// Puts the children of a container in its place.
+    /// Replaces a container by its children.
     Ungroup {
         /// The container to dissolve.
         state: StateId,
         /// Ids for children whose own id is taken, used in turn.
         fresh: Vec<StateId>,
     },
-    /// Puts a state in the place of another. Connections follow where outcomes have the same name, and ports the same name
+    /// Replaces a state by another. Connections follow where outcomes have the same name, and ports the same name
     /// and type; defaults follow, too.
     Substitute {
         /// The state to replace.
@@ -218,7 +217,7 @@ pub enum ChildrenEdit {
     },
     /// Moves states to another container, with the connections between them.
     Move {
-        /// What moves.
+        /// The states that move.
         states: Vec<StateId>,
         /// The other container.
         to: StatePath,
@@ -227,7 +226,7 @@ pub enum ChildrenEdit {
     },
     /// Adds copies of states, see [`copy`].
     Paste {
-        /// What was copied.
+        /// The copied states.
         selection: Selection,
         /// New ids, in the order of the selection; those without one keep theirs.
         ids: Vec<StateId>,

@@ -1,4 +1,4 @@
-//! Where things stand on the screen: reading and changing the layout of a state (`docs/format.md`, layout).
+//! Positions on the screen: reads and changes the layout of a state (`docs/format.md`, layout).
 
 use super::error::EditError;
 use super::plan::state_at;
@@ -8,14 +8,14 @@ use crate::{
 };
 use smol_str::{SmolStr, format_smolstr};
 
-/// Something that has a place of its own in the layout of a state.
+/// An element with its own position in the layout of a state.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum LayoutElement {
     /// The state itself, in its parent.
     State,
     /// The box with its name, inside the state.
     Name,
-    /// Where it is entered, on its border.
+    /// The income on its border.
     Income,
     /// An outcome, on its border.
     Outcome(OutcomeId),
@@ -30,7 +30,7 @@ pub enum LayoutElement {
 /// A change of a state's layout. Points are (x, y), y downwards, in the coordinates of the file.
 #[derive(Debug, Clone, PartialEq)]
 pub enum LayoutEdit {
-    /// Moves something.
+    /// Moves an element.
     SetPosition(LayoutElement, (f64, f64)),
     /// Sets the width and height of a state or its name.
     SetSize(LayoutElement, (f64, f64)),

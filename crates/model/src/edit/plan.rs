@@ -1,4 +1,4 @@
-//! From what people ask for to the steps that do it.
+//! Turns edits into steps.
 
 use super::error::EditError;
 use super::step::{Set, Step};
@@ -8,7 +8,7 @@ use crate::{
     Container, Header, Kind, Library, LibraryContent, Machine, State, StateId, StatePath, Types,
 };
 
-/// The steps of an edit. Rules about single parts are checked when the steps have run; here stands what else can be wrong.
+/// The steps of an edit. Rules about single parts are checked after the steps have run, all other rules here.
 pub(super) fn plan(
     machine: &Machine,
     edit: Edit,
@@ -40,7 +40,7 @@ fn header(machine: &Machine, edit: HeaderEdit) -> Vec<Step> {
     vec![Step::new(&StatePath::root(machine.root.id.clone()), Set::Header(Box::new(header)))]
 }
 
-/// The state that an edit is about. The inside of a library is changed in the library.
+/// The state of an edit. The inside of a library can only be changed in the library.
 pub(super) fn state_at<'m>(machine: &'m Machine, path: &StatePath) -> Result<&'m State, EditError> {
     let missing = || EditError::no_such_state(path);
     let (first, rest) = path.0.split_first().ok_or_else(missing)?;
@@ -48,7 +48,7 @@ pub(super) fn state_at<'m>(machine: &'m Machine, path: &StatePath) -> Result<&'m
         Some(&machine.root).filter(|root| root.id == *first).ok_or_else(missing)?;
     for id in rest {
         if matches!(state.kind, Kind::Library(_)) && machine.state(path).is_some() {
-            let what = format!("it stands inside the library state {}", state.id);
+            let what = format!("it is inside the library state {}", state.id);
             return Err(EditError::state(path, Rule::LibraryFixed, what));
         }
         let child = state.container().and_then(|container| container.states.get(id));
@@ -57,7 +57,7 @@ pub(super) fn state_at<'m>(machine: &'m Machine, path: &StatePath) -> Result<&'m
     Ok(state)
 }
 
-/// The container that an edit is about.
+/// The container of an edit.
 pub(super) fn container_at<'m>(
     machine: &'m Machine,
     path: &StatePath,
@@ -89,7 +89,7 @@ pub(super) fn disconnect(path: &StatePath, container: &Container, id: &StateId) 
     transitions.chain(flows.map(|f| Step::new(path, Set::DataFlow(f.id, None)))).collect()
 }
 
-/// Refuses a state that would reach deeper than allowed as a child of the state at `parent`.
+/// Refuses a state that would be too deep as a child of the state at `parent`.
 pub(super) fn nesting(parent: &StatePath, state: &State) -> Result<(), EditError> {
     let mut open = vec![(state, parent.0.len() + 1)];
     while let Some((state, depth)) = open.pop() {

@@ -1,18 +1,17 @@
-//! Which parts of a machine a step can break: those that it changes and those that are connected with them.
+//! The parts of a machine that a step can break: those that it changes and those that are connected with them.
 
 use super::step::{Field, Set, Step};
-use super::walk::Walk;
 use crate::port::{Element, Elements};
 use crate::rules::{Part, parts};
 use crate::{
-    Container, DataFlowId, Origin, OutcomeId, PortId, PortKind, State, StateId, StatePath,
+    Container, DataFlowId, Machine, Origin, OutcomeId, PortId, PortKind, State, StateId, StatePath,
     Transition, TransitionId,
 };
 
 /// A part of a state somewhere in the machine.
 pub(super) type Place = (StatePath, Part);
 
-/// The parts to look at before the step: also those that break a rule only together with a changed one.
+/// The parts to check before the step, including those that break a rule only together with a changed one.
 pub(super) fn scope_before<'m>(step: &'m Step, walk: &mut Walk<'m>) -> Vec<Place> {
     let Some(mut scope) = Scope::of(step, walk) else { return Vec::new() };
     match &step.set {
@@ -28,7 +27,7 @@ pub(super) fn scope_before<'m>(step: &'m Step, walk: &mut Walk<'m>) -> Vec<Place
     places
 }
 
-/// The parts to look at after the step, given what takes it back.
+/// The parts to check after the step, given its inverse.
 pub(super) fn scope_after<'m>(step: &'m Step, walk: &mut Walk<'m>) -> Vec<Place> {
     let Some(mut scope) = Scope::of(step, walk) else { return Vec::new() };
     match &step.set {
@@ -90,7 +89,7 @@ impl<'m> Scope<'m> {
         self.places.push((self.at.child(id.clone()), Part::State));
     }
 
-    /// The connections of a child, which are the same before it comes and after.
+    /// The connections of a child, which are the same before and after it is added.
     fn connections(&mut self, id: &StateId) {
         let Some(container) = self.state.container() else { return };
         let connections = connections_of(container, id);
@@ -187,4 +186,60 @@ fn flows_at(container: &Container, id: &StateId, port: PortId) -> impl Iterator<
     let flows = &container.data_flows;
     let flows = flows.into_port(id, port).chain(flows.out_of_port(id, port));
     flows.map(|flow| Part::DataFlow(flow.id))
+}
+
+/// Finds many states of one machine in sequence: keeps the path to the last one, and walks only the difference.
+pub(super) struct Walk<'m> {
+    machine: &'m Machine,
+    way: Vec<&'m State>,
+}
+
+impl<'m> Walk<'m> {
+    pub(super) fn new(machine: &'m Machine) -> Self {
+        Self { machine, way: Vec::new() }
+    }
+
+    /// The state at the path `ids` and its parent. Does not look into libraries.
+    pub(super) fn find(&mut self, ids: &[StateId]) -> Option<(Option<&'m State>, &'m State)> {
+        let known = self.way.iter().zip(ids).take_while(|(state, id)| state.id == **id).count();
+        self.way.truncate(known);
+        for id in ids.get(known..)? {
+            let next: &State = match self.way.last() {
+                Some(state) => state.container()?.states.get(id)?,
+                None => Some(&*self.machine.root).filter(|root| root.id == *id)?,
+            };
+            self.way.push(next);
+        }
+        let (state, above) = self.way.split_last()?;
+        Some((above.last().copied(), state))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Walk;
+    use crate::{Container, Header, Kind, Machine, State, StateId, StatePath};
+    use std::sync::Arc;
+
+    fn state(id: &str, children: Vec<State>) -> State {
+        let states = children.into_iter().map(|child| (child.id.clone(), Arc::new(child)));
+        let inside = Container { states: states.collect(), ..Container::default() };
+        State::new(StateId::new(id), id, Kind::Hierarchy(inside))
+    }
+
+    #[test]
+    fn it_finds_what_is_there_in_any_order() {
+        let inner = state("B", vec![state("C", vec![])]);
+        let root = Arc::new(state("A", vec![inner, state("D", vec![])]));
+        let machine = Machine { header: Header::default(), root };
+        let mut walk = Walk::new(&machine);
+        for path in ["A/B/C", "A/B", "A/D", "A/X", "A/B/C", "X", "A", "A/D/X", "", "A/B/C"] {
+            let ids = StatePath::parse(path);
+            let found = walk.find(&ids.0).map(|(_, state)| &state.id);
+            assert_eq!(found, machine.state(&ids).map(|state| &state.id), "{path}");
+            let parent = walk.find(&ids.0).and_then(|(parent, _)| parent);
+            let above = ids.parent().and_then(|path| machine.state(&path));
+            assert_eq!(parent.map(|p| &p.id), above.filter(|_| found.is_some()).map(|s| &s.id));
+        }
+    }
 }

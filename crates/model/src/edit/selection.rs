@@ -29,7 +29,7 @@ pub struct Selection {
     pub data_flows: Vec<DataFlow>,
 }
 
-/// Copies children and scoped variables of a container; what does not exist is left out.
+/// Copies children and scoped variables of a container; skips those that do not exist.
 pub fn copy(container: &State, states: &[StateId], scoped_variables: &[PortId]) -> Selection {
     let mut selection = Selection {
         container: container.id.clone(),
@@ -85,7 +85,7 @@ pub(super) fn plan_move(
     Ok(steps)
 }
 
-/// The steps that add a selection to the container `state`. New states are looked at everywhere inside if there are `types`.
+/// The steps that add a selection to the container `state`. With `types`, checks the new states with everything inside.
 pub(super) fn plan_paste(
     path: &StatePath,
     state: &State,

@@ -12,16 +12,16 @@ use smol_str::SmolStr;
 use std::mem::replace;
 use std::sync::Arc;
 
-/// Sets one thing at one state.
+/// Sets one part of one state.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Step {
     /// The state.
     pub at: StatePath,
-    /// What is set there.
+    /// The new value.
     pub set: Set,
 }
 
-/// What a step sets; `None` takes a thing out.
+/// What a step sets; `None` removes it.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Set {
     /// A child of a container.
@@ -30,7 +30,7 @@ pub enum Set {
     Id(StateId),
     /// A simple part.
     Field(Field),
-    /// What kind of state it is, with everything that only that kind has.
+    /// The kind of the state, with everything that only this kind has.
     Kind(Box<Kind>),
     /// An outcome.
     Outcome(OutcomeId, Option<Outcome>),
@@ -40,9 +40,9 @@ pub enum Set {
     Transition(TransitionId, Option<Transition>),
     /// A data flow in the container.
     DataFlow(DataFlowId, Option<DataFlow>),
-    /// What the library state sets for a port.
+    /// A runtime value of a library state.
     RuntimeValue(PortKind, PortId, Option<RuntimeValue>),
-    /// The machine itself, wherever the step stands.
+    /// The header of the machine, whatever the state.
     Header(Box<Header>),
 }
 
@@ -68,8 +68,8 @@ impl Step {
         Self { at: at.clone(), set }
     }
 
-    /// Changes the machine; gives the step back. Refused, without a change, where there is no such state or it has no place
-    /// for such a thing.
+    /// Changes the machine and returns the inverse step. Refused, without a change, if the state does not exist or cannot have
+    /// such a part.
     pub(super) fn run(self, machine: &mut Machine) -> Result<Self, EditError> {
         let Self { at, set } = self;
         match set {
@@ -89,7 +89,7 @@ impl Step {
 }
 
 impl Set {
-    /// Puts this in its place; gives what was there. `None`, without a change, if the state has no such place.
+    /// Sets the value and returns the old one. `None`, without a change, if the state cannot have such a part.
     fn swap(self, state: &mut State) -> Option<Self> {
         Some(match self {
             Self::Child(id, child) => {
@@ -168,7 +168,7 @@ fn runtime_values_mut(state: &mut State, kind: PortKind) -> Option<&mut RuntimeV
     }
 }
 
-/// Gives a state another id, in its own connections and in those of its parent.
+/// Changes the id of a state, in its own connections and in those of its parent.
 fn set_id(machine: &mut Machine, at: &StatePath, id: &StateId) -> Result<Step, EditError> {
     let missing = || EditError::no_such_state(at);
     let old = at.last().ok_or_else(missing)?.clone();
@@ -204,7 +204,7 @@ fn mentions(state: &State, id: &StateId) -> bool {
     })
 }
 
-/// The state with another id, which its own connections follow: for one that is about to be added somewhere.
+/// The state with another id, which its own connections follow. For a state that is not added yet.
 pub fn with_id(mut state: Arc<State>, id: &StateId) -> Arc<State> {
     let changed = Arc::make_mut(&mut state);
     let old = replace(&mut changed.id, id.clone());

@@ -1,4 +1,4 @@
-//! Substitution: a state takes the place of another, with what fits of its connections and values.
+//! Substitution: replaces a state by another, and keeps the connections and values that fit.
 
 use super::children::{complete, removable, to_decider, whole};
 use super::error::EditError;
@@ -11,7 +11,7 @@ use crate::{
 };
 use std::sync::Arc;
 
-/// The steps that put `by` in the place of the child `id`.
+/// The steps that replace the child `id` by `by`.
 pub(super) fn plan(
     path: &StatePath,
     here: (&State, &Container),
@@ -51,7 +51,7 @@ impl Substitution<'_> {
         self.new.outcomes.by_name(name).map(|outcome| outcome.id)
     }
 
-    /// Outcomes of the new state that no transition of the old one comes to.
+    /// Outcomes of the new state that take over no transition of the old one.
     fn new_outcomes(&self) -> Vec<OutcomeId> {
         let connected: Vec<_> = self
             .container
@@ -125,7 +125,7 @@ fn with_values_of(old: &State, mut new: Arc<State>) -> Arc<State> {
     new
 }
 
-/// What a state has for a port: the runtime value of a library, or else the default.
+/// The value of a state for a port: the runtime value of a library, or else the default.
 fn value_of(state: &State, kind: PortKind, id: PortId) -> Option<RuntimeValue> {
     if let Kind::Library(library) = &state.kind {
         return values(library, kind).get(&id).cloned();

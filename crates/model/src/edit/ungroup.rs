@@ -1,4 +1,4 @@
-//! Ungrouping: the children of a container go to where it stands.
+//! Ungrouping: replaces a container by its children.
 
 use super::children::removable;
 use super::error::EditError;
@@ -60,7 +60,7 @@ struct Ungrouping<'m> {
     ids: BTreeMap<StateId, StateId>,
     /// The same for scoped variables.
     variables: BTreeMap<PortId, PortId>,
-    /// The data flows that have been made.
+    /// The data flows created so far.
     links: BTreeSet<(UngroupEnd, UngroupEnd)>,
     transition_ids: Box<dyn Iterator<Item = TransitionId> + 'm>,
     flow_ids: Box<dyn Iterator<Item = DataFlowId> + 'm>,
@@ -134,7 +134,7 @@ impl Ungrouping<'_> {
         }
     }
 
-    /// Transitions to the group lead to the child where it started; the loops of the group among them begin inside.
+    /// Redirects transitions to the group to its start; those that loop from the group begin inside.
     fn entries(&mut self, start: &StateId) {
         let Some(start) = self.ids.get(start).cloned() else { return };
         let from_group = |t: &&Transition| t.from_state.as_ref() == Some(&self.group.id);
@@ -146,7 +146,7 @@ impl Ungrouping<'_> {
         }
     }
 
-    /// Where an outcome of the group leads.
+    /// The target of an outcome of the group.
     fn behind(&self, outcome: OutcomeId) -> Option<Target> {
         let origin = Origin::Outcome(self.group.id.clone(), outcome);
         let target = self.container.transitions.from(&origin).next()?.target(&self.state.id)?;
@@ -190,7 +190,7 @@ impl Ungrouping<'_> {
         self.ids.get(&end.0).map(|id| (id.clone(), end.1))
     }
 
-    /// Where a value inside comes from, seen from outside.
+    /// The source of a value inside, seen from outside.
     fn sources(&self, end: &UngroupEnd) -> Vec<UngroupEnd> {
         if end.0 != self.group.id || self.variables.contains_key(&end.1) {
             return self.outside(end).into_iter().collect();
@@ -208,7 +208,7 @@ impl Ungrouping<'_> {
         inside.filter_map(|flow| self.outside(&(flow.from_state.clone(), flow.from_port))).collect()
     }
 
-    /// Where a value inside goes to, seen from outside.
+    /// The target of a value inside, seen from outside.
     fn targets(&self, end: &UngroupEnd) -> Vec<UngroupEnd> {
         if end.0 != self.group.id || self.variables.contains_key(&end.1) {
             return self.outside(end).into_iter().collect();

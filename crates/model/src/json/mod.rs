@@ -31,7 +31,7 @@ pub enum Json {
     Object(Vec<(SmolStr, Self)>),
 }
 
-/// The same text: `NaN` equals itself, and the order of members counts.
+/// Equality of the texts: `NaN` equals itself, and the order of members counts.
 impl PartialEq for Json {
     fn eq(&self, other: &Self) -> bool {
         match (self, other) {
@@ -48,7 +48,7 @@ impl PartialEq for Json {
 }
 
 impl Json {
-    /// The value of `key` if this is an object that has it.
+    /// The value of `key` if this is an object with this key.
     pub fn get(&self, key: &str) -> Option<&Self> {
         match self {
             Self::Object(items) => items.iter().find(|(k, _)| k == key).map(|(_, v)| v),
@@ -98,7 +98,7 @@ impl Json {
         }
     }
 
-    /// Puts `value` at `key`, replacing an earlier one. Anything but an object becomes one first.
+    /// Sets `key` to `value`. Anything but an object becomes an empty object first.
     pub fn set(&mut self, key: &str, value: Self) {
         if !matches!(self, Self::Object(_)) {
             *self = Self::Object(Vec::new());
@@ -111,7 +111,7 @@ impl Json {
         }
     }
 
-    /// Takes `key` out of an object.
+    /// Removes `key` from an object.
     pub fn remove(&mut self, key: &str) -> Option<Self> {
         match self {
             Self::Object(items) => {
@@ -127,7 +127,7 @@ impl Json {
         Self::Object(Vec::new())
     }
 
-    /// What kind of thing this is, in the words of an error message.
+    /// The kind of the value, for error messages.
     pub fn kind(&self) -> &'static str {
         match self {
             Self::Null => "null",

@@ -24,7 +24,7 @@ pub fn parse(text: &str) -> Result<Json, ParseError> {
     let value = parser.value(0)?;
     parser.skip_space();
     if parser.at < text.len() {
-        return Err(parser.error("text goes on after the document"));
+        return Err(parser.error("more text follows the document"));
     }
     Ok(value)
 }

@@ -68,7 +68,7 @@ fn errors_say_where() {
     check("{\"a\": 1,\n \"b\" 2}", &expect!["error: line 2, column 6: expected `:`"]);
     check("", &expect!["error: line 1, column 1: the text ends where a value should be"]);
     check("[1, 2", &expect!["error: line 1, column 6: expected `,` or `]`"]);
-    check("{} x", &expect!["error: line 1, column 4: text goes on after the document"]);
+    check("{} x", &expect!["error: line 1, column 4: more text follows the document"]);
     check("\"a", &expect!["error: line 1, column 3: a string without end"]);
     check("tru", &expect!["error: line 1, column 1: not a value"]);
     check("-", &expect!["error: line 1, column 2: a sign without digits"]);

@@ -3,7 +3,7 @@
 use super::Json;
 use smol_str::SmolStr;
 
-/// The text that the reference's writer gives: keys sorted (as numbers if every key is a canonical integer), indent 4,
+/// The text as the reference writes it: keys sorted (as numbers if every key is a canonical integer), indent 4,
 /// `, ` before each newline, ASCII only, no newline at the end (`docs/format.md`, JSON dialect).
 pub fn write(json: &Json) -> String {
     let mut out = String::with_capacity(1024);
@@ -11,7 +11,7 @@ pub fn write(json: &Json) -> String {
     out
 }
 
-/// The same on one line, without spaces.
+/// The text on one line, without spaces.
 pub fn write_compact(json: &Json) -> String {
     let mut out = String::new();
     Writer { out: &mut out, indent: None }.value(json);
@@ -133,7 +133,7 @@ fn sorted(items: &[(SmolStr, Json)]) -> Vec<&(SmolStr, Json)> {
     members
 }
 
-/// The integer whose decimal text is exactly `text`; nothing for `01`, `-0`, ` 1` and what does not fit 64 bits.
+/// The integer whose decimal text is exactly `text`; `None` for `01`, `-0`, ` 1` and integers beyond 64 bits.
 pub fn canonical_int(text: &str) -> Option<i64> {
     let digits = text.strip_prefix('-').unwrap_or(text);
     let is_number = !digits.is_empty() && digits.bytes().all(|byte| byte.is_ascii_digit());
@@ -141,7 +141,7 @@ pub fn canonical_int(text: &str) -> Option<i64> {
     if is_plain { text.parse().ok() } else { None }
 }
 
-/// The text that Python's `repr` gives for a float: shortest digits that read back the same, an exponent below 1e-4 and
+/// The text of a float as by Python's `repr`: the shortest digits that read back the same, an exponent below 1e-4 and
 /// from 1e16 on.
 pub(crate) fn python_float(number: f64) -> String {
     if number.is_nan() {

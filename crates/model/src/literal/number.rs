@@ -5,7 +5,7 @@ use super::parse::LiteralParser;
 use crate::Value;
 use smol_str::SmolStr;
 
-/// What `int(text)` gives; `None` where it raises.
+/// The result of `int(text)`; `None` if it raises.
 pub(crate) fn parse_int(text: &str) -> Option<Value> {
     let text = text.trim_matches(is_space);
     let (negative, digits) = match text.as_bytes().first()? {
@@ -16,7 +16,7 @@ pub(crate) fn parse_int(text: &str) -> Option<Value> {
     integer(negative, &plain_digits(digits)?)
 }
 
-/// What `float(text)` gives; `None` where it raises.
+/// The result of `float(text)`; `None` if it raises.
 pub(crate) fn parse_float(text: &str) -> Option<f64> {
     let text = text.trim_matches(is_space);
     let unsigned = text.strip_prefix(['+', '-']).unwrap_or(text);
@@ -28,12 +28,12 @@ pub(crate) fn parse_float(text: &str) -> Option<f64> {
     without_underscores(text)?.parse().ok()
 }
 
-/// What Python's `str.strip` removes, as far as it is ASCII.
+/// The ASCII characters that Python's `str.strip` removes.
 fn is_space(c: char) -> bool {
     c.is_ascii_whitespace() || matches!(c, '\u{b}' | '\u{1c}'..='\u{1f}')
 }
 
-/// A number at the parser's place, with its signs.
+/// A number at the parser's position, with its signs.
 pub(super) fn number(parser: &mut LiteralParser<'_>) -> Result<Value, LiteralError> {
     let mut negative = false;
     while let Some(sign @ (b'+' | b'-')) = parser.peek() {
@@ -52,7 +52,7 @@ pub(super) fn number(parser: &mut LiteralParser<'_>) -> Result<Value, LiteralErr
     Ok(value)
 }
 
-/// How many bytes look like one number: letters, digits, points, and a sign after an exponent.
+/// The number of bytes that look like one number: letters, digits, points, and a sign after an exponent.
 fn extent(rest: &str) -> usize {
     let is_hex = rest.as_bytes().get(1).is_some_and(|b| b.eq_ignore_ascii_case(&b'x'));
     let mut before = b' ';
@@ -100,7 +100,7 @@ fn radix_value(negative: bool, digits: &str, radix: u32) -> Option<Value> {
     Some(Value::Int(if negative { number.checked_neg()? } else { number }))
 }
 
-/// Digits without their underscores; `None` if anything else stands there or an underscore stands alone.
+/// Digits without their underscores; `None` if there is any other character, or an underscore not between digits.
 fn plain_digits(text: &str) -> Option<String> {
     without_underscores(text).filter(|digits| digits.bytes().all(|b| b.is_ascii_digit()))
 }

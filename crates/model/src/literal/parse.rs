@@ -1,4 +1,4 @@
-//! Text to [`Value`]: one pass, no recursion deeper than [`MAX_DEPTH`].
+//! Parses a text to a [`Value`]: one pass, no recursion deeper than [`MAX_DEPTH`].
 
 use super::{number, text};
 use crate::Value;
@@ -6,13 +6,13 @@ use crate::Value;
 /// Deeper nesting is left to Python: it is far beyond any default and protects the stack.
 pub const MAX_DEPTH: usize = 64;
 
-/// Why a text is not read as a literal.
+/// Why a text is not a literal.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum LiteralError {
-    /// Python would not read it either.
+    /// Not a Python literal.
     #[error("character {at}: {reason}")]
     Syntax {
-        /// Bytes before the place.
+        /// The offset in bytes.
         at: usize,
         /// What was found or missing.
         reason: &'static str,
@@ -28,7 +28,7 @@ pub fn parse(text: &str) -> Result<Value, LiteralError> {
     let value = parser.open_value()?;
     parser.skip_space();
     if parser.at < text.len() {
-        return Err(parser.error("text goes on after the value"));
+        return Err(parser.error("more text follows the value"));
     }
     Ok(value)
 }

@@ -115,7 +115,7 @@ fn what_is_not_a_literal_says_where() {
         {1: 2 !! character 5: expected a comma or the closing brace
         {[]: 1} !! character 4: lists, dicts and sets cannot be keys or members of a set
         {1 2} !! character 3: expected a comma, a colon or the closing brace
-        1 2 !! character 2: text goes on after the value
+        1 2 !! character 2: more text follows the value
         (,) !! character 1: not a Python literal"]],
     );
     let deep = "[".repeat(100_000);

@@ -1,10 +1,10 @@
-//! Python strings: quotes, prefixes, escapes, neighbours that join.
+//! Python strings: quotes, prefixes, escapes, adjacent strings.
 
 use super::LiteralError;
 use super::parse::LiteralParser;
 use crate::Value;
 
-/// A string at the parser's place, and those that follow it directly.
+/// A string at the parser's position, joined with the strings that follow it directly.
 pub(super) fn string(parser: &mut LiteralParser<'_>) -> Result<Value, LiteralError> {
     let mut text = String::new();
     one(parser, &mut text, false)?;
@@ -127,7 +127,7 @@ fn by_number(parser: &mut LiteralParser<'_>, digits: usize) -> Result<char, Lite
     char::from_u32(code).ok_or(LiteralError::NeedsPython("halves of surrogate pairs"))
 }
 
-/// Up to three octal digits; the first has been passed already.
+/// Up to three octal digits; the first is already consumed.
 fn octal(parser: &mut LiteralParser<'_>) -> char {
     parser.at -= 1;
     let count = parser.rest().bytes().take(3).take_while(|b| matches!(b, b'0'..=b'7')).count();

@@ -1,7 +1,7 @@
-//! A machine to the notation. Knows the order of the lines; never fails and never recurses.
+//! Prints a machine in the notation. Knows the order of the lines; never fails and never recurses.
 
 use super::shared::{Shared, content};
-use super::words::{extra_text, fits_block, id_text, name_text, quoted, type_text, value_text};
+use super::{extra_text, fits_block, id_text, name_text, quoted, type_text, value_text};
 use crate::ids::{id_after, smallest_free};
 use crate::{
     Container, DataFlow, Header, Json, Kind, Layout, Library, LibraryContent, Machine, OutcomeId,
@@ -15,14 +15,14 @@ pub struct Shown {
     pub layout: bool,
     /// The text of scripts.
     pub scripts: bool,
-    /// What stands inside libraries.
+    /// The content of libraries.
     pub contents: bool,
 }
 
 impl Shown {
-    /// Everything: what reads back as the same machine.
+    /// Everything: the text reads back as the same machine.
     pub const ALL: Self = Self { layout: true, scripts: true, contents: true };
-    /// What a person reads: without layout, scripts and the inside of libraries.
+    /// For people: without layout, scripts and the content of libraries.
     pub const OUTLINE: Self = Self { layout: false, scripts: false, contents: false };
 }
 
@@ -32,7 +32,7 @@ pub fn print(machine: &Machine) -> String {
     print_with(machine, Shown::ALL)
 }
 
-/// The machine without the parts that are not to be shown.
+/// The machine without the hidden parts.
 pub fn print_with(machine: &Machine, shown: Shown) -> String {
     let mut printer = Printer::new(&machine.root, shown);
     printer.header(&machine.header);
@@ -106,7 +106,7 @@ impl<'m> Printer<'m> {
         }
     }
 
-    /// The lines of a state but not those of its children.
+    /// The lines of a state without those of its children.
     fn state(&mut self, state: &State, depth: usize) {
         let mut head = format!("{} {}", keyword(&state.kind), id_text(&state.id));
         if state.name != state.id.0 {
@@ -337,7 +337,7 @@ fn flow_text(state: &State, flow: &DataFlow) -> String {
     format!("flow {from} -> {to}")
 }
 
-/// Which end of a data flow.
+/// The end of a data flow.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Side {
     Source,
@@ -352,7 +352,7 @@ fn owner<'s>(container: &'s State, id: &StateId) -> Option<&'s State> {
     container.container()?.states.get(id).map(|child| &**child)
 }
 
-/// The port that a name stands for at one end of a data flow; `own` if the state is the container itself.
+/// The port with this name at one end of a data flow; `own` if the state is the container itself.
 fn port_by_name(owner: &State, own: bool, side: Side, name: &str) -> Option<PortId> {
     let ports = if own == (side == Side::Source) { &owner.inputs } else { &owner.outputs };
     let variable = |container: &Container| container.scoped_variables.by_name(name).map(|p| p.id);
@@ -360,7 +360,7 @@ fn port_by_name(owner: &State, own: bool, side: Side, name: &str) -> Option<Port
     ports.by_name(name).map(|port| port.id).or_else(own_variable)
 }
 
-/// The name of a port where it stands for this port.
+/// The name of a port, if the name identifies it.
 fn port_name(owner: &State, own: bool, side: Side, id: PortId) -> Option<String> {
     let variables = owner.container().map(|container| &container.scoped_variables);
     [Some(&owner.inputs), Some(&owner.outputs), variables]

@@ -1,14 +1,14 @@
-//! Which library contents a machine shares, so that each is printed once.
+//! Finds the library contents that a machine shares, so that each is printed once.
 
 use crate::{Kind, LibraryContent, State};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// The contents that several library states share, by their address.
+/// The contents that several library states share, by address.
 pub(super) struct Shared<'m> {
     uses: BTreeMap<*const State, usize>,
     names: BTreeMap<*const State, String>,
-    /// Those with a name, each after those that it contains.
+    /// The contents with a name, each after those that it contains.
     pub(super) order: Vec<&'m Arc<State>>,
 }
 
@@ -55,7 +55,7 @@ impl<'m> Shared<'m> {
     }
 }
 
-/// What a library state contains, if it was found.
+/// The content of a library state, if the library was found.
 pub(super) fn content(state: &State) -> Option<&Arc<State>> {
     match &state.kind {
         Kind::Library(library) => match &library.content {

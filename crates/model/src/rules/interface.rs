@@ -21,7 +21,7 @@ pub(super) fn outcome_faults(parent: Option<&State>, state: &State, id: OutcomeI
     faults
 }
 
-/// A custom outcome in a hierarchy that no transition takes further.
+/// A custom outcome in a hierarchy without a transition.
 fn unconnected_fault(parent: Option<&State>, state: &State, outcome: &Outcome) -> Option<Fault> {
     let Kind::Hierarchy(container) = &parent?.kind else { return None };
     let origin = Origin::Outcome(state.id.clone(), outcome.id);

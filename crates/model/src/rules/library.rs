@@ -45,7 +45,7 @@ fn values(library: &Library, kind: PortKind) -> Option<&RuntimeValues> {
     }
 }
 
-/// The ports for which a library state sets values.
+/// The ports with runtime values of a library state.
 pub(super) fn runtime_values(state: &State) -> impl Iterator<Item = (PortKind, PortId)> {
     let library = library(state).into_iter();
     library.flat_map(|library| {

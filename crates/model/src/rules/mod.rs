@@ -1,5 +1,5 @@
-//! The rules that a valid machine keeps, each with its name and the way out when it is broken. Knows how to look at one
-//! part of one state; [`problems`](crate::problems()) looks at all of them, edits at those that they touch.
+//! The rules of a valid machine, each with its name and the remedy when it is broken. Knows how to check one
+//! part of one state; [`problems`](crate::problems()) checks all parts, edits those that they touch.
 
 mod interface;
 mod library;
@@ -17,13 +17,13 @@ use std::fmt;
 /// How bad a broken rule is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Severity {
-    /// The machine does not work as drawn.
+    /// The machine does not work as it is drawn.
     Error,
-    /// Worth knowing; nothing is refused because of it.
+    /// A note; nothing is refused because of it.
     Note,
 }
 
-/// A rule that one part of a state breaks, and how.
+/// A rule that a part of a state breaks, and the details.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Fault {
     pub(crate) rule: Rule,
@@ -48,21 +48,21 @@ macro_rules! rules {
             /// All rules, in the order of their definition.
             pub const ALL: &'static [Self] = &[$(Self::$name,)*];
 
-            /// How bad it is to break this rule.
+            /// The severity of breaking this rule.
             pub fn severity(self) -> Severity {
                 match self {
                     $(Self::$name => Severity::$severity,)*
                 }
             }
 
-            /// What the user can do.
+            /// The remedy for the user.
             pub fn way_out(self) -> &'static str {
                 match self {
                     $(Self::$name => $way_out,)*
                 }
             }
 
-            /// The name in texts that programs read.
+            /// The name for programs.
             pub fn name(self) -> &'static str {
                 match self {
                     $(Self::$name => stringify!($name),)*
@@ -89,7 +89,7 @@ rules! {
     ScriptMissing: Note, "write a script";
     /// A barrier has a decider.
     DeciderMissing: Error, "add the decider, or make the state another kind";
-    /// A decider stands in a barrier, under its fixed id.
+    /// A decider is in a barrier, under its fixed id.
     DeciderMisplaced: Error, "make it an execution state with an id of its own";
     /// Every state has the outcomes aborted (-1) and preempted (-2).
     OutcomeMissing: Error, "add the outcome";
@@ -105,7 +105,7 @@ rules! {
     PortNameTwice: Error, "rename one of the ports";
     /// The id of a port is unique over inputs, outputs and scoped variables of a state.
     PortIdTwice: Error, "remove one of the ports and add it again";
-    /// The name `error` is where errors of scripts arrive.
+    /// The name `error` is reserved for errors of scripts.
     PortNamedError: Note, "choose another name unless the port takes the error";
     /// A type is a dotted Python name.
     DataTypeName: Error, "write the type as in Python, such as int or numpy.ndarray";
@@ -115,7 +115,7 @@ rules! {
     StartMissing: Error, "connect the income with a child";
     /// The transitions of a hierarchy lead from its start to each of its children.
     Unreachable: Note, "lead a transition to the state, or remove it";
-    /// A container has one start transition at most.
+    /// A container has at most one start transition.
     StartTwice: Error, "remove one of the start transitions";
     /// A concurrency state has no start transition: all its children start.
     StartInConcurrency: Error, "remove the start transition";
@@ -127,7 +127,7 @@ rules! {
     OriginState: Error, "connect the beginning with an outcome of a child, or remove the transition";
     /// The outcome where a transition begins exists.
     OriginOutcome: Error, "connect the beginning with an outcome that exists, or remove the transition";
-    /// One transition at most begins at an outcome.
+    /// At most one transition begins at an outcome.
     OriginTwice: Error, "remove one of the transitions";
     /// A transition leads somewhere.
     TargetMissing: Error, "connect the end with a child or an outcome of the container";
@@ -149,7 +149,7 @@ rules! {
     FlowState: Error, "connect the data flow with a child or the container, or remove it";
     /// The ports of a data flow exist.
     FlowPort: Error, "connect the data flow with a port that exists, or remove it";
-    /// A data flow does not lead to where it begins.
+    /// A data flow does not lead to its own beginning.
     FlowSamePort: Error, "connect the two ends with different ports";
     /// A data flow begins at an output of a child, or an input or scoped variable of the container.
     FlowSource: Error, "begin at an output of a child, or at an input or scoped variable of the container";
@@ -161,7 +161,7 @@ rules! {
     FlowTwice: Error, "remove one of the data flows";
     /// The type at the beginning of a data flow is the one at its end, inherits from it, or one of both is `object`.
     FlowType: Error, "change one of the types, or use object";
-    /// Whether one type inherits from another is known to Python only.
+    /// Only Python knows whether one type inherits from another.
     FlowTypeUnknown: Note, "it is checked when the machine runs";
     /// A library was found.
     LibraryMissing: Error, "check the library paths, or substitute the state";
@@ -178,7 +178,7 @@ rules! {
     NoSuchState: Error, "look at the machine again: it may have changed";
     /// The element of an edit exists.
     NoSuchElement: Error, "look at the machine again: it may have changed";
-    /// A new element has an id of its own.
+    /// A new element has a unique id.
     IdTaken: Error, "take another id";
     /// The outcomes aborted and preempted cannot be removed.
     OutcomeMandatory: Error, "rename the outcome, or leave it unconnected";
@@ -188,15 +188,15 @@ rules! {
     LibraryFixed: Error, "open the library and change it there, or replace the state by a copy of its content";
     /// The edit is for states of another kind.
     WrongKind: Error, "change the kind of the state first";
-    /// A group is entered at one state only.
+    /// A group is entered at only one state.
     GroupEntries: Error, "group states that are entered at one state only, or remove transitions first";
     /// A state does not move into itself.
     MoveIntoItself: Error, "choose a container outside the state";
 }
 
 impl Rule {
-    /// Whether an edit that breaks this rule is refused. A machine has no start yet while it is drawn, and a library may be
-    /// missing for a while.
+    /// Whether an edit that breaks this rule is refused. A machine may have no start while it is drawn, and a library may be
+    /// missing temporarily.
     pub fn refuses_edits(self) -> bool {
         let is_allowed = matches!(self, Self::LibraryMissing | Self::StartMissing);
         self.severity() == Severity::Error && !is_allowed

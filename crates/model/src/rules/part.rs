@@ -4,18 +4,18 @@ use super::{Fault, interface, library, state, transition, wire};
 use crate::{DataFlowId, OutcomeId, PortId, Ports, State, TransitionId, Types};
 use std::fmt;
 
-/// Which list a port stands in.
+/// The list that contains a port.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum PortKind {
-    /// What a state takes.
+    /// Inputs of a state.
     Input,
-    /// What a state gives.
+    /// Outputs of a state.
     Output,
-    /// What the children of a container share.
+    /// Scoped variables, which the children of a container share.
     ScopedVariable,
 }
 
-/// A part of a state that a problem or refusal is about.
+/// The part of a state in a problem or refusal.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Part {
     /// The state itself: name, id, kind, script.
@@ -28,7 +28,7 @@ pub enum Part {
     Transition(TransitionId),
     /// A data flow between its children.
     DataFlow(DataFlowId),
-    /// What a library state sets for one of its ports.
+    /// A runtime value of a library state.
     RuntimeValue(PortKind, PortId),
 }
 
@@ -68,7 +68,7 @@ impl PortKind {
         }
     }
 
-    /// The same, to be changed.
+    /// The ports of this kind, mutable.
     pub fn of_mut(self, state: &mut State) -> Option<&mut Ports> {
         match self {
             Self::Input => Some(&mut state.inputs),
@@ -96,7 +96,7 @@ pub(crate) fn parts(state: &State) -> impl Iterator<Item = Part> {
         .chain(library::runtime_values(state).map(|(kind, id)| Part::RuntimeValue(kind, id)))
 }
 
-/// The rules that one part of `state` breaks; nothing for a part that is not there.
+/// The rules that one part of `state` breaks; empty for a part that does not exist.
 pub(crate) fn faults_of(
     parent: Option<&State>,
     state: &State,
@@ -113,7 +113,7 @@ pub(crate) fn faults_of(
     }
 }
 
-/// The same without the notes that cost a look at the parent.
+/// The rules that it breaks, without the notes that require the parent.
 pub(crate) fn errors_of(
     parent: Option<&State>,
     state: &State,

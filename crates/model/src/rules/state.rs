@@ -3,7 +3,7 @@
 use super::{Fault, Rule, library};
 use crate::{DECIDER_ID, Json, Kind, Origin, OutcomeId, State, StateId};
 
-/// How many levels of states a machine may have, the root counted as one.
+/// The maximum nesting of states, including the root.
 pub const MAX_NESTING: usize = 1024;
 
 pub(super) fn faults(parent: Option<&State>, state: &State) -> Vec<Fault> {
@@ -49,7 +49,7 @@ fn decider_fault(parent: Option<&State>, state: &State) -> Option<Fault> {
     let in_barrier = parent.is_some_and(|parent| matches!(parent.kind, Kind::Barrier(_)));
     let what = match (is_decider, state.id.is_decider(), in_barrier) {
         (false, false, _) | (true, true, true) => return None,
-        (true, _, false) => "a decider stands outside of a barrier".to_owned(),
+        (true, _, false) => "a decider is outside of a barrier".to_owned(),
         (true, false, true) => format!("a decider has the id {DECIDER_ID}"),
         (false, true, _) => format!("the id {DECIDER_ID} is that of a decider"),
     };

@@ -91,7 +91,7 @@ fn own_outcome_fault(state: &State, outcome: OutcomeId) -> Option<Fault> {
     state.outcomes.get(outcome).is_none().then(|| Fault::new(Rule::TargetOutcome, what()))
 }
 
-/// What concurrency states ask for.
+/// The rules of concurrency states.
 fn kind_fault(state: &State, transition: &Transition) -> Option<Fault> {
     let from = transition.from_state.as_ref()?;
     let target = transition.target(&state.id)?;

@@ -19,7 +19,7 @@ pub(super) fn faults(state: &State, id: DataFlowId, types: &dyn Types) -> Vec<Fa
     fault.into_iter().collect()
 }
 
-/// A port at one end, as the data flow sees it.
+/// A port at one end of a data flow.
 struct WiredPort<'s> {
     kind: PortKind,
     is_own: bool,
@@ -83,7 +83,7 @@ fn end<'s>(
         return Err(Fault::new(Rule::FlowState, what));
     };
     let found = |kind: PortKind| {
-        // A child shows its ports but not its scoped variables.
+        // A child exposes its ports but not its scoped variables.
         let ports = kind.of(owner).filter(|_| is_own || kind != PortKind::ScopedVariable);
         ports.and_then(|ports| ports.get(port)).map(|port| WiredPort { kind, is_own, port })
     };
@@ -110,7 +110,7 @@ fn type_fault(from: &Port, to: &Port, types: &dyn Types) -> Option<Fault> {
         Answer::Yes => None,
         Answer::No => Some(Fault::new(Rule::FlowType, format!("the types do not fit {}", pair()))),
         Answer::Unknown => {
-            let what = format!("nobody here knows whether the types fit {}", pair());
+            let what = format!("it is unknown whether the types fit {}", pair());
             Some(Fault::new(Rule::FlowTypeUnknown, what))
         }
     }

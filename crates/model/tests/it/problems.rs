@@ -217,7 +217,7 @@ fn concurrency_states_have_their_own_rules() {
             Error BarrierTarget: ROOT/BARRIE, transition 4: it leads from the child CCCCCC of a barrier past the decider; connect the end with the decider
             Error DeciderTarget: ROOT/BARRIE, transition 5: it leads from the decider to a child; connect the end with an outcome of the container
             Error DeciderMisplaced: ROOT/BARRIE/unique_decider_state_id, state: the id unique_decider_state_id is that of a decider; make it an execution state with an id of its own
-            Error DeciderMisplaced: ROOT/unique_decider_state_id, state: a decider stands outside of a barrier; make it an execution state with an id of its own
+            Error DeciderMisplaced: ROOT/unique_decider_state_id, state: a decider is outside of a barrier; make it an execution state with an id of its own
         "]],
     );
 }
@@ -253,7 +253,7 @@ fn data_flows_connect_ports_that_fit() {
             Error FlowSamePort: ROOT, data flow 7: it leads to the port where it begins; connect the two ends with different ports
             Error FlowBetweenVariables: ROOT, data flow 8: it connects two scoped variables; let a state pass the value on
             Error FlowType: ROOT, data flow 9: the types do not fit from `i` (int) to `o` (str); change one of the types, or use object
-            Note FlowTypeUnknown: ROOT, data flow 10: nobody here knows whether the types fit from `i` (int) to `m` (numpy.ndarray); it is checked when the machine runs
+            Note FlowTypeUnknown: ROOT, data flow 10: it is unknown whether the types fit from `i` (int) to `m` (numpy.ndarray); it is checked when the machine runs
             Error FlowTwice: ROOT, data flow 11: the data flow 12 connects the same ports; remove one of the data flows
             Error FlowTwice: ROOT, data flow 12: the data flow 11 connects the same ports; remove one of the data flows
             Error FlowPort: ROOT, data flow 13: it ends at the port 0 of CCCCCC, which does not exist; connect the data flow with a port that exists, or remove it

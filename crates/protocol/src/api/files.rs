@@ -1,4 +1,4 @@
-//! Projects and libraries as they lie on disk.
+//! Projects and libraries as they lie on disk, the versions that git has of a machine, and where a library is used.
 
 use serde::{Deserialize, Serialize};
 
@@ -99,4 +99,77 @@ pub enum LibraryNodeKind {
     Folder,
     /// A state machine that can be used as a state.
     Library,
+}
+
+/// The versions of a machine, as far as git knows them.
+#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
+pub struct MachineVersions {
+    /// Whether the machine's folder lies in a git repository, and there is a git to ask.
+    pub is_git: bool,
+    /// Commits that touched the folder, the newest first.
+    pub versions: Vec<MachineVersion>,
+    /// Whether there are older ones that are not told.
+    pub is_cut: bool,
+}
+
+/// A commit that touched a machine.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
+pub struct MachineVersion {
+    /// Its hash, in hexadecimal.
+    pub commit: String,
+    /// Who wrote it.
+    pub author: String,
+    /// When it was written: ms since 1970, UTC.
+    pub at_ms: u64,
+    /// The first line of its message.
+    pub subject: String,
+}
+
+/// How library states name a library.
+#[derive(Debug, Clone, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
+pub struct LibraryName {
+    /// A library root and the folders below it, joined by `/`.
+    pub path: String,
+    /// The folder of the library.
+    pub name: String,
+}
+
+/// Which library's usages are asked for.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::IntoParams, ts_rs::TS))]
+#[cfg_attr(feature = "schema", into_params(parameter_in = Query))]
+pub struct UsagesOf {
+    /// A library root and the folders below it, joined by `/`.
+    pub path: String,
+    /// The folder of the library.
+    pub name: String,
+}
+
+/// Where a library is used.
+#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
+pub struct LibraryUsages {
+    /// In open machines as they are now, then in files of projects and library roots.
+    pub usages: Vec<LibraryUsage>,
+    /// Whether there are more, or more files than are looked at.
+    pub is_cut: bool,
+}
+
+/// A state that runs a library.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
+pub struct LibraryUsage {
+    /// The open machine with it; none: it was found in files.
+    pub machine: Option<String>,
+    /// The machine with it; none if it lies in no project.
+    pub file: Option<MachineFile>,
+    /// The library with it; none if it lies below no library root.
+    pub library: Option<LibraryName>,
+    /// The state: ids joined by `/`.
+    pub path: String,
+    /// The names of the states on the path, the root's first.
+    pub names: Vec<String>,
 }

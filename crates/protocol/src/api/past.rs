@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 /// How a run stood after one event.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
-pub struct Picture {
+pub struct Moment {
     /// The event; 0: before the first.
     pub sequence: u64,
     /// When it happened, in ns since the start of the run.
@@ -24,7 +24,7 @@ pub struct Picture {
     /// States run so far.
     pub states_run: u64,
     /// Active states, each after the state around it.
-    pub active: Vec<PicturedState>,
+    pub active: Vec<MomentState>,
     /// Branches that are held.
     pub held: Vec<Holding>,
     /// States that wait, by path, and for what.
@@ -44,7 +44,7 @@ pub struct Picture {
 /// One active state.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
-pub struct PicturedState {
+pub struct MomentState {
     /// Ids joined by `/`.
     pub path: String,
     /// Names joined by `/`.
@@ -62,13 +62,13 @@ pub struct PicturedState {
     #[cfg_attr(feature = "schema", schema(value_type = Object), ts(type = "Record<string, unknown>"))]
     pub scoped: Values,
     /// How its children ended last, in that order.
-    pub ended: Vec<PicturedEnd>,
+    pub ended: Vec<MomentEnd>,
 }
 
 /// How a child ended.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
-pub struct PicturedEnd {
+pub struct MomentEnd {
     /// Ids joined by `/`.
     pub path: String,
     /// Names joined by `/`.

@@ -1,4 +1,4 @@
-//! The server as a whole.
+//! The server as a whole, and its refusals.
 
 use super::{MachineSummary, RunSummary};
 use serde::{Deserialize, Serialize};
@@ -23,4 +23,14 @@ pub struct ServerStatus {
     pub machines: Vec<MachineSummary>,
     /// Runs that go on, and those that changed since the server began; the newest first.
     pub runs: Vec<RunSummary>,
+}
+
+/// Why a request was refused: what, where, and the way out.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
+pub struct Refusal {
+    /// For programs: a stable word in `snake_case`.
+    pub code: String,
+    /// For people.
+    pub message: String,
 }

@@ -14,9 +14,9 @@ logger = get_logger("plugins")
 
 #: Hooks of the desktop program and of its engine that nothing here calls, with what serves instead.
 _NEVER_CALLED = {
-    "main_window_setup": "there is no window; the page shows runs, and other programs follow them by the server",
+    "main_window_setup": "there is no window; the page shows runs, and other programs follow them through the server",
     "post_state_editor_register_view": "there is no window; the page shows what a state is made of",
-    "register_execution_history_consumer": "the journal keeps the history; read it by `rafcon export` or the server",
+    "register_execution_history_consumer": "the journal keeps the history; read it with `rafcon export` or through the server",
     "state_thread_joined": "a state has no thread of its own; `post_script` is called after each script",
 }
 
@@ -119,7 +119,7 @@ def _arguments(machine, config, start_state_path):
     try:
         found = parse_arguments(shlex.split(os.environ.get("RAFCON_PLUGIN_ARGUMENTS", "")))
     except (ValueError, SystemExit) as error:
-        logger.error("RAFCON_PLUGIN_ARGUMENTS cannot be read, so plugins get no options of theirs: %s", error)
+        logger.error("cannot read RAFCON_PLUGIN_ARGUMENTS, so plugins get no options: %s", error)
         found = {}
     found.update(state_machine_path=[machine], start_state_path=start_state_path)
     if config is not None:

@@ -3,8 +3,9 @@
 use crate::{clock, median, print};
 use anyhow::{Context as _, Result, ensure};
 use rafcon_storage::journal::{
-    About, Definition, Item, Journal, Kept, Left, Options, PlaceNumber, Reader, notation,
+    About, Definition, Item, Journal, Kept, Left, Options, PlaceNumber, Reader,
 };
+use rafcon_testkit::journal_notation;
 use std::path::Path;
 
 /// Events of the run.
@@ -58,8 +59,8 @@ fn open_moment(folder: &Path, at: u64) -> Result<f64> {
 
 fn write(folder: &Path) -> Result<()> {
     let journal = Journal::create(folder, &About::default(), &Options::default())?;
-    let mut batch = notation::batch(&format!("{MACHINE}\nenter R"), 0)?;
-    let places: Vec<PlaceNumber> = notation::parse(MACHINE)?
+    let mut batch = journal_notation::batch(&format!("{MACHINE}\nenter R"), 0)?;
+    let places: Vec<PlaceNumber> = journal_notation::parse(MACHINE)?
         .iter()
         .filter_map(|item| match item {
             Item::Definition(Definition::Place(number, _)) => Some(*number),

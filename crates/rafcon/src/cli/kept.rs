@@ -1,4 +1,4 @@
-//! The words of the commands that read what runs have kept.
+//! The commands that read recorded runs.
 
 use super::{KeptRemote, Remote, Runs};
 use clap::builder::PossibleValuesParser;
@@ -7,10 +7,10 @@ use rafcon_storage::journal::KINDS;
 use std::path::PathBuf;
 use std::time::Duration;
 
-/// One run that was kept.
+/// One recorded run.
 #[derive(Debug, Args)]
 pub(crate) struct KeptRun {
-    /// The run: its id, the beginning of it, its folder, or `last`
+    /// The run: its id or the start of the id, its folder, or `last`
     pub(crate) run: String,
     #[command(flatten)]
     pub(crate) runs: Runs,
@@ -18,24 +18,24 @@ pub(crate) struct KeptRun {
     pub(crate) remote: KeptRemote,
 }
 
-/// List the runs, the newest last; or give up old ones.
+/// List the runs, the newest last; or delete old ones.
 #[derive(Debug, Args)]
 pub(crate) struct ListRuns {
     #[command(flatten)]
     pub(crate) runs: Runs,
-    /// One JSON object a line
+    /// One JSON object per line
     #[arg(long)]
     pub(crate) json: bool,
-    /// Delete old runs, but never one that goes on nor the 10 newest
+    /// Delete old runs, but never an active run or one of the 10 newest
     #[arg(long)]
     pub(crate) prune: bool,
-    /// Keep so many runs
+    /// Keep this number of runs
     #[arg(long, value_name = "NUMBER", requires = "prune")]
     pub(crate) keep: Option<usize>,
-    /// Keep runs up to this age, such as `12h` or `30d`
+    /// Keep the runs up to this age, such as `12h` or `30d`
     #[arg(long, value_name = "AGE", requires = "prune", value_parser = age)]
     pub(crate) max_age: Option<Duration>,
-    /// Keep so many bytes in all, such as `500M` or `20G`
+    /// Keep this size in total, such as `500M` or `20G`
     #[arg(long, value_name = "SIZE", requires = "prune", value_parser = size)]
     pub(crate) max_size: Option<u64>,
     #[command(flatten)]
@@ -47,120 +47,120 @@ pub(crate) struct ListRuns {
 pub(crate) struct History {
     #[command(flatten)]
     pub(crate) run: KeptRun,
-    /// States with this in their path of names or ids; `*` and `?` stand for any text and any character
+    /// Only states with this text in their path of names or ids; `*` matches any text, `?` any character
     #[arg(long, value_name = "STATE")]
     pub(crate) state: Option<String>,
-    /// Ends by this outcome: name or id
+    /// Only ends with this outcome, by name or id
     #[arg(long, allow_hyphen_values = true)]
     pub(crate) outcome: Option<String>,
-    /// Events with this text in them
+    /// Only events that contain this text
     #[arg(long)]
     pub(crate) text: Option<String>,
-    /// Events from this time on: seconds since the start, or H:MM:SS
+    /// Only events from this time on: seconds since the start, or H:MM:SS
     #[arg(long, value_name = "TIME", value_parser = time)]
     pub(crate) from: Option<Duration>,
-    /// Events up to this time
+    /// Only events up to this time
     #[arg(long, value_name = "TIME", value_parser = time)]
     pub(crate) to: Option<Duration>,
-    /// Events of this kind (repeat for more)
+    /// Only events of this kind (repeat for more)
     #[arg(long = "kind", value_parser = PossibleValuesParser::new(KINDS), hide_possible_values = true)]
     pub(crate) kinds: Vec<String>,
-    /// With the inputs and outputs of states
+    /// Also print the inputs and outputs of states
     #[arg(long)]
     pub(crate) values: bool,
-    /// Only the last ones
+    /// Only this number of last lines
     #[arg(long, value_name = "NUMBER")]
     pub(crate) last: Option<usize>,
-    /// One JSON object a line
+    /// One JSON object per line
     #[arg(long)]
     pub(crate) json: bool,
 }
 
-/// Print what a run has logged.
+/// Print the log of a run.
 #[derive(Debug, Args)]
 pub(crate) struct Log {
     #[command(flatten)]
     pub(crate) run: KeptRun,
-    /// Lines that matter at least so much
+    /// Only lines of at least this level
     #[arg(long, value_enum, default_value_t = LogLevel::Verbose)]
     pub(crate) level: LogLevel,
-    /// Lines of states with this in their path of names or ids; `*` and `?` stand for any text and any character
+    /// Only lines of states with this text in their path of names or ids; `*` matches any text, `?` any character
     #[arg(long, value_name = "STATE")]
     pub(crate) state: Option<String>,
-    /// Only the last ones
+    /// Only this number of last lines
     #[arg(long, value_name = "NUMBER")]
     pub(crate) last: Option<usize>,
-    /// One JSON object a line
+    /// One JSON object per line
     #[arg(long)]
     pub(crate) json: bool,
 }
 
-/// How much a line of the log matters.
+/// Level of a log line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum LogLevel {
-    /// Below debug
+    /// Everything
     Verbose,
-    /// For whoever looks for a fault
+    /// Details for finding a fault
     Debug,
-    /// For everybody
+    /// What happens
     Info,
-    /// Could be wrong
+    /// Possible problems
     Warning,
-    /// Is wrong
+    /// Errors
     Error,
 }
 
-/// Print how a run stood at one of its events: what was active, with which data.
+/// Print a moment of a run: the active states and their data after one event.
 #[derive(Debug, Args)]
 pub(crate) struct Replay {
     #[command(flatten)]
     pub(crate) run: KeptRun,
-    /// After this event; else after the last one
+    /// After this event; the default is the last one
     #[arg(long, value_name = "SEQUENCE")]
     pub(crate) at: Option<u64>,
     /// At this time: seconds since the start, or H:MM:SS
     #[arg(long, value_name = "TIME", conflicts_with = "at", value_parser = time)]
     pub(crate) time: Option<Duration>,
-    /// As one JSON object
+    /// Print one JSON object
     #[arg(long)]
     pub(crate) json: bool,
 }
 
-/// Say where two runs part, which data differed before, and where they took their time.
+/// Print where two runs diverge, which data differed before, and how their times differ.
 ///
-/// Branches that ran side by side are compared each by itself. Exits with 1 if the runs part.
+/// Parallel branches are compared one by one. The exit code is 1 if the runs diverge.
 #[derive(Debug, Args)]
 pub(crate) struct Compare {
-    /// One run: its id, the beginning of it, its folder, or `last`
+    /// One run: its id or the start of the id, its folder, or `last`
     pub(crate) one: String,
-    /// The other
+    /// The other run
     pub(crate) other: String,
     #[command(flatten)]
     pub(crate) runs: Runs,
     #[command(flatten)]
     pub(crate) remote: KeptRemote,
-    /// As one JSON object
+    /// Print one JSON object
     #[arg(long)]
     pub(crate) json: bool,
 }
 
-/// Write a run in a format of other programs.
+/// Export a run in the format of another program.
 #[derive(Debug, Args)]
 pub(crate) struct Export {
     #[command(flatten)]
     pub(crate) run: KeptRun,
-    /// Which format
+    /// Output format
     #[arg(long, value_enum)]
     pub(crate) format: ExportFormat,
-    /// File to write; else the standard output
+    /// File to write; the default is the standard output
     #[arg(long, short, value_name = "FILE")]
     pub(crate) output: Option<PathBuf>,
 }
 
-/// A format of other programs.
+/// The format of another program.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum ExportFormat {
-    /// Every event as a JSON object on a line
+    /// One JSON object per event and line
     Jsonl,
     /// A table for spreadsheets
     Csv,
@@ -170,7 +170,7 @@ pub(crate) enum ExportFormat {
 
 /// `12.5`, `2:05` or `1:02:05`.
 fn time(text: &str) -> Result<Duration, String> {
-    let refused = || format!("`{text}` is no time: write seconds, such as 12.5, or H:MM:SS");
+    let refused = || format!("`{text}` is not a time: write seconds, such as 12.5, or H:MM:SS");
     let part = |part: &str| part.parse::<f64>().ok().filter(|part| *part >= 0.0);
     let add = |sum: f64, next: &str| Some(sum * 60.0 + part(next)?);
     let seconds = text.split(':').try_fold(0.0, add).ok_or_else(refused)?;
@@ -179,14 +179,16 @@ fn time(text: &str) -> Result<Duration, String> {
 
 /// `90s`, `45m`, `12h` or `30d`.
 fn age(text: &str) -> Result<Duration, String> {
-    let refused = || format!("`{text}` is no age: write a number and s, m, h or d, such as 30d");
+    let refused =
+        || format!("`{text}` is not an age: write a number and s, m, h or d, such as 30d");
     let units = [('s', 1), ('m', 60), ('h', 3600), ('d', 86_400)];
     scaled(text, &units).map(Duration::from_secs).ok_or_else(refused)
 }
 
 /// `500M` or `20G`; without a letter, bytes.
 fn size(text: &str) -> Result<u64, String> {
-    let refused = || format!("`{text}` is no size: write a number and K, M, G or T, such as 20G");
+    let refused =
+        || format!("`{text}` is not a size: write a number and K, M, G or T, such as 20G");
     let plain = || text.parse().ok();
     let units = [('K', 1 << 10), ('M', 1 << 20), ('G', 1 << 30), ('T', 1 << 40)];
     scaled(text, &units).or_else(plain).ok_or_else(refused)
@@ -220,9 +222,9 @@ mod tests {
             12.5s
             125s
             3725.5s
-            `-1` is no time: write seconds, such as 12.5, or H:MM:SS
-            `x` is no time: write seconds, such as 12.5, or H:MM:SS
-            `` is no time: write seconds, such as 12.5, or H:MM:SS
+            `-1` is not a time: write seconds, such as 12.5, or H:MM:SS
+            `x` is not a time: write seconds, such as 12.5, or H:MM:SS
+            `` is not a time: write seconds, such as 12.5, or H:MM:SS
         "]],
         );
         check(
@@ -232,9 +234,9 @@ mod tests {
                 2700s
                 43200s
                 2592000s
-                `7` is no age: write a number and s, m, h or d, such as 30d
-                `d` is no age: write a number and s, m, h or d, such as 30d
-                `99999999999999999999d` is no age: write a number and s, m, h or d, such as 30d
+                `7` is not an age: write a number and s, m, h or d, such as 30d
+                `d` is not an age: write a number and s, m, h or d, such as 30d
+                `99999999999999999999d` is not an age: write a number and s, m, h or d, such as 30d
             "]],
         );
         check(
@@ -243,9 +245,9 @@ mod tests {
             524288000
             21474836480
             4096
-            `1.5G` is no size: write a number and K, M, G or T, such as 20G
-            `T` is no size: write a number and K, M, G or T, such as 20G
-            `99999999999T` is no size: write a number and K, M, G or T, such as 20G
+            `1.5G` is not a size: write a number and K, M, G or T, such as 20G
+            `T` is not a size: write a number and K, M, G or T, such as 20G
+            `99999999999T` is not a size: write a number and K, M, G or T, such as 20G
         "]],
         );
     }

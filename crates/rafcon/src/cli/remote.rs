@@ -1,45 +1,45 @@
-//! The words by which commands are carried out at a server, and of those that only make sense there.
+//! The options for commands at a server, and the commands that exist only there.
 
 use super::State;
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 
-/// Where a command is carried out.
+/// The server that carries out a command.
 #[derive(Debug, Args)]
 pub(crate) struct Remote {
-    /// Do it at the server with this address (`rafcon serve`), such as `https://rover:4747`
+    /// Use the server at this address (`rafcon serve`), such as `https://rover:4747`
     #[arg(long, value_name = "URL", help_heading = "At a server")]
     pub(crate) server: Option<String>,
     #[command(flatten)]
     pub(crate) access: Access,
 }
 
-/// Which server has kept a run. The server's own folder has another name than elsewhere, where `--state` means something else.
+/// The server that has a recorded run. `--server-state` stands for `--state`, which means a state of the machine here.
 #[derive(Debug, Args)]
 pub(crate) struct KeptRemote {
-    /// Read the run at the server with this address (`rafcon serve`), such as `https://rover:4747`
+    /// Read the run from the server at this address (`rafcon serve`), such as `https://rover:4747`
     #[arg(long, value_name = "URL", help_heading = "At a server")]
     pub(crate) server: Option<String>,
-    /// File with a token that the server knows; else `RAFCON_TOKEN`, else what `rafcon login` has kept, else that of this
-    /// computer's own server
+    /// File with a token for the server; the default is `RAFCON_TOKEN`, then the token that `rafcon login` saved, then the
+    /// token of this computer's own server
     #[arg(long, value_name = "FILE", help_heading = "At a server")]
     pub(crate) token_file: Option<PathBuf>,
-    /// Fingerprint of the server's certificate, as `rafcon serve` prints it; it is remembered
+    /// Fingerprint of the server's certificate, as `rafcon serve` prints it; it is saved
     #[arg(long, value_name = "HEX", help_heading = "At a server")]
     pub(crate) fingerprint: Option<String>,
-    /// The folder of this computer's own server; else `rafcon/server` in the user's folder for program state
+    /// Folder of this computer's own server; the default is `rafcon/server` in the user's folder for program state
     #[arg(long, value_name = "DIR", env = "RAFCON_STATE", help_heading = "At a server")]
     pub(crate) server_state: Option<PathBuf>,
 }
 
-/// How one is let in, and by whom.
+/// How the server recognises the user, and the user the server.
 #[derive(Debug, Args)]
 pub(crate) struct Access {
-    /// File with a token that the server knows; else `RAFCON_TOKEN`, else what `rafcon login` has kept, else that of this
-    /// computer's own server
+    /// File with a token for the server; the default is `RAFCON_TOKEN`, then the token that `rafcon login` saved, then the
+    /// token of this computer's own server
     #[arg(long, value_name = "FILE", help_heading = "At a server")]
     pub(crate) token_file: Option<PathBuf>,
-    /// Fingerprint of the server's certificate, as `rafcon serve` prints it; it is remembered
+    /// Fingerprint of the server's certificate, as `rafcon serve` prints it; it is saved
     #[arg(long, value_name = "HEX", help_heading = "At a server")]
     pub(crate) fingerprint: Option<String>,
     #[command(flatten)]
@@ -48,31 +48,31 @@ pub(crate) struct Access {
 
 /// Get a token from a server for this user and computer.
 ///
-/// Asks for the password without showing it; if the input is no terminal, its first line is the password.
-/// The token is kept for this user only, and used by every command with `--server`.
+/// Asks for the password without showing it; without a terminal, the first line of the input is the password.
+/// The token is saved for this user only, and every command with `--server` uses it.
 #[derive(Debug, Args)]
 pub(crate) struct Login {
     /// Address of the server, such as `https://rover:4747`
     #[arg(long, value_name = "URL")]
     pub(crate) server: String,
-    /// Who logs in; else it is asked
+    /// Name of the user; without it, the command asks for the name
     #[arg(long, value_name = "NAME")]
     pub(crate) user: Option<String>,
     #[command(flatten)]
     pub(crate) access: Access,
 }
 
-/// Say who commands a run: ask for control, give it, take it.
+/// Show, request, hand over or take control of a run.
 ///
-/// One user at a time commands a run; stop and pause are everybody's who may command at all.
+/// One user at a time is in control of a run. Every user who may command runs can stop and pause it.
 #[derive(Debug, Args)]
 pub(crate) struct Control {
-    /// The run: its id, the beginning of it, or `last`
+    /// The run: its id or the start of the id, or `last`
     pub(crate) run: String,
-    /// What is wanted
+    /// What to do
     #[arg(value_enum, default_value_t = Wanted::Show)]
     pub(crate) wanted: Wanted,
-    /// To whom it is handed over
+    /// User to hand control over to
     #[arg(value_name = "USER", required_if_eq("wanted", "hand-over"))]
     pub(crate) user: Option<String>,
     /// Address of the server, such as `https://rover:4747`
@@ -82,25 +82,25 @@ pub(crate) struct Control {
     pub(crate) access: Access,
 }
 
-/// What is wanted about control.
+/// What to do about control.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Wanted {
-    /// Who holds it, and who asks for it
+    /// Show who is in control, and who requests it
     Show,
-    /// Ask for it; it is given at once if nobody holds it
+    /// Request control; it is granted at once if no user is in control
     Request,
-    /// Take back the own request, or, as its holder, the offer
+    /// Withdraw your request, or the offer that you made
     Withdraw,
-    /// Hold it no more
+    /// Give up control
     Release,
-    /// Take it from a holder who has not been heard for a while
+    /// Take control from a user who has been silent for a while
     TakeOver,
-    /// Give it to USER: at once if they requested it, else when they accept
+    /// Hand control over to USER: at once if they requested it, otherwise when they accept
     HandOver,
-    /// Accept the holder's offer
+    /// Accept an offer of control
     Accept,
-    /// Decline the holder's offer
+    /// Decline an offer of control
     Decline,
-    /// Take it from any holder at once; for admins, and on record
+    /// Take control from any user at once; for admins, and recorded in the run's history
     Override,
 }

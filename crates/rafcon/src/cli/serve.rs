@@ -1,4 +1,4 @@
-//! The words of the commands that serve, and that manage who may come in.
+//! The commands that serve machines and runs, and that manage users.
 
 use super::{Libraries, Python, Runs};
 use clap::{Args, Subcommand, ValueEnum};
@@ -7,25 +7,25 @@ use std::path::PathBuf;
 
 /// Serve projects and runs to browsers, programs and other computers.
 ///
-/// Prints the address that lets you in. Runs go on when the server ends, and the next one finds them.
+/// Prints the address that lets you in. Runs continue when the server ends, and the next server finds them.
 #[derive(Debug, Args)]
 pub(crate) struct Serve {
-    /// Folders with machines: the only ones that clients may read and write
+    /// Folders with machines; clients can read and write no others
     #[arg(value_name = "DIR")]
     pub(crate) projects: Vec<PathBuf>,
-    /// Where it listens; any address but a loopback's needs TLS and users
+    /// Address to listen at; every address except loopback requires TLS and users
     #[arg(long, value_name = "ADDRESS:PORT", default_value = "127.0.0.1:4747")]
     pub(crate) bind: SocketAddr,
-    /// Name by which others call this computer (repeat for more)
+    /// Name of this computer in the network (repeat for more)
     #[arg(long = "host", value_name = "NAME")]
     pub(crate) hosts: Vec<String>,
-    /// Certificate for TLS, as a PEM file; else the server makes one
+    /// Certificate for TLS, as a PEM file; without it, the server makes one
     #[arg(long, value_name = "FILE", requires = "key")]
     pub(crate) certificate: Option<PathBuf>,
-    /// The certificate's key, as a PEM file
+    /// Key of the certificate, as a PEM file
     #[arg(long, value_name = "FILE", requires = "certificate")]
     pub(crate) key: Option<PathBuf>,
-    /// Keep the token of the last start, so that old addresses still let you in
+    /// Keep the token of the last start, so that old addresses still work
     #[arg(long)]
     pub(crate) keep_token: bool,
     #[command(flatten)]
@@ -38,17 +38,18 @@ pub(crate) struct Serve {
     pub(crate) python: Python,
 }
 
-/// Where the server keeps what is its own.
+/// The server's own folder.
 #[derive(Debug, Args)]
 pub(crate) struct State {
-    /// The server's own folder (users, token, certificate); else `rafcon/server` in the user's folder for program state
+    /// The server's own folder (users, token, certificate); the default is `rafcon/server` in the user's folder for
+    /// program state
     #[arg(long = "state", value_name = "DIR", env = "RAFCON_STATE", global = true)]
     pub(crate) folder: Option<PathBuf>,
 }
 
-/// Manage who may log in to the server.
+/// Manage the users of the server.
 ///
-/// Works whether the server runs or not; what changes counts at once.
+/// Works whether or not the server runs; changes apply at once.
 #[derive(Debug, Args)]
 pub(crate) struct User {
     #[command(subcommand)]
@@ -60,11 +61,11 @@ pub(crate) struct User {
 /// What to do about users.
 #[derive(Debug, Subcommand)]
 pub(crate) enum UserAction {
-    /// Add a user; the password is asked for, or read from a pipe
+    /// Add a user; asks for the password, or reads it from a pipe
     Add {
-        /// Letters, digits, `.`, `-`, `_`
+        /// Name of the user: letters, digits, `.`, `-`, `_`
         name: String,
-        /// What the user may do
+        /// Role of the user
         #[arg(long, value_enum)]
         role: Role,
     },
@@ -72,42 +73,42 @@ pub(crate) enum UserAction {
     List,
     /// Remove a user and all their tokens
     Remove {
-        /// Who
+        /// Name of the user
         name: String,
     },
-    /// Give a user another role
+    /// Change the role of a user
     Role {
-        /// Who
+        /// Name of the user
         name: String,
-        /// What the user may do from now on
+        /// New role of the user
         #[arg(value_enum)]
         role: Role,
     },
-    /// Set another password, which ends the user's logins; it is asked for, or read from a pipe
+    /// Change a password, which ends the user's logins; asks for it, or reads it from a pipe
     Password {
-        /// Who
+        /// Name of the user
         name: String,
     },
-    /// Make a token for a program, and print it this once
+    /// Make a token for a program, and print it once
     Token {
-        /// Whom the program stands for; `owner` for yourself
+        /// User that the program acts for; `owner` is yourself
         name: String,
-        /// What the token is for
+        /// Purpose of the token
         #[arg(long = "for", value_name = "TEXT")]
         purpose: String,
-        /// A lesser role than the user's
+        /// Role of the token, if it is lower than the user's
         #[arg(long, value_enum)]
         role: Option<Role>,
-        /// For how many days it is good; else until it is deleted
+        /// Number of days until the token expires; without it, the token never expires
         #[arg(long)]
         days: Option<u64>,
     },
 }
 
-/// What somebody may do.
+/// What a user may do.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Role {
-    /// Looks on
+    /// Only watches
     Viewer,
     /// Also starts and commands runs
     Operator,

@@ -26,15 +26,17 @@ impl Address {
         let (is_secure, rest) = match text.split_once("://") {
             Some(("https", rest)) => (true, rest),
             Some(("http", rest)) => (false, rest),
-            Some((scheme, _)) => return Err(wrong(&format!("`{scheme}` is not spoken here"))),
+            Some((scheme, _)) => {
+                return Err(wrong(&format!("the scheme `{scheme}` is not supported")));
+            }
             None => return Err(wrong("http:// or https:// is missing")),
         };
         let (place, query) = rest.split_once('?').unwrap_or((rest, ""));
         let (place, path) = place.split_once('/').unwrap_or((place, ""));
         if !path.is_empty() {
-            return Err(wrong("nothing follows the port"));
+            return Err(wrong("the address must end after the port"));
         }
-        let (host, port) = parted(place).ok_or_else(|| wrong("this is no host and port"))?;
+        let (host, port) = parted(place).ok_or_else(|| wrong("the host or the port is missing"))?;
         let token = query.split('&').find_map(|part| part.strip_prefix("token="));
         Ok((Self { is_secure, host, port }, token.map(str::to_owned)))
     }
@@ -123,26 +125,30 @@ mod tests {
         );
         check(
             "ftp://rover",
-            &expect!["--server ftp://rover: `ftp` is not spoken here; write https://HOST:4747"],
+            &expect![
+                "--server ftp://rover: the scheme `ftp` is not supported; write https://HOST:4747"
+            ],
         );
         check(
             "http://rover:x/?token=abc",
-            &expect!["--server http://rover:x/: this is no host and port; write https://HOST:4747"],
+            &expect![
+                "--server http://rover:x/: the host or the port is missing; write https://HOST:4747"
+            ],
         );
         check(
             "http://rover:1/runs?token=abc",
             &expect![
-                "--server http://rover:1/runs: nothing follows the port; write https://HOST:4747"
+                "--server http://rover:1/runs: the address must end after the port; write https://HOST:4747"
             ],
         );
         check(
             "http://",
-            &expect!["--server http://: this is no host and port; write https://HOST:4747"],
+            &expect!["--server http://: the host or the port is missing; write https://HOST:4747"],
         );
         check(
             "http://u:p@rover",
             &expect![
-                "--server http://u:p@rover: this is no host and port; write https://HOST:4747"
+                "--server http://u:p@rover: the host or the port is missing; write https://HOST:4747"
             ],
         );
     }

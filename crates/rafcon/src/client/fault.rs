@@ -85,20 +85,20 @@ impl fmt::Display for Fault {
                 write!(f, "cannot reach the server at {server}: is `rafcon serve` running there?")
             }
             Self::Lost { server, .. } => {
-                write!(f, "the connection to the server at {server} broke")
+                write!(f, "the connection to the server at {server} is lost")
             }
             Self::NoToken { file, .. } => write!(f, "cannot read the token in {}", file.display()),
             Self::Changed { server, known, seen } => write!(
                 f,
-                "THE CERTIFICATE OF {server} IS NOT THE ONE THAT IT SHOULD BE: somebody may be listening in. Nothing was sent.\n  \
-                 should be: {known}\n  is:        {seen}\n\
-                 If whoever looks after the server confirms the new one, name it once with --fingerprint {}",
+                "THE CERTIFICATE OF {server} HAS CHANGED: another computer may be listening in. Nothing was sent.\n  \
+                 expected: {known}\n  received: {seen}\n\
+                 If the server's administrator confirms the new one, accept it once with --fingerprint {}",
                 seen.hex()
             ),
             Self::Unknown { server, seen } => write!(
                 f,
-                "the server at {server} is not known here; its certificate has the fingerprint\n  {seen}\n\
-                 Compare it with what `rafcon serve` has printed, and name it once with --fingerprint {}",
+                "this computer does not know the server at {server} yet; its certificate has the fingerprint\n  {seen}\n\
+                 Compare it with the one that `rafcon serve` printed, and accept it once with --fingerprint {}",
                 seen.hex()
             ),
             Self::Refused { status: 401, refusal } => write!(
@@ -108,7 +108,7 @@ impl fmt::Display for Fault {
             ),
             Self::Refused { refusal, .. } => f.write_str(&refusal.message),
             Self::Nonsense { server, what } => {
-                write!(f, "what the server at {server} said makes no sense here: {what}")
+                write!(f, "cannot understand the answer of the server at {server}: {what}")
             }
         }
     }

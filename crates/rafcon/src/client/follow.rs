@@ -120,7 +120,7 @@ impl Follower<'_> {
                 heard_at = now;
             }
             if now >= heard_at + SILENCE {
-                return Ok(format!("nothing was heard for {} s", SILENCE.as_secs()));
+                return Ok(format!("no answer for {} s", SILENCE.as_secs()));
             }
             if now >= asked_at + ASK {
                 asked_at = now;

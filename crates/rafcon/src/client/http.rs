@@ -95,7 +95,7 @@ impl Http {
                 Fault::Lost { server: self.address.to_string(), source }
             }
             ureq::Error::HostNotFound => {
-                let source = std::io::Error::other("there is no computer of this name");
+                let source = std::io::Error::other("no computer has this name");
                 Fault::Unreachable { server: self.address.to_string(), source }
             }
             error => self.nonsense(&error),
@@ -122,7 +122,7 @@ fn cookies<T>(response: &Response<T>) -> String {
 fn refused(status: u16, body: &[u8]) -> Fault {
     let refusal = serde_json::from_slice(body).unwrap_or_else(|_other_words| Refusal {
         code: "other".to_owned(),
-        message: format!("the server refused with HTTP status {status} and without a reason"),
+        message: format!("the server refused with HTTP status {status} and gave no reason"),
     });
     Fault::Refused { status, refusal }
 }

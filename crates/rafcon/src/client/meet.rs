@@ -29,7 +29,7 @@ impl TrustDecision<'_> {
     pub(crate) fn meet(&self) -> Result<Server> {
         let (address, token) = Address::parse(self.url).map_err(Usage)?;
         if !address.is_secure && !address.is_loopback() {
-            let why = "without TLS everybody on the way could read along; write https://";
+            let why = "without TLS, others in the network could read the token; write https://";
             return Err(Usage(format!("--server {address}: {why}")).into());
         }
         let own = self.own(&address);
@@ -94,7 +94,9 @@ impl TrustDecision<'_> {
             }
             Err(fault) => Err(fault.into()),
             // Without a certificate that is trusted no connection stands.
-            Ok(()) => Err(Usage(format!("--server {address}: it shows no certificate")).into()),
+            Ok(()) => {
+                Err(Usage(format!("--server {address}: the server shows no certificate")).into())
+            }
         }
     }
 }
@@ -111,8 +113,8 @@ fn may_ask() -> bool {
 
 fn vouched(address: &Address, seen: &Fingerprint) -> io::Result<bool> {
     let question = format!(
-        "The server at {address} is not known here. Its certificate has the fingerprint\n  {seen}\n\
-         Is it the one that `rafcon serve` has printed there? Then it is remembered. [yes/no] "
+        "This computer does not know the server at {address} yet. Its certificate has the fingerprint\n  {seen}\n\
+         Is it the one that `rafcon serve` printed there? `yes` saves it. [yes/no] "
     );
     io::stderr().write_all(question.as_bytes())?;
     let mut answer = String::new();

@@ -195,7 +195,8 @@ impl Session {
     pub(super) fn cut(&mut self, reason: &str, todo: &mut Todo) {
         if self.connection != Connection::Cut {
             self.connection = Connection::Cut;
-            todo.causes.push(Cause::Cut(format!("no connection ({reason}); trying again")));
+            todo.causes
+                .push(Cause::Cut(format!("no connection to the server ({reason}); trying again")));
         }
     }
 
@@ -289,10 +290,8 @@ impl Session {
         };
         if std::mem::replace(&mut self.runner, runner) != runner {
             todo.causes.push(match runner {
-                Runner::Heard => Cause::Mended("the run is heard again".to_owned()),
-                Runner::Silent => {
-                    Cause::Cut("the run is not heard: its program does not answer".to_owned())
-                }
+                Runner::Heard => Cause::Mended("the run answers again".to_owned()),
+                Runner::Silent => Cause::Cut("the run does not answer; trying again".to_owned()),
                 Runner::Stuck => Cause::Cut(STUCK.to_owned()),
             });
         }

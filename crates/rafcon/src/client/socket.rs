@@ -38,7 +38,7 @@ impl Socket {
     ) -> Result<Self, Fault> {
         let nonsense = |what: String| Fault::Nonsense { server: address.to_string(), what };
         let uri = address.of_socket(PATH).parse();
-        let uri = uri.map_err(|error| nonsense(format!("its address: {error}")))?;
+        let uri = uri.map_err(|error| nonsense(format!("cannot find its address: {error}")))?;
         let mut request = ClientRequestBuilder::new(uri);
         if let Some(token) = token {
             request = request.with_header("Authorization", format!("Bearer {token}"));
@@ -89,7 +89,7 @@ impl Socket {
                     let frame = serde_json::from_str(&text);
                     return frame.map(Some).map_err(|error| {
                         let start: String = text.chars().take(120).collect();
-                        format!("what the server said makes no sense here ({error}): {start}")
+                        format!("cannot understand the frame of the server ({error}): {start}")
                     });
                 }
                 Ok(_) => {}
@@ -117,7 +117,9 @@ impl Socket {
 
 fn words(error: &Error) -> Broken {
     match error {
-        Error::ConnectionClosed | Error::AlreadyClosed => "the server closed it".to_owned(),
+        Error::ConnectionClosed | Error::AlreadyClosed => {
+            "the server closed the connection".to_owned()
+        }
         Error::Io(error) => error.to_string(),
         error => error.to_string(),
     }

@@ -42,7 +42,9 @@ impl Token {
                 if card.is_some_and(|card| card.url == *url) {
                     return read(&state.join("token"));
                 }
-                let source = io::Error::other("it has ended: somebody else may listen there now");
+                let source = io::Error::other(
+                    "this server has ended, and another program may listen there now",
+                );
                 Err(Fault::Unreachable { server: url.clone(), source })
             }
         }

@@ -99,8 +99,10 @@ pub(super) fn ended(end: &End, run: &str) -> ExitCode {
 fn words(end: &End, run: &str) -> Option<String> {
     match end {
         End::Finished { .. } | End::Killed { .. } => None,
-        End::Left => Some(format!("left; it goes on (rafcon attach {run} joins it again)")),
-        End::Died(_) => Some(format!("error: its runner is gone; to go on: rafcon resume {run}")),
+        End::Left => Some(format!("left; the run continues (rafcon attach {run} joins it again)")),
+        End::Died(_) => {
+            Some(format!("error: the runner died; resume the run: rafcon resume {run}"))
+        }
         End::LoadFailed { reason } | End::NotStarted { reason, .. } => {
             Some(format!("error: {reason}"))
         }
@@ -121,14 +123,14 @@ mod tests {
     #[test]
     fn an_end_that_is_not_the_run_s_is_told_with_the_way_out() {
         let death = RunnerDeath {
-            reason: "its runner is gone".to_owned(),
+            reason: "the runner died".to_owned(),
             active: vec!["A".to_owned()],
             ..RunnerDeath::default()
         };
-        check(&End::Left, &expect!["left; it goes on (rafcon attach RUN joins it again)"]);
+        check(&End::Left, &expect!["left; the run continues (rafcon attach RUN joins it again)"]);
         check(
             &End::Died(death),
-            &expect!["error: its runner is gone; to go on: rafcon resume RUN"],
+            &expect!["error: the runner died; resume the run: rafcon resume RUN"],
         );
         check(&End::LoadFailed { reason: "no room".to_owned() }, &expect!["error: no room"]);
         check(&End::Killed { timed_out: false, active: Vec::new() }, &expect![""]);

@@ -42,16 +42,16 @@ fn wanted(raw: &cli::Control) -> Result<Option<ControlMove>> {
 
 fn words(control: &Control, now_ms: u64) -> String {
     let Some(holder) = &control.holder else {
-        return "nobody commands it: the first command takes control".to_owned();
+        return "no user is in control; the first user to give a command gets control".to_owned();
     };
     let ago = time(Duration::from_millis(now_ms.saturating_sub(control.heard_ms)));
-    let mut text = format!("{} commands it, heard {ago} ago", harmless(holder));
+    let mut text = format!("{} is in control, last active {ago} ago", harmless(holder));
     if let Some(user) = &control.offered_to {
         text.extend(["; offered to ", &harmless(user), ", who has not accepted yet"]);
     }
     if !control.requests.is_empty() {
         let names: Vec<String> = control.requests.iter().map(|name| harmless(name)).collect();
-        text.extend(["; asked for by ", &names.join(", ")]);
+        text.extend(["; requested by ", &names.join(", ")]);
     }
     text
 }
@@ -65,16 +65,19 @@ mod tests {
     fn control_is_told_in_a_line() {
         assert_eq!(
             words(&Control::default(), 0),
-            "nobody commands it: the first command takes control"
+            "no user is in control; the first user to give a command gets control"
         );
         let requests = vec!["bo".to_owned(), "cy".to_owned()];
         let holder = Some("ana".to_owned());
         let control = Control { holder, heard_ms: 1000, requests, ..Control::default() };
-        assert_eq!(words(&control, 3500), "ana commands it, heard 2.5 s ago; asked for by bo, cy");
+        assert_eq!(
+            words(&control, 3500),
+            "ana is in control, last active 2.5 s ago; requested by bo, cy"
+        );
         let control = Control { requests: vec![], offered_to: Some("di".to_owned()), ..control };
         assert_eq!(
             words(&control, 3500),
-            "ana commands it, heard 2.5 s ago; offered to di, who has not accepted yet"
+            "ana is in control, last active 2.5 s ago; offered to di, who has not accepted yet"
         );
     }
 }

@@ -36,7 +36,7 @@ pub(super) fn find_run_in(runs: &Runs, text: &str) -> Result<PathBuf> {
 /// Makes the folder of a new run, and deletes old ones. What cannot be deleted stops no run.
 pub(super) fn make_run(runs: &Runs, machine: &str) -> Result<PathBuf> {
     if let Err(error) = runs.give_up_old_ones() {
-        complain(&format!("warning: old runs stay: {error}"));
+        complain(&format!("warning: old runs could not be deleted: {error}"));
     }
     Ok(runs.make(machine)?)
 }

@@ -8,7 +8,7 @@ use crate::environment::Environment;
 use crate::failure::Usage;
 use anyhow::{Context as _, Result, anyhow};
 use rafcon_protocol::Event;
-use rafcon_protocol::api::{Comparison, EventPage, ExportFormat, Picture, RunSummary};
+use rafcon_protocol::api::{Comparison, EventPage, ExportFormat, Moment, RunSummary};
 use rafcon_storage::journal::{DAMAGED, Filter, Found};
 use serde::Deserialize;
 use std::io::{self, BufRead as _, BufReader, Read};
@@ -106,7 +106,8 @@ impl Kept<'_> {
                 }
             }
             let ExportedLine { sequence, t_ns, names, next, lasted_ns, event } =
-                serde_json::from_str(&line).context("the server's answer makes no sense")?;
+                serde_json::from_str(&line)
+                    .context("cannot understand the answer of the server")?;
             if let Event::Damaged { what, .. } = &event {
                 damage = Some(what.clone());
             } else if line.contains(DAMAGED) {
@@ -123,11 +124,11 @@ impl Kept<'_> {
     }
 
     /// How the run stood at a moment that the user means, and the number of its last event.
-    pub(super) fn moment(&self, at: Option<u64>, time: Option<Duration>) -> Result<(Picture, u64)> {
+    pub(super) fn moment(&self, at: Option<u64>, time: Option<Duration>) -> Result<(Moment, u64)> {
         let EventPage { last, .. } = self.get("events?from=1&count=1")?;
-        let picture: Picture = match (at, time) {
+        let picture: Moment = match (at, time) {
             (Some(at), _) if at > last => {
-                let reason = format!("there is no event {at} yet: the last one is {last}");
+                let reason = format!("event {at} does not exist yet; the last event is {last}");
                 return Err(Usage(reason).into());
             }
             (Some(at), _) => self.get(&format!("moments/{at}"))?,
@@ -145,7 +146,7 @@ impl Kept<'_> {
 
 fn ended(error: io::Error) -> anyhow::Error {
     anyhow::Error::from(error)
-        .context("the server's answer ended early: the journal is damaged, or the connection broke")
+        .context("the answer of the server is incomplete: the journal is damaged, or the connection was lost")
 }
 
 /// What is wanted, as the server is asked for it.

@@ -30,7 +30,7 @@ pub(super) fn login(raw: &cli::Login, environment: &Environment) -> Result<ExitC
     };
     let made = server.log_in(&Login { user: user.clone(), password }, &token)?;
     remote::notebook(environment)?.keep_token(&server.address, &made.token)?;
-    writeln!(io::stdout(), "{user} is known to {} from this computer now", server.address)?;
+    writeln!(io::stdout(), "{user} is logged in to {} from this computer", server.address)?;
     Ok(ExitCode::SUCCESS)
 }
 

@@ -18,7 +18,7 @@ pub(super) fn new(raw: &cli::New) -> Result<ExitCode> {
         .with_context(|| format!("there is no template `{}`", raw.template))?;
     let name = raw.path.file_name().and_then(|name| name.to_str());
     let name = name.with_context(|| {
-        format!("{} does not end in a name: name the folder to make", raw.path.display())
+        format!("{} does not end in a name: name the folder to create", raw.path.display())
     })?;
     check_free(&raw.path)?;
     let root = template.root(&TemplateRequest { name: name.to_owned(), states: raw.states })?;
@@ -27,7 +27,7 @@ pub(super) fn new(raw: &cli::New) -> Result<ExitCode> {
     save(&machine, &raw.path, None, Naming::default())?;
     let path = raw.path.display();
     let states = counted(machine.count() as u64, "state");
-    writeln!(io::stdout(), "made {name} with {states} in {path}; run it: rafcon run {path}")?;
+    writeln!(io::stdout(), "created {name} with {states} in {path}; run it: rafcon run {path}")?;
     Ok(ExitCode::SUCCESS)
 }
 
@@ -37,7 +37,7 @@ fn check_free(path: &Path) -> Result<()> {
         Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(()),
         Err(error) => {
             return Err(error)
-                .with_context(|| format!("cannot make a machine in {}", path.display()));
+                .with_context(|| format!("cannot create a machine in {}", path.display()));
         }
     };
     if entries.count() > 0 {

@@ -44,16 +44,19 @@ pub(super) fn meet(url: &str, raw: &cli::Access, environment: &Environment) -> R
 /// What this user remembers about servers.
 pub(super) fn notebook(environment: &Environment) -> Result<CredentialStore> {
     let folder = environment.config_home.as_ref().map(|folder| folder.join("rafcon"));
-    let folder = folder.context(
-        "there is no HOME to remember servers in: set HOME or XDG_CONFIG_HOME to a folder",
-    )?;
+    let folder =
+        folder.context("cannot save the server: set HOME or XDG_CONFIG_HOME to a folder")?;
     Ok(CredentialStore::new(folder))
 }
 
 /// A server has its own folder of runs.
 pub(super) fn refuse_runs(raw: &cli::Runs, environment: &Environment) -> Result<()> {
     let [_, in_environment] = &environment.options;
-    refuse(raw.runs.is_some() && raw.runs != *in_environment, "--runs", "it has its own runs")
+    refuse(
+        raw.runs.is_some() && raw.runs != *in_environment,
+        "--runs",
+        "the server has its own runs",
+    )
 }
 
 /// Refuses an option that means nothing at a server.
@@ -61,7 +64,7 @@ pub(super) fn refuse(is_given: bool, option: &str, why: &str) -> Result<()> {
     if !is_given {
         return Ok(());
     }
-    Err(Usage(format!("{option} is not for a server: {why}; leave it out")).into())
+    Err(Usage(format!("{option} does not work with --server: {why}; leave it out")).into())
 }
 
 /// The run that the user means.
@@ -80,11 +83,11 @@ pub(super) fn run(server: &Server, text: &str) -> Result<RunSummary> {
         }
         many => {
             let ids: Vec<&str> = many.iter().map(|id| id.as_str()).collect();
-            let words = format!("`{text}` could be {}: write more of it", ids.join(" or "));
+            let words = format!("`{text}` could mean {}: write more of the id", ids.join(" or "));
             return Err(Usage(words).into());
         }
     };
-    runs.into_iter().find(|run| run.id == found).context("the run has gone")
+    runs.into_iter().find(|run| run.id == found).context("the run was deleted")
 }
 
 /// The names of a run's states.

@@ -42,16 +42,16 @@ pub(super) fn state(named: &cli::State, environment: &Environment) -> Result<Pat
         Some(state?.join("rafcon/server"))
     };
     let folder = named.folder.clone().or_else(usual);
-    let folder =
-        folder.context("there is no HOME for the server's files: name a folder with --state")?;
+    let folder = folder
+        .context("no folder for the server's files: set HOME, or name a folder with --state")?;
     Ok(std::path::absolute(folder)?)
 }
 
 fn project(folder: &Path) -> Result<PathBuf> {
     let real = folder.canonicalize();
-    let real = real.with_context(|| format!("there is no folder {} to serve", folder.display()))?;
+    let real = real.with_context(|| format!("the folder {} does not exist", folder.display()))?;
     if !real.is_dir() {
-        bail!("{} is no folder: name one that holds machines", folder.display());
+        bail!("{} is not a folder: name a folder with machines", folder.display());
     }
     Ok(real)
 }
@@ -59,15 +59,15 @@ fn project(folder: &Path) -> Result<PathBuf> {
 /// Tells how the server is reached. A reader that is gone stops no server.
 fn greet(server: &Server, raw: &cli::Serve) {
     if raw.projects.is_empty() {
-        complain("warning: no folder with machines was named, so only runs are served");
+        complain("warning: the command names no folder with machines; the server offers only runs");
     }
     let fingerprint = server.fingerprint().map(|fingerprint| {
         let port = server.address().port();
-        format!("Others log in at port {port}. The certificate's SHA-256 fingerprint is\n{fingerprint}\n")
+        format!("Other users log in at port {port}. The certificate's SHA-256 fingerprint is\n{fingerprint}\n")
     });
     let link = server.link();
     let fingerprint = fingerprint.unwrap_or_default();
-    let text = format!("{link}\n{fingerprint}Ctrl-C ends the server; runs go on.\n");
+    let text = format!("{link}\n{fingerprint}Ctrl-C ends the server; runs continue.\n");
     io::stdout().write_all(text.as_bytes()).unwrap_or_default();
     io::stdout().flush().unwrap_or_default();
 }

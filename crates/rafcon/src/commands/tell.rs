@@ -51,7 +51,7 @@ pub(super) fn tell(raw: &cli::Tell, environment: &Environment) -> Result<ExitCod
             _ => {}
         }
     }
-    bail!("the runner went away before it answered")
+    bail!("the runner ended before it answered")
 }
 
 fn said(answer: Answer) -> Result<ExitCode> {
@@ -65,7 +65,7 @@ fn said(answer: Answer) -> Result<ExitCode> {
             Ok(ExitCode::FAILURE)
         }
         Answer::Expired => {
-            complain("the command came too late");
+            complain("the command arrived too late");
             Ok(ExitCode::FAILURE)
         }
     }
@@ -83,8 +83,10 @@ fn command(name: &str, fields: &[String]) -> Result<Command> {
         members.insert(name.to_owned(), value);
     }
     serde_json::from_value(Value::Object(members)).map_err(|error| {
-        Usage(format!("`{name}` is no command of a run ({error}); docs/protocol.md lists them"))
-            .into()
+        Usage(format!(
+            "`{name}` is not a command of a run ({error}); docs/protocol.md lists the commands"
+        ))
+        .into()
     })
 }
 
@@ -122,14 +124,14 @@ mod tests {
         check(
             "dance",
             &expect![
-                "`dance` is no command of a run (unknown variant `dance`, expected one of `start`, `pause`, `resume`, `stop`, `kill`, `step_mode`, `step_into`, `step_over`, `step_out`, `step_back`, `run_to`, `run_selected`, `run_only_selected`, `start_from_history`, `force_outcome`, `preempt`, `set_breakpoint`, `remove_breakpoint`, `answer_question`, `recover`, `reload`, `edit_script`, `control`); docs/protocol.md lists them"
+                "`dance` is not a command of a run (unknown variant `dance`, expected one of `start`, `pause`, `resume`, `stop`, `kill`, `step_mode`, `step_into`, `step_over`, `step_out`, `step_back`, `run_to`, `run_selected`, `run_only_selected`, `start_from_history`, `force_outcome`, `preempt`, `set_breakpoint`, `remove_breakpoint`, `answer_question`, `recover`, `reload`, `edit_script`, `control`); docs/protocol.md lists the commands"
             ],
         );
         check("run_to R/A", &expect!["R/A: write NAME=JSON, such as outcome=0"]);
         check(
             "run_to",
             &expect![
-                "`run_to` is no command of a run (missing field `path`); docs/protocol.md lists them"
+                "`run_to` is not a command of a run (missing field `path`); docs/protocol.md lists the commands"
             ],
         );
     }

@@ -41,8 +41,9 @@ fn most(users: &Users, name: &str) -> Result<Role> {
         return Ok(Role::Admin);
     }
     let user = users.roster().users().into_iter().find(|user| user.name == name);
-    user.map(|user| user.role)
-        .with_context(|| format!("there is no user {name}: `rafcon user list` names them"))
+    user.map(|user| user.role).with_context(|| {
+        format!("the user {name} does not exist; `rafcon user list` lists the users")
+    })
 }
 
 fn of(role: cli::Role) -> Role {
@@ -67,7 +68,7 @@ fn word(role: Role) -> &'static str {
 fn password(name: &str) -> Result<String> {
     let password = login::password(name)?;
     if io::stdin().is_terminal() && login::password(&format!("{name} again"))? != password {
-        bail!("the two passwords are not the same: try again");
+        bail!("the passwords differ: try again");
     }
     Ok(password)
 }

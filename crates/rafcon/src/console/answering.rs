@@ -140,8 +140,8 @@ impl Answering {
                 let button = |(n, label): (i32, &String)| format!("{n} {}", harmless(label));
                 (1..).zip(buttons).map(button).collect::<Vec<_>>().join("   ")
             }
-            _ => "Enter goes on to the buttons".to_owned(),
+            _ => "Enter moves to the buttons".to_owned(),
         };
-        TextLine::of(Style::Good, text).and(Style::Dim, "   Escape leaves it open")
+        TextLine::of(Style::Good, text).and(Style::Dim, "   Escape leaves the question open")
     }
 }

@@ -1,11 +1,10 @@
-//! The keyboard of whoever looks at a run: what a key means, what is asked for next, and the lines that show it.
+//! The keyboard of a user who watches a run: what a key means, what is asked for next, and the lines that show it.
 //!
 //! Knows keys, snapshots and commands. Must never know terminals or sockets: keys come in, wishes go out.
 
 mod answering;
-mod help;
-mod inspection;
 mod key;
+mod overlays;
 mod prompt;
 #[cfg(test)]
 mod tests;
@@ -162,7 +161,7 @@ impl Console {
             }
             Key::Char('a') => match snapshot.questions.first() {
                 Some(question) => self.mode = Mode::Answer(Answering::new(question)),
-                None => return Some(Wish::Say("no state asks anything".to_owned())),
+                None => return Some(Wish::Say("no question waits for an answer".to_owned())),
             },
             _ => {}
         }
@@ -215,8 +214,8 @@ impl Console {
     pub(crate) fn lines(&self, snapshot: &Snapshot) -> Vec<TextLine> {
         match &self.mode {
             Mode::Watch => self.watching(snapshot),
-            Mode::Help => help::lines(self.may_leave),
-            Mode::Look { path, data } => inspection::lines(path, data),
+            Mode::Help => overlays::help(self.may_leave),
+            Mode::Look { path, data } => overlays::inspection(path, data),
             Mode::Write(prompt) => prompt.lines(),
             Mode::Answer(answering) => answering.lines(),
         }
@@ -250,11 +249,11 @@ impl Console {
         let is_held = snapshot.active.iter().any(|state| state.phase == Phase::Held);
         let stands = is_held || matches!(snapshot.status, RunStatus::Paused | RunStatus::Stepping);
         if stands {
-            keys.extend(["s step", "n over", "o out", "b back", "c go on"]);
+            keys.extend(["s step", "n over", "o out", "b back", "c continue"]);
         } else {
             keys.push("p pause");
         }
-        keys.extend(["i look", "? keys"]);
+        keys.extend(["i data", "? keys"]);
         if self.may_leave {
             keys.push("q leave");
         }

@@ -61,7 +61,7 @@ impl Prompt {
             }
             Purpose::Unbreak => number(text, "the number of a breakpoint")
                 .map(|id| Command::RemoveBreakpoint { id }),
-            Purpose::RunTo if text.is_empty() => Err("write the path of a state".to_owned()),
+            Purpose::RunTo if text.is_empty() => Err("write the path of the state".to_owned()),
             Purpose::RunTo => Ok(Command::RunTo { path: text.to_owned() }),
             Purpose::Force { path } => number(text, "the id of an outcome, such as 0 or -1")
                 .map(|outcome| Command::ForceOutcome { path: path.clone(), outcome }),
@@ -77,7 +77,7 @@ impl Prompt {
             Purpose::Force { path } => format!("outcome of {}: ", harmless(path)),
         };
         let line = TextLine::of(Style::Strong, question).and(Style::Plain, harmless(&self.text));
-        complaint.chain([line.and(Style::Dim, "_   Enter takes it, Escape leaves")]).collect()
+        complaint.chain([line.and(Style::Dim, "_   Enter accepts, Escape cancels")]).collect()
     }
 }
 

@@ -82,14 +82,14 @@ fn one_key_is_one_command() {
         None,
         "snob space S",
         &expect![[r#"
-        {"type":"step_into","branch":null}
-        {"type":"step_over","branch":null}
-        {"type":"step_out","branch":null}
-        {"type":"step_back","branch":null}
-        {"type":"resume","branch":null}
-        {"type":"step_into","branch":"R/B"}
-        | s step   n over   o out   b back   c go on   i look   ? keys   q leave
-    "#]],
+            {"type":"step_into","branch":null}
+            {"type":"step_over","branch":null}
+            {"type":"step_out","branch":null}
+            {"type":"step_back","branch":null}
+            {"type":"resume","branch":null}
+            {"type":"step_into","branch":"R/B"}
+            | s step   n over   o out   b back   c continue   i data   ? keys   q leave
+        "#]],
     );
 }
 
@@ -99,10 +99,10 @@ fn the_arrows_select_the_state_that_keys_are_about() {
         None,
         "up up S i esc",
         &expect![[r#"
-        {"type":"step_into","branch":"R/A"}
-        Inspect("R/A")
-        | s step   n over   o out   b back   c go on   i look   ? keys   q leave
-    "#]],
+            {"type":"step_into","branch":"R/A"}
+            Inspect("R/A")
+            | s step   n over   o out   b back   c continue   i data   ? keys   q leave
+        "#]],
     );
 }
 
@@ -112,24 +112,24 @@ fn a_breakpoint_is_written() {
         None,
         "k space if space n>1 enter",
         &expect![[r#"
-        {"type":"set_breakpoint","breakpoint":{"id":1,"path":"R/B/Y","when":"before","condition":"n>1","hit_count":0,"scope":"branch","unattended":"hold","enabled":true}}
-        | s step   n over   o out   b back   c go on   i look   ? keys   q leave
-    "#]],
+            {"type":"set_breakpoint","breakpoint":{"id":1,"path":"R/B/Y","when":"before","condition":"n>1","hit_count":0,"scope":"branch","unattended":"hold","enabled":true}}
+            | s step   n over   o out   b back   c continue   i data   ? keys   q leave
+        "#]],
     );
     check(
         None,
         "up k space after enter",
         &expect![[r#"
-        {"type":"set_breakpoint","breakpoint":{"id":1,"path":"R/A/X","when":"after","condition":null,"hit_count":0,"scope":"branch","unattended":"hold","enabled":true}}
-        | s step   n over   o out   b back   c go on   i look   ? keys   q leave
-    "#]],
+            {"type":"set_breakpoint","breakpoint":{"id":1,"path":"R/A/X","when":"after","condition":null,"hit_count":0,"scope":"branch","unattended":"hold","enabled":true}}
+            | s step   n over   o out   b back   c continue   i data   ? keys   q leave
+        "#]],
     );
     check(
         None,
         "K x enter",
         &expect![[r"
         | write the number of a breakpoint
-        | remove breakpoint: x_   Enter takes it, Escape leaves
+        | remove breakpoint: x_   Enter accepts, Escape cancels
     "]],
     );
 }
@@ -140,9 +140,9 @@ fn an_outcome_is_forced_on_what_is_next() {
         None,
         "up f -1 enter",
         &expect![[r#"
-        {"type":"force_outcome","path":"R/A/X","outcome":-1}
-        | s step   n over   o out   b back   c go on   i look   ? keys   q leave
-    "#]],
+            {"type":"force_outcome","path":"R/A/X","outcome":-1}
+            | s step   n over   o out   b back   c continue   i data   ? keys   q leave
+        "#]],
     );
 }
 
@@ -154,17 +154,17 @@ fn buttons_are_chosen_by_number() {
         "a",
         &expect![[r"
         | Is the arm free?
-        | 1 Yes   2 No   Escape leaves it open
+        | 1 Yes   2 No   Escape leaves the question open
     "]],
     );
     check(
         Some(form),
         "a 3 2",
         &expect![[r#"
-        {"type":"answer_question","question":7,"value":{"button":1}}
-        | ? Is the arm free?
-        | a answer   s step   n over   o out   b back   c go on   i look   ? keys   q leave
-    "#]],
+            {"type":"answer_question","question":7,"value":{"button":1}}
+            | ? Is the arm free?
+            | a answer   s step   n over   o out   b back   c continue   i data   ? keys   q leave
+        "#]],
     );
 }
 
@@ -177,10 +177,10 @@ fn numbers_and_boxes_are_answered() {
         Some(number),
         "a 4x enter rub 2 enter",
         &expect![[r#"
-        {"type":"answer_question","question":7,"value":{"button":0,"number":42}}
-        | ? Is the arm free?
-        | a answer   s step   n over   o out   b back   c go on   i look   ? keys   q leave
-    "#]],
+            {"type":"answer_question","question":7,"value":{"button":0,"number":42}}
+            | ? Is the arm free?
+            | a answer   s step   n over   o out   b back   c continue   i data   ? keys   q leave
+        "#]],
     );
     let boxes = vec!["left".to_owned(), "right".to_owned()];
     let buttons = vec!["Take".to_owned(), "Leave".to_owned()];
@@ -188,9 +188,9 @@ fn numbers_and_boxes_are_answered() {
         Some(Form::Checks { buttons, boxes, initial: vec![] }),
         "a 2 enter 1",
         &expect![[r#"
-        {"type":"answer_question","question":7,"value":{"button":0,"checked":[false,true]}}
-        | ? Is the arm free?
-        | a answer   s step   n over   o out   b back   c go on   i look   ? keys   q leave
-    "#]],
+            {"type":"answer_question","question":7,"value":{"button":0,"checked":[false,true]}}
+            | ? Is the arm free?
+            | a answer   s step   n over   o out   b back   c continue   i data   ? keys   q leave
+        "#]],
     );
 }

@@ -131,7 +131,7 @@ impl RunFollower {
                 }
             }
             Cause::Nonsense(what) => {
-                out.push(Action::Note(format!("the runner's words make no sense: {what}")));
+                out.push(Action::Note(format!("cannot understand the runner: {what}")));
             }
             Cause::Cut(reason) => out.extend([Action::Heard(false), Action::Note(reason)]),
             Cause::Mended(how) => out.extend([Action::Heard(true), Action::Note(how)]),
@@ -217,7 +217,7 @@ impl RunFollower {
                 Some(format!("the runner refused: {reason}"))
             }
             Answer::Refused { reason } => Some(format!("refused: {reason}")),
-            Answer::Expired => Some("the command came too late".to_owned()),
+            Answer::Expired => Some("the command arrived too late".to_owned()),
         }
     }
 
@@ -225,7 +225,7 @@ impl RunFollower {
     fn reached(&mut self, engine: Option<EnginePulse>, out: &mut Vec<Action>) {
         let changed = engine.and_then(|engine| self.pulse.as_mut()?.answered(engine));
         let Some(is_reached) = changed else { return };
-        let text = if is_reached { "the run is heard again" } else { STUCK };
+        let text = if is_reached { "the run answers again" } else { STUCK };
         out.extend([Action::Heard(is_reached), Action::Note(text.to_owned())]);
     }
 
@@ -254,7 +254,7 @@ impl RunFollower {
             }
             (_, RunRole::Owner) => self.kill(self.killed(), out),
             (2, RunRole::Host) => {
-                self.have_killed("killing; press Ctrl-C again to leave it alone", out);
+                self.have_killed("killing; press Ctrl-C again to leave the run as it is", out);
             }
             (_, RunRole::Guest | RunRole::Host) => self.finish(End::Left),
         }
@@ -298,7 +298,7 @@ impl RunFollower {
             }
             RunRole::Guest | RunRole::Host if self.is_kill_sent => self.finish(self.killed()),
             RunRole::Guest | RunRole::Host => {
-                self.finish(self.death("its runner is gone".to_owned()));
+                self.finish(self.death("the runner died".to_owned()));
             }
         }
     }
@@ -330,7 +330,7 @@ impl RunFollower {
             return;
         }
         self.kill_at = Some(now + GRACE);
-        self.say("the time is over; stopping", Command::Stop, out);
+        self.say("the time limit expired; stopping", Command::Stop, out);
     }
 
     fn patience_is_over(&mut self, out: &mut Vec<Action>) {
@@ -338,10 +338,12 @@ impl RunFollower {
             RunRole::Owner if self.process.exit().is_some() => {}
             RunRole::Owner if self.timed_out => self.kill(self.killed(), out),
             RunRole::Owner => {
-                let reason = "it closed its control connection and went on".to_owned();
+                let reason = "the runner closed its control connection but did not end".to_owned();
                 self.kill(self.death(reason), out);
             }
-            RunRole::Guest | RunRole::Host => self.have_killed("it did not stop; killing", out),
+            RunRole::Guest | RunRole::Host => {
+                self.have_killed("the run did not stop; killing", out);
+            }
         }
     }
 

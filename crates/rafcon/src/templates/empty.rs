@@ -5,7 +5,7 @@ use rafcon_model::{Container, Kind, Outcome, OutcomeId, State, StateId};
 
 pub(super) const TEMPLATE: Template = Template {
     name: "empty",
-    about: "a hierarchy without states, to be filled",
+    about: "a hierarchy without states",
     sized: false,
     build: |wish| Ok(root(wish)),
 };

@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 pub(super) const TEMPLATE: Template = Template {
     name: "hello",
-    about: "two states: one makes a greeting, the other says it",
+    about: "two states: one makes a greeting, the other logs it",
     sized: false,
     build: |wish| Ok(root(wish)),
 };

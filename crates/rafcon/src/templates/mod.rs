@@ -44,7 +44,7 @@ impl Template {
     /// Makes the root state, after looking at what this template cannot do.
     pub(crate) fn root(&self, wish: &TemplateRequest) -> Result<State> {
         if wish.states.is_some() && !self.sized {
-            bail!("the template `{}` comes in one size: leave `--states` out", self.name);
+            bail!("the template `{}` has only one size: leave `--states` out", self.name);
         }
         (self.build)(wish)
     }
@@ -69,7 +69,7 @@ mod tests {
     fn a_size_for_a_template_of_one_size_is_refused() {
         let wish = TemplateRequest { name: "thing".to_owned(), states: Some(3) };
         let error = find("hello").unwrap().root(&wish).unwrap_err();
-        expect!["the template `hello` comes in one size: leave `--states` out"]
+        expect!["the template `hello` has only one size: leave `--states` out"]
             .assert_eq(&error.to_string());
     }
 }

@@ -1,7 +1,8 @@
 //! A run as plain lines: for pipes, files and terminals that can do nothing else.
 
 use super::text::{Paint, Style, TextLine, counted, harmless};
-use super::{Names, View, notable, summary};
+use super::words::{notable, summary};
+use super::{Names, View};
 use crate::follow::End;
 use rafcon_protocol::{Event, LogLevel, Snapshot};
 use std::io::{self, BufWriter, Write};
@@ -63,17 +64,19 @@ impl<W: Write> View for Lines<W> {
             Event::Entered { path, .. } => self.moment(time, &path, ""),
             Event::Left { outcome, .. } if outcome.id >= 0 => Ok(()),
             Event::Left { path, outcome, .. } => {
-                self.moment(time, &path, &format!("ended by {}", outcome.name))
+                self.moment(time, &path, &format!("ended with {}", outcome.name))
             }
             Event::Log { path, level: l, message, .. } => {
                 self.moment(time, &path, &format!("{}{message}", level(l)))
             }
-            Event::Held { next: Some(next), .. } => self.moment(time, &next, "held before it"),
+            Event::Held { next: Some(next), .. } => {
+                self.moment(time, &next, "paused before this state")
+            }
             Event::Finished { .. } => {
                 self.finished = Some((time, event));
                 Ok(())
             }
-            event => match notable::words(&event) {
+            event => match notable(&event) {
                 Some((path, _, words)) => self.moment(time, path, &words),
                 None => Ok(()),
             },
@@ -99,7 +102,7 @@ impl<W: Write> View for Lines<W> {
 
     fn end(&mut self, _end: &End) -> io::Result<()> {
         if let Some((time, event)) = self.finished.take() {
-            for line in summary::lines(&self.machine, time, &event) {
+            for line in summary(&self.machine, time, &event) {
                 writeln!(self.out, "{}", line.render(PAINT))?;
             }
         }
@@ -190,9 +193,9 @@ mod tests {
                 0.250  Mission/Scan
                 0.500  Mission/Scan: error: Traceback:
                 0.500  Mission/Scan:   no camera
-                0.750  Mission/Scan: ended by aborted
+                0.750  Mission/Scan: ended with aborted
                 1.000  stopping
-            Mission ended by done (0) after 1.5 s, 1,234 states run
+            Mission ended with done (0) after 1.5 s, 1,234 states run
               error = OSError: no camera
               n     = 3
         "]]

@@ -6,18 +6,18 @@ mod json;
 mod lines;
 mod live;
 mod names;
-mod notable;
-mod summary;
+
 mod text;
 mod value;
+mod words;
 
 pub(crate) use json::Json;
 pub(crate) use lines::{Lines, log_lines};
 pub(crate) use live::Live;
 pub(crate) use names::{Names, names_of};
-pub(crate) use summary::style as outcome_style;
 pub(crate) use text::{Paint, Style, TextLine, counted, harmless, time};
 pub(crate) use value::shown;
+pub(crate) use words::outcome_style;
 
 use crate::console::{Key, Wish};
 use crate::follow::End;

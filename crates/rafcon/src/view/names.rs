@@ -31,10 +31,10 @@ impl Names {
         collect(&machine.root, &mut Vec::new(), &mut Vec::new(), text, &mut found);
         match found.as_slice() {
             [one] => Ok(one.clone()),
-            [] => {
-                Err(format!("there is no state `{text}`: write a path of ids or names, or a name"))
-            }
-            many => Err(format!("`{text}` could be {}: write its path", many.join(" or "))),
+            [] => Err(format!(
+                "no state is named `{text}`: write a path of ids, a path of names, or a name"
+            )),
+            many => Err(format!("`{text}` could mean {}: write the path", many.join(" or "))),
         }
     }
 
@@ -126,7 +126,7 @@ hierarchy ROOT "Mission"
         assert_eq!(resolve("ROOT/WAITED").unwrap(), "ROOT/WAITED");
         assert_eq!(
             resolve("Nobody").unwrap_err(),
-            "there is no state `Nobody`: write a path of ids or names, or a name"
+            "no state is named `Nobody`: write a path of ids, a path of names, or a name"
         );
     }
 

@@ -65,7 +65,7 @@ fn truncated_json() {
             error: Root: transition 2: it begins at the outcome 0 of AAAAAA, which does not exist
                 connect the beginning with an outcome that exists, or remove the transition
                 at ROOT
-            error: Root/First: script.py:2: `execute` returns "success", which is no outcome of the state
+            error: Root/First: script.py:2: `execute` returns "success", which is not an outcome of the state
                 return one of "aborted", "preempted", or add the outcome
                 at ROOT/AAAAAA
             Root: 2 states, 3 errors, no notes

@@ -104,11 +104,11 @@ fn an_exit_past_all_handlers() {
         &expect![[r"
             7 died
             error: the Python process that ran the machine died: exit status 0
-              what was running:
+              active states:
                 Lonely (LONELY)
-              everything up to there is kept; to go on:
-                rafcon resume RUN --policy abort   (the recovery transitions of what was running take over)
-                rafcon resume RUN                  (nothing moves until you decide)
+              the run is recorded up to this point; resume it:
+                rafcon resume RUN --policy abort   (abort the interrupted states; recovery transitions take over)
+                rafcon resume RUN                  (wait until you decide)
         "]],
     );
 }
@@ -120,11 +120,11 @@ fn a_signal() {
         &expect![[r"
             7 died
             error: the Python process that ran the machine died: killed by signal 9 (SIGKILL)
-              what was running:
+              active states:
                 Lonely (LONELY)
-              everything up to there is kept; to go on:
-                rafcon resume RUN --policy abort   (the recovery transitions of what was running take over)
-                rafcon resume RUN                  (nothing moves until you decide)
+              the run is recorded up to this point; resume it:
+                rafcon resume RUN --policy abort   (abort the interrupted states; recovery transitions take over)
+                rafcon resume RUN                  (wait until you decide)
         "]],
     );
 }

@@ -52,10 +52,10 @@ fn check_names_what_where_and_the_way_out() {
             note: Tea/Boil water: outcome 1: no transition begins at the outcome `no water`
                 connect the outcome if it can happen
                 at ROOT/BOILED
-            error: Tea/Boil water: script.py:3: `execute` returns "no watr", which is no outcome of the state
+            error: Tea/Boil water: script.py:3: `execute` returns "no watr", which is not an outcome of the state
                 return one of "success", "no water", or add the outcome
                 at ROOT/BOILED
-            error: Tea/Boil water: script.py:4: `execute` returns 5, which is no outcome of the state
+            error: Tea/Boil water: script.py:4: `execute` returns 5, which is not an outcome of the state
                 return one of "success", "no water", or add the outcome
                 at ROOT/BOILED
             error: Tea/Brew/Pour: script.py:1: `execute` is a coroutine
@@ -68,7 +68,7 @@ fn check_names_what_where_and_the_way_out() {
                 return one of "success"
                 at ROOT/BREWED/unique_decider_state_id
             note: Tea/Boil water: script.py:2: no script of the machine sets the global variable "dry", which is read here
-                set it in a script, or give it when the machine is started
+                set it in a script, or set it at the start of the machine
                 at ROOT/BOILED
             Tea: 5 states, 5 errors, 2 notes
         "#]],
@@ -82,12 +82,12 @@ fn check_for_programs() {
         &expect![[r#"
             1
             {"level":"note","path":"ROOT/BOILED","name":"Tea/Boil water","part":"outcome 1","file":"","what":"no transition begins at the outcome `no water`","remedy":"connect the outcome if it can happen"}
-            {"level":"error","path":"ROOT/BOILED","name":"Tea/Boil water","part":"script.py:3","file":"","what":"`execute` returns \"no watr\", which is no outcome of the state","remedy":"return one of \"success\", \"no water\", or add the outcome"}
-            {"level":"error","path":"ROOT/BOILED","name":"Tea/Boil water","part":"script.py:4","file":"","what":"`execute` returns 5, which is no outcome of the state","remedy":"return one of \"success\", \"no water\", or add the outcome"}
+            {"level":"error","path":"ROOT/BOILED","name":"Tea/Boil water","part":"script.py:3","file":"","what":"`execute` returns \"no watr\", which is not an outcome of the state","remedy":"return one of \"success\", \"no water\", or add the outcome"}
+            {"level":"error","path":"ROOT/BOILED","name":"Tea/Boil water","part":"script.py:4","file":"","what":"`execute` returns 5, which is not an outcome of the state","remedy":"return one of \"success\", \"no water\", or add the outcome"}
             {"level":"error","path":"ROOT/BREWED/POURED","name":"Tea/Brew/Pour","part":"script.py:1","file":"","what":"`execute` is a coroutine","remedy":"write `def execute`; the state aborts until then"}
             {"level":"error","path":"ROOT/BREWED/unique_decider_state_id","name":"Tea/Brew/Decide","part":"script.py:1","file":"","what":"`execute` cannot be called with four arguments","remedy":"write `def execute(self, inputs, outputs, gvm):`"}
             {"level":"error","path":"ROOT/BREWED/unique_decider_state_id","name":"Tea/Brew/Decide","part":"script.py:1","file":"","what":"`execute` never returns an outcome, so the state aborts","remedy":"return one of \"success\""}
-            {"level":"note","path":"ROOT/BOILED","name":"Tea/Boil water","part":"script.py:2","file":"","what":"no script of the machine sets the global variable \"dry\", which is read here","remedy":"set it in a script, or give it when the machine is started"}
+            {"level":"note","path":"ROOT/BOILED","name":"Tea/Boil water","part":"script.py:2","file":"","what":"no script of the machine sets the global variable \"dry\", which is read here","remedy":"set it in a script, or set it at the start of the machine"}
         "#]],
     );
 }

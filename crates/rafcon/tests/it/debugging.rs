@@ -215,7 +215,7 @@ fn whoever_attaches_sees_the_end_or_leaves_it_running() {
     guest.signal(Signal::INT);
     let (code, rest, said) = guest.end();
     assert_eq!((code, rest.last().map(String::as_str)), (Some(0), Some(r#"{"type":"left"}"#)));
-    assert!(said.contains("goes on"), "{said}");
+    assert!(said.contains("the run continues"), "{said}");
     let mut guest = Run::of(place.command("attach last --runs runs --from 1 --output json"));
     up_to(&mut guest, "held", &mut String::new());
     assert_eq!(place.call("tell last resume --runs runs").code, Some(0));
@@ -233,7 +233,7 @@ fn nobody_can_join_a_run_that_is_over() {
     for words in ["attach last --output json --runs runs", "tell last pause --runs runs"] {
         let answer = place.call(words);
         assert_eq!(answer.code, Some(1), "{answer:?}");
-        assert!(answer.stderr.contains("nobody runs"), "{answer:?}");
+        assert!(answer.stderr.contains("is not active"), "{answer:?}");
     }
 }
 

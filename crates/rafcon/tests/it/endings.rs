@@ -69,7 +69,7 @@ fn timed_out_is_6() {
     let script = "def execute(self, inputs, outputs, gvm):\n    self.preemptive_wait(); return 0";
     let answer = Place::with_script(script).run("--timeout 0.5");
     assert_eq!(answer.code, Some(6), "{answer:?}");
-    assert!(answer.stderr.contains("the time given by --timeout was over"), "{}", answer.stderr);
+    assert!(answer.stderr.contains("the time limit of --timeout expired"), "{}", answer.stderr);
 }
 
 #[test]
@@ -79,11 +79,11 @@ fn a_dead_runner_is_7() {
         &expect![[r"
             7 died
             error: the Python process that ran the machine died: exit status 9
-              what was running:
+              active states:
                 Lonely (LONELY)
-              everything up to there is kept; to go on:
-                rafcon resume RUN --policy abort   (the recovery transitions of what was running take over)
-                rafcon resume RUN                  (nothing moves until you decide)
+              the run is recorded up to this point; resume it:
+                rafcon resume RUN --policy abort   (abort the interrupted states; recovery transitions take over)
+                rafcon resume RUN                  (wait until you decide)
         "]],
     );
 }
@@ -105,13 +105,13 @@ fn a_dead_runner_leaves_its_last_words() {
         &expect![[r"
             7 died
             error: the Python process that ran the machine died: exit status 9
-              what was running:
+              active states:
                 Lonely (LONELY)
-              what was logged there last:
+              last log lines of these states:
                 Lonely: nearly there
-              everything up to there is kept; to go on:
-                rafcon resume RUN --policy abort   (the recovery transitions of what was running take over)
-                rafcon resume RUN                  (nothing moves until you decide)
+              the run is recorded up to this point; resume it:
+                rafcon resume RUN --policy abort   (abort the interrupted states; recovery transitions take over)
+                rafcon resume RUN                  (wait until you decide)
         "]],
     );
 }
@@ -212,6 +212,6 @@ fn a_pipe_gets_plain_lines() {
         })
         .collect();
     assert_eq!(words[..2], ["running Lonely (1 state)", "Lonely"]);
-    assert!(words[2].starts_with("Lonely ended by success (0) after "), "{}", answer.stdout);
+    assert!(words[2].starts_with("Lonely ended with success (0) after "), "{}", answer.stdout);
     assert!(words[2].ends_with(", 1 state run"), "{}", answer.stdout);
 }

@@ -2,7 +2,8 @@
 
 use crate::harness::{Place, assert_extension};
 use expect_test::{Expect, expect};
-use rafcon_storage::journal::{About, Journal, Options, notation};
+use rafcon_storage::journal::{About, Journal, Options};
+use rafcon_testkit::journal_notation;
 use std::fs;
 use std::path::Path;
 
@@ -51,7 +52,7 @@ pub(crate) fn keep(place: &Place, id: &str, text: &str, died: bool) {
     };
     let options = Options { recorder_bytes: 1 << 16, ..Options::default() };
     let journal = Journal::create(&folder, &about, &options).unwrap();
-    journal.append(&notation::batch(&format!("{MACHINE}{text}"), 0).unwrap()).unwrap();
+    journal.append(&journal_notation::batch(&format!("{MACHINE}{text}"), 0).unwrap()).unwrap();
     if died {
         drop(journal);
     } else {
@@ -80,7 +81,7 @@ fn runs_are_listed_with_what_became_of_them() {
     let place = place();
     let listed = |more: &str| cut_size(&place.call(&format!("runs {more} --runs runs")).stdout);
     expect![[r"
-        20261121-194001-mission-0001  Mission  ended by preempted after 3.0 s, 20 events, SIZE
+        20261121-194001-mission-0001  Mission  ended with preempted after 3.0 s, 20 events, SIZE
         20261121-194002-mission-0002  Mission  crashed after 2.6 s, 15 events, SIZE
     "]]
     .assert_eq(&listed(""));
@@ -103,20 +104,20 @@ fn a_history_reads_line_by_line() {
                   5     0.002  Mission/Scan  scanning
                                the kitchen
                   6     0.003  global map = {"rooms": [1, 2]}
-                  7     1.003  Mission/Scan  ended by ok after 1.0 s
+                  7     1.003  Mission/Scan  ended with ok after 1.0 s
                   8     1.003  Mission  n = 2
                   9     1.004  Mission/Both  entered
                  10     1.004  Mission/Both/Left  entered
                  11     1.005  Mission/Both/Right  entered
                  12     1.006  Mission/Both/Right  too close
-                 13     2.500  Mission/Both/Left  ended by ok after 1.5 s
-                 14     2.600  Mission/Both/Right  ended by aborted after 1.6 s, "no wheels"
+                 13     2.500  Mission/Both/Left  ended with ok after 1.5 s
+                 14     2.600  Mission/Both/Right  ended with aborted after 1.6 s, "no wheels"
                  15     2.600  Mission/Both  waiting: no transition begins at the outcome
-                 16     3.000  ann asked for stop
+                 16     3.000  ann gave the command stop
                  17     3.000  stopping
-                 18     3.001  Mission/Both  ended by preempted after 2.0 s
-                 19     3.001  Mission  ended by preempted after 3.0 s
-                 20     3.001  the run ended by preempted
+                 18     3.001  Mission/Both  ended with preempted after 2.0 s
+                 19     3.001  Mission  ended with preempted after 3.0 s
+                 20     3.001  the run ended with preempted
         "#]],
     );
 }
@@ -130,15 +131,15 @@ fn a_history_is_filtered() {
                   4     0.001  Mission/Scan  entered: where = "kitchen"
                   5     0.002  Mission/Scan  scanning
                                the kitchen
-                  7     1.003  Mission/Scan  ended by ok after 1.0 s: rooms = [1, 2]
+                  7     1.003  Mission/Scan  ended with ok after 1.0 s: rooms = [1, 2]
         "#]],
     );
     check(
         "history last --outcome aborted --values",
         &expect![[r#"
-        0
-             14     2.600  Mission/Both/Right  ended by aborted after 1.6 s, "no wheels"
-    "#]],
+            0
+                 14     2.600  Mission/Both/Right  ended with aborted after 1.6 s, "no wheels"
+        "#]],
     );
     check(
         "history last --text KITCHEN --kind log",
@@ -151,12 +152,12 @@ fn a_history_is_filtered() {
     check(
         "history last --from 1.003 --to 1.0045",
         &expect![[r"
-        0
-              7     1.003  Mission/Scan  ended by ok after 1.0 s
-              8     1.003  Mission  n = 2
-              9     1.004  Mission/Both  entered
-             10     1.004  Mission/Both/Left  entered
-    "]],
+            0
+                  7     1.003  Mission/Scan  ended with ok after 1.0 s
+                  8     1.003  Mission  n = 2
+                  9     1.004  Mission/Both  entered
+                 10     1.004  Mission/Both/Left  entered
+        "]],
     );
     check(
         "history last --last 2 --json",
@@ -200,39 +201,39 @@ fn a_run_is_replayed_at_any_event() {
     check(
         "replay last",
         &expect![[r#"
-        0
-        Mission at event 15 of 15, 2.6 s after the start, 5 states run: running
-        Mission  for 2.6 s (event 2)
-          input speed = 1.5
-          scoped n = 2
-          Scan ended by ok (event 7): rooms = [1, 2]
-          Both  for 1.6 s (event 9)  waits: no transition begins at the outcome
-            Left ended by ok (event 13): x = 7
-            Right ended by aborted (event 14), "no wheels"
-        global map = {"rooms": [1, 2]}
-    "#]],
+            0
+            Mission at event 15 of 15, 2.6 s after the start, 5 states run; running
+            Mission  for 2.6 s (event 2)
+              input speed = 1.5
+              scoped n = 2
+              Scan ended with ok (event 7): rooms = [1, 2]
+              Both  for 1.6 s (event 9)  waits: no transition begins at the outcome
+                Left ended with ok (event 13): x = 7
+                Right ended with aborted (event 14), "no wheels"
+            global map = {"rooms": [1, 2]}
+        "#]],
     );
     check(
         "replay 20261121-194001 --at 7",
         &expect![[r#"
-        0
-        Mission at event 7 of 20, 1.0 s after the start, 2 states run: running
-        Mission  for 1.0 s (event 2)
-          input speed = 1.5
-          scoped n = 0
-          Scan ended by ok (event 7): rooms = [1, 2]
-        global map = {"rooms": [1, 2]}
-    "#]],
+            0
+            Mission at event 7 of 20, 1.0 s after the start, 2 states run; running
+            Mission  for 1.0 s (event 2)
+              input speed = 1.5
+              scoped n = 0
+              Scan ended with ok (event 7): rooms = [1, 2]
+            global map = {"rooms": [1, 2]}
+        "#]],
     );
     check(
         "replay 20261121-194001 --time 1.0045",
         &expect![[r#"
             0
-            Mission at event 10 of 20, 1.0 s after the start, 4 states run: running
+            Mission at event 10 of 20, 1.0 s after the start, 4 states run; running
             Mission  for 1.0 s (event 2)
               input speed = 1.5
               scoped n = 2
-              Scan ended by ok (event 7): rooms = [1, 2]
+              Scan ended with ok (event 7): rooms = [1, 2]
               Both  for 0.5 ms (event 9)
                 Left  for 0.0 ms (event 10)
             global map = {"rooms": [1, 2]}
@@ -241,11 +242,11 @@ fn a_run_is_replayed_at_any_event() {
     check(
         "replay 20261121-194001 --at 21",
         &expect![[r"
-        2
-        error: there is no event 21 yet: the last one is 20
+            2
+            error: event 21 does not exist yet; the last event is 20
 
-        For more information, try '--help'.
-    "]],
+            For more information, try '--help'.
+        "]],
     );
     check(
         "replay last --at 4 --json",
@@ -261,15 +262,15 @@ fn two_runs_are_compared() {
     check(
         "compare 20261121-194001 last",
         &expect![[r"
-        1
-        A is 20261121-194001-mission-0001, B is 20261121-194002-mission-0002
-        the runs part on 1 branch; 8 steps alike before
-          A  Mission/Both ended by preempted (event 18, after 3.0 s)
-          B  was over
-        time in states, the largest difference first
-          Mission             1x 3.001 s          0x 0.000 s
-          Mission/Both        1x 1.997 s          0x 0.000 s
-    "]],
+            1
+            A is 20261121-194001-mission-0001, B is 20261121-194002-mission-0002
+            the runs diverge on 1 branch; 8 steps alike before
+              A  Mission/Both ended with preempted (event 18, after 3.0 s)
+              B  was over
+            time in states, largest difference first
+              Mission             1x 3.001 s          0x 0.000 s
+              Mission/Both        1x 1.997 s          0x 0.000 s
+        "]],
     );
 }
 
@@ -377,7 +378,7 @@ fn what_cannot_be_is_refused_with_the_way_out() {
         "history 2025",
         &expect![[r"
         2
-        error: there is no run `2025` in PLACE/runs: `rafcon runs` lists them
+        error: there is no run `2025` in PLACE/runs: `rafcon runs` lists the runs
 
         For more information, try '--help'.
     "]],
@@ -385,11 +386,11 @@ fn what_cannot_be_is_refused_with_the_way_out() {
     check(
         "replay last --at 99",
         &expect![[r"
-        2
-        error: there is no event 99 yet: the last one is 15
+            2
+            error: event 99 does not exist yet; the last event is 15
 
-        For more information, try '--help'.
-    "]],
+            For more information, try '--help'.
+        "]],
     );
     check(
         "runs --keep 5",
@@ -407,7 +408,7 @@ fn what_cannot_be_is_refused_with_the_way_out() {
         "export last --format csv --output nowhere/at/all.csv",
         &expect![[r"
             2
-            error: there is no folder nowhere/at: make it, or name another file
+            error: the folder nowhere/at does not exist: create it, or name another file
 
             For more information, try '--help'.
         "]],
@@ -434,16 +435,16 @@ fn a_real_run_can_be_read() {
     let told: String = answer.stdout.lines().map(without_times).collect();
     expect![[r"
         Lonely  entered
-        Lonely  ended by failure
-        the run ended by failure
+        Lonely  ended with failure
+        the run ended with failure
     "]]
     .assert_eq(&told);
     let log = place.call("log last --runs runs").stdout;
     assert!(log.ends_with("Lonely  hello\n"), "{log}");
     let replayed = place.call("replay last --runs runs").stdout;
-    assert!(replayed.ends_with("1 state run: ended by failure (1)\n"), "{replayed}");
+    assert!(replayed.ends_with("1 state run; ended with failure (1)\n"), "{replayed}");
     let alike = place.call("compare last last --runs runs").stdout;
-    assert!(alike.contains("the runs do not part: 2 steps alike"), "{alike}");
+    assert!(alike.contains("the runs are equal: 2 steps alike"), "{alike}");
 }
 
 #[test]
@@ -528,7 +529,7 @@ fn runs_of_an_earlier_version_are_read_and_taken_up() {
         let answer = place.call(&format!("{words} --runs runs"));
         assert!(answer.code == Some(0) && answer.stdout.contains(expected), "{words}: {answer:?}");
     };
-    said("history finished --values", "the run ended by success");
+    said("history finished --values", "the run ended with success");
     said("replay finished", "\"kitchen\"");
     said("history crashed", "scanning");
     said("replay crashed", "\"kitchen\"");

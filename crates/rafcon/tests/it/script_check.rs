@@ -33,14 +33,14 @@ fn names_numbers_and_choices_are_outcomes() {
     check(
         &body("return 'sucess' if inputs else -3"),
         &expect![[r#"
-        error script.py:2: `execute` returns "sucess", which is no outcome of the state
-        error script.py:2: `execute` returns -3, which is no outcome of the state
+        error script.py:2: `execute` returns "sucess", which is not an outcome of the state
+        error script.py:2: `execute` returns -3, which is not an outcome of the state
     "#]],
     );
     check(
         &body("return inputs['outcome']"),
         &expect![[r#"
-        error script.py:2: `execute` reads the input "outcome", which the state has not, so it aborts
+        error script.py:2: `execute` reads the input "outcome", but the state has no such input and aborts
     "#]],
     );
     check(&body("return True"), &expect![""]);
@@ -57,7 +57,7 @@ fn no_return_is_an_error_unless_it_raises() {
         &body("outputs['x'] = 1"),
         &expect![[r#"
             error script.py:1: `execute` never returns an outcome, so the state aborts
-            error script.py:2: `execute` writes the output "x", which the state has not, so the value is lost
+            error script.py:2: `execute` writes the output "x", but the state has no such output, and the value is lost
         "#]],
     );
     check(

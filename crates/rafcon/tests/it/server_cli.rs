@@ -225,41 +225,41 @@ fn what_a_server_decides_itself_is_refused() {
         &server,
         "run SERVER robots/pick --library-path a=b",
         &expect![[r"
-        2
-        error: --library-path is not for a server: it was started with its own libraries (`rafcon serve --library-path`); leave it out
+            2
+            error: --library-path does not work with --server: the server has its own libraries (`rafcon serve --library-path`); leave it out
 
-        For more information, try '--help'.
-    "]],
+            For more information, try '--help'.
+        "]],
     );
     check(
         &server,
         "run SERVER robots/pick --python python3",
         &expect![[r"
-        2
-        error: --python is not for a server: it was started with its own (`rafcon serve --python`); leave it out
+            2
+            error: --python does not work with --server: the server has its own interpreter (`rafcon serve --python`); leave it out
 
-        For more information, try '--help'.
-    "]],
+            For more information, try '--help'.
+        "]],
     );
     check(
         &server,
         "run SERVER robots/pick --keep off",
         &expect![[r"
-        2
-        error: --keep off is not for a server: a run that is followed over the network is kept; --keep status keeps little; leave it out
+            2
+            error: --keep off does not work with --server: the server records every run; `--keep status` records the least; leave it out
 
-        For more information, try '--help'.
-    "]],
+            For more information, try '--help'.
+        "]],
     );
     check(
         &server,
         "run SERVER pick",
         &expect![[r"
-        2
-        error: pick: write the project and the folder in it, such as robots/pick
+            2
+            error: pick: write the project and the folder of the machine, such as robots/pick
 
-        For more information, try '--help'.
-    "]],
+            For more information, try '--help'.
+        "]],
     );
     check(
         &server,
@@ -276,7 +276,7 @@ fn what_a_server_decides_itself_is_refused() {
         "run --server http://rover:1 robots/pick",
         &expect![[r"
         2
-        error: --server http://rover:1: without TLS everybody on the way could read along; write https://
+        error: --server http://rover:1: without TLS, others in the network could read the token; write https://
 
         For more information, try '--help'.
     "]],
@@ -308,13 +308,13 @@ fn a_run_is_joined_stepped_and_followed_to_its_end() {
     "]],
     );
     let control = server.call("control SERVER last").stdout;
-    assert!(control.starts_with("owner commands it, heard "), "{control}");
+    assert!(control.starts_with("owner is in control, last active "), "{control}");
     check(
         &server,
         "control SERVER last release",
         &expect![[r"
         0
-        nobody commands it: the first command takes control
+        no user is in control; the first user to give a command gets control
     "]],
     );
     check(
@@ -322,7 +322,7 @@ fn a_run_is_joined_stepped_and_followed_to_its_end() {
         "tell SERVER last force_outcome path=ROOT outcome=7",
         &expect![[r"
         1
-        refused: 'ROOT' has no outcome 7; its description lists those that it has
+        refused: 'ROOT' has no outcome 7; choose one of its outcomes
     "]],
     );
     guest.wait_for("back");
@@ -410,21 +410,21 @@ fn a_run_whose_runner_dies_is_told_with_the_way_out() {
     let (code, lines, said) = run.end();
     assert_eq!(code, Some(7), "{lines:?} {said}");
     expect![[r#"
-        {"type":"died","reason":"its runner is gone","active":["LONELY"],"stderr":[]}
-        error: the Python process that ran the machine died: its runner is gone
-          what was running:
+        {"type":"died","reason":"the runner died","active":["LONELY"],"stderr":[]}
+        error: the Python process that ran the machine died: the runner died
+          active states:
             Lonely (LONELY)
-          everything up to there is kept; to go on:
-            rafcon resume RUN --server http://127.0.0.1:PORT --policy abort   (the recovery transitions of what was running take over)
-            rafcon resume RUN --server http://127.0.0.1:PORT                  (nothing moves until you decide)
+          the run is recorded up to this point; resume it:
+            rafcon resume RUN --server http://127.0.0.1:PORT --policy abort   (abort the interrupted states; recovery transitions take over)
+            rafcon resume RUN --server http://127.0.0.1:PORT                  (wait until you decide)
     "#]].assert_eq(&server.without_names(&format!("{}\n{said}", lines.last().unwrap())));
     let answer = server.call("resume SERVER last --policy abort --output json");
     expect![[r#"
         4
-        {"type":"resumed","life":2,"crash":{"reason":"its runner ended before the run did","active":["LONELY"]},"policy":"abort"}
+        {"type":"resumed","life":2,"crash":{"reason":"the runner ended before the run","active":["LONELY"]},"policy":"abort"}
         {"type":"entered","path":"LONELY"}
-        {"type":"left","path":"LONELY","outcome":{"id":-1,"name":"aborted"},"error":{"__exc__":"RuntimeError","msg":"the runner of this run ended in the middle of it: its runner ended before the run did; the scripts of LONELY were running"}}
-        {"type":"finished","outcome":{"id":-1,"name":"aborted"},"outputs":{"error":{"__exc__":"RuntimeError","msg":"the runner of this run ended in the middle of it: its runner ended before the run did; the scripts of LONELY were running"}},"globals":{},"scoped_variables":{},"states_run":1}
+        {"type":"left","path":"LONELY","outcome":{"id":-1,"name":"aborted"},"error":{"__exc__":"RuntimeError","msg":"the runner of this run ended in the middle of it: the runner ended before the run; the scripts of LONELY were running"}}
+        {"type":"finished","outcome":{"id":-1,"name":"aborted"},"outputs":{"error":{"__exc__":"RuntimeError","msg":"the runner of this run ended in the middle of it: the runner ended before the run; the scripts of LONELY were running"}},"globals":{},"scoped_variables":{},"states_run":1}
     "#]].assert_eq(&shown(&answer));
 }
 
@@ -495,14 +495,14 @@ fn a_server_with_a_certificate_of_its_own_is_known_again_and_lets_users_in() {
     let unknown = server.place.call(&words("runs SERVER"));
     expect![[r"
         1
-        error: the server at https://127.0.0.1:PORT is not known here; its certificate has the fingerprint
-        Compare it with what `rafcon serve` has printed, and name it once with --fingerprint FINGERPRINT"]].assert_eq(&hidden(unknown));
+        error: this computer does not know the server at https://127.0.0.1:PORT yet; its certificate has the fingerprint
+        Compare it with the one that `rafcon serve` printed, and accept it once with --fingerprint FINGERPRINT"]].assert_eq(&hidden(unknown));
     let wrong =
         server.place.call(&words(&format!("runs SERVER --fingerprint {}", "ab".repeat(32))));
     expect![[r"
         1
-        error: THE CERTIFICATE OF https://127.0.0.1:PORT IS NOT THE ONE THAT IT SHOULD BE: somebody may be listening in. Nothing was sent.
-        If whoever looks after the server confirms the new one, name it once with --fingerprint FINGERPRINT"]].assert_eq(&hidden(wrong));
+        error: THE CERTIFICATE OF https://127.0.0.1:PORT HAS CHANGED: another computer may be listening in. Nothing was sent.
+        If the server's administrator confirms the new one, accept it once with --fingerprint FINGERPRINT"]].assert_eq(&hidden(wrong));
     let nobody = server.place.call(&words("runs SERVER --fingerprint FINGERPRINT"));
     expect![[r"
         1

@@ -25,8 +25,6 @@ const SLOWNESS: Duration = Duration::from_millis(40);
 const MEMORY_KB: u64 = 48 * 1024;
 /// See [`MEMORY_KB`].
 const MEMORY_EACH_KB: u64 = 384;
-/// In the long form the run does not fall further behind than this, in hundredths of its time.
-const DELAY: u64 = 5;
 /// How an event begins in a frame.
 const EVENT: &str = "{\"sequence\":";
 #[test]
@@ -62,9 +60,6 @@ fn many_clients_lose_nothing_and_cost_a_bounded_amount_of_memory() {
     )
     .unwrap();
     assert!(more_kb < MEMORY_KB + clients * MEMORY_EACH_KB, "the server took {more_kb} kB more");
-    if number(SECONDS).is_some() {
-        assert!(took_ms < ticks + ticks * DELAY / 100, "{ticks} ms took {took_ms} ms");
-    }
 }
 
 fn start(door: &Door) -> String {

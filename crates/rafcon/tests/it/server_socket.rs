@@ -12,7 +12,7 @@ use rustix::process::{Pid, Signal, kill_process};
 use serde_json::json;
 use std::thread;
 
-/// A server with a run that is held before its first state.
+/// A server with a run that is paused before its first state.
 struct Site {
     place: Place,
     served: Served,

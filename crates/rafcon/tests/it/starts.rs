@@ -224,7 +224,7 @@ fn the_command_line_begins_a_run_again_whose_runner_died_before_anything_had_hap
         let output = site.put("fails", size).command(words).output().unwrap();
         let said = String::from_utf8_lossy(&output.stderr);
         assert_eq!(output.status.code(), Some(0), "{size}: {said}");
-        assert!(said.contains("the run is begun again"), "{size}: {said}");
+        assert!(said.contains("the run is started again"), "{size}: {said}");
         assert_eq!(site.runs().len(), 1);
         assert_eq!(fs::read_to_string(site.place.path("effect")).unwrap(), "xxx\n");
     }

@@ -21,7 +21,7 @@ fn a_program_that_ends_at_once() {
         &expect![[r"
         1 not_started
         error: the Python interpreter did not become a runner: exit status 3
-          its last words:
+          last output:
             not today
     "]],
     );
@@ -55,7 +55,7 @@ fn a_program_that_babbles() {
         "#!/bin/sh\necho 'good evening' >&$RAFCON_CONTROL_FD\n",
         &expect![[r"
             1 not_started
-            rafcon: the runner's words make no sense: not a message of this protocol: good evening
+            rafcon: cannot understand the runner: not a message of this protocol: good evening
 
             error: the Python interpreter did not become a runner: exit status 0
         "]],

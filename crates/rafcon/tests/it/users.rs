@@ -91,10 +91,10 @@ fn what_cannot_be_served_is_said() {
     check(
         &place.call("serve nowhere"),
         &expect![[r"
-        1
-        error: there is no folder nowhere to serve
-          because: No such file or directory (os error 2)
-    "]],
+            1
+            error: the folder nowhere does not exist
+              because: No such file or directory (os error 2)
+        "]],
     );
     check(
         &place.call("serve --bind 0.0.0.0:0"),

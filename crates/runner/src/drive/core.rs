@@ -4,7 +4,7 @@ use crate::drive::branch::{BranchTask, BranchWork, Worker};
 use crate::drive::worker_pool::WorkerPool;
 use crate::places::active::Active;
 use crate::places::last::Last;
-use crate::places::level;
+use crate::places::limits;
 use crate::places::signals::{PAUSED, PREEMPTED, STARTED};
 use crate::record::names::Numbering;
 use crate::{Place, Places};
@@ -188,5 +188,7 @@ impl<D: Datum> Core<D> {
 fn level<D: Datum>(engine: &Engine<D>, path: PathId) -> Keeping {
     let around = std::iter::successors(Some(path), |path| engine.path_parent(*path));
     let node = |path| Some(engine.program().node(engine.path_node(path)?));
-    around.filter_map(node).fold(Keeping::Full, |level, node| level::of(node.state(), level))
+    around
+        .filter_map(node)
+        .fold(Keeping::Full, |level, node| limits::keeping_of(node.state(), level))
 }

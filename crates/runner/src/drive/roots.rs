@@ -9,7 +9,8 @@ use crate::{Clock, Scripts, StateFiles};
 use rafcon_locks::Mutex;
 use rafcon_model::Machine;
 use rafcon_protocol::{Event, LogLevel};
-use rafcon_storage::journal::{Hash, Journal, JournalError, Pack, Packer};
+use rafcon_storage::Packer;
+use rafcon_storage::journal::{Hash, Journal, JournalError, Pack};
 use std::sync::{Arc, OnceLock};
 use std::time::Duration;
 

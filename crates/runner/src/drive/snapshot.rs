@@ -3,7 +3,7 @@
 use crate::Scripts;
 use crate::drive::driver::Driver;
 use crate::record::tell;
-use rafcon_engine::{Active, Activity, PathId, Status, WaitReason};
+use rafcon_engine::{Activity, PathId, Status, WaitReason};
 use rafcon_protocol::{ActiveState, Hold, Phase, RunStatus, Snapshot};
 use std::collections::BTreeMap;
 
@@ -50,7 +50,7 @@ struct Texts {
 
 fn state<S: Scripts>(
     driver: &Driver<S>,
-    (active, texts): (&Active, &Texts),
+    (active, texts): (&rafcon_engine::ActiveState, &Texts),
     now_ms: u64,
 ) -> Option<ActiveState> {
     let name = driver.program().node(active.node).name().to_string();
@@ -68,7 +68,7 @@ fn state<S: Scripts>(
 }
 
 /// For what a state waits.
-fn detail(active: &Active, texts: &Texts) -> Option<String> {
+fn detail(active: &rafcon_engine::ActiveState, texts: &Texts) -> Option<String> {
     match &active.activity {
         Activity::Waiting(_) => texts.waits.get(&active.path).cloned(),
         Activity::Checking => Some("the condition of a breakpoint".to_owned()),
@@ -76,7 +76,7 @@ fn detail(active: &Active, texts: &Texts) -> Option<String> {
     }
 }
 
-fn held(active: &Active, texts: &Texts) -> Vec<Hold> {
+fn held(active: &rafcon_engine::ActiveState, texts: &Texts) -> Vec<Hold> {
     let hold = |hold: &rafcon_engine::Hold| Hold {
         next: hold.next.and_then(|next| texts.nexts.get(&next).cloned()),
         by: tell::held_by(hold.by),
@@ -84,7 +84,7 @@ fn held(active: &Active, texts: &Texts) -> Vec<Hold> {
     active.holds.iter().map(hold).collect()
 }
 
-fn phase(active: &Active) -> Phase {
+fn phase(active: &rafcon_engine::ActiveState) -> Phase {
     match active.activity {
         Activity::Waiting(WaitReason::Interrupted) => Phase::Interrupted,
         Activity::Waiting(_) => Phase::Waiting,

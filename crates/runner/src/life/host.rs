@@ -5,10 +5,8 @@ use crate::drive::driver::{Driver, RunEnd};
 use crate::drive::due;
 use crate::drive::error::{CommandError, LoadFailure};
 use crate::drive::prepare::{Prepared, prepare};
-use crate::life::committer;
-use crate::life::journal;
 use crate::life::resume::{Resumed, ResumedPast};
-use crate::life::stop;
+use crate::life::{committer, journal};
 use crate::places::active::Active;
 use crate::record::recorder::Recorder;
 use crate::record::tell;
@@ -21,6 +19,7 @@ use rafcon_engine::{Finish, Input, Program, Start};
 use rafcon_model::Machine;
 use rafcon_protocol::{Event, Join, Launch, LogLevel, Outcome, ToRunner, ToViewer};
 use rafcon_storage::journal::folder::VALUES_FOLDER;
+use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
 use signal_hook::iterator::{Handle, Signals};
 use std::io;
 use std::ops::ControlFlow;
@@ -102,7 +101,8 @@ fn begin<H: Host>(
     driver.keep_first_root(files, is_kept);
     let (door, closer) = open_door(launch)?.unzip();
     let answers = past.as_ref().map(ResumedPast::answers).unwrap_or_default();
-    let begun = Begun { driver, loaded, from, answers, signals: stop::take_over()?, door, closer };
+    let begun =
+        Begun { driver, loaded, from, answers, signals: take_over_signals()?, door, closer };
     let is_new = past.is_none();
     match set_out(&begun.driver, launch, start, past) {
         Ok(()) => Ok(begun),
@@ -207,7 +207,7 @@ impl Watch {
         let named = |name: &str| thread::Builder::new().name(name.to_owned());
         committer::start(scope, driver)?;
         company.welcome(scope, line, join)?;
-        named("signals").spawn_scoped(scope, || stop::serve(driver, signals))?;
+        named("signals").spawn_scoped(scope, || stop_at_signals(driver, signals))?;
         named("timers").spawn_scoped(scope, || due::serve(driver))?;
         if let Some(door) = door {
             named("door").spawn_scoped(scope, || door.serve(scope, company))?;
@@ -294,5 +294,23 @@ fn finished<S: Scripts>(scripts: &S, finish: Finish<S::Value>) -> Event {
         globals: scripts.encode_globals(),
         scoped_variables: encode(finish.scoped_variables),
         states_run: finish.states_run,
+    }
+}
+
+/// Takes the signals of the system over from now on. The second value ends [`stop_at_signals`].
+fn take_over_signals() -> io::Result<(Signals, Handle)> {
+    let signals = Signals::new([SIGINT, SIGTERM, SIGHUP])?;
+    let handle = signals.handle();
+    Ok((signals, handle))
+}
+
+/// Stops the run at each request, until the handle is closed. A terminal that hangs up means nothing to a run.
+fn stop_at_signals<S: Scripts>(driver: &Arc<Driver<S>>, mut signals: Signals) {
+    for signal in signals.forever() {
+        if signal != SIGHUP {
+            driver.reach_for_stop(|_why| ());
+            // Refused when the run is over or has not begun, and then there is nothing to stop.
+            drop(driver.command(Input::Stop));
+        }
     }
 }

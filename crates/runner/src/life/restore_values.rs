@@ -3,12 +3,12 @@
 
 use crate::Scripts;
 use crate::drive::error::ValueError;
-use crate::places::level;
-use rafcon_engine::{Restored, RestoredEnd, RestoredVariable};
+use crate::places::limits;
+use rafcon_engine::{ActiveStateData, ChildEnd, ScopedValue};
 use rafcon_model::{Machine, OutcomeId, PortId, StateId, StatePath};
 use rafcon_protocol::Keeping;
 use rafcon_storage::journal::folder::VALUES_FOLDER;
-use rafcon_storage::journal::{Ended, Kept, Moment, Place, Reader, Standing};
+use rafcon_storage::journal::{self, Kept, Moment, Place, Reader};
 use smol_str::SmolStr;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -47,14 +47,15 @@ impl<'r, S: Scripts> ValueRestorer<'r, S> {
     }
 
     /// What was active; `None` if nothing was.
-    pub(crate) fn root(&mut self, moment: &Moment) -> Option<Restored<S::Value>> {
+    pub(crate) fn root(&mut self, moment: &Moment) -> Option<ActiveStateData<S::Value>> {
         let standing = moment.active();
-        let mut below: Vec<Vec<Restored<S::Value>>> = standing.iter().map(|_| Vec::new()).collect();
+        let mut below: Vec<Vec<ActiveStateData<S::Value>>> =
+            standing.iter().map(|_| Vec::new()).collect();
         for (index, state) in standing.iter().enumerate().rev() {
             let mut children = std::mem::take(&mut below[index]);
             children.reverse();
             let around = state.parent.map(|parent| &standing[parent]);
-            let restored = Restored { children, ..self.state(state, around) };
+            let restored = ActiveStateData { children, ..self.state(state, around) };
             match state.parent {
                 Some(parent) => below[parent].push(restored),
                 None => return Some(restored),
@@ -97,23 +98,27 @@ impl<'r, S: Scripts> ValueRestorer<'r, S> {
         ports.map(|((_, name), kept)| (name.clone(), self.value(kept, name, place))).collect()
     }
 
-    fn state(&mut self, state: &Standing, around: Option<&Standing>) -> Restored<S::Value> {
+    fn state(
+        &mut self,
+        state: &journal::ActiveStateData,
+        around: Option<&journal::ActiveStateData>,
+    ) -> ActiveStateData<S::Value> {
         let place = &*state.place;
         let whole = self.is_kept_whole(&place.path);
-        let scoped = state.scoped.iter().map(|variable| RestoredVariable {
+        let scoped = state.scoped.iter().map(|variable| ScopedValue {
             port: port(variable.port),
             value: self.value(&variable.value, name_of(&place.scoped, variable.port), place),
             order: variable.order,
         });
         let mut scoped: Vec<_> = scoped.collect();
         if !whole {
-            scoped.extend(place.scoped.iter().map(|(id, name)| RestoredVariable {
+            scoped.extend(place.scoped.iter().map(|(id, name)| ScopedValue {
                 port: port(*id),
                 value: self.unkept(name, place),
                 order: state.order,
             }));
         }
-        Restored {
+        ActiveStateData {
             state: StateId::new(state.state()),
             inputs: self.ports(&state.inputs, state.lacks_inputs, &place.inputs, place),
             order: state.order,
@@ -127,20 +132,20 @@ impl<'r, S: Scripts> ValueRestorer<'r, S> {
     }
 
     /// The error that the child that ended last handed on.
-    fn given_error(&mut self, around: Option<&Standing>) -> Option<S::Value> {
+    fn given_error(&mut self, around: Option<&journal::ActiveStateData>) -> Option<S::Value> {
         let around = around?;
         let last = around.last.as_ref()?;
         let ended = around.ended.iter().find(|ended| ended.state() == last.as_str())?;
         self.error_of(ended)
     }
 
-    fn error_of(&mut self, ended: &Ended) -> Option<S::Value> {
+    fn error_of(&mut self, ended: &journal::ChildEnd) -> Option<S::Value> {
         ended.error.as_ref().map(|error| self.value(error, "error", &ended.place))
     }
 
-    fn end(&mut self, ended: &Ended) -> RestoredEnd<S::Value> {
+    fn end(&mut self, ended: &journal::ChildEnd) -> ChildEnd<S::Value> {
         let place = &*ended.place;
-        RestoredEnd {
+        ChildEnd {
             state: StateId::new(ended.state()),
             outcome: OutcomeId(ended.outcome),
             outputs: self.ports(&ended.outputs, ended.lacks_outputs, &place.outputs, place),
@@ -196,7 +201,7 @@ impl<'r, S: Scripts> ValueRestorer<'r, S> {
         let around = (1..=path.0.len()).map(|length| StatePath(path.0[..length].to_vec()));
         let states = around.filter_map(|path| self.machine.state(&path));
         let run = self.reader.about().keeping;
-        states.fold(run, |around, state| level::of(state, around)) == Keeping::Full
+        states.fold(run, |around, state| limits::keeping_of(state, around)) == Keeping::Full
     }
 }
 

@@ -342,7 +342,7 @@ impl<S: Scripts> Driver<S> {
         &self,
         reader: &Reader,
         moment: &Moment,
-    ) -> (Option<rafcon_engine::Restored<S::Value>>, RestoreContext<S::Value>) {
+    ) -> (Option<rafcon_engine::ActiveStateData<S::Value>>, RestoreContext<S::Value>) {
         let machine = self.machine();
         let mut reviver = ValueRestorer::new(self.scripts(), reader, &machine);
         let root = reviver.root(moment);
@@ -413,7 +413,8 @@ fn crash_text(crash: &Crash) -> String {
 #[cfg(test)]
 mod tests {
     use super::somebody_paused;
-    use rafcon_storage::journal::{About, Journal, Options, Reader, notation};
+    use rafcon_storage::journal::{About, Journal, Options, Reader};
+    use rafcon_testkit::journal_notation;
 
     const PAUSED: &str = r#"told {"type":"paused","paused":true}"#;
     const LINE: &str =
@@ -427,7 +428,7 @@ mod tests {
         let run = format!("place R \"Root\" outcome done\nenter R\n{}\n", events.join("\n"));
         let journal =
             Journal::create(folder.path(), &About::default(), &Options::default()).unwrap();
-        journal.append(&notation::batch(&run, 0).unwrap()).unwrap();
+        journal.append(&journal_notation::batch(&run, 0).unwrap()).unwrap();
         drop(journal);
         let mut reader = Reader::open(folder.path()).unwrap();
         let last = reader.moment(events.len() as u64 + 1).unwrap();

@@ -1,8 +1,9 @@
-//! How long states may take: deadlines and grace periods from their semantic data (`docs/semantics.md`). Knows what machines
+//! What the semantic data of states limits: deadlines, grace periods, and how much a run keeps of them (`docs/semantics.md`). Knows what machines
 //! say; must never know a clock.
 
 use rafcon_engine::{Node, NodeId, Program};
 use rafcon_model::{Json, Kind, LibraryContent, Machine, State};
+use rafcon_protocol::Keeping;
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
@@ -110,6 +111,26 @@ pub(crate) fn faults(machine: &Machine) -> Vec<String> {
     faults
 }
 
+/// How much is kept of a state: `off`, `status` or `full`.
+const KEEPING: &str = "journal";
+
+/// How much of `state` is kept, if that much is kept of the state around it (of the root: of the run).
+///
+/// A state cannot ask for more than the one around it. [`Keeping::Off`] leaves out its values and log lines; that it came and
+/// went is kept all the same, for without it a run could not be taken up.
+pub(crate) fn keeping_of(state: &State, around: Keeping) -> Keeping {
+    around.min(asked(state).unwrap_or_default())
+}
+
+fn asked(state: &State) -> Option<Keeping> {
+    match state.semantic_data.as_ref()?.get(KEEPING)?.as_str()? {
+        "off" => Some(Keeping::Off),
+        "status" => Some(Keeping::Status),
+        "full" => Some(Keeping::Full),
+        _ => None,
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::{Limits, faults};
@@ -149,5 +170,29 @@ mod tests {
         {
             check(nonsense, &said);
         }
+    }
+}
+
+#[cfg(test)]
+mod keeping_tests {
+    use super::keeping_of;
+    use expect_test::{Expect, expect};
+    use rafcon_model::{Json, Kind, Script, State, StateId};
+    use rafcon_protocol::Keeping;
+    use std::sync::Arc;
+
+    fn check(asked: &str, around: Keeping, expect: &Expect) {
+        let mut state = State::new(StateId::new("A"), "a", Kind::Execution(Script::default()));
+        let members = vec![("journal".into(), Json::Str(asked.into()))];
+        state.semantic_data = Some(Arc::new(Json::Object(members)));
+        expect.assert_eq(&format!("{:?}", keeping_of(&state, around)));
+    }
+
+    #[test]
+    fn a_state_keeps_what_it_asks_for_but_not_more_than_the_one_around_it() {
+        check("status", Keeping::Full, &expect!["Status"]);
+        check("off", Keeping::Full, &expect!["Off"]);
+        check("full", Keeping::Status, &expect!["Status"]);
+        check("everything", Keeping::Full, &expect!["Full"]);
     }
 }

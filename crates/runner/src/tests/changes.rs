@@ -85,7 +85,7 @@ fn what_is_new_in_the_folder_is_run() {
 
 #[test]
 fn the_ground_is_not_pulled_from_under_an_active_state() {
-    let refused = "refused: cannot change the machine now: 'ROOT/A' is active and would be gone; let the change wait until that is over, or stop the run";
+    let refused = "refused: cannot change the machine now: 'ROOT/A' is active and would be gone; let the change wait until the state has ended, or stop the run";
     check(
         WITHOUT_A,
         false,

@@ -2,14 +2,17 @@
 
 use crate::drive::driver::Driver;
 use crate::drive::snapshot;
-use crate::record::archive::Archive;
-use crate::record::blocks::Chunk;
+use crate::record::blocks::{Archive, Chunk};
 use crate::record::record_encoder::is_rare;
-use crate::viewers::connection::Sender;
+use crate::viewers::connection::{IncomingLine, Receiver, Sender};
 use crate::{Clock, Scripts};
-use rafcon_protocol::{FRAME_HEAD, FrameKind, Join, LogLevel, Stream, ToViewer, frame_head};
+use rafcon_protocol::{
+    EnginePulse, FRAME_HEAD, FrameKind, Join, LogLevel, Stream, ToRunner, ToViewer, decode,
+    frame_head,
+};
 use rafcon_storage::journal::stream::EventBlock;
 use rafcon_storage::journal::{Item, Record};
+use std::sync::mpsc::{self, SyncSender};
 use std::time::Duration;
 
 /// While things happen, they are told in bundles this far apart.
@@ -166,5 +169,40 @@ impl<'d, S: Scripts> Viewer<'d, S> {
         let due = self.snapshot_due_ms().saturating_sub(self.driver.clock().now_ms());
         let deadline = if self.stale { Clock::moment(Duration::from_millis(due)) } else { None };
         self.driver.recorder().wait(self.next, self.seen, deadline);
+    }
+}
+
+/// So many words of one viewer wait for their turn; then it is not listened to.
+const WAITING: usize = 64;
+
+/// The way of a viewer's words from whoever hears them to whoever heeds them.
+pub(crate) fn way() -> (SyncSender<IncomingLine>, mpsc::Receiver<IncomingLine>) {
+    mpsc::sync_channel(WAITING)
+}
+
+/// Hears one viewer until it goes away, or nobody heeds it any more; `pulse` asks for the engine.
+pub(crate) fn hear(
+    mut receiver: Receiver,
+    sender: &Sender,
+    rest: &SyncSender<IncomingLine>,
+    pulse: impl Fn() -> EnginePulse,
+) {
+    while let Some(words) = receiver.line() {
+        match ping(&words) {
+            Some(id) => {
+                let engine = Some(pulse());
+                sender.send(&ToViewer::Pong { id, now_ms: Clock::epoch_ms(), engine });
+            }
+            None if rest.send(words).is_err() => return,
+            None => {}
+        }
+    }
+}
+
+fn ping(words: &IncomingLine) -> Option<u64> {
+    let IncomingLine::Text(text) = words else { return None };
+    match decode(text) {
+        Ok(ToRunner::Ping { id }) => Some(id),
+        _ => None,
     }
 }

@@ -4,8 +4,8 @@
 use crate::drive::driver::Driver;
 use crate::viewers::commands::{Answers, CommandDispatcher};
 use crate::viewers::connection::{IncomingLine, Line, Receiver, Sender, Socket};
+use crate::viewers::viewer;
 use crate::viewers::viewer::Viewer;
-use crate::viewers::viewer_reader;
 use crate::{Clock, Scripts};
 use rafcon_engine::Input;
 use rafcon_locks::{Condvar, Mutex};
@@ -120,10 +120,10 @@ impl<S: Scripts> ViewerSet<S> {
     ) -> io::Result<()> {
         let named = |name: &str| thread::Builder::new().name(name.to_owned());
         let [heard, heeded, told] = [(); 3].map(|()| Arc::clone(guest));
-        let (rest, words) = viewer_reader::way();
+        let (rest, words) = viewer::way();
         named("commands").spawn_scoped(scope, move || self.heed(&heeded, &words))?;
         let hear = move || {
-            viewer_reader::hear(receiver, &heard.sender, &rest, || self.driver.engine_pulse());
+            viewer::hear(receiver, &heard.sender, &rest, || self.driver.engine_pulse());
         };
         named("hearing").spawn_scoped(scope, hear)?;
         named("viewer").spawn_scoped(scope, move || self.tell(&told, &join))?;

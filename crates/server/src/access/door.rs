@@ -5,10 +5,10 @@ use super::people::CredentialClaim;
 use super::rights::{self, ROUTES};
 use super::who::{Who, nobody};
 use crate::listen::{ConnectionSlot, Peer};
-use crate::{Failure, ServerState};
+use crate::{Failure, Reason, ServerState};
 use axum::extract::{MatchedPath, Request, State};
 use axum::http::header::{self, HeaderMap};
-use axum::http::{Method, StatusCode, Uri};
+use axum::http::{Method, Uri};
 use axum::middleware::Next;
 use axum::response::{IntoResponse as _, Response};
 use rafcon_protocol::api::Right;
@@ -100,8 +100,8 @@ fn no_row(method: &Method, path: &str) -> Failure {
         return Failure::forbidden("no_right_known", message);
     }
     let message = format!("{method} does not go here; {others} does");
-    let failure = Failure::new(StatusCode::METHOD_NOT_ALLOWED, "wrong_method", message);
-    failure.with_header("allow", others)
+    let failure = Failure::new(Reason::WrongMethod, "wrong_method", message);
+    failure.allowing(others)
 }
 
 /// The name that the client called. Two names are refused: a proxy in between may go by the other one.
@@ -120,7 +120,7 @@ fn elsewhere(host: &str) -> Failure {
     let message = format!(
         "this server is not called `{host}`: use the address that it printed at its start, or start it with --host"
     );
-    Failure::new(StatusCode::MISDIRECTED_REQUEST, "wrong_host", message)
+    Failure::new(Reason::WrongHost, "wrong_host", message)
 }
 
 /// What the client shows: a token in a header, in the address where that is possible, or a cookie.
@@ -181,8 +181,8 @@ fn strange_page() -> Failure {
 
 fn unknown() -> Failure {
     let message = "this token or login is not known here, or its time is over: log in again, or make a new token";
-    let failure = Failure::new(StatusCode::UNAUTHORIZED, "not_known", message);
-    failure.with_header("www-authenticate", "Bearer".to_owned())
+    let failure = Failure::unauthorized("not_known", message);
+    failure.asking_for_token()
 }
 
 /// Whether a request comes from this computer.

@@ -6,7 +6,6 @@ use crate::extract::BODY_MAX;
 use crate::{Failure, ServerState, log};
 use axum::Router;
 use axum::extract::{DefaultBodyLimit, Request, State};
-use axum::http::StatusCode;
 use axum::http::header::{self, HeaderName, HeaderValue};
 use axum::middleware::{self, Next};
 use axum::response::{IntoResponse as _, Response};
@@ -71,5 +70,5 @@ fn broken(panic: &(dyn Any + Send)) -> Response {
     let text = text.or_else(|| panic.downcast_ref::<&str>().copied()).unwrap_or("a panic");
     log::say(&format!("a request met a fault of this program, please report it: {text}"));
     let message = "the server met a fault of its own: it is in its log, please report it";
-    Failure::new(StatusCode::INTERNAL_SERVER_ERROR, "fault", message).into_response()
+    Failure::defect("fault", message).into_response()
 }

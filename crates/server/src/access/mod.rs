@@ -1,8 +1,9 @@
 //! Who may do what. Knows people, rights and doors; must never know machines or runs.
 
+use crate::Failure;
+
 mod audit;
 mod door;
-mod failures;
 mod familiar;
 mod layers;
 mod limiter;
@@ -36,3 +37,34 @@ pub(crate) use routes::{about, routes};
 pub(crate) use secret::hex;
 pub use users::{Users, UsersError};
 pub use who::{Credential, Who};
+
+impl From<PrivateError> for Failure {
+    fn from(error: PrivateError) -> Self {
+        Self::unavailable("disk", error.to_string())
+    }
+}
+
+impl From<UsersError> for Failure {
+    fn from(error: UsersError) -> Self {
+        let message = error.to_string();
+        match error {
+            UsersError::Roster(error) => roster(&error, message),
+            UsersError::Private(error) => error.into(),
+            UsersError::Hash(_) => Self::unavailable("no_secret", message),
+            UsersError::BadPassword => Self::bad("bad_password", message),
+            UsersError::BadTokenName => Self::bad("bad_token_name", message),
+        }
+    }
+}
+
+fn roster(error: &RosterError, message: String) -> Failure {
+    match error {
+        RosterError::BadName(_) => Failure::bad("bad_name", message),
+        RosterError::Taken(_) => Failure::conflict("user_exists", message),
+        RosterError::NoUser(_) => Failure::not_found("no_such_user", message),
+        RosterError::LastAdmin(_) => Failure::conflict("last_admin", message),
+        RosterError::NoToken => Failure::not_found("no_such_token", message),
+        RosterError::TooMuch => Failure::forbidden("not_your_right", message),
+        RosterError::TooMany(_) => Failure::conflict("too_many_tokens", message),
+    }
+}

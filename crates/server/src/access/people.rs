@@ -11,7 +11,6 @@ use super::users::Users;
 use super::who::{Credential, Who};
 use crate::gate::Gate;
 use crate::{Failure, Settings};
-use axum::http::StatusCode;
 use rafcon_locks::Mutex;
 use rafcon_protocol::api::Role;
 use rafcon_supervisor::clock::since_1970_ms;
@@ -237,13 +236,13 @@ fn of_token(roster: &Roster, id: &str, token: &Token, now_ms: u64) -> Option<Who
 
 fn wrong() -> Failure {
     let message = "this is not a user and their password: try again, or ask an admin for another";
-    Failure::new(StatusCode::UNAUTHORIZED, "wrong_login", message)
+    Failure::unauthorized("wrong_login", message)
 }
 
 fn too_often(seconds: u64) -> Failure {
     let message = format!("too many logins were tried: wait {seconds} s");
-    let failure = Failure::new(StatusCode::TOO_MANY_REQUESTS, "too_many_logins", message);
-    failure.with_header("retry-after", seconds.to_string())
+    let failure = Failure::too_many("too_many_logins", message);
+    failure.retry_after(seconds)
 }
 
 /// The token in the folder if it is to stay, else a new one.

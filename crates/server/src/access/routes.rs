@@ -3,10 +3,10 @@
 use super::limiter::network;
 use super::people::OWNER;
 use super::who::{Credential, Who};
-use crate::blocking::blocking;
 use crate::extract::{Body, Path, Small};
+use crate::gate::blocking;
 use crate::listen::Peer;
-use crate::{Failure, ServerState};
+use crate::{Failure, Reason, ServerState};
 use axum::Json;
 use axum::extract::State;
 use axum::http::StatusCode;
@@ -48,7 +48,7 @@ async fn log_in(
     let from = peer.ip;
     let checked = server.people().check(&login.user, &login.password, from).await;
     if let Err(failure) = checked {
-        if failure.status() == StatusCode::UNAUTHORIZED {
+        if failure.reason() == Reason::Unauthorized {
             let (of, about) = (network(from).to_string(), format!("from {from}"));
             server.audit().note_often(&of, &login.user, "wrong_login", &about);
         }

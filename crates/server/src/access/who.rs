@@ -2,7 +2,6 @@
 
 use crate::Failure;
 use axum::extract::{FromRequestParts, OptionalFromRequestParts};
-use axum::http::StatusCode;
 use axum::http::request::Parts;
 use rafcon_protocol::api::{Right, Role};
 
@@ -66,6 +65,6 @@ impl<S: Sync> OptionalFromRequestParts<S> for Who {
 /// The answer to a request that says nothing about who makes it.
 pub(crate) fn nobody() -> Failure {
     let message = "nobody is logged in: send a token, or log in at /api/v1/session";
-    let failure = Failure::new(StatusCode::UNAUTHORIZED, "not_logged_in", message);
-    failure.with_header("www-authenticate", "Bearer".to_owned())
+    let failure = Failure::unauthorized("not_logged_in", message);
+    failure.asking_for_token()
 }

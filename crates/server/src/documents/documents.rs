@@ -6,8 +6,9 @@ use super::operation::{EditRequest, Operation, RecordedOperation};
 use super::recover::recover;
 use super::save::unless_in_a_machine;
 use super::session::{FileLocation, MachineSession, Tools, closed};
+use crate::extract::check_request_id;
 use crate::gate::Gate;
-use crate::{Failure, ServerState, Settings, request_id};
+use crate::{Failure, ServerState, Settings};
 use rafcon_locks::{Condvar, Mutex};
 use rafcon_model::{Fresh, Machine, StatePath};
 use rafcon_protocol::api::{
@@ -223,7 +224,7 @@ impl Documents {
         }
         let place = self.draft_of(&session.folder());
         let read = operation.read(&server.projects.libraries(), &place)?;
-        request_id::check(&request.id)?;
+        check_request_id(&request.id)?;
         let record = RecordedOperation { request, at_ms: since_1970_ms(), operation };
         let revision = session.perform(record, read)?;
         server.news.machines();
@@ -237,7 +238,7 @@ impl Documents {
         id: &str,
         request: EditRequest,
     ) -> Result<u64, Failure> {
-        request_id::check(&request.id)?;
+        check_request_id(&request.id)?;
         let revision = self.session(id)?.reload(request, &self.tools(server), since_1970_ms())?;
         server.news.machines();
         Ok(revision)

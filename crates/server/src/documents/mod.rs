@@ -19,7 +19,6 @@ mod places;
 mod problems;
 mod recover;
 mod refusal;
-mod revision_cache;
 mod revision_log;
 mod routes;
 mod save;

@@ -3,8 +3,8 @@
 use super::operation::{EditRequest, Operation};
 use super::revision_log::RevisionsPage;
 use crate::access::Who;
-use crate::blocking::blocking;
 use crate::extract::{Body, Path, Query};
+use crate::gate::blocking;
 use crate::{Failure, ServerState};
 use axum::Json;
 use axum::body::Bytes;

@@ -142,26 +142,36 @@ mod tests {
     use crate::documents::session::Saving;
     use crate::documents::{MachineSession, Operation};
     use crate::{ServerState, Settings};
-    use rafcon_protocol::api::{CloseMachine, EditMachine, MachineFile, NewMachine};
+    use proptest::collection::vec;
+    use proptest::prelude::*;
+    use rafcon_protocol::api::{CloseMachine, DiskState, EditMachine, MachineFile, NewMachine};
+    use rafcon_protocol::edit::Edit;
+    use rafcon_testkit::edits::{Dice, edit};
     use std::fs;
+    use std::path::Path;
     use std::sync::Arc;
 
-    /// A save that waited while somebody else closed the machine and gave its edits up.
+    /// A server with an open machine `Mission` in `project/one`.
+    fn open(place: &Path) -> (Arc<ServerState>, Arc<MachineSession>) {
+        for folder in ["project", "state"] {
+            fs::create_dir(place.join(folder)).unwrap();
+        }
+        let settings = Settings::new(place.join("state"), place.join("runs"));
+        let projects = vec![place.join("project")];
+        let server = ServerState::new(Settings { projects, ..settings }).unwrap();
+        let file = MachineFile { project: "project".to_owned(), path: "one".to_owned() };
+        let new = NewMachine { file, name: "Mission".to_owned() };
+        let id = server.documents.make(&server, &new).unwrap().id;
+        let session = server.documents.session(&id).unwrap();
+        (server, session)
+    }
+
+    /// A save that waited while another client closed the machine and discarded its edits.
     #[test]
     fn what_was_given_up_is_not_saved() {
         let place = tempfile::tempdir().unwrap();
-        let path = |name: &str| place.path().join(name);
-        for folder in ["project", "state"] {
-            fs::create_dir(path(folder)).unwrap();
-        }
-        let settings = Settings::new(path("state"), path("runs"));
-        let server =
-            ServerState::new(Settings { projects: vec![path("project")], ..settings }).unwrap();
-        let documents = &server.documents;
-        let file = MachineFile { project: "project".to_owned(), path: "one".to_owned() };
-        let new = NewMachine { file, name: "Mission".to_owned() };
-        let id = documents.make(&server, &new).unwrap().id;
-        let session: Arc<MachineSession> = documents.session(&id).unwrap();
+        let (server, session) = open(place.path());
+        let (documents, id) = (&server.documents, session.id().to_owned());
         let root = session.machine().1.root.id.clone();
         let edit = format!(r#"{{"edit":"set_name","path":"{root}","name":"Given up"}}"#);
         let edit = format!(r#"{{"id":"1","name":"Rename","edit":{edit}}}"#);
@@ -172,7 +182,46 @@ mod tests {
         let saving = Saving { to: None, overwrite: false };
         let failure = session.save(&saving, &documents.tools(&server)).unwrap_err();
         assert_eq!(failure.code(), "no_such_machine");
-        let core = fs::read_to_string(path("project/one/core_data.json")).unwrap();
+        let core = fs::read_to_string(place.path().join("project/one/core_data.json")).unwrap();
         assert!(core.contains("Mission"), "{core}");
+    }
+
+    /// The broken file means nothing to the machine, so that its content is the same, and a save leaves the file as it is.
+    #[test]
+    fn a_fault_that_another_program_brought_in_is_known_after_a_save() {
+        let place = tempfile::tempdir().unwrap();
+        let (server, session) = open(place.path());
+        assert_eq!(session.problems(&server).unwrap().len(), 0);
+        fs::write(place.path().join("project/one").join("meta_data.json"), "{").unwrap();
+        session
+            .save(&Saving { to: None, overwrite: false }, &server.documents.tools(&server))
+            .unwrap();
+        assert_eq!(session.problems(&server).unwrap().len(), 1);
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(12))]
+
+        /// A save notes what it wrote without reading it: what it notes is what the next look finds.
+        #[test]
+        fn what_a_save_wrote_is_what_lies_there(numbers in vec(any::<u16>(), 0..120)) {
+            let place = tempfile::tempdir().unwrap();
+            let (server, session) = open(place.path());
+            let tools = server.documents.tools(&server);
+            let (mut dice, mut number) = (Dice::new(numbers), 0);
+            while !dice.is_empty() {
+                number += 1;
+                let request = EditRequest { author: "ann".to_owned(), id: number.to_string() };
+                let edit = Edit::of(&edit(&session.machine().1, &mut dice));
+                let name = "Any".to_owned();
+                let operation = edit.map(|edit| Operation::Edit { name, edit: Box::new(edit) });
+                if let Some(operation) = operation {
+                    drop(server.documents.change(&server, session.id(), request, operation));
+                }
+                session.save(&Saving { to: None, overwrite: false }, &tools).unwrap();
+                session.look(&tools.libraries).unwrap();
+                prop_assert_eq!(session.summary().unwrap().disk, DiskState::Same);
+            }
+        }
     }
 }

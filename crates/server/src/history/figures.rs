@@ -118,7 +118,7 @@ impl Figures {
         let tally = self.tally(reader.folder());
         let mut tally = tally.lock();
         tally.go_on(reader)?;
-        Ok(tally.told(reader.known_places()))
+        Ok(tally.statistics(reader.known_places()))
     }
 
     fn tally(&self, folder: &FilePath) -> Arc<Mutex<Tally>> {

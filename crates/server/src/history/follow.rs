@@ -101,7 +101,8 @@ fn text(reader: &Reader, entry: &Entry, values: bool) -> Result<Option<String>, 
 mod tests {
     use super::{PageLimits, page};
     use proptest::prelude::*;
-    use rafcon_storage::journal::{About, Journal, Options, Reader, notation};
+    use rafcon_storage::journal::{About, Journal, Options, Reader};
+    use rafcon_testkit::journal_notation;
     use std::path::Path;
 
     const MACHINE: &str = r#"
@@ -117,7 +118,7 @@ mod tests {
         let mut t_ns = 0;
         for round in ["enter R\n", &round.repeat(rounds), round] {
             journal.commit().unwrap();
-            let batch = notation::batch(&format!("{MACHINE}{round}"), t_ns).unwrap();
+            let batch = journal_notation::batch(&format!("{MACHINE}{round}"), t_ns).unwrap();
             t_ns = batch.t_last();
             journal.append(&batch).unwrap();
         }

@@ -5,7 +5,7 @@ use super::{Json, read};
 use crate::extract::{Path, Query};
 use crate::{Failure, ServerState};
 use axum::extract::State;
-use rafcon_protocol::api::{KeptAs, KeptValue, MomentQuery, Picture, Refusal};
+use rafcon_protocol::api::{KeptAs, KeptValue, Moment, MomentQuery, Refusal};
 use rafcon_storage::journal::record::Content;
 use rafcon_storage::journal::{Reader, Stored, ValueNumber};
 use std::sync::Arc;
@@ -24,7 +24,7 @@ pub(super) fn routes() -> OpenApiRouter<Arc<ServerState>> {
         ("sequence" = u64, Path, description = "The event"),
     ),
     responses(
-        (status = 200, description = "What was active, with which data, and what was set, asked and held", body = Picture),
+        (status = 200, description = "What was active, with which data, and what was set, asked and held", body = Moment),
         (status = 400, description = "This is no number", body = Refusal),
         (status = 404, description = "There is no such run or event, or the event was given up", body = Refusal),
         (status = 422, description = "The journal is damaged, or of a newer version", body = Refusal),
@@ -48,7 +48,7 @@ async fn moment(
 #[utoipa::path(get, path = "/api/v1/runs/{run}/moments", tag = "history",
     params(("run" = String, Path, description = "The run's id"), MomentQuery),
     responses(
-        (status = 200, description = "After the last event up to this time", body = Picture),
+        (status = 200, description = "After the last event up to this time", body = Moment),
         (status = 400, description = "The query makes no sense", body = Refusal),
         (status = 404, description = "There is no such run, or the time was given up", body = Refusal),
         (status = 422, description = "The journal is damaged, or of a newer version", body = Refusal),

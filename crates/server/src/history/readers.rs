@@ -4,7 +4,7 @@
 //! Knows when an open journal does not say any more what lies on disk. Must never know what it is read for.
 
 use crate::Failure;
-use crate::blocking::blocking;
+use crate::gate::blocking;
 use rafcon_locks::Mutex;
 use rafcon_storage::journal::folder::{DATABASE_FILE, RECORDER_FILE};
 use rafcon_storage::journal::{JournalError, Reader, writer_of};
@@ -148,7 +148,8 @@ impl Readers {
 mod tests {
     use super::{IDLE, Readers};
     use crate::Failure;
-    use rafcon_storage::journal::{About, Journal, Options, Reader, notation};
+    use rafcon_storage::journal::{About, Journal, Options, Reader};
+    use rafcon_testkit::journal_notation;
     use std::path::Path;
 
     const MACHINE: &str = "place R \"Root\" outcome done\n";
@@ -160,7 +161,7 @@ mod tests {
     }
 
     fn append(journal: &Journal, text: &str) {
-        journal.append(&notation::batch(&format!("{MACHINE}{text}"), 0).unwrap()).unwrap();
+        journal.append(&journal_notation::batch(&format!("{MACHINE}{text}"), 0).unwrap()).unwrap();
     }
 
     fn last(reader: &mut Reader) -> Result<u64, Failure> {

@@ -1,28 +1,25 @@
 //! What is wrong with a journal, as the answer to a request. Knows both vocabularies.
 
-use crate::Failure;
 use crate::failure::reason;
-use axum::http::StatusCode;
+use crate::{Failure, Reason};
 use rafcon_storage::journal::JournalError;
 
 impl From<JournalError> for Failure {
     fn from(error: JournalError) -> Self {
-        let (status, code) = match &error {
-            JournalError::NoRun { .. } => (StatusCode::NOT_FOUND, "no_journal"),
-            JournalError::GivenUp { .. } => (StatusCode::NOT_FOUND, "given_up"),
-            JournalError::NoMachine { .. } => (StatusCode::NOT_FOUND, "no_such_machine"),
-            JournalError::Going { .. } => (StatusCode::CONFLICT, "run_goes_on"),
-            JournalError::Exists { .. } => (StatusCode::CONFLICT, "run_exists"),
-            JournalError::Damaged { .. } => (StatusCode::UNPROCESSABLE_ENTITY, "journal_damaged"),
-            JournalError::Newer { .. } => (StatusCode::UNPROCESSABLE_ENTITY, "journal_too_new"),
+        let (why, code) = match &error {
+            JournalError::NoRun { .. } => (Reason::NotFound, "no_journal"),
+            JournalError::GivenUp { .. } => (Reason::NotFound, "given_up"),
+            JournalError::NoMachine { .. } => (Reason::NotFound, "no_such_machine"),
+            JournalError::Going { .. } => (Reason::Conflict, "run_goes_on"),
+            JournalError::Exists { .. } => (Reason::Conflict, "run_exists"),
+            JournalError::Damaged { .. } => (Reason::Unprocessable, "journal_damaged"),
+            JournalError::Newer { .. } => (Reason::Unprocessable, "journal_too_new"),
             JournalError::DiskFull { .. }
             | JournalError::ReadOnly { .. }
             | JournalError::Io { .. }
-            | JournalError::Database { .. } => {
-                (StatusCode::SERVICE_UNAVAILABLE, "journal_unreadable")
-            }
+            | JournalError::Database { .. } => (Reason::Unavailable, "journal_unreadable"),
         };
-        Self::new(status, code, reason(&error))
+        Self::new(why, code, reason(&error))
     }
 }
 

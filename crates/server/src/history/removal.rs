@@ -1,8 +1,8 @@
 //! `DELETE …` and `POST …/prune`: runs that are given up. One that goes on never is. Knows folders of runs.
 
 use super::folder;
-use crate::blocking::blocking;
 use crate::extract::{Body, Path};
+use crate::gate::blocking;
 use crate::{Failure, ServerState};
 use axum::Json;
 use axum::extract::State;

@@ -1,19 +1,6 @@
 //! The server as a process: its folder, its socket, its beginning and its end. Knows addresses and connections; must never
 //! know what requests mean.
 
-mod address_file;
-mod connection;
-mod names;
-mod paced;
-mod places;
-mod signals;
-mod tls;
-
-pub use address_file::AddressFile;
-pub(crate) use connection::Peer;
-pub(crate) use places::ConnectionSlot;
-pub use tls::TlsError;
-
 use crate::access::notice;
 use crate::access::private::{self, PrivateError};
 use crate::state::ServerStateError;
@@ -30,7 +17,20 @@ use std::sync::Arc;
 use std::time::Duration;
 use tls::Identity;
 use tokio::net::TcpListener;
+use tokio::signal::unix::{SignalKind, signal};
 use tokio::sync::watch;
+
+mod address_file;
+mod connection;
+mod names;
+mod paced;
+mod places;
+mod tls;
+
+pub use address_file::AddressFile;
+pub(crate) use connection::Peer;
+pub(crate) use places::ConnectionSlot;
+pub use tls::TlsError;
 
 /// How long requests that are being answered hold the end of the server back.
 const SHUTDOWN_GRACE: Duration = Duration::from_secs(3);
@@ -105,7 +105,7 @@ pub fn serve(settings: Settings, ready: impl FnOnce(&Server)) -> Result<(), Serv
     let runtime = builder.enable_all().thread_name("server").build().map_err(ServeError::Begin)?;
     let served = runtime.block_on(async {
         let server = Server::bind(settings).await?;
-        let asked = signals::end().map_err(ServeError::Begin)?;
+        let asked = end_signals().map_err(ServeError::Begin)?;
         ready(&server);
         server.run(asked).await
     });
@@ -224,4 +224,16 @@ async fn only_one(folder: &Path) -> Result<File, ServeError> {
         }
     }
     Err(ServeError::Taken { folder: folder.to_owned() })
+}
+
+/// Ready once one has come. Signals count from this call on.
+fn end_signals() -> io::Result<impl Future<Output = ()>> {
+    let mut interrupt = signal(SignalKind::interrupt())?;
+    let mut terminate = signal(SignalKind::terminate())?;
+    Ok(async move {
+        tokio::select! {
+            _ = interrupt.recv() => {}
+            _ = terminate.recv() => {}
+        }
+    })
 }

@@ -138,7 +138,7 @@ fn takes_gzip(head: &HeaderMap) -> bool {
 
 fn broken(error: &std::io::Error) -> Failure {
     let message = format!("a file of the page cannot be unpacked: {error}");
-    Failure::new(StatusCode::INTERNAL_SERVER_ERROR, "fault", message)
+    Failure::defect("fault", message)
 }
 
 fn no_file() -> Failure {

@@ -7,9 +7,9 @@ use crate::{Failure, Settings};
 use axum::body::Bytes;
 use rafcon_locks::{Mutex, RwLock};
 use rafcon_protocol::api::{LibraryNode, LibraryNodeKind, LibraryRoot};
-use rafcon_storage::libraries::{Entry, EntryKind};
-use rafcon_storage::read::LoadError;
-use rafcon_storage::{Libraries, Root, load};
+use rafcon_storage::config::{self, Config};
+use rafcon_storage::libraries::{EntryKind, LibraryEntry};
+use rafcon_storage::{Libraries, LoadError, Root, load, roots};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -41,7 +41,7 @@ pub(crate) struct LibraryCache {
 impl LibraryCache {
     /// Those of these settings, for machines in these folders.
     pub(super) fn open(settings: &Settings, projects: Vec<PathBuf>) -> Self {
-        let stock = LoadedLibraries::new(super::library_roots::find(settings), &projects);
+        let stock = LoadedLibraries::new(library_roots(settings), &projects);
         Self { projects, stock: RwLock::new(Arc::new(stock)) }
     }
 
@@ -138,13 +138,13 @@ fn unreadable(path: &str, error: &dyn std::error::Error) -> Failure {
     Failure::unprocessable("unreadable_library", message)
 }
 
-fn root_of(entry: Entry) -> LibraryRoot {
+fn root_of(entry: LibraryEntry) -> LibraryRoot {
     let folder = shown(&entry.dir);
     let node = node_of(entry);
     LibraryRoot { name: node.name, folder, children: node.children }
 }
 
-fn node_of(entry: Entry) -> LibraryNode {
+fn node_of(entry: LibraryEntry) -> LibraryNode {
     let (kind, children) = match entry.kind {
         EntryKind::Folder(inside) => {
             (LibraryNodeKind::Folder, inside.into_iter().map(node_of).collect())
@@ -156,4 +156,23 @@ fn node_of(entry: Entry) -> LibraryNode {
 
 fn shown(folder: &Path) -> String {
     folder.to_string_lossy().into_owned()
+}
+
+/// The roots of these settings; what is wrong with one is told, and the others count.
+fn library_roots(settings: &Settings) -> Vec<Root> {
+    let config = match config::find(settings.config.as_deref(), &settings.variable) {
+        Ok((config, _file)) => config,
+        Err(error) => {
+            (settings.tell)(&format!(
+                "{error}: {}; library roots of it do not count",
+                error.source
+            ));
+            Config::default()
+        }
+    };
+    let (roots, notes) = roots(&config, &settings.variable, &settings.libraries);
+    for note in notes {
+        (settings.tell)(&note.to_string());
+    }
+    roots
 }

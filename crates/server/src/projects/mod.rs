@@ -3,7 +3,6 @@
 
 mod confine;
 mod library;
-mod library_roots;
 mod names;
 mod routes;
 mod tree;

@@ -10,7 +10,6 @@ use crate::gate::Gate;
 use crate::{Failure, ServerState, Settings};
 use axum::Json;
 use axum::extract::State;
-use axum::http::StatusCode;
 use facts::Known;
 use rafcon_check::{Facts, Finding};
 use rafcon_model::StatePath;
@@ -75,7 +74,7 @@ async fn check(
     if script.len() > BYTES_MAX {
         let message =
             format!("a script of more than {BYTES_MAX} bytes is not looked at: divide it");
-        return Err(Failure::new(StatusCode::PAYLOAD_TOO_LARGE, "too_large", message));
+        return Err(Failure::too_large("too_large", message));
     }
     let at = Arc::clone(&server);
     let look = move || {
@@ -128,5 +127,5 @@ async fn look(settings: &Settings, script: &str) -> Result<Vec<ScriptProblem>, F
 
 fn unchecked(why: &str) -> Failure {
     let message = format!("the script cannot be looked at: {why}");
-    Failure::new(StatusCode::UNPROCESSABLE_ENTITY, "not_checked", message)
+    Failure::unprocessable("not_checked", message)
 }

@@ -6,10 +6,9 @@ use super::link::{Link, NotSent};
 use super::run::Run;
 use super::talk::{self, LinkError};
 use crate::access::{Who, of_command};
-use crate::blocking::blocking;
 use crate::failure::reason;
+use crate::gate::blocking;
 use crate::{Failure, ServerState};
-use axum::http::StatusCode;
 use rafcon_protocol::api::{CommandAnswer, Control, ControlMove, Right, RunPhase};
 use rafcon_protocol::{Answer, Command, Envelope, StateData};
 use rafcon_storage::journal::writer_of;
@@ -37,7 +36,7 @@ pub(crate) async fn command(
     envelope: Envelope,
 ) -> Result<CommandAnswer, Failure> {
     who.must(of_command(&envelope.command))?;
-    crate::request_id::check(&envelope.id)?;
+    crate::extract::check_request_id(&envelope.id)?;
     if let Command::Control { .. } = envelope.command {
         let message = "control is requested, handed over and released at POST …/control";
         return Err(Failure::bad("use_control", message));
@@ -232,7 +231,7 @@ async fn sent(run: &Run, link: &Link, envelope: Envelope) -> Result<Answer, Fail
         NotSent::Gone => link_lost(),
         NotSent::Busy => {
             let message = "too many commands are on their way to this run: wait for their answers";
-            Failure::new(StatusCode::TOO_MANY_REQUESTS, "too_many_commands", message)
+            Failure::too_many("too_many_commands", message)
         }
     })?;
     answered.await.map_err(|_lost| link_lost())
@@ -242,7 +241,7 @@ const LINK_LOST: &str = "link_lost";
 
 fn link_lost() -> Failure {
     let message = "the connection to the runner is down: ask again with the same id, it is carried out once at most";
-    Failure::new(StatusCode::SERVICE_UNAVAILABLE, LINK_LOST, message)
+    Failure::unavailable(LINK_LOST, message)
 }
 
 fn late() -> Failure {
@@ -250,12 +249,12 @@ fn late() -> Failure {
         "the runner did not answer within {} s: ask again with the same id, it is carried out once at most",
         COMMAND_TIMEOUT.as_secs()
     );
-    Failure::new(StatusCode::SERVICE_UNAVAILABLE, "no_answer", message)
+    Failure::unavailable("no_answer", message)
 }
 
 fn not_spoken_with(error: &LinkError) -> Failure {
     let message = format!("{}: ask again with the same id", reason(error));
-    Failure::new(StatusCode::SERVICE_UNAVAILABLE, LINK_LOST, message)
+    Failure::unavailable(LINK_LOST, message)
 }
 
 /// The answer that a command had while the run went on; without one it comes too late.
@@ -298,8 +297,7 @@ pub(crate) async fn inspect(
     // Held until the connection is gone.
     let _guest = run.guest().ok_or_else(|| {
         let message = "too many ask what states of this run hold: wait for their answers";
-        Failure::new(StatusCode::TOO_MANY_REQUESTS, "too_many_questions", message)
-            .with_header("Retry-After", "1".to_owned())
+        Failure::too_many("too_many_questions", message).retry_after(1)
     })?;
     let asked = timeout(COMMAND_TIMEOUT, talk::inspect(run.folder().to_path_buf(), path)).await;
     let data = asked.map_err(|_over| late())?.map_err(|error| not_spoken_with(&error))?;

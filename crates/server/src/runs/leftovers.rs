@@ -2,7 +2,6 @@
 //! marks say. Reads a bounded piece of each; decides nothing.
 
 use crate::Failure;
-use axum::http::StatusCode;
 use rafcon_protocol::api::RunOutput;
 use rafcon_protocol::{Answer, Command, Event};
 use rafcon_storage::journal::{Reader, Record};
@@ -27,7 +26,7 @@ pub(super) fn tail(folder: &Path, bytes: u64) -> Result<RunOutput, Failure> {
         Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(RunOutput::default()),
         Err(error) => {
             let message = format!("the output of this run cannot be read: {error}");
-            Err(Failure::new(StatusCode::SERVICE_UNAVAILABLE, "output_unreadable", message))
+            Err(Failure::unavailable("output_unreadable", message))
         }
     }
 }
@@ -57,8 +56,8 @@ fn read(file: &Path, bytes: u64) -> io::Result<RunOutput> {
 
 /// How the last runner of the run in `folder` ended; `exit` is known of a process of our own.
 pub(super) fn death(folder: &Path, exit: Option<Exit>) -> RunnerDeath {
-    let reason = exit
-        .map_or_else(|| "its runner ended before the run did".to_owned(), |exit| exit.to_string());
+    let reason =
+        exit.map_or_else(|| "the runner ended before the run".to_owned(), |exit| exit.to_string());
     let last = Reader::open(folder).and_then(|reader| reader.tail()).unwrap_or_default();
     let last = last.iter().rev().filter_map(|entry| match &entry.record {
         Record::Told(event) => Some(&**event),
@@ -81,8 +80,9 @@ fn is_kill(event: &Event) -> bool {
 mod tests {
     use super::{OUTPUT_FILE, death, last_line, last_lines, tail};
     use expect_test::{Expect, expect};
-    use rafcon_storage::journal::{About, Journal, Options, notation};
+    use rafcon_storage::journal::{About, Journal, Options};
     use rafcon_supervisor::Exit;
+    use rafcon_testkit::journal_notation;
     use std::os::unix::process::ExitStatusExt as _;
     use std::process::ExitStatus;
 
@@ -106,7 +106,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let journal =
             Journal::create(folder.path(), &About::default(), &Options::default()).unwrap();
-        journal.append(&notation::batch(&format!("{PLACE}{run}"), 0).unwrap()).unwrap();
+        journal.append(&journal_notation::batch(&format!("{PLACE}{run}"), 0).unwrap()).unwrap();
         drop(journal);
         std::fs::write(folder.path().join(OUTPUT_FILE), "one\ntwo\n").unwrap();
         let death = death(folder.path(), exit.map(|raw| Exit(ExitStatus::from_raw(raw))));
@@ -126,7 +126,7 @@ mod tests {
             "",
             None,
             &expect![[
-                r#"RunnerDeath { reason: "its runner ended before the run did", active: [], said: ["one", "two"], is_cut_off: false, is_wanted: false }"#
+                r#"RunnerDeath { reason: "the runner ended before the run", active: [], said: ["one", "two"], is_cut_off: false, is_wanted: false }"#
             ]],
         );
     }
@@ -153,7 +153,7 @@ mod tests {
             r#"told {"type":"cut_off","path":"R","grace_ms":5}"#,
             None,
             &expect![[
-                r#"RunnerDeath { reason: "its runner ended before the run did", active: [], said: ["one", "two"], is_cut_off: true, is_wanted: false }"#
+                r#"RunnerDeath { reason: "the runner ended before the run", active: [], said: ["one", "two"], is_cut_off: true, is_wanted: false }"#
             ]],
         );
     }

@@ -29,7 +29,6 @@ pub(crate) use run::Run;
 
 use crate::change_counters::ChangeCounters;
 use crate::{Failure, ServerState, Settings};
-use axum::http::StatusCode;
 use folder_files::RunRequest;
 use rafcon_locks::Mutex;
 use rafcon_protocol::api::{RunPhase, RunSummary};
@@ -162,8 +161,7 @@ impl Runs {
         let turn = timeout(TURN_TIMEOUT, Arc::clone(&self.launches).acquire_owned()).await;
         turn.ok().and_then(Result::ok).ok_or_else(|| {
             let message = "too many runs are being started: wait until some of them have begun";
-            Failure::new(StatusCode::TOO_MANY_REQUESTS, "too_many_starts", message)
-                .with_header("Retry-After", TURN_TIMEOUT.as_secs().to_string())
+            Failure::too_many("too_many_starts", message).retry_after(TURN_TIMEOUT.as_secs())
         })
     }
 

@@ -2,13 +2,13 @@
 
 use super::{Run, commands, leftovers, start, take_up};
 use crate::access::Who;
-use crate::blocking::blocking;
 use crate::extract::{Body, Path, Query};
+use crate::gate::blocking;
 use crate::{Failure, ServerState};
 use axum::Json;
 use axum::extract::State;
 use rafcon_protocol::api::{
-    CommandAnswer, Control, ControlMove, OutputEnd, Picture, Refusal, ResumeRun, RunNow, RunOutput,
+    CommandAnswer, Control, ControlMove, Moment, OutputEnd, Refusal, ResumeRun, RunNow, RunOutput,
     RunSummary, StartRun, StateAt,
 };
 use rafcon_protocol::{Breakpoint, Envelope, Question, StateData, Values};
@@ -265,7 +265,7 @@ async fn written(
 }
 
 /// How a run stood after its last event.
-async fn picture(server: &ServerState, run: &Run) -> Result<Picture, Failure> {
+async fn picture(server: &ServerState, run: &Run) -> Result<Moment, Failure> {
     let read = server.history.readers().read(run.folder().to_path_buf(), |reader| {
         let moment = reader.moment(u64::MAX)?;
         Ok(reader.picture(&moment)?)

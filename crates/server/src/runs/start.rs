@@ -8,10 +8,9 @@ use super::launch::{LaunchError, Launched, launch};
 use super::run::Run;
 use super::supervise;
 use crate::access::{Who, of_start};
-use crate::blocking::blocking;
 use crate::failure::reason;
-use crate::{Failure, ServerState};
-use axum::http::StatusCode;
+use crate::gate::blocking;
+use crate::{Failure, Reason, ServerState};
 use rafcon_protocol::api::{RunPhase, RunSummary, StartRun};
 use rafcon_protocol::{Keeping, Launch};
 use rafcon_supervisor::{KeptRun, Next, RestartPolicy, RunnerDeath, clock};
@@ -43,13 +42,13 @@ pub(super) async fn to_its_end(
 ) -> Result<RunSummary, Failure> {
     tokio::spawn(request).await.unwrap_or_else(|_stopped| {
         let message = "the server could not finish this request: ask again with the same id";
-        Err(Failure::new(StatusCode::SERVICE_UNAVAILABLE, "not_finished", message))
+        Err(Failure::unavailable("not_finished", message))
     })
 }
 
 /// What is wrong with a request by itself.
 fn check(asked: &StartRun) -> Result<(), Failure> {
-    crate::request_id::check(&asked.id)?;
+    crate::extract::check_request_id(&asked.id)?;
     if asked.keeping == Keeping::Off {
         let message = "a run under a server is kept, or nobody could follow it: ask for `full` or `status`, or use \
                        `rafcon run --keep off`";
@@ -116,7 +115,7 @@ async fn settled(server: &Arc<ServerState>, folder: &Path) -> Result<Option<Arc<
         .map_err(|_late| {
             let message =
                 "the run of this request is still being started: ask again with the same id";
-            Failure::new(StatusCode::SERVICE_UNAVAILABLE, "not_finished", message)
+            Failure::unavailable("not_finished", message)
         })?;
     if let Some(run) = run.as_ref().filter(|run| run.is_live()) {
         run.linked().await;
@@ -224,7 +223,7 @@ pub(super) fn cannot_write(folder: &Path, error: &io::Error) -> Failure {
 }
 
 fn no_room(why: &str) -> Failure {
-    Failure::new(StatusCode::SERVICE_UNAVAILABLE, "no_folder", why)
+    Failure::unavailable("no_folder", why)
 }
 
 /// What a runner is told.
@@ -254,16 +253,16 @@ fn words(server: &ServerState, machine: PathBuf, asked: &StartRun, folder: &Path
 
 /// Why no run began, as an answer.
 pub(super) fn not_launched(error: &LaunchError) -> Failure {
-    let (status, code) = match error {
-        LaunchError::Load(_) => (StatusCode::UNPROCESSABLE_ENTITY, "load_failed"),
+    let (why, code) = match error {
+        LaunchError::Load(_) => (Reason::Unprocessable, "load_failed"),
         LaunchError::Ended { .. }
         | LaunchError::Lost
         | LaunchError::Silent(_)
-        | LaunchError::Begin(_) => (StatusCode::UNPROCESSABLE_ENTITY, "not_started"),
+        | LaunchError::Begin(_) => (Reason::Unprocessable, "not_started"),
         LaunchError::Start(_)
         | LaunchError::Thread(_)
         | LaunchError::Frame(_)
-        | LaunchError::Version(_) => (StatusCode::SERVICE_UNAVAILABLE, "no_runner"),
+        | LaunchError::Version(_) => (Reason::Unavailable, "no_runner"),
     };
-    Failure::new(status, code, reason(error))
+    Failure::new(why, code, reason(error))
 }

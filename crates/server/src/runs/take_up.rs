@@ -9,8 +9,8 @@ use super::run::Run;
 use super::start::{cannot_write, not_launched, to_its_end};
 use super::supervise;
 use crate::access::Who;
-use crate::blocking::blocking;
 use crate::failure::reason;
+use crate::gate::blocking;
 use crate::{Failure, ServerState};
 use rafcon_protocol::Launch;
 use rafcon_protocol::api::{ResumeRun, RunPhase, RunSummary};
@@ -25,7 +25,7 @@ pub(crate) async fn resume(
     run: &str,
     asked: ResumeRun,
 ) -> Result<RunSummary, Failure> {
-    crate::request_id::check(&asked.id)?;
+    crate::extract::check_request_id(&asked.id)?;
     let run = server.runs.get(run).await?;
     let (server, who) = (Arc::clone(server), who.clone());
     to_its_end(async move { once(&server, &who, &run, asked).await }).await

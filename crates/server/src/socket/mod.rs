@@ -10,7 +10,6 @@ mod machine;
 mod outbox;
 mod pulse;
 mod request_handler;
-mod server_status;
 mod session;
 mod status;
 mod words;

@@ -4,8 +4,9 @@ use crate::harness::TestServer;
 use crate::past::{END, RUN, get, said, server, write};
 use expect_test::expect;
 use rafcon_protocol::api::Role;
-use rafcon_storage::journal::{About, Journal, Options, Packer, notation};
-use rafcon_storage::{Libraries, Loaded, Root, load};
+use rafcon_storage::journal::{About, Journal, Options};
+use rafcon_storage::{Libraries, Loaded, Packer, Root, load};
+use rafcon_testkit::journal_notation;
 use serde_json::{Value, json};
 use std::fmt::Write as _;
 use std::io::Read as _;
@@ -47,7 +48,7 @@ fn with_machines(run: &Path) -> Vec<String> {
         writeln!(text, "told {}", json!({"type": "root", "hash": hash, "change": name})).unwrap();
         hashes.push(hash);
     }
-    journal.append(&notation::batch(&text, 0).unwrap()).unwrap();
+    journal.append(&journal_notation::batch(&text, 0).unwrap()).unwrap();
     journal.close().unwrap();
     hashes
 }

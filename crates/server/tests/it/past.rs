@@ -2,7 +2,8 @@
 
 use crate::harness::TestServer;
 use rafcon_protocol::api::Role;
-use rafcon_storage::journal::{About, Journal, Options, notation};
+use rafcon_storage::journal::{About, Journal, Options};
+use rafcon_testkit::journal_notation;
 use serde_json::Value;
 use std::path::Path;
 
@@ -63,7 +64,7 @@ pub(crate) fn write(runs: &Path, id: &str, text: &str) -> Journal {
 
 /// More of a run.
 pub(crate) fn append(journal: &Journal, text: &str) {
-    journal.append(&notation::batch(&format!("{MACHINE}{text}"), 0).unwrap()).unwrap();
+    journal.append(&journal_notation::batch(&format!("{MACHINE}{text}"), 0).unwrap()).unwrap();
 }
 
 /// What is answered to somebody who may look on.

@@ -2,7 +2,8 @@
 
 use rafcon_protocol::Event;
 use rafcon_protocol::api::HistoryEntry;
-use rafcon_storage::journal::{About, Journal, Options, Reader, notation};
+use rafcon_storage::journal::{About, Journal, Options, Reader};
+use rafcon_testkit::journal_notation;
 use serde_json::Value;
 use std::path::Path;
 
@@ -27,7 +28,7 @@ pub(crate) fn make(runs: &Path, id: &str, rounds: usize) {
     let journal = Journal::create(&runs.join(id), &about, &options).unwrap();
     let mut before = 0;
     let mut append = |text: &str| {
-        let batch = notation::batch(&format!("{MACHINE}{text}"), before).unwrap();
+        let batch = journal_notation::batch(&format!("{MACHINE}{text}"), before).unwrap();
         before = batch.t_last();
         journal.append(&batch).unwrap();
         journal.commit().unwrap();

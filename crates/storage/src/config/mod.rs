@@ -1,13 +1,55 @@
-//! The reference's `config.yaml`: found, read, never written. Knows its keys and how it writes paths.
+//! Finds and reads the reference's `config.yaml`, and never writes it. Knows its keys, its usual places and its form of paths.
 //! Must never read the environment itself.
 
-mod find;
 mod paths;
 mod read;
+#[cfg(test)]
+mod tests;
 
-pub use find::{ConfigError, find};
 pub use paths::{Environment, clean_path};
 pub use read::{Config, ConfigNote, Naming, parse};
 
-#[cfg(test)]
-mod tests;
+use std::path::{Path, PathBuf};
+use std::{fs, io};
+
+/// The file's name.
+const FILE: &str = "config.yaml";
+
+/// The config that the user named cannot be read.
+#[derive(Debug, thiserror::Error)]
+#[error("cannot read the config {}", path.display())]
+pub struct ConfigError {
+    /// The file.
+    pub path: PathBuf,
+    /// The error of the system.
+    pub source: io::Error,
+}
+
+/// Reads the config that `given` names (a file, or a folder with a `config.yaml`), else `~/.config/rafcon/config.yaml`.
+/// Without a file, returns defaults. The second value is the file that was read.
+pub fn find(
+    given: Option<&Path>,
+    environment: &Environment<'_>,
+) -> Result<(Config, Option<PathBuf>), ConfigError> {
+    let Some(path) = given.map(file_in).or_else(|| usual(environment)) else {
+        return Ok((Config::default(), None));
+    };
+    match fs::read_to_string(&path) {
+        Ok(text) => {
+            let dir = path.parent().unwrap_or(Path::new(""));
+            Ok((parse(&text, dir, environment), Some(path)))
+        }
+        Err(error) if given.is_none() && error.kind() == io::ErrorKind::NotFound => {
+            Ok((Config::default(), None))
+        }
+        Err(source) => Err(ConfigError { path, source }),
+    }
+}
+
+fn file_in(path: &Path) -> PathBuf {
+    if path.is_dir() { path.join(FILE) } else { path.to_owned() }
+}
+
+fn usual(environment: &Environment<'_>) -> Option<PathBuf> {
+    Some(PathBuf::from(environment("HOME")?).join(".config/rafcon").join(FILE))
+}

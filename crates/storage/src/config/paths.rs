@@ -3,7 +3,7 @@
 
 use std::path::{Component, Path, PathBuf};
 
-/// Looks up an environment variable. The program passes its own environment; a test passes what it likes.
+/// Looks up an environment variable. The program passes its own environment; a test passes any.
 pub type Environment<'e> = dyn Fn(&str) -> Option<String> + 'e;
 
 /// The path that `text` means: without quotes, `~` and variables replaced, relative to `base`, without `.` and `..`.

@@ -4,7 +4,7 @@ use super::paths::{Environment, clean_path};
 use saphyr::{LoadableYamlNode as _, Yaml};
 use std::path::{Path, PathBuf};
 
-/// What a `config.yaml` says, with the reference's defaults for what it does not say.
+/// The settings of a `config.yaml`, with the reference's defaults for missing ones.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Config {
     /// Root name and folder, in the order of the file.
@@ -15,20 +15,20 @@ pub struct Config {
     pub in_memory_history: bool,
     /// Whether a run writes its history to files.
     pub file_history: bool,
-    /// Where to, if the config says so.
+    /// The folder of these files, if the config names one.
     pub execution_log_path: Option<PathBuf>,
-    /// Whether a script's text is compiled at each entry, not once.
+    /// Whether a script is compiled at each entry, instead of once.
     pub recompile_scripts: bool,
-    /// What was found wrong.
+    /// Settings without effect.
     pub notes: Vec<ConfigNote>,
 }
 
 /// How the folder of a state is named (`docs/format.md`, folder names).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Naming {
-    /// Name and id, not the id alone.
+    /// Whether the name contains the state's name and id, instead of the id alone.
     pub with_name: bool,
-    /// At most so many characters of the name.
+    /// The maximum number of characters of the state's name.
     pub max_name_length: Option<usize>,
 }
 
@@ -41,15 +41,15 @@ impl Default for Naming {
 /// Something in a config that has no effect.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum ConfigNote {
-    /// Not YAML; nothing of it counts.
-    #[error("the config is not YAML, so defaults count: {0}; correct the file")]
+    /// The file is not YAML and has no effect.
+    #[error("the config is not YAML, so defaults apply: {0}; correct the file")]
     Malformed(String),
-    /// A value of another type.
-    #[error("{key} should be {expected}, so its default counts; correct the file")]
+    /// A value has a wrong type.
+    #[error("{key} should be {expected}, so its default applies; correct the file")]
     WrongType {
         /// The key.
         key: String,
-        /// What it should be.
+        /// The expected type.
         expected: &'static str,
     },
 }
@@ -110,7 +110,7 @@ impl ConfigReader<'_> {
         self.notes.push(ConfigNote::WrongType { key: key.to_owned(), expected });
     }
 
-    /// `true`, or a word that YAML of the reference's time takes for it.
+    /// A boolean, or a word that YAML 1.1 accepts as one.
     fn flag(&mut self, key: &str, default: bool) -> bool {
         let Some(value) = self.get(key) else { return default };
         let word = value.as_str().map(str::to_ascii_lowercase);

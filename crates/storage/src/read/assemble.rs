@@ -1,12 +1,11 @@
-//! States without children become a tree: order, ids that are taken, content of libraries. Knows the model and where each
+//! Makes a tree of states: orders them, replaces duplicate ids, adds the content of libraries. Knows the model and where each
 //! state was found; reads nothing.
 
+use super::file_of;
 use super::library_content::Contents;
-use super::load::file_of;
 use super::state_files::Node;
-use crate::files::Part;
+use crate::files::{Part, StateFolder};
 use crate::libraries::{Libraries, Loading};
-use crate::place::StateFolder;
 use crate::problem::{Fault, LoadProblem};
 use rafcon_model::{
     Container, DataFlow, DataFlows, Kind, State, StateId, StatePath, Transition, Transitions,
@@ -17,7 +16,7 @@ use std::os::unix::ffi::OsStrExt as _;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-/// The tree, where its states lie, and what was wrong.
+/// The tree, the folders of its states, and the problems found.
 #[derive(Debug)]
 pub(crate) struct Assembled {
     pub(crate) root: Arc<State>,
@@ -25,7 +24,7 @@ pub(crate) struct Assembled {
     pub(crate) problems: Vec<LoadProblem>,
 }
 
-/// A state with all that is in it.
+/// A state with its children.
 struct Built {
     number: usize,
     state: State,
@@ -33,7 +32,7 @@ struct Built {
     linked: bool,
 }
 
-/// What is known of each node by its number, to tell where faults are.
+/// Facts about each node by its number, to report the places of faults.
 #[derive(Default)]
 struct NodePaths {
     parents: Vec<Option<usize>>,
@@ -42,7 +41,7 @@ struct NodePaths {
     faults: Vec<(usize, Part, Fault)>,
 }
 
-/// Makes the tree of all nodes. There is at least the root, which has number 0.
+/// Makes the tree of all nodes. There is at least the root, with number 0.
 pub(crate) fn assemble(
     mut nodes: Vec<Node>,
     libraries: &Libraries,
@@ -102,7 +101,7 @@ fn build(
     Built { number, state, place: StateFolder::new(folder, places).with(oddities), linked }
 }
 
-/// Sorts by id; a state whose id is taken gets another one, the same at each load.
+/// Sorts by id; a state with a duplicate id gets another one, the same at each load.
 fn settle_ids(children: &mut [Built], parent: &StateId, trail: &mut NodePaths) {
     children.sort_by(|a, b| key(a).cmp(&key(b)));
     let mut taken = BTreeSet::from([parent.clone()]);
@@ -127,14 +126,14 @@ fn settle_ids(children: &mut [Built], parent: &StateId, trail: &mut NodePaths) {
     children.sort_by(|a, b| a.state.id.cmp(&b.state.id));
 }
 
-/// Of two with one id, the one whose folder is named after it keeps it.
+/// Of two states with one id, the state whose folder has this name keeps it.
 fn key(child: &Built) -> (&StateId, bool, &OsStr) {
     let folder = &child.place.folder;
     let is_own = folder.as_bytes().ends_with(child.state.id.as_str().as_bytes());
     (&child.state.id, !is_own, folder)
 }
 
-/// Six letters that follow from the folder's name.
+/// Six letters derived from the folder's name.
 fn fresh_id(folder: &OsStr, taken: &BTreeSet<StateId>) -> StateId {
     let mut hash = 0xcbf2_9ce4_8422_2325_u64;
     for byte in folder.as_bytes() {
@@ -151,7 +150,7 @@ fn fresh_id(folder: &OsStr, taken: &BTreeSet<StateId>) -> StateId {
     }
 }
 
-/// Gives the state another id, also where its own transitions and data flows name it.
+/// Changes the id of the state, and updates its own transitions and data flows.
 fn rename(state: &mut State, new: &StateId) {
     let old = std::mem::replace(&mut state.id, new.clone());
     let Some(container) = state.container_mut() else { return };

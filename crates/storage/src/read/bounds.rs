@@ -1,8 +1,8 @@
-//! Where files and folders may be read: anywhere, or for those who load for others in some folders only. Knows links and
+//! Restricts reading to some folders, for programs that load machines on behalf of others. Knows links and
 //! kinds of files, not what is in them.
 //!
-//! The system itself says that there was no link on the way to what it opens; only where there was one is looked up where
-//! that really lies. Nothing that is put there in between can lead elsewhere.
+//! The system itself reports whether a path contains a link; only for such paths the real location is looked up.
+//! A concurrent change of the path cannot lead elsewhere.
 
 use rustix::fd::{AsFd, AsRawFd as _, OwnedFd};
 use rustix::fs::{CWD, FileType, Mode, OFlags, ResolveFlags, fstat, openat, openat2, readlink};
@@ -11,13 +11,13 @@ use std::ffi::OsString;
 use std::os::unix::ffi::OsStringExt as _;
 use std::path::{Path, PathBuf};
 
-/// Larger files are not read for others.
+/// The maximum size of a file that is read under a restriction.
 pub(super) const BYTES_MAX: u64 = 64 << 20;
 
-/// Why something was not read; paths are those that were asked for.
+/// Why something was not read; paths are the requested ones.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) enum Unread {
-    /// The system refuses.
+    /// The system reports an error.
     System(Errno),
     /// It lies in none of the folders.
     Outside(PathBuf),
@@ -31,12 +31,12 @@ impl From<Errno> for Unread {
     }
 }
 
-/// The folders in which everything has to lie, without links in their paths; nothing: anywhere.
+/// The folders from which files may be read, without links in their paths; `None` means anywhere.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Bounds<'h>(pub(crate) Option<&'h [PathBuf]>);
 
 impl Bounds<'_> {
-    /// Opens what is at `path` in the open folder `dir`, to be read.
+    /// Opens `path` in the open folder `dir` for reading.
     pub(crate) fn open(
         self,
         dir: impl AsFd,
@@ -59,12 +59,12 @@ impl Bounds<'_> {
                 | Errno::MFILE
                 | Errno::NFILE),
             ) => Err(error.into()),
-            // A link, or a system that does not look for links.
+            // A link, or a system that cannot detect links.
             Err(_) => self.open_by_link(dir, path, flags),
         }
     }
 
-    /// Nothing that lies elsewhere is opened, not even to look at it: to open a device may do something.
+    /// Opens nothing outside of the folders, not even to examine it: opening a device may have an effect.
     fn open_by_link(self, dir: impl AsFd, path: &Path, flags: OFlags) -> Result<OwnedFd, Unread> {
         let kind = OFlags::PATH | OFlags::CLOEXEC | (flags & OFlags::DIRECTORY);
         let found = openat(dir, path, kind, Mode::empty())?;
@@ -77,7 +77,7 @@ impl Bounds<'_> {
         }
     }
 
-    /// Whether something open lies where it may be read.
+    /// Whether an open file or folder is inside the allowed folders.
     pub(crate) fn holds(self, open: &OwnedFd) -> bool {
         let Some(homes) = self.0 else { return true };
         let Ok(place) = readlink(by_number(open), Vec::new()) else { return false };
@@ -85,7 +85,7 @@ impl Bounds<'_> {
         homes.iter().any(|home| place.starts_with(home))
     }
 
-    /// Refuses a file that is not to be read as a whole. A folder is refused by who reads it.
+    /// Refuses a file that must not be read as a whole. The caller refuses a folder.
     pub(crate) fn admit(self, file: &OwnedFd, path: &Path) -> Result<(), Unread> {
         if self.0.is_none() {
             return Ok(());
@@ -100,7 +100,7 @@ impl Bounds<'_> {
     }
 }
 
-/// Where the system shows what is open under a number.
+/// The path under `/proc` of an open file.
 fn by_number(open: &OwnedFd) -> PathBuf {
     PathBuf::from(format!("/proc/self/fd/{}", open.as_raw_fd()))
 }

@@ -1,4 +1,4 @@
-//! JSON text without the white space between its parts. Knows strings and brackets, nothing else of JSON.
+//! Removes the white space between the parts of a JSON text. Knows strings and brackets, nothing else of JSON.
 
 /// Appends `text` without white space outside strings; `None` if brackets do not match or a string does not end, so that
 /// a truncated document is noticed without reading all of it.

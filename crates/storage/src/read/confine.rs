@@ -1,24 +1,24 @@
-//! Whether everything of a machine lies where it may be read, before an interrupted save of it is finished: that moves files.
-//! Knows links and kinds of files, not what is in them. What is only read is looked at when it is opened.
+//! Checks that all files of a machine may be read before an interrupted save of it is finished, because that moves files.
+//! Knows links and kinds of files, not their content. Files that are only read are checked when they are opened.
 //!
-//! A link that is put there between the look and the save is not seen: whoever can do that writes where the machine lies.
+//! A link that is created between the check and the save is not detected: it takes write access to the machine's folder.
 
 use super::bounds::{BYTES_MAX, Bounds};
-use super::load::LoadError;
 use crate::files::{HEADER, MACHINE_LAYOUT, Part, STAGING, YAML_HEADER};
+use crate::problem::LoadError;
 use std::collections::BTreeSet;
 use std::fs::{self, DirEntry, Metadata};
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// A look at every folder that a load would read.
+/// A check of every folder that a load would read.
 struct Look<'h> {
     homes: &'h [PathBuf],
     waiting: Vec<PathBuf>,
     seen: BTreeSet<PathBuf>,
 }
 
-/// Refuses a machine of which a part lies in none of these folders, or is no file that can be read.
+/// Refuses a machine with a part outside of these folders, or with a file that cannot be read.
 pub(super) fn check(dir: &Path, bounds: Bounds<'_>) -> Result<(), LoadError> {
     let Some(homes) = bounds.0 else { return Ok(()) };
     let mut look = Look { homes, waiting: Vec::new(), seen: BTreeSet::new() };
@@ -37,7 +37,7 @@ pub(super) fn check(dir: &Path, bounds: Bounds<'_>) -> Result<(), LoadError> {
     Ok(())
 }
 
-/// Whether a load looks into a folder: it is a state, or part of a save that was interrupted, and not another machine.
+/// Whether a load reads a folder: it is a state or part of an interrupted save, and not another machine.
 fn is_read(folder: &Path, listing: &[DirEntry]) -> bool {
     let has = |name: &str| listing.iter().any(|entry| entry.file_name() == name);
     let is_staged = folder.components().any(|part| part.as_os_str() == STAGING);
@@ -83,7 +83,7 @@ impl Look<'_> {
         }
     }
 
-    /// What cannot be reached cannot be read either.
+    /// A path that cannot be resolved cannot be read either.
     fn entry(&mut self, entry: &DirEntry) -> Result<(), EntryFault> {
         let Ok(kind) = entry.file_type() else { return Ok(()) };
         if kind.is_dir() {
@@ -99,7 +99,7 @@ impl Look<'_> {
         }
     }
 
-    /// Where a link leads. Only for links is the whole way looked up: it costs more than all else.
+    /// The target of a link. Resolves the whole path only for links, because that is the most expensive operation.
     fn link(&mut self, entry: &DirEntry) -> Result<(), EntryFault> {
         let path = entry.path();
         let (Ok(about), Ok(real)) = (fs::metadata(&path), fs::canonicalize(&path)) else {
@@ -142,7 +142,7 @@ mod tests {
     use std::os::unix::fs::symlink;
     use std::path::Path;
 
-    /// What is said about a machine to whose one state something is done.
+    /// The error for a machine after a change in the folder of its one state.
     fn said(change: impl FnOnce(&Path)) -> String {
         let place = tempfile::tempdir().unwrap();
         let place = place.path().canonicalize().unwrap();
@@ -161,7 +161,7 @@ mod tests {
         said.split(';').next().unwrap_or_default().to_owned()
     }
 
-    /// The same where a link of this name leads there.
+    /// The error after a link with this name is added.
     fn linked(to: &str, name: &str) -> String {
         said(|state| symlink(to, state.join(name)).unwrap())
     }

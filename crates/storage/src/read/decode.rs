@@ -1,8 +1,7 @@
-//! `core_data.json` to a state: one document in, one state without children out. Knows keys and classes of every version,
+//! Decodes a `core_data.json`: one document in, one state without children out. Knows keys and classes of every version,
 //! not where the document came from.
 
 use super::elements::{self, UnmodelledContent};
-use super::intern::Interner;
 use super::library_state;
 use crate::problem::{Fault, Wrong};
 use rafcon_model::port::Extra;
@@ -11,6 +10,7 @@ use rafcon_model::{
     Script, State, StateId, States, Transitions, json,
 };
 use smol_str::{SmolStr, ToSmolStr as _};
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
 /// Keys of every state that has its own ports.
@@ -27,15 +27,15 @@ const COMMON: [&str; 8] = [
 /// Further keys of hierarchies and concurrency states.
 const CONTAINER: [&str; 3] = ["scoped_variables", "transitions", "data_flows"];
 
-/// Reads documents; what repeats is shared.
+/// Decodes documents, and shares repeated parts.
 #[derive(Debug, Default)]
 pub(crate) struct Decoder {
     pub(crate) interner: Interner,
     pub(crate) faults: Vec<Fault>,
 }
 
-/// The state in the text of a `core_data.json`, without children, script, notes and layout, and what was wrong with it.
-/// `folder`, the folder's name, tells the id if the text does not. `Err` if it describes no state at all.
+/// The state in the text of a `core_data.json`, without children, script, notes and layout, and its faults.
+/// Without an id in the text, `folder`, the folder's name, gives the id. `Err` if the text describes no state.
 pub fn state_from_core_data(text: &str, folder: &str) -> Result<(State, Vec<Fault>), Fault> {
     let document = json::parse(text).map_err(Fault::Malformed)?;
     let mut decoder = Decoder::default();
@@ -44,7 +44,7 @@ pub fn state_from_core_data(text: &str, folder: &str) -> Result<(State, Vec<Faul
 }
 
 impl Decoder {
-    /// The state that `document` describes; `Err` if it describes none. `folder` names it if it has no id.
+    /// The state that `document` describes; `Err` if it describes none. Without an id, `folder` gives the id.
     pub(crate) fn state(&mut self, document: &Json, folder: &str) -> Result<State, Fault> {
         let members = document.as_object();
         let members = members.ok_or_else(|| Fault::Wrong(Wrong::NotAnObject(document.kind())))?;
@@ -133,7 +133,7 @@ impl Decoder {
         self.map(document, key, aside, elements::port).into_iter().collect()
     }
 
-    /// The elements of the map at `key`. One that cannot be read is reported, and set aside for the next save.
+    /// The elements of the map at `key`. Reports one that cannot be decoded, and keeps it for the next save.
     pub(crate) fn map<T>(
         &mut self,
         document: &Json,
@@ -152,7 +152,7 @@ impl Decoder {
         };
         let mut ids = elements::Ids::new(members.len());
         let mut found = Vec::with_capacity(members.len());
-        // Of two keys for one id the one counts that is written as ids are, wherever it stands.
+        // Of two keys for one id, the one in canonical form counts, at any position.
         let is_plain = |text: &str| json::canonical_int(text).is_some();
         let plain = members.iter().filter(|(text, _)| is_plain(text));
         let odd = members.iter().filter(|(text, _)| !is_plain(text));
@@ -178,7 +178,7 @@ impl Decoder {
             .push(Fault::Element { element: smol_str::format_smolstr!("{key}.{text}"), wrong });
     }
 
-    /// The text at `key`; a number counts as its digits, as the reference takes it.
+    /// The text at `key`; a number counts as its digits, as in the reference.
     pub(crate) fn required_text(&mut self, document: &Json, key: &'static str) -> Option<SmolStr> {
         match document.get(key) {
             Some(Json::Str(text)) => Some(text.clone()),
@@ -206,8 +206,8 @@ impl Decoder {
     }
 }
 
-/// A state in the place of one whose file cannot be read: it has the id that its folder's name tells, so that
-/// transitions to it still lead somewhere.
+/// Replaces a state whose file cannot be read. It has the id from the folder's name, so that
+/// transitions to it stay valid.
 pub(crate) fn stand_in(folder: &str, has_script: bool) -> State {
     let id = id_from_folder(folder);
     let kind = if has_script {
@@ -234,7 +234,7 @@ pub(crate) fn wrong_type(key: &'static str, expected: &'static str, found: &Json
     Fault::Wrong(Wrong::Type { key, expected, found: found.kind() })
 }
 
-/// An income has nothing of its own; what a file says beyond its class is kept.
+/// An income has no content; unknown keys are kept.
 fn keep_income(document: &Json, extra: &mut Extra) {
     let Some(members) = document.get("income").and_then(Json::as_object) else { return };
     let unknown: Vec<_> =
@@ -242,5 +242,38 @@ fn keep_income(document: &Json, extra: &mut Extra) {
     if !unknown.is_empty() {
         let extra = extra.get_or_insert_with(|| Box::new(Json::object()));
         extra.set("income", Json::Object(unknown));
+    }
+}
+
+/// The maximum number of shared lists of outcomes.
+const LISTS: usize = 16;
+
+/// The shared copies of one reader thread.
+#[derive(Debug, Default)]
+pub(crate) struct Interner {
+    texts: BTreeSet<Arc<str>>,
+    outcomes: Vec<Outcomes>,
+}
+
+impl Interner {
+    /// The shared copy of `text`.
+    pub(crate) fn text(&mut self, text: &str) -> Arc<str> {
+        if let Some(shared) = self.texts.get(text) {
+            return Arc::clone(shared);
+        }
+        let shared: Arc<str> = text.into();
+        self.texts.insert(Arc::clone(&shared));
+        shared
+    }
+
+    /// The shared copy of `outcomes`.
+    pub(crate) fn outcomes(&mut self, outcomes: Outcomes) -> Outcomes {
+        if let Some(shared) = self.outcomes.iter().find(|shared| **shared == outcomes) {
+            return shared.clone();
+        }
+        if self.outcomes.len() < LISTS {
+            self.outcomes.push(outcomes.clone());
+        }
+        outcomes
     }
 }

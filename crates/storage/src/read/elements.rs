@@ -8,17 +8,17 @@ use rafcon_model::{
 };
 use smol_str::{SmolStr, ToSmolStr as _};
 
-/// What a document holds that the model has no place for; kept, and merged into the document when it is written.
+/// Content of a document that the model cannot hold; kept, and merged into the document when it is written.
 #[derive(Debug, Default)]
 pub(crate) struct UnmodelledContent(Vec<(SmolStr, Json)>);
 
 impl UnmodelledContent {
-    /// Sets the whole value of a known key aside.
+    /// Keeps the whole value of a known key.
     pub(crate) fn whole(&mut self, key: &str, value: &Json) {
         self.0.push((key.into(), value.clone()));
     }
 
-    /// Sets one member of the map at `key` aside.
+    /// Keeps one member of the map at `key`.
     pub(crate) fn member(&mut self, key: &str, member: &str, value: &Json) {
         let index = self.0.iter().position(|(k, _)| k == key).unwrap_or_else(|| {
             self.0.push((key.into(), Json::object()));
@@ -27,7 +27,7 @@ impl UnmodelledContent {
         self.0[index].1.set(member, value.clone());
     }
 
-    /// All that was set aside, and every member that `is_known` does not name.
+    /// All kept content, and every member with an unknown key.
     pub(crate) fn into_extra(
         mut self,
         members: &[(SmolStr, Json)],
@@ -68,7 +68,7 @@ impl Ids {
     }
 }
 
-/// The id in an element, if it says another one than `key`.
+/// The id in an element, if it differs from `key`.
 pub(crate) fn other_id(key: i64, value: &Json) -> Option<i64> {
     let inside = ID_KEYS.iter().find_map(|id_key| value.get(id_key)?.as_int())?;
     (inside != key).then_some(inside)

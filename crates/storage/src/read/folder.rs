@@ -1,4 +1,4 @@
-//! Folders and files by few system calls: paths relative to an open folder, kinds of entries from the listing, no `stat`.
+//! Reads folders and files with few system calls: paths relative to an open folder, kinds of entries from the listing, no `stat`.
 //! Knows bytes, not what they mean.
 
 use super::bounds::{Bounds, Unread};
@@ -10,11 +10,11 @@ use std::mem::MaybeUninit;
 use std::os::unix::ffi::{OsStrExt as _, OsStringExt as _};
 use std::path::Path;
 
-/// What a listing says about a name.
+/// An entry of a listing.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct FolderEntry {
     pub(crate) name: OsString,
-    /// A link, or a file system that does not tell: only opening shows what it is.
+    /// A link, or a file system that does not report kinds: only opening shows the kind.
     pub(crate) unclear: bool,
 }
 
@@ -24,12 +24,12 @@ pub(crate) fn open(path: &Path) -> Result<OwnedFd, Errno> {
     openat(CWD, path, flags, Mode::empty())
 }
 
-/// The number that tells folders of one file system apart.
+/// The number that identifies a folder in its file system.
 pub(crate) fn inode(dir: impl AsFd) -> Result<u64, Errno> {
     fstat(dir).map(|stat| stat.st_ino)
 }
 
-/// The folders in `dir`, and what may be one.
+/// The folders in `dir`, and entries that may be folders.
 pub(crate) fn folders(dir: impl AsFd) -> Result<Vec<FolderEntry>, Errno> {
     let mut buffer = [MaybeUninit::uninit(); 16 * 1024];
     let mut listing = RawDir::new(dir, &mut buffer);
@@ -50,7 +50,7 @@ pub(crate) fn folders(dir: impl AsFd) -> Result<Vec<FolderEntry>, Errno> {
     Ok(found)
 }
 
-/// Reads files into one buffer that is used again and again.
+/// Reads files into a reused buffer.
 #[derive(Debug)]
 pub(crate) struct FileReader<'h> {
     bounds: Bounds<'h>,
@@ -63,7 +63,7 @@ impl<'h> FileReader<'h> {
         Self { bounds, path: Vec::with_capacity(256), bytes: vec![0; 64 * 1024] }
     }
 
-    /// Where it reads.
+    /// The folders from which it may read.
     pub(crate) fn bounds(&self) -> Bounds<'h> {
         self.bounds
     }
@@ -85,14 +85,14 @@ impl<'h> FileReader<'h> {
         }
     }
 
-    /// Reads the file at the path; how many bytes it has.
+    /// Reads the file at the path, and returns its length.
     fn fetch(&mut self, dir: impl AsFd) -> Result<usize, Unread> {
         let path = Path::new(OsStr::from_bytes(&self.path));
-        // A pipe in the place of a file has nothing to read, and nobody waits for it.
+        // Does not wait for the writer of a pipe.
         let file = self.bounds.open(dir, path, OFlags::NONBLOCK)?;
         self.bounds.admit(&file, path)?;
         fill(&mut self.bytes, &file).map_err(|error| match error {
-            // Not what the system says of a file, but of a device that has no end.
+            // The system reports this for a device without an end, not for a file.
             Errno::NXIO => Unread::Unfit(path.to_owned()),
             error => error.into(),
         })
@@ -114,8 +114,8 @@ impl<'h> FileReader<'h> {
     }
 }
 
-/// Reads a file into the buffer; how many bytes it has. One read is enough for a file that is smaller than the buffer: a
-/// regular file gives all it has. One that is larger and not regular may have no end, and is refused by `NXIO`.
+/// Reads a file into the buffer, and returns its length. One read is enough for a file that is smaller than the buffer: a
+/// regular file returns all its bytes. A larger file that is not regular may have no end, and is refused by `NXIO`.
 fn fill(bytes: &mut Vec<u8>, file: &OwnedFd) -> Result<usize, Errno> {
     let mut length = 0;
     loop {

@@ -1,7 +1,7 @@
-//! Puts what a library is behind its instance: outcomes and ports of its root, or what the instance itself tells when the
-//! library is missing. Knows the model; the looking up is done by [`Libraries`].
+//! Adds the content of a library to its instance: outcomes and ports of its root, or those that the instance implies if the
+//! library is missing. Knows the model; [`Libraries`] finds the library.
 
-use super::load::library_label;
+use super::library_label;
 use crate::libraries::{Libraries, Loading, ReadLibrary};
 use crate::problem::Fault;
 use rafcon_model::{
@@ -10,6 +10,7 @@ use rafcon_model::{
 };
 use smol_str::{SmolStr, format_smolstr};
 use std::collections::BTreeSet;
+use std::path::PathBuf;
 use std::sync::Arc;
 
 /// Looks libraries up for one machine.
@@ -17,7 +18,7 @@ use std::sync::Arc;
 pub(crate) struct Contents<'l> {
     libraries: &'l Libraries,
     loading: &'l Loading<'l>,
-    /// Libraries whose own faults were reported.
+    /// Libraries whose own faults are already reported.
     reported: BTreeSet<SmolStr>,
 }
 
@@ -58,7 +59,7 @@ impl<'l> Contents<'l> {
     }
 }
 
-/// What the instance says that does not fit the library.
+/// The differences between the instance and the library.
 fn differences(library: &Library, parsed: &ReadLibrary, label: &SmolStr) -> Vec<Fault> {
     let mut faults = Vec::new();
     if let Some(found) = parsed.version.as_ref().filter(|v| Some(*v) != library.version.as_ref()) {
@@ -77,7 +78,7 @@ fn differences(library: &Library, parsed: &ReadLibrary, label: &SmolStr) -> Vec<
     faults
 }
 
-/// A missing library has the ports that its runtime values and the data flows around it speak of.
+/// Gives a missing library the ports that its runtime values and the data flows around it use.
 pub(crate) fn ports_of_missing(state: &mut State, flows: &DataFlows) {
     let Kind::Library(library) = &state.kind else { return };
     if !matches!(library.content, LibraryContent::Missing { .. }) {
@@ -100,4 +101,10 @@ fn known_ports(
         Port::new(id, format_smolstr!("{side}_{id}"), DataType::Object, value)
     };
     ids.into_iter().map(port).collect()
+}
+
+/// Looks up the library of `state`, which is in no machine yet, and takes outcomes and ports from it. Returns
+/// the differences; a state of another kind stays as it is.
+pub fn fill_library(state: &mut State, libraries: &Libraries) -> Vec<Fault> {
+    Contents::new(libraries, &Loading::first(PathBuf::new())).fill(state)
 }

@@ -1,12 +1,12 @@
-//! What a document says about a library instance, in the current and the older form. Knows the reference, not what is
-//! behind it.
+//! Decodes a library instance, in the current and the older form. Knows the reference, not the
+//! content of the library.
 
 use super::decode::{Decoder, wrong_type};
 use super::elements::{UnmodelledContent, port};
 use rafcon_model::{Json, Library, LibraryContent, PortId, RuntimeValue, RuntimeValues, Value};
 use smol_str::SmolStr;
 
-/// Keys of a library state beside those of every state.
+/// Keys of a library state in addition to those of every state.
 pub(crate) const KEYS: [&str; 7] = [
     "library_path",
     "library_name",
@@ -17,7 +17,7 @@ pub(crate) const KEYS: [&str; 7] = [
     "use_runtime_value_output_data_ports",
 ];
 
-/// The two maps of one side, and the map of ports that older files have instead.
+/// The two maps of one side, and the map of ports in older files.
 struct PortMaps {
     values: &'static str,
     flags: &'static str,
@@ -66,7 +66,7 @@ fn runtime_values(
             let used = |value| RuntimeValue { value, used: true };
             return ports.into_iter().map(|port| (port.id, used(port.default))).collect();
         }
-        // What was set aside when the older form was read: it has no effect and stays.
+        // Kept from the older form: it has no effect and stays.
         Some(rest) => aside.whole(side.legacy, rest),
         None => {}
     }

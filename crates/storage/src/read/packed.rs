@@ -1,15 +1,16 @@
-//! A machine from what a run has kept of it: the same states as from its folder, without a file. Knows the way from packed
+//! Reads a machine that a run has stored: the same states as from its folder, without a file. Knows the way from packed
 //! files to the model; must never read the disk.
 
 use super::assemble::assemble;
 use super::bounds::Unread;
-use super::load::{LoadError, Loaded, loaded, read_header};
 use super::state_files::{Node, ReadState, StateFiles, StateReader};
 use super::walk::MAX_THREADS;
+use super::{Loaded, loaded, read_header};
 use crate::files::Part;
 use crate::journal::Packed;
 use crate::journal::pack::packed::Folder;
 use crate::libraries::{Libraries, Loading};
+use crate::problem::LoadError;
 use std::collections::BTreeMap;
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
@@ -18,10 +19,10 @@ use std::thread;
 /// The path of a state's folder in the pack, the folder's name, and its files.
 type PackedState<'p> = (&'p str, &'p OsStr, &'p Folder);
 
-/// So many states are worth a second thread.
+/// The number of states that justifies a second thread.
 const WORTH_A_THREAD: usize = 64;
 
-/// Reads the machine in `folder` of what a run has kept, and its libraries from there too; `dir` is where its files lay.
+/// Reads the machine in `folder` of a pack, and its libraries from the same pack; `dir` is the original folder of its files.
 pub fn load_packed(
     packed: &Packed,
     folder: &str,
@@ -31,7 +32,7 @@ pub fn load_packed(
     load_packed_folder(packed, folder, dir, libraries, &Loading::first(PathBuf::from(folder)))
 }
 
-/// The same; `loading` says which machines are being read around it.
+/// Reads it within `loading`, the machines that are being read around it.
 pub(crate) fn load_packed_folder(
     packed: &Packed,
     folder: &str,
@@ -42,7 +43,7 @@ pub(crate) fn load_packed_folder(
     let file = |name| Ok(packed.of_machine(folder, name).map(<[u8]>::to_vec));
     let head = read_header(dir, file)?;
     let states = packed.states(folder).enumerate();
-    // The root lies in the folder of the machine, and has no name of its own.
+    // The root is in the folder of the machine, which is not named after it.
     let name = |index, path| if index == 0 { OsStr::new("") } else { name(path) };
     let nodes = nodes(
         &states.map(|(index, (path, files))| (path, name(index, path), files)).collect::<Vec<_>>(),
@@ -53,7 +54,7 @@ pub(crate) fn load_packed_folder(
     Ok(loaded(dir, head, assemble(nodes, libraries, loading)))
 }
 
-/// The states in these folders, of which the first is the root's.
+/// The states in these folders; the first is the root's.
 fn nodes(folders: &[PackedState<'_>]) -> Vec<Node> {
     let mut numbers: BTreeMap<&str, usize> = BTreeMap::new();
     let mut nodes: Vec<Node> = Vec::new();
@@ -75,7 +76,7 @@ fn name(path: &str) -> &OsStr {
     OsStr::new(path.rsplit('/').next().unwrap_or_default())
 }
 
-/// The states of all these folders, in their order; nothing for one that has none.
+/// The states of these folders, in their order; `None` for a folder without a state.
 fn states(folders: &[PackedState<'_>]) -> Vec<Option<ReadState>> {
     let threads = thread::available_parallelism().map_or(1, usize::from).min(MAX_THREADS);
     let threads = threads.min(folders.len() / WORTH_A_THREAD + 1);
@@ -96,7 +97,7 @@ fn states(folders: &[PackedState<'_>]) -> Vec<Option<ReadState>> {
 
 fn read(folders: &[PackedState<'_>]) -> Vec<Option<ReadState>> {
     let mut reader = StateReader::default();
-    // What lies in memory can be read.
+    // Reading memory cannot fail.
     let read = |(_, name, files): &PackedState<'_>| reader.read(name, &mut &**files).ok()?;
     folders.iter().map(read).collect()
 }

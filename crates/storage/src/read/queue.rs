@@ -1,4 +1,4 @@
-//! Work that brings more work, shared by threads until none is left. Knows nothing of what the work is.
+//! A queue of work that creates more work, shared by threads until none is left. Does not know what the work is.
 
 use parking_lot::{Condvar, Mutex};
 
@@ -12,7 +12,7 @@ pub(crate) struct Queue<T> {
 #[derive(Debug)]
 struct Waiting<T> {
     items: Vec<T>,
-    /// Items taken, but not done: they may bring more.
+    /// The number of items in progress, which may add more.
     busy: usize,
     abandoned: bool,
 }
@@ -23,12 +23,12 @@ impl<T> Queue<T> {
         Self { state: Mutex::new(state), changed: Condvar::new() }
     }
 
-    /// How many items wait.
+    /// The number of waiting items.
     pub(crate) fn len(&self) -> usize {
         self.state.lock().items.len()
     }
 
-    /// The next item, to be answered by [`Queue::done`]; `None` when all work is done or abandoned.
+    /// The next item, to be followed by [`Queue::done`]; `None` when all work is done or abandoned.
     pub(crate) fn next(&self) -> Option<T> {
         let mut state = self.state.lock();
         loop {
@@ -46,7 +46,7 @@ impl<T> Queue<T> {
         }
     }
 
-    /// An item is done and brought `more`.
+    /// Marks an item as done, and adds `more`.
     pub(crate) fn done(&self, more: Vec<T>) {
         let mut state = self.state.lock();
         state.busy -= 1;
@@ -58,7 +58,7 @@ impl<T> Queue<T> {
         }
     }
 
-    /// Nobody takes another item.
+    /// Stops handing out items.
     pub(crate) fn abandon(&self) {
         self.state.lock().abandoned = true;
         self.changed.notify_all();

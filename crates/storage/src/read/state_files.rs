@@ -1,11 +1,10 @@
-//! One state from its files, wherever they come from: core data, script, notes, layout, and what is wrong with them. Knows
+//! Decodes one state from its files, whatever their source: core data, script, notes, layout, and their faults. Knows
 //! which files a state has; opens none, and makes no tree.
 
 use super::bounds::Unread;
 use super::compact::compact;
 use super::decode::{Decoder, stand_in};
-use crate::files::Part;
-use crate::place::Oddities;
+use crate::files::{Oddities, Part};
 use crate::problem::Fault;
 use rafcon_model::{Json, Kind, Layout, State, json};
 use std::ffi::{OsStr, OsString};
@@ -13,11 +12,11 @@ use std::sync::Arc;
 
 /// The files of one state.
 pub(crate) trait StateFiles {
-    /// The bytes of one of them; `None` if there is no such file.
+    /// The bytes of a file; `None` if it does not exist.
     fn read(&mut self, part: Part) -> Result<Option<&[u8]>, Unread>;
 }
 
-/// A state as its folder tells it, without its children.
+/// A state from its folder, without its children.
 #[derive(Debug)]
 pub(crate) struct Node {
     /// Parents have lower numbers than their children.
@@ -27,11 +26,11 @@ pub(crate) struct Node {
     pub(crate) state: State,
     pub(crate) faults: Vec<(Part, Fault)>,
     pub(crate) oddities: Oddities,
-    /// Reached by a link, so that the same files may be another state, too.
+    /// Reached by a link, so that the same files may also be another state.
     pub(crate) linked: bool,
 }
 
-/// A state that was read, with what was wrong.
+/// A decoded state with its faults.
 #[derive(Debug)]
 pub(crate) struct ReadState {
     state: State,
@@ -40,7 +39,7 @@ pub(crate) struct ReadState {
 }
 
 impl ReadState {
-    /// The same in its place.
+    /// Adds its place.
     pub(crate) fn node(
         self,
         number: usize,
@@ -53,7 +52,7 @@ impl ReadState {
     }
 }
 
-/// Reads states one after the other; what repeats is shared.
+/// Decodes states, and shares repeated parts.
 #[derive(Debug, Default)]
 pub(crate) struct StateReader {
     decoder: Decoder,
@@ -61,7 +60,7 @@ pub(crate) struct StateReader {
 }
 
 impl StateReader {
-    /// The state with these files, if they are those of a state; `folder` is the name of its folder.
+    /// The state in these files, if they are those of a state; `folder` is the name of its folder.
     pub(crate) fn read(
         &mut self,
         folder: &OsStr,
@@ -150,13 +149,13 @@ fn semantic(
     }
 }
 
-/// The document that a file holds.
+/// The document in a file.
 pub(crate) fn parse(bytes: &[u8]) -> Result<Json, Fault> {
     let text = std::str::from_utf8(bytes).map_err(|_at| Fault::NotUtf8)?;
     json::parse(text).map_err(Fault::Malformed)
 }
 
-/// The layout that a file holds; `text` is scratch space.
+/// The layout in a file; `text` is scratch space.
 pub(crate) fn compact_layout(bytes: &[u8], text: &mut String) -> Result<Layout, Fault> {
     let layout = std::str::from_utf8(bytes).map_err(|_at| Fault::NotUtf8)?;
     text.clear();

@@ -1,13 +1,12 @@
-//! All folders of a machine, read by several threads. Knows which files a state has and where its children lie; makes no
+//! Reads all folders of a machine with several threads. Knows which files a state has and where its children are; makes no
 //! tree of them.
 
 use super::bounds::{Bounds, Unread};
 use super::folder::{self, FileReader, FolderEntry};
-use super::load::LoadError;
 use super::queue::Queue;
 use super::state_files::{Node, StateFiles, StateReader};
 use crate::files::{HEADER, Part, STAGING};
-use crate::problem::Fault;
+use crate::problem::{Fault, LoadError};
 use rustix::fd::OwnedFd;
 use rustix::fs::OFlags;
 use std::ffi::{OsStr, OsString};
@@ -18,12 +17,12 @@ use std::thread;
 
 /// Deeper folders are not read.
 pub(crate) const MAX_DEPTH: usize = 1024;
-/// So many waiting folders are worth a second thread.
+/// The number of waiting folders that justifies a second thread.
 const WORTH_A_THREAD: usize = 24;
-/// More threads than this wait for the kernel, not for each other's work.
+/// The maximum number of threads: more would only wait for the kernel.
 pub(crate) const MAX_THREADS: usize = 8;
 
-/// A folder to be read, and the open folder it lies in.
+/// A folder to be read, and its open parent folder.
 #[derive(Debug)]
 struct FolderToRead {
     dir: Arc<Dir>,
@@ -49,14 +48,14 @@ impl Dir {
         above.unwrap_or_default().join(name)
     }
 
-    /// Whether the folder with this number is this one or one around it.
+    /// Whether the folder with this number is this one or contains it.
     fn is_in(&self, inode: u64) -> bool {
         self.inode == inode || self.parent.as_ref().is_some_and(|around| around.is_in(inode))
     }
 }
 
-/// Every state below `dir`, the root being in `root_folder` (empty for `dir` itself), in any order.
-/// Nothing if the root's folder has no `core_data.json`.
+/// All states below `dir` in any order; the root is in `root_folder` (empty for `dir` itself).
+/// Empty if the root's folder has no `core_data.json`.
 pub(crate) fn walk(
     fd: OwnedFd,
     path: &Path,
@@ -117,14 +116,14 @@ impl Walk<'_> {
     }
 }
 
-/// What one thread reads with.
+/// The tools of one thread.
 struct WalkReader<'h> {
     files: FileReader<'h>,
     states: StateReader,
 }
 
 impl WalkReader<'_> {
-    /// The state in the folder of `item`, if there is one; the folders in it are added to `children`.
+    /// The state in the folder of `item`, if there is one; adds the folders in it to `children`.
     fn node(
         &mut self,
         item: &FolderToRead,
@@ -146,7 +145,7 @@ impl WalkReader<'_> {
     }
 }
 
-/// The files of the state in one folder of the disk.
+/// The files of the state in one folder.
 struct InFolder<'a, 'h> {
     files: &'a mut FileReader<'h>,
     item: &'a FolderToRead,
@@ -158,7 +157,7 @@ impl StateFiles for InFolder<'_, '_> {
     }
 }
 
-/// Adds the folders in that of `item`, which may hold its children.
+/// Adds the folders in the folder of `item`, which may contain its children.
 fn children(
     item: &FolderToRead,
     number: usize,
@@ -188,7 +187,7 @@ fn children(
     Ok(())
 }
 
-/// Whether the entry is a folder that contains it.
+/// Whether the entry is a folder that contains this one.
 fn leads_back(dir: &Dir, name: &OsStr, bounds: Bounds<'_>) -> Result<bool, Unread> {
     match bounds.open(&dir.fd, Path::new(name), OFlags::DIRECTORY) {
         Ok(found) => Ok(folder::inode(found).is_ok_and(|inode| dir.is_in(inode))),

@@ -1,5 +1,5 @@
-//! A state to its `core_data.json`, the machine to its `statemachine.json`: exactly the keys that the reference reads, and
-//! those of the file that nobody knows. Knows no files.
+//! Encodes a state as `core_data.json` and the machine as `statemachine.json`: exactly the keys that the reference reads, and
+//! the unknown keys of the file. Knows no files.
 
 use rafcon_model::{
     Container, DataFlow, Header, Json, Kind, Library, Outcome, OutcomeId, Port, Ports,
@@ -7,7 +7,7 @@ use rafcon_model::{
 };
 use smol_str::{SmolStr, ToSmolStr as _};
 
-/// The release of the reference that introduced the layout which is written here.
+/// The release of the reference that introduced the current layout.
 const LAYOUT_VERSION: &str = "2.2.0";
 
 /// The text of the state's `core_data.json`.
@@ -107,7 +107,7 @@ impl Object {
         self.put("scoped_variables", ports(&container.scoped_variables, variable));
     }
 
-    /// The reference ignores the description of a library state; it is written only if there is one.
+    /// Writes the description of a library state, which the reference ignores, only if there is one.
     fn library(&mut self, library: &Library, state: &State) {
         if let Some(description) = state.description.as_deref() {
             self.put("description", Json::Str(description.into()));
@@ -123,7 +123,7 @@ impl Object {
     }
 }
 
-/// Adds what is only in `extra`, down through objects; what both have keeps the value of `into`.
+/// Adds members that are only in `extra`, recursively; common members keep the value of `into`.
 fn merge(into: &mut Json, extra: Option<&Json>) {
     let Some(Json::Object(members)) = extra else { return };
     for (key, value) in members {

@@ -1,20 +1,24 @@
-//! A save is stopped at each thing that it does to the disk; what is read afterwards is exactly the old or exactly the new
-//! machine, and nothing of the save lies around.
+//! Stops a save at each operation on the disk; a load afterwards reads exactly the old or exactly the new
+//! machine, and no file of the save remains.
 
-use super::commit::{is_interrupted, recover};
-use super::disk::{Disk, RealDisk};
-use super::save::save_on;
-use crate::testing::{EVERY_KIND, fingerprint, loaded, machine, make_files};
-use crate::{Naming, Saved};
+use super::save_on;
+use crate::staging::{Disk, RealDisk, is_interrupted, recover};
+use crate::{Libraries, Loaded, Naming, Saved, load};
 use parking_lot::Mutex;
 use rafcon_model::Machine;
+use rafcon_testkit::files::{fingerprint, make_files};
+use rafcon_testkit::machines::{EVERY_KIND, VERSION_0_7_13, machine};
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 
-/// A disk that works for so many operations, and then no more. The operation that fails may have done half of its work;
-/// what was not synced by then is gone, as after a power cut.
+fn loaded(dir: &Path) -> Loaded {
+    load(dir, &Libraries::default()).unwrap()
+}
+
+/// A disk that fails after a number of operations. The failing operation may have done half of its work;
+/// unsynced changes are lost, as after a power cut.
 struct DyingDisk {
     left: AtomicUsize,
     unsynced: Mutex<Vec<PathBuf>>,
@@ -122,7 +126,7 @@ impl Scenario<'_> {
         save_on(disk, &self.new, dir, Some(&previous), Naming::default()).is_ok()
     }
 
-    /// The bytes before, and after a save that nobody disturbs.
+    /// The bytes before, and after an undisturbed save.
     fn both(&self) -> (Bytes, Bytes) {
         let (dir, saved) = self.start();
         let old = fingerprint(dir.path());
@@ -209,7 +213,7 @@ fn a_kill_while_one_file_changes_leaves_old_or_new() {
 #[test]
 fn a_kill_while_an_old_layout_is_converted_leaves_old_or_new() {
     let make = |dir: &Path| {
-        make_files(dir, crate::testing::VERSION_0_7_13);
+        make_files(dir, VERSION_0_7_13);
     };
     let dir = tempfile::tempdir().unwrap();
     make(dir.path());
@@ -226,7 +230,7 @@ fn a_first_save_is_whole_or_not_there() {
         let new = machine(EVERY_KIND);
         let disk = DyingDisk::after(operations);
         let done = save_on(&disk, &new, &target, None, Naming::default()).is_ok();
-        match crate::load(&target, &crate::Libraries::default()) {
+        match load(&target, &Libraries::default()) {
             Ok(read) => assert_eq!(read.machine, new),
             Err(_) => assert!(!done && fingerprint(dir.path()).is_empty()),
         }

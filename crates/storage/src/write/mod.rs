@@ -1,27 +1,222 @@
-//! Writes a machine: only what changed, in one step that is never half done. Knows the current layout; the older ones are
-//! only read.
+//! Writes a machine: only what changed, in one step that is never half done. Compares with what is on disk, plans the
+//! difference and carries it out. Knows the current layout; the older ones are only read.
 
-mod commit;
-mod deep;
-mod disk;
 mod encode;
-mod format;
-mod lock;
-mod manifest;
 mod naming;
 mod parts;
 mod plan;
-mod save;
-
-pub use encode::core as core_data;
-pub(crate) use encode::{header as header_text, machine_layout as layout_text};
-pub use format::{FormatError, Formatted, format};
-pub(crate) use lock::settle_before_reading;
-pub(crate) use naming::{folder_name, free_name};
-pub(crate) use parts::{Old, bytes as file_bytes};
-pub use save::{SaveError, save};
 
 #[cfg(test)]
 mod kill_tests;
-#[cfg(test)]
-mod tests;
+
+pub use encode::core as core_data;
+pub(crate) use encode::{header as header_text, machine_layout as layout_text};
+pub(crate) use naming::{folder_name, free_name};
+pub(crate) use parts::{Old, bytes as file_bytes};
+
+use crate::config::Naming;
+use crate::files::{HEADER, MACHINE_LAYOUT, Saved, StateFolder};
+use crate::problem::{Fault, LoadError, LoadProblem};
+use crate::read::{load_locked, machine_folder};
+use crate::staging::{Disk, Plan, RealDisk, commit, exclusive, is_interrupted, recover};
+use plan::{Mode, Planner};
+use rafcon_model::{Header, Machine, State};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::{io, thread};
+
+/// Why a machine was not saved. The machine on disk is the old one, at the latest after the next load.
+#[derive(Debug, thiserror::Error)]
+pub enum SaveError {
+    /// An operation on the disk failed.
+    #[error("cannot save to {}", path.display())]
+    Io {
+        /// The machine's folder.
+        path: PathBuf,
+        /// The error of the system.
+        source: io::Error,
+    },
+    /// The folder contains a machine that cannot be read, and therefore not be replaced.
+    #[error("cannot replace the machine in {}", path.display())]
+    Occupied {
+        /// The folder.
+        path: PathBuf,
+        /// The reason.
+        source: LoadError,
+    },
+}
+
+/// Writes the parts of `machine` that differ from the machine on disk into the folder `target`.
+///
+/// `previous` is the machine last loaded from or saved to `target`: then only changed states are examined, and folders
+/// keep their names. With the `previous` of another folder, a copy is written. Without it, a machine in `target` is
+/// replaced. Foreign files stay in every case. A kill at any moment leaves the old or the new machine.
+pub fn save(
+    machine: &Machine,
+    target: &Path,
+    previous: Option<&Saved>,
+    naming: Naming,
+) -> Result<Saved, SaveError> {
+    save_on(&RealDisk, machine, target, previous, naming)
+}
+
+/// Saves on any disk.
+fn save_on(
+    disk: &dyn Disk,
+    machine: &Machine,
+    target: &Path,
+    previous: Option<&Saved>,
+    naming: Naming,
+) -> Result<Saved, SaveError> {
+    let failed = |source| SaveError::Io { path: target.to_owned(), source };
+    disk.create_dir(target).map_err(failed)?;
+    let _lock = exclusive(target).map_err(failed)?;
+    let recovered = is_interrupted(disk, target) && recover(disk, target).map_err(failed)?;
+    let known = previous.filter(|previous| !recovered && is_same_folder(&previous.dir, target));
+    let occupant = if known.is_none() { occupant(disk, target)? } else { None };
+    let old = known.or(occupant.as_ref()).or(previous);
+    let here = known.is_some() || occupant.is_some();
+    let rewrite = here && old.is_some_and(|old| old.outdated);
+    let mode = Mode { naming, rewrite, stale: old.is_some_and(|old| old.stale), here };
+    let (plan, place) = plan(disk, machine, target, old, mode).map_err(failed)?;
+    commit(disk, target, &plan).map_err(failed)?;
+    Ok(saved(machine, target, place))
+}
+
+/// The machine on disk after a save.
+fn saved(machine: &Machine, target: &Path, place: StateFolder) -> Saved {
+    Saved {
+        dir: target.to_owned(),
+        header: machine.header.clone(),
+        root: Arc::clone(&machine.root),
+        place,
+        outdated: false,
+        stale: false,
+    }
+}
+
+/// The plan that changes the disk from `old` to `machine`, and the folders afterwards.
+fn plan(
+    disk: &dyn Disk,
+    machine: &Machine,
+    target: &Path,
+    old: Option<&Saved>,
+    mode: Mode,
+) -> io::Result<(Plan, StateFolder)> {
+    let mut planner = Planner::new(disk, target, mode);
+    let before = old.filter(|_| mode.here).map(|old| &old.header);
+    machine_files(&mut planner, &machine.header, before)?;
+    let old = old.map(Old::of);
+    let shared = old.filter(|_| mode.is_lazy()).map(|old| old.state);
+    let depth = depth(&machine.root, shared);
+    let place = with_room(depth, || planner.root(&machine.root, old))?;
+    Ok((planner.plan, place))
+}
+
+fn machine_files(planner: &mut Planner<'_>, new: &Header, old: Option<&Header>) -> io::Result<()> {
+    let header = encode::header(new);
+    let same = old.is_some_and(|old| encode::header(old) == header);
+    planner.machine_file(HEADER, Some(header.into_bytes()), same)?;
+    let same = old.map_or(new.layout.text().is_none(), |old| old.layout == new.layout);
+    planner.machine_file(MACHINE_LAYOUT, encode::machine_layout(new).map(String::into_bytes), same)
+}
+
+/// The machine that is already in the folder.
+fn occupant(disk: &dyn Disk, target: &Path) -> Result<Option<Saved>, SaveError> {
+    if !disk.exists(&target.join(HEADER)) {
+        return Ok(None);
+    }
+    match load_locked(target) {
+        Ok(loaded) => Ok(Some(loaded.saved)),
+        Err(LoadError::NoRoot { .. }) => Ok(None),
+        Err(source) => Err(SaveError::Occupied { path: target.to_owned(), source }),
+    }
+}
+
+fn is_same_folder(a: &Path, b: &Path) -> bool {
+    a == b || matches!((a.canonicalize(), b.canonicalize()), (Ok(a), Ok(b)) if a == b)
+}
+
+/// The result of formatting.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Formatted {
+    /// Files and folders that were written, moved or removed, relative to the machine's folder.
+    pub changed: Vec<PathBuf>,
+    /// Problems found; damaged files stay as they are.
+    pub problems: Vec<LoadProblem>,
+}
+
+/// Why a machine was not formatted.
+#[derive(Debug, thiserror::Error)]
+pub enum FormatError {
+    /// The machine cannot be read.
+    #[error(transparent)]
+    Load(#[from] LoadError),
+    /// The machine cannot be written.
+    #[error(transparent)]
+    Save(#[from] SaveError),
+}
+
+/// Rewrites the machine in the folder `path` (or of the file `path`) in the current layout and dialect. Correct files
+/// are not touched; foreign files stay. With `dry`, only returns what would change.
+pub fn format(path: &Path, naming: Naming, dry: bool) -> Result<Formatted, FormatError> {
+    let dir = machine_folder(path)?;
+    let failed = |source: io::Error| SaveError::Io { path: dir.clone(), source };
+    let _lock = exclusive(&dir).map_err(failed)?;
+    if is_interrupted(&RealDisk, &dir) {
+        recover(&RealDisk, &dir).map_err(failed)?;
+    }
+    let loaded = load_locked(&dir)?;
+    let mode = Mode { naming, rewrite: true, stale: true, here: true };
+    let saved = &loaded.saved;
+    let (plan, _) = plan(&RealDisk, &loaded.machine, &dir, Some(saved), mode).map_err(failed)?;
+    if !dry {
+        commit(&RealDisk, &dir, &plan).map_err(failed)?;
+    }
+    let mut changed = plan.changed;
+    changed.sort();
+    changed.dedup();
+    let mut problems = loaded.problems;
+    problems.retain(|problem| !matches!(problem.fault, Fault::MissingLibrary { .. })); // not looked for
+    Ok(Formatted { changed, problems })
+}
+
+/// Up to this depth, the stack of any thread is large enough.
+const USUAL: usize = 100;
+/// The maximum stack of one level.
+const BYTES_PER_LEVEL: usize = 16 * 1024;
+
+/// Does `work` on this thread, or on a thread with a stack that is large enough for `depth` levels.
+fn with_room<T: Send>(depth: usize, work: impl FnOnce() -> io::Result<T> + Send) -> io::Result<T> {
+    if depth <= USUAL {
+        return work();
+    }
+    thread::scope(|scope| {
+        let builder = thread::Builder::new().name("deep save".to_owned());
+        let builder = builder.stack_size((depth + USUAL) * BYTES_PER_LEVEL);
+        match builder.spawn_scoped(scope, work)?.join() {
+            Ok(result) => result,
+            Err(panic) => std::panic::resume_unwind(panic),
+        }
+    })
+}
+
+/// The nesting depth of `root`; skips states shared with `old`.
+fn depth(root: &Arc<State>, old: Option<&Arc<State>>) -> usize {
+    let mut deepest = 0;
+    let mut waiting = vec![(root, old, 1)];
+    while let Some((state, old, depth)) = waiting.pop() {
+        deepest = deepest.max(depth);
+        let (Some(container), false) =
+            (state.container(), old.is_some_and(|old| Arc::ptr_eq(old, state)))
+        else {
+            continue;
+        };
+        let before = old.and_then(|old| old.container());
+        for (id, child) in container.states.iter() {
+            let old = before.and_then(|before| before.states.get(id));
+            waiting.push((child, old, depth + 1));
+        }
+    }
+    deepest
+}

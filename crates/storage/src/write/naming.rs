@@ -4,10 +4,10 @@ use crate::config::Naming;
 use rafcon_model::{State, StateId};
 use std::ffi::{OsStr, OsString};
 
-/// The longest name that file systems take, in bytes.
+/// The maximum length of a name in file systems, in bytes.
 const LONGEST: usize = 255;
 
-/// The folder's name: the state's name and id, as far as they can stand in a file name.
+/// The folder's name: the characters of the state's name and id that are safe in a file name.
 pub(crate) fn folder_name(state: &State, naming: Naming) -> String {
     let id = plain_id(&state.id);
     if !naming.with_name {
@@ -18,7 +18,7 @@ pub(crate) fn folder_name(state: &State, naming: Naming) -> String {
     format!("{}_{id}", shortened(&sanitized(&state.name), most))
 }
 
-/// `wanted`, or with a number behind it if that is taken.
+/// `wanted`, or `wanted` with a number behind it if that is taken.
 pub(crate) fn free_name(wanted: &str, is_taken: impl Fn(&OsStr) -> bool) -> OsString {
     let mut name = OsString::from(wanted);
     let mut number = 2_u64;

@@ -1,11 +1,10 @@
-//! What stands in each file of a state's folder. Knows the state and the bytes that it was read from, no folders.
+//! The content of each file of a state. Knows the state and the bytes that it was read from, no folders.
 
 use super::encode;
-use crate::files::Part;
-use crate::place::{Saved, StateFolder};
+use crate::files::{Part, Saved, StateFolder};
 use rafcon_model::{Container, Kind, Library, State, StateId, json};
 
-/// A state as it lies on a disk.
+/// A state on disk.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Old<'o> {
     pub(crate) state: &'o std::sync::Arc<State>,
@@ -30,7 +29,7 @@ impl<'o> Old<'o> {
     }
 }
 
-/// The text of the file, as far as the state tells; `None` if it has no such file.
+/// The text of the file from the state; `None` if the state has no such file.
 pub(crate) fn text(state: &State, part: Part) -> Option<String> {
     match part {
         Part::Core => Some(encode::core(state)),
@@ -40,7 +39,7 @@ pub(crate) fn text(state: &State, part: Part) -> Option<String> {
     }
 }
 
-/// Whether both states have the same in this file.
+/// Whether both states have the same content in this file.
 pub(crate) fn is_same(new: &State, old: &State, part: Part) -> bool {
     match part {
         Part::Core => is_same_core(new, old),
@@ -78,14 +77,14 @@ fn is_same_inside(new: &Container, old: &Container) -> bool {
         && new.scoped_variables == old.scoped_variables
 }
 
-/// What was found behind the reference is in no file of ours.
+/// The content of a library is in no file of this machine.
 fn is_same_reference(new: &Library, old: &Library) -> bool {
     let parts =
         |library: &Library| (library.path.clone(), library.name.clone(), library.version.clone());
     parts(new) == parts(old) && new.inputs == old.inputs && new.outputs == old.outputs
 }
 
-/// The bytes of the file; those that were read, if they could not be understood and their part did not change.
+/// The bytes of the file; the original ones, if they could not be decoded and their part did not change.
 pub(crate) fn bytes(state: &State, old: Option<Old<'_>>, part: Part) -> Option<Vec<u8>> {
     let verbatim = old.and_then(|old| {
         let bytes = old.place.verbatim(part)?;
@@ -94,9 +93,9 @@ pub(crate) fn bytes(state: &State, old: Option<Old<'_>>, part: Part) -> Option<V
     verbatim.or_else(|| text(state, part).map(String::into_bytes))
 }
 
-/// The place of a state that is written now: files that were understood to be damaged stay so while nobody changes them.
-pub(crate) fn oddities(new: &State, old: Option<Old<'_>>) -> crate::place::Oddities {
-    let mut oddities = crate::place::Oddities::default();
+/// The oddities of a state after the save: damaged files stay damaged while their part does not change.
+pub(crate) fn oddities(new: &State, old: Option<Old<'_>>) -> crate::files::Oddities {
+    let mut oddities = crate::files::Oddities::default();
     if let Some(old) = old {
         for part in Part::ALL {
             let bytes = old.place.verbatim(part).filter(|_| is_same(new, old.state, part));

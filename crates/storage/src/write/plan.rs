@@ -1,13 +1,11 @@
-//! What has to be done on a disk so that it holds a machine: which files are new, which folders move, what goes.
-//! Knows both trees and where the old one lies; reads names of folders, writes nothing.
+//! Plans the operations of a save: which files are new, which folders move, what is removed.
+//! Knows both trees and the folders of the old one; reads names of folders, writes nothing.
 
-use super::disk::Disk;
-use super::manifest::SaveManifest;
 use super::naming::{folder_name, free_name};
 use super::parts::{self, Old};
 use crate::config::Naming;
-use crate::files::{Part, STAGING};
-use crate::place::StateFolder;
+use crate::files::{Part, STAGING, StateFolder};
+use crate::staging::{Disk, NewFile, Plan};
 use rafcon_model::{State, StateId};
 use std::collections::BTreeSet;
 use std::ffi::{OsStr, OsString};
@@ -15,42 +13,20 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// What a save does. Paths are relative to the machine's folder.
-#[derive(Debug, Default)]
-pub(crate) struct Plan {
-    /// Folders to be prepared, outer ones first.
-    pub(crate) folders: Vec<PathBuf>,
-    /// Files to be prepared.
-    pub(crate) files: Vec<NewFile>,
-    /// What is done with them.
-    pub(crate) manifest: SaveManifest,
-    /// What a person would say has changed.
-    pub(crate) changed: Vec<PathBuf>,
-}
-
-/// A file in the staging folder.
-#[derive(Debug)]
-pub(crate) struct NewFile {
-    pub(crate) path: PathBuf,
-    pub(crate) bytes: Vec<u8>,
-    /// The file that it replaces, whose permissions it takes.
-    pub(crate) like: Option<PathBuf>,
-}
-
-/// How eagerly to write.
+/// How much to compare and to write.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Mode {
     pub(crate) naming: Naming,
-    /// Compare every file with what is on disk, and give every folder its usual name.
+    /// Compare every file with the disk, and give every folder its usual name.
     pub(crate) rewrite: bool,
-    /// Some state in memory differs from its file although it is the one that was read.
+    /// Some unchanged state differs from its file.
     pub(crate) stale: bool,
-    /// The old tree lies in the folder that is written to.
+    /// The old tree is in the target folder.
     pub(crate) here: bool,
 }
 
 impl Mode {
-    /// Whether a state that is the very one that was read needs no look.
+    /// Whether to skip states that are identical to the loaded ones.
     pub(crate) fn is_lazy(self) -> bool {
         self.here && !self.rewrite && !self.stale
     }
@@ -65,16 +41,16 @@ pub(crate) struct Planner<'p> {
     staged: usize,
 }
 
-/// Where a state's folder is, seen from the machine's folder.
+/// The folders of a state, relative to the machine's folder.
 #[derive(Debug, Clone)]
 struct Spot {
-    /// Where its files lie now; `None` if it is not on this disk.
+    /// The current folder of its files; `None` if it is not on this disk.
     now: Option<PathBuf>,
-    /// The same after the folders around it have moved.
+    /// The folder after the folders around it have moved.
     moved: PathBuf,
-    /// Where its files are to be written: the folder itself, or a staged one.
+    /// The folder for new files: the folder itself, or a staged one.
     path: PathBuf,
-    /// The folder does not exist yet; it is prepared as a whole.
+    /// The folder does not exist yet, and is prepared as a whole.
     staged: bool,
 }
 
@@ -90,7 +66,7 @@ impl<'p> Planner<'p> {
         Self { disk, dir, mode, plan: Plan::default(), staged: 0 }
     }
 
-    /// Plans for the whole tree; gives where everything will be.
+    /// Plans the whole tree, and returns its folders after the save.
     pub(crate) fn root(
         &mut self,
         new: &Arc<State>,
@@ -107,7 +83,7 @@ impl<'p> Planner<'p> {
         Ok(place.in_folder(OsString::new()))
     }
 
-    /// Plans for one of the machine's own files.
+    /// Plans one of the machine's own files.
     pub(crate) fn machine_file(
         &mut self,
         name: &str,
@@ -169,7 +145,7 @@ impl<'p> Planner<'p> {
         Ok(())
     }
 
-    /// Whether the file was read or written by us, and its part did not change.
+    /// Whether the file was loaded or saved by this program, and its part did not change.
     fn is_as_before(&self, job: &Job<'_>, part: Part) -> bool {
         let Some(old) = job.old.filter(|_| job.spot.now.is_some() && !self.mode.rewrite) else {
             return false;
@@ -178,7 +154,7 @@ impl<'p> Planner<'p> {
         !is_stale && parts::is_same(job.new, old.state, part)
     }
 
-    /// Whether the file is on disk as it should be, for one who compares every file.
+    /// Whether the file on disk is correct, if every file is compared.
     fn is_there(&self, job: &Job<'_>, part: Part, bytes: Option<&[u8]>) -> io::Result<bool> {
         let Some(now) = job.spot.now.as_ref().filter(|_| self.mode.rewrite) else {
             return Ok(false);
@@ -190,7 +166,7 @@ impl<'p> Planner<'p> {
         Ok(found.as_deref() == bytes)
     }
 
-    /// Prepares a file that takes the place of another.
+    /// Prepares a file that replaces another.
     fn replace(&mut self, to: PathBuf, bytes: Vec<u8>) {
         let path = self.staged_path();
         self.plan.files.push(NewFile { path: path.clone(), bytes, like: Some(to.clone()) });
@@ -228,7 +204,7 @@ impl<'p> Planner<'p> {
         Ok(places)
     }
 
-    /// Whether nothing in or around the child has changed.
+    /// Whether the child and its path are unchanged.
     fn is_untouched(&self, child: &Arc<State>, before: Old<'_>, spot: &Spot) -> bool {
         self.mode.is_lazy() && spot.now.is_some() && Arc::ptr_eq(child, before.state)
     }
@@ -297,7 +273,7 @@ impl<'p> Planner<'p> {
         Ok((folder, Spot { now: None, moved: path.clone(), path, staged: true }))
     }
 
-    /// Names that are in the folder already, once somebody asks.
+    /// Names in the folder, read at the first use.
     fn take_names(&self, spot: &Spot, names: &mut Names) -> io::Result<()> {
         if names.taken.is_none() {
             let mut taken: BTreeSet<OsString> = BTreeSet::new();
@@ -309,7 +285,7 @@ impl<'p> Planner<'p> {
         Ok(())
     }
 
-    /// States that are no longer in `new`, with all that was in them.
+    /// Removes states that are not in `new`, with their content.
     fn remove_children(&mut self, new: &State, old: Option<Old<'_>>, spot: &Spot) {
         let Some(old) = old.filter(|_| spot.now.is_some()) else { return };
         let states = new.container().map(|container| &container.states);
@@ -335,18 +311,18 @@ impl<'p> Planner<'p> {
     }
 }
 
-/// Names of folders in one folder.
+/// The names of folders in one folder.
 struct Names {
     taken: Option<BTreeSet<OsString>>,
 }
 
 impl Names {
-    /// A name that nothing has yet.
+    /// An unused name.
     fn free(&mut self, state: &State, naming: Naming) -> OsString {
         self.free_but(state, naming, OsStr::new(""))
     }
 
-    /// The same for something that may keep the name it has.
+    /// An unused name for a folder that may keep its name.
     fn free_but(&mut self, state: &State, naming: Naming, own: &OsStr) -> OsString {
         let taken = self.taken.get_or_insert_default();
         let is_taken = |name: &OsStr| name != own && taken.contains(name);

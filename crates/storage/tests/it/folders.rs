@@ -54,3 +54,13 @@ pub(crate) fn copy(from: &Path, to: &Path) {
         fs::write(path, bytes).unwrap();
     }
 }
+
+/// Reads a machine without libraries; it must be readable.
+pub(crate) fn loaded(dir: &Path) -> Loaded {
+    read(dir, &Libraries::default())
+}
+
+/// The problems, one a line.
+pub(crate) fn show_problems(loaded: &Loaded) -> String {
+    loaded.problems.iter().map(|problem| problem.to_string() + "\n").collect()
+}

@@ -3,10 +3,19 @@
 #![expect(clippy::unwrap_used, reason = "a test that cannot prepare its files has failed")]
 
 mod arbitrary;
+mod begun;
+mod compare;
+mod corrupt;
 mod folders;
 mod journal;
 mod kill;
 mod layouts;
+mod libraries;
+mod load;
+mod moments;
 mod packs;
 mod random;
+mod reader;
 mod reference;
+mod save;
+mod statistics;

@@ -4,8 +4,8 @@ use crate::arbitrary::{Shown, machine};
 use crate::folders::read;
 use proptest::prelude::*;
 use rafcon_model::{Kind, Library, Machine, notation};
-use rafcon_storage::journal::{About, Journal, Options, Packed, Packer};
-use rafcon_storage::{Libraries, Naming, Root, load_packed, save};
+use rafcon_storage::journal::{About, Journal, Options, Packed};
+use rafcon_storage::{Libraries, Naming, Packer, Root, load_packed, save};
 use std::path::Path;
 use std::sync::Arc;
 

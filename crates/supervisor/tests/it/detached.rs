@@ -40,7 +40,7 @@ fn spawn(extension: &Path, output: &Path) -> Process {
     Start { interpreter, extension }.spawn_detached(output).unwrap()
 }
 
-/// A run that is held before its first state, in a folder that outlives whoever started it.
+/// A run that is paused before its first state, in a folder that outlives its starter.
 fn held(folder: &Path) -> Launch {
     let (machine, run) = (folder.join("machine"), folder.join("run"));
     save(&notation::parse(MACHINE).unwrap(), &machine, None, Naming::default()).unwrap();
@@ -140,6 +140,6 @@ fn an_output_that_cannot_be_opened_is_named() {
     let error = start.spawn_detached(Path::new("/nowhere/output")).unwrap_err();
     assert_eq!(
         error.to_string(),
-        "cannot open /nowhere/output for what the runner writes: its folder must be there, and ours"
+        "cannot open /nowhere/output for the output of the runner: its folder must exist and belong to you"
     );
 }

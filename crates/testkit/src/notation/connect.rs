@@ -1,7 +1,7 @@
 //! The ends of transitions and data flows in the notation, `AAAAAA.success -> .n`: reading them, and finding the ids that
 //! their names stand for.
 
-use super::parse::NotationError;
+use super::NotationError;
 use super::scan::Line;
 use rafcon_model::port::Extra;
 use rafcon_model::{
@@ -99,7 +99,7 @@ pub(super) fn part(line: &mut Line<'_>) -> Result<ConnectionPart, NotationError>
 impl Connection<'_> {
     /// What a line outside a container is answered.
     pub(super) fn misplaced(&self) -> NotationError {
-        self.line.error("transitions and data flows stand in hierarchies and concurrency states")
+        self.line.error("only hierarchies and concurrency states have transitions and data flows")
     }
 
     /// Adds this connection to the container of `state`.
@@ -116,7 +116,7 @@ impl Connection<'_> {
         let transition =
             Transition { id, from_state, from_outcome, to_state, to_outcome, extra: self.extra };
         match container.transitions.insert(transition) {
-            Some(_) => Err(self.line.error(format!("the transition {id} stands here twice"))),
+            Some(_) => Err(self.line.error(format!("the transition {id} occurs twice"))),
             None => Ok(()),
         }
     }
@@ -128,7 +128,7 @@ impl Connection<'_> {
         let id = self.id.map_or_else(|| container.data_flows.next_id(), DataFlowId);
         let flow = DataFlow { extra: self.extra, ..DataFlow::new(id, from, to) };
         match container.data_flows.insert(flow) {
-            Some(_) => Err(self.line.error(format!("the data flow {id} stands here twice"))),
+            Some(_) => Err(self.line.error(format!("the data flow {id} occurs twice"))),
             None => Ok(()),
         }
     }
@@ -189,7 +189,7 @@ impl ConnectionEnd {
     }
 }
 
-/// Which end of a data flow.
+/// The end of a data flow.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Side {
     Source,
@@ -204,7 +204,7 @@ fn owner<'s>(container: &'s State, id: &StateId) -> Option<&'s State> {
     container.container()?.states.get(id).map(|child| &**child)
 }
 
-/// The port that a name stands for at one end of a data flow; `own` if the state is the container itself.
+/// The port with this name at one end of a data flow; `own` if the state is the container itself.
 fn port_by_name(owner: &State, own: bool, side: Side, name: &str) -> Option<PortId> {
     let ports = if own == (side == Side::Source) { &owner.inputs } else { &owner.outputs };
     let variable = |container: &Container| container.scoped_variables.by_name(name).map(|p| p.id);

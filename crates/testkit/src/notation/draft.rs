@@ -1,7 +1,7 @@
 //! A state while its lines are read.
 
+use super::NotationError;
 use super::connect::{Connection, ConnectionPart, part};
-use super::parse::NotationError;
 use super::scan::Line;
 use rafcon_model::{
     Container, Kind, Layout, Library, LibraryContent, Outcome, OutcomeId, Port, PortId,
@@ -112,7 +112,7 @@ impl<'t> Draft<'t> {
         };
         let id = child.id.clone();
         match container.states.insert(id.clone(), child) {
-            Some(_) => Err(line.error(format!("the state {id} stands here twice"))),
+            Some(_) => Err(line.error(format!("the state {id} occurs twice"))),
             None => Ok(()),
         }
     }
@@ -153,7 +153,7 @@ impl<'t> Draft<'t> {
         let outcome = Outcome { extra: line.extra()?, ..outcome };
         let earlier = self.state.outcomes.insert(outcome);
         if earlier.is_some() && !id.is_mandatory() {
-            return Err(line.error(format!("the outcome {id} stands here twice")));
+            return Err(line.error(format!("the outcome {id} occurs twice")));
         }
         Ok(())
     }
@@ -182,7 +182,7 @@ impl<'t> Draft<'t> {
             },
         };
         match ports.insert(port) {
-            Some(_) => Err(line.error(format!("the port {id} stands here twice"))),
+            Some(_) => Err(line.error(format!("the port {id} occurs twice"))),
             None => Ok(()),
         }
     }

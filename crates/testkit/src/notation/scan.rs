@@ -1,6 +1,6 @@
 //! One line of the notation, read from left to right. Knows words, names, numbers and values; not what they mean.
 
-use super::parse::NotationError;
+use super::NotationError;
 use rafcon_model::port::Extra;
 use rafcon_model::{DataType, Json, Value, json, literal};
 use smol_str::SmolStr;
@@ -42,7 +42,11 @@ impl<'t> Line<'t> {
     }
 
     pub(super) fn end(&mut self) -> Result<(), NotationError> {
-        if self.at_end() { Ok(()) } else { Err(self.error("the line goes on after its end")) }
+        if self.at_end() {
+            Ok(())
+        } else {
+            Err(self.error("more text follows the end of the line"))
+        }
     }
 
     /// Passes `symbol` if it stands here.
@@ -159,7 +163,7 @@ impl<'t> Line<'t> {
     }
 }
 
-/// Whether this byte can stand in a type's name without quotes.
+/// Whether this byte needs no quotes in a type's name.
 pub(super) fn is_type_byte(byte: u8) -> bool {
     byte.is_ascii_alphanumeric() || matches!(byte, b'_' | b'.')
 }
@@ -189,4 +193,46 @@ fn quoted_length(rest: &str, quote: char) -> usize {
         is_end
     });
     end.map_or(rest.len(), |end| end + 1)
+}
+
+/// The lines of a document, taken from front to back.
+pub(super) struct Lines<'t> {
+    lines: Vec<&'t str>,
+    next: usize,
+}
+
+impl<'t> Lines<'t> {
+    pub(super) fn new(text: &'t str) -> Self {
+        let strip = |line: &'t str| line.strip_suffix('\r').unwrap_or(line);
+        Self { lines: text.split('\n').map(strip).collect(), next: 0 }
+    }
+
+    /// The number of the next line, counted from 1, and the line.
+    pub(super) fn take(&mut self) -> Option<(usize, &'t str)> {
+        let line = self.lines.get(self.next)?;
+        self.next += 1;
+        Some((self.next, line))
+    }
+
+    /// The lines below a keyword at `indent` that are indented deeper, without their common indentation, which is that of
+    /// the first. Empty lines at the end do not belong to it.
+    pub(super) fn block(&mut self, indent: usize) -> String {
+        let rest = &self.lines[self.next..];
+        let inside = |line: &&str| is_blank(line) || indent_of(line) > indent;
+        let count = rest.iter().take_while(|line| inside(line)).count();
+        let filled = rest[..count].iter().rposition(|line| !is_blank(line)).map_or(0, |at| at + 1);
+        let block = &rest[..filled];
+        let margin = block.iter().find(|line| !is_blank(line)).map_or(0, |line| indent_of(line));
+        let cut = |line: &&'t str| &line[margin.min(indent_of(line))..];
+        self.next += filled;
+        block.iter().map(cut).collect::<Vec<_>>().join("\n")
+    }
+}
+
+fn is_blank(line: &str) -> bool {
+    indent_of(line) == line.len()
+}
+
+fn indent_of(line: &str) -> usize {
+    line.len() - line.trim_start_matches([' ', '\t']).len()
 }

@@ -252,7 +252,7 @@ fn errors_say_where() {
         ),
         (
             "execution A\n  in 1 x: int\n  in 1 y: int",
-            expect!["line 3, column 14: the port 1 stands here twice"],
+            expect!["line 3, column 14: the port 1 occurs twice"],
         ),
         (
             "hierarchy A\n  start -> B.success",
@@ -260,7 +260,7 @@ fn errors_say_where() {
         ),
         (
             "hierarchy A\n  start -> B oops",
-            expect!["line 2, column 14: the line goes on after its end"],
+            expect!["line 2, column 14: more text follows the end of the line"],
         ),
         (
             "hierarchy A\n  execution B\n  B.nope -> .aborted",
@@ -269,7 +269,7 @@ fn errors_say_where() {
         (
             "execution A\n  start -> A",
             expect![
-                "line 2, column 3: transitions and data flows stand in hierarchies and concurrency states"
+                "line 2, column 3: only hierarchies and concurrency states have transitions and data flows"
             ],
         ),
         (
@@ -287,7 +287,7 @@ fn errors_say_where() {
         ("wrong", expect!["line 1, column 1: expected `machine`, `define` or a state"]),
         (
             "machine\n  wrong 5\nexecution A",
-            expect!["line 2, column 3: the line goes on after its end"],
+            expect!["line 2, column 3: more text follows the end of the line"],
         ),
     ] {
         check(text, &expect);

@@ -1,6 +1,8 @@
 /** Settings of this browser. */
 
 import type { Settings } from "../../store/page/page.ts";
+import { THEMES } from "../../store/page/settings.ts";
+import { TIME_SCALES } from "../../store/page/times.ts";
 import { Button } from "../../ui/button.tsx";
 import { Dialog } from "../../ui/dialog.tsx";
 import { Select } from "../../ui/field.tsx";
@@ -20,11 +22,7 @@ export function SettingsDialog({ answer }: AskedDialogProps<undefined>) {
         <Select
           label="Theme"
           value={settings.theme}
-          options={[
-            { value: "system", title: "Same as system" },
-            { value: "dark", title: "Dark" },
-            { value: "light", title: "Light" },
-          ]}
+          options={THEMES}
           onChange={(theme) => change({ theme })}
         />
         <Select
@@ -35,6 +33,12 @@ export function SettingsDialog({ answer }: AskedDialogProps<undefined>) {
             { value: "pan", title: "Moves; with Ctrl, zooms" },
           ]}
           onChange={(wheel) => change({ wheel })}
+        />
+        <Select
+          label="Times"
+          value={settings.times}
+          options={TIME_SCALES}
+          onChange={(times) => change({ times })}
         />
         <div className="form-row">
           <Select

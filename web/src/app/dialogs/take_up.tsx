@@ -1,7 +1,7 @@
 /** A run whose runner died is taken up again: what becomes of the scripts that were interrupted is chosen. */
 
 import { useEffect, useState } from "react";
-import type { OnCrash, Picture } from "../../model/generated/protocol.ts";
+import type { Moment, OnCrash } from "../../model/generated/protocol.ts";
 import type { Watch } from "../../store/history/run.ts";
 import { RefusalError } from "../../store/page/server.ts";
 import { Button } from "../../ui/button.tsx";
@@ -63,7 +63,7 @@ function useInterrupted(watch: Watch): readonly string[] | null {
   const { page } = useSession();
   const [names, setNames] = useState<readonly string[] | null>(null);
   useEffect(() => {
-    page.runs.get<Picture>(watch.id, "moments").then(
+    page.runs.get<Moment>(watch.id, "moments").then(
       ({ active }) => setNames(leaves(active)),
       (error: unknown) => {
         if (!(error instanceof RefusalError)) throw error;
@@ -74,7 +74,7 @@ function useInterrupted(watch: Watch): readonly string[] | null {
   return names;
 }
 
-function leaves(active: Picture["active"]): readonly string[] {
+function leaves(active: Moment["active"]): readonly string[] {
   return active
     .filter(({ path }) => !active.some((other) => other.path.startsWith(`${path}/`)))
     .map(({ names }) => names.replaceAll("/", " › "));

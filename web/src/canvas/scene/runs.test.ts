@@ -1,12 +1,12 @@
 import { describe, expect, test } from "vitest";
 import { machineOf } from "../../model/plain.ts";
 import { sketch } from "../../model/testing/sketch.ts";
+import { sinceStart } from "../../store/page/times.ts";
 import { MODES } from "../../store/page/view.ts";
 import type { RunMark } from "../../store/run/marks.ts";
 import { layoutTreeOf } from "../layout_tree.ts";
 import { NO_OVERLAY } from "../overlay.ts";
 import { PLAIN, type SceneInput } from "./input.ts";
-import { shortTime } from "./runs.ts";
 import { scene } from "./scene.ts";
 import { listText } from "./testing/text.ts";
 
@@ -190,5 +190,9 @@ describe("values at ports", () => {
 });
 
 test("times are told short", () => {
-  expect([5, 65, 3_725].map(shortTime)).toEqual(["5 s", "1:05", "1:02:05"]);
+  expect([5, 65, 3_725].map((seconds) => sinceStart(seconds * 1_000, 1_000))).toEqual([
+    "5 s",
+    "1:05",
+    "1:02:05",
+  ]);
 });

@@ -2,6 +2,7 @@
  * time and how often it ran. */
 
 import { STEPS } from "../../store/history/recent_path.ts";
+import { sinceStart } from "../../store/page/times.ts";
 import type { MarkPhase, RunMark } from "../../store/run/marks.ts";
 import type { SceneBuilder, SceneNode } from "./builder.ts";
 import { DETAIL, TEXT } from "./detail.ts";
@@ -256,21 +257,12 @@ function wordsOf(
 ): readonly string[] {
   const word = WORDS[phase] ?? "";
   const seconds = since_ms === null ? 0 : Math.floor((since_ms + sinceSnapshot_ms) / 1_000);
-  const time = seconds < 1 ? "" : shortTime(seconds);
+  const time = seconds < 1 ? "" : sinceStart(seconds * 1_000, 1_000);
   const more = detail === null ? word : `${word}: ${detail}`;
   const also = failed ? "failed" : "";
   return [[also, more, time], [also, word, time], [word, time], [time], [word]].map((parts) =>
     parts.filter((part) => part !== "").join(" · "),
   );
-}
-
-/** `12 s`, `3:05`, `1:02:03`. */
-export function shortTime(seconds: number): string {
-  if (seconds < 60) return `${seconds} s`;
-  const two = (number: number) => String(number).padStart(2, "0");
-  const [hours, minutes] = [Math.floor(seconds / 3_600), Math.floor(seconds / 60) % 60];
-  const rest = two(seconds % 60);
-  return hours > 0 ? `${hours}:${two(minutes)}:${rest}` : `${minutes}:${rest}`;
 }
 
 /** At the lower edge: as much as there is room for. */

@@ -1107,12 +1107,77 @@ export type MachineVersions = {
   /** Whether there are older ones that are not told. */
   is_cut: boolean, };
 
+/** How a run stood after one event. */
+export type Moment = {
+  /** The event; 0: before the first. */
+  sequence: number,
+  /** When it happened, in ns since the start of the run. */
+  t_ns: number,
+  /** The run as a whole. */
+  status: RunStatus,
+  /** How it ended, once it has. */
+  outcome: Outcome | null,
+  /** Hash of the machine that it went by, if it was kept. */
+  root: string | null,
+  /** How many runners there were. */
+  life: number,
+  /** States run so far. */
+  states_run: number,
+  /** Active states, each after the state around it. */
+  active: Array<MomentState>,
+  /** Branches that are held. */
+  held: Array<Holding>,
+  /** States that wait, by path, and for what. */
+  waiting: { [key in string]: string },
+  /** Global variables by name. */
+  globals: Record<string, unknown>,
+  /** What states keep from one run to the next, by path. */
+  persistent: Record<string, unknown>,
+  /** All breakpoints. */
+  breakpoints: Array<Breakpoint>,
+  /** Questions without an answer. */
+  questions: Array<Question>, };
+
+/** How a child ended. */
+export type MomentEnd = {
+  /** Ids joined by `/`. */
+  path: string,
+  /** Names joined by `/`. */
+  names: string,
+  /** Its outcome. */
+  outcome: Outcome,
+  /** Its outputs by name; none if they were not kept. */
+  outputs: Record<string, unknown> | null,
+  /** Its error, if it left one. */
+  error: JsonValue | null,
+  /** The event that says so. */
+  sequence: number, };
+
 /** Which moment is meant. */
 export type MomentQuery = {
   /** The one at this time, in ms; if it is left out, the last. */
   t_ms: number | null,
   /** The same in ns. */
   t_ns: number | null, };
+
+/** One active state. */
+export type MomentState = {
+  /** Ids joined by `/`. */
+  path: string,
+  /** Names joined by `/`. */
+  names: string,
+  /** How many states are around it. */
+  depth: number,
+  /** The event that it was entered by. */
+  entered: number,
+  /** When it was entered, in ns since the start of the run. */
+  since_ns: number,
+  /** Its inputs by name; none if they were not kept. */
+  inputs: Record<string, unknown> | null,
+  /** Its scoped variables by name. */
+  scoped: Record<string, unknown>,
+  /** How its children ended last, in that order. */
+  ended: Array<MomentEnd>, };
 
 /** A value by what an event calls it. */
 export type NamedValue = {
@@ -1200,71 +1265,6 @@ export type Parting = {
 
 /** What one active state is doing. */
 export type Phase = "running" | "waiting" | "interrupted" | "held" | "preempted";
-
-/** How a run stood after one event. */
-export type Picture = {
-  /** The event; 0: before the first. */
-  sequence: number,
-  /** When it happened, in ns since the start of the run. */
-  t_ns: number,
-  /** The run as a whole. */
-  status: RunStatus,
-  /** How it ended, once it has. */
-  outcome: Outcome | null,
-  /** Hash of the machine that it went by, if it was kept. */
-  root: string | null,
-  /** How many runners there were. */
-  life: number,
-  /** States run so far. */
-  states_run: number,
-  /** Active states, each after the state around it. */
-  active: Array<PicturedState>,
-  /** Branches that are held. */
-  held: Array<Holding>,
-  /** States that wait, by path, and for what. */
-  waiting: { [key in string]: string },
-  /** Global variables by name. */
-  globals: Record<string, unknown>,
-  /** What states keep from one run to the next, by path. */
-  persistent: Record<string, unknown>,
-  /** All breakpoints. */
-  breakpoints: Array<Breakpoint>,
-  /** Questions without an answer. */
-  questions: Array<Question>, };
-
-/** How a child ended. */
-export type PicturedEnd = {
-  /** Ids joined by `/`. */
-  path: string,
-  /** Names joined by `/`. */
-  names: string,
-  /** Its outcome. */
-  outcome: Outcome,
-  /** Its outputs by name; none if they were not kept. */
-  outputs: Record<string, unknown> | null,
-  /** Its error, if it left one. */
-  error: JsonValue | null,
-  /** The event that says so. */
-  sequence: number, };
-
-/** One active state. */
-export type PicturedState = {
-  /** Ids joined by `/`. */
-  path: string,
-  /** Names joined by `/`. */
-  names: string,
-  /** How many states are around it. */
-  depth: number,
-  /** The event that it was entered by. */
-  entered: number,
-  /** When it was entered, in ns since the start of the run. */
-  since_ns: number,
-  /** Its inputs by name; none if they were not kept. */
-  inputs: Record<string, unknown> | null,
-  /** Its scoped variables by name. */
-  scoped: Record<string, unknown>,
-  /** How its children ended last, in that order. */
-  ended: Array<PicturedEnd>, };
 
 /** An input, output or scoped variable. */
 export type PortDocument = {

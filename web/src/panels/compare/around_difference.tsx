@@ -3,9 +3,9 @@
 import type { Happened, Parting } from "../../model/generated/protocol.ts";
 import type { Watch } from "../../store/history/run.ts";
 import type { OpenTab } from "../../store/page/page.ts";
+import { missionTime } from "../../store/page/times.ts";
 import { useSignal } from "../../ui/signals.ts";
 import { useHost } from "../context.tsx";
-import { sinceStart } from "../parts/duration.ts";
 import { happenedInWords, namesOf } from "../parts/happened.ts";
 import { entriesAround } from "./around.ts";
 import type { ComparedSide, ShowCompared } from "./show.ts";
@@ -65,7 +65,7 @@ function Column({ tab, branch, side, title, watch, at, show }: ColumnProps) {
                   {isIt ? "≠" : ""}
                 </span>
                 <span className="compare-what">{happenedInWords(happening, nameOf)}</span>
-                <span className="compare-when">{sinceStart(happening.t_ns / 1e6, 1)}</span>
+                <span className="compare-when">{missionTime(happening.t_ns)}</span>
               </button>
             </li>
           );

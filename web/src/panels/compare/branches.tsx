@@ -1,8 +1,8 @@
 /** The branches on which two runs part, each with its first difference: the earliest of them first. */
 
 import type { Happened, Parting } from "../../model/generated/protocol.ts";
+import { missionTime } from "../../store/page/times.ts";
 import { Table, type TableColumn } from "../../ui/table.tsx";
-import { sinceStart } from "../parts/duration.ts";
 
 interface BranchesProps {
   readonly parted: readonly Parting[];
@@ -58,7 +58,7 @@ function Step({ step }: { readonly step: Happened | null }) {
   return (
     <span title={words}>
       {words}
-      {step && <span className="compare-when"> {sinceStart(step.t_ns / 1e6, 1)}</span>}
+      {step && <span className="compare-when"> {missionTime(step.t_ns)}</span>}
     </span>
   );
 }

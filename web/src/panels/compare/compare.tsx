@@ -6,10 +6,11 @@ import { GitCompare, RefreshCw, X } from "lucide-react";
 import { useEffect, useState } from "react";
 import { keyOf } from "../../model/element.ts";
 import type { Comparison, Parting, RunSummary } from "../../model/generated/protocol.ts";
-import { startedInWords, statusInWords, summaryStatusWords } from "../../model/run_words.ts";
+import { statusInWords, summaryStatusWords } from "../../model/run_words.ts";
 import { comparedRun } from "../../store/history/compared_run.ts";
 import type { Watch } from "../../store/history/run.ts";
 import type { OpenTab, Page } from "../../store/page/page.ts";
+import { wallTime } from "../../store/page/times.ts";
 import { runsOfTab } from "../../store/run/running.ts";
 import { IconButton } from "../../ui/button.tsx";
 import { Empty } from "../../ui/empty.tsx";
@@ -155,7 +156,7 @@ function Chooser({ tab, watch, page }: ChooserProps) {
 }
 
 function inWords(run: RunSummary): string {
-  return `${startedInWords(run.started_ms, Date.now())}, ${statusInWords(summaryStatusWords(run))}`;
+  return `${wallTime(run.started_ms, Date.now())}, ${statusInWords(summaryStatusWords(run))}`;
 }
 
 interface ComparedProps extends CompareProps {

@@ -3,6 +3,7 @@
 import type { MachineVersions } from "../../model/generated/protocol.ts";
 import type { Against } from "../../store/page/comparison.ts";
 import type { OpenTab } from "../../store/page/page.ts";
+import { wallTime } from "../../store/page/times.ts";
 
 interface AgainstOption {
   readonly value: string;
@@ -25,8 +26,8 @@ export function againstOptions(
       return { value: optionOf(against), title: `Tab: ${nameOf(tab)}`, against };
     }),
     ...(versions?.versions ?? []).map(({ commit, author, at_ms, subject }): AgainstOption => {
-      const day = new Date(at_ms).toLocaleDateString();
-      const title = `${commit.slice(0, 8)} · ${day} · ${subject} (${author})`;
+      const when = wallTime(at_ms, Date.now());
+      const title = `${commit.slice(0, 8)} · ${when} · ${subject} (${author})`;
       return { value: commit, title, against: { kind: "version", commit } };
     }),
   ];

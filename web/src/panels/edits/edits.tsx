@@ -5,13 +5,13 @@ import { useMemo, useState } from "react";
 import { type StepRow, stepRows, stepTree } from "../../model/steps.ts";
 import type { OpenTab } from "../../store/page/page.ts";
 import { mayEdit } from "../../store/page/rights.ts";
+import { wallTime } from "../../store/page/times.ts";
 import { Button, IconButton } from "../../ui/button.tsx";
 import { Empty } from "../../ui/empty.tsx";
 import { Checkbox } from "../../ui/field.tsx";
 import { useSignal } from "../../ui/signals.ts";
 import { Table, type TableColumn } from "../../ui/table.tsx";
 import { useActiveTab, useCommand, useHost } from "../context.tsx";
-import { moment } from "../moment.ts";
 import { Graph, graphWidth } from "./graph.tsx";
 import { jumpTo } from "./jump.ts";
 import { StepDetail } from "./step_detail.tsx";
@@ -134,7 +134,7 @@ function columnsOf(
       width: "110px",
       align: "right",
       cell: ({ node: { step } }) =>
-        step && <span className="edits-time">{moment(step.at_ms, now_ms)}</span>,
+        step && <span className="edits-time">{wallTime(step.at_ms, now_ms)}</span>,
     },
   ];
 }

@@ -17,5 +17,5 @@ test("the run history has a head over each column", () => {
       [...place.querySelectorAll(`${row} .history-${column}`)].map((cell) => cell.textContent),
     );
   expect(cells(".history-head")).toEqual([["State"], ["Began"], ["Took"], ["Outcome"]]);
-  expect(cells(".history-row")).toEqual([["R"], ["0.001 s"], ["1.00 ms"], ["ok"]]);
+  expect(cells(".history-row")).toEqual([["R"], ["T+0.001 s"], ["1.00 ms"], ["ok"]]);
 });

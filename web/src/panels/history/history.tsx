@@ -12,6 +12,7 @@ import { hasFailed, lookOf } from "../../store/history/lanes.ts";
 import { showIndex, shownIndex } from "../../store/history/moments.ts";
 import type { Watch } from "../../store/history/run.ts";
 import type { OpenTab } from "../../store/page/page.ts";
+import { runTime, runTimes, timeScale } from "../../store/page/times.ts";
 import { select } from "../../store/page/view.ts";
 import { Empty } from "../../ui/empty.tsx";
 import { TextField } from "../../ui/field.tsx";
@@ -19,7 +20,7 @@ import { ContextMenu } from "../../ui/menu.tsx";
 import { useSignal } from "../../ui/signals.ts";
 import { Tree } from "../../ui/tree.tsx";
 import { useActiveTab, useHost } from "../context.tsx";
-import { measured, sinceStart } from "../parts/duration.ts";
+import { measured } from "../parts/duration.ts";
 import { happenedInWords, type NameOf, namesOf } from "../parts/happened.ts";
 import { NoRun } from "../parts/no_run.tsx";
 import { reveal } from "../reveal.ts";
@@ -145,7 +146,7 @@ function CallTree({ tab, watch, show, onMenu }: HistoryListProps) {
         expanded={expanded}
         onExpand={(node, open) => setExpanded((before) => toggled(before, node.id, open))}
         text={(node) => nameOfNode(node, calls, nameOf)}
-        row={(node) => <Row node={node} calls={calls} nameOf={nameOf} />}
+        row={(node) => <Row watch={watch} node={node} calls={calls} nameOf={nameOf} />}
         selected={new Set(at === null ? [] : [at])}
         reveal={at}
         onSelect={(node) => {
@@ -203,19 +204,23 @@ function nameOfNode(node: HistoryNode, calls: Calls, nameOf: NameOf): string {
 }
 
 interface HistoryRowProps {
+  readonly watch: Watch;
   readonly node: HistoryNode;
   readonly calls: Calls;
   readonly nameOf: NameOf;
 }
 
-function Row({ node, calls, nameOf }: HistoryRowProps) {
+function Row({ watch, node, calls, nameOf }: HistoryRowProps) {
+  useSignal(timeScale);
   const { first, last } = ends(node);
   const began = calls.began_ns(first);
   return (
     <span className="history-row">
       <Sign node={node} calls={calls} />
       <span className="history-name">{nameOfNode(node, calls, nameOf)}</span>
-      <span className="history-when">{sinceStart(began / 1e6, 1)}</span>
+      <span className="history-when" title={runTimes(watch, began)}>
+        {runTime(watch, began)}
+      </span>
       <span className="history-long">{measured(lengthOf(node, calls) / 1e6)}</span>
       <End call={last} calls={calls} />
     </span>
@@ -286,7 +291,7 @@ function Hits({ tab, watch, query, show, onMenu }: HistoryListProps & { readonly
       row={(index) => (
         <span className="history-row">
           <span className="history-name">{words(index)}</span>
-          <span className="history-when">{sinceStart(watch.journal.t_ns(index) / 1e6, 1)}</span>
+          <span className="history-when">{runTime(watch, watch.journal.t_ns(index))}</span>
         </span>
       )}
       selected={new Set([String(shown)])}

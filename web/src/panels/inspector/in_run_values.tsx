@@ -8,6 +8,7 @@ import { portsOf } from "../../model/machine.ts";
 import { type Origin, originOf } from "../../store/history/origin.ts";
 import type { Watch } from "../../store/history/run.ts";
 import { visitsOf } from "../../store/history/visits.ts";
+import { runTime, timeScale } from "../../store/page/times.ts";
 import type { StateStatus, Values } from "../../store/run/state_status.ts";
 import {
   addWatched,
@@ -18,7 +19,6 @@ import {
 } from "../../store/run/watched_values.ts";
 import { IconButton } from "../../ui/button.tsx";
 import { useSignal } from "../../ui/signals.ts";
-import { sinceStart } from "../parts/duration.ts";
 import { dragValue } from "../parts/value/dragged_value.ts";
 import type { Detailed } from "../parts/value/use_detail.ts";
 import { ValueView } from "../parts/value/value_view.tsx";
@@ -177,13 +177,14 @@ interface FromProps extends Pick<ValueLineProps, "inspected" | "watch"> {
 /** The event by which something came there, when that was, and which state gave it. */
 function From({ inspected, watch, what, origin }: FromProps) {
   const { journal } = watch;
-  const at_ms = journal.t_ns(journal.indexOf(origin.sequence)) / 1e6;
+  useSignal(timeScale);
+  const t_ns = journal.t_ns(journal.indexOf(origin.sequence));
   const name = inspected.machine.state(origin.path)?.name ?? origin.path;
   const isOwn = origin.path === inspected.path;
   return (
     <>
       <span className="in-run-when">
-        #{origin.sequence} at {sinceStart(at_ms, 1)}
+        #{origin.sequence} at {runTime(watch, t_ns)}
         {isOwn ? "" : " by "}
         {!isOwn && (
           <button

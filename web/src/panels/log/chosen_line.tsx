@@ -1,15 +1,16 @@
 /** The chosen line of the log in full, and where it leads: to its state, to its moment, to a line of a script. */
 
 import { Clock, Copy, X } from "lucide-react";
+import type { Watch } from "../../store/history/run.ts";
+import { runTimes, wallTime } from "../../store/page/times.ts";
 import { Button, IconButton } from "../../ui/button.tsx";
 import { useCommand } from "../context.tsx";
-import { moment } from "../moment.ts";
-import { sinceStart } from "../parts/duration.ts";
 import type { LogEntry } from "./entries.ts";
 import { TracebackView } from "./traceback_view.tsx";
 
 interface ChosenLineProps {
   readonly entry: LogEntry;
+  readonly watch: Watch | null;
   readonly stateName: string;
   /** Null where the page shows no run. */
   readonly onMoment: (() => void) | null;
@@ -20,6 +21,7 @@ interface ChosenLineProps {
 
 export function ChosenLine({
   entry,
+  watch,
   stateName,
   onMoment,
   onState,
@@ -33,8 +35,9 @@ export function ChosenLine({
       <div className="log-about">
         <span className={`log-${level}`}>{level}</span>
         <span className="log-time">
-          {moment(at_ms, Date.now())}
-          {line && `, ${sinceStart(line.t_ns / 1e6, 1)} after the start`}
+          {line && watch
+            ? runTimes(watch, line.t_ns).replaceAll("\n", ", ")
+            : wallTime(at_ms, Date.now())}
         </span>
         {line && line.path !== "" && (
           <Button kind="quiet" title="Show the state" onClick={onState}>

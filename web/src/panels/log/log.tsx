@@ -9,6 +9,7 @@ import { runLog } from "../../store/history/run_log.ts";
 import { type OpenTab, type Page, runOf } from "../../store/page/page.ts";
 import { scriptLineRevealRequest } from "../../store/page/reveal_requests.ts";
 import { RefusalError } from "../../store/page/server.ts";
+import { runTime, runTimes, timeScale, wallTime } from "../../store/page/times.ts";
 import { selectedStates } from "../../store/page/view.ts";
 import { Button } from "../../ui/button.tsx";
 import { Empty } from "../../ui/empty.tsx";
@@ -16,7 +17,6 @@ import { isSameList, useComputed, useSignal } from "../../ui/signals.ts";
 import { Table, type TableColumn } from "../../ui/table.tsx";
 import { type PanelHost, useActiveTab, useHost } from "../context.tsx";
 import { goTo } from "../go_to.ts";
-import { preciseMoment } from "../moment.ts";
 import { reveal } from "../reveal.ts";
 import { ChosenLine } from "./chosen_line.tsx";
 import { inOneLine, type LogEntry, type LogSelection } from "./entries.ts";
@@ -38,7 +38,8 @@ export function Log() {
   const { rows, nameOf } = useRows(page, tab, watch, watch ? filter.source : "page", selection);
   const shown = useSignal(watch?.playhead ?? LIVE);
   const here = shown === null ? undefined : hereOf(rows, shown);
-  const columns = useMemo(() => columnsOf(watch !== null, nameOf), [watch, nameOf]);
+  useSignal(timeScale);
+  const columns = useMemo(() => columnsOf(watch, nameOf), [watch, nameOf]);
   const entry = rows.find(({ id }) => id === chosen);
   const follow = (follows: boolean) =>
     setFilter((before) => (before.follows === follows ? before : { ...before, follows }));
@@ -86,6 +87,7 @@ export function Log() {
         {entry && (
           <ChosenLine
             entry={entry}
+            watch={watch}
             stateName={entry.line ? nameOf(entry.line.path) : ""}
             onMoment={watch && (() => showMoment(entry))}
             onState={() => show(host, tab, entry)}
@@ -188,7 +190,7 @@ function classOf(row: LogEntry, here: LogEntry): string | undefined {
 }
 
 function columnsOf(
-  hasRun: boolean,
+  watch: Watch | null,
   nameOf: (path: string) => string,
 ): readonly TableColumn<LogEntry>[] {
   const state: TableColumn<LogEntry> = {
@@ -201,16 +203,22 @@ function columnsOf(
       </span>
     ),
   };
-  return [TIME, LEVEL, ...(hasRun ? [state] : []), TEXT];
+  return [timeColumn(watch), LEVEL, ...(watch ? [state] : []), TEXT];
 }
 
-const TIME: TableColumn<LogEntry> = {
-  key: "time",
-  title: "When",
-  width: "minmax(100px, max-content)",
-  align: "right",
-  cell: ({ at_ms }) => <span className="log-time">{preciseMoment(at_ms, Date.now())}</span>,
-};
+function timeColumn(watch: Watch | null): TableColumn<LogEntry> {
+  return {
+    key: "time",
+    title: "When",
+    width: "minmax(100px, max-content)",
+    align: "right",
+    cell: ({ at_ms, line }) => (
+      <span className="log-time" title={line && watch ? runTimes(watch, line.t_ns) : undefined}>
+        {line && watch ? runTime(watch, line.t_ns) : wallTime(at_ms, Date.now())}
+      </span>
+    ),
+  };
+}
 
 const LEVEL: TableColumn<LogEntry> = {
   key: "level",

@@ -4,9 +4,9 @@ import { ArrowRightLeft, Hand, KeyRound, LogOut, ShieldAlert, Undo2 } from "luci
 import type { ReactNode } from "react";
 import { silenceLeft } from "../../commands/control.ts";
 import { lacks } from "../../commands/run_rules.ts";
-import { startedInWords } from "../../model/run_words.ts";
 import type { Watch } from "../../store/history/run.ts";
 import { clock1s } from "../../store/page/clock1s.ts";
+import { wallTime } from "../../store/page/times.ts";
 import { sessionOfPage } from "../../store/run/running.ts";
 import { Button } from "../../ui/button.tsx";
 import { useComputed } from "../../ui/signals.ts";
@@ -44,10 +44,7 @@ export function ControlPart({ watch }: { readonly watch: Watch }) {
           ) : (
             <>
               <strong>{isMine ? "You are" : `${holder} is`}</strong> in control
-              <span className="mission-soft">
-                {" "}
-                since {startedInWords(control.since_ms, Date.now())}
-              </span>
+              <span className="mission-soft"> since {wallTime(control.since_ms, Date.now())}</span>
             </>
           )}
         </span>

@@ -1,8 +1,9 @@
 /** What a glance has to tell: which mission, how it stands, and how long. As high whatever it says: what stands below stays there. */
 
-import { runStatusWords, startedInWords, summaryStatusWords } from "../../model/run_words.ts";
+import { runStatusWords, summaryStatusWords } from "../../model/run_words.ts";
 import type { Watch } from "../../store/history/run.ts";
 import { clock1s } from "../../store/page/clock1s.ts";
+import { wallTime } from "../../store/page/times.ts";
 import { isGoingOn, runAge } from "../../store/run/age.ts";
 import { earlierRuns, expectedLength } from "../../store/run/baseline.ts";
 import { elapsedNow } from "../../store/run/run_clock.ts";
@@ -91,7 +92,7 @@ function OtherRuns({ watch }: { readonly watch: Watch }) {
         </option>
         {others.map(({ id, name, started_ms }) => (
           <option key={id} value={id}>
-            {name}, started {startedInWords(started_ms, Date.now())}
+            {name}, started {wallTime(started_ms, Date.now())}
           </option>
         ))}
       </select>

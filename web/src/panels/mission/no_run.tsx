@@ -1,8 +1,9 @@
 /** Mission control without a run: those that go on, to choose one, and how one begins. */
 
 import { Radar } from "lucide-react";
-import { startedInWords, summaryStatusWords } from "../../model/run_words.ts";
+import { summaryStatusWords } from "../../model/run_words.ts";
 import { clock1s } from "../../store/page/clock1s.ts";
+import { timeScale, wallTime } from "../../store/page/times.ts";
 import { Button } from "../../ui/button.tsx";
 import { useComputed, useSignal } from "../../ui/signals.ts";
 import { useCommand, useHost } from "../context.tsx";
@@ -67,6 +68,7 @@ export function NoRun() {
 
 function RunList({ label, runs }: { readonly label: string; readonly runs: readonly RunInList[] }) {
   const run = useCommand();
+  useSignal(timeScale);
   return (
     <ul className="mission-runs" aria-label={label}>
       {runs.map((one) => (
@@ -75,7 +77,7 @@ function RunList({ label, runs }: { readonly label: string; readonly runs: reado
             <span className="mission-run-name">{one.name}</span>
             <StatusWord status={summaryStatusWords(one)} />
             <small>
-              started {startedInWords(one.started_ms, Date.now())}
+              started {wallTime(one.started_ms, Date.now())}
               {one.author ? ` by ${one.author}` : ""}, <Length run={one} />
             </small>
           </button>

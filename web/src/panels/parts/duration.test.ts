@@ -1,5 +1,5 @@
 import { expect, test } from "vitest";
-import { clockTime, duration, growing, measured, sinceStart } from "./duration.ts";
+import { duration, growing, measured } from "./duration.ts";
 
 test("lengths are short, and told apart where it matters", () => {
   const lengths = [0, 0.004, 1.5, 42, 400, 999, 12_300, 59_400, 59_600, 185_000, 3_723_000, -1_500];
@@ -41,21 +41,6 @@ test("lengths that are compared have three figures", () => {
     "3:05",
     "−251 ms",
   ]);
-});
-
-test("times since the start have as many digits as their step needs", () => {
-  expect([
-    sinceStart(12_345, 1_000),
-    sinceStart(12_345, 100),
-    sinceStart(12_345, 1),
-    sinceStart(72_500, 100),
-    sinceStart(72_500, 5_000),
-    sinceStart(3_723_400, 100),
-  ]).toEqual(["12 s", "12.3 s", "12.345 s", "1:12.5", "1:12", "1:02:03.4"]);
-});
-
-test("times of day have hours, minutes and seconds", () => {
-  expect(clockTime(new Date(2026, 10, 22, 4, 3, 9).getTime())).toBe("04:03:09");
 });
 
 test("what still grows is told to the tenth at first, and never more than it is", () => {

@@ -1,8 +1,7 @@
-/** Lengths of time and times of day for people: short, and as wide whatever the figures are. */
+/** Lengths of time for people: short, and as wide whatever the figures are. */
 
 const SECOND = 1_000;
 const MINUTE = 60 * SECOND;
-const HOUR = 60 * MINUTE;
 
 /** At a glance: `4 µs`, `42 ms`, `0.1 s`, `3.4 s`, `12 s`, `3:05`, `1:02:03`, `2 d 1:02:03`. */
 export function duration(ms: number): string {
@@ -35,25 +34,6 @@ function threeFigures(number: number): string {
 export function growing(ms: number): string {
   if (ms < 10 * SECOND) return `${(Math.floor(Math.max(0, ms) / 100) / 10).toFixed(1)} s`;
   return duration(Math.floor(ms / SECOND) * SECOND);
-}
-
-/** `14:03:27` by this browser's clock and zone. */
-export function clockTime(ms: number): string {
-  const at = new Date(ms);
-  return `${two(at.getHours())}:${two(at.getMinutes())}:${two(at.getSeconds())}`;
-}
-
-/** A length as a time since the start, to the step that is told apart: `12.345 s`, `1:02:03.5`. */
-export function sinceStart(ms: number, step_ms: number): string {
-  const digits = step_ms >= SECOND ? 0 : Math.min(6, Math.ceil(-Math.log10(step_ms / SECOND)));
-  if (ms < MINUTE) return `${(ms / SECOND).toFixed(digits)} s`;
-  const rest = (ms % MINUTE) / SECOND;
-  const seconds = (digits === 0 ? Math.floor(rest).toString() : rest.toFixed(digits)).padStart(
-    digits === 0 ? 2 : digits + 3,
-    "0",
-  );
-  const [hours, minutes] = [Math.floor(ms / HOUR), Math.floor(ms / MINUTE) % 60];
-  return hours > 0 ? `${hours}:${two(minutes)}:${seconds}` : `${minutes}:${seconds}`;
 }
 
 function two(number: number): string {

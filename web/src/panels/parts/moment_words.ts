@@ -3,14 +3,14 @@
 import { shownIndex } from "../../store/history/moments.ts";
 import type { Watch } from "../../store/history/run.ts";
 import type { OpenTab } from "../../store/page/page.ts";
+import { runTime, timeScale } from "../../store/page/times.ts";
 import { useSignal } from "../../ui/signals.ts";
-import { sinceStart } from "./duration.ts";
 import { happenedInWords, namesOf } from "./happened.ts";
 
 interface MomentWords {
   /** Its place in the journal. */
   readonly index: number;
-  /** Time since the start. */
+  /** On the scale of the settings. */
   readonly when: string;
   /** The event. */
   readonly what: string;
@@ -19,10 +19,11 @@ interface MomentWords {
 export function useMoment(tab: OpenTab, watch: Watch): MomentWords {
   useSignal(watch.journalVersion);
   useSignal(watch.playhead);
+  useSignal(timeScale);
   useSignal(tab.session.version);
   const index = shownIndex(watch);
   const happening = watch.journal.at(index);
   if (!happening) return { index, when: "", what: "Nothing has happened yet" };
-  const when = sinceStart(happening.t_ns / 1e6, 1);
+  const when = runTime(watch, happening.t_ns);
   return { index, when, what: happenedInWords(happening, namesOf(tab.session)) };
 }

@@ -5,6 +5,7 @@ import { NONE } from "../../store/history/calls.ts";
 import { showIndex, showTime } from "../../store/history/moments.ts";
 import { notesOf } from "../../store/history/notes.ts";
 import type { OpenTab } from "../../store/page/page.ts";
+import { runTime, timeScale } from "../../store/page/times.ts";
 import { select, selectedStates } from "../../store/page/view.ts";
 import type { Gap } from "../../store/run/gaps.ts";
 import { inksOf, onTheme } from "../../ui/inks.ts";
@@ -88,6 +89,7 @@ class Chart {
     model.pointed.value;
     tab.view.selection.value;
     tab.session.version.value;
+    timeScale.value;
     parted_ns();
   }
 
@@ -126,6 +128,7 @@ class Chart {
       parted_ns: parted_ns(),
       gaps: gaps(),
       nameOf: namesOf(tab.session),
+      timeOf: (t_ns, step_ms) => runTime(model.watch, t_ns, step_ms),
       ...this.#looks,
     };
     const above = sized(ruler, scene.scale.width, RULER_PX);

@@ -6,7 +6,6 @@ import type { CallLook } from "../../store/history/lanes.ts";
 import { NOTE_KINDS, type NoteKind, type Notes } from "../../store/history/notes.ts";
 import type { Gap } from "../../store/run/gaps.ts";
 import type { Inks } from "../../ui/inks.ts";
-import { sinceStart } from "../parts/duration.ts";
 import type { NameOf } from "../parts/happened.ts";
 import { type Bar, barsOf, type Scale, xOf } from "./bars.ts";
 import { ROW_PX, type TimelineLayout } from "./layout.ts";
@@ -32,6 +31,8 @@ export interface Scene {
   /** When the page was not told. */
   readonly gaps: readonly Gap[];
   readonly nameOf: NameOf;
+  /** A time in words, to this step. */
+  readonly timeOf: (t_ns: number, step_ms: number) => string;
   readonly inks: Inks;
   readonly font: string;
 }
@@ -225,7 +226,7 @@ export function paintRuler(context: CanvasRenderingContext2D, scene: Scene): voi
     context.fillStyle = inks("--border-strong");
     context.fillRect(x, 14, 1, 6);
     context.fillStyle = inks("--text-soft");
-    const words = sinceStart(at / 1e6, step_ms);
+    const words = scene.timeOf(at, step_ms);
     const isWhole = x + 4 + context.measureText(words).width <= scale.width;
     if (isWhole) context.fillText(words, x + 4, 9);
   }

@@ -4,8 +4,9 @@ import { errorInWords } from "../../store/history/failures.ts";
 import type { Journal } from "../../store/history/journal.ts";
 import { type CallLook, hasFailed, lookOf } from "../../store/history/lanes.ts";
 import type { OpenTab } from "../../store/page/page.ts";
+import { runTime } from "../../store/page/times.ts";
 import { useSignal } from "../../ui/signals.ts";
-import { measured, sinceStart } from "../parts/duration.ts";
+import { measured } from "../parts/duration.ts";
 import { namesOf } from "../parts/happened.ts";
 import type { TimelineModel } from "./model.ts";
 
@@ -38,7 +39,7 @@ export function Pointed({ tab, model }: PointedProps) {
         </span>
       )}
       <span>
-        from {sinceStart(began / 1e6, 1)} for {measured(length / 1e6)}
+        from {runTime(model.watch, began)} for {measured(length / 1e6)}
       </span>
       <span>{endInWords(lookOf(calls, call), calls.outcome(call)?.name ?? "")}</span>
       {hasFailed(calls, call) && (

@@ -8,6 +8,7 @@ import { previewValue } from "../../model/preview.ts";
 import type { Watch } from "../../store/history/run.ts";
 import type { ChangeOfValue } from "../../store/history/series.ts";
 import type { OpenTab } from "../../store/page/page.ts";
+import { runTime, runTimes, timeScale } from "../../store/page/times.ts";
 import { ValueHistory } from "../../store/run/value_history.ts";
 import {
   changeWatched,
@@ -19,7 +20,6 @@ import { IconButton } from "../../ui/button.tsx";
 import { TextField } from "../../ui/field.tsx";
 import { useSignal } from "../../ui/signals.ts";
 import { useHost } from "../context.tsx";
-import { sinceStart } from "../parts/duration.ts";
 import { useValue } from "../parts/value/use_value.ts";
 import { ValueView } from "../parts/value/value_view.tsx";
 import { reveal } from "../reveal.ts";
@@ -139,9 +139,15 @@ function Now({ tab, watched, watch, expression }: WatchInRunProps) {
 }
 
 /** When the value came. */
-function Since({ watch: { journal }, sequence }: { watch: Watch; sequence: number }) {
-  const at_ms = journal.t_ns(journal.indexOf(sequence)) / 1e6;
-  return <span className="watches-when">{sinceStart(at_ms, 1)}</span>;
+function Since({ watch, sequence }: { watch: Watch; sequence: number }) {
+  useSignal(timeScale);
+  const { journal } = watch;
+  const t_ns = journal.t_ns(journal.indexOf(sequence));
+  return (
+    <span className="watches-when" title={runTimes(watch, t_ns)}>
+      {runTime(watch, t_ns)}
+    </span>
+  );
 }
 
 /** Numbers as a plot, all else as its last changes. */
@@ -206,6 +212,7 @@ const CHANGE_MAX = 60;
 
 function Changes({ changes, watch }: { changes: readonly ChangeOfValue[]; watch: Watch }) {
   const playhead = useSignal(watch.playhead);
+  useSignal(timeScale);
   const here = changes.findLast(({ sequence }) => playhead !== null && sequence <= playhead);
   return (
     <ol className="watches-changes" aria-label="Last changes, newest first">
@@ -225,7 +232,7 @@ function Changes({ changes, watch }: { changes: readonly ChangeOfValue[]; watch:
                 watch.playhead.value = sequence;
               }}
             >
-              {sinceStart(t_ns / 1e6, 1)}
+              {runTime(watch, t_ns)}
             </button>
             <code>{previewValue(value, CHANGE_MAX)}</code>
           </li>

@@ -60,6 +60,7 @@ export class Journal {
   readonly #structural = new Map<number, Event>();
   readonly #errors = new Map<number, JsonValue>();
   #next = 1;
+  #resumed_ns = Number.POSITIVE_INFINITY;
   /** How often and how long states ran. */
   readonly counts = new Counts();
 
@@ -164,9 +165,15 @@ export class Journal {
     return this.#t_ns.firstFrom(t_ns);
   }
 
+  /** Whether no crash stopped the run's clock before this time: then the time of the day is known, too. */
+  hasClockAt(t_ns: number): boolean {
+    return t_ns < this.#resumed_ns;
+  }
+
   #add({ sequence, t_ns, event }: HistoryEntry): void {
     this.#sequence.push(sequence);
     this.#t_ns.push(t_ns);
+    if (event.type === "resumed") this.#resumed_ns = Math.min(this.#resumed_ns, t_ns);
     if (event.type !== "entered" && event.type !== "left") {
       this.#push(OTHER, -1, NO_OUTCOME, 0);
       if (STRUCTURAL.has(event.type)) this.#structural.set(sequence, event);

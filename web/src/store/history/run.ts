@@ -7,8 +7,8 @@ import type {
   Command,
   Control,
   ControlMove,
+  Moment,
   OnCrash,
-  Picture,
   RunNow,
   RunSummary,
   StartRun,
@@ -30,7 +30,7 @@ export interface SentCommand {
 
 /** How the run stood after an event, with values; of a run that goes on also the newest one that was asked for. */
 export interface RunSnapshot {
-  readonly picture: Picture;
+  readonly picture: Moment;
   /** When it came: ms since 1970 by this browser's clock. */
   readonly at_ms: number;
 }

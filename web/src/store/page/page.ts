@@ -12,6 +12,7 @@ import type {
 import type { MachineSession } from "../document/machine_session.ts";
 import type { Runs, Watch } from "../history/run.ts";
 import type { Server } from "./server.ts";
+import type { TimeScale } from "./times.ts";
 import type { SessionView } from "./view.ts";
 
 /** A machine that is open in this page, as a tab. */
@@ -60,6 +61,8 @@ export interface Settings {
   readonly keys: Readonly<Record<string, readonly string[]>>;
   /** Folders opened lately, the newest first. */
   readonly recent: readonly MachineFile[];
+  /** The scale on which times are shown. */
+  readonly times: TimeScale;
 }
 
 export interface Page {

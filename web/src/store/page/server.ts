@@ -52,6 +52,11 @@ export class RefusalError extends Error {
     this.code = refusal.code;
     this.status = status;
   }
+
+  /** Whether the same may be answered otherwise later: the server did not answer, is busy, or cannot do it now. */
+  get isForNow(): boolean {
+    return this.status === 0 || this.status === 429 || this.status >= 500;
+  }
 }
 
 /** What becomes of a subscription. Frames come in order; after a break `topic` is asked where to go on. The last frame is

@@ -4,6 +4,7 @@ import { effect, type Signal, signal } from "@preact/signals-core";
 import type { MachineFile } from "../../model/generated/protocol.ts";
 import { kept, type LocalStore } from "../local_store.ts";
 import type { Settings } from "./page.ts";
+import { timeScale } from "./times.ts";
 
 export const FIRST_SETTINGS: Settings = {
   theme: "system",
@@ -11,7 +12,14 @@ export const FIRST_SETTINGS: Settings = {
   keymap: "rafcon",
   keys: {},
   recent: [],
+  times: "mission",
 };
+
+export const THEMES: readonly { readonly value: Settings["theme"]; readonly title: string }[] = [
+  { value: "system", title: "Same as system" },
+  { value: "dark", title: "Dark" },
+  { value: "light", title: "Light" },
+];
 
 /** So many folders are remembered. */
 const RECENT_MAX = 20;
@@ -35,6 +43,9 @@ export function followSettings(localStore: LocalStore): Signal<Settings> {
     known = { ...readSettings(localStore), ...Object.fromEntries(changed) };
     localStore.put(KEY, known);
     settings.value = known;
+  });
+  effect(() => {
+    timeScale.value = settings.value.times;
   });
   localStore.whenOther(KEY, () => {
     known = readSettings(localStore);

@@ -1,18 +1,18 @@
 import { signal } from "@preact/signals-core";
 import { expect, test } from "vitest";
-import type { ActiveState, Hold, Phase, Picture, RunNow } from "../../model/generated/protocol.ts";
+import type { ActiveState, Hold, Moment, Phase, RunNow } from "../../model/generated/protocol.ts";
 import type { RunSnapshot, Watch } from "../history/run.ts";
 import { type Active, activeStates, heldBefore, isHolding, lanes, placeOfLane } from "./active.ts";
 
 /** A watch of which only what is shown counts. */
-function watching(now: readonly ActiveState[], picture?: Partial<Picture>): Watch {
+function watching(now: readonly ActiveState[], picture?: Partial<Moment>): Watch {
   const shown = { now: signal<RunNow | null>(null), playhead: signal<number | null>(null) };
   const run = { phase: "live" };
   shown.now.value = { run, snapshot: { active: now, questions: [] } } as unknown as RunNow;
   const snapshot = signal<RunSnapshot | null>(null);
   if (picture) {
     const whole = { held: [], waiting: {}, questions: [], active: [], t_ns: 0, ...picture };
-    snapshot.value = { picture: whole as unknown as Picture, at_ms: 0 };
+    snapshot.value = { picture: whole as unknown as Moment, at_ms: 0 };
   }
   return { ...shown, playheadSnapshot: snapshot } as unknown as Watch;
 }

@@ -5,9 +5,9 @@ import type {
   ActiveState,
   HeldBy,
   Hold,
+  Moment,
+  MomentState,
   Phase,
-  Picture,
-  PicturedState,
   Question,
   RunNow,
   Snapshot,
@@ -114,7 +114,7 @@ function askers(questions: readonly Question[]): ReadonlySet<string> {
   return new Set(questions.map(({ path }) => path));
 }
 
-function ofPicture({ active, held, waiting, t_ns, questions }: Picture): readonly Active[] {
+function ofPicture({ active, held, waiting, t_ns, questions }: Moment): readonly Active[] {
   const asked = askers(questions);
   const holds = new Map<string, Hold[]>();
   for (const { path, ...hold } of held) holds.set(path, [...(holds.get(path) ?? []), hold]);
@@ -142,7 +142,7 @@ function phaseOf(held: readonly Hold[], detail: string | null): Phase {
 
 /** Pictures name no branches: they part where several children of one state are active or held. */
 function branches(
-  active: readonly PicturedState[],
+  active: readonly MomentState[],
   holds: ReadonlyMap<string, readonly Hold[]>,
 ): (path: string) => string {
   const children = new Map<string, number>();

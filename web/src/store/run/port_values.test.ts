@@ -1,5 +1,5 @@
 import { expect, test } from "vitest";
-import type { Picture } from "../../model/generated/protocol.ts";
+import type { Moment } from "../../model/generated/protocol.ts";
 import { machineOf } from "../../model/plain.ts";
 import { sketch } from "../../model/testing/sketch.ts";
 import { portValues } from "./port_values.ts";
@@ -23,7 +23,7 @@ test("what is active has inputs and variables, what ended has outputs; ports tha
     { path: "R/B", inputs: { pose: [1, 2] }, scoped: {}, ended: [] },
     { path: "R/Gone", inputs: { pose: 1 }, scoped: {}, ended: [] },
   ];
-  const found = portValues({ active } as unknown as Picture, MACHINE);
+  const found = portValues({ active } as unknown as Moment, MACHINE);
   expect(
     [...found].map(([key, value]) => `${key.replace(/:\d+$/, "")} ${JSON.stringify(value)}`),
   ).toEqual(["input:R 3", "scoped_variable:R [1]", "output:R/A [1,2]", "input:R/B [1,2]"]);

@@ -2,11 +2,11 @@
  * ended inside it. */
 
 import { type ElementKey, keyOf } from "../../model/element.ts";
-import type { Picture } from "../../model/generated/protocol.ts";
+import type { Moment } from "../../model/generated/protocol.ts";
 import { type Machine, type PortKind, portsOf } from "../../model/machine.ts";
 
 /** Values as the picture has them, by the key of their port. */
-export function portValues(picture: Picture, machine: Machine): ReadonlyMap<ElementKey, unknown> {
+export function portValues(picture: Moment, machine: Machine): ReadonlyMap<ElementKey, unknown> {
   const found = new Map<ElementKey, unknown>();
   const put = (path: string, kind: PortKind, values: Readonly<Record<string, unknown>> | null) => {
     const state = values && machine.state(path);

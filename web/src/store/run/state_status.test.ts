@@ -1,6 +1,6 @@
 import { signal } from "@preact/signals-core";
 import { expect, test } from "vitest";
-import type { HistoryEntry, Picture } from "../../model/generated/protocol.ts";
+import type { HistoryEntry, Moment } from "../../model/generated/protocol.ts";
 import { Journal } from "../history/journal.ts";
 import type { RunSnapshot, Watch } from "../history/run.ts";
 import { stateStatusOf } from "./state_status.ts";
@@ -50,7 +50,7 @@ const PICTURE = {
   held: [],
   waiting: {},
   questions: [],
-} as unknown as Picture;
+} as unknown as Moment;
 
 function watchAt(playhead: number | null): Watch {
   const journal = new Journal();

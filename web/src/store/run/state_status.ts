@@ -1,6 +1,6 @@
 /** How one state stands in a run at the moment that is shown: its visits, its phase, and what is at hand of its values. */
 
-import type { HeldBy, Outcome, Picture } from "../../model/generated/protocol.ts";
+import type { HeldBy, Moment, Outcome } from "../../model/generated/protocol.ts";
 import { parentOf } from "../../model/path.ts";
 import type { Watch } from "../history/run.ts";
 import { type Visits, visitsOf } from "../history/visits.ts";
@@ -63,7 +63,7 @@ export function stateStatusOf(watch: Watch, path: string): StateStatus {
 }
 
 /** The picture with values of the moment that is shown; while live the newest one. */
-export function pictureOf(watch: Watch): Picture | null {
+export function pictureOf(watch: Watch): Moment | null {
   const picture = watch.playheadSnapshot.value?.picture ?? null;
   const playhead = watch.playhead.value;
   return playhead === null || picture?.sequence === playhead ? picture : null;
@@ -86,7 +86,7 @@ function end(watch: Watch, visits: Visits, path: string, until: number | null): 
   };
 }
 
-function outputsIn(picture: Picture | null, path: string, left: number): Values | null | undefined {
+function outputsIn(picture: Moment | null, path: string, left: number): Values | null | undefined {
   const parent = parentOf(path);
   const container = picture?.active.find((state) => state.path === parent);
   return container?.ended.find((each) => each.path === path && each.sequence === left)?.outputs;

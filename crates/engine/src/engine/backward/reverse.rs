@@ -2,11 +2,11 @@
 //! left backwards stands in `reverse_enter.rs` and `reverse_leave.rs`.
 
 use crate::engine::Refusal;
-use crate::engine::state::frames::{Frame, NONE};
+use crate::engine::state::frames::{Children, ChildrenSideBySide, Frame, NONE};
 use crate::engine::state::phase::Phase;
-use crate::engine::state::step::{Back, Step, Work};
+use crate::engine::state::step::{Back, Step, View, Work};
 use crate::engine::state::undo_log::EndedRun;
-use crate::program::{Body, Concurrency};
+use crate::program::{Body, Concurrency, Node};
 use crate::{Datum, FrameId, PathId, When};
 use rafcon_model::StatePath;
 use std::sync::Arc;
@@ -21,20 +21,20 @@ enum Reason {
 impl<D: Datum> Step<'_, D> {
     /// One step back of all that stands still, or of one branch.
     pub(in crate::engine) fn back(&mut self, branch: Option<&StatePath>) -> Result<(), Refusal> {
-        if !self.keeps_trail() {
+        if !self.view().keeps_undo_log() {
             return Err(Refusal::NoHistory);
         }
-        let place = self.branch_place(branch)?;
+        let place = self.view().branch_place(branch)?;
         let mut plan = Vec::new();
         let mut reason = None;
-        for slot in self.active() {
-            match self.can_go_back(slot, place) {
+        for slot in self.view().active() {
+            match self.view().can_go_back(slot, place) {
                 Ok(back) => plan.extend(back),
                 Err((because, path)) => reason = reason.max(Some((because, path))),
             }
         }
         if plan.is_empty() {
-            return Err(self.cannot(reason, branch));
+            return Err(self.view().cannot(reason, branch));
         }
         self.end_pause();
         self.run.control.run_to = None;
@@ -42,6 +42,46 @@ impl<D: Datum> Step<'_, D> {
         Ok(())
     }
 
+    /// Does what was planned, if the frame is still there.
+    pub(in crate::engine) fn go_back(&mut self, back: Back) {
+        let (Back::Last(id) | Back::Branches(id, _) | Back::Leave(id)) = back;
+        let Some(slot) = self.run.frames.find(id) else { return };
+        let branch = self.run.frames.get(slot).branch;
+        self.run.branches.set(branch, true);
+        match back {
+            Back::Last(_) => self.undo_last(slot),
+            Back::Branches(_, children) => self.branches_back(slot, &children),
+            Back::Leave(_) => self.leave_back(slot),
+        }
+    }
+
+    /// Undoes the last child of a hierarchy or library state.
+    fn undo_last(&mut self, slot: u32) {
+        let branch = self.run.frames.get(slot).branch;
+        self.run.control.take_in(slot);
+        let outputs = self.view().outputs_anew(slot);
+        let frame = self.run.frames.get_mut(slot);
+        frame.stand_ready();
+        let run = match &mut frame.children {
+            Children::Library(root) => {
+                root.end = None;
+                frame.outputs = Some(outputs);
+                root.run.take().map(|run| (0, run))
+            }
+            Children::Hierarchy(children) => {
+                children.undo_log.undoing = true;
+                children.undo_log.take_run()
+            }
+            Children::None | Children::Concurrency(_) => None,
+        };
+        match run {
+            Some((child, run)) if run.entry > 0 => self.enter_back((slot, child), run, branch),
+            Some(_) | None => self.child_undone(slot),
+        }
+    }
+}
+
+impl<D: Datum> View<'_, '_, D> {
     fn cannot(&self, reason: Option<(Reason, PathId)>, branch: Option<&StatePath>) -> Refusal {
         let path = |path| self.run.places.text(path, self.program);
         match reason {
@@ -67,21 +107,25 @@ impl<D: Datum> Step<'_, D> {
         match self.body(slot) {
             Body::Concurrency(kind, _) => self.branches_go_back(slot, *kind, within),
             Body::Hierarchy(_) if here && stands => {
-                let last = frame.trail.traces.back().map(|trace| trace.past.is_lost());
-                let back = self.last_goes_back(slot, last.or(frame.trail.lost.then_some(true)))?;
+                let lost = frame.children.in_turn().and_then(|children| {
+                    let last = children.undo_log.entries.back();
+                    let last = last.map(|entry| entry.run.is_lost());
+                    last.or(children.undo_log.lost.then_some(true))
+                });
+                let back = self.last_goes_back(slot, lost)?;
                 Ok(Some(back(id)))
             }
             Body::Library(_) if here && stands => {
-                let lost = frame.pasts.first().and_then(Option::as_ref).map(EndedRun::is_lost);
-                let ended = frame.ended.iter().any(Option::is_some);
-                let back = self.last_goes_back(slot, lost.or(ended.then_some(true)))?;
+                let Children::Library(root) = &frame.children else { return Ok(None) };
+                let lost = root.run.as_ref().map(EndedRun::is_lost);
+                let back = self.last_goes_back(slot, lost.or(root.end.as_ref().map(|_| true)))?;
                 Ok(Some(back(id)))
             }
             Body::Script | Body::Hierarchy(_) | Body::Library(_) => Ok(None),
         }
     }
 
-    /// Whether a frame can undo its last child: `lost` says whether that is not known any more; without one it is left.
+    /// Whether a frame can undo its last child: `lost` says whether its data is lost; without a last child the frame is left.
     fn last_goes_back(
         &self,
         slot: u32,
@@ -103,21 +147,22 @@ impl<D: Datum> Step<'_, D> {
         within: Option<PathId>,
     ) -> Result<Option<Back>, (Reason, PathId)> {
         let frame = self.run.frames.get(slot);
-        let decides = kind.decider().is_some_and(|decider| frame.active_child(decider) != NONE);
-        let is_decided = frame.open > 0 && frame.winner.is_some();
+        let Some(branches) = frame.children.side_by_side() else { return Ok(None) };
+        let decides = kind.decider().is_some_and(|decider| branches.active(decider).is_some());
+        let is_decided = branches.open > 0 && branches.winner.is_some();
         if decides || is_decided {
             return Ok(None);
         }
-        if self.all_at_start(slot) {
+        if branches.are_at_start() {
             return self.start_goes_back(slot, within);
         }
-        let ended = (0..).zip(&frame.ended).filter(|(_, ended)| ended.is_some());
-        let ended = ended.map(|(child, _)| child).filter(|&child| Some(child) != kind.decider());
+        let ended = branches.ends().map(|(child, _)| child);
+        let ended = ended.filter(|&child| Some(child) != kind.decider());
         let here = |&child: &u32| within.is_none_or(|top| self.is_child_within(slot, child, top));
         let children = ended.filter(here).collect::<Vec<_>>();
         let is_known = |child: &u32| {
-            let past = frame.pasts.get(*child as usize).and_then(Option::as_ref);
-            past.is_some_and(|past| !past.is_lost())
+            let child = branches.all.get(*child as usize);
+            child.and_then(|child| child.run.as_ref()).is_some_and(|run| !run.is_lost())
         };
         if !children.iter().all(is_known) {
             return Err((Reason::Lost, frame.path));
@@ -167,9 +212,8 @@ impl<D: Datum> Step<'_, D> {
 
     /// Whether no child of a concurrency state is active or has ended.
     pub(in crate::engine) fn all_at_start(&self, slot: u32) -> bool {
-        let frame = self.run.frames.get(slot);
-        let quiet = frame.children.iter().all(|&child| child == NONE);
-        quiet && frame.ended.iter().all(Option::is_none)
+        let branches = self.run.frames.get(slot).children.side_by_side();
+        branches.is_some_and(ChildrenSideBySide::are_at_start)
     }
 
     /// Whether a state is the root, or the root of a library that is.
@@ -179,51 +223,20 @@ impl<D: Datum> Step<'_, D> {
         parent == NONE || in_library() && self.is_outermost(parent)
     }
 
-    /// Does what was planned, if the frame is still there.
-    pub(in crate::engine) fn go_back(&mut self, back: Back) {
-        let (Back::Last(id) | Back::Branches(id, _) | Back::Leave(id)) = back;
-        let Some(slot) = self.run.frames.find(id) else { return };
-        let branch = self.run.frames.get(slot).branch;
-        self.run.branches.set(branch, true);
-        match back {
-            Back::Last(_) => self.undo_last(slot),
-            Back::Branches(_, children) => self.branches_back(slot, &children),
-            Back::Leave(_) => self.leave_back(slot),
-        }
-    }
-
     /// The defaults of a state's outputs, as they were when it began.
     pub(in crate::engine) fn outputs_anew(&self, slot: u32) -> Arc<[D]> {
         let frame = self.run.frames.get(slot);
-        let node = self.program.node(frame.node);
-        if frame.parent != NONE
-            && let Body::Library(content) = self.body(frame.parent)
-        {
-            return self.root_outputs(frame.parent, content, node);
-        }
-        Arc::clone(&node.outputs)
+        self.output_defaults(frame.parent, self.program.node(frame.node))
     }
 
-    /// Undoes the last child of a hierarchy or library state.
-    fn undo_last(&mut self, slot: u32) {
-        let branch = self.run.frames.get(slot).branch;
-        self.run.control.take_in(slot);
-        let outputs = self.outputs_anew(slot);
-        let frame = self.run.frames.get_mut(slot);
-        frame.stand_ready();
-        let root = frame.pasts.first_mut().and_then(Option::take);
-        let past = if let Some(root) = root {
-            frame.ended.clear();
-            frame.outputs = Some(outputs);
-            Some((0, root))
-        } else {
-            frame.trail.undoing = true;
-            frame.trail.take_past()
-        };
-        match past {
-            Some((child, past)) if past.entry > 0 => self.enter_back((slot, child), past, branch),
-            Some(_) | None => self.child_undone(slot),
+    /// The defaults of the outputs of a state in this frame; those of a library's root are its library state's.
+    pub(in crate::engine) fn output_defaults(&self, parent: u32, node: &Node<D>) -> Arc<[D]> {
+        if parent != NONE
+            && let Body::Library(content) = self.body(parent)
+        {
+            return self.root_outputs(parent, content, node);
         }
+        Arc::clone(&node.outputs)
     }
 }
 
@@ -235,24 +248,19 @@ impl<D> Frame<D> {
         self.pass = None;
         self.after = false;
     }
-
-    /// The frame of a child of a concurrency state.
-    pub(in crate::engine) fn active_child(&self, child: u32) -> u32 {
-        self.children.get(child as usize).copied().unwrap_or(NONE)
-    }
 }
 
 impl<D: Datum> crate::engine::Engine<D> {
     /// Keeps no more than so many steps to go back; none, with 0. Before the run starts.
     #[must_use]
-    pub fn with_trail(mut self, steps_max: usize) -> Self {
+    pub fn with_undo_log(mut self, steps_max: usize) -> Self {
         self.run.steps_max = steps_max;
         self
     }
 
     /// Keeps nothing to step back.
     #[must_use]
-    pub fn without_trail(self) -> Self {
-        self.with_trail(0)
+    pub fn without_undo_log(self) -> Self {
+        self.with_undo_log(0)
     }
 }

@@ -1,11 +1,11 @@
 //! Entering states backwards: with the data that they had at their end, or to run the script that undoes them.
 
-use crate::engine::state::frames::{NONE, Seed, Slot};
+use crate::engine::state::frames::{Children, NONE, Seed, Slot};
 use crate::engine::state::phase::Phase;
-use crate::engine::state::step::{Back, Step, Work};
+use crate::engine::state::step::{Back, Step, View, Work};
 use crate::engine::state::suspended::{StopPoint, SuspendedBranch};
 use crate::engine::state::undo_log::{EndedContainerData, EndedRun, Kept};
-use crate::engine::stepping::branch::all_but_decider;
+use crate::engine::stepping::concurrency::all_but_decider;
 use crate::program::{Body, Concurrency, Inside, PREEMPTED};
 use crate::{BranchId, Datum, Effect, Event, HeldBy, Job, NodeId, When};
 use std::num::NonZeroU64;
@@ -16,17 +16,17 @@ impl<'s, D: Datum> Step<'s, D> {
     pub(in crate::engine) fn enter_back(
         &mut self,
         (parent, child): (u32, u32),
-        past: EndedRun<D>,
+        run: EndedRun<D>,
         branch: BranchId,
     ) {
         let around = self.program.node(self.run.frames.get(parent).node);
         let Some(id) = around.child(child as usize) else { return };
-        let undoes = (past.entry, past.outcome);
-        match past.kept {
+        let undoes = (run.entry, run.outcome);
+        match run.kept {
             Kept::Inner(inner) => {
                 let inputs = Arc::clone(&inner.inputs);
                 let slot = self.begin_back((parent, child), (id, inputs), branch, undoes);
-                self.take_up_inner(slot, *inner);
+                self.restore_inner(slot, *inner);
             }
             Kept::Nothing | Kept::Lost => {
                 let inputs = self.inputs_now(parent, child, id);
@@ -39,7 +39,7 @@ impl<'s, D: Datum> Step<'s, D> {
     /// What a script gets that runs backward: computed anew from the data as it is.
     fn inputs_now(&mut self, parent: u32, child: u32, id: NodeId) -> Arc<[D]> {
         let (node, path) = (self.program.node(id), self.child_path(parent, child));
-        if let Body::Library(content) = self.body(parent) {
+        if let Body::Library(content) = self.view().body(parent) {
             return self.library_root_inputs(parent, content, (node, path));
         }
         self.child_inputs(parent, node, (path, None))
@@ -61,10 +61,7 @@ impl<'s, D: Datum> Step<'s, D> {
         };
         self.out.events.push(entered);
         let about = self.program.node(node);
-        let outputs = match self.body(parent) {
-            Body::Library(content) => self.root_outputs(parent, content, about),
-            Body::Script | Body::Hierarchy(_) | Body::Concurrency(..) => Arc::clone(&about.outputs),
-        };
+        let outputs = self.view().output_defaults(parent, about);
         let seed = Seed {
             node,
             path,
@@ -77,7 +74,7 @@ impl<'s, D: Datum> Step<'s, D> {
             error: None,
             entered_at: 0,
         };
-        let slot = self.run.frames.add(seed);
+        let slot = self.run.frames.add(seed, Children::of(&about.body));
         self.run.entries += 1;
         let frame = self.run.frames.get_mut(slot);
         frame.entry = self.run.entries;
@@ -105,20 +102,16 @@ impl<'s, D: Datum> Step<'s, D> {
     }
 
     /// A container stands as it did after its last child.
-    fn take_up_inner(&mut self, slot: u32, inner: EndedContainerData<D>) {
+    fn restore_inner(&mut self, slot: u32, inner: EndedContainerData<D>) {
         let frame = self.run.frames.get_mut(slot);
         frame.phase = Phase::Child;
         frame.slots = inner.slots;
         frame.last = inner.last;
         frame.last_error = inner.last_error;
         frame.start_depth = inner.start_depth;
-        frame.trail = inner.trail;
-        frame.pasts = inner.pasts;
-        frame.ended = inner.ended;
-        frame.order = inner.order;
-        frame.base = inner.base;
+        frame.children = inner.children;
         let branch = frame.branch;
-        match self.body(slot) {
+        match self.view().body(slot) {
             Body::Script => {}
             Body::Hierarchy(inside) => {
                 self.say_variables(slot, inside);
@@ -126,15 +119,12 @@ impl<'s, D: Datum> Step<'s, D> {
             }
             Body::Library(_) => {
                 let frame = self.run.frames.get_mut(slot);
-                frame.ended.clear();
-                match frame.pasts.pop().flatten() {
+                match frame.children.library().and_then(|root| root.run.take()) {
                     Some(root) if root.entry > 0 => self.enter_back((slot, 0), root, branch),
                     Some(_) | None => self.leave_back_later(slot),
                 }
             }
             Body::Concurrency(kind, inside) => {
-                let frame = self.run.frames.get_mut(slot);
-                frame.children.resize(inside.children.len(), NONE);
                 self.say_variables(slot, inside);
                 self.all_back(slot, *kind, inside);
             }
@@ -143,16 +133,14 @@ impl<'s, D: Datum> Step<'s, D> {
 
     /// All branches of a concurrency state that is entered backwards; those that never began stand at their start.
     fn all_back(&mut self, slot: u32, kind: Concurrency, inside: &'s Inside<D>) {
-        let all = all_but_decider(kind, inside);
-        let began = |child: &u32| {
-            let past = self.run.frames.get(slot).pasts.get(*child as usize);
-            past.is_some_and(Option::is_some)
-        };
-        let (ran, never): (Vec<_>, Vec<_>) = all.partition(began);
         let frame = self.run.frames.get_mut(slot);
-        frame.open = crate::program::index(never.len());
         frame.phase = Phase::Branches;
-        if ran.is_empty() && (never.is_empty() || !self.is_outermost(slot)) {
+        let Some(children) = frame.children.side_by_side_mut() else { return };
+        let began = |child: &u32| children.all[*child as usize].run.is_some();
+        let (ran, never): (Vec<_>, Vec<_>) = all_but_decider(kind, inside).partition(began);
+        children.open = crate::program::index(never.len());
+        children.winner = None;
+        if ran.is_empty() && (never.is_empty() || !self.view().is_outermost(slot)) {
             return self.leave_back_later(slot);
         }
         for child in never {
@@ -164,33 +152,40 @@ impl<'s, D: Datum> Step<'s, D> {
 
     /// Enters these branches backwards, which have ended. What they gave is taken back; the decider is passed over.
     pub(in crate::engine) fn branches_back(&mut self, slot: u32, children: &[u32]) {
-        let Body::Concurrency(kind, inside) = self.body(slot) else { return };
+        let Body::Concurrency(kind, inside) = self.view().body(slot) else { return };
         let frame = self.run.frames.get_mut(slot);
         frame.stand_ready();
         frame.phase = Phase::Branches;
         frame.last = None;
         frame.last_error = None;
-        frame.winner = None;
-        if let Some(ended) = kind.decider().and_then(|child| frame.ended.get_mut(child as usize)) {
-            *ended = None;
+        let Some(branches) = frame.children.side_by_side_mut() else { return };
+        branches.winner = None;
+        if let Some(decider) = kind.decider() {
+            branches.all[decider as usize].ended = None;
         }
         let held = self.take_holds_after(slot, children, *kind);
         for &child in children {
             let branch = held.iter().find(|hold| hold.spot.child == child).map(|hold| hold.branch);
             let branch = branch.unwrap_or_else(|| self.open_again(slot));
             self.run.branches.set(branch, true);
-            let frame = self.run.frames.get_mut(slot);
-            frame.ended[child as usize] = None;
-            frame.order.retain(|&other| other != child);
-            match frame.pasts.get_mut(child as usize).and_then(Option::take) {
-                Some(past) if past.entry > 0 => self.enter_back((slot, child), past, branch),
+            match self.take_end(slot, child) {
+                Some(run) if run.entry > 0 => self.enter_back((slot, child), run, branch),
                 Some(_) | None => self.hold(StopPoint::before(slot, child), branch, HeldBy::Start),
             }
         }
         self.rebase(slot, *kind, inside);
-        if self.all_at_start(slot) && !self.is_outermost(slot) {
+        if self.view().all_at_start(slot) && !self.view().is_outermost(slot) {
             self.leave_back_later(slot);
         }
+    }
+
+    /// Takes back the end of a child; gives what the child left behind.
+    fn take_end(&mut self, slot: u32, child: u32) -> Option<EndedRun<D>> {
+        let branches = self.run.frames.get_mut(slot).children.side_by_side_mut()?;
+        branches.order.retain(|&other| other != child);
+        let child = branches.all.get_mut(child as usize)?;
+        child.ended = None;
+        child.run.take()
     }
 
     /// Takes away what holds these children after their ends, and what holds the decider.
@@ -211,7 +206,9 @@ impl<'s, D: Datum> Step<'s, D> {
 
     /// A branch that had ended counts as open again.
     fn open_again(&mut self, slot: u32) -> BranchId {
-        self.run.frames.get_mut(slot).open += 1;
+        if let Some(children) = self.run.frames.get_mut(slot).children.side_by_side_mut() {
+            children.open += 1;
+        }
         self.fork_stepping()
     }
 
@@ -224,20 +221,16 @@ impl<'s, D: Datum> Step<'s, D> {
     /// The data of a concurrency state with what its ended branches gave, and nothing else.
     fn rebase(&mut self, slot: u32, kind: Concurrency, inside: &'s Inside<D>) {
         let frame = self.run.frames.get_mut(slot);
-        if frame.base.len() != frame.slots.len() {
-            return;
-        }
-        frame.slots.clone_from(&frame.base);
+        let Some(children) = frame.children.side_by_side() else { return };
+        let Some(base) = &children.base else { return };
+        frame.slots.clone_from(base);
         let given = match kind {
-            Concurrency::Barrier(_) => frame.order.clone(),
+            Concurrency::Barrier(_) => children.order.clone(),
             Concurrency::Preemptive => Vec::new(),
         };
         let said = self.out.events.len();
         for child in given {
-            let ended = self.run.frames.get(slot).ended[child as usize].clone();
-            if let Some(ended) = ended {
-                self.store_outputs(slot, inside, child, &ended);
-            }
+            self.store_end(slot, inside, child);
         }
         self.out.events.truncate(said);
         self.say_variables(slot, inside);
@@ -257,11 +250,14 @@ impl<'s, D: Datum> Step<'s, D> {
     /// A hierarchy that was entered backwards, or a child of which was undone, is held, unless it is at its start.
     pub(in crate::engine) fn stand_back(&mut self, slot: u32) {
         let frame = self.run.frames.get(slot);
-        let (branch, trail) = (frame.branch, &frame.trail);
-        let at_start = trail.traces.is_empty() && !trail.lost;
-        let child = self.upcoming(slot).unwrap_or(NONE);
+        let branch = frame.branch;
+        let at_start = frame
+            .children
+            .in_turn()
+            .is_none_or(|children| children.undo_log.entries.is_empty() && !children.undo_log.lost);
+        let child = self.view().upcoming(slot).unwrap_or(NONE);
         match at_start {
-            true if self.is_outermost(slot) => {
+            true if self.view().is_outermost(slot) => {
                 self.hold(StopPoint::before(slot, child), branch, HeldBy::Start);
             }
             true => self.leave_back_later(slot),
@@ -273,7 +269,9 @@ impl<'s, D: Datum> Step<'s, D> {
         let frame = self.run.frames.id(slot);
         self.run.work.push(Work::Back(Back::Leave(frame)));
     }
+}
 
+impl<D: Datum> View<'_, '_, D> {
     /// The outcome of a state that is left backwards: the one that is undone; *preempted*, if it had none.
     pub(in crate::engine) fn undone(&self, slot: u32) -> (u64, u32) {
         let frame = self.run.frames.get(slot);

@@ -3,7 +3,7 @@
 use crate::engine::Status;
 use crate::engine::state::frames::NONE;
 use crate::engine::state::phase::{Cause, Phase};
-use crate::engine::state::step::Step;
+use crate::engine::state::step::{Step, View};
 use crate::engine::state::suspended::{StopPoint, SuspendedBranch};
 use crate::engine::state::undo_log::ReplacedValues;
 use crate::program::{Body, Concurrency, Inside};
@@ -12,10 +12,10 @@ use std::collections::BTreeSet;
 use std::num::NonZeroU64;
 
 impl<D: Datum> Step<'_, D> {
-    /// Leaves a state backwards that is at its start. Whoever is outermost stays, and is held there.
+    /// Leaves a state backwards that is at its start. The outermost state stays active and is held there.
     pub(in crate::engine) fn leave_back(&mut self, slot: u32) {
-        let is_script = matches!(self.body(slot), Body::Script);
-        if !is_script && self.is_outermost(slot) {
+        let is_script = matches!(self.view().body(slot), Body::Script);
+        if !is_script && self.view().is_outermost(slot) {
             return self.stand_at_start(slot);
         }
         self.end_held_branches(slot);
@@ -24,28 +24,20 @@ impl<D: Datum> Step<'_, D> {
         let (parent, branch) = (frame.parent, frame.branch);
         let child = self.program.node(frame.node).child_index;
         self.run.frames.remove(slot);
-        match self.body(parent) {
+        self.run.frames.get_mut(parent).children.set_active(child, None);
+        match self.view().body(parent) {
             Body::Script => {}
-            Body::Hierarchy(_) => {
-                self.run.frames.get_mut(parent).children.clear();
-                self.child_undone(parent);
-            }
-            Body::Library(_) => {
-                self.run.frames.get_mut(parent).children.clear();
-                self.leave_back_later(parent);
-            }
-            Body::Concurrency(..) => {
-                self.run.frames.get_mut(parent).children[child as usize] = NONE;
-                self.branch_undone(parent, child, branch);
-            }
+            Body::Hierarchy(_) => self.child_undone(parent),
+            Body::Library(_) => self.leave_back_later(parent),
+            Body::Concurrency(..) => self.branch_undone(parent, child, branch),
         }
     }
 
     fn stand_at_start(&mut self, slot: u32) {
         let branch = self.run.frames.get(slot).branch;
-        match self.body(slot) {
+        match self.view().body(slot) {
             Body::Hierarchy(_) => {
-                let child = self.upcoming(slot).unwrap_or(NONE);
+                let child = self.view().upcoming(slot).unwrap_or(NONE);
                 self.hold(StopPoint::before(slot, child), branch, HeldBy::Start);
             }
             Body::Library(_) => self.hold(StopPoint::before(slot, 0), branch, HeldBy::Start),
@@ -58,7 +50,7 @@ impl<D: Datum> Step<'_, D> {
     fn stand_without_branches(&mut self, slot: u32, kind: Concurrency) {
         let frame = self.run.frames.get(slot);
         match kind {
-            _ if frame.open > 0 => {}
+            _ if frame.children.side_by_side().is_some_and(|children| children.open > 0) => {}
             Concurrency::Preemptive => self.wait(slot, WaitReason::NoChildren),
             Concurrency::Barrier(decider) => {
                 let spot = StopPoint::before(slot, decider.unwrap_or(NONE));
@@ -70,7 +62,7 @@ impl<D: Datum> Step<'_, D> {
     /// Whatever is held in a state that is left, its branches end.
     fn end_held_branches(&mut self, slot: u32) {
         for SuspendedBranch { spot, branch, .. } in self.run.control.take_in(slot) {
-            if self.is_branch(spot) {
+            if self.view().is_branch(spot) {
                 self.run.branches.end(branch);
                 self.out.effects.push(Effect::EndBranch { branch });
             }
@@ -79,7 +71,7 @@ impl<D: Datum> Step<'_, D> {
 
     /// It gives nothing.
     fn say_left_back(&mut self, slot: u32) {
-        let (entry, outcome) = self.undone(slot);
+        let (entry, outcome) = self.view().undone(slot);
         let frame = self.run.frames.get(slot);
         let about = self.program.node(frame.node);
         let count = about.outputs.len();
@@ -98,31 +90,28 @@ impl<D: Datum> Step<'_, D> {
     /// A child of a hierarchy was undone: its data is what it was before, and it is held there.
     pub(in crate::engine) fn child_undone(&mut self, slot: u32) {
         let frame = self.run.frames.get_mut(slot);
-        let popped =
-            if std::mem::take(&mut frame.trail.undoing) { frame.trail.pop() } else { None };
-        match popped {
-            Some((trace, values)) => {
-                frame.last = trace.last;
-                frame.last_error = trace.error.map(|error| *error);
-                self.put_back(slot, values);
+        if let Some(children) = frame.children.in_turn_mut() {
+            let log = &mut children.undo_log;
+            let popped = if std::mem::take(&mut log.undoing) { log.pop() } else { None };
+            match popped {
+                Some((entry, values)) => {
+                    frame.last = entry.last;
+                    frame.last_error = entry.error.map(|error| *error);
+                    self.put_back(slot, values);
+                }
+                None => frame.last_error = children.handed_error.take(),
             }
-            None => frame.last_error = frame.gave.take(),
         }
         self.run.frames.get_mut(slot).phase = Phase::Child;
-        if self.goes_on(slot) {
+        if self.view().goes_on(slot) {
             self.wake(&[slot], Cause::ChildEnded);
         } else {
             self.stand_back(slot);
         }
     }
 
-    /// What was asked to end meanwhile ends.
-    fn goes_on(&self, slot: u32) -> bool {
-        self.run.frames.get(slot).preempted || self.run.status == Status::Stopping
-    }
-
     fn put_back(&mut self, slot: u32, values: ReplacedValues<D>) {
-        let Body::Hierarchy(inside) = self.body(slot) else { return };
+        let Body::Hierarchy(inside) = self.view().body(slot) else { return };
         let frame = self.run.frames.get_mut(slot);
         let mut changed = BTreeSet::new();
         for (target, value) in values {
@@ -150,12 +139,19 @@ impl<D: Datum> Step<'_, D> {
 
     /// A branch is at its start. When all are, the concurrency state is left.
     fn branch_undone(&mut self, slot: u32, child: u32, branch: BranchId) {
-        if self.goes_on(slot) {
+        if self.view().goes_on(slot) {
             return self.branch_never_begins(slot, branch);
         }
         self.hold(StopPoint::before(slot, child), branch, HeldBy::Start);
-        if self.all_at_start(slot) && !self.is_outermost(slot) {
+        if self.view().all_at_start(slot) && !self.view().is_outermost(slot) {
             self.leave_back_later(slot);
         }
+    }
+}
+
+impl<D: Datum> View<'_, '_, D> {
+    /// What was asked to end meanwhile ends.
+    fn goes_on(&self, slot: u32) -> bool {
+        self.run.frames.get(slot).preempted || self.run.status == Status::Stopping
     }
 }

@@ -16,7 +16,7 @@ impl<D: Datum> Engine<D> {
         globals: &dyn Globals<D>,
         out: &mut Outbox<D>,
     ) -> Result<(), Refusal> {
-        self.step(globals, out).legal(Command::Change)?;
+        self.view().legal(Command::Change)?;
         match self.touched(&change.program) {
             Ok(()) => {
                 self.run.turn += 1;
@@ -111,8 +111,11 @@ impl<D: Datum> Engine<D> {
         let was: Vec<_> = was.children.iter().map(|&child| self.program.node(child)).collect();
         let is: Vec<_> = is.children.iter().map(|&child| after.node(child)).collect();
         let same = was.iter().map(|child| child.id()).eq(is.iter().map(|child| child.id()));
-        let ended = was.iter().zip(&is).zip(&frame.ended).filter(|(_, ended)| ended.is_some());
-        let mut ends = ended.map(|((was, is), _)| {
+        let ended = |child: u32| {
+            frame.children.side_by_side().is_some_and(|children| children.ended(child).is_some())
+        };
+        let pairs = (0..).zip(was.iter().zip(&is)).filter(|(child, _)| ended(*child));
+        let mut ends = pairs.map(|(_, (was, is))| {
             outcomes(was).eq(outcomes(is)) && ports(was.outputs()).eq(ports(is.outputs()))
         });
         if same && ends.all(|end| end) { Ok(()) } else { Err(ChangeEffect::Branches) }
@@ -127,7 +130,7 @@ impl<D: Datum> Engine<D> {
     ) -> Result<(), (PathId, ChangeEffect)> {
         let frame = self.run.frames.get(slot);
         let Body::Hierarchy(inside) = &self.program.node(frame.node).body else { return Ok(()) };
-        let Some((child, outcome)) = frame.last.filter(|_| frame.children.is_empty()) else {
+        let Some((child, outcome)) = frame.last.filter(|_| !frame.children.any_active()) else {
             return Ok(());
         };
         let last = self.program.node(inside.child(child));

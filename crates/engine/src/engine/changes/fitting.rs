@@ -2,19 +2,22 @@
 
 use crate::engine::Refusal;
 use crate::program::{Body, Concurrency, Node};
-use crate::{NodeId, Program, Restored};
+use crate::{ActiveStateData, NodeId, Program};
 use rafcon_model::{StateId, StatePath};
 use smol_str::{SmolStr, format_smolstr};
 
 /// A state to look at, and where it stands.
 struct FittedState<'r, D> {
-    restored: &'r Restored<D>,
+    restored: &'r ActiveStateData<D>,
     node: NodeId,
     around: Option<usize>,
 }
 
-/// Every active state, its inputs, and what says how it goes on must exist.
-pub(in crate::engine) fn fits<D>(program: &Program<D>, root: &Restored<D>) -> Result<(), Refusal> {
+/// Every active state, its inputs, and what decides its next step must exist.
+pub(in crate::engine) fn fits<D>(
+    program: &Program<D>,
+    root: &ActiveStateData<D>,
+) -> Result<(), Refusal> {
     let mut entries = vec![FittedState { restored: root, node: Program::<D>::ROOT, around: None }];
     if program.node(Program::<D>::ROOT).id() != &root.state {
         return Err(refusal(&entries, 0, "is not the root of the machine".into()));
@@ -51,7 +54,11 @@ fn refusal<D>(entries: &[FittedState<'_, D>], entry: usize, problem: SmolStr) ->
 }
 
 /// What is wrong with one state.
-fn problem<D>(program: &Program<D>, node: &Node<D>, restored: &Restored<D>) -> Option<SmolStr> {
+fn problem<D>(
+    program: &Program<D>,
+    node: &Node<D>,
+    restored: &ActiveStateData<D>,
+) -> Option<SmolStr> {
     let missing = |port: &&(_, D)| !node.inputs().iter().any(|own| own.id == port.0);
     if let Some((port, _)) = restored.inputs.iter().find(missing) {
         return Some(format_smolstr!("has no input {port} in the machine as it is now"));
@@ -75,7 +82,7 @@ fn problem<D>(program: &Program<D>, node: &Node<D>, restored: &Restored<D>) -> O
 }
 
 /// The child whose transition is next must be known, with its outcome.
-fn last<D>(program: &Program<D>, node: &Node<D>, restored: &Restored<D>) -> Option<SmolStr> {
+fn last<D>(program: &Program<D>, node: &Node<D>, restored: &ActiveStateData<D>) -> Option<SmolStr> {
     let last = restored.last.as_ref()?;
     let Some(end) = restored.ended.iter().rfind(|end| end.state == *last) else {
         return Some(format_smolstr!("ended its child '{last}' in a way that is not known"));
@@ -94,7 +101,7 @@ fn branches<D>(
     program: &Program<D>,
     node: &Node<D>,
     kind: Concurrency,
-    restored: &Restored<D>,
+    restored: &ActiveStateData<D>,
 ) -> Option<SmolStr> {
     let index = |id: &StateId| program.child_of(node, id).map(|(index, _)| index);
     let mut active: Vec<_> = restored.children.iter().map(|child| index(&child.state)).collect();

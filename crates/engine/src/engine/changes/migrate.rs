@@ -2,7 +2,7 @@
 
 use crate::engine::state::frames::{NONE, Slot};
 use crate::engine::state::phase::Phase;
-use crate::engine::state::step::Step;
+use crate::engine::state::step::{Step, View};
 use crate::engine::state::suspended::{StopPoint, SuspendReason};
 use crate::program::{Body, Exit, Inside, Node};
 use crate::{Datum, Event, NodeId, Program, When};
@@ -22,7 +22,7 @@ impl<'s, D: Datum> Step<'s, D> {
     pub(in crate::engine) fn migrate(&mut self, before: &Program<D>) {
         self.migrate_start(before);
         self.run.places.change(self.program);
-        let frames = self.active();
+        let frames = self.view().active();
         let loose = self.migrate_holds(before);
         for &slot in &frames {
             self.migrate_frame(slot, before);
@@ -32,7 +32,7 @@ impl<'s, D: Datum> Step<'s, D> {
             self.advance_later(slot);
         }
         for slot in frames.into_iter().rev() {
-            if self.finds_a_way(slot) {
+            if self.view().finds_a_way(slot) {
                 self.advance_later(slot);
             }
         }
@@ -60,7 +60,7 @@ impl<'s, D: Datum> Step<'s, D> {
         let mut loose = Vec::new();
         for mut hold in std::mem::take(&mut self.run.control.holds) {
             let StopPoint { parent, child, .. } = hold.spot;
-            hold.spot.child = self.same_child(before, hold.spot);
+            hold.spot.child = self.view().same_child(before, hold.spot);
             let is_gone = parent != NONE && child != NONE && hold.spot.child == NONE;
             if let SuspendReason::Checking { inquiry, .. } = &mut hold.why {
                 inquiry.spot = hold.spot;
@@ -74,30 +74,16 @@ impl<'s, D: Datum> Step<'s, D> {
         loose
     }
 
-    /// The index that a child has now; none, if it is gone.
-    fn same_child(&self, before: &Program<D>, spot: StopPoint) -> u32 {
-        let StopPoint { parent, child, .. } = spot;
-        if parent == NONE {
-            return child;
-        }
-        let path = self.run.frames.get(parent).path;
-        let around = before.node(self.run.frames.get(parent).node);
-        let id = around.child(child as usize).map(|child| before.node(child).id());
-        let now = self.run.places.node(path).map(|node| self.program.node(node));
-        let found = id.zip(now).and_then(|(id, now)| self.program.child_of(now, id));
-        found.map_or(NONE, |(index, _)| index)
-    }
-
     /// What is held before another child than it was is held there, and says so.
     fn renew_holds(&mut self) {
         let mut holds = std::mem::take(&mut self.run.control.holds);
         for hold in &mut holds {
             let StopPoint { parent, .. } = hold.spot;
             let SuspendReason::Held { by, next } = &mut hold.why else { continue };
-            if parent == NONE || !self.is_hierarchy(parent) {
+            if parent == NONE || !self.view().is_hierarchy(parent) {
                 continue;
             }
-            let upcoming = self.upcoming(parent);
+            let upcoming = self.view().upcoming(parent);
             if hold.spot.when == When::Before {
                 hold.spot.child = upcoming.unwrap_or(NONE);
             }
@@ -114,16 +100,17 @@ impl<'s, D: Datum> Step<'s, D> {
     fn migrate_frame(&mut self, slot: u32, before: &Program<D>) {
         let frame = self.run.frames.get(slot);
         let was = before.node(frame.node);
-        let is = self.node_at(frame.parent, was);
-        let pass = frame.pass.map(|child| self.same_child(before, StopPoint::before(slot, child)));
+        let is = self.view().node_at(frame.parent, was);
+        let pass =
+            frame.pass.map(|child| self.view().same_child(before, StopPoint::before(slot, child)));
         let steps = self.run.start_from.len();
         let frame = self.run.frames.get_mut(slot);
         frame.node = is;
         frame.pass = pass;
         frame.start_depth = frame.start_depth.filter(|&depth| (depth as usize) < steps);
         self.renew_outputs(slot);
-        self.migrate_trail(slot, before, was);
-        match (&was.body, self.body(slot)) {
+        self.migrate_undo_log(slot, before, was);
+        match (&was.body, self.view().body(slot)) {
             (Body::Hierarchy(old), Body::Hierarchy(new)) => {
                 self.migrate_last(slot, before, old);
                 self.migrate_slots(slot, (before, was, old), new);
@@ -138,18 +125,9 @@ impl<'s, D: Datum> Step<'s, D> {
     /// Defaults of the outputs of a container count when it ends.
     fn renew_outputs(&mut self, slot: u32) {
         if self.run.frames.get(slot).outputs.is_some() {
-            let outputs = self.outputs_anew(slot);
+            let outputs = self.view().outputs_anew(slot);
             self.run.frames.get_mut(slot).outputs = Some(outputs);
         }
-    }
-
-    /// The node that stands where this one stood; the frame around it was carried over before.
-    fn node_at(&self, parent: u32, was: &Node<D>) -> NodeId {
-        if parent == NONE {
-            return Program::<D>::ROOT;
-        }
-        let around = self.program.node(self.run.frames.get(parent).node);
-        self.program.child_of(around, was.id()).map_or(Program::<D>::ROOT, |found| found.1)
     }
 
     fn migrate_last(&mut self, slot: u32, before: &Program<D>, old: &Inside<D>) {
@@ -197,8 +175,33 @@ impl<'s, D: Datum> Step<'s, D> {
             frame.slots.push(value);
         }
     }
+}
 
-    /// Whether a container that waits need not wait any more.
+impl<D: Datum> View<'_, '_, D> {
+    /// The index that a child has now; none, if it is gone.
+    fn same_child(&self, before: &Program<D>, spot: StopPoint) -> u32 {
+        let StopPoint { parent, child, .. } = spot;
+        if parent == NONE {
+            return child;
+        }
+        let path = self.run.frames.get(parent).path;
+        let around = before.node(self.run.frames.get(parent).node);
+        let id = around.child(child as usize).map(|child| before.node(child).id());
+        let now = self.run.places.node(path).map(|node| self.program.node(node));
+        let found = id.zip(now).and_then(|(id, now)| self.program.child_of(now, id));
+        found.map_or(NONE, |(index, _)| index)
+    }
+
+    /// The node that stands where this one stood; the frame around it was carried over before.
+    fn node_at(&self, parent: u32, was: &Node<D>) -> NodeId {
+        if parent == NONE {
+            return Program::<D>::ROOT;
+        }
+        let around = self.program.node(self.run.frames.get(parent).node);
+        self.program.child_of(around, was.id()).map_or(Program::<D>::ROOT, |found| found.1)
+    }
+
+    /// Whether a container that waits can continue.
     fn finds_a_way(&self, slot: u32) -> bool {
         let frame = self.run.frames.get(slot);
         if !matches!(frame.phase, Phase::Waiting(_)) {

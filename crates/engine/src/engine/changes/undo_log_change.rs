@@ -2,6 +2,7 @@
 //! given up, and all before them.
 
 use crate::engine::changes::migrate::{Source, sources};
+use crate::engine::state::frames::Children;
 use crate::engine::state::step::Step;
 use crate::engine::state::undo_log::{Kept, UndoEntry, UndoLog};
 use crate::program::{Body, Inside, Node};
@@ -19,7 +20,7 @@ struct ProgramPair<'p, D> {
 
 impl<D: Datum> Step<'_, D> {
     /// Carries over what children of a frame left behind. The frame stands for the new program already.
-    pub(in crate::engine) fn migrate_trail(
+    pub(in crate::engine) fn migrate_undo_log(
         &mut self,
         slot: u32,
         before: &Program<D>,
@@ -28,25 +29,27 @@ impl<D: Datum> Step<'_, D> {
         let frame = self.run.frames.get_mut(slot);
         let is = self.program.node(frame.node);
         let both = ProgramPair { before, after: self.program, was, is };
-        match (&was.body, &is.body) {
-            (Body::Hierarchy(old), Body::Hierarchy(new)) => {
-                let trail = std::mem::take(&mut frame.trail);
-                frame.trail = both.carried(trail, old, new);
+        match (&mut frame.children, &was.body, &is.body) {
+            (Children::Hierarchy(children), Body::Hierarchy(old), Body::Hierarchy(new)) => {
+                let log = std::mem::take(&mut children.undo_log);
+                children.undo_log = both.carried(log, old, new);
             }
-            (Body::Concurrency(_, old), Body::Concurrency(_, new)) => {
+            (
+                Children::Concurrency(children),
+                Body::Concurrency(_, old),
+                Body::Concurrency(_, new),
+            ) => {
                 let same = sources(before, was, old) == sources(self.program, is, new);
-                for (child, past) in (0..).zip(&mut frame.pasts) {
-                    if let Some(past) = past.as_mut().filter(|_| !same || !both.stays(child)) {
-                        past.kept = Kept::Lost;
+                for (index, child) in (0..).zip(&mut children.all) {
+                    if let Some(run) = child.run.as_mut().filter(|_| !same || !both.stays(index)) {
+                        run.kept = Kept::Lost;
                     }
                 }
-                if !same {
-                    frame.base.clear();
-                }
+                children.base = children.base.take().filter(|_| same);
             }
-            (Body::Library(_), Body::Library(_)) => {
-                for past in frame.pasts.iter_mut().flatten().filter(|_| !both.stays(0)) {
-                    past.kept = Kept::Lost;
+            (Children::Library(root), ..) => {
+                if let Some(run) = root.run.as_mut().filter(|_| !both.stays(0)) {
+                    run.kept = Kept::Lost;
                 }
             }
             _ => {}
@@ -55,14 +58,14 @@ impl<D: Datum> Step<'_, D> {
 }
 
 impl<D: Datum> ProgramPair<'_, D> {
-    /// The newest traces as far as everything in them is still there.
+    /// The newest entries as far as everything in them is still there.
     fn carried(&self, mut trail: UndoLog<D>, old: &Inside<D>, new: &Inside<D>) -> UndoLog<D> {
         let slots = self.slots(old, new);
         let mut carried = UndoLog::default();
         (carried.logs, carried.lost) = (trail.logs, trail.lost);
-        let mut traces = VecDeque::new();
-        while let Some((trace, values)) = trail.pop() {
-            let Some(mut trace) = self.trace(trace) else {
+        let mut entries = VecDeque::new();
+        while let Some((entry, values)) = trail.pop() {
+            let Some(mut entry) = self.carried_entry(entry) else {
                 carried.lost = true;
                 break;
             };
@@ -71,12 +74,12 @@ impl<D: Datum> ProgramPair<'_, D> {
             });
             let before = carried.undo.len();
             values.for_each(|value| carried.undo.push_front(value));
-            trace.replaced = carried.undo.len() - before;
-            traces.push_front(trace);
+            entry.replaced = carried.undo.len() - before;
+            entries.push_front(entry);
         }
-        carried.undoing = trail.undoing && !traces.is_empty();
-        for trace in traces {
-            carried.push(trace);
+        carried.undoing = trail.undoing && !entries.is_empty();
+        for entry in entries {
+            carried.push(entry);
         }
         carried
     }
@@ -89,24 +92,24 @@ impl<D: Datum> ProgramPair<'_, D> {
         before.map(|source| now.get(&source).copied()).collect()
     }
 
-    fn trace(&self, trace: UndoEntry<D>) -> Option<UndoEntry<D>> {
-        let (child, outcome) = self.end(trace.child, trace.past.outcome)?;
-        let last = match trace.last {
+    fn carried_entry(&self, entry: UndoEntry<D>) -> Option<UndoEntry<D>> {
+        let (child, outcome) = self.end(entry.child, entry.run.outcome)?;
+        let last = match entry.last {
             Some((child, outcome)) => Some(self.end(child, outcome)?),
             None => None,
         };
-        let mut past = trace.past;
-        past.outcome = outcome;
+        let mut run = entry.run;
+        run.outcome = outcome;
         let is_script = self.is.child(child as usize).map(|is| self.after.node(is).is_script());
-        let can = match past.kept {
-            Kept::Inner(_) => self.stays(trace.child),
-            Kept::Nothing => past.entry == 0 || is_script == Some(true),
+        let can = match run.kept {
+            Kept::Inner(_) => self.stays(entry.child),
+            Kept::Nothing => run.entry == 0 || is_script == Some(true),
             Kept::Lost => false,
         };
         if !can {
-            past.kept = Kept::Lost;
+            run.kept = Kept::Lost;
         }
-        Some(UndoEntry { child, past, last, ..trace })
+        Some(UndoEntry { child, run, last, ..entry })
     }
 
     /// A child and the index of its outcome, as they are now.

@@ -1,6 +1,6 @@
 //! Commands, and in which status each is legal.
 
-use crate::engine::state::step::Step;
+use crate::engine::state::step::{Step, View};
 use crate::engine::state::suspended::StopPoint;
 use crate::engine::{Command, Refusal, Status};
 use crate::{Datum, Effect, Event, Input, Stride, When};
@@ -31,7 +31,7 @@ impl<D: Datum> Step<'_, D> {
     /// Takes an input; what follows from it is left as work.
     pub(in crate::engine) fn take(&mut self, input: Input<D>) -> Result<(), Refusal> {
         if let Some(command) = command(&input) {
-            self.legal(command)?;
+            self.view().legal(command)?;
         }
         match input {
             Input::Finished { frame, result } => return self.script_ended(frame, result),
@@ -57,11 +57,6 @@ impl<D: Datum> Step<'_, D> {
         Ok(())
     }
 
-    pub(in crate::engine) fn legal(&self, command: Command) -> Result<(), Refusal> {
-        let status = self.run.status();
-        is_legal(status, command).then_some(()).ok_or(Refusal::NotNow { command, status })
-    }
-
     pub(in crate::engine) fn pause(&mut self, paused: bool) {
         self.run.status = if paused { Status::Paused } else { Status::Running };
         self.run.control.paused_by = None;
@@ -78,7 +73,7 @@ impl<D: Datum> Step<'_, D> {
         self.run.control.stop_next = false;
         self.run.branches.set_all(false);
         self.out.events.push(Event::Stopping);
-        let active = self.active();
+        let active = self.view().active();
         self.preempt(&active);
         if !self.run.control.take_in(StopPoint::root(When::Before).parent).is_empty() {
             self.finish();
@@ -88,6 +83,13 @@ impl<D: Datum> Step<'_, D> {
     fn remove_breakpoint(&mut self, id: u64) -> Result<(), Refusal> {
         let was_there = self.run.control.breakpoints.remove(id);
         was_there.then_some(()).ok_or(Refusal::NoSuchBreakpoint { id })
+    }
+}
+
+impl<D: Datum> View<'_, '_, D> {
+    pub(in crate::engine) fn legal(&self, command: Command) -> Result<(), Refusal> {
+        let status = self.run.status();
+        is_legal(status, command).then_some(()).ok_or(Refusal::NotNow { command, status })
     }
 
     pub(in crate::engine) fn active(&self) -> Vec<u32> {
@@ -156,7 +158,7 @@ mod tests {
         });
         expect![[r"
             | start | taken | taken | taken | taken | – | – |
-            | take the run up elsewhere | taken | taken | taken | taken | – | – |
+            | restore the run | taken | taken | taken | taken | – | – |
             | pause | – | taken | – | taken | – | – |
             | resume | – | – | taken | taken | – | – |
             | stop | – | taken | taken | taken | taken | – |
@@ -168,7 +170,7 @@ mod tests {
             | recover | – | taken | taken | taken | taken | – |
             | set a breakpoint | taken | taken | taken | taken | taken | – |
             | remove a breakpoint | taken | taken | taken | taken | taken | – |
-            | note who is connected | taken | taken | taken | taken | taken | taken |
+            | note whether a viewer is connected | taken | taken | taken | taken | taken | taken |
             | change the machine | taken | taken | taken | taken | taken | – |
         "]]
         .assert_eq(&rows.concat());

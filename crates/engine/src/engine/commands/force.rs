@@ -1,9 +1,9 @@
-//! Outcomes that somebody chooses: for a state that waits or is held, or for one before which something is held.
+//! Forced outcomes: for a state that waits or is held, or for the state before which a branch is held.
 
 use crate::engine::Refusal;
-use crate::engine::state::frames::{Ended, NONE};
+use crate::engine::state::frames::Ended;
 use crate::engine::state::phase::{Cause, Phase};
-use crate::engine::state::step::Step;
+use crate::engine::state::step::{Step, View};
 use crate::engine::state::suspended::{StopPoint, SuspendReason, SuspendedBranch};
 use crate::engine::state::undo_log::EndedRun;
 use crate::program::{ABORTED, Body, Concurrency, Inside, Node};
@@ -23,7 +23,7 @@ impl<'s, D: Datum> Step<'s, D> {
         let cannot = |reason| Refusal::CannotForce { path: path.clone(), reason };
         let nowhere = "it is not active, and nothing is held before it";
         let place = place.ok_or_else(|| cannot(nowhere))?;
-        if let Some(slot) = self.frame_at(place) {
+        if let Some(slot) = self.view().frame_at(place) {
             return self.force_end((slot, place), outcome, index).map_err(cannot);
         }
         let hold = self.take_hold_before(place).ok_or_else(|| cannot(nowhere))?;
@@ -39,10 +39,10 @@ impl<'s, D: Datum> Step<'s, D> {
         outcome: OutcomeId,
         index: u32,
     ) -> Result<(), &'static str> {
-        self.stands_still(slot)?;
+        self.view().stands_still(slot)?;
         self.out.events.push(Event::Forced { path, outcome });
         for SuspendedBranch { spot, branch, .. } in self.run.control.take_in(slot) {
-            if self.is_branch(spot) {
+            if self.view().is_branch(spot) {
                 self.run.branches.end(branch);
                 self.out.effects.push(Effect::EndBranch { branch });
             }
@@ -65,29 +65,11 @@ impl<'s, D: Datum> Step<'s, D> {
         Ok(())
     }
 
-    /// Why a state goes on by itself, if it does.
-    fn stands_still(&self, slot: u32) -> Result<(), &'static str> {
-        let frame = self.run.frames.get(slot);
-        let checks = |hold: &SuspendedBranch<D>| hold.spot.parent == slot && hold.check().is_some();
-        match frame.phase {
-            Phase::Script => Err("its script runs; preempt it instead"),
-            Phase::Checking => Err("the condition of a breakpoint is being evaluated; wait for it"),
-            _ if self.run.control.holds.iter().any(checks) => {
-                Err("the condition of a breakpoint is being evaluated; wait for it")
-            }
-            Phase::Held | Phase::Waiting(_) => Ok(()),
-            Phase::Branches if frame.children.iter().all(|&child| child == NONE) => Ok(()),
-            Phase::Begun | Phase::Child | Phase::Branches | Phase::Deciding => {
-                Err("states in it are active; choose one of those, or preempt it")
-            }
-        }
-    }
-
     /// Takes away what is held before the state at this place.
     fn take_hold_before(&mut self, place: PathId) -> Option<SuspendedBranch<D>> {
         let before = |hold: &&SuspendedBranch<D>| match hold.why {
             SuspendReason::Held { .. } if hold.spot.when == When::Before => {
-                self.place_at(hold.spot) == Some(place)
+                self.view().place_at(hold.spot) == Some(place)
             }
             SuspendReason::Held { .. } | SuspendReason::Checking { .. } => false,
         };
@@ -95,39 +77,32 @@ impl<'s, D: Datum> Step<'s, D> {
         self.run.control.take(id)
     }
 
-    fn place_at(&self, spot: StopPoint) -> Option<PathId> {
-        if spot.is_root() {
-            return Some(PathId(0));
-        }
-        let around = self.run.frames.get(spot.parent).path;
-        self.run.places.child(around, spot.child as usize, self.program)
-    }
-
     /// Goes past a state as if it had ended so, without outputs.
     fn skip(&mut self, hold: &SuspendedBranch<D>, outcome: u32) {
         let StopPoint { parent, child, .. } = hold.spot;
         if hold.spot.is_root() {
-            self.run.finish = Some(Box::new(self.unbegun(outcome)));
+            self.run.finish = Some(Box::new(self.view().unbegun(outcome)));
             return self.finish();
         }
-        let past = self.keeps_trail().then(|| EndedRun::skipped(outcome));
-        match self.body(parent) {
+        let run = self.view().keeps_undo_log().then(|| EndedRun::skipped(outcome));
+        match self.view().body(parent) {
             Body::Script => {}
             Body::Hierarchy(_) => {
                 let frame = self.run.frames.get_mut(parent);
-                frame.gave = frame.last_error.take();
-                let first = frame.trail.undo.len();
-                if let Some(past) = past {
-                    self.trace(parent, child, past, first);
+                let Some(children) = frame.children.in_turn_mut() else { return };
+                children.handed_error = frame.last_error.take();
+                let first = children.undo_log.undo.len();
+                if let Some(run) = run {
+                    self.log_end(parent, child, run, first);
                 }
                 self.run.frames.get_mut(parent).last = Some((child, outcome));
                 self.wake(&[parent], Cause::LetGo);
             }
             Body::Library(content) => {
                 let Some(root) = content.root() else { return };
-                let outputs = self.root_outputs(parent, content, self.program.node(root));
+                let outputs = self.view().root_outputs(parent, content, self.program.node(root));
                 let ended = Ended { outcome, outputs, absent: Vec::new(), error: None };
-                self.library_root_ended(parent, content, (ended, past));
+                self.library_root_ended(parent, content, (ended, run));
             }
             Body::Concurrency(kind, inside) => self.skip_branch(hold, (*kind, inside), outcome),
         }
@@ -142,9 +117,8 @@ impl<'s, D: Datum> Step<'s, D> {
         let StopPoint { parent, child, .. } = hold.spot;
         let ended = without_outputs(self.program.node(inside.child(child)), outcome);
         let frame = self.run.frames.get_mut(parent);
-        frame.ended[child as usize] = Some(ended);
-        if let Some(place) = frame.pasts.get_mut(child as usize) {
-            *place = Some(EndedRun::skipped(outcome));
+        if let Some(children) = frame.children.side_by_side_mut() {
+            children.end(child, ended, Some(EndedRun::skipped(outcome)));
         }
         if kind.decider() == Some(child) {
             frame.last = Some((child, outcome));
@@ -158,11 +132,39 @@ impl<'s, D: Datum> Step<'s, D> {
     pub(in crate::engine) fn preempt_at(&mut self, path: &StatePath) -> Result<(), Refusal> {
         let steps = self.program.descend(path)?.1;
         let place = self.run.place(self.program, &steps);
-        let slot = place.and_then(|place| self.frame_at(place));
+        let slot = place.and_then(|place| self.view().frame_at(place));
         let slot = slot.ok_or_else(|| Refusal::NotActive { path: path.clone() })?;
         let frames = self.run.frames.below(slot);
         self.preempt(&frames);
         Ok(())
+    }
+}
+
+impl<D: Datum> View<'_, '_, D> {
+    /// Refuses a state that continues by itself.
+    fn stands_still(&self, slot: u32) -> Result<(), &'static str> {
+        let frame = self.run.frames.get(slot);
+        let checks = |hold: &SuspendedBranch<D>| hold.spot.parent == slot && hold.check().is_some();
+        match frame.phase {
+            Phase::Script => Err("its script runs; preempt it instead"),
+            Phase::Checking => Err("the condition of a breakpoint is being evaluated; wait for it"),
+            _ if self.run.control.holds.iter().any(checks) => {
+                Err("the condition of a breakpoint is being evaluated; wait for it")
+            }
+            Phase::Held | Phase::Waiting(_) => Ok(()),
+            Phase::Branches if !frame.children.any_active() => Ok(()),
+            Phase::Begun | Phase::Child | Phase::Branches | Phase::Deciding => {
+                Err("states in it are active; choose one of those, or preempt it")
+            }
+        }
+    }
+
+    fn place_at(&self, spot: StopPoint) -> Option<PathId> {
+        if spot.is_root() {
+            return Some(PathId(0));
+        }
+        let around = self.run.frames.get(spot.parent).path;
+        self.run.places.child(around, spot.child as usize, self.program)
     }
 }
 

@@ -2,7 +2,7 @@
 
 use crate::engine::state::frames::{Marker, NONE};
 use crate::engine::state::phase::Cause;
-use crate::engine::state::step::{Step, Work};
+use crate::engine::state::step::{Step, View, Work};
 use crate::engine::state::suspended::{StopPoint, SuspendReason, SuspendedBranch};
 use crate::engine::{Refusal, Status};
 use crate::program::Body;
@@ -17,8 +17,8 @@ impl<D: Datum> Step<'_, D> {
         match when {
             When::Before if spot.is_root() => self.enter_root(),
             When::After if spot.is_root() => self.finish(),
-            When::Before if self.is_branch(spot) => self.begin_branch(parent, child, branch),
-            When::After if self.is_branch(spot) => self.branch_done(parent, child, branch),
+            When::Before if self.view().is_branch(spot) => self.begin_branch(parent, child, branch),
+            When::After if self.view().is_branch(spot) => self.branch_done(parent, child, branch),
             When::Before | When::After => {
                 let frame = self.run.frames.get_mut(parent);
                 frame.pass = match when {
@@ -41,6 +41,154 @@ impl<D: Datum> Step<'_, D> {
         self.run.work.extend(holds.iter().rev().map(|hold| Work::Pass(hold.id)));
     }
 
+    /// Ends a pause and steps: of the whole run, or of one branch.
+    pub(in crate::engine) fn resume(&mut self, branch: Option<&StatePath>) -> Result<(), Refusal> {
+        let place = self.view().branch_place(branch)?;
+        self.end_pause();
+        match place {
+            None => self.step_all(false),
+            Some(place) => self.free_within(place),
+        }
+        if place.is_none() {
+            self.run.control.run_to = None;
+        }
+        let held = self.view().held(place);
+        for hold in &held {
+            self.run.branches.set(hold.branch, false);
+        }
+        self.pass_later(&held);
+        Ok(())
+    }
+
+    /// Resumes one branch and all in it. If the run was paused, the other branches go step by step.
+    fn free_within(&mut self, place: PathId) {
+        for slot in self.view().active() {
+            let frame = self.run.frames.get(slot);
+            if self.run.is_below(frame.path, place) {
+                self.run.branches.set(frame.branch, false);
+            }
+        }
+    }
+
+    /// A pause becomes steps.
+    pub(in crate::engine) fn end_pause(&mut self) {
+        if self.run.status == Status::Paused {
+            self.pause(false);
+            self.step_all(true);
+        }
+    }
+
+    /// Holds wherever a next state would begin.
+    pub(in crate::engine) fn step_mode(&mut self) {
+        self.end_pause();
+        self.step_all(true);
+    }
+
+    pub(in crate::engine) fn step_all(&mut self, steps: bool) {
+        self.run.branches.set_all(steps);
+        for slot in self.view().active() {
+            self.run.frames.get_mut(slot).marker = None;
+        }
+    }
+
+    /// Goes on with all branches until one comes to this state.
+    pub(in crate::engine) fn run_to(&mut self, path: StatePath) -> Result<(), Refusal> {
+        self.program.find(&path)?;
+        self.resume(None)?;
+        self.run.control.run_to = Some(path);
+        Ok(())
+    }
+
+    /// One step forward of what is held.
+    pub(in crate::engine) fn forward(
+        &mut self,
+        stride: Stride,
+        branch: Option<&StatePath>,
+    ) -> Result<(), Refusal> {
+        let place = self.view().branch_place(branch)?;
+        let held = self.view().held(place);
+        if held.is_empty() {
+            return Err(Refusal::NothingHeld { branch: branch.cloned() });
+        }
+        self.end_pause();
+        self.run.control.run_to = None;
+        for hold in &held {
+            self.mark(hold, stride);
+        }
+        self.pass_later(&held);
+        Ok(())
+    }
+
+    /// Where the step of this hold ends: marked in the frame that it does not leave, or below which it holds nowhere.
+    fn mark(&mut self, hold: &SuspendedBranch<D>, stride: Stride) {
+        let spot = hold.spot;
+        let runs_through = match stride {
+            Stride::Into | Stride::Back => false,
+            Stride::Over => spot.is_root() || self.view().is_branch(spot),
+            Stride::Out => self.view().leads_out_of_all(spot),
+        };
+        self.run.branches.set(hold.branch, !runs_through);
+        if spot.is_root() || self.view().is_branch(spot) {
+            return;
+        }
+        self.run.frames.get_mut(spot.parent).marker = match stride {
+            Stride::Over => Some(Marker::Over),
+            Stride::Out => Some(Marker::Out),
+            Stride::Into | Stride::Back => None,
+        };
+    }
+
+    /// Lets go what is held between the children of a frame that is asked to end: those that have not begun never do, those
+    /// that were left have ended.
+    pub(in crate::engine) fn release(&mut self, slot: u32) {
+        for SuspendedBranch { spot, branch, .. } in self.run.control.take_in(slot) {
+            match spot.when {
+                _ if !self.view().is_branch(spot) => {}
+                When::Before => self.branch_never_begins(slot, branch),
+                When::After => self.branch_done(slot, spot.child, branch),
+            }
+        }
+    }
+
+    /// The last viewer has gone: what breakpoints hold continues or stops, as each breakpoint says.
+    pub(in crate::engine) fn attend(&mut self, attended: bool) {
+        use crate::Unattended::{Continue, Stop};
+        self.run.control.attended = attended;
+        let running = matches!(self.run.status, Status::Running | Status::Paused);
+        if attended || !running {
+            return;
+        }
+        let alone = |id| self.run.control.breakpoints.get(id).map(|found| found.unattended);
+        let of = |hold: &SuspendedBranch<D>| match hold.why {
+            SuspendReason::Held { by: crate::HeldBy::Breakpoint(id), .. } => alone(id),
+            SuspendReason::Held { .. } | SuspendReason::Checking { .. } => None,
+        };
+        let paused_by = self.run.control.paused_by.and_then(alone);
+        let held = self.view().held(None);
+        if paused_by == Some(Stop) || held.iter().any(|hold| of(hold) == Some(Stop)) {
+            return self.stop();
+        }
+        let go_on = held.into_iter().filter(|hold| of(hold) == Some(Continue)).collect::<Vec<_>>();
+        if paused_by == Some(Continue) {
+            self.go_on();
+        }
+        for hold in &go_on {
+            self.run.branches.set(hold.branch, false);
+        }
+        self.pass_later(&go_on);
+    }
+
+    /// Ends a pause. What it held continues; what steps and breakpoints hold stays held.
+    fn go_on(&mut self) {
+        self.pause(false);
+        let held = self.view().held(None);
+        let by_pause = held.into_iter().filter(|hold| hold.by() == Some(crate::HeldBy::Pause));
+        let by_pause = by_pause.collect::<Vec<_>>();
+        self.pass_later(&by_pause);
+    }
+}
+
+impl<D: Datum> View<'_, '_, D> {
     /// What is held, or what is held at and below a place: in the order of the machine.
     pub(in crate::engine) fn held(&self, within: Option<PathId>) -> Vec<SuspendedBranch<D>> {
         let active = self.active();
@@ -85,103 +233,6 @@ impl<D: Datum> Step<'_, D> {
         self.active().into_iter().find(|&slot| self.run.frames.get(slot).path == place)
     }
 
-    /// Ends a pause and steps: of the whole run, or of one branch.
-    pub(in crate::engine) fn resume(&mut self, branch: Option<&StatePath>) -> Result<(), Refusal> {
-        let place = self.branch_place(branch)?;
-        self.end_pause();
-        match place {
-            None => self.step_all(false),
-            Some(place) => self.free_within(place),
-        }
-        if place.is_none() {
-            self.run.control.run_to = None;
-        }
-        let held = self.held(place);
-        for hold in &held {
-            self.run.branches.set(hold.branch, false);
-        }
-        self.pass_later(&held);
-        Ok(())
-    }
-
-    /// One branch goes on by itself, and all in it; if the run was paused, the others go step by step.
-    fn free_within(&mut self, place: PathId) {
-        for slot in self.active() {
-            let frame = self.run.frames.get(slot);
-            if self.run.is_below(frame.path, place) {
-                self.run.branches.set(frame.branch, false);
-            }
-        }
-    }
-
-    /// A pause becomes steps.
-    pub(in crate::engine) fn end_pause(&mut self) {
-        if self.run.status == Status::Paused {
-            self.pause(false);
-            self.step_all(true);
-        }
-    }
-
-    /// Holds wherever a next state would begin.
-    pub(in crate::engine) fn step_mode(&mut self) {
-        self.end_pause();
-        self.step_all(true);
-    }
-
-    pub(in crate::engine) fn step_all(&mut self, steps: bool) {
-        self.run.branches.set_all(steps);
-        for slot in self.active() {
-            self.run.frames.get_mut(slot).marker = None;
-        }
-    }
-
-    /// Goes on with all branches until one comes to this state.
-    pub(in crate::engine) fn run_to(&mut self, path: StatePath) -> Result<(), Refusal> {
-        self.program.find(&path)?;
-        self.resume(None)?;
-        self.run.control.run_to = Some(path);
-        Ok(())
-    }
-
-    /// One step forward of what is held.
-    pub(in crate::engine) fn forward(
-        &mut self,
-        stride: Stride,
-        branch: Option<&StatePath>,
-    ) -> Result<(), Refusal> {
-        let place = self.branch_place(branch)?;
-        let held = self.held(place);
-        if held.is_empty() {
-            return Err(Refusal::NothingHeld { branch: branch.cloned() });
-        }
-        self.end_pause();
-        self.run.control.run_to = None;
-        for hold in &held {
-            self.mark(hold, stride);
-        }
-        self.pass_later(&held);
-        Ok(())
-    }
-
-    /// Where the step of this hold ends: marked in the frame that it does not leave, or below which it holds nowhere.
-    fn mark(&mut self, hold: &SuspendedBranch<D>, stride: Stride) {
-        let spot = hold.spot;
-        let runs_through = match stride {
-            Stride::Into | Stride::Back => false,
-            Stride::Over => spot.is_root() || self.is_branch(spot),
-            Stride::Out => self.leads_out_of_all(spot),
-        };
-        self.run.branches.set(hold.branch, !runs_through);
-        if spot.is_root() || self.is_branch(spot) {
-            return;
-        }
-        self.run.frames.get_mut(spot.parent).marker = match stride {
-            Stride::Over => Some(Marker::Over),
-            Stride::Out => Some(Marker::Out),
-            Stride::Into | Stride::Back => None,
-        };
-    }
-
     /// Whether behind the end of this container there is nothing that could hold the branch.
     fn leads_out_of_all(&self, spot: StopPoint) -> bool {
         if spot.is_root() || self.is_branch(spot) {
@@ -213,55 +264,6 @@ impl<D: Datum> Step<'_, D> {
             next = frame.parent;
         }
         false
-    }
-
-    /// Lets go what is held between the children of a frame that is asked to end: those that have not begun never do, those
-    /// that were left have ended.
-    pub(in crate::engine) fn release(&mut self, slot: u32) {
-        for SuspendedBranch { spot, branch, .. } in self.run.control.take_in(slot) {
-            match spot.when {
-                _ if !self.is_branch(spot) => {}
-                When::Before => self.branch_never_begins(slot, branch),
-                When::After => self.branch_done(slot, spot.child, branch),
-            }
-        }
-    }
-
-    /// Whoever was connected has gone: what breakpoints hold goes on or stops, as they say.
-    pub(in crate::engine) fn attend(&mut self, attended: bool) {
-        use crate::Unattended::{Continue, Stop};
-        self.run.control.attended = attended;
-        let running = matches!(self.run.status, Status::Running | Status::Paused);
-        if attended || !running {
-            return;
-        }
-        let alone = |id| self.run.control.breakpoints.get(id).map(|found| found.unattended);
-        let of = |hold: &SuspendedBranch<D>| match hold.why {
-            SuspendReason::Held { by: crate::HeldBy::Breakpoint(id), .. } => alone(id),
-            SuspendReason::Held { .. } | SuspendReason::Checking { .. } => None,
-        };
-        let paused_by = self.run.control.paused_by.and_then(alone);
-        let held = self.held(None);
-        if paused_by == Some(Stop) || held.iter().any(|hold| of(hold) == Some(Stop)) {
-            return self.stop();
-        }
-        let go_on = held.into_iter().filter(|hold| of(hold) == Some(Continue)).collect::<Vec<_>>();
-        if paused_by == Some(Continue) {
-            self.go_on();
-        }
-        for hold in &go_on {
-            self.run.branches.set(hold.branch, false);
-        }
-        self.pass_later(&go_on);
-    }
-
-    /// Ends a pause; what it held goes on, what steps and breakpoints hold stays.
-    fn go_on(&mut self) {
-        self.pause(false);
-        let held = self.held(None);
-        let by_pause = held.into_iter().filter(|hold| hold.by() == Some(crate::HeldBy::Pause));
-        let by_pause = by_pause.collect::<Vec<_>>();
-        self.pass_later(&by_pause);
     }
 }
 

@@ -4,7 +4,7 @@
 use crate::engine::Status;
 use crate::engine::state::frames::NONE;
 use crate::engine::state::phase::Phase;
-use crate::engine::state::step::Step;
+use crate::engine::state::step::{Step, View};
 use crate::engine::state::suspended::{BreakpointScan, StopPoint, SuspendReason};
 use crate::program::{Body, Concurrency};
 use crate::{
@@ -29,27 +29,13 @@ impl<D: Datum> Step<'_, D> {
     }
 
     fn passes_gates(&mut self, spot: StopPoint, branch: BranchId, modes: bool) -> bool {
-        if self.run.status == Status::Stopping || self.ends_anyway(spot) {
+        if self.run.status == Status::Stopping || self.view().ends_anyway(spot) {
             return true;
         }
         let stops = spot.when == When::Before && self.run.control.stop_next;
         let rest = if stops { Vec::new() } else { self.breakpoints_at(spot) };
         let was = self.run.control.was.take().filter(|_| spot.when == When::After);
         self.ask(BreakpointScan { spot, branch, modes, rest, held: None, stops, was })
-    }
-
-    /// What was asked to end is held nowhere, except before a handler.
-    fn ends_anyway(&self, spot: StopPoint) -> bool {
-        if spot.is_root() {
-            return false;
-        }
-        let frame = self.run.frames.get(spot.parent);
-        let is_handler = spot.when == When::Before && self.is_hierarchy(spot.parent);
-        frame.winner.is_some() && spot.when == When::Before || frame.preempted && !is_handler
-    }
-
-    pub(in crate::engine) fn is_hierarchy(&self, slot: u32) -> bool {
-        matches!(self.body(slot), Body::Hierarchy(_))
     }
 
     fn breakpoints_at(&mut self, spot: StopPoint) -> Vec<u64> {
@@ -149,12 +135,14 @@ impl<D: Datum> Step<'_, D> {
             return None;
         }
         if self.run.control.starting {
-            return self.begins_at(spot).then_some(HeldBy::Start);
+            return self.view().begins_at(spot).then_some(HeldBy::Start);
         }
-        let is_decider = !spot.is_root() && self.is_decider(spot);
+        let is_decider = !spot.is_root() && self.view().is_decider(spot);
         match self.run.status {
-            Status::Paused if !is_decider && !self.is_library_spot(spot) => Some(HeldBy::Pause),
-            Status::Running if self.steps_at(spot, inquiry.branch) => Some(HeldBy::Step),
+            Status::Paused if !is_decider && !self.view().is_library_spot(spot) => {
+                Some(HeldBy::Pause)
+            }
+            Status::Running if self.view().steps_at(spot, inquiry.branch) => Some(HeldBy::Step),
             Status::Idle
             | Status::Running
             | Status::Paused
@@ -171,6 +159,94 @@ impl<D: Datum> Step<'_, D> {
         let path = self.spot_path(spot);
         let wanted = self.run.control.run_to.as_ref();
         wanted.is_some_and(|wanted| self.run.stands_at(self.program, path, wanted))
+    }
+
+    /// Holds the run at a spot, and says so.
+    pub(in crate::engine) fn hold(&mut self, spot: StopPoint, branch: BranchId, by: HeldBy) {
+        let next = self.stand(spot, branch, by);
+        let around = (!spot.is_root()).then(|| self.run.frames.get(spot.parent).path);
+        let path = around.unwrap_or(PathId(0));
+        self.out.events.push(Event::Held { path, next, by });
+    }
+
+    /// Holds the run at a spot. The state that comes after it, if it is known.
+    fn stand(&mut self, spot: StopPoint, branch: BranchId, by: HeldBy) -> Option<PathId> {
+        let next = self.next_at(spot);
+        self.run.control.put(spot, branch, SuspendReason::Held { by, next });
+        self.set_phase(spot, Phase::Held);
+        next
+    }
+
+    fn set_phase(&mut self, spot: StopPoint, phase: Phase) {
+        if !spot.is_root() && !self.view().is_branch(spot) {
+            let frame = self.run.frames.get_mut(spot.parent);
+            frame.phase = phase;
+            frame.marker = None;
+        }
+    }
+
+    fn next_at(&mut self, spot: StopPoint) -> Option<PathId> {
+        let StopPoint { parent, child, when } = spot;
+        match when {
+            When::Before if child == NONE => None,
+            When::Before => Some(self.spot_path(spot)),
+            When::After if spot.is_root() => None,
+            When::After => self.view().upcoming(parent).map(|child| self.child_path(parent, child)),
+        }
+    }
+
+    fn inquire(&mut self, inquiry: BreakpointScan<D>, breakpoint: u64, condition: SmolStr) {
+        let check = self.run.control.next_check();
+        self.out_check(&inquiry, check, condition);
+        let (spot, branch) = (inquiry.spot, inquiry.branch);
+        let inquiry = Box::new(inquiry);
+        self.run.control.put(spot, branch, SuspendReason::Checking { check, breakpoint, inquiry });
+        self.set_phase(spot, Phase::Checking);
+    }
+
+    /// A condition was evaluated.
+    pub(in crate::engine) fn checked(
+        &mut self,
+        check: u64,
+        result: Result<bool, SmolStr>,
+    ) -> Result<(), Refusal> {
+        let refusal = Refusal::NoSuchCheck { check };
+        let mut hold = self.run.control.take_check(check).ok_or(refusal)?;
+        let SuspendReason::Checking { breakpoint, mut inquiry, .. } =
+            std::mem::replace(&mut hold.why, SuspendReason::Held { by: HeldBy::Step, next: None })
+        else {
+            return Ok(());
+        };
+        if result.unwrap_or_else(|reason| self.bad_condition(hold.spot, breakpoint, reason)) {
+            self.hit(&mut inquiry, breakpoint);
+        }
+        if self.ask(*inquiry) {
+            self.go_past(hold.spot, hold.branch, false);
+        }
+        Ok(())
+    }
+
+    fn bad_condition(&mut self, spot: StopPoint, breakpoint: u64, reason: SmolStr) -> bool {
+        let path = self.spot_path(spot);
+        self.note(path, Level::Warning, Note::BadCondition { breakpoint, reason });
+        true
+    }
+}
+
+impl<D: Datum> View<'_, '_, D> {
+    /// What was asked to end is held nowhere, except before a handler.
+    fn ends_anyway(&self, spot: StopPoint) -> bool {
+        if spot.is_root() {
+            return false;
+        }
+        let frame = self.run.frames.get(spot.parent);
+        let is_handler = spot.when == When::Before && self.is_hierarchy(spot.parent);
+        frame.children.winner().is_some() && spot.when == When::Before
+            || frame.preempted && !is_handler
+    }
+
+    pub(in crate::engine) fn is_hierarchy(&self, slot: u32) -> bool {
+        matches!(self.body(slot), Body::Hierarchy(_))
     }
 
     /// Whether a run that is begun held is held here: not on the way to where it begins, nor before what has something in
@@ -212,77 +288,6 @@ impl<D: Datum> Step<'_, D> {
     fn steps_at(&self, spot: StopPoint, branch: BranchId) -> bool {
         let in_hierarchy = !spot.is_root() && self.is_hierarchy(spot.parent);
         in_hierarchy && self.run.branches.steps(branch) && !self.is_passed_over(spot.parent)
-    }
-
-    /// Holds the run at a spot, and says so.
-    pub(in crate::engine) fn hold(&mut self, spot: StopPoint, branch: BranchId, by: HeldBy) {
-        let next = self.stand(spot, branch, by);
-        let around = (!spot.is_root()).then(|| self.run.frames.get(spot.parent).path);
-        let path = around.unwrap_or(PathId(0));
-        self.out.events.push(Event::Held { path, next, by });
-    }
-
-    /// Holds the run at a spot. The state that comes after it, if it is known.
-    fn stand(&mut self, spot: StopPoint, branch: BranchId, by: HeldBy) -> Option<PathId> {
-        let next = self.next_at(spot);
-        self.run.control.put(spot, branch, SuspendReason::Held { by, next });
-        self.set_phase(spot, Phase::Held);
-        next
-    }
-
-    fn set_phase(&mut self, spot: StopPoint, phase: Phase) {
-        if !spot.is_root() && !self.is_branch(spot) {
-            let frame = self.run.frames.get_mut(spot.parent);
-            frame.phase = phase;
-            frame.marker = None;
-        }
-    }
-
-    fn next_at(&mut self, spot: StopPoint) -> Option<PathId> {
-        let StopPoint { parent, child, when } = spot;
-        match when {
-            When::Before if child == NONE => None,
-            When::Before => Some(self.spot_path(spot)),
-            When::After if spot.is_root() => None,
-            When::After => self.upcoming(parent).map(|child| self.child_path(parent, child)),
-        }
-    }
-
-    fn inquire(&mut self, inquiry: BreakpointScan<D>, breakpoint: u64, condition: SmolStr) {
-        let check = self.run.control.next_check();
-        self.out_check(&inquiry, check, condition);
-        let (spot, branch) = (inquiry.spot, inquiry.branch);
-        let inquiry = Box::new(inquiry);
-        self.run.control.put(spot, branch, SuspendReason::Checking { check, breakpoint, inquiry });
-        self.set_phase(spot, Phase::Checking);
-    }
-
-    /// A condition was evaluated.
-    pub(in crate::engine) fn checked(
-        &mut self,
-        check: u64,
-        result: Result<bool, SmolStr>,
-    ) -> Result<(), Refusal> {
-        let refusal = Refusal::NoSuchCheck { check };
-        let mut hold = self.run.control.take_check(check).ok_or(refusal)?;
-        let SuspendReason::Checking { breakpoint, mut inquiry, .. } =
-            std::mem::replace(&mut hold.why, SuspendReason::Held { by: HeldBy::Step, next: None })
-        else {
-            return Ok(());
-        };
-        if result.unwrap_or_else(|reason| self.bad_condition(hold.spot, breakpoint, reason)) {
-            self.hit(&mut inquiry, breakpoint);
-        }
-        if self.ask(*inquiry) {
-            self.go_past(hold.spot, hold.branch, false);
-        }
-        Ok(())
-    }
-
-    fn bad_condition(&mut self, spot: StopPoint, breakpoint: u64, reason: SmolStr) -> bool {
-        let path = self.spot_path(spot);
-        self.note(path, Level::Warning, Note::BadCondition { breakpoint, reason });
-        true
     }
 }
 

@@ -1,10 +1,8 @@
-//! The state that a run was begun at, told and taken up again: a run that is lost before it came there still comes there,
-//! and what is to happen behind that state still happens.
+//! The state that a run was started at, exported and restored: a run that is lost before it reached that state still reaches
+//! it, and what is to happen behind that state still happens.
 
 use crate::engine::Engine;
-use crate::engine::state::frames::NONE;
-use crate::engine::state::step::Step;
-use crate::program::Body;
+use crate::engine::state::step::{Step, View};
 use crate::{BegunAt, Datum, PathId, Program, Then};
 use rafcon_model::{StateId, StatePath};
 
@@ -29,12 +27,11 @@ impl<D: Datum> Engine<D> {
             else {
                 return false;
             };
-            match &self.program.node(frame.node).body {
-                Body::Concurrency(..) => {
-                    let has_ended = frame.ended.get(child as usize).is_some_and(Option::is_some);
-                    frame.active_child(child) == NONE && !has_ended
+            match frame.children.side_by_side() {
+                Some(children) => {
+                    children.active(child).is_none() && children.ended(child).is_none()
                 }
-                Body::Script | Body::Hierarchy(_) | Body::Library(_) => frame.children.is_empty(),
+                None => !frame.children.any_active(),
             }
         })
     }
@@ -54,9 +51,9 @@ impl<D: Datum> Step<'_, D> {
     /// Lets what is active lead to the state that the run was begun at, as it did before the run was lost; as far as that
     /// state is still in the machine.
     pub(in crate::engine) fn lead_on(&mut self, begun: &BegunAt) {
-        let (way, is_whole) = self.way_to(&begun.path);
+        let (way, is_whole) = self.view().way_to(&begun.path);
         let target = self.target(&way).filter(|_| is_whole);
-        let is_ahead = |&place: &PathId| !begun.is_reached || self.is_active(place);
+        let is_ahead = |&place: &PathId| !begun.is_reached || self.view().is_active(place);
         self.run.control.then = target.filter(is_ahead).map(|place| (place, begun.then));
         let mut slot = self.run.root.filter(|_| !begun.is_reached);
         for (depth, &step) in (0..).zip(&way) {
@@ -64,11 +61,13 @@ impl<D: Datum> Step<'_, D> {
                 break;
             };
             self.run.frames.get_mut(around).start_depth = Some(depth);
-            slot = self.child_within(around, step);
+            slot = self.view().child_within(around, step);
         }
         self.run.start_from = way;
     }
+}
 
+impl<D: Datum> View<'_, '_, D> {
     /// The steps to a state, or to the last one above it that is there, and whether it is the state itself.
     fn way_to(&self, path: &StatePath) -> (Vec<u32>, bool) {
         let mut ids = path.0.clone();
@@ -87,11 +86,10 @@ impl<D: Datum> Step<'_, D> {
 
     /// The frame of the child at this position, or of the only child that is active.
     fn child_within(&self, slot: u32, child: u32) -> Option<u32> {
-        let frame = self.run.frames.get(slot);
-        let within = match self.body(slot) {
-            Body::Concurrency(..) => frame.active_child(child),
-            Body::Script | Body::Hierarchy(_) | Body::Library(_) => *frame.children.first()?,
-        };
-        Some(within).filter(|&within| within != NONE)
+        let children = &self.run.frames.get(slot).children;
+        match children.side_by_side() {
+            Some(children) => children.active(child),
+            None => children.active().next(),
+        }
     }
 }

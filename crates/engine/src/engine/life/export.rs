@@ -1,32 +1,31 @@
 //! What is active, by names: the counterpart of taking a run up.
 
 use crate::engine::Engine;
-use crate::engine::state::frames::{Ended, Frame, NONE};
+use crate::engine::state::frames::{ChildrenSideBySide, Ended, Frame};
 use crate::program::{Body, Concurrency, Inside, Node};
-use crate::{Datum, Restored, RestoredEnd, RestoredVariable};
+use crate::{ActiveStateData, ChildEnd, Datum, ScopedValue};
 use rafcon_model::{OutcomeId, PortId};
 use std::collections::BTreeMap;
 
 impl<D: Datum> Engine<D> {
     /// What is active now, with all its data; `None` if nothing is. Of a hierarchy, only the child that ended last comes
     /// with its outcome; the others count as *aborted*, for their outcomes matter no more.
-    pub fn configuration(&self) -> Option<Restored<D>> {
+    pub fn configuration(&self) -> Option<ActiveStateData<D>> {
         let frames = self.run.frames.below(self.run.root?);
-        let mut made: BTreeMap<u32, Restored<D>> = BTreeMap::new();
+        let mut made: BTreeMap<u32, ActiveStateData<D>> = BTreeMap::new();
         for &slot in frames.iter().rev() {
-            let children = &self.run.frames.get(slot).children;
-            let children = children.iter().filter(|&&child| child != NONE);
-            let children = children.filter_map(|child| made.remove(child)).collect();
+            let children = self.run.frames.get(slot).children.active();
+            let children = children.filter_map(|child| made.remove(&child)).collect();
             made.insert(slot, self.exported(slot, children));
         }
         made.remove(&self.run.root?)
     }
 
-    fn exported(&self, slot: u32, children: Vec<Restored<D>>) -> Restored<D> {
+    fn exported(&self, slot: u32, children: Vec<ActiveStateData<D>>) -> ActiveStateData<D> {
         let frame = self.run.frames.get(slot);
         let node = self.program.node(frame.node);
         let inputs = frame.inputs.clone().unwrap_or_default();
-        let mut restored = Restored {
+        let mut restored = ActiveStateData {
             state: node.id().clone(),
             inputs: node.inputs().iter().map(|port| port.id).zip(inputs.iter().cloned()).collect(),
             order: frame.slots.first().map_or(0, |slot| slot.sequence),
@@ -57,17 +56,17 @@ impl<D: Datum> Engine<D> {
     }
 
     /// The outputs that flow on, each by itself, and how the child ended that ended last.
-    fn ends(&self, frame: &Frame<D>, node: &Node<D>, inside: &Inside<D>) -> Vec<RestoredEnd<D>> {
+    fn ends(&self, frame: &Frame<D>, node: &Node<D>, inside: &Inside<D>) -> Vec<ChildEnd<D>> {
         let slots = frame.slots.iter().skip(node.inputs().len() + inside.scoped.len());
         let given = inside.sources.iter().zip(slots).filter_map(|(&(child, port), slot)| {
             let output = self.output(inside, child, port).zip(slot.value.clone());
             let outputs = output.into_iter().collect();
-            let end = RestoredEnd { outputs, order: slot.sequence, ..self.end(inside, child) };
+            let end = ChildEnd { outputs, order: slot.sequence, ..self.end(inside, child) };
             (!end.outputs.is_empty()).then_some(end)
         });
         let mut ends: Vec<_> = given.collect();
         ends.sort_by_key(|end| end.order);
-        ends.extend(frame.last.map(|(child, outcome)| RestoredEnd {
+        ends.extend(frame.last.map(|(child, outcome)| ChildEnd {
             outcome: self.program.node(inside.child(child)).outcome_id(outcome),
             error: frame.last_error.clone(),
             order: self.run.sequence,
@@ -76,8 +75,8 @@ impl<D: Datum> Engine<D> {
         ends
     }
 
-    fn end(&self, inside: &Inside<D>, child: u32) -> RestoredEnd<D> {
-        RestoredEnd {
+    fn end(&self, inside: &Inside<D>, child: u32) -> ChildEnd<D> {
+        ChildEnd {
             state: self.id_of(inside, child),
             outcome: OutcomeId::ABORTED,
             outputs: Vec::new(),
@@ -97,26 +96,25 @@ impl<D: Datum> Engine<D> {
         frame: &Frame<D>,
         kind: Concurrency,
         inside: &Inside<D>,
-    ) -> Vec<RestoredEnd<D>> {
-        let ended = (0..).zip(&frame.ended);
-        let ended = ended.filter_map(|(child, ended)| Some((child, ended.as_ref()?)));
+    ) -> Vec<ChildEnd<D>> {
         let end = |(child, ended): (u32, &Ended<D>)| {
             let node = self.program.node(inside.child(child));
             let is_absent = |port: u32| ended.absent.contains(&port);
             let ports = (0..).zip(node.outputs().iter().zip(ended.outputs.iter()));
             let given = ports.filter(|(index, _)| !is_absent(*index));
-            RestoredEnd {
+            ChildEnd {
                 outcome: node.outcome_id(ended.outcome),
                 outputs: given.map(|(_, (port, value))| (port.id, value.clone())).collect(),
                 error: ended.error.clone(),
                 order: match kind {
-                    Concurrency::Preemptive => u64::from(frame.winner != Some(child)),
+                    Concurrency::Preemptive => u64::from(frame.children.winner() != Some(child)),
                     Concurrency::Barrier(_) => self.put_down(frame, inside, child),
                 },
                 ..self.end(inside, child)
             }
         };
-        ended.map(end).collect()
+        let children = frame.children.side_by_side().into_iter();
+        children.flat_map(ChildrenSideBySide::ends).map(end).collect()
     }
 
     /// When the outputs of a child were put down.
@@ -132,12 +130,12 @@ fn variables<D: Datum>(
     frame: &Frame<D>,
     node: &Node<D>,
     inside: &Inside<D>,
-) -> Vec<RestoredVariable<D>> {
+) -> Vec<ScopedValue<D>> {
     let slots = frame.slots.iter().skip(node.inputs().len());
     let kept = inside.scoped.iter().zip(slots);
     kept.filter_map(|(scoped, slot)| {
         let value = slot.value.clone()?;
-        Some(RestoredVariable { port: scoped.port.id, value, order: slot.sequence })
+        Some(ScopedValue { port: scoped.port.id, value, order: slot.sequence })
     })
     .collect()
 }

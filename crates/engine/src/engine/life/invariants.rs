@@ -1,9 +1,10 @@
 //! What holds between any two inputs: frames, holds, branches and trails agree with each other. Knows what must be true, never
 //! how it came about. Tests and the simulation ask after every input.
 
-use crate::engine::state::frames::{Frame, NONE};
+use crate::engine::state::frames::{Children, ChildrenSideBySide, ConcurrentChild, Frame, NONE};
 use crate::engine::state::phase::Phase;
 use crate::engine::state::suspended::SuspendedBranch;
+use crate::engine::state::undo_log::UndoLog;
 use crate::engine::{Engine, Status};
 use crate::program::{Body, Concurrency, Inside};
 use crate::{Datum, When};
@@ -50,7 +51,7 @@ impl<D: Datum> Engine<D> {
         holds(frame.phase != Phase::Begun, slot, "it has begun and does nothing")?;
         let place = self.run.places.node(frame.path);
         holds(place == Some(frame.node), slot, "another state stands at its place")?;
-        for &child in frame.children.iter().filter(|&&child| child != NONE) {
+        for child in frame.children.active() {
             let inner = self.run.frames.get(child);
             holds(inner.parent == slot, child, "another frame is around it")?;
             let index = self.program.node(inner.node).child_index;
@@ -61,23 +62,27 @@ impl<D: Datum> Engine<D> {
             let forks = self.begins_branch(child);
             holds(forks == (inner.branch != frame.branch), child, "it is on a wrong branch")?;
         }
-        Self::check_trail(slot, frame)?;
-        match &node.body {
-            Body::Script => self.check_script(slot, frame),
-            Body::Library(_) => self.check_single(slot, frame),
-            Body::Hierarchy(inside) => {
+        match (&node.body, &frame.children) {
+            (Body::Script, Children::None) => self.check_script(slot, frame),
+            (Body::Library(_), Children::Library(root)) => {
+                let waits = root.end.is_none() || root.active.is_none();
+                holds(waits, slot, "its root runs, and it is about to end")?;
+                self.check_single(slot, frame)
+            }
+            (Body::Hierarchy(inside), Children::Hierarchy(children)) => {
+                Self::check_undo_log(slot, frame, &children.undo_log)?;
                 self.check_single(slot, frame)?;
                 self.check_data(slot, frame, inside)
             }
-            Body::Concurrency(kind, inside) => {
-                self.check_branches(slot, (frame, *kind), inside)?;
+            (Body::Concurrency(kind, inside), Children::Concurrency(children)) => {
+                self.check_branches(slot, (frame, children), (*kind, inside))?;
                 self.check_data(slot, frame, inside)
             }
+            _ => holds(false, slot, "its children are those of another kind of state"),
         }
     }
 
     fn check_script(&self, slot: u32, frame: &Frame<D>) -> Checked {
-        holds(frame.children.is_empty(), slot, "a script has children")?;
         let held = self.held_itself(slot) == usize::from(frame.phase == Phase::Held);
         let does = matches!(frame.phase, Phase::Script | Phase::Held | Phase::Waiting(_));
         holds(does && held, slot, "a script does what it cannot")
@@ -88,33 +93,35 @@ impl<D: Datum> Engine<D> {
         let stands = matches!(frame.phase, Phase::Held | Phase::Checking);
         let held = self.held_itself(slot) == usize::from(stands);
         holds(held, slot, "it is held without a hold, or has one and is not")?;
-        let runs = frame.children.len() == usize::from(frame.phase == Phase::Child);
-        holds(runs, slot, "it runs a child that is not there, or does not run one that is")?;
-        holds(frame.open == 0 && frame.winner.is_none(), slot, "it has branches")
+        let runs = frame.children.any_active() == (frame.phase == Phase::Child);
+        holds(runs, slot, "it runs a child that is not there, or does not run one that is")
     }
 
     fn check_branches(
         &self,
         slot: u32,
-        (frame, kind): (&Frame<D>, Concurrency),
-        inside: &Inside<D>,
+        (frame, children): (&Frame<D>, &ChildrenSideBySide<D>),
+        (kind, inside): (Concurrency, &Inside<D>),
     ) -> Checked {
         let count = inside.children.len();
-        holds(frame.children.len() == count, slot, "it has no place for each child")?;
-        holds(frame.ended.len() == count, slot, "it has no end for each child")?;
+        holds(children.all.len() == count, slot, "it has no place for each child")?;
         let is_branch = |child: &u32| Some(*child) != kind.decider();
-        let active = |child: &u32| frame.active_child(*child) != NONE;
+        let active = |child: &u32| children.active(*child).is_some();
         let branches = (0..inside.count()).filter(is_branch);
         let waits = self.run.control.holds.iter().filter(|hold| hold.spot.parent == slot);
         let waits = waits.filter(|hold| self.is_branch_hold(hold)).count();
         let open = branches.clone().filter(active).count() + waits;
-        holds(frame.open as usize == open, slot, "open branches are counted wrongly")?;
-        let both = |child: u32| active(&child) && frame.ended[child as usize].is_some();
+        holds(children.open as usize == open, slot, "open branches are counted wrongly")?;
+        let both = |child: u32| active(&child) && children.ended(child).is_some();
         holds(!branches.clone().any(both), slot, "a branch is active and has ended")?;
+        let ran = |child: &ConcurrentChild<D>| child.run.is_none() || child.ended.is_some();
+        holds(children.all.iter().all(ran), slot, "a branch left something and has not ended")?;
+        let base = children.base.as_ref().is_none_or(|base| base.len() == frame.slots.len());
+        holds(base, slot, "it began with too few or many values")?;
         let races = kind == Concurrency::Preemptive;
-        holds(frame.winner.is_none() || races, slot, "a barrier has a winner")?;
+        holds(children.winner.is_none() || races, slot, "a barrier has a winner")?;
         let decides = kind.decider().is_some_and(|decider| active(&decider));
-        holds(!decides || frame.open == 0, slot, "it decides while branches are open")?;
+        holds(!decides || children.open == 0, slot, "it decides while branches are open")?;
         let stands = matches!(frame.phase, Phase::Held | Phase::Checking);
         holds(self.held_itself(slot) == usize::from(stands), slot, "it is held wrongly")
     }
@@ -130,11 +137,10 @@ impl<D: Datum> Engine<D> {
         holds(frame.last.is_none_or(ends), slot, "its last child cannot have ended so")
     }
 
-    fn check_trail(slot: u32, frame: &Frame<D>) -> Checked {
-        holds(frame.trail.adds_up(), slot, "its trail does not add up")?;
-        let known =
-            frame.trail.undo.iter().all(|(target, _)| (*target as usize) < frame.slots.len());
-        holds(known, slot, "its trail names a value that it does not have")
+    fn check_undo_log(slot: u32, frame: &Frame<D>, log: &UndoLog<D>) -> Checked {
+        holds(log.adds_up(), slot, "its undo log does not add up")?;
+        let known = log.undo.iter().all(|(target, _)| (*target as usize) < frame.slots.len());
+        holds(known, slot, "its undo log names a value that it does not have")
     }
 
     /// How often a frame itself is held, not one of its branches.

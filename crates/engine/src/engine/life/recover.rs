@@ -3,7 +3,7 @@
 use crate::engine::Refusal;
 use crate::engine::state::frames::NONE;
 use crate::engine::state::phase::Phase;
-use crate::engine::state::step::{Step, Work};
+use crate::engine::state::step::{Step, View, Work};
 use crate::engine::state::suspended::StopPoint;
 use crate::program::{ABORTED, Body, PREEMPTED};
 use crate::{Datum, HeldBy, Interrupted, Verdicts, WaitReason};
@@ -17,32 +17,24 @@ impl<D: Datum> Step<'_, D> {
         path: Option<&StatePath>,
         interrupted: Interrupted,
     ) -> Result<(), Refusal> {
-        let mut waiting = self.active();
-        waiting.retain(|&slot| self.is_interrupted(slot) && self.is_at_or_below(slot, path));
+        let mut waiting = self.view().active();
+        waiting.retain(|&slot| {
+            self.view().is_interrupted(slot) && self.view().is_at_or_below(slot, path)
+        });
         if waiting.is_empty() {
             return Err(Refusal::NotInterrupted { path: path.cloned() });
         }
         if interrupted != Interrupted::Wait {
             for slot in waiting {
-                self.take_up_script(slot, interrupted, false);
+                self.resume_script(slot, interrupted, false);
             }
             self.run.work.reverse();
         }
         Ok(())
     }
 
-    fn is_interrupted(&self, slot: u32) -> bool {
-        self.run.frames.get(slot).phase == Phase::Waiting(WaitReason::Interrupted)
-    }
-
-    fn is_at_or_below(&self, slot: u32, path: Option<&StatePath>) -> bool {
-        let Some(StatePath(above)) = path else { return true };
-        let place = self.run.frames.get(slot).path;
-        self.run.places.text(place, self.program).0.starts_with(above)
-    }
-
     /// A script that ran when the run ended. What is left as work stands in the order in which it is to be done.
-    pub(in crate::engine) fn take_up_script(
+    pub(in crate::engine) fn resume_script(
         &mut self,
         slot: u32,
         interrupted: Interrupted,
@@ -64,7 +56,7 @@ impl<D: Datum> Step<'_, D> {
         }
     }
 
-    /// What stood still before its script goes on: it ends if it was asked to, else its script runs.
+    /// Continues a state that stood still before its script: it ends if it was asked to, else its script runs.
     pub(in crate::engine) fn advance_script(&mut self, slot: u32) {
         let frame = self.run.frames.get(slot);
         match frame.phase {
@@ -83,21 +75,33 @@ impl<D: Datum> Step<'_, D> {
     }
 
     fn run_again(&mut self, slot: u32) {
-        let verdicts = self.verdicts_for(slot);
+        let verdicts = self.view().verdicts_for(slot);
         self.run_script(slot, verdicts);
     }
 
     /// Gives nothing out: there is no result.
     fn end_script_later(&mut self, slot: u32, outcome: u32, error: Option<D>) {
         let frame = self.run.frames.get_mut(slot);
-        // It is not woken any more.
+        // Nothing wakes it again.
         frame.phase = Phase::Begun;
         let node = self.program.node(frame.node);
         let ended = crate::engine::stepping::leave::ended(node, outcome, Vec::new(), error);
         self.run.work.push(Work::Leave { slot, ended: Box::new(ended) });
     }
+}
 
-    /// What a decider is told about the branches of its barrier.
+impl<D: Datum> View<'_, '_, D> {
+    fn is_interrupted(&self, slot: u32) -> bool {
+        self.run.frames.get(slot).phase == Phase::Waiting(WaitReason::Interrupted)
+    }
+
+    fn is_at_or_below(&self, slot: u32, path: Option<&StatePath>) -> bool {
+        let Some(StatePath(above)) = path else { return true };
+        let place = self.run.frames.get(slot).path;
+        self.run.places.text(place, self.program).0.starts_with(above)
+    }
+
+    /// How the branches of a barrier ended, for its decider.
     fn verdicts_for(&self, slot: u32) -> Option<Arc<Verdicts<D>>> {
         let frame = self.run.frames.get(slot);
         if !self.program.node(frame.node).id().is_decider() || frame.parent == NONE {

@@ -1,15 +1,15 @@
-//! Taking a run up at a moment: frames, values and places as they were. Knows names and orders; what goes on from there is
-//! the same as ever.
+//! Restoring a run at a moment: frames, values and places as they were. Knows names and orders; from there the run continues
+//! like any other.
 
-use crate::engine::state::frames::{Ended, Frame, NONE, Seed, Slot};
+use crate::engine::state::frames::{Children, Ended, NONE, Seed, Slot};
 use crate::engine::state::phase::Phase;
-use crate::engine::state::step::{Step, Work};
+use crate::engine::state::step::{Step, View, Work};
 use crate::engine::state::undo_log::EndedRun;
 use crate::engine::{Command, Refusal, Status};
-use crate::program::{ABORTED, Body, Concurrency, Content, Inside, Node};
+use crate::program::{ABORTED, Body, Concurrency, Content, Inside};
 use crate::{
-    BranchId, Datum, Event, Interrupted, NodeId, PathId, Program, Restore, Restored, RestoredEnd,
-    WaitReason,
+    ActiveStateData, BranchId, ChildEnd, Datum, Event, Interrupted, NodeId, PathId, Program,
+    Restore, WaitReason,
 };
 use rafcon_model::{Port, PortId, StateId};
 use std::sync::Arc;
@@ -25,7 +25,7 @@ struct RestoredPoint {
 
 impl<'s, D: Datum> Step<'s, D> {
     pub(in crate::engine) fn restore(&mut self, restore: Restore<D>) -> Result<(), Refusal> {
-        self.nothing_runs(Command::Restore)?;
+        self.view().nothing_runs(Command::Restore)?;
         crate::engine::changes::fitting::fits(self.program, &restore.root)?;
         if self.run.status == Status::Idle {
             self.run.entered = restore.counted.states_run;
@@ -54,14 +54,14 @@ impl<'s, D: Datum> Step<'s, D> {
     }
 
     /// All frames of a moment, parents before children.
-    fn rebuild(&mut self, root: Restored<D>, stop: u64) -> Vec<u32> {
+    fn rebuild(&mut self, root: ActiveStateData<D>, stop: u64) -> Vec<u32> {
         let mut made = Vec::new();
         let mut stack = vec![(RestoredPoint { parent: NONE, child: 0, request: stop }, root)];
         while let Some((spot, restored)) = stack.pop() {
             let slot = self.rebuild_frame(spot, &restored);
             made.push(slot);
             let node = self.program.node(self.run.frames.get(slot).node);
-            let request = spot.request.max(self.decided_at(slot, &restored));
+            let request = spot.request.max(self.view().decided_at(slot, &restored));
             let numbered = restored.children.into_iter().filter_map(|restored| {
                 let child = self.program.child_of(node, &restored.state)?.0;
                 Some((RestoredPoint { parent: slot, child, request }, restored))
@@ -73,35 +73,29 @@ impl<'s, D: Datum> Step<'s, D> {
         made
     }
 
-    /// The order of the end that decided a race; 0 if none did.
-    fn decided_at(&self, slot: u32, restored: &Restored<D>) -> u64 {
-        let frame = self.run.frames.get(slot);
-        let node = self.program.node(frame.node);
-        let winner = frame.winner.and_then(|child| node.child(child as usize));
-        let winner = winner.map(|winner| self.program.node(winner).id());
-        let end = restored.ended.iter().rfind(|end| Some(&end.state) == winner);
-        end.map_or(0, |end| end.order)
-    }
-
-    fn rebuild_frame(&mut self, spot: RestoredPoint, restored: &Restored<D>) -> u32 {
+    fn rebuild_frame(&mut self, spot: RestoredPoint, restored: &ActiveStateData<D>) -> u32 {
         let RestoredPoint { parent, child, .. } = spot;
         let seed = self.restored_seed(spot, restored);
         let (path, id) = (seed.path, seed.node);
         let entered =
             Event::Entered { path, node: id, inputs: Arc::clone(&seed.inputs), undoes: None };
         self.out.events.insert(seed.entered_at, entered);
-        let slot = self.run.frames.add(seed);
+        let slot = self.run.frames.add(seed, Children::of(&self.program.node(id).body));
         self.run.entries += 1;
-        let keeps = self.keeps_trail();
+        let keeps = self.view().keeps_undo_log();
         let frame = self.run.frames.get_mut(slot);
         frame.entry = self.run.entries;
-        frame.trail.logs = keeps && matches!(self.program.node(id).body, Body::Hierarchy(_));
-        frame.trail.lost = true;
+        if let Some(children) = frame.children.in_turn_mut() {
+            (children.undo_log.logs, children.undo_log.lost) = (keeps, true);
+        }
         self.hang(parent, child, slot);
         match &self.program.node(id).body {
-            Body::Script | Body::Library(_) => {
-                let ends = restored.ended.iter().map(|end| self.end_of(id, end));
-                self.run.frames.get_mut(slot).ended = ends.collect();
+            Body::Script => {}
+            Body::Library(_) => {
+                let end = restored.ended.iter().find_map(|end| self.view().end_of(id, end));
+                if let Some(root) = self.run.frames.get_mut(slot).children.library() {
+                    root.end = end.map(Box::new);
+                }
             }
             Body::Hierarchy(inside) => {
                 self.refill(slot, inside, restored, true);
@@ -115,9 +109,9 @@ impl<'s, D: Datum> Step<'s, D> {
         slot
     }
 
-    fn restored_seed(&mut self, spot: RestoredPoint, restored: &Restored<D>) -> Seed<D> {
+    fn restored_seed(&mut self, spot: RestoredPoint, restored: &ActiveStateData<D>) -> Seed<D> {
         let RestoredPoint { parent, child, .. } = spot;
-        let id = self.node_of_child(parent, child);
+        let id = self.view().node_of_child(parent, child);
         let node = self.program.node(id);
         let path = if parent == NONE { PathId(0) } else { self.child_path(parent, child) };
         let entered_at = self.out.events.len();
@@ -128,28 +122,20 @@ impl<'s, D: Datum> Step<'s, D> {
             path,
             branch: self.restored_branch(parent, child),
             parent,
-            preempted: self.was_asked_to_end(spot, restored),
+            preempted: self.view().was_asked_to_end(spot, restored),
             start_depth: None,
             inputs,
-            outputs: self.restored_outputs(parent, node),
+            outputs: self.view().output_defaults(parent, node),
             error: restored.error.clone(),
             entered_at,
         }
-    }
-
-    fn node_of_child(&self, parent: u32, child: u32) -> NodeId {
-        if parent == NONE {
-            return Program::<D>::ROOT;
-        }
-        let around = self.program.node(self.run.frames.get(parent).node);
-        around.child(child as usize).unwrap_or(Program::<D>::ROOT)
     }
 
     fn restored_branch(&mut self, parent: u32, child: u32) -> BranchId {
         if parent == NONE {
             return BranchId(0);
         }
-        match self.body(parent) {
+        match self.view().body(parent) {
             Body::Concurrency(kind, _) if kind.decider() != Some(child) => self.fork(parent),
             Body::Script | Body::Hierarchy(_) | Body::Concurrency(..) | Body::Library(_) => {
                 self.run.frames.get(parent).branch
@@ -157,29 +143,14 @@ impl<'s, D: Datum> Step<'s, D> {
         }
     }
 
-    /// A request reaches what was entered before it, and what begins in a state that was asked to end; but not what a
-    /// hierarchy enters after it, for that is a handler.
-    fn was_asked_to_end(&self, spot: RestoredPoint, restored: &Restored<D>) -> bool {
-        let asked = restored.preempted.unwrap_or(restored.order < spot.request);
-        if asked || spot.parent == NONE || self.is_hierarchy(spot.parent) {
-            return asked;
-        }
-        let around = self.run.frames.get(spot.parent);
-        around.preempted || around.winner.is_some()
-    }
-
-    fn restored_outputs(&self, parent: u32, node: &Node<D>) -> Arc<[D]> {
-        let library = (parent != NONE).then(|| self.body(parent));
-        match library {
-            Some(Body::Library(content)) => self.root_outputs(parent, content, node),
-            Some(Body::Script | Body::Hierarchy(_) | Body::Concurrency(..)) | None => {
-                Arc::clone(&node.outputs)
-            }
-        }
-    }
-
     /// The values in a container, put down in their order. At one moment outputs come before scoped variables.
-    fn refill(&mut self, slot: u32, inside: &Inside<D>, restored: &Restored<D>, outputs: bool) {
+    fn refill(
+        &mut self,
+        slot: u32,
+        inside: &Inside<D>,
+        restored: &ActiveStateData<D>,
+        outputs: bool,
+    ) {
         let inputs = self.run.frames.get(slot).inputs.clone().unwrap_or_default();
         let mut writes: Vec<(u64, bool, u32, D)> = Vec::new();
         writes.extend((0..).zip(inputs.iter()).map(|(i, v)| (restored.order, false, i, v.clone())));
@@ -192,30 +163,10 @@ impl<'s, D: Datum> Step<'s, D> {
             )
         }));
         for end in restored.ended.iter().filter(|_| outputs) {
-            self.outputs_of(slot, inside, end, &mut writes);
+            self.view().outputs_of(slot, inside, end, &mut writes);
         }
         writes.sort_by_key(|(order, is_variable, ..)| (*order, *is_variable));
         self.write_all(slot, inside, writes);
-    }
-
-    /// Where the outputs of a child flow, other than to scoped variables, which stand for themselves.
-    fn outputs_of(
-        &self,
-        slot: u32,
-        inside: &Inside<D>,
-        end: &RestoredEnd<D>,
-        writes: &mut Vec<(u64, bool, u32, D)>,
-    ) {
-        let node = self.program.node(self.run.frames.get(slot).node);
-        let Some((_, child)) = self.program.child_of(node, &end.state) else { return };
-        let first = node.inputs().len() + inside.scoped.len();
-        let child = self.program.node(child);
-        for (port, output) in child.outputs().iter().enumerate() {
-            let Some(value) = value_of(&end.outputs, output) else { continue };
-            let targets = self.program.tables.slots(child.scatter, port).iter();
-            let slots = targets.filter(|&&target| target as usize >= first);
-            writes.extend(slots.map(|&target| (end.order, false, target, value.clone())));
-        }
     }
 
     fn write_all(&mut self, slot: u32, inside: &Inside<D>, writes: Vec<(u64, bool, u32, D)>) {
@@ -234,7 +185,7 @@ impl<'s, D: Datum> Step<'s, D> {
     }
 
     /// The child of a hierarchy that ended last, and its error.
-    fn restore_last(&mut self, slot: u32, inside: &Inside<D>, restored: &Restored<D>) {
+    fn restore_last(&mut self, slot: u32, inside: &Inside<D>, restored: &ActiveStateData<D>) {
         let Some(last) = &restored.last else { return };
         let position = inside.children.iter().position(|&c| self.program.node(c).id() == last);
         let end = restored.ended.iter().rfind(|end| end.state == *last);
@@ -252,13 +203,13 @@ impl<'s, D: Datum> Step<'s, D> {
         slot: u32,
         kind: Concurrency,
         inside: &Inside<D>,
-        restored: &Restored<D>,
+        restored: &ActiveStateData<D>,
     ) {
         let runs = |id: &StateId| restored.children.iter().any(|child| child.state == *id);
         let ends = inside.children.iter().map(|&child| {
             let id = self.program.node(child).id();
             let end = restored.ended.iter().rfind(|end| end.state == *id && !runs(id))?;
-            Some((end.order, self.end_of_child(child, end)?))
+            Some((end.order, self.view().end_of_child(child, end)?))
         });
         let ends: Vec<_> = ends.collect();
         let decider = kind.decider().map(|decider| decider as usize);
@@ -267,91 +218,77 @@ impl<'s, D: Datum> Step<'s, D> {
         let first = branches.filter_map(|(child, end)| Some((end.as_ref()?.0, child))).min();
         let active = restored.children.iter().map(|child| &child.state);
         let active =
-            active.filter(|id| kind.decider().is_none_or(|d| !self.is_child(inside, d, id)));
+            active.filter(|id| kind.decider().is_none_or(|d| !self.view().is_child(inside, d, id)));
         let active = active.count();
         let frame = self.run.frames.get_mut(slot);
-        frame.children.resize(inside.children.len(), NONE);
-        frame.ended = ends.into_iter().map(|end| end.map(|(_, end)| end)).collect();
+        let Some(children) = frame.children.side_by_side_mut() else { return };
         if kind == Concurrency::Preemptive {
-            frame.winner = first.map(|(_, child)| crate::program::index(child));
+            children.winner = first.map(|(_, child)| crate::program::index(child));
         }
-        frame.open =
-            crate::program::index(if frame.begins_no_branch() { active } else { not_ended });
-        let decided = decider.and_then(|decider| Some((decider, frame.ended[decider].as_ref()?)));
-        let decided = decided.map(|(decider, end)| (decider, end.outcome, end.error.clone()));
-        if let Some((decider, outcome, error)) = decided {
-            frame.last = Some((crate::program::index(decider), outcome));
-            frame.last_error = error.filter(|_| outcome == ABORTED);
+        let begins_no_branch = frame.preempted || children.winner.is_some();
+        children.open = crate::program::index(if begins_no_branch { active } else { not_ended });
+        for (child, end) in children.all.iter_mut().zip(ends) {
+            child.ended = end.map(|(_, end)| end);
         }
-    }
-
-    fn is_child(&self, inside: &Inside<D>, child: u32, id: &StateId) -> bool {
-        self.program.node(inside.child(child)).id() == id
-    }
-
-    /// How the root of a library ended.
-    fn end_of(&self, library: NodeId, end: &RestoredEnd<D>) -> Option<Ended<D>> {
-        let (_, child) = self.program.child_of(self.program.node(library), &end.state)?;
-        self.end_of_child(child, end)
-    }
-
-    fn end_of_child(&self, child: NodeId, end: &RestoredEnd<D>) -> Option<Ended<D>> {
-        let node = self.program.node(child);
-        let outcome = node.outcome_index(end.outcome.0)?;
-        let outputs = node.outputs().iter().map(|port| value_of(&end.outputs, port)).collect();
-        Some(crate::engine::stepping::leave::ended(node, outcome, outputs, end.error.clone()))
+        if let Some(decider) = kind.decider()
+            && let Some(end) = children.ended(decider)
+        {
+            frame.last = Some((decider, end.outcome));
+            frame.last_error = end.error.clone().filter(|_| end.outcome == ABORTED);
+        }
     }
 
     /// Lets each frame do what it would have done next: works stand in reverse, for the last of them is done first.
     fn set_going(&mut self, made: &[u32], interrupted: Interrupted, hold: bool) {
         for &slot in made {
-            if let Body::Script = self.body(slot) {
-                self.take_up_script(slot, interrupted, hold);
+            if let Body::Script = self.view().body(slot) {
+                self.resume_script(slot, interrupted, hold);
             }
         }
         self.run.work.reverse();
         for &slot in made.iter().rev() {
-            match self.body(slot) {
+            match self.view().body(slot) {
                 Body::Script => {}
-                Body::Library(content) => self.take_up_library(slot, content),
-                Body::Hierarchy(_) => self.take_up_hierarchy(slot),
-                Body::Concurrency(kind, inside) => self.take_up_branches(slot, *kind, inside),
+                Body::Library(content) => self.resume_library(slot, content),
+                Body::Hierarchy(_) => self.resume_hierarchy(slot),
+                Body::Concurrency(kind, inside) => self.resume_branches(slot, *kind, inside),
             }
         }
     }
 
-    fn take_up_hierarchy(&mut self, slot: u32) {
+    fn resume_hierarchy(&mut self, slot: u32) {
         let frame = self.run.frames.get_mut(slot);
         frame.phase = Phase::Child;
-        if frame.children.is_empty() {
+        if !frame.children.any_active() {
             self.advance_later(slot);
         }
     }
 
-    fn take_up_library(&mut self, slot: u32, content: &'s Content<D>) {
+    fn resume_library(&mut self, slot: u32, content: &'s Content<D>) {
         let frame = self.run.frames.get_mut(slot);
         frame.phase = Phase::Child;
-        let ended = std::mem::take(&mut frame.ended).into_iter().flatten().next();
-        if !frame.children.is_empty() {
+        let Some(root) = frame.children.library() else { return };
+        let end = root.end.take();
+        if root.active.is_some() {
             return;
         }
-        match ended {
+        match end {
             Some(ended) => {
-                let past = EndedRun::unknown(ended.outcome);
-                let past = self.keeps_trail().then_some(past);
-                self.library_root_ended(slot, content, (ended, past));
+                let run = EndedRun::unknown(ended.outcome);
+                let run = self.view().keeps_undo_log().then_some(run);
+                self.library_root_ended(slot, content, (*ended, run));
             }
             None => self.begin_library(slot, content),
         }
     }
 
-    fn take_up_branches(&mut self, slot: u32, kind: Concurrency, inside: &'s Inside<D>) {
+    fn resume_branches(&mut self, slot: u32, kind: Concurrency, inside: &'s Inside<D>) {
         let frame = self.run.frames.get_mut(slot);
-        let is_active = |child: u32| frame.children[child as usize] != NONE;
-        let decides = kind.decider().is_some_and(is_active);
+        let Some(children) = frame.children.side_by_side() else { return };
+        let decides = kind.decider().is_some_and(|decider| children.active(decider).is_some());
         frame.phase =
             if decides || frame.last.is_some() { Phase::Deciding } else { Phase::Branches };
-        if frame.open == 0 && !decides {
+        if children.open == 0 && !decides {
             return match kind {
                 Concurrency::Preemptive if inside.children.is_empty() && !frame.preempted => {
                     self.wait(slot, WaitReason::NoChildren);
@@ -362,10 +299,8 @@ impl<'s, D: Datum> Step<'s, D> {
         if frame.begins_no_branch() {
             return;
         }
-        let waits = |child: &u32| {
-            let index = *child as usize;
-            frame.children[index] == NONE && frame.ended[index].is_none()
-        };
+        let waits =
+            |child: &u32| children.active(*child).is_none() && children.ended(*child).is_none();
         let begin = (0..inside.count()).rev().filter(|&child| Some(child) != kind.decider());
         let begin: Vec<_> = begin.filter(waits).collect();
         let enter = begin.into_iter().map(|child| Work::Enter { parent: slot, child });
@@ -373,10 +308,70 @@ impl<'s, D: Datum> Step<'s, D> {
     }
 }
 
-impl<D> Frame<D> {
-    /// Whether branches that have not begun never will: the state was asked to end, or its race is decided.
-    fn begins_no_branch(&self) -> bool {
-        self.preempted || self.winner.is_some()
+impl<D: Datum> View<'_, '_, D> {
+    /// The order of the end that decided a race; 0 if none did.
+    fn decided_at(&self, slot: u32, restored: &ActiveStateData<D>) -> u64 {
+        let frame = self.run.frames.get(slot);
+        let node = self.program.node(frame.node);
+        let winner = frame.children.winner().and_then(|child| node.child(child as usize));
+        let winner = winner.map(|winner| self.program.node(winner).id());
+        let end = restored.ended.iter().rfind(|end| Some(&end.state) == winner);
+        end.map_or(0, |end| end.order)
+    }
+
+    fn node_of_child(&self, parent: u32, child: u32) -> NodeId {
+        if parent == NONE {
+            return Program::<D>::ROOT;
+        }
+        let around = self.program.node(self.run.frames.get(parent).node);
+        around.child(child as usize).unwrap_or(Program::<D>::ROOT)
+    }
+
+    /// A request reaches what was entered before it, and what begins in a state that was asked to end; but not what a
+    /// hierarchy enters after it, for that is a handler.
+    fn was_asked_to_end(&self, spot: RestoredPoint, restored: &ActiveStateData<D>) -> bool {
+        let asked = restored.preempted.unwrap_or(restored.order < spot.request);
+        if asked || spot.parent == NONE || self.is_hierarchy(spot.parent) {
+            return asked;
+        }
+        self.run.frames.get(spot.parent).begins_no_branch()
+    }
+
+    /// Where the outputs of a child flow, other than to scoped variables, which stand for themselves.
+    fn outputs_of(
+        &self,
+        slot: u32,
+        inside: &Inside<D>,
+        end: &ChildEnd<D>,
+        writes: &mut Vec<(u64, bool, u32, D)>,
+    ) {
+        let node = self.program.node(self.run.frames.get(slot).node);
+        let Some((_, child)) = self.program.child_of(node, &end.state) else { return };
+        let first = node.inputs().len() + inside.scoped.len();
+        let child = self.program.node(child);
+        for (port, output) in child.outputs().iter().enumerate() {
+            let Some(value) = value_of(&end.outputs, output) else { continue };
+            let targets = self.program.tables.slots(child.scatter, port).iter();
+            let slots = targets.filter(|&&target| target as usize >= first);
+            writes.extend(slots.map(|&target| (end.order, false, target, value.clone())));
+        }
+    }
+
+    fn is_child(&self, inside: &Inside<D>, child: u32, id: &StateId) -> bool {
+        self.program.node(inside.child(child)).id() == id
+    }
+
+    /// How the root of a library ended.
+    fn end_of(&self, library: NodeId, end: &ChildEnd<D>) -> Option<Ended<D>> {
+        let (_, child) = self.program.child_of(self.program.node(library), &end.state)?;
+        self.end_of_child(child, end)
+    }
+
+    fn end_of_child(&self, child: NodeId, end: &ChildEnd<D>) -> Option<Ended<D>> {
+        let node = self.program.node(child);
+        let outcome = node.outcome_index(end.outcome.0)?;
+        let outputs = node.outputs().iter().map(|port| value_of(&end.outputs, port)).collect();
+        Some(crate::engine::stepping::leave::ended(node, outcome, outputs, end.error.clone()))
     }
 }
 

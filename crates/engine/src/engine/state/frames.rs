@@ -2,6 +2,7 @@
 
 use crate::engine::state::phase::Phase;
 use crate::engine::state::undo_log::{EndedRun, UndoLog};
+use crate::program::Body;
 use crate::{BranchId, FrameId, NodeId, PathId};
 use std::sync::Arc;
 
@@ -59,16 +60,6 @@ pub(in crate::engine) struct Frame<D> {
     pub(in crate::engine) entry: u64,
     /// It was entered backwards: the number of the entry that is undone, and the outcome of then.
     pub(in crate::engine) undoes: Option<(u64, u32)>,
-    /// The error that was handed to the child that is active.
-    pub(in crate::engine) gave: Option<D>,
-    /// What became of the children of a hierarchy.
-    pub(in crate::engine) trail: UndoLog<D>,
-    /// How the branches of a concurrency state ended, or the root of a library.
-    pub(in crate::engine) pasts: Vec<Option<EndedRun<D>>>,
-    /// The children of a concurrency state in the order in which they ended.
-    pub(in crate::engine) order: Vec<u32>,
-    /// The values of a concurrency state before any child ended.
-    pub(in crate::engine) base: Vec<Slot<D>>,
     /// How many steps of the start path lead to here, while it leads on from here.
     pub(in crate::engine) start_depth: Option<u32>,
     /// Its inputs.
@@ -77,26 +68,192 @@ pub(in crate::engine) struct Frame<D> {
     pub(in crate::engine) outputs: Option<Arc<[D]>>,
     /// The error that it was given.
     pub(in crate::engine) error: Option<D>,
-    /// The error that its last child left, for the next.
-    pub(in crate::engine) last_error: Option<D>,
-    /// The child that ended last and the index of its outcome.
+    /// The values of a container: its inputs, its scoped variables, then the outputs of children.
+    pub(in crate::engine) slots: Vec<Slot<D>>,
+    /// The child of a container that ended last, or decides, and the index of its outcome.
     pub(in crate::engine) last: Option<(u32, u32)>,
-    /// The answer in which a child of a hierarchy ended last, and how many did in it.
+    /// The error that the last child left, for the next.
+    pub(in crate::engine) last_error: Option<D>,
+    pub(in crate::engine) children: Children<D>,
+}
+
+/// The children of an active state by the kind of the state: those that are active, and what those that ended left.
+#[derive(Debug)]
+pub(in crate::engine) enum Children<D> {
+    /// A script has none.
+    None,
+    Library(LibraryRoot<D>),
+    Hierarchy(Box<ChildrenInTurn<D>>),
+    Concurrency(Box<ChildrenSideBySide<D>>),
+}
+
+/// The root of a library state's content.
+#[derive(Debug)]
+pub(in crate::engine) struct LibraryRoot<D> {
+    /// Its frame, while it is active.
+    pub(in crate::engine) active: Option<u32>,
+    /// What it left behind when it ended.
+    pub(in crate::engine) run: Option<EndedRun<D>>,
+    /// How the library state ends because of it, while that is held.
+    pub(in crate::engine) end: Option<Box<Ended<D>>>,
+}
+
+/// The children of a hierarchy, of which one is active at a time.
+#[derive(Debug)]
+pub(in crate::engine) struct ChildrenInTurn<D> {
+    /// The frame of the active child.
+    pub(in crate::engine) active: Option<u32>,
+    /// The error that was handed to the active child.
+    pub(in crate::engine) handed_error: Option<D>,
+    pub(in crate::engine) undo_log: UndoLog<D>,
+    /// The answer in which a child ended last, and how many did in it.
     pub(in crate::engine) turn: u64,
     pub(in crate::engine) steps: u32,
-    /// The values in a container.
-    pub(in crate::engine) slots: Vec<Slot<D>>,
-    /// Active children: one entry for each child of a concurrency state, one entry for any other.
-    pub(in crate::engine) children: Vec<u32>,
-    /// How the children of a concurrency state ended; how a library state is about to end.
-    pub(in crate::engine) ended: Vec<Option<Ended<D>>>,
-    /// How many children of a concurrency state have not ended, started or not.
+}
+
+/// The children of a concurrency state.
+#[derive(Debug)]
+pub(in crate::engine) struct ChildrenSideBySide<D> {
+    /// One for each child of the state, the decider too.
+    pub(in crate::engine) all: Vec<ConcurrentChild<D>>,
+    /// Those that ended, in that order.
+    pub(in crate::engine) order: Vec<u32>,
+    /// The values of the state before any child ended; without them no child can be undone.
+    pub(in crate::engine) base: Option<Vec<Slot<D>>>,
+    /// How many have not ended, started or not. The decider does not count.
     pub(in crate::engine) open: u32,
-    /// The child of a preemptive state that ended first.
+    /// The one that won the race.
     pub(in crate::engine) winner: Option<u32>,
 }
 
-/// All frames. Frames are used again, with the lists that they have grown.
+/// One child of a concurrency state.
+#[derive(Debug)]
+pub(in crate::engine) struct ConcurrentChild<D> {
+    /// Its frame, while it is active.
+    pub(in crate::engine) active: Option<u32>,
+    pub(in crate::engine) ended: Option<Ended<D>>,
+    /// What it left behind when it ended.
+    pub(in crate::engine) run: Option<EndedRun<D>>,
+}
+
+impl<D> Children<D> {
+    /// Those of a state that begins.
+    pub(in crate::engine) fn of(body: &Body<D>) -> Self {
+        match body {
+            Body::Script => Self::None,
+            Body::Library(_) => Self::Library(LibraryRoot { active: None, run: None, end: None }),
+            Body::Hierarchy(_) => Self::Hierarchy(Box::new(ChildrenInTurn {
+                active: None,
+                handed_error: None,
+                undo_log: UndoLog::default(),
+                turn: 0,
+                steps: 0,
+            })),
+            Body::Concurrency(_, inside) => Self::Concurrency(Box::new(ChildrenSideBySide {
+                all: inside.children.iter().map(|_| ConcurrentChild::new()).collect(),
+                order: Vec::new(),
+                base: None,
+                open: 0,
+                winner: None,
+            })),
+        }
+    }
+
+    /// The frames of the active children, in the order of children.
+    pub(in crate::engine) fn active(&self) -> impl DoubleEndedIterator<Item = u32> {
+        let (one, many): (Option<u32>, &[ConcurrentChild<D>]) = match self {
+            Self::None => (None, &[]),
+            Self::Library(root) => (root.active, &[]),
+            Self::Hierarchy(children) => (children.active, &[]),
+            Self::Concurrency(children) => (None, &children.all),
+        };
+        one.into_iter().chain(many.iter().filter_map(|child| child.active))
+    }
+
+    pub(in crate::engine) fn any_active(&self) -> bool {
+        self.active().next().is_some()
+    }
+
+    /// Makes a frame the active child; or none, where it was.
+    pub(in crate::engine) fn set_active(&mut self, child: u32, frame: Option<u32>) {
+        match self {
+            Self::None => {}
+            Self::Library(root) => root.active = frame,
+            Self::Hierarchy(children) => children.active = frame,
+            Self::Concurrency(children) => {
+                if let Some(child) = children.all.get_mut(child as usize) {
+                    child.active = frame;
+                }
+            }
+        }
+    }
+
+    pub(in crate::engine) fn library(&mut self) -> Option<&mut LibraryRoot<D>> {
+        if let Self::Library(root) = self { Some(root) } else { None }
+    }
+
+    pub(in crate::engine) fn in_turn(&self) -> Option<&ChildrenInTurn<D>> {
+        if let Self::Hierarchy(children) = self { Some(children) } else { None }
+    }
+
+    pub(in crate::engine) fn in_turn_mut(&mut self) -> Option<&mut ChildrenInTurn<D>> {
+        if let Self::Hierarchy(children) = self { Some(children) } else { None }
+    }
+
+    pub(in crate::engine) fn side_by_side(&self) -> Option<&ChildrenSideBySide<D>> {
+        if let Self::Concurrency(children) = self { Some(children) } else { None }
+    }
+
+    pub(in crate::engine) fn side_by_side_mut(&mut self) -> Option<&mut ChildrenSideBySide<D>> {
+        if let Self::Concurrency(children) = self { Some(children) } else { None }
+    }
+
+    /// The child that won the race of a concurrency state.
+    pub(in crate::engine) fn winner(&self) -> Option<u32> {
+        self.side_by_side().and_then(|children| children.winner)
+    }
+}
+
+impl<D> ChildrenSideBySide<D> {
+    /// The frame of a child that is active.
+    pub(in crate::engine) fn active(&self, child: u32) -> Option<u32> {
+        self.all.get(child as usize).and_then(|child| child.active)
+    }
+
+    /// How a child ended.
+    pub(in crate::engine) fn ended(&self, child: u32) -> Option<&Ended<D>> {
+        self.all.get(child as usize).and_then(|child| child.ended.as_ref())
+    }
+
+    /// The children that ended, with how they did.
+    pub(in crate::engine) fn ends(&self) -> impl DoubleEndedIterator<Item = (u32, &Ended<D>)> {
+        let all = self.all.iter().enumerate();
+        all.filter_map(|(index, child)| Some((crate::program::index(index), child.ended.as_ref()?)))
+    }
+
+    /// A child ended, and left this behind.
+    pub(in crate::engine) fn end(&mut self, child: u32, ended: Ended<D>, run: Option<EndedRun<D>>) {
+        let is_undoable = self.base.is_some();
+        if let Some(child) = self.all.get_mut(child as usize) {
+            child.active = None;
+            child.ended = Some(ended);
+            child.run = run.filter(|_| is_undoable);
+        }
+    }
+
+    /// Whether no child is active or has ended.
+    pub(in crate::engine) fn are_at_start(&self) -> bool {
+        self.all.iter().all(|child| child.active.is_none() && child.ended.is_none())
+    }
+}
+
+impl<D> ConcurrentChild<D> {
+    fn new() -> Self {
+        Self { active: None, ended: None, run: None }
+    }
+}
+
+/// All frames. The place of one that ended is used again.
 #[derive(Debug)]
 pub(in crate::engine) struct Frames<D> {
     all: Vec<Frame<D>>,
@@ -117,6 +274,39 @@ pub(in crate::engine) struct Seed<D> {
     pub(in crate::engine) error: Option<D>,
     /// Where among the events of this answer the state is entered: before the notes about its inputs.
     pub(in crate::engine) entered_at: usize,
+}
+
+impl<D> Frame<D> {
+    fn unused() -> Self {
+        Self {
+            generation: 0,
+            live: false,
+            node: NodeId(0),
+            path: PathId(0),
+            branch: BranchId(0),
+            parent: NONE,
+            phase: Phase::Begun,
+            preempted: false,
+            marker: None,
+            pass: None,
+            after: false,
+            entry: 0,
+            undoes: None,
+            start_depth: None,
+            inputs: None,
+            outputs: None,
+            error: None,
+            slots: Vec::new(),
+            last: None,
+            last_error: None,
+            children: Children::None,
+        }
+    }
+
+    /// Whether branches that have not begun never will: the state was asked to end, or its race is decided.
+    pub(in crate::engine) fn begins_no_branch(&self) -> bool {
+        self.preempted || self.children.winner().is_some()
+    }
 }
 
 impl<D> Frames<D> {
@@ -142,87 +332,35 @@ impl<D> Frames<D> {
         FrameId { slot, generation: self.get(slot).generation }
     }
 
-    pub(in crate::engine) fn add(&mut self, seed: Seed<D>) -> u32 {
-        let slot = self.free.pop().unwrap_or_else(|| self.grow());
-        let frame = &mut self.all[slot as usize];
-        frame.live = true;
-        frame.node = seed.node;
-        frame.path = seed.path;
-        frame.branch = seed.branch;
-        frame.parent = seed.parent;
-        frame.phase = Phase::Begun;
-        frame.preempted = seed.preempted;
-        frame.marker = None;
-        frame.pass = None;
-        frame.after = false;
-        frame.undoes = None;
-        frame.trail.begin();
-        frame.start_depth = seed.start_depth;
-        frame.inputs = Some(seed.inputs);
-        frame.outputs = Some(seed.outputs);
-        frame.error = seed.error;
-        slot
-    }
-
-    fn grow(&mut self) -> u32 {
-        let slot = u32::try_from(self.all.len()).unwrap_or(NONE);
-        self.all.push(Frame {
-            generation: 0,
-            live: false,
-            node: NodeId(0),
-            path: PathId(0),
-            branch: BranchId(0),
-            parent: NONE,
-            phase: Phase::Begun,
-            preempted: false,
-            marker: None,
-            pass: None,
-            after: false,
-            entry: 0,
-            undoes: None,
-            gave: None,
-            trail: UndoLog::default(),
-            pasts: Vec::new(),
-            order: Vec::new(),
-            base: Vec::new(),
-            start_depth: None,
-            inputs: None,
-            outputs: None,
-            error: None,
-            last_error: None,
-            last: None,
-            turn: 0,
-            steps: 0,
-            slots: Vec::new(),
-            children: Vec::new(),
-            ended: Vec::new(),
-            open: 0,
-            winner: None,
+    pub(in crate::engine) fn add(&mut self, seed: Seed<D>, children: Children<D>) -> u32 {
+        let slot = self.free.pop().unwrap_or_else(|| {
+            self.all.push(Frame::unused());
+            u32::try_from(self.all.len() - 1).unwrap_or(NONE)
         });
+        let frame = &mut self.all[slot as usize];
+        *frame = Frame {
+            generation: frame.generation,
+            live: true,
+            node: seed.node,
+            path: seed.path,
+            branch: seed.branch,
+            parent: seed.parent,
+            preempted: seed.preempted,
+            start_depth: seed.start_depth,
+            inputs: Some(seed.inputs),
+            outputs: Some(seed.outputs),
+            error: seed.error,
+            children,
+            ..Frame::unused()
+        };
         slot
     }
 
     /// Ends the use of a frame and drops its values.
     pub(in crate::engine) fn remove(&mut self, slot: u32) {
         let frame = &mut self.all[slot as usize];
-        frame.live = false;
-        frame.generation = frame.generation.wrapping_add(1);
-        frame.inputs = None;
-        frame.outputs = None;
-        frame.error = None;
-        frame.last_error = None;
-        frame.last = None;
-        frame.gave = None;
-        frame.trail.clear();
-        frame.pasts.clear();
-        frame.order.clear();
-        frame.base.clear();
-        frame.steps = 0;
-        frame.slots.clear();
-        frame.children.clear();
-        frame.ended.clear();
-        frame.open = 0;
-        frame.winner = None;
+        let generation = frame.generation.wrapping_add(1);
+        *frame = Frame { generation, ..Frame::unused() };
         self.free.push(slot);
     }
 
@@ -243,8 +381,7 @@ impl<D> Frames<D> {
         let mut stack = vec![top];
         while let Some(slot) = stack.pop() {
             found.push(slot);
-            let children = self.get(slot).children.iter().rev();
-            stack.extend(children.copied().filter(|&child| child != NONE));
+            stack.extend(self.get(slot).children.active().rev());
         }
         found
     }

@@ -43,7 +43,7 @@ pub(in crate::engine) enum Reaction {
     Leave,
     /// It looks what is next.
     Advance,
-    /// It goes on; what happened was noted down.
+    /// It continues; the event was noted.
     GoOn,
     /// It cannot happen in this phase.
     Refuse,

@@ -19,7 +19,7 @@ pub(in crate::engine) struct Places {
     all: Vec<Place>,
     /// The children of all places.
     lists: Vec<PathId>,
-    /// Places where no state stands any more, by the place around them.
+    /// Places whose states were removed, by the place around them.
     former: BTreeMap<(PathId, StateId), PathId>,
 }
 

@@ -76,7 +76,7 @@ pub enum Refusal {
         status: Status,
     },
     /// The run keeps nothing to step back.
-    #[error("this run keeps no history to step back in; begin a run that does")]
+    #[error("this run keeps no history to step back in; start a run that keeps one")]
     NoHistory,
     /// There is nothing before.
     #[error("'{path}' is held at its beginning, and nothing comes before; step forwards")]
@@ -84,9 +84,9 @@ pub enum Refusal {
         /// What is held.
         path: StatePath,
     },
-    /// What happened before is not known any more.
+    /// The data of the steps before was dropped.
     #[error(
-        "what happened in '{path}' before is not known any more: it is too long ago, its states have changed since, or the run was taken up after it; begin again at a moment of the history"
+        "cannot step back in '{path}': its data is lost, because it is too long ago, its states have changed since, or the run was resumed after it; start again at a moment of the history"
     )]
     TooFarBack {
         /// Where.
@@ -104,7 +104,7 @@ pub enum Refusal {
     },
     /// What is to be restored does not fit the machine.
     #[error(
-        "cannot take the run up there: '{path}' {problem}; choose another moment, or take the change of the machine back"
+        "cannot restore the run there: '{path}' {problem}; choose another moment, or undo the change of the machine"
     )]
     CannotRestore {
         /// The state that does not fit.
@@ -112,9 +112,9 @@ pub enum Refusal {
         /// Why.
         problem: SmolStr,
     },
-    /// A change of the machine would pull the ground from under an active state.
+    /// A change of the machine would remove or alter an active state.
     #[error(
-        "cannot change the machine now: '{path}' {touch}; let the change wait until that is over, or stop the run"
+        "cannot change the machine now: '{path}' {touch}; let the change wait until the state has ended, or stop the run"
     )]
     Touches {
         /// The state.
@@ -139,7 +139,7 @@ pub enum Refusal {
     /// There is no such state.
     #[error(transparent)]
     UnknownPath(#[from] UnknownPath),
-    /// A value was given for something that the start does not come to.
+    /// A value was given for a port that the start does not reach.
     #[error(
         "cannot start with a value for '{name}' of '{path}': values are for input ports and scoped variables of the state that is begun at, and of those around it"
     )]
@@ -149,29 +149,29 @@ pub enum Refusal {
         /// The name of the port or scoped variable.
         name: SmolStr,
     },
-    /// Nothing is held that could go a step.
-    #[error("nothing is held {}; wait until what runs there has come to its next state", on(branch.as_ref()))]
+    /// Nothing is held that a step could let continue.
+    #[error("nothing is held {}; wait until a branch comes to its next state", on(branch.as_ref()))]
     NothingHeld {
         /// The branch; all of them if there is none.
         branch: Option<StatePath>,
     },
-    /// A path does not name a branch that is there.
+    /// A path does not name an active branch.
     #[error(
-        "'{path}' is no branch of this moment; a branch is named by a child of a concurrency state that is active"
+        "'{path}' is not an active branch; a branch is named by an active child of a concurrency state"
     )]
     NoSuchBranch {
         /// What was named.
         path: StatePath,
     },
     /// A state has no such outcome.
-    #[error("'{path}' has no outcome {}; its description lists those that it has", outcome.0)]
+    #[error("'{path}' has no outcome {}; choose one of its outcomes", outcome.0)]
     NoSuchOutcome {
         /// The state.
         path: StatePath,
         /// What was chosen.
         outcome: OutcomeId,
     },
-    /// A state does not stand still.
+    /// A state continues by itself.
     #[error("cannot force an outcome of '{path}': {reason}")]
     CannotForce {
         /// The state.
@@ -186,14 +186,14 @@ pub enum Refusal {
         path: StatePath,
     },
     /// There is no breakpoint with this id.
-    #[error("there is no breakpoint {id}; the snapshot lists those that there are")]
+    #[error("there is no breakpoint {id}; the snapshot lists all breakpoints")]
     NoSuchBreakpoint {
         /// The id.
         id: u64,
     },
-    /// An answer to a condition that nobody waits for.
+    /// An answer to a condition that is not being evaluated.
     #[error(
-        "nobody waits for the answer to condition {check}; it is given once, with the number of its check"
+        "condition {check} is not being evaluated; its answer is given once, with the number of its check"
     )]
     NoSuchCheck {
         /// The number.
@@ -256,8 +256,8 @@ impl fmt::Display for Command {
             Self::Preempt => "preempt a state",
             Self::Break => "set a breakpoint",
             Self::Unbreak => "remove a breakpoint",
-            Self::Attended => "note who is connected",
-            Self::Restore => "take the run up elsewhere",
+            Self::Attended => "note whether a viewer is connected",
+            Self::Restore => "restore the run",
             Self::Recover => "recover",
             Self::Change => "change the machine",
         })
@@ -267,7 +267,7 @@ impl fmt::Display for Command {
 /// What a change would do to an active state.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ChangeEffect {
-    /// It would not be there any more.
+    /// It would be removed.
     Removed,
     /// It would be of another kind.
     Kind,

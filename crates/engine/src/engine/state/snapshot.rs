@@ -8,7 +8,7 @@ use crate::{BranchId, Datum, HeldBy, NodeId, PathId, WaitReason};
 
 /// An active state.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Active {
+pub struct ActiveState {
     /// Where it stands.
     pub path: PathId,
     /// Which state it is.
@@ -52,11 +52,11 @@ pub enum Activity {
 
 impl<D: Datum> Engine<D> {
     /// All active states: parents before children, children in their order.
-    pub fn snapshot(&self) -> Vec<Active> {
+    pub fn snapshot(&self) -> Vec<ActiveState> {
         let frames = self.run.root.map(|root| self.run.frames.below(root)).unwrap_or_default();
         let active = |slot| {
             let frame = self.run.frames.get(slot);
-            Active {
+            ActiveState {
                 path: frame.path,
                 node: frame.node,
                 branch: frame.branch,

@@ -1,7 +1,7 @@
 //! One call of the engine: everything that follows from one input.
 
 use crate::engine::Run;
-use crate::engine::state::frames::{Ended, NONE};
+use crate::engine::state::frames::Ended;
 use crate::engine::state::phase::Phase;
 use crate::program::{Body, Concurrency, Inside};
 use crate::{Datum, Event, FrameId, Globals, Level, Note, Outbox, PathId, Program};
@@ -21,7 +21,22 @@ pub(in crate::engine) enum Work<D> {
     Leave { slot: u32, ended: Box<Ended<D>> },
 }
 
-/// The engine at work, with all that it may touch.
+/// The run as it stands: reads, and changes nothing.
+#[derive(Debug)]
+pub(in crate::engine) struct View<'s, 'r, D> {
+    pub(in crate::engine) program: &'s Program<D>,
+    pub(in crate::engine) run: &'r Run<D>,
+}
+
+impl<D> Clone for View<'_, '_, D> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<D> Copy for View<'_, '_, D> {}
+
+/// The engine at work: what changes the run, and says so in the outbox.
 pub(in crate::engine) struct Step<'s, D> {
     pub(in crate::engine) program: &'s Program<D>,
     pub(in crate::engine) run: &'s mut Run<D>,
@@ -30,6 +45,11 @@ pub(in crate::engine) struct Step<'s, D> {
 }
 
 impl<'s, D: Datum> Step<'s, D> {
+    /// What only reads.
+    pub(in crate::engine) fn view(&self) -> View<'s, '_, D> {
+        View { program: self.program, run: self.run }
+    }
+
     /// Works until nothing is left.
     pub(in crate::engine) fn work(&mut self) {
         while self.work_once() {}
@@ -48,10 +68,6 @@ impl<'s, D: Datum> Step<'s, D> {
         true
     }
 
-    pub(in crate::engine) fn body(&self, slot: u32) -> &'s Body<D> {
-        &self.program.node(self.run.frames.get(slot).node).body
-    }
-
     pub(in crate::engine) fn advance_later(&mut self, slot: u32) {
         self.run.work.push(Work::Advance(self.run.frames.id(slot)));
     }
@@ -59,10 +75,10 @@ impl<'s, D: Datum> Step<'s, D> {
     /// Looks what is next in a container. Nothing, while a child of it is active.
     fn advance(&mut self, frame: FrameId) {
         let Some(slot) = self.run.frames.find(frame) else { return };
-        if self.is_held_anew(slot) {
+        if self.view().is_held_anew(slot) {
             return;
         }
-        match self.body(slot) {
+        match self.view().body(slot) {
             Body::Hierarchy(inside) => self.advance_hierarchy(slot, inside),
             Body::Concurrency(kind, inside) => self.advance_concurrency(slot, *kind, inside),
             Body::Script => self.advance_script(slot),
@@ -70,19 +86,10 @@ impl<'s, D: Datum> Step<'s, D> {
         }
     }
 
-    /// Whether a frame that was to look what is next did so before, and is held there: it was asked to end twice in one
-    /// answer. Whatever lets it go takes its hold away first.
-    fn is_held_anew(&self, slot: u32) -> bool {
-        let frame = self.run.frames.get(slot);
-        let mut holds = self.run.control.holds.iter().map(|hold| hold.spot);
-        matches!(frame.phase, Phase::Held | Phase::Checking)
-            && holds.any(|spot| spot.parent == slot && !self.is_branch(spot))
-    }
-
     fn advance_concurrency(&mut self, slot: u32, kind: Concurrency, inside: &'s Inside<D>) {
-        let frame = self.run.frames.get(slot);
-        let decides = kind.decider().is_some_and(|decider| frame.active_child(decider) != NONE);
-        if frame.open > 0 || decides {
+        let Some(children) = self.run.frames.get(slot).children.side_by_side() else { return };
+        let decides = kind.decider().is_some_and(|decider| children.active(decider).is_some());
+        if children.open > 0 || decides {
             return;
         }
         match kind {
@@ -93,6 +100,21 @@ impl<'s, D: Datum> Step<'s, D> {
 
     pub(in crate::engine) fn note(&mut self, path: PathId, level: Level, note: Note) {
         self.out.events.push(Event::Note { path, level, note: Box::new(note) });
+    }
+}
+
+impl<'s, D: Datum> View<'s, '_, D> {
+    pub(in crate::engine) fn body(&self, slot: u32) -> &'s Body<D> {
+        &self.program.node(self.run.frames.get(slot).node).body
+    }
+
+    /// Whether a frame that was to look what is next did so before, and is held there: it was asked to end twice in one
+    /// answer. Whatever lets it go takes its hold away first.
+    fn is_held_anew(&self, slot: u32) -> bool {
+        let frame = self.run.frames.get(slot);
+        let mut holds = self.run.control.holds.iter().map(|hold| hold.spot);
+        matches!(frame.phase, Phase::Held | Phase::Checking)
+            && holds.any(|spot| spot.parent == slot && !self.is_branch(spot))
     }
 }
 

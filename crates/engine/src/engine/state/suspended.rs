@@ -2,8 +2,8 @@
 
 use crate::engine::state::breakpoints::Breakpoints;
 use crate::engine::state::frames::NONE;
-use crate::{BranchId, HeldBy, Then, When};
-use crate::{PathId, datum::Datum};
+use crate::{BranchId, Datum, HeldBy, PathId, Then, When};
+
 use rafcon_model::{OutcomeId, StatePath};
 use std::sync::Arc;
 

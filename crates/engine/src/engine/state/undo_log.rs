@@ -1,14 +1,14 @@
 //! What states leave behind so that a run can be stepped back. Knows what is kept and how much of it; how it is used stands in
-//! `backward.rs`.
+//! `backward/`.
 
 use crate::Datum;
-use crate::engine::state::frames::{Ended, Frame, Slot};
-use crate::engine::state::step::Step;
+use crate::engine::state::frames::{Children, ConcurrentChild, Frame, Slot};
+use crate::engine::state::step::{Step, View};
 use crate::program::Body;
 use std::collections::VecDeque;
 use std::sync::Arc;
 
-/// Steps that are kept in a run, unless it is told otherwise: more than anybody goes back by hand, and few enough that the
+/// Steps that are kept in a run by default: more than anybody goes back by hand, and few enough that the
 /// values that they hold on to, and the memory that is written for each state, do not matter.
 pub(in crate::engine) const STEPS_MAX: usize = 2_000;
 /// Steps that are kept beyond the limit before the oldest are given up, all at once.
@@ -22,10 +22,10 @@ pub(in crate::engine) type ReplacedValues<D> = Vec<(u32, Slot<D>)>;
 /// What became of the children of a hierarchy, the oldest first.
 #[derive(Debug)]
 pub(in crate::engine) struct UndoLog<D> {
-    pub(in crate::engine) traces: VecDeque<UndoEntry<D>>,
-    /// The values that children replaced, with their slots, for all traces one after the other.
+    pub(in crate::engine) entries: VecDeque<UndoEntry<D>>,
+    /// The values that children replaced, with their slots, for all entries one after the other.
     pub(in crate::engine) undo: VecDeque<(u32, Slot<D>)>,
-    /// There was more, that is not known any more.
+    /// Older entries were dropped.
     pub(in crate::engine) lost: bool,
     /// Values that children replace are kept.
     pub(in crate::engine) logs: bool,
@@ -40,7 +40,7 @@ pub(in crate::engine) struct UndoLog<D> {
 #[derive(Debug)]
 pub(in crate::engine) struct UndoEntry<D> {
     pub(in crate::engine) child: u32,
-    pub(in crate::engine) past: EndedRun<D>,
+    pub(in crate::engine) run: EndedRun<D>,
     pub(in crate::engine) last: Option<(u32, u32)>,
     /// The error that was handed to the child.
     pub(in crate::engine) error: Option<Box<D>>,
@@ -63,7 +63,7 @@ pub(in crate::engine) enum Kept<D> {
     /// It was a script, or was skipped.
     Nothing,
     Inner(Box<EndedContainerData<D>>),
-    /// It is not known any more.
+    /// It was dropped.
     Lost,
 }
 
@@ -75,12 +75,7 @@ pub(in crate::engine) struct EndedContainerData<D> {
     pub(in crate::engine) last: Option<(u32, u32)>,
     pub(in crate::engine) last_error: Option<D>,
     pub(in crate::engine) start_depth: Option<u32>,
-    pub(in crate::engine) trail: UndoLog<D>,
-    /// Branches, or the root of a library.
-    pub(in crate::engine) pasts: Vec<Option<EndedRun<D>>>,
-    pub(in crate::engine) ended: Vec<Option<Ended<D>>>,
-    pub(in crate::engine) order: Vec<u32>,
-    pub(in crate::engine) base: Vec<Slot<D>>,
+    pub(in crate::engine) children: Children<D>,
     depth: u32,
     weight: usize,
 }
@@ -88,7 +83,7 @@ pub(in crate::engine) struct EndedContainerData<D> {
 impl<D> Default for UndoLog<D> {
     fn default() -> Self {
         Self {
-            traces: VecDeque::new(),
+            entries: VecDeque::new(),
             undo: VecDeque::new(),
             lost: false,
             logs: false,
@@ -100,78 +95,56 @@ impl<D> Default for UndoLog<D> {
 }
 
 impl<D> UndoLog<D> {
-    /// Another frame begins.
-    pub(in crate::engine) fn begin(&mut self) {
-        (self.logs, self.undoing) = (false, false);
-    }
-
-    pub(in crate::engine) fn clear(&mut self) {
-        if self.lost || !self.traces.is_empty() {
-            self.give_up();
-            self.lost = false;
-        }
-    }
-
-    /// Forgets everything, but that there was something.
-    pub(in crate::engine) fn give_up(&mut self) {
-        self.traces.clear();
-        self.undo.clear();
-        (self.lost, self.weight, self.depth) = (true, 0, 0);
-    }
-
-    pub(in crate::engine) fn push(&mut self, trace: UndoEntry<D>) {
-        self.weight += trace.past.weight();
-        self.depth = self.depth.max(trace.past.depth());
-        self.traces.push_back(trace);
+    pub(in crate::engine) fn push(&mut self, entry: UndoEntry<D>) {
+        self.weight += entry.run.weight();
+        self.depth = self.depth.max(entry.run.depth());
+        self.entries.push_back(entry);
     }
 
     /// The last child ended once more; it replaced so many values more.
-    pub(in crate::engine) fn renew(&mut self, past: EndedRun<D>, replaced: usize) {
-        let Some(mut trace) = self.traces.pop_back() else { return };
-        self.weight -= trace.past.weight();
-        trace.past = past;
-        trace.replaced += replaced;
-        self.push(trace);
+    pub(in crate::engine) fn renew(&mut self, run: EndedRun<D>, replaced: usize) {
+        let Some(mut entry) = self.entries.pop_back() else { return };
+        self.weight -= entry.run.weight();
+        entry.run = run;
+        entry.replaced += replaced;
+        self.push(entry);
     }
 
     /// Takes out what the last child left behind; its place stays.
-    pub(in crate::engine) fn take_past(&mut self) -> Option<(u32, EndedRun<D>)> {
-        let trace = self.traces.back_mut()?;
-        self.weight -= trace.past.weight() - 1;
-        Some((trace.child, trace.past.take()))
+    pub(in crate::engine) fn take_run(&mut self) -> Option<(u32, EndedRun<D>)> {
+        let entry = self.entries.back_mut()?;
+        self.weight -= entry.run.weight() - 1;
+        Some((entry.child, entry.run.take()))
     }
 
-    /// Takes away the last trace, with the values that its child replaced, the last one first.
+    /// Takes away the last entry, with the values that its child replaced, the last one first.
     pub(in crate::engine) fn pop(&mut self) -> Option<(UndoEntry<D>, ReplacedValues<D>)> {
-        let trace = self.traces.pop_back()?;
-        self.weight -= trace.past.weight();
-        let first = self.undo.len().saturating_sub(trace.replaced);
+        let entry = self.entries.pop_back()?;
+        self.weight -= entry.run.weight();
+        let first = self.undo.len().saturating_sub(entry.replaced);
         let values = self.undo.drain(first..).rev().collect();
-        Some((trace, values))
+        Some((entry, values))
     }
 
     /// Whether what is counted is there.
     pub(in crate::engine) fn adds_up(&self) -> bool {
-        let weight: usize = self.traces.iter().map(|trace| trace.past.weight()).sum();
-        let replaced: usize = self.traces.iter().map(|trace| trace.replaced).sum();
-        let inner = self.traces.iter().filter_map(|trace| match &trace.past.kept {
+        let weight: usize = self.entries.iter().map(|entry| entry.run.weight()).sum();
+        let replaced: usize = self.entries.iter().map(|entry| entry.replaced).sum();
+        let inner = self.entries.iter().filter_map(|entry| match &entry.run.kept {
             Kept::Inner(inner) => Some(inner),
             Kept::Nothing | Kept::Lost => None,
         });
-        let mut inner = inner.map(|inner| {
-            let pasts = inner.pasts.iter().flatten().map(EndedRun::weight).sum::<usize>();
-            inner.weight == inner.trail.weight + pasts
-        });
+        let mut inner = inner.map(|inner| inner.weight == inner.children.weight());
         weight == self.weight && replaced <= self.undo.len() && inner.all(|inner| inner)
     }
 
-    /// Gives up the oldest traces until this many steps are gone, or nothing is left.
+    /// Gives up the oldest entries until this many steps are gone, or nothing is left.
     fn shorten(&mut self, steps: usize) -> usize {
         let before = self.weight;
         while before - self.weight < steps {
-            let Some(trace) = self.traces.pop_front() else { break };
-            self.weight -= trace.past.weight();
-            self.undo.drain(..trace.replaced.min(self.undo.len()));
+            let Some(entry) = self.entries.pop_front() else { break };
+            self.weight -= entry.run.weight();
+            self.undo.drain(..entry.replaced.min(self.undo.len()));
             self.lost = true;
         }
         before - self.weight
@@ -184,7 +157,7 @@ impl<D> EndedRun<D> {
         Self { entry: 0, outcome, kept: Kept::Nothing }
     }
 
-    /// Of a state that ended before the run was taken up.
+    /// Of a state that ended before the run was resumed.
     pub(in crate::engine) fn unknown(outcome: u32) -> Self {
         Self { entry: 0, outcome, kept: Kept::Lost }
     }
@@ -214,52 +187,74 @@ impl<D> EndedRun<D> {
     }
 }
 
-impl<D> Frame<D> {
-    /// Whether it is known what branches did, or the root of a library: not if the run was taken up meanwhile.
-    fn knows_children(&self) -> bool {
-        let is_lost = self.pasts.iter().flatten().any(EndedRun::is_lost);
-        !is_lost && self.pasts.len() >= self.children.len()
+impl<D> Children<D> {
+    /// What those that ended left behind, other than in the undo log of a hierarchy.
+    fn runs(&self) -> impl Iterator<Item = &EndedRun<D>> {
+        let (one, many): (Option<&EndedRun<D>>, &[ConcurrentChild<D>]) = match self {
+            Self::None | Self::Hierarchy(_) => (None, &[]),
+            Self::Library(root) => (root.run.as_ref(), &[]),
+            Self::Concurrency(children) => (None, &children.all),
+        };
+        one.into_iter().chain(many.iter().filter_map(|child| child.run.as_ref()))
     }
 
+    fn runs_mut(&mut self) -> impl Iterator<Item = &mut EndedRun<D>> {
+        let (one, many): (Option<&mut EndedRun<D>>, &mut [ConcurrentChild<D>]) = match self {
+            Self::None | Self::Hierarchy(_) => (None, &mut []),
+            Self::Library(root) => (root.run.as_mut(), &mut []),
+            Self::Concurrency(children) => (None, &mut children.all),
+        };
+        one.into_iter().chain(many.iter_mut().filter_map(|child| child.run.as_mut()))
+    }
+
+    /// Steps kept in them.
+    fn weight(&self) -> usize {
+        let logged = self.in_turn().map_or(0, |children| children.undo_log.weight);
+        logged + self.runs().map(EndedRun::weight).sum::<usize>()
+    }
+
+    fn depth(&self) -> u32 {
+        let logged = self.in_turn().map_or(0, |children| children.undo_log.depth);
+        self.runs().map(EndedRun::depth).fold(logged, u32::max)
+    }
+
+    /// Whether it is known what all of them did: not what they did before the run was restored.
+    fn are_known(&self) -> bool {
+        let is_undoable = self.side_by_side().is_none_or(|children| children.base.is_some());
+        is_undoable && !self.runs().any(EndedRun::is_lost)
+    }
+}
+
+impl<D> Frame<D> {
     /// Takes what is in the frame of a container that ends.
     fn take_inner(&mut self) -> EndedContainerData<D> {
-        let pasts = std::mem::take(&mut self.pasts);
-        let deepest = pasts.iter().flatten().map(EndedRun::depth).max().unwrap_or(0);
-        let trail = std::mem::take(&mut self.trail);
+        let children = std::mem::replace(&mut self.children, Children::None);
         EndedContainerData {
             inputs: self.inputs.clone().unwrap_or_default(),
             slots: std::mem::take(&mut self.slots),
             last: self.last,
             last_error: self.last_error.take(),
             start_depth: self.start_depth,
-            depth: 1 + deepest.max(trail.depth),
-            weight: trail.weight + pasts.iter().flatten().map(EndedRun::weight).sum::<usize>(),
-            trail,
-            pasts,
-            ended: std::mem::take(&mut self.ended),
-            order: std::mem::take(&mut self.order),
-            base: std::mem::take(&mut self.base),
+            depth: 1 + children.depth(),
+            weight: children.weight(),
+            children,
         }
     }
 }
 
 impl<D: Datum> Step<'_, D> {
-    pub(in crate::engine) fn keeps_trail(&self) -> bool {
-        self.run.steps_max > 0
-    }
-
     /// What a state that ends leaves behind; nothing, if the run is not to be stepped back.
-    pub(in crate::engine) fn past(&mut self, slot: u32, outcome: u32) -> Option<EndedRun<D>> {
-        if !self.keeps_trail() {
+    pub(in crate::engine) fn ended_run(&mut self, slot: u32, outcome: u32) -> Option<EndedRun<D>> {
+        if !self.view().keeps_undo_log() {
             return None;
         }
-        let body = self.body(slot);
+        let body = self.view().body(slot);
         let frame = self.run.frames.get_mut(slot);
         let entry = frame.undoes.map_or(frame.entry, |(entry, _)| entry);
         let kept = match body {
             Body::Script => Kept::Nothing,
             Body::Hierarchy(_) | Body::Concurrency(..) | Body::Library(_) => {
-                let is_known = frame.knows_children();
+                let is_known = frame.children.are_known();
                 let inner = frame.take_inner();
                 if !is_known || inner.depth > DEPTH_MAX {
                     Kept::Lost
@@ -272,45 +267,52 @@ impl<D: Datum> Step<'_, D> {
     }
 
     /// Notes that a child of a hierarchy ended, which replaced all values from `first` on.
-    pub(in crate::engine) fn trace(
+    pub(in crate::engine) fn log_end(
         &mut self,
         slot: u32,
         child: u32,
-        past: EndedRun<D>,
+        run: EndedRun<D>,
         first: usize,
     ) {
         let frame = self.run.frames.get_mut(slot);
-        let replaced = frame.trail.undo.len() - first;
-        if std::mem::take(&mut frame.trail.undoing) {
-            return frame.trail.renew(past, replaced);
+        let last = frame.last;
+        let Some(children) = frame.children.in_turn_mut() else { return };
+        let replaced = children.undo_log.undo.len() - first;
+        if std::mem::take(&mut children.undo_log.undoing) {
+            return children.undo_log.renew(run, replaced);
         }
-        let (last, error) = (frame.last, frame.gave.take().map(Box::new));
-        frame.trail.push(UndoEntry { child, past, last, error, replaced });
+        let error = children.handed_error.take().map(Box::new);
+        children.undo_log.push(UndoEntry { child, run, last, error, replaced });
         self.run.steps_kept += 1;
         if self.run.steps_kept > self.run.steps_max + SLACK {
-            self.shorten_trails();
+            self.shorten_undo_logs();
         }
     }
 
     /// Gives up the oldest steps, those of the outermost states first.
-    fn shorten_trails(&mut self) {
-        let active = self.active();
-        let weights = active.iter().map(|&slot| {
-            let frame = self.run.frames.get(slot);
-            frame.trail.weight + frame.pasts.iter().flatten().map(EndedRun::weight).sum::<usize>()
-        });
+    fn shorten_undo_logs(&mut self) {
+        let active = self.view().active();
+        let weights = active.iter().map(|&slot| self.run.frames.get(slot).children.weight());
         let total = weights.sum::<usize>();
         let mut excess = total.saturating_sub(self.run.steps_max);
         self.run.steps_kept = total - excess;
         for slot in active {
-            let frame = self.run.frames.get_mut(slot);
-            excess = excess.saturating_sub(frame.trail.shorten(excess));
-            for past in frame.pasts.iter_mut().flatten() {
+            let children = &mut self.run.frames.get_mut(slot).children;
+            if let Some(children) = children.in_turn_mut() {
+                excess = excess.saturating_sub(children.undo_log.shorten(excess));
+            }
+            for run in children.runs_mut() {
                 if excess > 0 {
-                    excess = excess.saturating_sub(past.weight() - 1);
-                    past.kept = Kept::Lost;
+                    excess = excess.saturating_sub(run.weight() - 1);
+                    run.kept = Kept::Lost;
                 }
             }
         }
+    }
+}
+
+impl<D: Datum> View<'_, '_, D> {
+    pub(in crate::engine) fn keeps_undo_log(&self) -> bool {
+        self.run.steps_max > 0
     }
 }

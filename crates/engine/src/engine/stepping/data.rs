@@ -1,6 +1,6 @@
 //! Values on their way: into states, into containers, out of containers.
 
-use crate::engine::state::frames::{Ended, Slot};
+use crate::engine::state::frames::{Children, Ended, Slot};
 use crate::engine::state::step::Step;
 use crate::program::{Checks, FlowRange, Initial, Inside, Node, index};
 use crate::{Datum, Event, Globals, Level, Note, PathId};
@@ -125,8 +125,10 @@ impl<'s, D: Datum> Step<'s, D> {
         self.run.sequence += 1;
         let slot = Slot { sequence: self.run.sequence, value: Some(value.clone()) };
         let replaced = std::mem::replace(place, slot);
-        if frame.trail.logs {
-            frame.trail.undo.push_back((target, replaced));
+        if let Children::Hierarchy(children) = &mut frame.children
+            && children.undo_log.logs
+        {
+            children.undo_log.undo.push_back((target, replaced));
         }
         let node = self.program.node(frame.node);
         let variable = (target as usize).checked_sub(node.inputs.len());

@@ -1,11 +1,11 @@
 //! Entering a state: its frame, its data, and what it does first.
 
-use crate::engine::state::frames::{NONE, Seed};
+use crate::engine::state::frames::{Children, NONE, Seed};
 use crate::engine::state::phase::Phase;
-use crate::engine::state::step::{Step, Work};
+use crate::engine::state::step::{Step, View, Work};
 use crate::engine::state::suspended::StopPoint;
-use crate::engine::stepping::branch::all_but_decider;
-use crate::program::{Body, Concurrency, Inside, PREEMPTED};
+use crate::engine::stepping::concurrency::all_but_decider;
+use crate::program::{Body, Concurrency, Inside, PREEMPTED, index};
 use crate::{
     BranchId, Datum, Effect, Event, Job, Level, NodeId, Note, PathId, Program, Verdicts, WaitReason,
 };
@@ -51,7 +51,7 @@ impl<'s, D: Datum> Step<'s, D> {
 
     /// Enters a child of an active state, unless something holds before it.
     pub(in crate::engine) fn enter(&mut self, parent: u32, child: u32) {
-        match self.body(parent) {
+        match self.view().body(parent) {
             Body::Script => {}
             Body::Library(content) => {
                 let branch = self.run.frames.get(parent).branch;
@@ -60,10 +60,12 @@ impl<'s, D: Datum> Step<'s, D> {
                 }
             }
             Body::Hierarchy(inside) => {
-                let keeps = self.keeps_trail();
+                let keeps = self.view().keeps_undo_log();
                 let frame = self.run.frames.get_mut(parent);
                 let error = frame.last_error.take();
-                frame.gave = error.clone().filter(|_| keeps);
+                if let Some(children) = frame.children.in_turn_mut() {
+                    children.handed_error = error.clone().filter(|_| keeps);
+                }
                 let seed = self.seed(parent, child, inside.child(child), error);
                 self.begin(seed, child, None);
             }
@@ -83,7 +85,7 @@ impl<'s, D: Datum> Step<'s, D> {
         inside: &'s Inside<D>,
         child: u32,
     ) {
-        let verdicts = self.verdicts(parent, inside);
+        let verdicts = self.view().verdicts(parent, inside);
         let seed = self.seed(parent, child, inside.child(child), None);
         self.begin(seed, child, Some(Arc::new(verdicts)));
     }
@@ -91,8 +93,8 @@ impl<'s, D: Datum> Step<'s, D> {
     /// A new branch goes step by step if its parent does, and no step over something around it is under way.
     pub(in crate::engine) fn fork(&mut self, parent: u32) -> BranchId {
         let frame = self.run.frames.get(parent);
-        let steps =
-            self.run.branches.steps(frame.branch) && !self.is_inside_of_step(parent, frame.branch);
+        let steps = self.run.branches.steps(frame.branch)
+            && !self.view().is_inside_of_step(parent, frame.branch);
         let branch = self.run.branches.begin(steps);
         self.out.effects.push(Effect::Fork { branch });
         branch
@@ -117,7 +119,7 @@ impl<'s, D: Datum> Step<'s, D> {
             branch: frame.branch,
             parent,
             preempted: false,
-            start_depth: self.start_depth(parent, child),
+            start_depth: self.view().start_depth(parent, child),
             inputs,
             outputs: Arc::clone(&node.outputs),
             error,
@@ -130,27 +132,13 @@ impl<'s, D: Datum> Step<'s, D> {
         self.run.places.enter(path, child, self.program)
     }
 
-    /// How far along the start path a child is, if it is on it and entered first.
-    pub(in crate::engine) fn start_depth(&self, parent: u32, child: u32) -> Option<u32> {
-        let frame = self.run.frames.get(parent);
-        let depth = frame.start_depth.filter(|_| frame.last.is_none())?;
-        let path = &self.run.start_from;
-        let is_on_path = path.get(depth as usize) == Some(&child);
-        (is_on_path && depth as usize + 1 < path.len()).then_some(depth + 1)
-    }
-
     /// Makes a frame the active child of another, or the root of the run.
     pub(in crate::engine) fn hang(&mut self, parent: u32, child: u32, slot: u32) {
         if parent == NONE {
             self.run.root = Some(slot);
             return;
         }
-        let is_concurrency = matches!(self.body(parent), Body::Concurrency(..));
-        let children = &mut self.run.frames.get_mut(parent).children;
-        match children.get_mut(child as usize).filter(|_| is_concurrency) {
-            Some(place) => *place = slot,
-            None => children.push(slot),
-        }
+        self.run.frames.get_mut(parent).children.set_active(child, Some(slot));
     }
 
     /// Enters the child with this index. It is in the tree of frames before it does anything, so that a request to end
@@ -174,7 +162,7 @@ impl<'s, D: Datum> Step<'s, D> {
             let note = Note::BadDefault { port: port.unwrap_or_default(), reason: reason.clone() };
             self.note(path, Level::Error, note);
         }
-        let slot = self.run.frames.add(seed);
+        let slot = self.run.frames.add(seed, Children::of(&node.body));
         self.run.entries += 1;
         self.run.frames.get_mut(slot).entry = self.run.entries;
         self.hang(parent, child, slot);
@@ -208,7 +196,10 @@ impl<'s, D: Datum> Step<'s, D> {
     fn begin_container(&mut self, slot: u32, inside: &'s Inside<D>) {
         if !self.fails_to_begin(slot, inside) {
             self.fill(slot, inside);
-            self.run.frames.get_mut(slot).trail.logs = self.keeps_trail();
+            let keeps = self.view().keeps_undo_log();
+            if let Some(children) = self.run.frames.get_mut(slot).children.in_turn_mut() {
+                children.undo_log.logs = keeps;
+            }
             self.advance_later(slot);
         }
     }
@@ -221,24 +212,32 @@ impl<'s, D: Datum> Step<'s, D> {
         if self.run.frames.get(slot).preempted {
             return self.leave_container_later(slot, inside, PREEMPTED);
         }
-        let keeps = self.keeps_trail();
+        let keeps = self.view().keeps_undo_log();
         let frame = self.run.frames.get_mut(slot);
         frame.phase = Phase::Branches;
-        frame.children.resize(inside.children.len(), NONE);
-        frame.ended.resize_with(inside.children.len(), || None);
-        if keeps {
-            frame.base.clone_from(&frame.slots);
-            frame.pasts.resize_with(inside.children.len(), || None);
-        }
         let branches = all_but_decider(kind, inside).rev();
         let before = self.run.work.len();
         self.run.work.extend(branches.map(|child| Work::Enter { parent: slot, child }));
-        let open = self.run.work.len() - before;
-        self.run.frames.get_mut(slot).open = u32::try_from(open).unwrap_or(u32::MAX);
+        let open = index(self.run.work.len() - before);
+        if let Some(children) = frame.children.side_by_side_mut() {
+            children.open = open;
+            children.base = keeps.then(|| frame.slots.clone());
+        }
         match kind {
             Concurrency::Preemptive if open == 0 => self.wait(slot, WaitReason::NoChildren),
             Concurrency::Barrier(_) if open == 0 => self.advance_later(slot),
             Concurrency::Barrier(_) | Concurrency::Preemptive => {}
         }
+    }
+}
+
+impl<D: Datum> View<'_, '_, D> {
+    /// How far along the start path a child is, if it is on it and entered first.
+    pub(in crate::engine) fn start_depth(&self, parent: u32, child: u32) -> Option<u32> {
+        let frame = self.run.frames.get(parent);
+        let depth = frame.start_depth.filter(|_| frame.last.is_none())?;
+        let path = &self.run.start_from;
+        let is_on_path = path.get(depth as usize) == Some(&child);
+        (is_on_path && depth as usize + 1 < path.len()).then_some(depth + 1)
     }
 }

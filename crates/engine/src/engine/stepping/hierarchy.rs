@@ -1,9 +1,8 @@
 //! Hierarchy states: one child after the other, as transitions say.
 
-use crate::engine::state::frames;
 use crate::engine::state::frames::Ended;
 use crate::engine::state::phase::{Cause, Phase};
-use crate::engine::state::step::Step;
+use crate::engine::state::step::{Step, View};
 use crate::engine::state::suspended::StopPoint;
 use crate::engine::state::undo_log::EndedRun;
 use crate::program::{ABORTED, Body, Exit, Inside, PREEMPTED};
@@ -13,32 +12,13 @@ impl<'s, D: Datum> Step<'s, D> {
     /// Follows the transition of the child that ended last, or the start transition.
     pub(in crate::engine) fn advance_hierarchy(&mut self, slot: u32, inside: &'s Inside<D>) {
         let frame = self.run.frames.get(slot);
-        if !frame.children.is_empty() || !self.passes_end(slot) {
+        if frame.children.any_active() || !self.passes_end(slot) {
             return;
         }
-        match self.next_exit(slot, inside) {
+        match self.view().next_exit(slot, inside) {
             Exit::Outcome(outcome) => self.leave_container(slot, inside, outcome),
             Exit::Child(child) => self.go_to(slot, inside, child),
             Exit::Nowhere => self.nowhere(slot, inside),
-        }
-    }
-
-    /// Where a hierarchy goes now.
-    pub(in crate::engine) fn next_exit(&self, slot: u32, inside: &Inside<D>) -> Exit {
-        let frame = self.run.frames.get(slot);
-        match (frame.last, self.leads_to(slot)) {
-            (Some((child, outcome)), _) => self.exit(inside, child, outcome),
-            (None, Some(child)) => Exit::Child(child),
-            (None, None) => inside.start,
-        }
-    }
-
-    /// The child of a hierarchy that comes next.
-    pub(in crate::engine) fn upcoming(&self, slot: u32) -> Option<u32> {
-        let Body::Hierarchy(inside) = self.body(slot) else { return None };
-        match self.next_exit(slot, inside) {
-            Exit::Child(child) => Some(child),
-            Exit::Outcome(_) | Exit::Nowhere => None,
         }
     }
 
@@ -50,10 +30,6 @@ impl<'s, D: Datum> Step<'s, D> {
             return true;
         }
         last.is_none_or(|(child, _)| self.passes(StopPoint::after(slot, child), branch))
-    }
-
-    pub(in crate::engine) fn exit(&self, inside: &Inside<D>, child: u32, outcome: u32) -> Exit {
-        self.program.tables.exit(self.program.node(inside.child(child)).exits, outcome)
     }
 
     /// The next child, unless the hierarchy was preempted (only a handler, behind the outcome preempted, runs then, and
@@ -116,15 +92,16 @@ impl<'s, D: Datum> Step<'s, D> {
         slot: u32,
         inside: &'s Inside<D>,
         child: u32,
-        (ended, past): (Ended<D>, Option<EndedRun<D>>),
+        (ended, run): (Ended<D>, Option<EndedRun<D>>),
     ) {
-        let first = self.run.frames.get(slot).trail.undo.len();
+        let children = self.run.frames.get(slot).children.in_turn();
+        let first = children.map_or(0, |children| children.undo_log.undo.len());
         self.store_outputs(slot, inside, child, &ended);
-        if let Some(past) = past {
-            self.trace(slot, child, past, first);
+        if let Some(run) = run {
+            self.log_end(slot, child, run, first);
         }
-        let frame: &mut frames::Frame<D> = self.run.frames.get_mut(slot);
-        frame.children.clear();
+        let frame = self.run.frames.get_mut(slot);
+        frame.children.set_active(child, None);
         frame.after = true;
         frame.last = Some((child, ended.outcome));
         frame.last_error = ended.error.filter(|_| ended.outcome == ABORTED);
@@ -138,11 +115,38 @@ impl<'s, D: Datum> Step<'s, D> {
     /// Whether more children ended within one answer than there are ways for a child to end: then no script runs between
     /// them, nothing can ever change, and the circle would go on for good.
     fn runs_in_a_circle(&mut self, slot: u32, inside: &Inside<D>) -> bool {
-        let frame = self.run.frames.get_mut(slot);
-        if frame.turn != self.run.turn {
-            (frame.turn, frame.steps) = (self.run.turn, 0);
+        let Some(children) = self.run.frames.get_mut(slot).children.in_turn_mut() else {
+            return false;
+        };
+        if children.turn != self.run.turn {
+            (children.turn, children.steps) = (self.run.turn, 0);
         }
-        frame.steps += 1;
-        frame.steps > inside.exits
+        children.steps += 1;
+        children.steps > inside.exits
+    }
+}
+
+impl<D: Datum> View<'_, '_, D> {
+    /// Where a hierarchy goes now.
+    pub(in crate::engine) fn next_exit(&self, slot: u32, inside: &Inside<D>) -> Exit {
+        let frame = self.run.frames.get(slot);
+        match (frame.last, self.leads_to(slot)) {
+            (Some((child, outcome)), _) => self.exit(inside, child, outcome),
+            (None, Some(child)) => Exit::Child(child),
+            (None, None) => inside.start,
+        }
+    }
+
+    /// The child of a hierarchy that comes next.
+    pub(in crate::engine) fn upcoming(&self, slot: u32) -> Option<u32> {
+        let Body::Hierarchy(inside) = self.body(slot) else { return None };
+        match self.next_exit(slot, inside) {
+            Exit::Child(child) => Some(child),
+            Exit::Outcome(_) | Exit::Nowhere => None,
+        }
+    }
+
+    pub(in crate::engine) fn exit(&self, inside: &Inside<D>, child: u32, outcome: u32) -> Exit {
+        self.program.tables.exit(self.program.node(inside.child(child)).exits, outcome)
     }
 }

@@ -1,8 +1,8 @@
-//! Leaving a state: how it ended, and who is told.
+//! Leaving a state: its end, and what the state around it does about it.
 
 use crate::engine::state::frames::{Ended, NONE};
 use crate::engine::state::phase::{Cause, Reaction, react};
-use crate::engine::state::step::{Step, Work};
+use crate::engine::state::step::{Step, View, Work};
 use crate::engine::state::suspended::{LeftState, StopPoint};
 use crate::engine::{Refusal, Status};
 use crate::program::{ABORTED, Body, Inside, Node, PREEMPTED};
@@ -131,19 +131,19 @@ impl<'s, D: Datum> Step<'s, D> {
 
     fn child_ended(&mut self, parent: u32, slot: u32, child: u32, ended: Ended<D>) {
         let branch = self.run.frames.get(slot).branch;
-        let past = self.past(slot, ended.outcome);
+        let run = self.ended_run(slot, ended.outcome);
         self.run.frames.remove(slot);
-        match self.body(parent) {
+        match self.view().body(parent) {
             Body::Script => {}
-            Body::Library(content) => self.library_root_ended(parent, content, (ended, past)),
+            Body::Library(content) => self.library_root_ended(parent, content, (ended, run)),
             Body::Hierarchy(inside) => {
-                self.child_of_hierarchy_ended(parent, inside, child, (ended, past));
+                self.child_of_hierarchy_ended(parent, inside, child, (ended, run));
             }
             Body::Concurrency(kind, inside) if kind.decider() == Some(child) => {
                 self.decider_ended(parent, inside, child, ended);
             }
             Body::Concurrency(kind, inside) => {
-                self.branch_ended(parent, (*kind, inside), (child, branch), (ended, past));
+                self.branch_ended(parent, (*kind, inside), (child, branch), (ended, run));
             }
         }
     }
@@ -154,7 +154,7 @@ impl<'s, D: Datum> Step<'s, D> {
         let names = node.outputs().iter().map(|port| port.name.clone());
         let mut outputs: Vec<_> = names.zip(ended.outputs.iter().cloned()).collect();
         outputs.extend(ended.error.map(|error| ("error".into(), error)));
-        let scoped_variables = self.scoped_variables(slot, node);
+        let scoped_variables = self.view().scoped_variables(slot, node);
         self.run.frames.remove(slot);
         self.run.root = None;
         self.run.finish = Some(Box::new(Finish {
@@ -172,25 +172,11 @@ impl<'s, D: Datum> Step<'s, D> {
     /// The end of the run; of one that was stopped before its root began, *preempted*.
     pub(in crate::engine) fn finish(&mut self) {
         let finish = self.run.finish.take();
-        let finish = finish.map_or_else(|| self.unbegun(PREEMPTED), |finish| *finish);
+        let finish = finish.map_or_else(|| self.view().unbegun(PREEMPTED), |finish| *finish);
         self.run.status = Status::Finished;
         self.run.branches.set_all(false);
         self.out.events.push(Event::Finished { outcome: finish.outcome });
         self.out.effects.push(Effect::Finish(finish));
-    }
-
-    /// The end of a run whose root never began.
-    pub(in crate::engine) fn unbegun(&self, outcome: u32) -> Finish<D> {
-        let node = self.program.node(Program::<D>::ROOT);
-        let outcome = node.outcome_at(outcome);
-        let names = node.outputs().iter().map(|port| port.name.clone());
-        Finish {
-            outcome: outcome.id,
-            outcome_name: outcome.name.clone(),
-            outputs: names.zip(node.outputs.iter().cloned()).collect(),
-            scoped_variables: Vec::new(),
-            states_run: self.run.entered,
-        }
     }
 
     /// What breakpoints behind a state may ask for, and what follows from the end of the state that the run was begun at.
@@ -203,6 +189,22 @@ impl<'s, D: Datum> Step<'s, D> {
         }
         if control.then.is_some_and(|(place, _)| place == frame.path) {
             self.target_left();
+        }
+    }
+}
+
+impl<D: Datum> View<'_, '_, D> {
+    /// The end of a run whose root never began.
+    pub(in crate::engine) fn unbegun(&self, outcome: u32) -> Finish<D> {
+        let node = self.program.node(Program::<D>::ROOT);
+        let outcome = node.outcome_at(outcome);
+        let names = node.outputs().iter().map(|port| port.name.clone());
+        Finish {
+            outcome: outcome.id,
+            outcome_name: outcome.name.clone(),
+            outputs: names.zip(node.outputs.iter().cloned()).collect(),
+            scoped_variables: Vec::new(),
+            states_run: self.run.entered,
         }
     }
 

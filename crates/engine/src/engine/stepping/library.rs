@@ -2,7 +2,7 @@
 
 use crate::engine::state::frames::{Ended, Seed};
 use crate::engine::state::phase::{Cause, Phase};
-use crate::engine::state::step::{Step, Work};
+use crate::engine::state::step::{Step, View, Work};
 use crate::engine::state::suspended::StopPoint;
 use crate::engine::state::undo_log::EndedRun;
 use crate::program::{ABORTED, Content, Node, PREEMPTED};
@@ -32,8 +32,9 @@ impl<'s, D: Datum> Step<'s, D> {
     /// Goes on where a library state was held: before its root, or after it.
     pub(in crate::engine) fn advance_library(&mut self, slot: u32, content: &'s Content<D>) {
         let frame = self.run.frames.get_mut(slot);
-        if let Some(ended) = frame.ended.pop().flatten() {
-            self.leave(slot, ended);
+        let end = frame.children.library().and_then(|root| root.end.take());
+        if let Some(ended) = end {
+            self.leave(slot, *ended);
         } else if frame.preempted {
             let outputs = frame.outputs.take().unwrap_or_default();
             self.leave(
@@ -56,7 +57,7 @@ impl<'s, D: Datum> Step<'s, D> {
         let path = self.child_path(parent, 0);
         let entered_at = self.out.events.len();
         let inputs = self.library_root_inputs(parent, content, (node, path));
-        let outputs = self.root_outputs(parent, content, node);
+        let outputs = self.view().root_outputs(parent, content, node);
         let frame = self.run.frames.get_mut(parent);
         let error = frame.error.take();
         let frame = self.run.frames.get(parent);
@@ -66,7 +67,7 @@ impl<'s, D: Datum> Step<'s, D> {
             branch: frame.branch,
             parent,
             preempted: frame.preempted,
-            start_depth: self.start_depth(parent, 0),
+            start_depth: self.view().start_depth(parent, 0),
             inputs,
             outputs,
             error,
@@ -88,35 +89,19 @@ impl<'s, D: Datum> Step<'s, D> {
         self.default_inputs(root, path, from)
     }
 
-    /// The defaults of the outputs of a root are those of its library state.
-    pub(in crate::engine) fn root_outputs(
-        &self,
-        library: u32,
-        content: &Content<D>,
-        root: &Node<D>,
-    ) -> Arc<[D]> {
-        let outputs = self.run.frames.get(library).outputs.clone().unwrap_or_default();
-        match content {
-            Content::Found { ports: Some(ports), .. } => {
-                mapped(&ports.defaults, &outputs, &root.outputs)
-            }
-            Content::Found { ports: None, .. } | Content::Missing { .. } => outputs,
-        }
-    }
-
     /// The library state ends as its root did.
     pub(in crate::engine) fn library_root_ended(
         &mut self,
         slot: u32,
         content: &'s Content<D>,
-        (ended, past): (Ended<D>, Option<EndedRun<D>>),
+        (ended, run): (Ended<D>, Option<EndedRun<D>>),
     ) {
         let Content::Found { ports, outcomes, .. } = content else { return };
         let free = self.run.is_free();
         let frame = self.run.frames.get_mut(slot);
-        frame.children.clear();
-        frame.pasts.clear();
-        frame.pasts.push(past);
+        if let Some(root) = frame.children.library() {
+            (root.active, root.run) = (None, run);
+        }
         let outcome = outcomes.get(ended.outcome as usize).copied().unwrap_or(ABORTED);
         let ended = match ports {
             None => Ended { outcome, ..ended },
@@ -135,10 +120,30 @@ impl<'s, D: Datum> Step<'s, D> {
         if free {
             return self.run.work.push(Work::Leave { slot, ended: Box::new(ended) });
         }
-        frame.ended.push(Some(ended));
+        if let Some(root) = frame.children.library() {
+            root.end = Some(Box::new(ended));
+        }
         if self.passes(StopPoint::after(slot, 0), branch) {
             self.run.frames.get_mut(slot).phase = Phase::Held;
             self.wake(&[slot], Cause::LetGo);
+        }
+    }
+}
+
+impl<D: Datum> View<'_, '_, D> {
+    /// The defaults of the outputs of a root are those of its library state.
+    pub(in crate::engine) fn root_outputs(
+        &self,
+        library: u32,
+        content: &Content<D>,
+        root: &Node<D>,
+    ) -> Arc<[D]> {
+        let outputs = self.run.frames.get(library).outputs.clone().unwrap_or_default();
+        match content {
+            Content::Found { ports: Some(ports), .. } => {
+                mapped(&ports.defaults, &outputs, &root.outputs)
+            }
+            Content::Found { ports: None, .. } | Content::Missing { .. } => outputs,
         }
     }
 }

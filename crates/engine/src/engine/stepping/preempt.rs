@@ -1,6 +1,5 @@
 //! Asking active states to end. What is asked once stays asked, so that no request is ever lost.
 
-use crate::engine::state::frames::NONE;
 use crate::engine::state::phase::{Cause, Reaction, react};
 use crate::engine::state::step::{Step, Work};
 use crate::{Datum, Effect};
@@ -8,8 +7,7 @@ use crate::{Datum, Effect};
 impl<D: Datum> Step<'_, D> {
     /// Preempts all active children of a state, in their order.
     pub(in crate::engine) fn preempt_children(&mut self, slot: u32) {
-        let children = self.run.frames.get(slot).children.clone();
-        let active = children.into_iter().filter(|&child| child != NONE);
+        let active = self.run.frames.get(slot).children.active();
         let frames = active.flat_map(|child| self.run.frames.below(child)).collect::<Vec<_>>();
         self.preempt(&frames);
         self.release(slot);

@@ -1,11 +1,12 @@
-//! Beginning a run: where, with which values, held or not, and what happens behind the state that it was begun at.
+//! Starting a run, also anew: where, with which values, held or not, and what happens behind the state that it was started at.
 
 use crate::engine::state::frames::Seed;
-use crate::engine::state::step::Step;
-use crate::engine::state::suspended::StopPoint;
+use crate::engine::state::phase::Phase;
+use crate::engine::state::step::{Step, View};
+use crate::engine::state::suspended::{StopPoint, SuspendedBranch};
 use crate::engine::{Command, Refusal, Run, Status};
 use crate::program::{Body, Inside};
-use crate::{BranchId, Datum, NodeId, PathId, Program, Start, Then, When};
+use crate::{BranchId, Datum, Effect, Event, NodeId, PathId, Program, Start, Then, When};
 use rafcon_model::{Port, PortId};
 use smol_str::SmolStr;
 
@@ -27,7 +28,7 @@ enum Where {
 
 impl<'s, D: Datum> Step<'s, D> {
     pub(in crate::engine) fn start(&mut self, start: Start<D>) -> Result<(), Refusal> {
-        self.nothing_runs(Command::Start)?;
+        self.view().nothing_runs(Command::Start)?;
         let steps = match &start.start_from {
             Some(path) => self.program.descend(path)?.1,
             None => Vec::new(),
@@ -75,25 +76,12 @@ impl<'s, D: Datum> Step<'s, D> {
                 Some(from) => from.0.starts_with(&path.0),
                 None => steps.is_empty(),
             };
-            let port = self.port_named(node, name).filter(|_| on_the_way);
+            let port = self.view().port_named(node, name).filter(|_| on_the_way);
             let refusal = || Refusal::NoPlaceFor { path: path.clone(), name: name.clone() };
             let port = port.ok_or_else(refusal)?;
             Ok(Given { place: self.place_of(&steps), port, value: value.clone() })
         });
         values.collect()
-    }
-
-    fn port_named(&self, node: NodeId, name: &SmolStr) -> Option<Where> {
-        let node = self.program.node(node);
-        let named = |port: &&Port| port.name == *name;
-        let input = node.inputs().iter().find(named).map(|port| port.id);
-        let scoped = || match &node.body {
-            Body::Hierarchy(inside) | Body::Concurrency(_, inside) => {
-                inside.scoped.iter().map(|scoped| &scoped.port).find(named).map(|port| port.id)
-            }
-            Body::Script | Body::Library(_) => None,
-        };
-        input.map(Where::Input).or_else(|| scoped().map(Where::Scoped))
     }
 
     /// What the start gave replaces the inputs of a state at its first entry.
@@ -119,14 +107,7 @@ impl<'s, D: Datum> Step<'s, D> {
         }
     }
 
-    /// The child that the start path leads to from this frame, if that is where it begins.
-    pub(in crate::engine) fn leads_to(&self, slot: u32) -> Option<u32> {
-        let frame = self.run.frames.get(slot);
-        let depth = frame.start_depth.filter(|_| frame.last.is_none())?;
-        self.run.start_from.get(depth as usize).copied()
-    }
-
-    /// The state that the run was begun at was left. A run that stops already goes on doing so.
+    /// The state that the run was begun at was left. A run that is stopping continues to stop.
     pub(in crate::engine) fn target_left(&mut self) {
         let then = self.run.control.then.take();
         match then.filter(|_| self.run.status != Status::Stopping) {
@@ -134,6 +115,28 @@ impl<'s, D: Datum> Step<'s, D> {
             Some((_, Then::Stop)) => self.run.control.stop_next = true,
             Some((_, Then::GoOn)) | None => {}
         }
+    }
+}
+
+impl<D: Datum> View<'_, '_, D> {
+    fn port_named(&self, node: NodeId, name: &SmolStr) -> Option<Where> {
+        let node = self.program.node(node);
+        let named = |port: &&Port| port.name == *name;
+        let input = node.inputs().iter().find(named).map(|port| port.id);
+        let scoped = || match &node.body {
+            Body::Hierarchy(inside) | Body::Concurrency(_, inside) => {
+                inside.scoped.iter().map(|scoped| &scoped.port).find(named).map(|port| port.id)
+            }
+            Body::Script | Body::Library(_) => None,
+        };
+        input.map(Where::Input).or_else(|| scoped().map(Where::Scoped))
+    }
+
+    /// The child that the start path leads to from this frame, if that is where it begins.
+    pub(in crate::engine) fn leads_to(&self, slot: u32) -> Option<u32> {
+        let frame = self.run.frames.get(slot);
+        let depth = frame.start_depth.filter(|_| frame.last.is_none())?;
+        self.run.start_from.get(depth as usize).copied()
     }
 }
 
@@ -151,5 +154,50 @@ impl<D: Datum> Run<D> {
     pub(in crate::engine) fn place(&self, program: &Program<D>, steps: &[u32]) -> Option<PathId> {
         let child = |place, &step: &u32| self.places.child(place, step as usize, program);
         steps.iter().try_fold(PathId(0), child)
+    }
+}
+
+impl<D: Datum> Step<'_, D> {
+    /// Drops all active states, parents before children, and ends their branches.
+    pub(in crate::engine) fn drop_all(&mut self) {
+        let frames = self.view().active();
+        for SuspendedBranch { spot, branch, .. } in std::mem::take(&mut self.run.control.holds) {
+            if self.view().is_branch(spot) {
+                self.run.branches.end(branch);
+                self.out.effects.push(Effect::EndBranch { branch });
+            }
+        }
+        for &slot in &frames {
+            self.out.events.push(Event::Dropped { path: self.run.frames.get(slot).path });
+        }
+        for slot in frames.into_iter().rev() {
+            let (frame, branches) = (self.run.frames.get(slot), &mut self.run.branches);
+            let (branch, parent) = (frame.branch, frame.parent);
+            let is_own = parent != crate::engine::state::frames::NONE
+                && self.run.frames.get(parent).branch != branch;
+            if is_own {
+                branches.end(branch);
+                self.out.effects.push(Effect::EndBranch { branch });
+            }
+            self.run.frames.remove(slot);
+        }
+        self.run.root = None;
+        self.run.finish = None;
+        self.run.control.forget();
+        self.step_all(false);
+    }
+}
+
+impl<D: Datum> View<'_, '_, D> {
+    /// Refuses a command that would take the ground from under a script.
+    pub(in crate::engine) fn nothing_runs(&self, command: Command) -> Result<(), Refusal> {
+        self.legal(command)?;
+        if let Some(check) = self.run.control.holds.iter().find_map(SuspendedBranch::check) {
+            return Err(Refusal::StillChecks { command, check });
+        }
+        let runs = |&slot: &u32| self.run.frames.get(slot).phase == Phase::Script;
+        let Some(slot) = self.active().into_iter().find(runs) else { return Ok(()) };
+        let path = self.run.places.text(self.run.frames.get(slot).path, self.program);
+        Err(Refusal::StillRuns { command, path })
     }
 }

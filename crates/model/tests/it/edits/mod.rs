@@ -335,7 +335,7 @@ fn libraries_take_runtime_values_and_keep_their_interface() {
             refused: ROOT/LIBRAR, runtime value of input 0: it does not exist; look at the machine again: it may have changed
             refused: ROOT/LIBRAR, runtime value of input 1: there is no input with the id 1; remove the runtime value
             refused: ROOT/LIBRAR, state: its outcomes and ports are those of its library; open the library and change it there, or replace the state by a copy of its content
-            refused: ROOT/LIBRAR/INNERX, state: it stands inside the library state LIBRAR; open the library and change it there, or replace the state by a copy of its content
+            refused: ROOT/LIBRAR/INNERX, state: it is inside the library state LIBRAR; open the library and change it there, or replace the state by a copy of its content
             hierarchy ROOT
               library LIBRAR "Ask" from "lib/one"
                 set in x = 5 unused

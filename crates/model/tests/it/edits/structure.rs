@@ -70,7 +70,7 @@ fn states_come_and_go() {
         &expect![[r#"
             refused: ROOT/AAAAAA, state: something else has this id; take another id
             refused: ROOT/BBBBBB, transition 1: it leads to GONE, which does not exist; connect the end with a child or an outcome of the container, or remove the transition
-            refused: ROOT/BBBBBB, state: a decider stands outside of a barrier; make it an execution state with an id of its own
+            refused: ROOT/BBBBBB, state: a decider is outside of a barrier; make it an execution state with an id of its own
             refused: ROOT/BBBBBB/unique_decider_state_id, state: it is the decider of a barrier; remove or change the barrier as a whole
             refused: ROOT, transition 1: it leads to the outcome 3 of the container, which does not exist; connect the end with an outcome that exists, or remove the transition
             refused: ROOT/BBBBBB, transition 3: it begins at the income of a barrier concurrency state; remove the start transition

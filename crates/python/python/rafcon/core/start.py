@@ -68,14 +68,14 @@ def setup_argument_parser():
         *("-r", "--remote"),
         dest="remote",
         action="store_true",
-        help="open the machine and do not start it; it waits for a program or plugin that does",
+        help="open the machine without starting it; a program or plugin starts it later",
     )
     add(
         *("-s", "--start_state_path"),
         dest="start_state_path",
         metavar="path",
         nargs="?",
-        help="the state to begin at: the ids from the root on, joined by /",
+        help="the state to start at: the ids from the root down, joined by /",
     )
     _add_profiling(add)
     return argument_parser
@@ -208,7 +208,7 @@ def main(optional_args=None):
     setup_environment()
     options = setup_argument_parser().parse_args(optional_args)
     if not options.state_machine_path:
-        argument_parser.error("no state machine is named; give one with -o")
+        argument_parser.error("no state machine is named; name one with -o")
     try:
         setup_configuration(options.config_path)
         post_setup_plugins(options)
@@ -247,7 +247,9 @@ def _wait_for_signal():
 def _run_reactor(machine):
     from twisted.internet import reactor
 
-    threading.Thread(target=stop_reactor_on_state_machine_finish, args=(machine,), daemon=True).start()
+    # Not before the reactor runs: one that is stopped earlier would never end.
+    end = threading.Thread(target=stop_reactor_on_state_machine_finish, args=(machine,), daemon=True)
+    reactor.callWhenRunning(end.start)
     reactor.run()
 
 

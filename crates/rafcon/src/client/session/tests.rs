@@ -128,7 +128,7 @@ fn a_run_is_joined_where_it_stands_and_goes_on_from_its_cursor() {
             --
             Messages([Event { sequence: 8, t_ns: 0, event: Paused { paused: true } }, Event { sequence: 9, t_ns: 0, event: Paused { paused: true } }])
             --
-            Cut("no connection (no route); trying again")
+            Cut("no connection to the server (no route); trying again")
             --
             --
             > {"frame":"subscribe","subscription":1,"topic":{"topic":"run_status","run":"RUN"}}
@@ -175,7 +175,7 @@ fn commands_have_an_expiry_and_are_said_again_by_the_same_id() {
             --
             Messages([Answer { id: "key-2", answer: Applied }])
             --
-            Cut("no connection (no route); trying again")
+            Cut("no connection to the server (no route); trying again")
             --
             --
             > {"frame":"subscribe","subscription":1,"topic":{"topic":"run_status","run":"RUN"}}
@@ -388,19 +388,19 @@ fn a_runner_that_does_not_answer_is_told_once_and_so_is_that_it_does_again() {
             --
             > {"frame":"subscribe","subscription":2,"topic":{"topic":"run_history","run":"RUN","from":8,"values":false}}
             Messages([Loaded { name: "Pick", states: 5, problems: [], run: "RUN" }, Snapshot(Snapshot { status: Running, active: [], states_run: 1, elapsed_ms: 5200, sequence: 0, disk_safe: 7, journal_problem: None, breakpoints: [], questions: [] })])
-            Cut("the run is not heard: its program does not answer")
+            Cut("the run does not answer; trying again")
             --
             Messages([Snapshot(Snapshot { status: Running, active: [], states_run: 1, elapsed_ms: 5200, sequence: 0, disk_safe: 7, journal_problem: None, breakpoints: [], questions: [] })])
             --
             > {"frame":"command","run":"RUN","envelope":{"id":"1","author":"ana","decided_on":7,"expiry":115000,"command":{"type":"pause"}}}
             --
             Messages([Snapshot(Snapshot { status: Running, active: [], states_run: 1, elapsed_ms: 5200, sequence: 0, disk_safe: 7, journal_problem: None, breakpoints: [], questions: [] })])
-            Mended("the run is heard again")
+            Mended("the run answers again")
             --
             Messages([Snapshot(Snapshot { status: Running, active: [], states_run: 1, elapsed_ms: 5200, sequence: 0, disk_safe: 7, journal_problem: None, breakpoints: [], questions: [] })])
-            Cut("the run is not heard: its program does not answer")
+            Cut("the run does not answer; trying again")
             --
-            Cut("no connection (no route); trying again")
+            Cut("no connection to the server (no route); trying again")
             --
             > {"frame":"subscribe","subscription":1,"topic":{"topic":"run_status","run":"RUN"}}
             > {"frame":"subscribe","subscription":2,"topic":{"topic":"run_history","run":"RUN","from":8,"values":false}}
@@ -408,7 +408,7 @@ fn a_runner_that_does_not_answer_is_told_once_and_so_is_that_it_does_again() {
             Mended("the connection is back")
             --
             Messages([Snapshot(Snapshot { status: Running, active: [], states_run: 1, elapsed_ms: 5200, sequence: 0, disk_safe: 7, journal_problem: None, breakpoints: [], questions: [] })])
-            Cut("the run is not heard: its program does not answer")
+            Cut("the run does not answer; trying again")
             --
         "#]],
     );

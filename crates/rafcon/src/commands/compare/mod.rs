@@ -52,10 +52,10 @@ fn lines(compared: &Comparison, ids: [&str; 2]) -> Vec<TextLine> {
     let [one, other] = ids.map(harmless);
     let mut lines = vec![TextLine::of(Style::Dim, format!("A is {one}, B is {other}"))];
     lines.extend(parting(compared));
-    lines.extend(heading("data that differed", compared.changed.len()));
+    lines.extend(heading("different data", compared.changed.len()));
     lines.extend(compared.changed.iter().take(SHOWN).flat_map(change));
     let timing: Vec<&Timing> = compared.timing.iter().filter(|timing| differs(timing)).collect();
-    lines.extend(heading("time in states, the largest difference first", timing.len()));
+    lines.extend(heading("time in states, largest difference first", timing.len()));
     let width = timing.iter().take(SHOWN).map(|t| t.names.chars().count()).max().unwrap_or(0);
     lines.extend(timing.into_iter().take(SHOWN).map(|timing| of_state(timing, width)));
     lines
@@ -69,15 +69,15 @@ fn heading(text: &str, count: usize) -> Option<TextLine> {
 fn parting(compared: &Comparison) -> Vec<TextLine> {
     let alike = format!("{} alike", counted(compared.alike, "step"));
     if compared.parted.is_empty() {
-        return vec![TextLine::of(Style::Good, format!("the runs do not part: {alike}"))];
+        return vec![TextLine::of(Style::Good, format!("the runs are equal: {alike}"))];
     }
     let branches =
         counted(compared.branches_parted as u64, "branch").replace("branchs", "branches");
-    let head = TextLine::of(Style::Bad, "the runs part")
+    let head = TextLine::of(Style::Bad, "the runs diverge")
         .and(Style::Plain, format!(" on {branches}; {alike} before"));
     let shown = compared.parted.iter().take(SHOWN);
     let more = compared.branches_parted.saturating_sub(shown.len());
-    let rest = (more > 0).then(|| TextLine::of(Style::Dim, format!("  and on {more} more, later")));
+    let rest = (more > 0).then(|| TextLine::of(Style::Dim, format!("  and later on {more} more")));
     std::iter::once(head).chain(shown.flat_map(on_branch)).chain(rest).collect()
 }
 
@@ -97,7 +97,7 @@ fn happened(run: &str, step: Option<&Happened>) -> TextLine {
     let line = match &step.outcome {
         None => head.and(Style::Plain, format!(" was entered{backwards}")),
         Some(outcome) => head
-            .and(Style::Plain, format!(" ended{backwards} by "))
+            .and(Style::Plain, format!(" ended{backwards} with "))
             .and(outcome_style(outcome), harmless(&outcome.name)),
     };
     let at = span(Duration::from_nanos(step.t_ns));

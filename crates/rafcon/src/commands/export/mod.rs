@@ -23,7 +23,7 @@ pub(super) fn export(raw: &cli::Export, environment: &Environment) -> Result<Exi
         let mut file = keeper.run(&run.run)?.export(&format_query(wire(raw.format)))?;
         let mut copy = |out: &mut dyn Write| -> Result<()> {
             io::copy(&mut file, out).context(
-                "the export ended early: the journal is damaged, or the connection or the disk fails",
+                "the export is incomplete: the journal is damaged, or the connection or the disk failed",
             )?;
             Ok(())
         };
@@ -62,7 +62,7 @@ fn to_file(path: &Path, write: impl FnOnce(&File) -> Result<()>) -> Result<()> {
     let folder = folder.unwrap_or_else(|| Path::new("."));
     if !folder.is_dir() {
         let folder = folder.display();
-        let reason = format!("there is no folder {folder}: make it, or name another file");
+        let reason = format!("the folder {folder} does not exist: create it, or name another file");
         return Err(Usage(reason).into());
     }
     let file = NamedTempFile::new_in(folder).with_context(cannot)?;
@@ -93,7 +93,7 @@ fn to_output(reader: &mut Reader, format: ExportFormat) -> Result<()> {
 
 fn no_terminal(format: ExportFormat) -> Result<()> {
     if format == ExportFormat::Mcap && io::stdout().is_terminal() {
-        return Err(Usage("a recording is no text: name a file with --output".to_owned()).into());
+        return Err(Usage("a recording is binary: name a file with --output".to_owned()).into());
     }
     Ok(())
 }

@@ -32,7 +32,7 @@ fn what(found: &Found, values: bool) -> TextLine {
             TextLine::of(Style::Dim, text).followed_by(with(inputs.as_ref().filter(|_| values)))
         }
         Event::Left { outcome, outputs, error, undoes, .. } => {
-            let text = if undoes.is_some() { "left backwards" } else { "ended by " };
+            let text = if undoes.is_some() { "left backwards" } else { "ended with " };
             let line = TextLine::of(Style::Dim, text);
             let line = if undoes.is_some() { line } else { line.followed_by(named(outcome)) };
             let after = found.lasted.map(|lasted| format!(" after {}", span(lasted)));
@@ -53,12 +53,14 @@ fn what(found: &Found, values: bool) -> TextLine {
         Event::Persistent { value: v, .. } => {
             TextLine::of(Style::Plain, format!("remembers {}", value(v)))
         }
-        Event::Finished { outcome, outputs, .. } => TextLine::of(Style::Plain, "the run ended by ")
-            .followed_by(named(outcome))
-            .followed_by(with(Some(outputs).filter(|_| values))),
+        Event::Finished { outcome, outputs, .. } => {
+            TextLine::of(Style::Plain, "the run ended with ")
+                .followed_by(named(outcome))
+                .followed_by(with(Some(outputs).filter(|_| values)))
+        }
         Event::Held { by, .. } => {
             let before = found.next.as_ref().map(|next| format!(" before {}", harmless(next)));
-            let text = format!("held{} by {}", before.unwrap_or_default(), holder(*by));
+            let text = format!("paused{}{}", before.unwrap_or_default(), reason_of_hold(*by));
             TextLine::of(Style::Warning, text)
         }
         other => rest(other),
@@ -69,17 +71,19 @@ fn what(found: &Found, values: bool) -> TextLine {
 fn rest(event: &Event) -> TextLine {
     let (style, text) = match event {
         Event::Hit { breakpoint, hits, held, .. } => {
-            let held = if *held { "" } else { ", holding nothing" };
-            (Style::Warning, format!("breakpoint {breakpoint} passed, {hits} times by now{held}"))
+            let held = if *held { "" } else { ", without a pause" };
+            (Style::Warning, format!("breakpoint {breakpoint} passed, {hits} times so far{held}"))
         }
         Event::BreakpointSet { breakpoint } => (Style::Plain, set_breakpoint(breakpoint)),
         Event::BreakpointRemoved { id } => (Style::Plain, format!("breakpoint {id} removed")),
         Event::Forced { outcome, .. } => {
-            (Style::Warning, format!("its outcome was chosen: {}", outcome.name))
+            (Style::Warning, format!("ended by a command with outcome {}", outcome.name))
         }
-        Event::Dropped { .. } => (Style::Warning, "dropped: the run begins elsewhere".to_owned()),
+        Event::Dropped { .. } => {
+            (Style::Warning, "dropped: the run starts at another state".to_owned())
+        }
         Event::WentBack { sequence } => {
-            (Style::Warning, format!("begins again at event {sequence}"))
+            (Style::Warning, format!("the run restarts at event {sequence}"))
         }
         Event::Root { hash, change } if change.is_empty() => {
             (Style::Dim, format!("the machine is {}", short(hash)))
@@ -88,18 +92,18 @@ fn rest(event: &Event) -> TextLine {
             (Style::Plain, format!("the machine is {} from now on: {change}", short(hash)))
         }
         Event::ChangeWaits { change, .. } => {
-            (Style::Warning, format!("a change waits until it is left: {change}"))
+            (Style::Warning, format!("a change takes effect when the state ends: {change}"))
         }
         Event::Asked { question } => (Style::Plain, format!("asks: {}", question.message)),
         Event::Waiting { reason, .. } => (Style::Warning, format!("waiting: {reason}")),
         Event::DeadlinePassed { deadline_ms, .. } => {
-            (Style::Bad, format!("went past its deadline of {deadline_ms} ms"))
+            (Style::Bad, format!("missed its deadline of {deadline_ms} ms"))
         }
         Event::CutOff { grace_ms, .. } => {
-            (Style::Bad, format!("did not end within {grace_ms} ms and was cut off"))
+            (Style::Bad, format!("did not end within {grace_ms} ms; the script was cut off"))
         }
         Event::Paused { paused: true } => (Style::Warning, "paused".to_owned()),
-        Event::Paused { paused: false } => (Style::Plain, "goes on".to_owned()),
+        Event::Paused { paused: false } => (Style::Plain, "continues".to_owned()),
         Event::Stopping => (Style::Warning, "stopping".to_owned()),
         other => of_the_run(other),
     };
@@ -111,19 +115,20 @@ fn of_the_run(event: &Event) -> (Style, String) {
     match event {
         Event::Commanded { envelope, answer } => {
             let command = asked_for(&envelope.command);
-            let author = if envelope.author.is_empty() { "somebody" } else { &envelope.author };
+            let author =
+                if envelope.author.is_empty() { "an unknown user" } else { &envelope.author };
             let (style, answer) = match answer {
                 Answer::Applied => (Style::Plain, String::new()),
                 Answer::Refused { reason } => (Style::Warning, format!(", refused: {reason}")),
                 Answer::Expired => (Style::Warning, ", too late".to_owned()),
             };
-            (style, format!("{author} asked for {command}{answer}"))
+            (style, format!("{author} gave the command {command}{answer}"))
         }
         Event::Closed { id, how, answer, author } => {
             let answer = answer.as_ref().map(value).unwrap_or_default();
             let text = match how {
                 Closing::Answered => format!("question {id} answered by {author}: {answer}"),
-                Closing::TimedOut => format!("question {id} not answered in time: {answer}"),
+                Closing::TimedOut => format!("question {id} timed out: {answer}"),
                 Closing::Withdrawn => format!("question {id} withdrawn"),
             };
             (Style::Plain, text)
@@ -135,12 +140,12 @@ fn of_the_run(event: &Event) -> (Style, String) {
                 OnCrash::Restart => "run again",
             };
             let reason = &crash.reason;
-            let text = format!("taken up by runner {life}: {reason}; interrupted scripts {policy}");
+            let text = format!("resumed by runner {life}: {reason}; interrupted scripts {policy}");
             (Style::Warning, text)
         }
         Event::Damaged { what, .. } => (Style::Bad, format!("damaged: {what}")),
         Event::Thinned { before } => {
-            (Style::Dim, format!("detail before event {before} was given up"))
+            (Style::Dim, format!("details before event {before} were deleted"))
         }
         other => (Style::Plain, serde_json::to_string(other).unwrap_or_default()),
     }
@@ -157,13 +162,13 @@ fn asked_for(command: &Command) -> String {
     fields.fold(name, |words, (field, v)| words + " " + field + "=" + &value(v))
 }
 
-fn holder(by: HeldBy) -> String {
+fn reason_of_hold(by: HeldBy) -> String {
     match by {
-        HeldBy::Pause => "a pause".to_owned(),
-        HeldBy::Step => "a step".to_owned(),
-        HeldBy::RunTo => "the state to run to".to_owned(),
-        HeldBy::Breakpoint { id } => format!("breakpoint {id}"),
-        HeldBy::Start => "its start".to_owned(),
+        HeldBy::Pause => String::new(),
+        HeldBy::Step => ", step finished".to_owned(),
+        HeldBy::RunTo => ", target state reached".to_owned(),
+        HeldBy::Breakpoint { id } => format!(", breakpoint {id}"),
+        HeldBy::Start => ", start of the run".to_owned(),
     }
 }
 

@@ -8,7 +8,7 @@ use crate::cli;
 use crate::environment::Environment;
 use crate::failure::Usage;
 use anyhow::Result;
-use rafcon_protocol::api::Picture;
+use rafcon_protocol::api::Moment;
 use rafcon_storage::journal::DAMAGED;
 use std::io::Write as _;
 use std::process::ExitCode;
@@ -31,7 +31,9 @@ pub(super) fn replay(raw: &cli::Replay, environment: &Environment) -> Result<Exi
     let last = reader.last_sequence()?;
     let sequence = match (raw.at, raw.time) {
         (Some(at), _) if at > last => {
-            return Err(Usage(format!("there is no event {at} yet: the last one is {last}")).into());
+            return Err(
+                Usage(format!("event {at} does not exist yet; the last event is {last}")).into()
+            );
         }
         (Some(at), _) => at,
         (None, Some(time)) => reader.first_at(nanos(time).saturating_add(1))? - 1,
@@ -47,7 +49,7 @@ pub(super) fn replay(raw: &cli::Replay, environment: &Environment) -> Result<Exi
 fn print(
     raw: &cli::Replay,
     machine: &str,
-    picture: &Picture,
+    picture: &Moment,
     last: u64,
     environment: &Environment,
 ) -> Result<()> {

@@ -2,13 +2,13 @@
 
 use crate::commands::kept::span;
 use crate::view::{Style, TextLine, counted, harmless, outcome_style, shown, time};
-use rafcon_protocol::api::{Picture, PicturedEnd, PicturedState};
+use rafcon_protocol::api::{Moment, MomentEnd, MomentState};
 use rafcon_protocol::{RunStatus, Values};
 use serde_json::Value;
 use std::time::Duration;
 
 /// The whole moment; `last` is the number of the run's last event.
-pub(super) fn lines(machine: &str, picture: &Picture, last: u64) -> Vec<TextLine> {
+pub(super) fn lines(machine: &str, picture: &Moment, last: u64) -> Vec<TextLine> {
     let mut lines = vec![head(machine, picture, last)];
     for state in &picture.active {
         lines.extend(of_state(state, picture));
@@ -27,16 +27,16 @@ pub(super) fn lines(machine: &str, picture: &Picture, last: u64) -> Vec<TextLine
     lines
 }
 
-fn head(machine: &str, picture: &Picture, last: u64) -> TextLine {
+fn head(machine: &str, picture: &Moment, last: u64) -> TextLine {
     let at = format!(" at event {} of {last}, ", picture.sequence);
     let after = time(Duration::from_nanos(picture.t_ns));
     let run = counted(picture.states_run, "state");
     let line = TextLine::of(Style::Strong, harmless(machine))
         .and(Style::Plain, at)
-        .and(Style::Dim, format!("{after} after the start, {run} run: "));
+        .and(Style::Dim, format!("{after} after the start, {run} run; "));
     match (&picture.outcome, picture.status) {
         (Some(outcome), _) => line
-            .and(Style::Plain, "ended by ")
+            .and(Style::Plain, "ended with ")
             .and(outcome_style(outcome), format!("{} ({})", harmless(&outcome.name), outcome.id)),
         (None, RunStatus::Running) => line.and(Style::Good, "running"),
         (None, RunStatus::Paused) => line.and(Style::Warning, "paused"),
@@ -46,7 +46,7 @@ fn head(machine: &str, picture: &Picture, last: u64) -> TextLine {
     }
 }
 
-fn of_state(state: &PicturedState, picture: &Picture) -> Vec<TextLine> {
+fn of_state(state: &MomentState, picture: &Moment) -> Vec<TextLine> {
     let indent = "  ".repeat(state.depth);
     let name = state.names.rsplit('/').next().unwrap_or_default();
     let since = Duration::from_nanos(picture.t_ns.saturating_sub(state.since_ns));
@@ -60,21 +60,21 @@ fn of_state(state: &PicturedState, picture: &Picture) -> Vec<TextLine> {
     for held in picture.held.iter().filter(|held| held.path == state.path) {
         let next = held.next.as_deref().unwrap_or_default();
         let next = next.rsplit('/').next().unwrap_or_default();
-        head = head.and(Style::Warning, harmless(&format!("  held before {next}")));
+        head = head.and(Style::Warning, harmless(&format!("  paused before {next}")));
     }
     let mut lines = vec![head];
     match &state.inputs {
         Some(inputs) => lines.extend(values(&indent, "input", inputs)),
-        None => lines.push(TextLine::of(Style::Dim, format!("{indent}  inputs were not kept"))),
+        None => lines.push(TextLine::of(Style::Dim, format!("{indent}  inputs not recorded"))),
     }
     lines.extend(values(&indent, "scoped", &state.scoped));
     lines.extend(state.ended.iter().map(|end| of_end(&indent, end)));
     lines
 }
 
-fn of_end(indent: &str, end: &PicturedEnd) -> TextLine {
+fn of_end(indent: &str, end: &MomentEnd) -> TextLine {
     let name = end.names.rsplit('/').next().unwrap_or_default();
-    let line = TextLine::of(Style::Dim, format!("{indent}  {} ended by ", harmless(name)))
+    let line = TextLine::of(Style::Dim, format!("{indent}  {} ended with ", harmless(name)))
         .and(outcome_style(&end.outcome), harmless(&end.outcome.name))
         .and(Style::Dim, format!(" (event {})", end.sequence));
     let outputs = end.outputs.iter().flatten().map(|(name, value)| set(name, value));

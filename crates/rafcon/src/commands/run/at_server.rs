@@ -59,17 +59,17 @@ fn fits(raw: &cli::Run, environment: &Environment) -> Result<()> {
     let libraries = &raw.libraries;
     refuse_runs(&raw.runs, environment)?;
     refuse_python(&raw.python, environment)?;
-    let own = "it was started with its own libraries (`rafcon serve --library-path`)";
+    let own = "the server has its own libraries (`rafcon serve --library-path`)";
     refuse(!libraries.roots.is_empty(), "--library-path", own)?;
     refuse(libraries.config.is_some(), "--config", own)?;
-    let why = "a run that is followed over the network is kept; --keep status keeps little";
+    let why = "the server records every run; `--keep status` records the least";
     refuse(raw.keeping.keep == cli::Level::Off, "--keep off", why)
 }
 
 fn refuse_python(raw: &cli::Python, environment: &Environment) -> Result<()> {
     let [in_environment, _] = &environment.options;
     let is_given = raw.python.is_some() && raw.python != *in_environment;
-    refuse(is_given, "--python", "it was started with its own (`rafcon serve --python`)")
+    refuse(is_given, "--python", "the server has its own interpreter (`rafcon serve --python`)")
 }
 
 fn start_run(raw: &cli::Run, server: &Arc<Server>) -> Result<StartRun> {
@@ -105,8 +105,9 @@ fn machine(raw: &cli::Run) -> Result<MachineFile> {
         }
         _ => {
             let path = raw.path.display();
-            let words =
-                format!("{path}: write the project and the folder in it, such as robots/pick");
+            let words = format!(
+                "{path}: write the project and the folder of the machine, such as robots/pick"
+            );
             Err(Usage(words).into())
         }
     }
@@ -124,7 +125,7 @@ fn begun(clock: Clock, ask: impl Fn() -> Result<RunSummary, Fault>) -> Result<Ru
         if !is_sent || !fault.is_passing() || clock.now() >= until {
             return Err(fault);
         }
-        complain(&format!("rafcon: {fault} (asking again)"));
+        complain(&format!("rafcon: {fault} (trying again)"));
         thread::park_timeout(PAUSE);
     }
 }

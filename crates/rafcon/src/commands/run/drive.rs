@@ -33,7 +33,7 @@ impl Place {
     /// A folder that goes with the run.
     pub(super) fn passing() -> Result<Self> {
         let folder = tempfile::Builder::new().prefix("rafcon-run-").tempdir();
-        Ok(Self::Passing(folder.context("cannot make a folder for the run")?))
+        Ok(Self::Passing(folder.context("cannot create a folder for the run")?))
     }
 
     pub(super) fn folder(&self) -> &Path {
@@ -127,10 +127,10 @@ fn again(
         return None;
     }
     let kept = KeptRun::of(place.folder(), launch.on_crash);
-    let what = if kept.has_begun { "taken up" } else { "begun" };
+    let what = if kept.has_begun { "resumed" } else { "started again" };
     match lives.next(now, death, kept, launch) {
         Next::Again(launch) => {
-            let note = format!("the runner died ({}); the run is {what} again", death.reason);
+            let note = format!("the runner died ({}); the run is {what}", death.reason);
             Some((*launch, note))
         }
         Next::Ask(_) => None,

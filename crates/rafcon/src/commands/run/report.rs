@@ -31,13 +31,13 @@ fn said(logged: &BTreeMap<String, String>, names: &mut Names) -> String {
     let line = |(path, message): (&String, &String)| {
         format!("{}: {}", names.path(path), message.lines().last().unwrap_or_default())
     };
-    block("what was logged there last:", &logged.iter().map(line).collect::<Vec<_>>())
+    block("last log lines of these states:", &logged.iter().map(line).collect::<Vec<_>>())
 }
 
 /// How a run goes on that was cut off; `run` is how commands name it.
 fn way_out(run: &str) -> String {
     format!(
-        "  everything up to there is kept; to go on:\n    rafcon resume {run} --policy abort   (the recovery transitions of what was running take over)\n    rafcon resume {run}                  (nothing moves until you decide)"
+        "  the run is recorded up to this point; resume it:\n    rafcon resume {run} --policy abort   (abort the interrupted states; recovery transitions take over)\n    rafcon resume {run}                  (wait until you decide)"
     )
 }
 
@@ -46,24 +46,24 @@ fn text(end: &End, names: &mut Names) -> String {
     match end {
         End::Finished { timed_out: false, .. } | End::Left => String::new(),
         End::Finished { timed_out: true, .. } => {
-            "error: the time given by --timeout was over; the machine was stopped".to_owned()
+            "error: the time limit of --timeout expired; the machine was stopped".to_owned()
         }
         End::LoadFailed { reason } => format!("error: {reason}"),
         End::NotStarted { reason, said } => format!(
             "error: the Python interpreter did not become a runner: {reason}{}",
-            block("its last words:", said)
+            block("last output:", said)
         ),
         End::Killed { timed_out: true, active } => format!(
-            "error: the time given by --timeout was over and the machine did not stop, so it was killed{}",
-            block("what did not end:", &named(active, names))
+            "error: the time limit of --timeout expired and the machine did not stop; the run was killed{}",
+            block("states that did not end:", &named(active, names))
         ),
         End::Killed { timed_out: false, active } => {
-            format!("error: killed{}", block("what was running:", &named(active, names)))
+            format!("error: killed{}", block("active states:", &named(active, names)))
         }
         End::Died(RunnerDeath { reason, active, said, .. }) => format!(
             "error: the Python process that ran the machine died: {reason}{}{}",
-            block("what was running:", &named(active, names)),
-            block("its last words:", said)
+            block("active states:", &named(active, names)),
+            block("last output:", said)
         ),
     }
 }
@@ -111,10 +111,10 @@ mod tests {
             &End::Died(death),
             &expect![[r"
             error: the Python process that ran the machine died: killed by signal 11 (SIGSEGV)
-              what was running:
+              active states:
                 Mission/Scan (ROOT/SCANID)
                 ROOT/X
-              its last words:
+              last output:
                 Fatal Python error: Segmentation fault"]],
         );
     }
@@ -125,8 +125,8 @@ mod tests {
         check(
             &end,
             &expect![[r"
-            error: the time given by --timeout was over and the machine did not stop, so it was killed
-              what did not end:
+            error: the time limit of --timeout expired and the machine did not stop; the run was killed
+              states that did not end:
                 Mission/Scan (ROOT/SCANID)"]],
         );
     }

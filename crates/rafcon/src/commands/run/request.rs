@@ -104,7 +104,7 @@ pub(super) fn named(texts: &[String], of: Named) -> Result<Vec<(String, serde_js
     for text in texts {
         let (name, value) = of.value(text)?;
         if values.iter().any(|(other, _)| *other == name) {
-            return Err(Usage(format!("{} {name} is given twice: keep one", of.option)).into());
+            return Err(Usage(format!("{} {name} is set twice: keep one", of.option)).into());
         }
         values.push((name, value));
     }
@@ -123,7 +123,7 @@ impl Named {
         match serde_json::from_str(json) {
             Ok(value) => Ok((name.to_owned(), value)),
             Err(error) => Err(Usage(format!(
-                "{option} {text}: `{json}` is not JSON ({error}); a text stands in quotes, such as {option} '{name}=\"…\"'"
+                "{option} {text}: `{json}` is not JSON ({error}); put text in quotes, such as {option} '{name}=\"…\"'"
             ))
             .into()),
         }
@@ -162,7 +162,7 @@ pub(super) fn on_crash(policy: cli::OnCrash) -> OnCrash {
 pub(super) fn timeout(seconds: f64) -> Result<Duration> {
     match Duration::try_from_secs_f64(seconds) {
         Ok(timeout) if !timeout.is_zero() => Ok(timeout),
-        _ => Err(Usage(format!("--timeout {seconds}: write seconds, more than 0")).into()),
+        _ => Err(Usage(format!("--timeout {seconds}: write a number of seconds above 0")).into()),
     }
 }
 
@@ -200,7 +200,7 @@ mod tests {
             "--global n=3 --input n=4",
             &expect![[r#"[("n", Number(4))] [("n", Number(3))] None"#]],
         );
-        check("--global n=1 --global n=2", &expect!["--global n is given twice: keep one"]);
+        check("--global n=1 --global n=2", &expect!["--global n is set twice: keep one"]);
         check(
             "--global n",
             &expect![
@@ -220,17 +220,17 @@ mod tests {
         check(
             "--input n=abc",
             &expect![[
-                r#"--input n=abc: `abc` is not JSON (expected value at line 1 column 1); a text stands in quotes, such as --input 'n="…"'"#
+                r#"--input n=abc: `abc` is not JSON (expected value at line 1 column 1); put text in quotes, such as --input 'n="…"'"#
             ]],
         );
-        check("--input n=1 --input n=2", &expect!["--input n is given twice: keep one"]);
-        check("--timeout 0", &expect!["--timeout 0: write seconds, more than 0"]);
-        check("--timeout=-1", &expect!["--timeout -1: write seconds, more than 0"]);
-        check("--timeout NaN", &expect!["--timeout NaN: write seconds, more than 0"]);
+        check("--input n=1 --input n=2", &expect!["--input n is set twice: keep one"]);
+        check("--timeout 0", &expect!["--timeout 0: write a number of seconds above 0"]);
+        check("--timeout=-1", &expect!["--timeout -1: write a number of seconds above 0"]);
+        check("--timeout NaN", &expect!["--timeout NaN: write a number of seconds above 0"]);
         check(
             "--library-path x",
             &expect![
-                "--library-path x: write a name and a folder, such as --library-path generic=/opt/libraries"
+                "--library-path x: write NAME=DIR, such as --library-path generic=/opt/libraries"
             ],
         );
     }

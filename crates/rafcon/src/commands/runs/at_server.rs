@@ -20,7 +20,7 @@ pub(super) fn runs(
     environment: &Environment,
 ) -> Result<ExitCode> {
     refuse_runs(&raw.runs, environment)?;
-    refuse(raw.prune, "--prune", "what it keeps is up to whoever looks after it")?;
+    refuse(raw.prune, "--prune", "the server's administrator decides which runs it keeps")?;
     let mut found = server.runs()?;
     found.sort_by(|a, b| a.id.cmp(&b.id));
     let mut out = out();

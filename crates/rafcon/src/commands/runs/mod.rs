@@ -98,7 +98,7 @@ fn facts(length_ms: u64, events: u64, bytes: u64) -> String {
 }
 
 fn ended(line: TextLine, outcome: &Outcome, facts: String) -> TextLine {
-    line.and(Style::Plain, "ended by ")
+    line.and(Style::Plain, "ended with ")
         .and(outcome_style(outcome), harmless(&outcome.name))
         .and(Style::Dim, facts)
 }

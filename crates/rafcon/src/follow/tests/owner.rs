@@ -192,7 +192,7 @@ fn a_machine_that_hangs_is_stopped_when_its_time_is_over_and_then_killed() {
          13 exited 9",
         &expect![[r#"
             0: Loaded { name: "M", states: 2, problems: [], run: "" }
-            10: Note("the time is over; stopping")
+            10: Note("the time limit expired; stopping")
             10: send Stop
             13: Kill
             13: Killed { timed_out: true, active: [] }, exit code 6
@@ -211,7 +211,7 @@ fn a_machine_that_stops_in_time_was_timed_out_all_the_same() {
          11 exited 0",
         &expect![[r#"
             0: Loaded { name: "M", states: 2, problems: [], run: "" }
-            10: Note("the time is over; stopping")
+            10: Note("the time limit expired; stopping")
             10: send Stop
             11: show finished
             11: Finished { outcome: Outcome { id: -2, name: "done" }, timed_out: true }, exit code 6
@@ -354,7 +354,7 @@ fn a_script_that_closes_the_connection_ends_the_run() {
             0: Loaded { name: "M", states: 2, problems: [], run: "" }
             1: show Entered { path: "A", inputs: None, undoes: None }
             4: Kill
-            4: Died(RunnerDeath { reason: "it closed its control connection and went on", active: ["A"], said: [], is_cut_off: false, is_wanted: false }), exit code 7
+            4: Died(RunnerDeath { reason: "the runner closed its control connection but did not end", active: ["A"], said: [], is_cut_off: false, is_wanted: false }), exit code 7
         "#]],
     );
 }

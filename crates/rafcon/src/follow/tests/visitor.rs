@@ -83,7 +83,7 @@ fn a_runner_that_dies_is_told_with_the_way_out() {
         &expect![[r#"
             Send(Join(Join { from: 0, every_event: false }))
             Show(Event { sequence: 1, t_ns: 0, event: Entered { path: "A", inputs: None, undoes: None } })
-            Died(RunnerDeath { reason: "its runner is gone", active: ["A"], said: [], is_cut_off: false, is_wanted: false }), exit code 7"#]],
+            Died(RunnerDeath { reason: "the runner died", active: ["A"], said: [], is_cut_off: false, is_wanted: false }), exit code 7"#]],
     );
 }
 
@@ -103,7 +103,7 @@ fn a_run_that_was_asked_for_is_stopped_and_killed() {
             Show(Event { sequence: 1, t_ns: 0, event: Entered { path: "A", inputs: None, undoes: None } })
             Note("stopping; press Ctrl-C again to kill")
             Send(Command(Envelope { id: "attach-1", author: "ana", decided_on: None, expiry: None, command: Stop }))
-            Note("killing; press Ctrl-C again to leave it alone")
+            Note("killing; press Ctrl-C again to leave the run as it is")
             Send(Command(Envelope { id: "attach-2", author: "ana", decided_on: None, expiry: None, command: Kill }))
             Killed { timed_out: false, active: ["A"] }, exit code 5"#]],
     );
@@ -113,10 +113,10 @@ fn a_run_that_was_asked_for_is_stopped_and_killed() {
 fn a_connection_that_breaks_is_shown_and_ends_nothing() {
     check(
         RunRole::Guest,
-        vec![Cause::Cut("it is gone".to_owned()), Cause::Mended("it is back".to_owned())],
+        vec![Cause::Cut("the runner died".to_owned()), Cause::Mended("it is back".to_owned())],
         &expect![[r#"
             Heard(false)
-            Note("it is gone")
+            Note("the runner died")
             Heard(true)
             Note("it is back")"#]],
     );
@@ -140,10 +140,10 @@ fn an_engine_that_takes_no_inputs_is_told_and_so_is_its_return() {
         Send(Ping { id: 2 })
         Send(Ping { id: 3 })
         Heard(false)
-        Note("the run stands still: its program is heard, but its engine takes no inputs; a stop ends the program if need be")
+        Note("the run hangs: its process answers, but its engine takes no inputs; a stop ends the process if necessary")
         Send(Ping { id: 4 })
         Heard(true)
-        Note("the run is heard again")
+        Note("the run answers again")
         Send(Ping { id: 5 })"#]].assert_eq(&shown(&actions).join("\n"));
 }
 
@@ -180,7 +180,7 @@ fn the_host_stops_kills_and_leaves() {
         &expect![[r#"
             c: Note("stopping; press Ctrl-C again to kill"), Stop
             9:
-            c: Note("killing; press Ctrl-C again to leave it alone"), Kill
+            c: Note("killing; press Ctrl-C again to leave the run as it is"), Kill
             c: Left
         "#]],
     );
@@ -194,9 +194,9 @@ fn when_the_time_is_over_it_is_stopped_and_then_killed() {
         "4 1 2 1 9",
         &expect![[r#"
             4:
-            1: Note("the time is over; stopping"), Stop
+            1: Note("the time limit expired; stopping"), Stop
             2:
-            1: Note("it did not stop; killing"), Kill
+            1: Note("the run did not stop; killing"), Kill
             9:
         "#]],
     );

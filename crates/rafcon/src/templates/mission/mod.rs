@@ -179,7 +179,10 @@ mod tests {
     fn a_mission_has_as_many_states_as_wanted() {
         check(None, &expect!["750 states, 1219 transitions, depth 8"]);
         check(Some(10_000), &expect!["10000 states, 16053 transitions, depth 8"]);
-        check(Some(20), &expect!["a mission has at least 120 states: ask for more, by `--states`"]);
+        check(
+            Some(20),
+            &expect!["a mission has at least 120 states: give a larger number with `--states`"],
+        );
     }
 
     #[test]

@@ -26,7 +26,7 @@ impl Size {
     pub(super) fn fit(states: usize, smallest: usize) -> Result<Self> {
         let waypoint = count(&waypoint::waypoint(1));
         let Some(spare) = states.checked_sub(smallest) else {
-            bail!("a mission has at least {smallest} states: ask for more, by `--states`");
+            bail!("a mission has at least {smallest} states: give a larger number with `--states`");
         };
         // Sectors are about as many as waypoints in a sector.
         let sectors = (spare / waypoint).isqrt().clamp(1, spare / SECTOR + 1);

@@ -147,7 +147,11 @@ fn held_text(state: &ActiveState, names: &BTreeMap<String, String>) -> String {
     };
     let nexts: Vec<String> =
         state.held.iter().filter_map(|hold| hold.next.as_ref()).map(name).collect();
-    if nexts.is_empty() { "held".to_owned() } else { format!("held before {}", nexts.join(", ")) }
+    if nexts.is_empty() {
+        "paused".to_owned()
+    } else {
+        format!("paused before {}", nexts.join(", "))
+    }
 }
 
 /// The lines that lead to a state.
@@ -237,7 +241,7 @@ mod tests {
                 │  ├─ Drive                                            2.1 s
                 │  │  └─ Move to waypoint                    waiting   2.0 s
                 │  └─ Scan                                 preempted   0.2 s
-                └─ Watch battery                                held  12.4 s
+                └─ Watch battery                              paused  12.4 s
             "]],
         );
     }
@@ -270,7 +274,7 @@ mod tests {
                 |  |- Drive                        2.1 s
                 |  |  `- Move to waypoint          2.0 s
                 |  `- Scan             preempted   0.2 s
-                `- Watch battery            held  12.4 s
+                `- Watch battery          paused  12.4 s
             "]],
         );
     }

@@ -5,7 +5,8 @@ mod terminal;
 
 use super::lines::log_lines;
 use super::text::{Paint, Style, TextLine, counted, harmless, time};
-use super::{Names, View, notable, summary};
+use super::words::{notable, summary};
+use super::{Names, View};
 use crate::console::{Console, Key, Wish};
 use crate::follow::End;
 use rafcon_protocol::{Command, Event, LogLevel, Snapshot, StateData};
@@ -115,7 +116,7 @@ impl Live {
 
 /// What is said below a picture that is no longer true.
 fn silence(age: Duration) -> TextLine {
-    TextLine::of(Style::Bad, format!("no connection: this is how it was {} ago", time(age)))
+    TextLine::of(Style::Bad, format!("no connection: this view is {} old", time(age)))
 }
 
 impl View for Live {
@@ -144,7 +145,7 @@ impl View for Live {
                 self.finished = Some((time, event));
                 Ok(())
             }
-            event => match notable::words(&event) {
+            event => match notable(&event) {
                 Some((path, level, words)) => self.say(time, path, level, &words),
                 None => Ok(()),
             },
@@ -202,7 +203,7 @@ impl View for Live {
     fn end(&mut self, _end: &End) -> io::Result<()> {
         self.snapshot = None;
         if let Some((time, event)) = self.finished.take() {
-            self.above.extend(summary::lines(&self.machine, time, &event));
+            self.above.extend(summary(&self.machine, time, &event));
         }
         self.draw(self.drawn_at.unwrap_or_default())?;
         self.screen.leave()

@@ -1,4 +1,4 @@
-//! What lies on disk of an open machine: written, read again, and looked at. Knows when nothing may be written over.
+//! The files of an open machine: writes, reads and watches them. Knows when nothing may be overwritten.
 
 use super::{FileLocation, Files, MachineSession, Tools, unwritten};
 use crate::Failure;
@@ -6,8 +6,10 @@ use crate::documents::disk::{self, OnDisk};
 use crate::documents::draft::{self, Draft, DraftHeader, DraftLine};
 use crate::documents::operation::{EditRequest, Operation, RecordedOperation};
 use crate::log;
+use rafcon_model::{Kind, Machine};
 use rafcon_protocol::api::DiskState;
 use rafcon_storage::{Libraries, Saved};
+use std::collections::BTreeSet;
 use std::path::Path;
 
 /// A save in another folder that is free for it, or in its own.
@@ -17,6 +19,13 @@ pub(in crate::documents) struct Saving {
     pub(in crate::documents) to: Option<FileLocation>,
     /// Also over what another program wrote there.
     pub(in crate::documents) overwrite: bool,
+}
+
+/// What lies where a save writes.
+struct BeforeSave {
+    saved: Option<Saved>,
+    /// It is what was read or written before, without faults: then the files say what a save writes to them, and nothing else.
+    is_known: bool,
 }
 
 impl MachineSession {
@@ -29,26 +38,31 @@ impl MachineSession {
         let _files = self.files.lock();
         self.must_be_open()?;
         let (revision, machine) = self.machine();
-        let previous = self.previous(saving, tools)?;
+        let before = self.before(saving, tools)?;
+        let reads_back = !before.is_known || self.brings_libraries(&machine);
         let folder = saving.to.as_ref().map_or_else(|| self.folder(), |spot| spot.folder.clone());
-        let saved = disk::write(&machine, &folder, previous.as_ref(), tools.naming)?;
-        let written = disk::read(&folder, &tools.libraries)?.ok_or_else(|| vanished(&folder))?;
+        let saved = disk::write(&machine, &folder, before.saved.as_ref(), tools.naming)?;
+        let (hash, problems) = if reads_back {
+            let written =
+                disk::read(&folder, &tools.libraries)?.ok_or_else(|| vanished(&folder))?;
+            (written.hash, written.problems)
+        } else {
+            (disk::content(&machine)?.0, Vec::new())
+        };
         let mut draft = self.draft.lock();
         self.must_be_open()?;
         if let Some(spot) = &saving.to {
             self.move_to(&mut draft, spot)?;
         }
-        let files = Files {
-            saved,
-            machine,
-            revision,
-            hash: written.hash,
-            problems: written.problems,
-            state: DiskState::Same,
-        };
+        let files = Files { saved, machine, revision, hash, problems, state: DiskState::Same };
         self.on_disk(&mut draft, files);
         self.tell();
         Ok(revision)
+    }
+
+    /// Whether a library comes in that was not read with the files.
+    fn brings_libraries(&self, machine: &Machine) -> bool {
+        !libraries_of(machine).is_subset(&libraries_of(&self.open.read().files.machine))
     }
 
     /// Writes the machine to another folder, and nothing else; the revision that lies there.
@@ -65,21 +79,22 @@ impl MachineSession {
         Ok(revision)
     }
 
-    /// What a save compares with; refused where it would write over what somebody else wrote.
-    fn previous(&self, saving: &Saving, tools: &Tools) -> Result<Option<Saved>, Failure> {
+    /// What a save compares with; refused where it would overwrite what another program wrote.
+    fn before(&self, saving: &Saving, tools: &Tools) -> Result<BeforeSave, Failure> {
+        let unknown = |saved| Ok(BeforeSave { saved, is_known: false });
         let (saved, hash, folder) = {
             let open = self.open.read();
             (open.files.saved.clone(), open.files.hash.clone(), open.folder.clone())
         };
         if saving.to.is_some() {
-            return Ok(Some(saved));
+            return unknown(Some(saved));
         }
-        let Some(now) = disk::read(&folder, &tools.libraries)? else { return Ok(None) };
+        let Some(now) = disk::read(&folder, &tools.libraries)? else { return unknown(None) };
         if now.hash == hash {
-            return Ok(Some(saved));
+            return Ok(BeforeSave { saved: Some(saved), is_known: now.problems.is_empty() });
         }
         if saving.overwrite {
-            return Ok(None);
+            return unknown(None);
         }
         self.compared(now);
         Err(changed_on_disk(&folder))
@@ -187,6 +202,20 @@ impl OnDisk {
             state: DiskState::Same,
         }
     }
+}
+
+/// Path and name of each library that the machine's states run.
+fn libraries_of(machine: &Machine) -> BTreeSet<(&str, &str)> {
+    let mut found = BTreeSet::new();
+    let mut open = vec![&*machine.root];
+    while let Some(state) = open.pop() {
+        if let Kind::Library(library) = &state.kind {
+            found.insert((library.path.as_str(), library.name.as_str()));
+        }
+        let children = state.container().into_iter().flat_map(|inside| inside.states.values());
+        open.extend(children.map(|child| &**child));
+    }
+    found
 }
 
 pub(in crate::documents) fn vanished(folder: &Path) -> Failure {

@@ -15,7 +15,7 @@ use super::draft::{Draft, DraftLine};
 use super::machine::OpenMachine;
 use super::operation::{EditRequest, ReadOperation, RecordedOperation};
 use super::recover::Recovered;
-use super::revision_cache::RevisionCache;
+use super::revision_log::RevisionCache;
 use super::revision_log::RevisionsPage;
 use crate::access::PrivateError;
 use crate::{Failure, ServerState, log};

@@ -1,32 +1,31 @@
-//! Which values of two runs differ. Knows records of states that began or ended.
+//! Finds the values in which two runs differ. Knows records of entries and ends of states.
 
 use super::digest::Digests;
 use super::steps::{ComparedStep, Did};
-use crate::journal::error::JournalError;
-use crate::journal::filter::place_of;
-use crate::journal::reader::{Entry, Reader};
+use crate::journal::folder::JournalError;
+use crate::journal::read::{Entry, Reader, place_of};
 use crate::journal::record::{Kept, Record};
 use rafcon_protocol::api::{DataChange, DataKind};
 use serde_json::Value;
 use smol_str::SmolStr;
 use std::collections::BTreeSet;
 
-/// So many differences are told.
+/// The maximum number of reported differences.
 const CHANGES_MAX: usize = 100;
 
-/// What differs in the values of these pairs, the first time for each state's entries and ends.
+/// The differences in the values of these pairs, only the first for each state's entries and ends.
 pub(super) fn changes(
     one: &mut Reader,
     other: &mut Reader,
     pairs: &[(&ComparedStep, &ComparedStep)],
 ) -> Result<Vec<DataChange>, JournalError> {
     let mut changes = Vec::new();
-    let mut told = BTreeSet::new();
+    let mut reported = BTreeSet::new();
     for (x, y) in pairs {
         if changes.len() >= CHANGES_MAX {
             break;
         }
-        if !told.insert((x.key, matches!(x.did, Did::Entered { .. }))) {
+        if !reported.insert((x.key, matches!(x.did, Did::Entered { .. }))) {
             continue;
         }
         let (x, y) = (one.page(x.sequence, 1)?, other.page(y.sequence, 1)?);

@@ -1,7 +1,7 @@
-//! Values as numbers that are the same if the values are. Knows what of a value says what it is.
+//! Digests of values: equal values have equal digests. Knows which parts of a value identify it.
 
-use crate::journal::error::JournalError;
-use crate::journal::reader::Reader;
+use crate::journal::folder::JournalError;
+use crate::journal::read::Reader;
 use crate::journal::record::{Content, Kept, Record, Stored, ValueNumber};
 use std::collections::BTreeMap;
 use std::hash::{DefaultHasher, Hash as _, Hasher as _};
@@ -13,7 +13,7 @@ pub(super) struct Digests {
 }
 
 impl Digests {
-    /// The digest of the values of an entry or end; that of its error is in it.
+    /// The digest of the values of an entry or end, including its error.
     pub(super) fn of(&mut self, reader: &Reader, record: &Record) -> Result<u64, JournalError> {
         let mut hasher = DefaultHasher::new();
         let (values, error) = match record {
@@ -57,7 +57,7 @@ fn of_stored(stored: &Stored) -> u64 {
         Content::View => stored.view.to_string().hash(&mut hasher),
         Content::Pickle(bytes) => bytes.hash(&mut hasher),
         Content::File { hash, .. } => hash.hash(&mut hasher),
-        // The view of such a value may name where it lay in memory.
+        // The view of such a value may contain its address in memory.
         Content::Nothing(_) => {}
     }
     hasher.finish()

@@ -1,23 +1,21 @@
-//! Two runs side by side: where they part, which data differed before, and where they took their time.
+//! Compares two runs: where they diverge, which data differed before, and how their times differ.
 //!
-//! Knows journals. Branches that ran side by side are compared each by itself: their order among each other means nothing.
+//! Knows journals. Compares concurrent branches separately, because their relative order has no meaning.
 
 mod data;
 mod digest;
 mod steps;
-#[cfg(test)]
-mod tests;
 
-use super::error::JournalError;
-use super::reader::{Reader, outcome_of};
+use crate::journal::folder::JournalError;
+use crate::journal::read::{Reader, outcome_of};
 use rafcon_protocol::api::{Comparison, Happened, Parting, Timing};
 use std::collections::BTreeSet;
 use steps::{ComparedStep, Did, Key, Keys, Steps};
 
-/// So many branches are told on which two runs part.
+/// The maximum number of reported branches on which two runs diverge.
 const PARTED_MAX: usize = 64;
 
-/// Where two runs part on a branch: its first step in each that is not the same, if there is one.
+/// Where two runs diverge on a branch: the first different step of each run, if there is one.
 type Parted<'s> = (Key, Option<&'s ComparedStep>, Option<&'s ComparedStep>);
 
 /// Compares two runs.
@@ -40,8 +38,8 @@ pub fn compare(one: &mut Reader, other: &mut Reader) -> Result<Comparison, Journ
     }
     partings.sort_by_key(earliest);
     let (alike, branches_parted) = (pairs.len() as u64, partings.len());
-    let told = partings.iter().take(PARTED_MAX);
-    let parted = told.map(|parted| parting([one, other], &keys, *parted)).collect();
+    let reported = partings.iter().take(PARTED_MAX);
+    let parted = reported.map(|parted| parting([one, other], &keys, *parted)).collect();
     pairs.retain(|(x, y)| x.digest != y.digest);
     pairs.sort_by_key(|(x, _)| x.sequence);
     let changed = data::changes(one, other, &pairs)?;
@@ -49,7 +47,7 @@ pub fn compare(one: &mut Reader, other: &mut Reader) -> Result<Comparison, Journ
     Ok(Comparison { alike, parted, branches_parted, changed, timing })
 }
 
-/// When runs part: in the one of both in which that was sooner.
+/// The time at which runs diverge, in the run in which this happens earlier.
 fn earliest((_, x, y): &Parted<'_>) -> (Option<u64>, Option<u64>, Option<u64>) {
     let time = [x, y].into_iter().flatten().map(|step| step.t_ns).min();
     (time, x.map(|x| x.sequence), y.map(|y| y.sequence))
@@ -60,12 +58,12 @@ fn parting([one, other]: [&Reader; 2], keys: &Keys, (branch, x, y): Parted<'_>) 
     Parting {
         branch: path.to_owned(),
         names: names(one, path).or_else(|| names(other, path)).unwrap_or_default(),
-        one: x.map(|step| told(one, keys, step)),
-        other: y.map(|step| told(other, keys, step)),
+        one: x.map(|step| happened(one, keys, step)),
+        other: y.map(|step| happened(other, keys, step)),
     }
 }
 
-fn told(reader: &Reader, keys: &Keys, step: &ComparedStep) -> Happened {
+fn happened(reader: &Reader, keys: &Keys, step: &ComparedStep) -> Happened {
     let path = keys.path(step.key);
     let places = reader.known_places();
     let place = places.number(path).and_then(|number| places.get(number));
@@ -84,7 +82,7 @@ fn told(reader: &Reader, keys: &Keys, step: &ComparedStep) -> Happened {
     }
 }
 
-/// How long each state was active, the largest difference first.
+/// The durations of the states in both runs, the largest difference first.
 fn timing(readers: [&Reader; 2], keys: &Keys, steps: [&Steps; 2]) -> Vec<Timing> {
     let [one, other] = steps;
     let all: BTreeSet<Key> = one.times.keys().chain(other.times.keys()).copied().collect();

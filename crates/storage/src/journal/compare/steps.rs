@@ -1,16 +1,15 @@
-//! A run as the entries and ends of its states, sorted by branch. Knows which states ran side by side, not what they did.
+//! A run as the entries and ends of its states, by branch. Knows which states ran concurrently, not what they did.
 
 use super::digest::Digests;
-use crate::journal::error::JournalError;
-use crate::journal::places::Places;
-use crate::journal::reader::{Entry, Reader, damaged};
-use crate::journal::record::{PlaceNumber, Record};
+use crate::journal::folder::JournalError;
+use crate::journal::read::{Entry, Reader, damaged};
+use crate::journal::record::{PlaceNumber, Places, Record};
 use rafcon_protocol::Event;
 use rafcon_protocol::api::TimeTaken;
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::ControlFlow;
 
-/// Stands for a path in both runs.
+/// The number of a path, the same in both runs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct Key(usize);
 
@@ -61,7 +60,7 @@ pub(super) struct ComparedStep {
     pub(super) t_ns: u64,
     pub(super) key: Key,
     pub(super) did: Did,
-    /// Of its values.
+    /// The digest of its values.
     pub(super) digest: u64,
 }
 
@@ -71,11 +70,11 @@ pub(super) enum Did {
     Left { outcome: i64, backwards: bool },
 }
 
-/// All of a run.
+/// The steps of a run.
 #[derive(Debug, Default)]
 pub(super) struct Steps {
     all: Vec<ComparedStep>,
-    /// States of which several children were active at once.
+    /// States with several children active at the same time.
     pub(super) side_by_side: BTreeSet<Key>,
     pub(super) times: BTreeMap<Key, TimeTaken>,
 }
@@ -127,11 +126,11 @@ pub(super) fn both<'s>(
     all.into_iter().map(|key| (key, of(one, key), of(other, key))).collect()
 }
 
-/// A run that is being read.
+/// The state while a run is read.
 struct Reading<'k> {
     keys: &'k mut Keys,
     known: BTreeMap<PlaceNumber, Key>,
-    /// When active states were entered, and how many of their children are active.
+    /// Entry times of active states, and the number of their active children.
     active: BTreeMap<Key, (u64, u32)>,
     found: Steps,
 }
@@ -149,7 +148,7 @@ impl<'k> Reading<'k> {
             Record::Left { place, outcome, undoes, .. } => {
                 (place, Did::Left { outcome: *outcome, backwards: undoes.is_some() })
             }
-            Record::Told(event) => return self.told(event),
+            Record::Told(event) => return self.event(event),
             _ => return,
         };
         let Some(path) = places.get(*place).map(|place| &place.path) else { return };
@@ -164,7 +163,7 @@ impl<'k> Reading<'k> {
     }
 
     fn entered(&mut self, key: Key, t_ns: u64) {
-        // What a runner that died had in hand is entered again when the run is taken up.
+        // A resumed run enters the interrupted states again.
         if self.active.insert(key, (t_ns, 0)).is_some() {
             return;
         }
@@ -185,14 +184,14 @@ impl<'k> Reading<'k> {
         }
     }
 
-    fn told(&mut self, event: &Event) {
+    fn event(&mut self, event: &Event) {
         if let Event::Dropped { path } = event {
             let key = self.keys.of(path);
             self.end(key);
         }
     }
 
-    /// A state is active no more; answers since when it was.
+    /// Ends a state, and returns its entry time.
     fn end(&mut self, key: Key) -> Option<u64> {
         let (since, _) = self.active.remove(&key)?;
         if let Some((_, children)) = self.keys.parent(key).and_then(|p| self.active.get_mut(&p)) {

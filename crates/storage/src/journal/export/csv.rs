@@ -1,8 +1,7 @@
 //! Events as a table for spreadsheets, by RFC 4180.
 
 use super::{ExportError, utc_at};
-use crate::journal::filter::{kind_of, path_of};
-use crate::journal::found::Found;
+use crate::journal::read::{Found, kind_of, path_of};
 use rafcon_protocol::Event;
 use serde_json::{Value, json};
 
@@ -79,7 +78,7 @@ pub(super) fn values(event: &Event) -> Value {
     }
 }
 
-/// A text that spreadsheets show and do not run: a quote before what would begin a formula.
+/// Prevents spreadsheets from running a text: puts a quote before the beginning of a formula.
 fn guarded(text: &str) -> String {
     let quote = if text.starts_with(['=', '+', '-', '@', '\t', '\r']) { "'" } else { "" };
     format!("{quote}{text}")

@@ -2,9 +2,7 @@
 
 use super::states::States;
 use super::{ExportError, csv, schemas};
-use crate::journal::filter::{Filter, kind_of, path_of};
-use crate::journal::found::Found;
-use crate::journal::reader::Reader;
+use crate::journal::read::{Filter, Found, Reader, kind_of, path_of};
 use ::mcap::records::MessageHeader;
 use ::mcap::write::NoSeek;
 use ::mcap::{WriteOptions, Writer};
@@ -18,7 +16,7 @@ pub fn export_mcap(reader: &mut Reader, out: impl Write + Seek) -> Result<(), Ex
     write(reader, out, true)
 }
 
-/// The same where nothing can be written again: its readers have to look for the end themselves.
+/// Writes a recording without seeking: its readers have to find the index themselves.
 pub fn export_mcap_forwards(reader: &mut Reader, out: impl Write) -> Result<(), ExportError> {
     write(reader, NoSeek::new(out), false)
 }
@@ -142,7 +140,7 @@ impl<W: Write + Seek> Recording<W> {
         let log_time = self.started_ns.saturating_add(found.t_ns);
         let (sec, nsec) = (log_time / 1_000_000_000, log_time % 1_000_000_000);
         message["timestamp"] = json!({ "sec": sec, "nsec": nsec });
-        // Numbers of messages have 32 bits there.
+        // MCAP numbers messages with 32 bits.
         let sequence = u32::try_from(found.sequence).unwrap_or(u32::MAX);
         let header = MessageHeader { channel_id, sequence, log_time, publish_time: log_time };
         let message = serde_json::to_vec(&message)?;

@@ -1,53 +1,52 @@
-//! A run in formats of other programs, event by event: nothing is held in memory as a whole.
+//! Exports a run to formats of other programs, event by event, without holding the run in memory.
 //!
 //! Knows events and formats. Must never know where the bytes go.
 
 mod csv;
-mod jsonl;
 mod mcap;
 mod schemas;
 mod states;
 
 pub use self::mcap::{export_mcap, export_mcap_forwards};
 
-use super::error::JournalError;
-use super::filter::Filter;
-use super::found::Found;
-use super::reader::Reader;
 use crate::calendar::Date;
+use crate::journal::folder::JournalError;
+use crate::journal::read::{Filter, Found, Reader};
 use ::mcap::McapError;
+use rafcon_protocol::Event;
+use serde::Serialize;
 use std::io::{self, BufWriter, Write};
 
-/// So much is gathered before it is written, in bytes.
+/// The size of the write buffer, in bytes.
 const WRITTEN_AT_ONCE: usize = 64 * 1024;
 
-/// Why a run was not written, or not to its end.
+/// Why an export failed.
 #[derive(Debug, thiserror::Error)]
 pub enum ExportError {
     /// The run cannot be read.
     #[error(transparent)]
     Journal(#[from] JournalError),
-    /// An event cannot be said in the format.
+    /// An event cannot be expressed in the format.
     #[error("an event of the run cannot be written as JSON")]
     Json(#[from] serde_json::Error),
-    /// Nobody takes what is written.
+    /// The output cannot be written.
     #[error("cannot write the run: make room, or write it elsewhere")]
     Write(#[from] io::Error),
-    /// The same of a recording.
+    /// The recording cannot be written.
     #[error("cannot write the recording: make room, or write it elsewhere")]
     Recording(#[from] McapError),
 }
 
-/// Every event that is wanted as a JSON object on a line.
+/// Exports the matching events, each as a JSON object on a line.
 pub fn export_jsonl(
     reader: &mut Reader,
     filter: &Filter,
     out: impl Write,
 ) -> Result<(), ExportError> {
-    lines(reader, filter, out, jsonl::line, "")
+    lines(reader, filter, out, json_line, "")
 }
 
-/// A table for spreadsheets, of the events that are wanted.
+/// Exports the matching events as a table for spreadsheets.
 pub fn export_csv(
     reader: &mut Reader,
     filter: &Filter,
@@ -73,10 +72,38 @@ fn lines(
     Ok(out.flush()?)
 }
 
-/// A time in ms since 1970 as programs read it: `2026-01-31T12:00:00.000Z`.
+/// A time in ms since 1970 in ISO 8601: `2026-01-31T12:00:00.000Z`.
 fn utc_at(ms: u64) -> String {
     let date = Date::since_1970(ms / 1000).to_string();
     format!("{}.{:03}Z", date.replace(' ', "T"), ms % 1000)
+}
+
+/// The line of an event of a run that began at `started_ms`.
+fn json_line(found: &Found, started_ms: u64) -> Result<String, ExportError> {
+    Ok(serde_json::to_string(&Line {
+        sequence: found.sequence,
+        t_ns: found.t_ns,
+        utc: utc_at(started_ms + found.t_ns / 1_000_000),
+        names: &found.names,
+        next: found.next.as_deref(),
+        lasted_ns: found.lasted.map(|lasted| u64::try_from(lasted.as_nanos()).unwrap_or(u64::MAX)),
+        event: &found.event,
+    })?)
+}
+
+#[derive(Debug, Serialize)]
+struct Line<'f> {
+    sequence: u64,
+    t_ns: u64,
+    utc: String,
+    names: &'f str,
+    /// The name of the state before which the run is held.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    next: Option<&'f str>,
+    /// The duration of a state that ended.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    lasted_ns: Option<u64>,
+    event: &'f Event,
 }
 
 #[cfg(test)]

@@ -1,4 +1,4 @@
-//! What the messages of a recording look like, as JSON Schema. The log has the schema that Foxglove and Lichtblick know.
+//! The JSON Schemas of the messages of a recording. The log has the schema that Foxglove and Lichtblick know.
 
 use serde_json::{Value, json};
 
@@ -21,7 +21,7 @@ fn object(title: &str, properties: &Value) -> Value {
     json!({ "title": title, "type": "object", "properties": properties })
 }
 
-/// Every event as `docs/protocol.md` tells it.
+/// An event as in `docs/protocol.md`.
 pub(super) fn events() -> Value {
     object(
         "rafcon.Event",
@@ -35,7 +35,7 @@ pub(super) fn events() -> Value {
     )
 }
 
-/// A state that began or ended, and the innermost states that are active after it.
+/// The entry or end of a state, and the innermost active states after it.
 pub(super) fn states() -> Value {
     object(
         "rafcon.States",

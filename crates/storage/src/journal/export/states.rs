@@ -1,4 +1,4 @@
-//! Which states are active while a run is read. Knows paths and names.
+//! The active states while a run is read. Knows paths and names.
 
 use std::collections::BTreeMap;
 
@@ -15,7 +15,7 @@ struct ExportedState {
 }
 
 impl States {
-    /// A state began.
+    /// Adds a state.
     pub(super) fn entered(&mut self, path: &str, names: &str) {
         let new = ExportedState { names: names.to_owned(), children: 0 };
         if self.active.insert(path.to_owned(), new).is_none()
@@ -25,7 +25,7 @@ impl States {
         }
     }
 
-    /// A state ended.
+    /// Removes a state.
     pub(super) fn left(&mut self, path: &str) {
         if self.active.remove(path).is_some()
             && let Some(around) = self.around(path)
@@ -34,7 +34,7 @@ impl States {
         }
     }
 
-    /// The names of the states in which no other is active.
+    /// The names of the innermost active states.
     pub(super) fn innermost(&self) -> Vec<&str> {
         let innermost = self.active.values().filter(|state| state.children == 0);
         innermost.map(|state| state.names.as_str()).collect()

@@ -1,23 +1,21 @@
-//! Moments as bytes: the shortest run of records that leads there, so that a reader need not begin at the first.
+//! Moments as bytes: the shortest sequence of records that leads there, so that a reader need not begin at the first event.
 //!
-//! Layout: version (u8), length of the header (u32, little-endian), header (JSON), items. Where an item has its time, these
-//! have the number of the record that they stand for, counted from 0 for each. Places are those of the journal.
+//! Layout: version (u8), length of the header (u32, little-endian), header (JSON), items. In the time field, these items
+//! hold the number of the record that they replace, counted from 0 for each. The places are those of the journal.
 
 use super::inside::{End, Inside, Step};
 use super::{Active, Moment, Whole};
-use crate::journal::places::Places;
-use crate::journal::record::{Item, Items, Kept, PlaceNumber, Record};
-use crate::journal::thin::forget;
+use crate::journal::record::{Item, Items, Kept, PlaceNumber, Places, Record};
 use serde::{Deserialize, Serialize};
 use std::num::NonZeroU64;
 
 const VERSION: u8 = 1;
-/// So many ended states are written; who goes back further reads from an earlier moment.
+/// The number of ended states that are written; to step back further, read from an earlier moment.
 const STEPS_KEPT: usize = 500;
-/// Stands for any entry: what is undone is found by its place.
+/// Replaces the number of any entry: the place identifies the undone step.
 const SOME_ENTRY: Option<NonZeroU64> = Some(NonZeroU64::MIN);
 
-/// Bytes that are no moment, or one of another version.
+/// The bytes are not a moment, or have another version.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("not a moment of a journal: {0}")]
 pub struct BadMoment(&'static str);
@@ -28,9 +26,9 @@ struct Header {
     t_ns: u64,
     entries: u64,
     states_run: u64,
-    /// Since when each active state is, in the order of their entries.
+    /// When each active state was entered, in the order of the entries.
     since_ns: Vec<u64>,
-    /// The places of those that were asked to end.
+    /// The places of preempted states.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     asked: Vec<u32>,
     /// Places of containers in which a step was just undone.
@@ -39,7 +37,7 @@ struct Header {
 }
 
 impl Moment {
-    /// The moment as bytes; with few steps for going back.
+    /// The moment as bytes, with a limited number of steps for steps back.
     pub fn to_bytes(&self) -> Vec<u8> {
         if self.steps() <= STEPS_KEPT {
             return self.all_to_bytes();
@@ -131,7 +129,22 @@ impl Moment {
     }
 }
 
-/// Shows all values that a moment names.
+impl Record {
+    /// Passes all values in the record to `see`.
+    pub fn values(&self, see: &mut dyn FnMut(&Kept)) {
+        match self {
+            Self::Entered { inputs, .. } => inputs.iter().for_each(see),
+            Self::Left { outputs, error, .. } => outputs.iter().chain(error).for_each(see),
+            Self::Scoped { value, .. } | Self::Persistent { value, .. } => see(value),
+            Self::Global { value, .. } => value.iter().for_each(see),
+            // A broken moment has none.
+            Self::WentBack { moment, .. } => drop(values_in(moment, see)),
+            Self::Log { .. } | Self::Told(_) => {}
+        }
+    }
+}
+
+/// Passes all values in a moment to `see`.
 pub(in crate::journal) fn values_in(
     moment: &[u8],
     see: &mut dyn FnMut(&Kept),
@@ -146,7 +159,7 @@ pub(in crate::journal) fn values_in(
     Ok(())
 }
 
-/// A moment without the values that it names.
+/// A moment without its values.
 pub(in crate::journal) fn without_values(moment: &[u8]) -> Result<Vec<u8>, BadMoment> {
     let (_, rest) = split(moment)?;
     let mut out = moment[..moment.len() - rest.len()].to_vec();
@@ -154,7 +167,7 @@ pub(in crate::journal) fn without_values(moment: &[u8]) -> Result<Vec<u8>, BadMo
     while let Some(item) = items.next() {
         let mut item = item.map_err(|_broken| BadMoment("an item is broken"))?;
         if let Item::Record(_, record) = &mut item {
-            forget(record);
+            record.forget_values();
         }
         item.write(&mut 0, &mut out);
         items.count_from_zero();
@@ -216,7 +229,7 @@ impl MomentWriter {
         for (place, value) in &moment.persistent {
             self.record(0, Record::Persistent { place: *place, value: value.clone() });
         }
-        // At last: the next entry of the root would make use of it.
+        // The last item: the next entry of the root would consume it.
         if let Some(restored) = &moment.restored {
             self.record(0, Record::WentBack { sequence: 0, moment: restored.clone() });
         }

@@ -1,39 +1,39 @@
-//! What happened in one run of a container, as far as it matters for what comes next and for steps back: how its children
-//! ended and what its scoped variables were, in order.
+//! What happened in one run of a container, as far as later events and steps back depend on it: how its children
+//! ended and which values its scoped variables had, in order.
 //!
 //! Knows one container. Must never know which states are active.
 
 use crate::journal::record::{Kept, PlaceNumber};
 use std::collections::{BTreeMap, VecDeque};
 
-/// Deeper nests of ended containers are forgotten from the bottom: dropping them must not take the whole stack.
+/// Ended containers nested deeper than this lose their innermost levels, so that dropping them cannot overflow the stack.
 const DEPTH_MAX: usize = 200;
 
-/// The inside of a container: what is too old to be undone, and the steps since.
+/// The inside of a container: the result of steps that are too old to undo, and the steps since.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Inside {
-    scoped: BTreeMap<u64, ScopedValue>,
+    scoped: BTreeMap<u64, ValueAt>,
     ended: BTreeMap<PlaceNumber, End>,
     steps: VecDeque<Step>,
-    /// Ends here and in the containers that ended here.
+    /// The number of ends here and in the containers that ended here.
     weight: usize,
-    /// Levels of containers in it that ended.
+    /// The nesting depth of ended containers in it.
     depth: usize,
-    /// How many ends are open.
+    /// The number of open ends.
     open: usize,
-    /// A step was just undone: what is now said about variables, they have already.
+    /// A step was just undone: the values recorded now are those that the variables already have.
     undone: bool,
 }
 
 #[derive(Debug, Clone)]
 pub(super) enum Step {
-    Scoped(u64, ScopedValue),
+    Scoped(u64, ValueAt),
     End(End),
 }
 
 /// The value of a scoped variable.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct ScopedValue {
+pub(super) struct ValueAt {
     pub(super) value: Kept,
     pub(super) order: u64,
 }
@@ -42,21 +42,21 @@ pub(super) struct ScopedValue {
 #[derive(Debug, Clone)]
 pub(super) struct End {
     pub(super) place: PlaceNumber,
-    /// The record that it was entered by; that by which it ended if it was skipped.
+    /// The record of its entry; if it was skipped, the record of its end.
     pub(super) entered: u64,
     pub(super) inputs: Vec<Kept>,
     pub(super) outcome: i64,
     pub(super) outputs: Vec<Kept>,
     pub(super) error: Option<Kept>,
     pub(super) order: u64,
-    /// What was in it, if it was a container.
+    /// Its inside, if it was a container.
     pub(super) inside: Option<Box<Inside>>,
     /// It was entered backwards and has not been left since.
     pub(super) is_open: bool,
 }
 
 impl End {
-    /// Whether it ended without having begun.
+    /// Whether the state was skipped.
     fn is_skipped(&self) -> bool {
         self.entered == self.order
     }
@@ -76,7 +76,7 @@ impl Inside {
         self.undone
     }
 
-    /// As it was when a step was just undone.
+    /// Notes that a step was just undone.
     pub(super) fn set_undone(&mut self) {
         self.undone = true;
     }
@@ -85,20 +85,20 @@ impl Inside {
         self.steps.is_empty() && self.scoped.is_empty() && self.ended.is_empty()
     }
 
-    /// Something begins or ends: what is said about variables from here on is new.
+    /// A state begins or ends: values recorded from here on are new.
     pub(super) fn begin(&mut self) {
         self.undone = false;
     }
 
-    /// A variable got a value. After a step back it may have that value already; it is then as old as it was.
-    pub(super) fn set(&mut self, port: u64, variable: ScopedValue) {
+    /// Sets a variable. After a step back it may have this value already; then its order stays.
+    pub(super) fn set(&mut self, port: u64, variable: ValueAt) {
         if self.undone && self.scoped().get(&port).is_some_and(|now| now.value == variable.value) {
             return;
         }
         self.push(Step::Scoped(port, variable));
     }
 
-    /// A child ended.
+    /// Adds the end of a child.
     pub(super) fn end(&mut self, mut end: End) {
         if end.depth() > DEPTH_MAX
             && let Some(inside) = &mut end.inside
@@ -115,7 +115,7 @@ impl Inside {
         }
     }
 
-    /// A child is entered backwards: gives back how it ended, with what was in it.
+    /// Enters a child backwards, and returns its last end with its inside.
     pub(super) fn reopen(&mut self, place: PlaceNumber) -> Option<End> {
         let end = self.steps.iter_mut().rev().find_map(|step| match step {
             Step::End(end) if end.place == place && !end.is_open => Some(end),
@@ -128,7 +128,7 @@ impl Inside {
         Some(End { inside, ..end.clone() })
     }
 
-    /// A child is left backwards: everything is as it was before it began. What other branches did since stays.
+    /// Leaves a child backwards: restores the state before its entry. Later steps of other branches stay.
     pub(super) fn undo(&mut self, place: PlaceNumber, is_decider: impl Fn(PlaceNumber) -> bool) {
         self.undone = true;
         let Some(index) = self.find_open(place) else { return };
@@ -144,7 +144,7 @@ impl Inside {
         self.weight -= gone.iter().map(weight).sum::<usize>();
     }
 
-    /// The child is as if it had not been skipped, if that is how it ended last.
+    /// Removes the last end of the child if it was skipped.
     pub(super) fn forget_skipped(&mut self, place: PlaceNumber) {
         let is_end = |step: &Step| matches!(step, Step::End(end) if end.place == place);
         let Some(index) = self.steps.iter().rposition(is_end) else {
@@ -159,12 +159,12 @@ impl Inside {
         }
     }
 
-    /// How many ends can be undone, with those in containers that ended here.
+    /// The number of ends that can be undone, with those in containers that ended here.
     pub(super) fn weight(&self) -> usize {
         self.weight
     }
 
-    /// Makes the oldest step one that cannot be undone any more; false if there is none.
+    /// Makes the oldest step permanent; false if there is none.
     pub(super) fn settle_oldest(&mut self) -> bool {
         match self.steps.front() {
             None | Some(Step::End(End { is_open: true, .. })) => return false,
@@ -182,10 +182,9 @@ impl Inside {
         true
     }
 
-    /// The variables as they are now, by port.
-    pub(super) fn scoped(&self) -> BTreeMap<u64, &ScopedValue> {
-        let mut now: BTreeMap<u64, &ScopedValue> =
-            self.scoped.iter().map(|(p, v)| (*p, v)).collect();
+    /// The current variables by port.
+    pub(super) fn scoped(&self) -> BTreeMap<u64, &ValueAt> {
+        let mut now: BTreeMap<u64, &ValueAt> = self.scoped.iter().map(|(p, v)| (*p, v)).collect();
         now.extend(self.steps.iter().filter_map(|step| match step {
             Step::Scoped(port, variable) => Some((*port, variable)),
             Step::End(_) => None,
@@ -193,7 +192,7 @@ impl Inside {
         now
     }
 
-    /// How each child ended last.
+    /// The last end of each child.
     pub(super) fn ended(&self) -> BTreeMap<PlaceNumber, &End> {
         let mut now: BTreeMap<PlaceNumber, &End> =
             self.ended.iter().map(|(place, end)| (*place, end)).collect();
@@ -212,7 +211,7 @@ impl Inside {
         self.find_open(place).is_some()
     }
 
-    /// Everything, the oldest first.
+    /// All permanent results and steps, the oldest first.
     pub(super) fn all(&self) -> Vec<Step> {
         let scoped =
             self.scoped.iter().map(|(port, variable)| Step::Scoped(*port, variable.clone()));

@@ -1,28 +1,26 @@
-//! How a run stands at one moment of its journal: what is active with which data, what was set, asked and held.
+//! The state of a run after one of its events: active states and their data, variables, questions, held branches.
 //!
 //! Knows what each record changes. Must never know where records come from, nor what a machine would do next.
 
+mod active_state;
 mod bytes;
 mod inside;
-mod standing;
-mod told;
+mod tracker;
+mod whole;
 
-#[cfg(test)]
-mod tests;
-
+pub use active_state::{ActiveStateData, ChildEnd, ScopedValue};
 pub use bytes::BadMoment;
 pub(super) use bytes::{values_in, without_values};
-pub use standing::{Ended, Standing, Variable};
-pub use told::{ANSWERS_MAX, StopRequest, Whole};
+pub(in crate::journal) use tracker::{Keyframe, Tracker};
+pub use whole::{ANSWERS_MAX, StopRequest, Whole};
 
-use super::places::Places;
-use super::record::{Definition, Kept, PlaceNumber, Record};
+use crate::journal::record::{Definition, Kept, PlaceNumber, Places, Record};
 use inside::{End, Inside};
 use smol_str::SmolStr;
 use std::collections::BTreeMap;
 use std::num::NonZeroU64;
 
-/// So many ended states are kept for going back, more than any run goes back; half of them when there are more.
+/// The maximum number of ended states kept for steps back, more than any run goes back; beyond it, half are dropped.
 const STEPS_MAX: usize = 24_000;
 /// How many entries pass before steps are counted.
 const COUNT_EVERY: u64 = 1024;
@@ -40,17 +38,17 @@ pub struct Moment {
     persistent: BTreeMap<PlaceNumber, Kept>,
     whole: Whole,
     lacks_steps: bool,
-    /// The moment that the run goes on from as soon as its root is entered.
+    /// The moment that the next entry of the root restores.
     restored: Option<Vec<u8>>,
 }
 
 #[derive(Debug, Clone)]
 struct Active {
     inputs: Vec<Kept>,
-    /// The record that it was entered by.
+    /// The number of the record of its entry.
     order: u64,
     t_ns: u64,
-    /// It was asked to end by a command or its deadline, or what it stands in was.
+    /// Whether a command or a deadline preempted it or a container of it.
     asked: bool,
     inside: Inside,
 }
@@ -61,7 +59,7 @@ impl Moment {
         Self { places, ..Self::default() }
     }
 
-    /// A number gets its meaning.
+    /// Takes a definition.
     pub fn define(&mut self, definition: &Definition) {
         match definition {
             Definition::Place(number, place) => self.places.define(*number, place.clone()),
@@ -69,7 +67,7 @@ impl Moment {
         }
     }
 
-    /// A record, by its number and time.
+    /// Applies a record with its number and time.
     pub fn apply(&mut self, sequence: u64, t_ns: u64, record: &Record) {
         (self.sequence, self.t_ns) = (sequence, t_ns);
         match record {
@@ -92,7 +90,7 @@ impl Moment {
             }
             Record::Scoped { place, port, value } => {
                 if let Some(active) = self.active.get_mut(place) {
-                    let value = inside::ScopedValue { value: value.clone(), order: sequence };
+                    let value = inside::ValueAt { value: value.clone(), order: sequence };
                     active.inside.set(*port, value);
                 }
             }
@@ -105,7 +103,7 @@ impl Moment {
             }
             Record::WentBack { moment, .. } => self.restored = Some(moment.clone()),
             Record::Log { .. } => {}
-            Record::Told(event) => self.told(event),
+            Record::Told(event) => self.apply_event(event),
         }
     }
 
@@ -116,7 +114,7 @@ impl Moment {
         }
         self.count_entry();
         self.whole.entered(self.places.path(place));
-        // What is active is only entered when a run is taken up: its data is what it was.
+        // Only a resumed run enters an active state again: its data stay.
         if self.active.contains_key(&place) {
             return;
         }
@@ -166,7 +164,7 @@ impl Moment {
         self.active.values().map(|active| active.inside.weight()).sum()
     }
 
-    /// Gives up the oldest steps, the outermost first, until there are no more than `wanted`.
+    /// Drops the oldest steps, the outermost first, until at most `wanted` remain.
     fn settle(&mut self, wanted: usize) {
         let mut steps = self.steps();
         let mut outermost: Vec<&mut Active> = self.active.values_mut().collect();
@@ -181,8 +179,8 @@ impl Moment {
         }
     }
 
-    /// What is active becomes what was active at the moment that the run was taken back to; global variables and what states
-    /// remember are put back, and those that were not there yet stay.
+    /// Restores the active states of the moment that the run was taken back to, and global and persistent variables; those
+    /// that did not exist then stay.
     fn begin_restored(&mut self) {
         let Some(bytes) = self.restored.take() else { return };
         if let Ok(earlier) = Self::from_bytes(&bytes, self.places.clone()) {
@@ -193,12 +191,12 @@ impl Moment {
         }
     }
 
-    /// Whether a step back went further than the steps that are known here: to be exact, one must begin earlier.
+    /// Whether a step back went further than the known steps: an exact result needs an earlier beginning.
     pub fn lacks_steps(&self) -> bool {
         self.lacks_steps
     }
 
-    /// A state ends without having begun: what stood before it goes on.
+    /// A state is skipped: the branch that was held before it continues.
     fn skip(&mut self, path: &str, outcome: i64) {
         let Some(place) = self.places.number(path).filter(|place| !self.active.contains_key(place))
         else {
@@ -221,7 +219,7 @@ impl Moment {
         });
     }
 
-    /// Something stands before a state. If that was skipped, this was taken back, or it comes again: it gave nothing anyway.
+    /// A branch is held before a state. If the state was skipped, the skip was undone, or the state comes again.
     fn stands_before(&mut self, path: &str) {
         if let Some(place) = self.places.number(path)
             && let Some(around) = self.around(place)
@@ -235,7 +233,7 @@ impl Moment {
         self.active.get_mut(&self.places.parent(place)?)
     }
 
-    /// A state was preempted with all that was active in it. What was entered at the same moment was entered because of it.
+    /// A state was preempted with all active states in it, except those entered at the same time: its handlers.
     fn preempt(&mut self, path: &str) {
         let Some(top) = self.places.number(path) else { return };
         let is_below = |place: PlaceNumber, places: &Places| {

@@ -1,16 +1,141 @@
-//! Machines as a run keeps them: every file of the machine and of the libraries that it uses, by the hash of its content, so
-//! that a machine with one edit costs one edit.
+//! Machines in a journal: every file of the machine and of its libraries, by the hash of its content, so
+//! that an edited machine takes only the space of the edit.
 //!
 //! Knows machines and bytes. Must never know a run.
 
-mod manifest;
 pub(crate) mod packed;
-mod packer;
 mod store;
 #[cfg(test)]
 mod tests;
 
-pub use manifest::{Hash, Manifest};
 pub use packed::Packed;
-pub use packer::{Pack, Packer};
 pub(super) use store::Roots;
+
+use crate::journal::record::binary::{BinaryReader, BinaryWriter, Broken};
+use std::collections::BTreeMap;
+use std::fmt;
+
+/// The folder of the machine itself.
+pub(crate) const MACHINE: &str = "machine";
+/// The folder of the libraries; each lies below its library path.
+const LIBRARIES: &str = "libraries";
+
+/// A machine, ready to be stored.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Pack {
+    /// All files.
+    pub manifest: Manifest,
+    /// The content of the files that the packer had not packed before.
+    pub fresh: BTreeMap<Hash, Vec<u8>>,
+}
+
+/// The BLAKE3 hash of some bytes.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Hash(pub [u8; 32]);
+
+impl Hash {
+    /// The hash of these bytes.
+    pub fn of(bytes: &[u8]) -> Self {
+        Self(*blake3::hash(bytes).as_bytes())
+    }
+
+    /// Parses a hash in hex.
+    pub fn parse(hex: &str) -> Option<Self> {
+        blake3::Hash::from_hex(hex).ok().map(|hash| Self(*hash.as_bytes()))
+    }
+}
+
+impl fmt::Display for Hash {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        blake3::Hash::from_bytes(self.0).to_hex().fmt(f)
+    }
+}
+
+impl fmt::Debug for Hash {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        fmt::Display::fmt(self, f)
+    }
+}
+
+/// Relative paths (with `/`) and the hash of each file, sorted by path.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Manifest {
+    files: Vec<(String, Hash)>,
+}
+
+impl Manifest {
+    /// The manifest of these files, in any order; of two with one path the first counts.
+    pub(crate) fn new(mut files: Vec<(String, Hash)>) -> Self {
+        files.sort_by(|a, b| a.0.cmp(&b.0));
+        files.dedup_by(|later, first| later.0 == first.0);
+        Self { files }
+    }
+
+    /// The files, sorted by path.
+    pub fn files(&self) -> &[(String, Hash)] {
+        &self.files
+    }
+
+    /// The hash of all paths and hashes.
+    pub fn hash(&self) -> Hash {
+        let mut hasher = blake3::Hasher::new();
+        for (path, hash) in &self.files {
+            hasher.update(path.as_bytes());
+            hasher.update(&[0]);
+            hasher.update(&hash.0);
+        }
+        Hash(*hasher.finalize().as_bytes())
+    }
+
+    /// The difference from `base` as bytes: new and changed files, then removed paths.
+    fn changes(&self, base: &Self) -> Vec<u8> {
+        let (mut changed, mut gone) = (Vec::new(), Vec::new());
+        let mut before = base.files.iter().peekable();
+        for file in &self.files {
+            while let Some((path, _)) = before.next_if(|(path, _)| *path < file.0) {
+                gone.push(path);
+            }
+            if before.next_if(|(path, _)| *path == file.0).is_none_or(|old| old != file) {
+                changed.push(file);
+            }
+        }
+        gone.extend(before.map(|(path, _)| path));
+        let mut bytes = Vec::new();
+        let mut writer = BinaryWriter::new(&mut bytes);
+        writer.list(&changed, |writer, (path, hash)| {
+            writer.text(path);
+            writer.bytes(&hash.0);
+        });
+        writer.list(&gone, |writer, path| writer.text(path));
+        bytes
+    }
+
+    /// Applies [`Manifest::changes`].
+    fn changed(self, changes: &[u8]) -> Result<Self, Broken> {
+        let mut reader = BinaryReader::new(changes);
+        let changed = reader.list(|reader| Ok((reader.text()?.to_owned(), reader.hash()?)))?;
+        let gone = reader.list(|reader| Ok(reader.text()?.to_owned()))?;
+        let mut files = changed;
+        let stays = |path: &String| gone.binary_search(path).is_err();
+        files.extend(self.files.into_iter().filter(|(path, _)| stays(path)));
+        // The changed ones come first, and the sort keeps their order.
+        Ok(Self::new(files))
+    }
+}
+
+impl BinaryReader<'_> {
+    fn hash(&mut self) -> Result<Hash, Broken> {
+        let bytes = self.bytes()?.try_into();
+        bytes.map(Hash).map_err(|_other| self.broken("a hash of another length"))
+    }
+}
+
+/// The folder of a library in a pack; `None` if its name leads out of any root.
+pub(crate) fn library_folder(path: &str, name: &str) -> Option<String> {
+    let parts = path.split('/').chain(name.split('/'));
+    let is_plain = |part: &str| !part.is_empty() && part != "." && part != "..";
+    parts.clone().all(is_plain).then(|| {
+        let folder = parts.collect::<Vec<_>>().join("/");
+        format!("{LIBRARIES}/{folder}")
+    })
+}

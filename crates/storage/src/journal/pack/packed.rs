@@ -1,16 +1,15 @@
-//! A kept machine in memory: its files by folder, as the database has them. Knows tables and files, no machines.
+//! A stored machine in memory: its files by folder. Knows tables and files, no machines.
 
-use super::manifest::{Hash, Manifest};
-use super::packer::{MACHINE, library_folder};
 use super::store::manifest;
+use super::{Hash, MACHINE, Manifest, library_folder};
 use crate::files::{HEADER, MACHINE_LAYOUT, Part};
-use crate::journal::database::Database;
-use crate::journal::error::JournalError;
+use crate::journal::folder::JournalError;
+use crate::journal::store::Database;
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Arc;
 
-/// A machine as a run kept it, with the libraries that it uses.
+/// A machine as stored in a run, with the libraries that it uses.
 #[derive(Debug, Default)]
 pub struct Packed {
     /// By folder: `machine`, or `libraries` and a library path, and the folders of states below.
@@ -25,19 +24,19 @@ pub(crate) struct Folder {
     parts: [Option<Bytes>; Part::ALL.len()],
 }
 
-/// What many folders have in common is there once.
+/// Equal files share their bytes.
 type Bytes = Arc<[u8]>;
 
 impl Packed {
     /// The folder of the machine itself.
     pub const MACHINE: &str = MACHINE;
 
-    /// Reads the machine with this hash, as the run in the folder `run` kept it.
+    /// Reads the machine with this hash from the run in the folder `run`.
     pub fn read(run: &Path, hash: Hash) -> Result<Self, JournalError> {
         let mut database = Database::open_to_read(run)?;
         let manifest = database.run(|connection| manifest(connection, hash))?;
         let manifest = manifest.map_err(|what| database.damaged(&what))?;
-        let manifest = manifest.ok_or_else(|| database.no_machine(hash))?;
+        let manifest = manifest.ok_or_else(|| no_machine(&database, hash))?;
         let contents = contents(&mut database, &manifest)?;
         let mut packed = Self::default();
         for (path, hash) in manifest.files() {
@@ -49,7 +48,7 @@ impl Packed {
         Ok(packed)
     }
 
-    /// The folder of a library; `None` if it was not kept.
+    /// The folder of a library; `None` if it is not stored.
     pub fn library_folder(&self, path: &str, name: &str) -> Option<String> {
         library_folder(path, name).filter(|folder| self.is_machine(folder))
     }
@@ -68,7 +67,7 @@ impl Packed {
         self.folders.get(folder).is_some_and(|folder| folder.header.is_some())
     }
 
-    /// A file that says something about the machine in `folder` as a whole.
+    /// A file about the machine in `folder` as a whole.
     pub(crate) fn of_machine(&self, folder: &str, file: &str) -> Option<&[u8]> {
         let folder = self.folders.get(folder)?;
         match file {
@@ -78,10 +77,10 @@ impl Packed {
         }
     }
 
-    /// The folders of the states of the machine in `machine`, its root first, each after the one around it.
+    /// The folders of the states of the machine in `machine`, each after its parent, the root first.
     pub(crate) fn states(&self, machine: &str) -> impl Iterator<Item = (&str, &Folder)> {
         let root = self.folders.get_key_value(machine);
-        // `0` comes after `/`.
+        // `0` is the character after `/`.
         let inside = self.folders.range(format!("{machine}/")..format!("{machine}0"));
         let inside = inside.filter(move |(_, folder)| root.is_some() && folder.header.is_none());
         root.into_iter().chain(inside).map(|(path, folder)| (path.as_str(), folder))
@@ -106,8 +105,12 @@ impl Folder {
     }
 }
 
-/// The content of every file of the list, by hash; nothing for one that is missing or changed. All of it in one go: asking for
-/// one after the other takes several times as long.
+fn no_machine(database: &Database, hash: Hash) -> JournalError {
+    JournalError::NoMachine { path: database.path().to_owned(), hash: hash.to_string() }
+}
+
+/// The content of every file in the manifest, by hash; `None` for a missing or changed file. Reads all files with one query:
+/// a query for each takes several times as long.
 fn contents(
     database: &mut Database,
     manifest: &Manifest,

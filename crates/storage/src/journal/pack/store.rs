@@ -1,18 +1,17 @@
 //! Packs in the database: files once by their hash, manifests as changes of earlier ones. Knows tables, no machines.
 
-use super::manifest::{Hash, Manifest};
-use super::packer::Pack;
-use crate::journal::database::Database;
-use crate::journal::error::JournalError;
+use super::{Hash, Manifest, Pack};
+use crate::journal::folder::JournalError;
+use crate::journal::store::Database;
 use parking_lot::{Mutex, MutexGuard};
 use rusqlite::{Connection, OptionalExtension as _, params};
 
-/// So many changes are put on top of each other before a manifest is written out in full.
+/// The maximum number of consecutive changes before a manifest is written in full.
 const CHANGES_MAX: usize = 32;
-/// So much is put in at once before others get their turn, in bytes.
+/// The maximum size of one write, in bytes, before the lock is released for others.
 const TURN_BYTES: usize = 1 << 20;
 
-/// The manifest that was kept last, which the next one changes.
+/// The last stored manifest, on which the next one is based.
 #[derive(Debug, Default)]
 pub(in crate::journal) struct Roots {
     last: Option<(Hash, Manifest)>,
@@ -20,7 +19,7 @@ pub(in crate::journal) struct Roots {
 }
 
 impl Roots {
-    /// Keeps a pack and answers with its hash. Others may commit while it does.
+    /// Stores a pack and returns its hash. Other threads may commit meanwhile.
     pub(in crate::journal) fn keep<O>(
         &mut self,
         pack: &Pack,
@@ -84,7 +83,7 @@ fn is_known(connection: &Connection, hash: Hash) -> rusqlite::Result<bool> {
     Ok(connection.query_row(query, [hash.0], |_| Ok(())).optional()?.is_some())
 }
 
-/// The manifest with this hash, if it was kept; `Err` holds what is wrong with the tables.
+/// The manifest with this hash, if it is stored; `Err` describes damaged tables.
 pub(super) fn manifest(
     connection: &Connection,
     hash: Hash,
@@ -102,7 +101,7 @@ pub(super) fn manifest(
         };
         changes.push(data);
         if changes.len() > CHANGES_MAX + 1 {
-            return Ok(Err(format!("the list of files {hash} goes round in a circle")));
+            return Ok(Err(format!("the list of files {hash} depends on itself")));
         }
         next = base.map(Hash);
     }
@@ -110,6 +109,6 @@ pub(super) fn manifest(
         manifest.changed(changes).map_err(|broken| broken.to_string())
     });
     let is_it = |manifest: &Manifest| manifest.hash() == hash;
-    let other = || format!("the list of files {hash} is another than was kept");
+    let other = || format!("the list of files {hash} has changed");
     Ok(manifest.and_then(|manifest| is_it(&manifest).then_some(Some(manifest)).ok_or_else(other)))
 }

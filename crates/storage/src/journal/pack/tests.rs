@@ -1,13 +1,14 @@
 //! A machine that was packed, kept and unpacked is the same machine.
 
 use super::store::manifest;
-use super::{Hash, Packed, Packer};
-use crate::journal::database::Database;
+use super::{Hash, Packed};
+use crate::journal::store::Database;
 use crate::journal::{About, Journal, Options, Pack};
-use crate::testing::{EVERY_KIND, machine, make_files};
-use crate::{Libraries, Loaded, Root, load, load_packed};
+use crate::{Libraries, Loaded, Packer, Root, load, load_packed};
 use proptest::prelude::*;
 use rafcon_model::{Machine, diff};
+use rafcon_testkit::files::make_files;
+use rafcon_testkit::machines::{EVERY_KIND, machine};
 use rafcon_testkit::notation;
 use std::path::Path;
 use std::sync::Arc;

@@ -1,18 +1,18 @@
-//! What the numbers in a stream of events stand for. Any thread may ask while another reads on.
+//! The definitions of the numbers in a stream of events. Any thread may look them up while another reads on.
 
-use super::{PlaceHistory, StreamItem, VALUE_LIFE};
+use super::{StreamItem, VALUE_LIFE};
+use crate::journal::record::protocol::{Glossary, tell};
 use crate::journal::record::{Place, PlaceNumber, Record, Stored, ValueNumber};
-use crate::journal::telling::{Glossary, tell};
 use crate::journal::{JournalError, Reader};
 use rafcon_protocol::Event;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError, RwLock};
 
-/// So many bytes of values are kept in memory; the journal has the others.
+/// The maximum size of values in memory, in bytes; the journal has the others.
 const VALUES_BYTES_MAX: usize = 16 << 20;
 
-/// The definitions of a stream. What was defined before it began, or is too much for the memory, is looked up in the journal.
+/// The definitions of a stream. Earlier definitions, and values that exceed the memory, are read from the journal.
 #[derive(Debug, Default)]
 pub struct StreamDefinitions {
     places: RwLock<PlaceHistory>,
@@ -32,7 +32,7 @@ struct SentValue {
     stored: Arc<[u8]>,
 }
 
-/// The journal of the run, opened when it is needed.
+/// The journal of the run, opened at the first use.
 #[derive(Debug, Default)]
 struct LazyReader {
     folder: Option<PathBuf>,
@@ -40,12 +40,12 @@ struct LazyReader {
 }
 
 impl StreamDefinitions {
-    /// None yet; the run's journal, if it has one, lies in `folder`.
+    /// No definitions yet; `folder` holds the run's journal, if it has one.
     pub fn new(folder: Option<PathBuf>) -> Self {
         Self { journal: Mutex::new(LazyReader { folder, reader: None }), ..Self::default() }
     }
 
-    /// Learns what an item defines; gives back an event.
+    /// Takes the definition in an item; returns an event.
     pub fn learn<'b>(&self, item: StreamItem<'b>) -> Option<StreamItem<'b>> {
         match item {
             StreamItem::Place { from, number, place } => {
@@ -86,7 +86,7 @@ impl SentValues {
         if let Some(before) = self.known.insert(number, SentValue { from, stored }) {
             self.bytes -= before.stored.len();
         }
-        // A reader of what was sent may be behind by as much as a value lives.
+        // A reader may lag by the lifetime of a value.
         let is_old = |value: &SentValue| value.from.saturating_add(2 * VALUE_LIFE) < from;
         while let Some(oldest) = self.known.first_entry()
             && (self.bytes > VALUES_BYTES_MAX || is_old(oldest.get()))
@@ -105,7 +105,7 @@ impl LazyReader {
     }
 }
 
-/// The definitions as they were at one event.
+/// The definitions at one event.
 #[derive(Debug)]
 struct DefinitionsAt<'d> {
     definitions: &'d StreamDefinitions,
@@ -123,7 +123,61 @@ impl Glossary for DefinitionsAt<'_> {
     }
 }
 
-/// What the lock guards is right whatever a thread died of while it had it: each change is one insertion.
+/// Ignores poisoning: each change is one insertion, so the data stay valid when a thread panics.
 fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// The definitions of a place, each with the number of the first event that it applies to.
+type Definitions = Vec<(u64, Arc<Place>)>;
+
+/// All definitions of all places.
+#[derive(Debug, Clone, Default)]
+pub struct PlaceHistory {
+    places: Vec<Definitions>,
+}
+
+/// No run has more places: a larger number is an error of its sender.
+const PLACES_MAX: usize = 4 << 20;
+
+impl PlaceHistory {
+    /// Defines the number as `place` from event `from` on. Definitions may be repeated, in any order.
+    pub fn define(&mut self, from: u64, number: PlaceNumber, place: Arc<Place>) {
+        let index = number.0 as usize;
+        if index >= PLACES_MAX {
+            return;
+        }
+        if self.places.len() <= index {
+            self.places.resize_with(index + 1, Vec::new);
+        }
+        let known = &mut self.places[index];
+        let at = known.partition_point(|(first, _)| *first <= from);
+        match at.checked_sub(1).and_then(|before| known.get_mut(before)) {
+            Some((first, there)) if *first == from => *there = place,
+            Some((_, there)) if *there == place => {}
+            _ => known.insert(at, (from, place)),
+        }
+    }
+
+    /// The definition of the number at event `sequence`.
+    pub fn at(&self, number: PlaceNumber, sequence: u64) -> Option<&Arc<Place>> {
+        let definitions = self.places.get(number.0 as usize)?;
+        let after = definitions.partition_point(|(from, _)| *from <= sequence);
+        Some(&definitions.get(after.checked_sub(1)?)?.1)
+    }
+
+    /// The latest definition of each place, by number; `None` for unused numbers.
+    pub fn latest(&self) -> impl ExactSizeIterator<Item = (PlaceNumber, Option<&Arc<Place>>)> {
+        let latest = self.places.iter().map(|known| known.last().map(|(_, place)| place));
+        latest
+            .enumerate()
+            .map(|(number, place)| (PlaceNumber(u32::try_from(number).unwrap_or(u32::MAX)), place))
+    }
+
+    /// All definitions by number, each with the first event that it applies to.
+    pub fn all(&self) -> impl Iterator<Item = (PlaceNumber, u64, &Arc<Place>)> {
+        (0..).map(PlaceNumber).zip(&self.places).flat_map(|(number, known)| {
+            known.iter().map(move |(from, place)| (number, *from, place))
+        })
+    }
 }

@@ -1,43 +1,41 @@
-//! Events as a runner sends them: the items of its journal as they were encoded for it, each definition before the first event
-//! that names it. Knows bytes and numbers; must never know who sends or reads them.
+//! Events as a runner sends them: the encoded items of its journal, each definition before the first event
+//! that uses it. Knows bytes and numbers; must never know who sends or reads them.
 //!
-//! Values come without their content: a reader sees their views.
+//! Values come without their content: a reader gets their views.
 
 mod definitions;
-mod history;
 mod reader;
 #[cfg(test)]
 mod tests;
 
-pub use definitions::StreamDefinitions;
-pub use history::PlaceHistory;
+pub use definitions::{PlaceHistory, StreamDefinitions};
 pub use reader::{BadFrame, StreamReader};
 
-use super::binary::{BinaryReader, BinaryWriter, Broken, Sent};
-use super::record::{Place, PlaceNumber, Record, ValueNumber};
+use crate::journal::record::binary::{BinaryReader, BinaryWriter, Broken, Sent};
+use crate::journal::record::{Place, PlaceNumber, Record, ValueNumber};
 
-/// An event names a value at most so many events after its definition; then the value is defined again. So a journal may forget a
-/// value with the events that could name it, and so may a reader of the stream.
+/// An event uses a value at most this many events after its definition; later, the value is defined again. So the journal
+/// and a reader of the stream may drop a value together with the events that can use it.
 pub const VALUE_LIFE: u64 = 100_000;
 
-/// Stands for the content of a value in a stream: there is none.
+/// The content of a value in a stream: nothing.
 pub const NO_CONTENT: [u8; 2] = [3, 0];
 
-/// Events that follow one another, as they are sent.
+/// Consecutive events as they are sent.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct EventBlock<'b> {
     /// Number of the first event.
     pub first: u64,
     /// Time of the event before it, in ns.
     pub t_before: u64,
-    /// The events with the definitions that they need, as [`super::Item`]s.
+    /// The events with the definitions that they need, as [`crate::journal::Item`]s.
     pub items: &'b [u8],
 }
 
 /// One item of a block.
 #[derive(Debug)]
 pub enum StreamItem<'b> {
-    /// The number stands for this place from event `from` on.
+    /// The definition of a place from event `from` on.
     Place {
         /// The first event.
         from: u64,
@@ -46,13 +44,13 @@ pub enum StreamItem<'b> {
         /// The place.
         place: Place,
     },
-    /// The number stands for this value from event `from` on.
+    /// The definition of a value from event `from` on.
     Value {
         /// The first event.
         from: u64,
         /// The number.
         number: ValueNumber,
-        /// The value, as [`super::Stored::from_bytes`] reads it.
+        /// The value, as [`crate::journal::Stored::from_bytes`] reads it.
         stored: &'b [u8],
     },
     /// Something happened.
@@ -77,7 +75,7 @@ impl<'b> EventBlock<'b> {
         writer.bytes(self.items);
     }
 
-    /// All blocks in `bytes`, up to the first that is broken.
+    /// All blocks in `bytes`, up to the first broken one.
     pub fn read_all(bytes: &'b [u8]) -> impl Iterator<Item = Result<Self, Broken>> {
         let mut reader = BinaryReader::new(bytes);
         std::iter::from_fn(move || {
@@ -94,7 +92,7 @@ impl<'b> EventBlock<'b> {
         Ok(Self { first, t_before, items: reader.bytes()? })
     }
 
-    /// Its items in their order, up to the first that is broken.
+    /// Its items in order, up to the first broken one.
     pub fn items(&self) -> StreamItems<'b> {
         let reader = BinaryReader::new(self.items);
         StreamItems { reader, sequence: self.first, t_ns: self.t_before }
@@ -127,7 +125,7 @@ impl<'b> StreamItems<'b> {
         })
     }
 
-    /// The number of the next event, the time of the one before it, and how many bytes are left.
+    /// The number of the next event, the time of the previous one, and the number of remaining bytes.
     pub fn position(&self) -> (u64, u64, usize) {
         (self.sequence, self.t_ns, self.reader.rest().len())
     }

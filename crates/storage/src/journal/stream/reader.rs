@@ -1,23 +1,23 @@
-//! A stream as one reader follows it.
+//! Reads a stream of events.
 
 use super::{EventBlock, StreamDefinitions, StreamItem};
-use crate::journal::binary::Broken;
-use crate::journal::found::is_about_values;
+use crate::journal::read::is_about_values;
+use crate::journal::record::Broken;
 use rafcon_protocol::{Event, FrameError, FrameKind, ToViewer, decode};
 use std::path::PathBuf;
 
 /// A frame of a runner that cannot be read.
 #[derive(Debug, thiserror::Error)]
 pub enum BadFrame {
-    /// It holds something else than a message.
+    /// Its message cannot be decoded.
     #[error(transparent)]
     Message(#[from] FrameError),
-    /// It holds something else than events.
+    /// Its events cannot be decoded.
     #[error(transparent)]
     Events(#[from] Broken),
 }
 
-/// Turns blocks into events, each once, however often it was sent.
+/// Turns blocks into events, each once, however often the runner sends it.
 #[derive(Debug)]
 pub struct StreamReader {
     definitions: StreamDefinitions,
@@ -27,14 +27,14 @@ pub struct StreamReader {
 }
 
 impl StreamReader {
-    /// A reader that knows all events before number `from`; `values` says whether it wants values. The run's journal, if it has
-    /// one, lies in `folder`.
+    /// A reader that has all events before number `from`, with or without `values`. `folder` holds the run's journal, if it has
+    /// one.
     pub fn new(from: u64, values: bool, folder: Option<PathBuf>) -> Self {
         Self { definitions: StreamDefinitions::new(folder), last: from.saturating_sub(1), values }
     }
 
-    /// Reads what a frame of a runner holds: shows its message, or each of its events that is new. A frame of no known kind holds
-    /// nothing.
+    /// Reads a frame of a runner, and passes on its message or each new event. Ignores frames of unknown
+    /// kinds.
     pub fn read_frame(
         &mut self,
         kind: FrameKind,
@@ -51,7 +51,7 @@ impl StreamReader {
         Ok(())
     }
 
-    /// Reads the blocks in `bytes`: shows each event that is new, with its number and its time in ns.
+    /// Reads the blocks in `bytes`, and passes on each new event with its number and its time in ns.
     pub fn read(
         &mut self,
         bytes: &[u8],
@@ -60,7 +60,7 @@ impl StreamReader {
         EventBlock::read_all(bytes).try_for_each(|block| self.read_block(&block?, &mut show))
     }
 
-    /// The same with one block.
+    /// Reads one block.
     pub fn read_block(
         &mut self,
         block: &EventBlock<'_>,

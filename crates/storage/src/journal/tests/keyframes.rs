@@ -1,8 +1,8 @@
 //! How a run stood is kept now and then, so that it is known at any moment without reading everything.
 
 use super::create;
-use crate::journal::database::Database;
 use crate::journal::record::Content;
+use crate::journal::store::Database;
 use crate::journal::{Batch, Journal, Kept, Options, PlaceNumber, Record, Stored, ValueNumber};
 use expect_test::{Expect, expect};
 use rafcon_protocol::{LogLevel, Stream};

@@ -1,15 +1,14 @@
 //! Journals as they are written: what was appended is there afterwards, whatever happens in between.
 
-mod corrupt;
 mod keyframes;
 mod power_cut;
 mod round_trip;
 mod size;
 mod versions;
 
-use super::database::Database;
-use super::record::{Item, Items};
-use super::{About, Batch, Journal, Kept, Options, PlaceNumber, Record};
+use crate::journal::record::{Item, Items};
+use crate::journal::store::Database;
+use crate::journal::{About, Batch, Journal, Kept, Options, PlaceNumber, Record};
 use std::path::Path;
 
 /// Small enough that everything that is rare with the usual sizes happens in a test.

@@ -28,7 +28,7 @@ struct Files {
     wal: Vec<u8>,
     recorder: Vec<u8>,
     spilled: Vec<(String, Vec<u8>)>,
-    /// What was told to be safe.
+    /// What was reported as safe.
     safe: u64,
 }
 

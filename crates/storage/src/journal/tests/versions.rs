@@ -1,8 +1,8 @@
 //! Journals that are not ours to write.
 
 use super::{SMALL, append, create};
-use crate::journal::database::Database;
 use crate::journal::folder::{ABOUT_FILE, DATABASE_FILE};
+use crate::journal::store::Database;
 use crate::journal::{About, Batch, Journal, JournalError};
 use expect_test::{Expect, expect};
 use std::fs;

@@ -215,7 +215,7 @@ class ExecutionEngine(Observable):
             return
         if run.folder is None:
             raise RuntimeError(
-                "the last run kept no journal, so it has no history to begin from; start it with `journal=True`"
+                "the last run has no journal, so it cannot restart from its history; start it with `journal=True`"
             )
         self.state_machine_manager.active_state_machine_id = run.machine.state_machine_id
         self._is_led = False

@@ -1,0 +1,213 @@
+//! The part of a moment that concerns the whole run: its status, held branches, questions, breakpoints, its end.
+//!
+//! Knows the protocol's events. Must never know data of states.
+
+use super::Moment;
+use rafcon_protocol::api::Holding;
+use rafcon_protocol::{
+    Answer, Breakpoint, Command, Envelope, Event, HeldBy, Outcome, Question, RunStatus,
+};
+use serde::{Deserialize, Serialize};
+use std::collections::{BTreeMap, VecDeque};
+
+/// How many of the latest commands are kept with their answers.
+pub const ANSWERS_MAX: usize = 1024;
+
+/// What a moment says about the whole run.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Whole {
+    /// Its status.
+    pub status: RunStatus,
+    /// How it ended, once it has.
+    pub outcome: Option<Outcome>,
+    /// The hash of its machine, if the machine was kept.
+    pub root: Option<String>,
+    /// The number of runners so far.
+    pub life: u32,
+    /// All breakpoints, by id.
+    pub breakpoints: BTreeMap<u64, Breakpoint>,
+    /// How often breakpoints were hit.
+    pub hits: BTreeMap<u64, u32>,
+    /// Questions without an answer, by id.
+    pub questions: BTreeMap<u64, Question>,
+    /// The held branches.
+    pub held: Vec<Holding>,
+    /// Waiting states by path, with the reason.
+    pub waiting: BTreeMap<String, String>,
+    /// The request to stop, if there was one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub stop: Option<StopRequest>,
+    /// The latest commands by id, with their answers: a runner executes none of them again.
+    #[serde(default, skip_serializing_if = "VecDeque::is_empty")]
+    pub answers: VecDeque<(String, Answer)>,
+}
+
+/// A request to stop the run.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub struct StopRequest {
+    /// The number of the record of the last request.
+    pub order: u64,
+    /// Whether there was more than one request.
+    pub twice: bool,
+    /// The runner ended after the request: the next runner records the stop again.
+    #[serde(default)]
+    repeats: bool,
+}
+
+impl Default for Whole {
+    fn default() -> Self {
+        Self {
+            status: RunStatus::Running,
+            outcome: None,
+            root: None,
+            life: 1,
+            breakpoints: BTreeMap::new(),
+            hits: BTreeMap::new(),
+            questions: BTreeMap::new(),
+            held: Vec::new(),
+            waiting: BTreeMap::new(),
+            stop: None,
+            answers: VecDeque::new(),
+        }
+    }
+}
+
+impl Whole {
+    pub(super) fn entered(&mut self, path: &str) {
+        self.lets_go(path);
+        if let Some((around, _)) = path.rsplit_once('/') {
+            self.waiting.remove(around);
+            // A hierarchy continues with any next state; of several branches, only the named one continues.
+            if self.held.iter().filter(|held| held.path == around).count() == 1 {
+                self.held.retain(|held| held.path != around);
+            }
+        }
+    }
+
+    pub(super) fn left(&mut self, path: &str) {
+        self.lets_go(path);
+        self.waiting.remove(path);
+        self.held.retain(|held| held.path != path);
+    }
+
+    fn lets_go(&mut self, next: &str) {
+        self.held.retain(|held| held.next.as_deref() != Some(next));
+    }
+
+    fn steps(&mut self) {
+        if !matches!(self.status, RunStatus::Stopping | RunStatus::Finished) {
+            self.status = RunStatus::Stepping;
+        }
+    }
+
+    fn hold(&mut self, holding: Holding) {
+        match holding.by {
+            HeldBy::Step | HeldBy::RunTo | HeldBy::Start => self.steps(),
+            HeldBy::Pause | HeldBy::Breakpoint { .. } => {}
+        }
+        self.held.retain(|held| (&held.path, &held.next) != (&holding.path, &holding.next));
+        self.held.push(holding);
+    }
+
+    /// The answer to the command with this id, if it is among the latest.
+    pub fn answer(&self, id: &str) -> Option<&Answer> {
+        self.answers.iter().rev().find(|(known, _)| known == id).map(|(_, answer)| answer)
+    }
+
+    /// A second request counts from its own record on; the repetition of the first after a crash does not count.
+    fn stops(&mut self, order: u64) {
+        self.status = RunStatus::Stopping;
+        let twice = self.stop.is_some();
+        match &mut self.stop {
+            Some(stop) if stop.repeats => stop.repeats = false,
+            stop => *stop = Some(StopRequest { order, twice, repeats: false }),
+        }
+    }
+
+    fn commanded(&mut self, envelope: &Envelope, answer: &Answer) {
+        if self.answers.len() >= ANSWERS_MAX {
+            self.answers.pop_front();
+        }
+        self.answers.push_back((envelope.id.clone(), answer.clone()));
+        if *answer == Answer::Applied {
+            self.applied(&envelope.command);
+        }
+    }
+
+    fn applied(&mut self, command: &Command) {
+        match command {
+            Command::StepMode
+            | Command::StepInto { .. }
+            | Command::StepOver { .. }
+            | Command::StepOut { .. }
+            | Command::StepBack { .. } => self.steps(),
+            Command::Resume { branch: None } if self.status == RunStatus::Stepping => {
+                self.status = RunStatus::Running;
+            }
+            _ => {}
+        }
+    }
+}
+
+impl Moment {
+    pub(super) fn apply_event(&mut self, event: &Event) {
+        let whole = &mut self.whole;
+        match event {
+            Event::Held { path, next, by } => {
+                whole.hold(Holding { path: path.clone(), next: next.clone(), by: *by });
+                if let Some(next) = next {
+                    self.stands_before(next);
+                }
+            }
+            Event::Hit { breakpoint, hits, .. } => drop(whole.hits.insert(*breakpoint, *hits)),
+            Event::BreakpointSet { breakpoint } => {
+                whole.breakpoints.insert(breakpoint.id, breakpoint.clone());
+            }
+            Event::BreakpointRemoved { id } => drop(whole.breakpoints.remove(id)),
+            Event::Forced { path, outcome } => {
+                whole.lets_go(path);
+                self.skip(path, outcome.id);
+            }
+            Event::Dropped { path } => self.drop_state(path),
+            Event::Root { hash, .. } => whole.root = Some(hash.clone()),
+            Event::Commanded { envelope, answer } => {
+                whole.commanded(envelope, answer);
+                if let (Command::Preempt { path }, Answer::Applied) = (&envelope.command, answer) {
+                    self.preempt(path);
+                }
+            }
+            Event::DeadlinePassed { path, .. } => self.preempt(path),
+            Event::Asked { question } => {
+                whole.questions.insert(question.id, (**question).clone());
+            }
+            Event::Closed { id, .. } => drop(whole.questions.remove(id)),
+            Event::Resumed { life, .. } => whole.taken_up(*life),
+            Event::Waiting { path, reason } => {
+                whole.waiting.insert(path.clone(), reason.clone());
+            }
+            Event::Paused { paused: true } => whole.status = RunStatus::Paused,
+            Event::Paused { paused: false } => whole.status = RunStatus::Running,
+            Event::Stopping => whole.stops(self.sequence),
+            Event::Finished { outcome, .. } => {
+                whole.status = RunStatus::Finished;
+                whole.outcome = Some(outcome.clone());
+            }
+            _ => {}
+        }
+    }
+}
+
+impl Whole {
+    /// Forgets what belonged to the runner that died; the rest belongs to the run.
+    fn taken_up(&mut self, life: u32) {
+        self.life = life;
+        self.status = RunStatus::Running;
+        if let Some(stop) = &mut self.stop {
+            stop.repeats = true;
+        }
+        self.outcome = None;
+        self.questions.clear();
+        self.held.clear();
+        self.waiting.clear();
+    }
+}

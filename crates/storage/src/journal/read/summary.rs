@@ -1,0 +1,134 @@
+//! The summary of a run, without reading its whole journal. Knows folders of runs.
+
+use super::Reader;
+use crate::journal::folder::{ABOUT_FILE, About, DATABASE_FILE, JournalError, writer_of};
+use crate::journal::record::Record;
+use rafcon_protocol::{Event, Outcome};
+use serde::Serialize;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// One run.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Summary {
+    /// The name of its folder.
+    pub id: String,
+    /// Its folder.
+    #[serde(skip)]
+    pub folder: PathBuf,
+    /// The root state's name.
+    pub name: String,
+    /// When it began: ms since 1970, UTC.
+    pub started_ms: u64,
+    /// Its state.
+    #[serde(flatten)]
+    pub state: RunState,
+    /// Its length, in ms.
+    pub length_ms: u64,
+    /// The number of its events.
+    pub events: u64,
+    /// Its size on disk, in bytes.
+    pub bytes: u64,
+}
+
+/// The state of a run.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(tag = "state", rename_all = "snake_case")]
+pub enum RunState {
+    /// It is active.
+    Live {
+        /// In this process.
+        process: u32,
+    },
+    /// It has ended.
+    Finished {
+        /// Its outcome.
+        outcome: Outcome,
+        /// The number of states run.
+        states_run: u64,
+    },
+    /// Its runner died: the run can be resumed.
+    Crashed,
+    /// Its folder cannot be read.
+    Unreadable {
+        /// The reason.
+        reason: String,
+    },
+}
+
+/// All runs in a folder, the oldest first.
+pub fn runs(folder: &Path) -> Result<Vec<Summary>, JournalError> {
+    Ok(run_folders(folder)?.iter().map(|run| Summary::of(run)).collect())
+}
+
+/// The folders of the runs in a folder, the oldest first: ids begin with the time.
+pub fn run_folders(folder: &Path) -> Result<Vec<PathBuf>, JournalError> {
+    let entries = match fs::read_dir(folder) {
+        Ok(entries) => entries,
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(Vec::new()),
+        Err(error) => return Err(JournalError::io(folder, crate::journal::Doing::Read, error)),
+    };
+    let paths = entries.flatten().map(|entry| entry.path());
+    let mut found: Vec<PathBuf> = paths.filter(|path| path.join(ABOUT_FILE).is_file()).collect();
+    found.sort();
+    Ok(found)
+}
+
+impl Summary {
+    /// The summary of the run in this folder.
+    pub fn of(folder: &Path) -> Self {
+        let id = folder.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        let mut summary = Self {
+            id,
+            folder: folder.to_owned(),
+            name: String::new(),
+            started_ms: 0,
+            state: RunState::Crashed,
+            length_ms: 0,
+            events: 0,
+            bytes: size_of(folder),
+        };
+        if let Err(error) = summary.look() {
+            summary.state = RunState::Unreadable { reason: error.to_string() };
+        }
+        summary
+    }
+
+    fn look(&mut self) -> Result<(), JournalError> {
+        let about = About::read(&self.folder)?;
+        (self.name, self.started_ms) = (about.name, about.started_ms);
+        let process = writer_of(&self.folder)?;
+        if let Some(process) = process {
+            self.state = RunState::Live { process };
+            if !self.folder.join(DATABASE_FILE).exists() {
+                return Ok(());
+            }
+        }
+        let reader = Reader::open(&self.folder)?;
+        let end = reader.tail()?;
+        self.events = reader.last_sequence()?;
+        self.length_ms = end.last().map_or(0, |entry| entry.t_ns / 1_000_000);
+        let finish = end.iter().rev().find_map(|entry| finish(&entry.record));
+        if let (None, Some(finish)) = (process, finish) {
+            self.state = finish;
+        }
+        reader.check()
+    }
+}
+
+fn finish(record: &Record) -> Option<RunState> {
+    let Record::Told(event) = record else { return None };
+    let Event::Finished { outcome, states_run, .. } = &**event else { return None };
+    Some(RunState::Finished { outcome: outcome.clone(), states_run: *states_run })
+}
+
+/// The size of a folder in bytes, as far as it can be read.
+pub fn size_of(folder: &Path) -> u64 {
+    let entries = fs::read_dir(folder).into_iter().flatten().flatten();
+    let size = |entry: fs::DirEntry| match entry.metadata() {
+        Ok(metadata) if metadata.is_dir() => size_of(&entry.path()),
+        Ok(metadata) => metadata.len(),
+        Err(_) => 0,
+    };
+    entries.map(size).sum()
+}

@@ -1,0 +1,70 @@
+//! Lists the libraries below the roots, for a choice by people. Knows folders and headers, reads no states.
+
+use super::{Libraries, Root};
+use crate::files::{HEADER, YAML_HEADER};
+use smol_str::{SmolStr, format_smolstr};
+use std::path::{Path, PathBuf};
+use std::{fs, io};
+
+/// The maximum depth of listed folders; also ends a loop of links.
+const MAX_DEPTH: usize = 32;
+
+/// A folder or library below a root.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct LibraryEntry {
+    /// The folder's name, or the root's.
+    pub name: SmolStr,
+    /// The library path of its content (`root/folder`).
+    pub path: SmolStr,
+    /// Its folder.
+    pub dir: PathBuf,
+    /// Its kind.
+    pub kind: EntryKind,
+}
+
+/// The kind of an entry.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum EntryKind {
+    /// A folder with entries, sorted by name.
+    Folder(Vec<LibraryEntry>),
+    /// A library; nothing below it is listed.
+    Library,
+}
+
+impl Libraries {
+    /// All roots with the entries below them. Folders that cannot be read are empty; names that begin with a dot are left
+    /// out.
+    pub fn tree(&self) -> Vec<LibraryEntry> {
+        self.roots().iter().map(root_entry).collect()
+    }
+}
+
+fn root_entry(root: &Root) -> LibraryEntry {
+    entry(root.name.clone(), root.name.clone(), &root.dir, 0)
+}
+
+fn entry(name: SmolStr, path: SmolStr, dir: &Path, depth: usize) -> LibraryEntry {
+    let is_library = depth > 0 && (dir.join(HEADER).is_file() || dir.join(YAML_HEADER).is_file());
+    let kind = if is_library {
+        EntryKind::Library
+    } else {
+        EntryKind::Folder(inside(&path, dir, depth).unwrap_or_default())
+    };
+    LibraryEntry { name, path, dir: dir.to_owned(), kind }
+}
+
+fn inside(path: &SmolStr, dir: &Path, depth: usize) -> io::Result<Vec<LibraryEntry>> {
+    let mut entries = Vec::new();
+    if depth >= MAX_DEPTH {
+        return Ok(entries);
+    }
+    for found in fs::read_dir(dir)? {
+        let dir = found?.path();
+        let name = dir.file_name().and_then(|name| name.to_str()).unwrap_or_default();
+        if !name.is_empty() && !name.starts_with('.') && dir.is_dir() {
+            entries.push(entry(name.into(), format_smolstr!("{path}/{name}"), &dir, depth + 1));
+        }
+    }
+    entries.sort_by(|a, b| a.name.cmp(&b.name));
+    Ok(entries)
+}

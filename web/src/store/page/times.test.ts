@@ -1,0 +1,73 @@
+import { afterEach, expect, test } from "vitest";
+import type { HistoryEntry } from "../../model/generated/protocol.ts";
+import { Journal } from "../history/journal.ts";
+import type { Watch } from "../history/run.ts";
+import { missionTime, runTime, runTimes, timeScale, wallTime } from "./times.ts";
+
+const NOON_MS = Date.UTC(2026, 10, 22, 12, 0, 0);
+
+/** A run that began at noon UTC, with these events. */
+function watch(events: readonly HistoryEntry[] = []): Watch {
+  const journal = new Journal();
+  journal.add(events, events.length + 1);
+  return { journal, now: { value: { run: { started_ms: NOON_MS } } } } as unknown as Watch;
+}
+
+afterEach(() => {
+  timeScale.value = "mission";
+});
+
+test("times since the start have as many digits as their step needs", () => {
+  const times: readonly [number, number][] = [
+    [12_345, 1_000],
+    [12_345, 100],
+    [12_345, 1],
+    [72_500, 100],
+    [72_500, 5_000],
+    [3_723_400, 100],
+    [59_999.6, 1],
+    [119_999.9, 100],
+  ];
+  expect(times.map(([ms, step_ms]) => missionTime(ms * 1e6, step_ms))).toEqual([
+    "T+12 s",
+    "T+12.3 s",
+    "T+12.345 s",
+    "T+1:12.5",
+    "T+1:12",
+    "T+1:02:03.4",
+    "T+59.999 s",
+    "T+1:59.9",
+  ]);
+});
+
+test("a time of a run is on the scale of the settings", () => {
+  const run = watch();
+  expect(runTime(run, 83_250e6)).toBe("T+1:23.250");
+  timeScale.value = "utc";
+  expect(runTime(run, 83_250e6)).toBe("12:01:23.250 UTC");
+  expect(runTime(run, 83_250e6, 1_000)).toBe("12:01:23 UTC");
+  timeScale.value = "local";
+  const hour = String(new Date(NOON_MS).getHours()).padStart(2, "0");
+  expect(runTime(run, 83_250e6)).toMatch(new RegExp(`^${hour}:\\d\\d:23\\.250 \\S+$`));
+});
+
+test("there is room for all scales", () => {
+  const times = runTimes(watch(), 83_250e6).split("\n");
+  expect(times.slice(0, 2)).toEqual(["T+1:23.250", "12:01:23.250 UTC"]);
+});
+
+test("after a crash only mission time is known", () => {
+  const resumed = { type: "resumed", life: 2, crash: { reason: "signal 9" }, policy: "wait" };
+  const run = watch([{ sequence: 1, t_ns: 5e9, event: resumed } as unknown as HistoryEntry]);
+  timeScale.value = "utc";
+  expect(runTime(run, 4e9)).toBe("12:00:04.000 UTC");
+  expect(runTime(run, 6e9)).toBe("T+6.000 s");
+});
+
+test("a time of the day has the date of another day", () => {
+  timeScale.value = "utc";
+  const day_ms = 24 * 3_600_000;
+  expect(wallTime(NOON_MS, NOON_MS + 3_600_000)).toBe("12:00:00 UTC");
+  expect(wallTime(NOON_MS, NOON_MS + day_ms)).toBe("22 Nov 12:00:00 UTC");
+  expect(wallTime(NOON_MS, NOON_MS + 400 * day_ms)).toBe("22 Nov 2026 12:00:00 UTC");
+});

@@ -1,0 +1,150 @@
+//! The long forms of tests, for a night instead of for continuous integration: random runs of the engine by the hundred thousand,
+//! damaged files of runs, saves, runners and servers killed by the thousand, runs with many branches or many clients.
+
+use std::process::Command;
+
+use anyhow::Result;
+
+use crate::process;
+use crate::product::{Product, Profile};
+
+/// What `cargo xtask simulate` can be asked for.
+#[derive(clap::Args)]
+pub(crate) struct SimulateOptions {
+    /// How many random machines run through random orders, each twice.
+    #[arg(long, default_value_t = 100_000)]
+    seeds: u64,
+    /// The first seed.
+    #[arg(long, default_value_t = 0)]
+    from: u64,
+}
+
+/// Prints what was exercised, or the first seed that broke a promise.
+pub(crate) fn simulate(options: &SimulateOptions) -> Result<()> {
+    seeds(options.from, options.seeds)
+}
+
+/// So many seeds, in a release build.
+fn seeds(from: u64, count: u64) -> Result<()> {
+    let simulate = ["run", "--release", "-p", "rafcon-engine", "--example", "simulate", "--"];
+    let (from, count) = (from.to_string(), count.to_string());
+    process::run(process::cargo().args(simulate).args(["--seeds", &count, "--from", &from]))
+}
+
+/// What `cargo xtask soak` can be asked for.
+#[derive(clap::Args)]
+pub(crate) struct SoakOptions {
+    /// How many random machines run through random orders.
+    #[arg(long, default_value_t = 100_000)]
+    seeds: u64,
+    /// How many saving processes are killed.
+    #[arg(long, default_value_t = 1000)]
+    kills: u32,
+    /// How many runs with 64 branches are watched by viewers that come and go.
+    #[arg(long, default_value_t = 20)]
+    wide: u32,
+    /// Instead of these: a server with many clients, one of them slow, one that never reads.
+    #[arg(long)]
+    server: bool,
+    /// How many clients the server has.
+    #[arg(long, default_value_t = 200)]
+    clients: u32,
+    /// How long the run goes on that they follow.
+    #[arg(long, default_value_t = 60)]
+    seconds: u32,
+}
+
+/// Runs what was asked for; the first failure ends it and names its seed.
+pub(crate) fn soak(options: &SoakOptions) -> Result<()> {
+    if options.server {
+        return served(options);
+    }
+    seeds(0, options.seeds)?;
+    let kill = ["test", "--release", "-p", "rafcon-storage", "--test", "it"];
+    let one = ["kill::a_killed_process_leaves_one_of_its_machines", "--", "--exact"];
+    let mut kill_often = process::cargo();
+    kill_often.args(kill).args(one).env("RAFCON_TEST_KILLS", options.kills.to_string());
+    process::run(&mut kill_often)?;
+    Product::build(Profile::Release)?;
+    let mut wide = long_form("wide::a_wide_run_ends_while_viewers_come_and_go");
+    process::run(wide.env("RAFCON_TEST_WIDE", options.wide.to_string()))
+}
+
+fn served(options: &SoakOptions) -> Result<()> {
+    Product::build(Profile::Release)?;
+    let test = "server_soak::many_clients_lose_nothing_and_cost_a_bounded_amount_of_memory";
+    let mut soak = long_form(test);
+    soak.env("RAFCON_TEST_CLIENTS", options.clients.to_string());
+    process::run(soak.env("RAFCON_TEST_SECONDS", options.seconds.to_string()))
+}
+
+/// What `cargo xtask corrupt` can be asked for.
+#[derive(clap::Args)]
+pub(crate) struct CorruptOptions {
+    /// How many runs are damaged, for the readers as such and for the commands each.
+    #[arg(long, default_value_t = 1000)]
+    runs: u32,
+    /// The first seed; one that failed, to repeat it. Else the day's date.
+    #[arg(long)]
+    from: Option<u64>,
+}
+
+/// Damages and reads; the first failure ends it and names its seed.
+pub(crate) fn corrupt(options: &CorruptOptions) -> Result<()> {
+    Product::build(Profile::Release)?;
+    let mut readers = process::cargo();
+    readers.args(["test", "--release", "-q", "-p", "rafcon-storage", "--test", "it"]);
+    readers.arg("corrupt::what_is_read_of_a_corrupted_journal_is_true");
+    readers.args(["--", "--exact", "--nocapture"]);
+    let commands = long_form("corrupt::what_is_told_of_a_damaged_run_is_true");
+    for mut test in [readers, commands] {
+        test.env("RAFCON_TEST_CORRUPTIONS", options.runs.to_string());
+        if let Some(from) = options.from {
+            test.env("RAFCON_TEST_SEED", from.to_string());
+        }
+        process::run(&mut test)?;
+    }
+    println!("{runs} of {runs} damaged runs passed, twice", runs = options.runs);
+    Ok(())
+}
+
+/// What `cargo xtask torture` can be asked for.
+#[derive(clap::Args)]
+pub(crate) struct TortureOptions {
+    /// How many processes are killed.
+    #[arg(long, default_value_t = 1000)]
+    kills: u32,
+    /// Kill the server as well as the runner, while two clients follow and command.
+    #[arg(long)]
+    server: bool,
+    /// The first seed; one that failed, to repeat it. Another one each day if none is named.
+    #[arg(long)]
+    from: Option<u64>,
+}
+
+/// Kills and resumes; the last line says how many passed. The first failure ends it and names its seed.
+pub(crate) fn torture(options: &TortureOptions) -> Result<()> {
+    Product::build(Profile::Release)?;
+    let test = if options.server {
+        "server_torture::killed_servers_and_runners_lose_nothing_and_repeat_nothing"
+    } else {
+        "torture::a_killed_runner_loses_nothing_that_was_told"
+    };
+    let mut kill = long_form(test);
+    kill.env("RAFCON_TEST_KILLS", options.kills.to_string());
+    if let Some(from) = options.from {
+        kill.env("RAFCON_TEST_SEED", from.to_string());
+    }
+    process::run(&mut kill)?;
+    // The first that does not pass ends it, with its seed.
+    println!("{kills} of {kills} kills passed", kills = options.kills);
+    Ok(())
+}
+
+/// A test of whole processes in a release build; its environment says how long it is.
+fn long_form(test: &str) -> Command {
+    let mut cargo = process::cargo();
+    cargo.args(["test", "--release", "-q", "-p", "rafcon", "--test", "it", test]);
+    cargo.args(["--", "--exact", "--nocapture"]);
+    cargo
+}
