@@ -119,7 +119,7 @@ journey("the inspector stays where it is pinned", HERE, async ({ app }) => {
   const name = app.sheet.getByLabel("Name", { exact: true });
   expect(await name.inputValue()).toBe("Label the box");
   await app.sheet.getByRole("button", { name: "Follow the selection again" }).click();
-  expect(await name.inputValue()).toBe("Is the box full");
+  await expect.poll(() => name.inputValue()).toBe("Is the box full");
 });
 
 journey(

@@ -95,7 +95,10 @@ journey(
     await run(hands);
     await app.select(LOOK);
     const outputs = inRun(app, "Outputs");
-    await outputs.getByRole("button", { name: /^pose:/ }).click();
+    const pose = outputs.getByRole("button", { name: /^pose:/ });
+    await pose.hover();
+    expect(await pose.locator(":scope > :hover").count()).toBe(0);
+    await pose.click();
     await outputs.getByRole("button", { name: /^position:/ }).click();
     const first = outputs.locator(".value-inside .value-inside .value-short").first();
     const before = Number(await first.textContent());

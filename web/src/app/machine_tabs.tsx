@@ -76,7 +76,7 @@ function MachineTab({ tab, active }: { tab: OpenTab; active: boolean }) {
         aria-selected={active}
         tabIndex={active ? 0 : -1}
         className="tab-name"
-        title={file ? `${file.project} / ${file.path}` : "not saved yet"}
+        title={`${file ? `${file.project} / ${file.path}` : "not saved yet"}${changed && file ? ", has unsaved edits" : ""}`}
         aria-keyshortcuts="Delete"
         onKeyDown={(event) => event.key === "Delete" && close()}
         onClick={() => {
@@ -85,7 +85,7 @@ function MachineTab({ tab, active }: { tab: OpenTab; active: boolean }) {
       >
         {name}
         {changed && (
-          <span className="tab-changed" title="has unsaved edits">
+          <span className="tab-changed">
             <span className="visually-hidden">, changed</span>
           </span>
         )}

@@ -1,5 +1,5 @@
 // @vitest-environment happy-dom
-import { useDeferredValue, useEffect, useState } from "react";
+import { act, useDeferredValue, useEffect, useState } from "react";
 import { createPortal } from "react-dom";
 import { createRoot } from "react-dom/client";
 import { afterEach, expect, test, vi } from "vitest";
@@ -101,6 +101,22 @@ test("a value that may come later comes", async () => {
   draw(<Later value="second" />);
   expect(place.textContent).toBe("first");
   await vi.waitFor(() => expect(place.textContent).toBe("second"));
+});
+
+test("a value that changes without a pause is shown, late", () => {
+  vi.useFakeTimers();
+  try {
+    const place = mount(<Later value="0" />);
+    for (let change = 1; change <= 5; change++) {
+      draw(<Later value={String(change)} />);
+      act(() => void vi.advanceTimersByTime(16));
+    }
+    expect(Number(place.textContent)).toBeGreaterThan(0);
+    act(() => void vi.runAllTimers());
+    expect(place.textContent).toBe("5");
+  } finally {
+    vi.useRealTimers();
+  }
 });
 
 function Heard({ heard }: { heard: string[] }) {

@@ -3,7 +3,7 @@
 
 import { options, type VNode } from "preact";
 import compat, { createElement, Fragment, createPortal as portal } from "preact/compat";
-import { useEffect, useState } from "preact/hooks";
+import { useEffect, useRef, useState } from "preact/hooks";
 
 // @ts-expect-error: its types are one object, and nobody reads them here: those of React hold
 export * from "preact/compat";
@@ -12,14 +12,21 @@ export { act } from "preact/test-utils";
 /** By then what changed at once has been painted. */
 const LATER_MS = 20;
 
-/** The value as it was: what changes at once is shown before what may come a picture later. */
+/** The value as it was: what changes at once is shown before what may come a picture later. A value that changes without a pause is
+ * shown all the same, every few pictures. */
 export function useDeferredValue<T>(value: T): T {
   const [shown, setShown] = useState({ value });
+  const newest = useRef(value);
+  newest.current = value;
+  const timer = useRef<ReturnType<typeof setTimeout> | undefined>(undefined);
   useEffect(() => {
-    if (Object.is(shown.value, value)) return;
-    const timer = setTimeout(() => setShown({ value }), LATER_MS);
-    return () => clearTimeout(timer);
+    if (timer.current !== undefined || Object.is(shown.value, value)) return;
+    timer.current = setTimeout(() => {
+      timer.current = undefined;
+      setShown({ value: newest.current });
+    }, LATER_MS);
   }, [shown, value]);
+  useEffect(() => () => clearTimeout(timer.current), []);
   return shown.value;
 }
 

@@ -50,13 +50,16 @@ export function ValueRow({ name, value, valuePath, tree, actions }: ValueRowProp
             className="value-fold"
             aria-expanded={isOpen}
             aria-label={`${name ?? "Value"}: ${short}`}
+            title={short}
             onClick={() => tree.toggle(valuePath)}
           >
             <ChevronRight size={13} aria-hidden />
             {words}
           </button>
         ) : (
-          <span className="value-leaf">{words}</span>
+          <span className="value-leaf" title={short}>
+            {words}
+          </span>
         )}
         <TypeOf found={found} short={short} />
         <CopyButton name={name} value={value} />
@@ -78,7 +81,7 @@ function Short({ short, kind }: { readonly short: string; readonly kind: Read["k
   wasOther.current ||= short !== first.current;
   const look = wasOther.current ? " value-changed" : "";
   return (
-    <code key={short} className={`value-short value-${kind}${look}`} title={short}>
+    <code key={short} className={`value-short value-${kind}${look}`}>
       {short}
     </code>
   );
