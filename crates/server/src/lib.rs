@@ -17,6 +17,7 @@ mod history;
 mod listen;
 mod log;
 mod page;
+mod page_files;
 mod projects;
 mod python;
 mod router;
@@ -28,7 +29,7 @@ mod watch;
 
 pub use failure::{Failure, Reason};
 pub use listen::{AddressFile, ServeError, Server, TlsError, serve};
-pub use page::PageFiles;
+pub use page_files::PageFiles;
 pub use router::{openapi, router};
 pub use settings::Settings;
 pub use state::{ServerState, ServerStateError};

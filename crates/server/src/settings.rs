@@ -1,6 +1,6 @@
 //! What a server is started with: values that its program has read from command line and environment.
 
-use crate::page::PageFiles;
+use crate::page_files::PageFiles;
 use rafcon_supervisor::ProgramEnvironment;
 use std::net::{Ipv4Addr, SocketAddr};
 use std::path::PathBuf;

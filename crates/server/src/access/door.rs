@@ -1,10 +1,10 @@
 //! The door: every request passes it. Host, origin, who asks, and whether they may. Knows headers and rights; must never know
 //! what a route does.
 
+use super::connection_slots::{ConnectionSlot, Peer};
 use super::people::CredentialClaim;
 use super::rights::{self, ROUTES};
 use super::who::{Who, nobody};
-use crate::listen::{ConnectionSlot, Peer};
 use crate::{Failure, Reason, ServerState};
 use axum::extract::{MatchedPath, Request, State};
 use axum::http::header::{self, HeaderMap};

@@ -95,7 +95,7 @@ fn keys(tried: Try<'_>) -> [Key; 2] {
 }
 
 /// Whoever has one address of a network of IPv6 has all of them.
-pub(crate) fn network(address: IpAddr) -> IpAddr {
+pub(super) fn network(address: IpAddr) -> IpAddr {
     match address.to_canonical() {
         IpAddr::V6(address) => IpAddr::V6(Ipv6Addr::from_bits(address.to_bits() >> 64 << 64)),
         v4 @ IpAddr::V4(_) => v4,

@@ -3,6 +3,7 @@
 use crate::Failure;
 
 mod audit;
+mod connection_slots;
 mod door;
 mod familiar;
 mod layers;
@@ -23,9 +24,9 @@ mod users;
 mod who;
 
 pub use audit::Audit;
+pub(crate) use connection_slots::{ConnectionSlot, ConnectionSlots, Lost, Peer};
 pub(crate) use door::in_link;
 pub(crate) use layers::guarded;
-pub(crate) use limiter::network;
 pub(crate) use notice::notice;
 pub(crate) use origin::Names;
 pub use passwords::HashError;

@@ -1,11 +1,11 @@
 //! Logging in and out, tokens, users. Knows requests and answers; what is allowed is decided at the door and by the roster.
 
+use super::connection_slots::Peer;
 use super::limiter::network;
 use super::people::OWNER;
 use super::who::{Credential, Who};
 use crate::extract::{Body, Path, Small};
 use crate::gate::blocking;
-use crate::listen::Peer;
 use crate::{Failure, Reason, ServerState};
 use axum::Json;
 use axum::extract::State;

@@ -29,7 +29,7 @@ mod usages;
 mod versions;
 
 pub(crate) use documents::Documents;
-pub(crate) use operation::Operation;
+pub(crate) use operation::{EditRequest, Operation};
 pub(crate) use revision_log::RevisionsPage;
-pub(crate) use routes::{change, routes};
+pub(crate) use routes::routes;
 pub(crate) use session::MachineSession;

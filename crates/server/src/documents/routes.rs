@@ -375,8 +375,8 @@ async fn close(
     at.documents.saves.work(move || server.documents.close(&server, &machine, &wish)).await
 }
 
-/// Changes an open machine; for requests and for the socket.
-pub(crate) async fn change(
+/// Changes an open machine.
+async fn change(
     server: Arc<ServerState>,
     who: Who,
     machine: String,

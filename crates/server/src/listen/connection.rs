@@ -2,17 +2,14 @@
 //! what is asked over them.
 
 use super::paced::Paced;
-use super::places::{ConnectionSlot, ConnectionSlots};
-use crate::Failure;
+use crate::access::{ConnectionSlot, ConnectionSlots, Peer};
 use crate::settings::Listen;
 use axum::Router;
-use axum::extract::FromRequestParts;
-use axum::http::request::Parts;
 use hyper::server::conn::http1;
 use hyper_util::rt::{TokioIo, TokioTimer};
 use hyper_util::service::TowerToHyperService;
 use rustix::net::sockopt::set_socket_send_buffer_size;
-use std::net::{IpAddr, SocketAddr};
+use std::net::SocketAddr;
 use std::pin::pin;
 use std::sync::Arc;
 use std::time::Duration;
@@ -25,33 +22,6 @@ use tower_http::add_extension::AddExtension;
 
 /// So many bytes wait in the kernel for a client that does not read them; enough for 0.5 Mbit/s at a round trip of 4 s.
 const SEND_BUFFER: usize = 256 * 1024;
-
-/// Where a request comes from.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Peer {
-    pub(crate) ip: IpAddr,
-    /// Whether that is this computer.
-    pub(crate) is_near: bool,
-}
-
-impl Peer {
-    fn of(peer: SocketAddr, stream: &TcpStream) -> Self {
-        let ip = peer.ip().to_canonical();
-        let is_own = stream.local_addr().is_ok_and(|own| own.ip().to_canonical() == ip);
-        Self { ip, is_near: is_own || ip.is_loopback() }
-    }
-}
-
-impl<S: Sync> FromRequestParts<S> for Peer {
-    type Rejection = Failure;
-
-    async fn from_request_parts(parts: &mut Parts, _state: &S) -> Result<Self, Failure> {
-        parts.extensions.get::<Self>().copied().ok_or_else(|| {
-            let message = "it is not known where this request comes from: use the server's port";
-            Failure::forbidden("from_nowhere", message)
-        })
-    }
-}
 
 /// All connections of a server.
 pub(super) struct Connections {
@@ -85,7 +55,7 @@ impl Connections {
 
     /// Answers one connection. Where no place is free it is closed at once.
     pub(super) fn begin(&self, stream: TcpStream, peer: SocketAddr, router: Router) {
-        let peer = Peer::of(peer, &stream);
+        let peer = Peer::of(peer, stream.local_addr().ok());
         let Some((place, lost)) = self.places.take(peer) else { return };
         // Without it an answer in two parts waits for the other side's acknowledgement.
         stream.set_nodelay(true).unwrap_or_default();

@@ -24,12 +24,9 @@ mod address_file;
 mod connection;
 mod names;
 mod paced;
-mod places;
 mod tls;
 
 pub use address_file::AddressFile;
-pub(crate) use connection::Peer;
-pub(crate) use places::ConnectionSlot;
 pub use tls::TlsError;
 
 /// How long requests that are being answered hold the end of the server back.

@@ -1,7 +1,7 @@
 //! A stream whose other side has to read: what waits to be written for too long ends it. Knows bytes and time; must never know
 //! what they mean.
 
-use super::places::{ConnectionSlot, Lost};
+use crate::access::{ConnectionSlot, Lost};
 use std::io;
 use std::pin::Pin;
 use std::sync::Arc;
@@ -122,9 +122,8 @@ impl<T: AsyncWrite + Unpin> AsyncWrite for Paced<T> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::connection::Peer;
-    use super::super::places::ConnectionSlots;
     use super::{BYTES_MIN, Paced};
+    use crate::access::{ConnectionSlots, Peer};
     use std::net::{IpAddr, Ipv4Addr};
     use std::time::Duration;
     use tokio::io::{AsyncReadExt as _, AsyncWriteExt as _, DuplexStream, duplex};

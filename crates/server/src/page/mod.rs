@@ -1,19 +1,15 @@
 //! The page at `/` and its files: turns the token of the start link into a cookie, and gives the page to everybody, who logs in
 //! there. Must never know machines or runs.
 
-mod files;
-
-pub use files::PageFiles;
-
 use crate::access::{Credential, Who, in_link};
 use crate::extract::Path;
+use crate::page_files::{PageFile, PageFiles};
 use crate::{Failure, ServerState};
 use axum::extract::State;
 use axum::http::header::{self, HeaderName};
 use axum::http::{HeaderMap, HeaderValue, StatusCode, Uri};
 use axum::response::{Html, IntoResponse as _, Response};
 use axum::routing::get;
-use files::PageFile;
 use std::sync::Arc;
 use utoipa_axum::router::OpenApiRouter;
 
@@ -158,7 +154,7 @@ fn not_built(way: &str) -> Response {
 
 #[cfg(test)]
 mod tests {
-    use super::files::PageFile;
+    use crate::page_files::PageFile;
     use super::{current, document, takes_gzip};
     use axum::http::header::{self, HeaderMap, HeaderName};
     use axum::http::{HeaderValue, StatusCode};

@@ -8,12 +8,12 @@ use super::outbox::Outbox;
 use super::status::{ServerStatusFeed, Status};
 use super::words;
 use crate::access::{Who, about};
-use crate::documents::{self, Operation};
+use crate::documents::{EditRequest, Operation};
+use crate::gate::blocking;
 use crate::{Failure, ServerState, runs};
-use axum::Json;
 use axum::extract::ws::close_code;
 use rafcon_protocol::Envelope;
-use rafcon_protocol::api::{Done, MachineStatus, Presence, RunNow};
+use rafcon_protocol::api::{MachineStatus, Presence, RunNow};
 use rafcon_protocol::socket::{ToClient, Topic, VERSION};
 use rafcon_supervisor::clock;
 use std::sync::Arc;
@@ -113,8 +113,10 @@ impl RequestHandler {
         let (server, who, turn) = (Arc::clone(&self.server), self.who.clone(), self.turn.clone());
         async move {
             let _turn = turn.lock().await;
-            match documents::change(server, who, machine, id.clone(), operation).await {
-                Ok(Json(Done { revision })) => ToClient::Edited { id, revision },
+            let request = EditRequest { author: who.user, id: id.clone() };
+            let work = move || server.documents.change(&server, &machine, request, operation);
+            match blocking(work).await {
+                Ok(revision) => ToClient::Edited { id, revision },
                 Err(failure) => words::refused(Some(id), &failure),
             }
         }

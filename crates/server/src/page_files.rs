@@ -17,17 +17,17 @@ pub enum PageFiles {
 
 /// A file of the page.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) struct PageFile {
-    pub(super) bytes: Cow<'static, [u8]>,
+pub(crate) struct PageFile {
+    pub(crate) bytes: Cow<'static, [u8]>,
     /// Whether the bytes are those of a gzip file.
-    pub(super) is_packed: bool,
+    pub(crate) is_packed: bool,
     /// As `Content-Type` wants it.
-    pub(super) kind: &'static str,
+    pub(crate) kind: &'static str,
 }
 
 impl PageFile {
     /// For the rare client that takes nothing packed.
-    pub(super) fn unpacked(self) -> std::io::Result<Self> {
+    pub(crate) fn unpacked(self) -> std::io::Result<Self> {
         if !self.is_packed {
             return Ok(self);
         }
@@ -55,7 +55,7 @@ impl Default for PageFiles {
 
 impl PageFiles {
     /// The file of this name; nothing if there is none, or if no file of the page is called so.
-    pub(super) fn get(&self, name: &str) -> Option<PageFile> {
+    pub(crate) fn get(&self, name: &str) -> Option<PageFile> {
         let kind = kind(name)?;
         if !is_plain(name) {
             return None;
@@ -71,7 +71,7 @@ impl PageFiles {
     }
 
     /// How the page comes here, as HTML for whoever finds none.
-    pub(super) fn way(&self) -> &'static str {
+    pub(crate) fn way(&self) -> &'static str {
         match self {
             Self::Carried => {
                 "run <code>cargo xtask web</code>, build the program again, and start it"

@@ -3,11 +3,13 @@
 //! that only wait, or never read, cannot keep out who has to stop a robot. Knows addresses and users' names; must never know
 //! streams.
 
-use super::connection::Peer;
-use crate::access::network;
+use super::limiter::network;
+use crate::Failure;
+use axum::extract::FromRequestParts;
+use axum::http::request::Parts;
 use rafcon_locks::Mutex;
 use std::collections::BTreeMap;
-use std::net::IpAddr;
+use std::net::{IpAddr, SocketAddr};
 use std::sync::Arc;
 use std::time::Duration;
 use tokio::sync::{oneshot, watch};
@@ -16,9 +18,37 @@ use tokio::time::timeout;
 /// Which part of all places one other network gets at most, and one user.
 const PART: usize = 4;
 
+/// Where a request comes from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Peer {
+    pub(crate) ip: IpAddr,
+    /// Whether that is this computer.
+    pub(crate) is_near: bool,
+}
+
+impl Peer {
+    /// The client at this address, which reached the server at its own one.
+    pub(crate) fn of(peer: SocketAddr, own: Option<SocketAddr>) -> Self {
+        let ip = peer.ip().to_canonical();
+        let is_own = own.is_some_and(|own| own.ip().to_canonical() == ip);
+        Self { ip, is_near: is_own || ip.is_loopback() }
+    }
+}
+
+impl<S: Sync> FromRequestParts<S> for Peer {
+    type Rejection = Failure;
+
+    async fn from_request_parts(parts: &mut Parts, _state: &S) -> Result<Self, Failure> {
+        parts.extensions.get::<Self>().copied().ok_or_else(|| {
+            let message = "it is not known where this request comes from: use the server's port";
+            Failure::forbidden("from_nowhere", message)
+        })
+    }
+}
+
 /// All places of a server.
 #[derive(Debug, Clone)]
-pub(super) struct ConnectionSlots {
+pub(crate) struct ConnectionSlots {
     max: usize,
     taken: Arc<Mutex<Taken>>,
     /// How many connections there are, with those that have lost their place and are about to end.
@@ -41,7 +71,7 @@ struct SlotHolder {
 }
 
 /// Ends when another connection has taken the place.
-pub(super) type Lost = oneshot::Receiver<()>;
+pub(crate) type Lost = oneshot::Receiver<()>;
 
 /// The place of one connection, until dropped.
 #[derive(Debug)]
@@ -51,12 +81,12 @@ pub(crate) struct ConnectionSlot {
 }
 
 impl ConnectionSlots {
-    pub(super) fn new(max: usize) -> Self {
+    pub(crate) fn new(max: usize) -> Self {
         Self { max, taken: Arc::default(), count: watch::Sender::new(0) }
     }
 
     /// A place for a new connection: a free one, or that of the oldest on which nobody has logged in.
-    pub(super) fn take(&self, peer: Peer) -> Option<(Arc<ConnectionSlot>, Lost)> {
+    pub(crate) fn take(&self, peer: Peer) -> Option<(Arc<ConnectionSlot>, Lost)> {
         let network = network(peer.ip);
         let most = if peer.is_near { self.max } else { (self.max / PART).max(1) };
         let mut taken = self.taken.lock();
@@ -75,7 +105,7 @@ impl ConnectionSlots {
     }
 
     /// Waits until no connection is left, but not for ever.
-    pub(super) async fn wait_until_free(&self, limit: Duration) {
+    pub(crate) async fn wait_until_free(&self, limit: Duration) {
         let mut count = self.count.subscribe();
         drop(timeout(limit, count.wait_for(|count| *count == 0)).await);
     }
