@@ -13,7 +13,7 @@ const TESTKIT: &str = "rafcon-testkit";
 const LAYERS: [(&str, &[&str]); 13] = [
     ("rafcon-model", &[]),
     // For tests, benches and examples of all others ([`TESTKIT`]).
-    (TESTKIT, &["rafcon-storage", "rafcon-protocol", "rafcon-model"]),
+    (TESTKIT, &["rafcon-storage", "rafcon-engine", "rafcon-protocol", "rafcon-model"]),
     // Knows nothing but locks.
     ("rafcon-locks", &[]),
     // The journal keeps the events of the protocol, so storage speaks it.

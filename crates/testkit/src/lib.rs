@@ -1,5 +1,5 @@
-//! What the tests of several crates share: machines, journals and folders from text, and edits chosen by
-//! numbers.
+//! What the tests of several crates share: machines, journals and folders from text, edits chosen by
+//! numbers, and runs simulated by seeds.
 //!
 //! Knows what is public in the crates that it helps to test. No product may depend on it; tests, benches and examples do.
 
@@ -8,3 +8,4 @@ pub mod files;
 pub mod journal_notation;
 pub mod machines;
 pub mod notation;
+pub mod simulation;

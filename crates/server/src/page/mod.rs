@@ -154,8 +154,8 @@ fn not_built(way: &str) -> Response {
 
 #[cfg(test)]
 mod tests {
-    use crate::page_files::PageFile;
     use super::{current, document, takes_gzip};
+    use crate::page_files::PageFile;
     use axum::http::header::{self, HeaderMap, HeaderName};
     use axum::http::{HeaderValue, StatusCode};
     use flate2::{Compression, write::GzEncoder};

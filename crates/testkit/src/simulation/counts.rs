@@ -6,13 +6,13 @@ macro_rules! counts {
     ($($(#[$doc:meta])* $name:ident),+ $(,)?) => {
         /// How often each thing happened.
         #[derive(Debug, Clone, Default, PartialEq, Eq)]
-        pub(crate) struct Counts {
-            $($(#[$doc])* pub(crate) $name: u64,)+
+        pub struct Counts {
+            $($(#[$doc])* pub $name: u64,)+
         }
 
         impl Counts {
             /// Adds what another run did.
-            pub(crate) fn add(&mut self, other: &Self) {
+            pub fn add(&mut self, other: &Self) {
                 $(self.$name += other.$name;)+
             }
 
@@ -68,31 +68,31 @@ counts! {
     started_again,
     /// States that were dropped then.
     dropped_states,
-    /// Runs that were taken up by another engine.
+    /// Runs that were resumed by another engine.
     resumed,
-    /// Runs that were taken up although they had been taken up before.
+    /// Runs that were resumed although they had been resumed before.
     resumed_again,
-    /// Runs that were taken up while they were stopping.
+    /// Runs that were resumed while they were stopping.
     resumed_stopping,
-    /// Runs that were taken up while a state had been asked to end.
+    /// Runs that were resumed while a state had been asked to end.
     resumed_preempting,
-    /// Runs that were taken up while a handler ran.
+    /// Runs that were resumed while a handler ran.
     resumed_handling,
-    /// Runs that were taken up while a state was active backwards.
+    /// Runs that were resumed while a state was active backwards.
     resumed_backwards,
-    /// Runs that were taken up with breakpoints.
+    /// Runs that were resumed with breakpoints.
     resumed_with_breakpoints,
-    /// Runs that were taken up by a changed machine.
+    /// Runs that were resumed by a changed machine.
     resumed_changed,
     /// Runs that did not fit a changed machine.
     refused_changed,
     /// Moments of the past that a run went back to.
     moments_restored,
-    /// Interrupted scripts about which somebody decided.
+    /// Interrupted scripts about which someone decided.
     recovered,
-    /// Answers that both of two runs gave, one of which had been cut and taken up.
+    /// Answers that both of two runs gave, one of which had been cut and resumed.
     twin_answers,
-    /// Times that the run which had been taken up was cut once more.
+    /// Times that the run which had been resumed was cut once more.
     twins_cut_again,
     /// Cuts while the run was stopping.
     twins_cut_stopping,
@@ -106,7 +106,7 @@ counts! {
 
 impl Counts {
     /// What happened in less than one of a hundred seeds.
-    pub(crate) fn rare(&self, seeds: u64) -> Vec<&'static str> {
+    pub fn rare(&self, seeds: u64) -> Vec<&'static str> {
         let least = seeds / 100;
         self.all().into_iter().filter(|(_, count)| *count <= least).map(|(name, _)| name).collect()
     }

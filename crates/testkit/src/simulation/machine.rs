@@ -1,6 +1,6 @@
 //! Random machines in text notation: nested, concurrent, with libraries, many of them faulty.
 
-use crate::random::Random;
+use super::random::Random;
 
 /// How deep machines get.
 const DEPTH: usize = 4;

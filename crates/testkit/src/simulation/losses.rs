@@ -1,9 +1,9 @@
-//! Engines that are lost at any moment, and others that take their runs up.
+//! Engines that are lost at any moment, and others that resume their runs.
 
-use crate::commands;
-use crate::edits::{edited, reloaded};
-use crate::watch::{Amid, Checked, promise};
-use crate::world::World;
+use super::commands;
+use super::edits::{edited, reloaded};
+use super::watch::{Amid, Checked, promise};
+use super::world::World;
 use rafcon_engine::{
     ActiveStateData, Counted, Engine, Event, Input, Interrupted, ModelLiterals, Outbox, Program,
     Restore,
@@ -19,7 +19,7 @@ struct Left {
     /// Which states were active, and whether they had been asked to end.
     asked: BTreeMap<StatePath, bool>,
     /// Whether nothing was held and nothing was ever undone. A branch that was held behind its end, or that had ended when
-    /// another was undone, wins its race when the run is taken up.
+    /// another was undone, wins its race when the run is resumed.
     went_on: bool,
 }
 
@@ -98,7 +98,7 @@ impl World {
         Left { breakpoints, restore, asked, went_on }
     }
 
-    /// The machine was changed while nobody ran it. Whether it fits the run.
+    /// The machine was changed while no one ran it. Whether it fits the run.
     fn resume_changed(&mut self, left: &Left) -> Result<bool, String> {
         let Some(random) = &mut self.wide else { return Ok(false) };
         let mut machine = self.machine.clone();

@@ -5,21 +5,8 @@
 //! what happened last, and ends with 1; prints what was exercised and ends with 0 otherwise, or with 1 if some of it
 //! hardly was.
 
-mod commands;
-mod counts;
-mod edits;
-mod history;
-mod losses;
-mod machine;
-mod places;
-mod random;
-mod twin;
-mod watch;
-mod world;
-
-use counts::Counts;
+use rafcon_testkit::simulation::{self, Counts, Report, Width};
 use std::process::ExitCode;
-use world::Width;
 
 #[expect(clippy::print_stdout, clippy::print_stderr, reason = "this is a command-line program")]
 fn main() -> ExitCode {
@@ -50,8 +37,8 @@ fn main() -> ExitCode {
     ExitCode::FAILURE
 }
 
-fn simulate(seed: u64, width: Width) -> Result<world::Report, String> {
-    let run = std::panic::catch_unwind(|| world::simulate(seed, width));
+fn simulate(seed: u64, width: Width) -> Result<Report, String> {
+    let run = std::panic::catch_unwind(|| simulation::simulate(seed, width));
     run.unwrap_or_else(|_panic| Err(format!("seed {seed}: it panicked")))
 }
 

@@ -1,8 +1,8 @@
 //! Random edits of a machine, most of them legal.
 
-use crate::machine::{INPUT, OUTCOMES, OUTPUT};
-use crate::places::{paths, state_at_mut};
-use crate::random::Random;
+use super::machine::{INPUT, OUTCOMES, OUTPUT};
+use super::places::{paths, state_at_mut};
+use super::random::Random;
 use rafcon_model::edit::{ChildrenEdit, DataFlowEdit, Edit, OutcomeEdit, PortEdit, StateEdit};
 use rafcon_model::edit::{TransitionEdit, apply};
 use rafcon_model::{

@@ -1,7 +1,7 @@
 //! Watches what an engine says and does, and that no promise is broken.
 
-use crate::counts::Counts;
-use crate::history::History;
+use super::counts::Counts;
+use super::history::History;
 use rafcon_engine::{
     ActiveState, Activity, Effect, Engine, Event, HeldBy, Job, Outbox, PathId, Status,
 };
@@ -255,7 +255,7 @@ impl Watch {
         promise(scripts == self.running.len(), "the snapshot and the jobs disagree")?;
         let over = engine.status() == Status::Finished;
         let paused = engine.status() == Status::Paused;
-        promise(over || self.paused == paused, "nobody knows of a pause")?;
+        promise(over || self.paused == paused, "no one knows of a pause")?;
         self.names_stay(&snapshot, engine, machine)?;
         self.requests_arrive(&snapshot, engine)?;
         let inner = snapshot.iter().filter_map(|active| engine.path_parent(active.path));

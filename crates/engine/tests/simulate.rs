@@ -1,31 +1,7 @@
 //! Random machines, random results, random commands and edits, in random orders.
 
-#[path = "../../examples/simulate/commands.rs"]
-mod commands;
-#[path = "../../examples/simulate/counts.rs"]
-mod counts;
-#[path = "../../examples/simulate/edits.rs"]
-mod edits;
-#[path = "../../examples/simulate/history.rs"]
-mod history;
-#[path = "../../examples/simulate/losses.rs"]
-mod losses;
-#[path = "../../examples/simulate/machine.rs"]
-mod machine;
-#[path = "../../examples/simulate/places.rs"]
-mod places;
-#[path = "../../examples/simulate/random.rs"]
-mod random;
-#[path = "../../examples/simulate/twin.rs"]
-mod twin;
-#[path = "../../examples/simulate/watch.rs"]
-mod watch;
-#[path = "../../examples/simulate/world.rs"]
-mod world;
-
-use counts::Counts;
 use proptest::prelude::{ProptestConfig, any, prop_assert_eq, proptest};
-use world::{Width, simulate};
+use rafcon_testkit::simulation::{Counts, Width, simulate};
 
 /// Runs in one test.
 const SEEDS: u64 = 300;

@@ -1,7 +1,7 @@
 //! Random commands, most of them sensible at the moment.
 
-use crate::places::paths;
-use crate::random::Random;
+use super::places::paths;
+use super::random::Random;
 use rafcon_engine::{
     Activity, Breakpoint, Engine, Input, Interrupted, Scope, Start, Status, Stride, Then,
     Unattended, WaitReason, When,

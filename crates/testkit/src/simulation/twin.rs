@@ -1,10 +1,10 @@
-//! A run that is cut and taken up by another engine goes on as the run that was not cut: the same answers to the same
+//! A run that is cut and resumed by another engine goes on as the run that was not cut: the same answers to the same
 //! results, from then on.
 
-use crate::commands::Like;
-use crate::random::Random;
-use crate::watch::{Amid, Checked};
-use crate::world::{INPUTS as LIFE, World, result};
+use super::commands::Like;
+use super::random::Random;
+use super::watch::{Amid, Checked};
+use super::world::{INPUTS as LIFE, World, result};
 use rafcon_engine::{
     Effect, Engine, Event, Input, Interrupted, Job, NoGlobals, Outbox, PathId, Restore,
     ScriptResult, Start, Status, WaitReason,
@@ -23,7 +23,7 @@ struct Side {
 }
 
 impl World {
-    /// Runs for a while, and is then cut and taken up while it also goes on.
+    /// Runs for a while, and is then cut and resumed while it also goes on.
     pub(crate) fn live_as_twins(&mut self) -> Checked {
         self.feed(Input::Start(Start::default()))?;
         for _ in 0..self.random.below(LIFE / 4) {
@@ -93,7 +93,7 @@ fn twins(world: &mut World) -> Checked {
     }
     world.engine = whole.engine;
     let over = cut.engine.status() == Status::Finished;
-    if over { Ok(()) } else { Err("the run that was taken up goes on".into()) }
+    if over { Ok(()) } else { Err("the run that was resumed goes on".into()) }
 }
 
 /// Whether the run goes on from what events alone have said. They do not tell of commands to preempt a state, nor what was
@@ -117,7 +117,7 @@ fn same(what: &str, whole: &[String], cut: &[String]) -> Checked {
         return Ok(());
     }
     let (whole, cut) = (whole.join("\n"), cut.join("\n"));
-    Err(format!("the run taken up {what}; it should be\n{whole}\nbut is\n{cut}\n"))
+    Err(format!("the run resumed {what}; it should be\n{whole}\nbut is\n{cut}\n"))
 }
 
 /// Gives both the same input, and compares what they say.
@@ -149,7 +149,7 @@ fn compare(whole: String, cut: &str) -> Result<String, String> {
     if whole == cut {
         return Ok(whole);
     }
-    Err(format!("the run taken up goes on otherwise; it should have said\n{whole}but said\n{cut}"))
+    Err(format!("the run resumed goes on otherwise; it should have said\n{whole}but said\n{cut}"))
 }
 
 impl Side {
@@ -170,7 +170,7 @@ impl Side {
     }
 
     fn finish(&mut self, name: &str, result: ScriptResult<Value>) -> Result<String, String> {
-        let job = self.jobs.remove(name).ok_or("a script does not run in the run taken up")?;
+        let job = self.jobs.remove(name).ok_or("a script does not run in the run resumed")?;
         self.feed(Input::Finished { frame: job.frame, result })
     }
 

@@ -1,17 +1,17 @@
 //! A world that drives an engine as real threads and people would, in any order.
 
-use crate::commands::{self, Like, Moment, Mood};
-use crate::counts::Counts;
-use crate::edits::{edited, reloaded};
-use crate::machine::machine;
-use crate::random::Random;
-use crate::watch::{Checked, Watch, promise};
+use super::commands::{self, Like, Moment, Mood};
+use super::counts::Counts;
+use super::edits::{edited, reloaded};
+use super::machine::machine;
+use super::random::Random;
+use super::watch::{Checked, Watch, promise};
+use crate::notation;
 use rafcon_engine::{
     ActiveStateData, Change, Counted, Engine, FrameId, Input, Job, ModelLiterals, NoGlobals,
     Outbox, Program, Refusal, Restore, Returned, ScriptResult, Start, Status, Stride,
 };
 use rafcon_model::{Machine, Value};
-use rafcon_testkit::notation;
 use std::sync::Arc;
 
 /// Inputs at most before the run is stopped.
@@ -21,16 +21,16 @@ const INPUTS_AFTER_STOP: usize = 60;
 
 /// What a run came to.
 #[derive(Debug, PartialEq, Eq)]
-pub(crate) struct Report {
+pub struct Report {
     /// What it exercised.
-    pub(crate) counts: Counts,
+    pub counts: Counts,
     /// Everything that happened, as one number.
-    pub(crate) fingerprint: u64,
+    pub fingerprint: u64,
 }
 
 /// What can happen to a run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Width {
+pub enum Width {
     /// What could in the first version of the simulation, in the same order: seeds that failed then repeat what they did.
     First,
     /// Everything.
@@ -38,7 +38,7 @@ pub(crate) enum Width {
 }
 
 /// Runs the machine of this seed to its end. The error says which promise was broken, and shows the machine.
-pub(crate) fn simulate(seed: u64, width: Width) -> Result<Report, String> {
+pub fn simulate(seed: u64, width: Width) -> Result<Report, String> {
     let mut random = Random::new(seed);
     let handlers = random.percent(50);
     let text = machine(&mut random, handlers);

@@ -1,0 +1,16 @@
+//! Simulated runs: random machines, results, commands, edits and lost engines, in random orders that a seed decides.
+
+mod commands;
+mod counts;
+mod edits;
+mod history;
+mod losses;
+mod machine;
+mod places;
+mod random;
+mod twin;
+mod watch;
+mod world;
+
+pub use counts::Counts;
+pub use world::{Report, Width, simulate};
