@@ -1,4 +1,4 @@
-//! Whatever lies in a recorder, the run can be read and taken up, and goes on. The first bytes are the file's, or edits of one
+//! Whatever lies in a recorder, the run can be read and resumed, and continues. The first bytes are the file's, or edits of one
 //! that a run left: a byte, and where it goes.
 #![no_main]
 
@@ -44,8 +44,8 @@ fuzz_target!(|bytes: &[u8]| {
         .and_then(|reader| reader.last_sequence())
         .expect("it can be read");
     assert!((21..=40).contains(&last));
-    let (journal, taken_up) =
-        Journal::take_up(folder.path(), &OPTIONS).expect("it can be taken up");
-    assert_eq!(taken_up.sequence, last);
+    let (journal, resume_point) =
+        Journal::resume(folder.path(), &OPTIONS).expect("it can be resumed");
+    assert_eq!(resume_point.sequence, last);
     drop(journal);
 });

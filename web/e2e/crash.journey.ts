@@ -39,7 +39,7 @@ async function untilOver(app: App): Promise<readonly string[]> {
   });
 }
 
-journey("a run that crashed is taken up on the recovery path", SETTING, async ({ app, server }) => {
+journey("a run that crashed is resumed on the recovery path", SETTING, async ({ app, server }) => {
   await press(app, "Start");
   await crashIn(app, server, PRESSED, "tries");
   await stands(app, "crashed");

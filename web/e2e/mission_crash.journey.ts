@@ -86,7 +86,7 @@ crashed("after a crash mission control asks for each script, and it decides", as
 });
 
 crashed(
-  "a crash that nobody takes up stays told, to viewers too and after a reload",
+  "a crash that nobody resumes stays told, to viewers too and after a reload",
   async ({ app, colleague }, run) => {
     const vera = await colleague("vera", "viewer");
     await vera.sheet.goto(`${vera.server.url}/?layout=mission&run=${run}`);

@@ -49,7 +49,7 @@ pub(crate) struct SoakOptions {
     /// How many clients the server has.
     #[arg(long, default_value_t = 200)]
     clients: u32,
-    /// How long the run goes on that they follow.
+    /// How long the run continues that they follow.
     #[arg(long, default_value_t = 60)]
     seconds: u32,
 }

@@ -1,6 +1,6 @@
 //! Building, checking, measuring and packing this repository: one module a command.
 //!
-//! Knows the repository's layout and which programs to start. Never links one of the crates: it sees them as anybody
+//! Knows the repository's layout and which programs to start. Never links one of the crates: it sees them as anyone
 //! outside does, through cargo, the `rafcon` binary and files.
 #![expect(
     clippy::print_stdout,

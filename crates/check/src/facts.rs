@@ -1,5 +1,5 @@
 //! What Python's parser says about the text of a script. Python reads many at a time and runs none of them. Knows the two sides
-//! of that conversation; must never know how the interpreter is started.
+//! of that conversation, but not how the interpreter is started.
 
 use serde::{Deserialize, Serialize};
 

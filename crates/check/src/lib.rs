@@ -1,7 +1,7 @@
 //! Everything that is wrong with a machine: faults of its files, broken rules, and scripts that do not fit their states.
 //!
 //! The one checker of `rafcon check`, the server and the page. Knows machines and what Python says about the text of scripts;
-//! must never know who asks, HTTP, terminals, or how an interpreter is started.
+//! knows nothing of who asks, HTTP, terminals, or how an interpreter is started.
 
 mod facts;
 mod finding;

@@ -48,7 +48,7 @@ pub enum Event<D> {
         /// Its new value.
         value: D,
     },
-    /// A state cannot go on until the machine is changed or stopped.
+    /// A state cannot continue until the machine is changed or stopped.
     Waiting {
         /// The container that waits.
         path: PathId,
@@ -76,7 +76,7 @@ pub enum Event<D> {
         /// Whether it held anything.
         held: bool,
     },
-    /// Somebody chose the outcome of a state that waited or was held, or was skipped.
+    /// Someone chose the outcome of a state that waited or was held, or was skipped.
     Forced {
         /// The state.
         path: PathId,

@@ -10,7 +10,7 @@ use std::sync::Arc;
 pub enum Input<D> {
     /// Begin the run; or begin again, while everything is held or waits.
     Start(Start<D>),
-    /// Take up a run, or begin again at an earlier moment, while everything is held or waits.
+    /// Resume a run, or begin again at an earlier moment, while everything is held or waits.
     Restore(Box<Restore<D>>),
     /// Hold every hierarchy before its next child; scripts see `paused`.
     Pause,
@@ -34,7 +34,7 @@ pub enum Input<D> {
     Break(Breakpoint),
     /// Remove a breakpoint.
     Unbreak(u64),
-    /// Whether anybody is connected. A run begins attended.
+    /// Whether anyone is connected. A run begins attended.
     Attended(bool),
     /// Go by this program from now on. States keep their numbers where their paths are the same.
     Change(Change<D>),
@@ -106,7 +106,7 @@ impl<D> Default for Start<D> {
     }
 }
 
-/// A moment to go on from.
+/// A moment to continue from.
 #[derive(Debug, Clone)]
 pub struct Restore<D> {
     /// The root, with all that was active.
@@ -155,7 +155,7 @@ pub struct Counted {
     pub entries: u64,
 }
 
-/// A program to go on with.
+/// A program to continue with.
 #[derive(Debug, Clone)]
 pub struct Change<D> {
     /// Made by [`Program::change`] from the program that was given last.
@@ -233,7 +233,7 @@ pub enum Scope {
 pub enum Unattended {
     /// Holds all the same.
     Hold,
-    /// Lets go on, also what it held when the last viewer was lost.
+    /// Lets continue, also what it held when the last viewer was lost.
     Continue,
     /// Stops the run.
     Stop,

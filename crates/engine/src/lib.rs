@@ -1,6 +1,6 @@
 //! What happens next in a run of a state machine, as a pure function of what happened so far.
 //!
-//! Knows the active configuration, data scopes, preemption and the ends of states. Must never know threads, clocks,
+//! Knows the active configuration, data scopes, preemption and the ends of states. Knows nothing of threads, clocks,
 //! Python or I/O: it takes [`Input`]s and returns [`Effect`]s and [`Event`]s in an [`Outbox`].
 #![warn(clippy::wildcard_enum_match_arm)]
 pub mod configuration;

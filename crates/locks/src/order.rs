@@ -1,4 +1,4 @@
-//! Which locks a thread holds, and in which order locks were taken so far. Knows kinds of locks; must never know how one is taken.
+//! Which locks a thread holds, and in which order locks were taken so far. Knows kinds of locks, but not how one is taken.
 
 use std::cell::RefCell;
 use std::collections::{BTreeMap, BTreeSet};

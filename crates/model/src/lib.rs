@@ -1,7 +1,7 @@
 //! The model of RAFCON: a state machine as an immutable value.
 //!
 //! Knows states, ports, outcomes, transitions, data flows, values, types, validity rules and edits.
-//! Must never know files, threads, time or Python.
+//! Knows nothing of files, threads, time or Python.
 
 pub mod connection;
 pub mod convert;

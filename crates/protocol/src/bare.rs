@@ -1,4 +1,4 @@
-//! Events for whoever wants no values. Knows what is told all the same; must never know who listens.
+//! Events for whoever wants no values. Knows what is told all the same, but not who listens.
 
 use crate::Event;
 use serde_json::{Value, json};

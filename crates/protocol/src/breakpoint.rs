@@ -23,7 +23,7 @@ pub struct Breakpoint {
     /// What is held.
     #[serde(default)]
     pub scope: Scope,
-    /// What happens while nobody is connected.
+    /// What happens while no one is connected.
     #[serde(default)]
     pub unattended: Unattended,
     /// A disabled one does nothing and is kept.
@@ -59,7 +59,7 @@ pub enum Scope {
     Run,
 }
 
-/// What a breakpoint does while nobody is connected.
+/// What a breakpoint does while no one is connected.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 #[serde(rename_all = "snake_case")]
@@ -67,7 +67,7 @@ pub enum Unattended {
     /// Holds all the same.
     #[default]
     Hold,
-    /// Lets go on, also what it held when the last viewer was lost.
+    /// Lets continue, also what it held when the last viewer was lost.
     Continue,
     /// Stops the run.
     Stop,

@@ -177,10 +177,10 @@ pub enum Command {
         /// The whole new text.
         script: String,
     },
-    /// Somebody else commands from now on. A runner notes it down and obeys whom it did before: who may command is for
+    /// Someone else commands from now on. A runner notes it down and obeys whom it did before: who may command is for
     /// whoever lets people in to decide.
     Control {
-        /// The user; `None`: nobody.
+        /// The user; `None`: no one.
         #[serde(default)]
         holder: Option<String>,
     },

@@ -45,7 +45,7 @@ pub enum LogLevel {
     Verbose,
     /// For whoever looks for a fault.
     Debug,
-    /// For everybody.
+    /// For everyone.
     Info,
     /// Could be wrong.
     Warning,
@@ -155,7 +155,7 @@ pub enum Event {
         /// Its id.
         id: u64,
     },
-    /// Somebody chose the outcome of a state that waited or was held.
+    /// Someone chose the outcome of a state that waited or was held.
     Forced {
         /// The state.
         path: String,
@@ -181,7 +181,7 @@ pub enum Event {
         /// What is to be changed, for people.
         change: String,
     },
-    /// Somebody asked for something, and this was the answer.
+    /// Someone asked for something, and this was the answer.
     Commanded {
         /// The command.
         envelope: Box<Envelope>,
@@ -201,7 +201,7 @@ pub enum Event {
         how: Closing,
         /// The answer, if there is one.
         answer: Option<serde_json::Value>,
-        /// Who answered; empty if nobody did.
+        /// Who answered; empty if no one did.
         author: String,
     },
     /// A state went past its deadline and is preempted.
@@ -257,14 +257,14 @@ pub enum Event {
         /// The text, without the newline at its end.
         message: String,
     },
-    /// A state cannot go on until the machine is changed or stopped.
+    /// A state cannot continue until the machine is changed or stopped.
     Waiting {
         /// The state.
         path: String,
         /// For what, and the way out.
         reason: String,
     },
-    /// The run was paused or goes on.
+    /// The run was paused or continues.
     Paused {
         /// Whether it is paused now.
         paused: bool,
@@ -310,9 +310,9 @@ pub enum RunStatus {
 pub enum Phase {
     /// Its script or its children run.
     Running,
-    /// It cannot go on.
+    /// It cannot continue.
     Waiting,
-    /// A crash interrupted its script, and nobody has decided what becomes of it.
+    /// A crash interrupted its script, and no one has decided what becomes of it.
     Interrupted,
     /// Held before the next state.
     Held,
@@ -377,7 +377,7 @@ pub struct Snapshot {
     /// All breakpoints.
     #[serde(default)]
     pub breakpoints: Vec<Breakpoint>,
-    /// Questions that nobody has answered yet.
+    /// Questions that no one has answered yet.
     #[serde(default)]
     pub questions: Vec<Question>,
 }

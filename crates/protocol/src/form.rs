@@ -1,4 +1,4 @@
-//! Whether an answer is of the shape that a question's form says. Knows forms; must never know who asks or answers.
+//! Whether an answer is of the shape that a question's form says. Knows forms, but not who asks or answers.
 
 use crate::Form;
 use serde_json::Value;

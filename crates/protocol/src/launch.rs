@@ -53,13 +53,13 @@ pub struct Launch {
     #[serde(default)]
     pub breakpoints: Vec<Breakpoint>,
     /// What becomes of interrupted scripts if the runner dies; `None`: what the root's semantic data `on_crash` says, else
-    /// *ask*. The runner writes it down for whoever takes the run up again.
+    /// *ask*. The runner writes it down for whoever resumes the run again.
     #[serde(default)]
     pub on_crash: Option<OnCrash>,
-    /// Take up the run whose folder `run_folder` is, instead of beginning one: its machine is the one that it kept.
+    /// Resume the run whose folder `run_folder` is, instead of beginning one: its machine is the one that it kept.
     #[serde(default)]
     pub resume: Option<Resume>,
-    /// How the runner before ended, if the run is taken up.
+    /// How the runner before ended, if the run is resumed.
     #[serde(default)]
     pub crash: Option<Crash>,
     /// Whether others may join the run, by the socket in its folder.

@@ -1,6 +1,6 @@
 //! The commands, events and snapshots that cross a process border, and their version.
 //!
-//! Knows what is said. Must never know how it travels: sockets, files and threads are somebody else's.
+//! Knows what is said. Does not know how it travels: sockets, files and threads are someone else's.
 //!
 //! A message is one JSON object, on a line or in a frame ([`frame`]). The first line each way is a [`Hello`]; a different
 //! [`VERSION`] ends the talk with a reason. The vocabulary is in `docs/protocol.md`.

@@ -74,7 +74,7 @@ pub enum Form {
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 #[serde(rename_all = "snake_case")]
 pub enum Closing {
-    /// Somebody answered.
+    /// Someone answered.
     Answered,
     /// The time was over; the default counts.
     TimedOut,

@@ -1,4 +1,4 @@
-//! What belongs to a run as a whole: how it is kept, and how it goes on after a crash.
+//! What belongs to a run as a whole: how it is kept, and how it continues after a crash.
 
 use serde::{Deserialize, Serialize};
 
@@ -21,7 +21,7 @@ pub enum Keeping {
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 #[serde(rename_all = "snake_case")]
 pub enum OnCrash {
-    /// Nothing moves until somebody decides with [`crate::Command::Recover`].
+    /// Nothing moves until someone decides with [`crate::Command::Recover`].
     #[default]
     Ask,
     /// They end with the outcome *aborted* and the crash as their error, so that recovery transitions take over.
@@ -35,7 +35,7 @@ pub enum OnCrash {
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 #[serde(rename_all = "snake_case")]
 pub enum Afterwards {
-    /// The run goes on.
+    /// The run is in progress.
     #[default]
     GoOn,
     /// The run is held, in step mode.
@@ -44,7 +44,7 @@ pub enum Afterwards {
     Stop,
 }
 
-/// How a run is taken up again.
+/// How a run is resumed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct Resume {

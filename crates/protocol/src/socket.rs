@@ -129,7 +129,7 @@ pub enum ToClient {
     Events {
         /// Of this subscription.
         subscription: u32,
-        /// Where the client goes on after a break. Without values some numbers are left out, and this says how far it is told.
+        /// Where the client continues after a break. Without values some numbers are left out, and this says how far it is told.
         next: u64,
         /// In order. Empty once: everything that there is so far has been told.
         events: Vec<HistoryEntry>,
@@ -186,7 +186,7 @@ pub enum ToClient {
         /// The revision that it made.
         revision: u64,
     },
-    /// A command, edit or frame was refused before anybody acted on it.
+    /// A command, edit or frame was refused before anyone acted on it.
     Refused {
         /// Its id, if it has one.
         id: Option<String>,

@@ -78,7 +78,7 @@ pub(crate) fn give_up_old_runs(py: Python<'_>, folder: &str) -> PyResult<()> {
 }
 
 /// `rafcon._native.host`: runs a machine that was built here as the other end of the socket `fd` asks for, to its end; a run
-/// that is taken up again has its machine itself. `roots` are where its libraries lie, `inputs` those of the root. Output,
+/// that is resumed has its machine itself. `roots` are where its libraries lie, `inputs` those of the root. Output,
 /// signals and configuration stay those of the program.
 #[pyfunction]
 pub(crate) fn host(

@@ -1,6 +1,6 @@
 //! What plugins say before the run is there: it waits here, and stands at the head of the run's log.
 //!
-//! Knows lines. Must never know what a run does with them.
+//! Knows lines. Does not know what a run does with them.
 
 use crate::scripts::PythonScripts;
 use parking_lot::Mutex;

@@ -296,7 +296,7 @@ fn plain(object: &Bound<'_, PyAny>, kind: &Kind) -> Option<Kept> {
     }
 }
 
-/// What stands for a value that nobody has asked to keep.
+/// What stands for a value that no one has asked to keep.
 fn not_kept(kind: &Kind) -> KeptValue {
     let type_name = kind.type_name();
     KeptValue::new(Stored {

@@ -1,6 +1,6 @@
 //! CPython as a host of RAFCON's scripts: the extension module `rafcon._native`.
 //!
-//! Knows Python objects, script states and the Python package `rafcon`. Must never know servers, nor what a run decides:
+//! Knows Python objects, script states and the Python package `rafcon`. Knows nothing of servers, nor what a run decides:
 //! that is the engine's.
 
 mod array;

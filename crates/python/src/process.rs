@@ -24,7 +24,7 @@ pub(crate) struct PythonHost {
 }
 
 impl PythonHost {
-    /// Hosts a machine that the program has built (or a run that is taken up again), with inputs of its root.
+    /// Hosts a machine that the program has built (or a run that is resumed), with inputs of its root.
     pub(crate) fn embedded(built: Option<Built>, inputs: Vec<(SmolStr, Handle)>) -> Self {
         Self { literals: PythonLiterals, built, inputs }
     }

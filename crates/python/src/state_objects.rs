@@ -25,7 +25,7 @@ pub(crate) struct StateObjects {
     scripts: RwLock<BTreeMap<NodeId, Arc<Script>>>,
     codes: Arc<Codes>,
     seats: StateTable,
-    /// By path: what states had kept when the run was taken up, and have not asked for yet.
+    /// By path: what states had kept when the run was resumed, and have not asked for yet.
     persistent: Mutex<BTreeMap<String, Handle>>,
 }
 
@@ -79,7 +79,7 @@ impl PythonScripts {
         }
     }
 
-    /// Puts an object that was made elsewhere on a place where nobody sits yet.
+    /// Puts an object that was made elsewhere on a place where no one sits yet.
     pub(crate) fn seat_with(&self, object: &Bound<'_, PyAny>, place: &Arc<Place>) -> PyResult<()> {
         let py = object.py();
         let signals = Py::new(py, Signals::new(Arc::clone(place)))?;

@@ -108,7 +108,7 @@ fn is_script(module: &str) -> bool {
     !number.is_empty() && number.bytes().all(|byte| byte.is_ascii_digit())
 }
 
-/// Writes a pickle to the file of its hash. What cannot be written is not kept: the run goes on.
+/// Writes a pickle to the file of its hash. What cannot be written is not kept: the run continues.
 fn put(folder: &Path, pickle: &[u8]) -> Content {
     let hash = blake3::hash(pickle).to_hex().to_string();
     match write(folder, &hash, pickle) {

@@ -1,6 +1,6 @@
 //! What people see of a value: JSON as `docs/protocol.md` encodes values, bounded, and whether it is all of the value.
 //!
-//! Knows Python's own types. Must never know where a view is kept.
+//! Knows Python's own types. Does not know where a view is kept.
 
 use super::array;
 use pyo3::exceptions::PyBaseException;

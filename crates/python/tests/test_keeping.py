@@ -1,4 +1,4 @@
-"""What a run keeps of values: a runner dies in the middle of its run, and another one takes it up."""
+"""What a run keeps of values: a runner dies in the middle of its run, and another one resumes it."""
 
 import importlib.util
 import json

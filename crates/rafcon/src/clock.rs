@@ -1,4 +1,4 @@
-//! The one place of this program that reads a clock; everybody else gets the time as an argument.
+//! The one place of this program that reads a clock; everyone else gets the time as an argument.
 
 use rafcon_storage::calendar::Date;
 use rafcon_supervisor::clock::since_1970_ms;

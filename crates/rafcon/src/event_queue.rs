@@ -69,7 +69,7 @@ pub(crate) enum Cause {
     Tick,
 }
 
-/// The way to a run that is somebody else's: its socket, or a server.
+/// The way to a run that is someone else's: its socket, or a server.
 pub(crate) trait Line {
     /// Says something to the run.
     fn say(&mut self, message: &ToRunner) -> Result<()>;
@@ -131,13 +131,13 @@ impl EventQueue {
         self.source("exit", life, move |queue| exit(child, queue))
     }
 
-    /// Connects a runner that is somebody else's; its run lies in `folder`.
+    /// Connects a runner that is someone else's; its run lies in `folder`.
     pub(crate) fn join(&mut self, control: UnixStream, folder: Option<&Path>) -> Result<()> {
         let events = StreamReader::new(0, false, folder.map(Path::to_path_buf));
         self.listen("messages", move |queue| messages(control, queue, events))
     }
 
-    /// Connects another source of causes about a run that is somebody else's.
+    /// Connects another source of causes about a run that is someone else's.
     pub(crate) fn listen(
         &mut self,
         name: &str,
@@ -237,11 +237,11 @@ fn in_front() -> Option<bool> {
     Some(group == rustix::process::getpgrp())
 }
 
-/// The other end went away: nobody wants to know any more.
+/// The other end went away: no one wants to know any more.
 #[derive(Debug)]
 pub(crate) struct Gone;
 
-/// Whether it goes on.
+/// Whether it continues.
 pub(crate) type Flow = Result<(), Gone>;
 
 fn messages(control: UnixStream, queue: &Queue, mut events: StreamReader) -> Flow {

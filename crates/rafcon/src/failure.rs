@@ -25,7 +25,7 @@ pub(crate) fn show(error: &anyhow::Error) -> ExitCode {
     ExitCode::from(if error.is::<Usage>() { 2 } else { 1 })
 }
 
-/// Writes to the error output; if that is gone there is nobody to tell.
+/// Writes to the error output; if that is gone there is no one to tell.
 pub(crate) fn complain(text: &str) {
     io::stderr().write_all(format!("{}\n", text.trim_end()).as_bytes()).unwrap_or_default();
 }

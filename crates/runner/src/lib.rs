@@ -1,6 +1,6 @@
 //! Runs an engine in real time: threads, the clock, the memory of what happened, the talk with a viewer.
 //!
-//! Knows how to drive an engine and whom to tell. Must never know HTTP, browsers or Python: scripts run behind the port
+//! Knows how to drive an engine and whom to tell. Knows nothing of HTTP, browsers or Python: scripts run behind the port
 //! [`Scripts`].
 
 /// The engine with its lock, threads and scripts: what goes in, what comes out, and what is written down of it.
@@ -34,7 +34,7 @@ mod life {
     pub(crate) mod restore_values;
     pub(crate) mod resume;
 }
-/// Where a state of a run stands: its signals, mail and time limits, and what it did last. Must never know what drives it.
+/// Where a state of a run stands: its signals, mail and time limits, and what it did last. Does not know what drives it.
 mod places {
     pub(crate) mod active;
     pub(crate) mod clock;
@@ -46,7 +46,7 @@ mod places {
     pub mod signals;
     pub(crate) mod timers;
 }
-/// What happened in a run, as bytes: in the journal, in memory, and what of it is safe. Must never know threads or viewers.
+/// What happened in a run, as bytes: in the journal, in memory, and what of it is safe. Knows nothing of threads or viewers.
 mod record {
     pub(crate) mod blocks;
     pub(crate) mod keep;
@@ -58,7 +58,7 @@ mod record {
 }
 #[cfg(test)]
 mod tests;
-/// Who is connected to a run: each is sent what it wants, and may command. Must never know how a run begins or ends.
+/// Who is connected to a run: each is sent what it wants, and may command. Does not know how a run begins or ends.
 mod viewers {
     pub(crate) mod commands;
     pub(crate) mod connection;

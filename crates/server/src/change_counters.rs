@@ -4,7 +4,7 @@
 use rafcon_supervisor::clock;
 use tokio::sync::watch;
 
-/// Counts changes of files, open machines and runs. Counting wakes everybody who waits, and costs nothing if nobody does.
+/// Counts changes of files, open machines and runs. Counting wakes everyone who waits, and costs nothing if no one does.
 #[derive(Debug)]
 pub(crate) struct ChangeCounters {
     files: watch::Sender<u64>,
@@ -46,7 +46,7 @@ impl ChangeCounters {
         self.runs.subscribe()
     }
 
-    /// The counter of runs, for each of them to count when it is different: begun, ended, taken up, in other hands.
+    /// The counter of runs, for each of them to count when it is different: begun, ended, resumed, in other hands.
     pub(crate) fn counter_of_runs(&self) -> watch::Sender<u64> {
         self.runs.clone()
     }

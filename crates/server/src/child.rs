@@ -1,4 +1,4 @@
-//! Programs that the server asks something and that end soon: bounded in time and in what they may say. Must never know what
+//! Programs that the server asks something and that end soon: bounded in time and in what they may say. Does not know what
 //! they are asked.
 
 use std::io;
@@ -40,12 +40,12 @@ pub(crate) enum ChildError {
     /// It was ended.
     #[error("it said more than {0} bytes")]
     TooMuch(u64),
-    /// Nobody can talk with it.
+    /// No one can talk with it.
     #[error("it cannot be talked with")]
     Lost(#[source] io::Error),
 }
 
-/// Runs a program to its end with this input. It is ended when nobody waits for it any more.
+/// Runs a program to its end with this input. It is ended when no one waits for it any more.
 pub(crate) async fn ask(
     mut command: Command,
     input: Vec<u8>,

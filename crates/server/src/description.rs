@@ -1,5 +1,5 @@
 //! What the description of the routes says beside what each route says of itself: who may ask, what the door answers, words
-//! that travel on the WebSocket, examples. Knows the table of rights; must never know what a route does.
+//! that travel on the WebSocket, examples. Knows the table of rights, but not what a route does.
 
 use crate::access;
 use axum::http::Method;
@@ -111,7 +111,7 @@ fn refusal(meaning: &str) -> Response {
     response
 }
 
-/// How somebody says who they are.
+/// How someone says who they are.
 fn add_keys(components: &mut Components) {
     let token = HttpBuilder::new()
         .scheme(HttpAuthScheme::Bearer)

@@ -1,5 +1,5 @@
 //! A machine's document as JSON, written straight from the machine by several threads: a large one has many MB. Knows machines
-//! and text; must never know who asks.
+//! and text, but not who asks.
 
 use rafcon_model::{Machine, State};
 use rafcon_protocol::document::{HeaderDocument, StateDocument, states_of};

@@ -1,5 +1,5 @@
 //! What requests bring, taken apart: bodies, queries and parts of paths. What does not fit is answered as a [`Failure`], never
-//! in the words of a library. Knows axum's extractors; must never know what the parts mean.
+//! in the words of a library. Knows axum's extractors, but not what the parts mean.
 
 use crate::{Failure, ServerState};
 use axum::Json;

@@ -1,5 +1,5 @@
 //! Work of one kind that takes long: some at a time, however many ask, so that threads stay free for everything else. Who waits
-//! holds no thread. Must never know what the work is.
+//! holds no thread. Does not know what the work is.
 
 use crate::Failure;
 use std::sync::Arc;
@@ -51,7 +51,7 @@ fn crowded() -> Failure {
     failure.retry_after(1)
 }
 
-/// Does the work on a thread of its own kind, and waits for it without holding anybody up.
+/// Does the work on a thread of its own kind, and waits for it without holding anyone up.
 pub(crate) async fn blocking<T: Send + 'static>(
     work: impl FnOnce() -> Result<T, Failure> + Send + 'static,
 ) -> Result<T, Failure> {

@@ -2,7 +2,7 @@
 
 use std::io::{self, Write as _};
 
-/// Says it; if nobody listens there is nobody to tell.
+/// Says it; if no one listens there is no one to tell.
 pub(crate) fn say(text: &str) {
     io::stderr().write_all(format!("rafcon serve: {text}\n").as_bytes()).unwrap_or_default();
 }

@@ -1,5 +1,5 @@
 //! The files of the page: carried in a release build, packed; read from their folder in a debug build. Knows names and kinds of files;
-//! must never know who asks.
+//! knows nothing of who asks.
 
 use flate2::read::GzDecoder;
 use std::borrow::Cow;

@@ -6,7 +6,7 @@ use std::net::{Ipv4Addr, SocketAddr};
 use std::path::PathBuf;
 use std::time::Duration;
 
-/// Where a server listens if nobody says otherwise.
+/// Where a server listens if no one says otherwise.
 pub const USUAL_PORT: u16 = 4747;
 
 /// How a server is set up.
@@ -26,11 +26,11 @@ pub struct Settings {
     pub python: Option<PathBuf>,
     /// What interpreter and extension are found by.
     pub surroundings: ProgramEnvironment,
-    /// After how much silence of a holder of control somebody else may take over.
+    /// After how much silence of a holder of control someone else may take over.
     pub control_silence: Duration,
     /// Looks up a variable of the environment, for paths in the configuration.
     pub variable: fn(&str) -> Option<String>,
-    /// Says a line to whoever started the server: what went wrong and nobody asked for. Never a secret.
+    /// Says a line to whoever started the server: what went wrong and no one asked for. Never a secret.
     pub tell: fn(&str),
     /// Where the page's files are.
     pub page: PageFiles,

@@ -74,7 +74,7 @@ impl ServerState {
         }))
     }
 
-    /// Begins to look after what goes on without requests. To be called once, within the runtime.
+    /// Begins to look after what happens without requests. To be called once, within the runtime.
     pub(crate) fn begin(self: &Arc<Self>) {
         runs::begin(self);
         files::begin(self);
@@ -94,7 +94,7 @@ impl ServerState {
         &self.people
     }
 
-    /// Somebody asks for something: who holds control of a run is not silent.
+    /// Someone asks for something: who holds control of a run is not silent.
     pub(crate) fn heard(&self, user: &str) {
         self.runs.heard(user);
     }

@@ -1,6 +1,6 @@
 //! What lies on disk: RAFCON's format, library paths, config, atomic saves, journals of runs.
 //!
-//! Knows files and folders. Must never know execution: nothing here runs a state or asks Python.
+//! Knows files and folders. Knows nothing of execution: nothing here runs a state or asks Python.
 
 pub mod calendar;
 pub mod config;

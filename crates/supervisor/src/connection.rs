@@ -1,4 +1,4 @@
-//! The connection to a runner: of who started it, with the first words that say what to run, and of who joins a run that goes on.
+//! The connection to a runner: of who started it, with the first words that say what to run, and of who joins a run in progress.
 
 use rafcon_protocol::{FrameError, Hello, Launch, ToRunner, encode};
 use rafcon_storage::journal::folder::SOCKET_FILE;
@@ -27,7 +27,7 @@ pub enum BeginError {
 }
 
 /// Says hello and what to run. What the runner says comes from the same socket, its own hello first, which is to be checked: who
-/// started a run is one of its viewers, as those who join it. Nobody needs to listen for long: from `loaded` on the run goes on
+/// started a run is one of its viewers, as those who join it. No one needs to listen for long: from `loaded` on the run continues
 /// by itself.
 pub fn begin(mut control: &UnixStream, launch: Launch) -> Result<(), BeginError> {
     let mut words = encode(&Hello::ours())?;
@@ -55,7 +55,7 @@ pub enum JoinError {
         /// Why not.
         source: io::Error,
     },
-    /// Nobody listens.
+    /// No one listens.
     #[error(
         "{run} is not active: `rafcon history {run}` shows what happened, and `rafcon resume {run}` resumes it if it did \
          not end"

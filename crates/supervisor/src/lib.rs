@@ -1,7 +1,7 @@
 //! The runners of machines, as whoever starts them sees them: how one becomes a process, how a run that is going on is
-//! joined, what a dead runner left, and whether another takes the run up.
+//! joined, what a dead runner left, and whether another resumes the run.
 //!
-//! Knows interpreter, extension, processes and the folders of runs. Must never know HTTP, terminals, or what a run means to
+//! Knows interpreter, extension, processes and the folders of runs. Knows nothing of HTTP, terminals, or what a run means to
 //! whoever follows it: the command line and the server both do, each in its own way.
 //!
 //! ```no_run

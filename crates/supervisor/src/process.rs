@@ -5,7 +5,7 @@
 //!
 //! Beside a terminal its standard input is ours if that is a file or a pipe; a terminal stays with us, for a background group
 //! that reads from it would be stopped by the kernel. What it writes comes to us by pipes. A *detached* runner has nothing
-//! that ends with us: no input, and a file for what it writes, which is locked for as long as somebody may write to it.
+//! that ends with us: no input, and a file for what it writes, which is locked for as long as someone may write to it.
 
 use crate::{Interpreter, NoExtension, NoInterpreter, ProgramEnvironment, find_extension};
 use parking_lot::Mutex;

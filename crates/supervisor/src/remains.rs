@@ -1,4 +1,4 @@
-//! What a run keeps in its folder that whoever takes it up again must know: what it says about itself, the marks of running
+//! What a run keeps in its folder that whoever resumes it again must know: what it says about itself, the marks of running
 //! scripts, and the journal. What cannot be read has nothing to say here.
 
 use rafcon_protocol::{Crash, Event, Launch, OnCrash, Resume, active};
@@ -46,7 +46,7 @@ pub fn last_logged(folder: &Path, active: &[String]) -> BTreeMap<String, String>
     found
 }
 
-/// What a run has kept about itself, for who decides whether it goes on.
+/// What a run has kept about itself, for who decides whether it continues.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct KeptRun {
     /// What becomes of scripts that a crash has interrupted.
@@ -64,7 +64,7 @@ impl KeptRun {
     }
 }
 
-/// The launch that takes up the run in `folder`: as `policy` says, from the end or from the event `from`.
+/// The launch that resumes the run in `folder`: as `policy` says, from the end or from the event `from`.
 pub fn resume_launch(folder: &Path, policy: OnCrash, from: Option<u64>) -> Launch {
     Launch {
         machine: machine_of(folder),
@@ -116,7 +116,7 @@ mod tests {
     }
 
     #[test]
-    fn a_run_is_taken_up_as_it_says_itself() {
+    fn a_run_is_resumed_as_it_says_itself() {
         check(
             Some(r#"{"machine": "/m/pick", "on_crash": "abort"}"#),
             &expect![[

@@ -1,4 +1,4 @@
-//! The runners of one run, one after the other: whether a run whose runner died goes on by itself, and how. Pure; for the command
+//! The runners of one run, one after the other: whether a run whose runner died continues by itself, and how. Pure; for the command
 //! line and the server alike.
 
 use crate::KeptRun;
@@ -22,7 +22,7 @@ pub struct RunnerDeath {
     pub said: Vec<String>,
     /// The runner ended itself, because a script did not end in its grace period.
     pub is_cut_off: bool,
-    /// Its end was wanted: somebody killed it, or it did not take a stop.
+    /// Its end was wanted: someone killed it, or it did not take a stop.
     pub is_wanted: bool,
 }
 

@@ -236,7 +236,7 @@ function move(at: Found | Point) {
   return { type: "pointerMove", x: Math.round(at.x), y: Math.round(at.y) };
 }
 
-/** Looks things up in the page: Firefox builds its tree of roles and names anew for each question, which takes up to a second. */
+/** Looks things up in the page: Firefox builds its tree of roles and names anew for each question, which resumes to a second. */
 const LOOK = `(json) => {
   const native = {
     button: "button",

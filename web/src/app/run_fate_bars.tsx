@@ -40,10 +40,10 @@ function CrashBar({ tab, watch }: RunBarProps) {
   const { page, commands, context } = useSession();
   const isCrashed = useComputed(() => watch.now.value?.run.phase === "crashed", [watch]);
   const why = useLastWords(watch, isCrashed);
-  const refusal = useRefusalOf("run.take-up");
+  const refusal = useRefusalOf("run.resume-crashed");
   const where = useComputed(() => placesInWords(tab, watch), [tab, watch]);
   if (!isCrashed) return null;
-  const run = (policy?: string) => () => void commands.run("run.take-up", context(), policy);
+  const run = (policy?: string) => () => void commands.run("run.resume-crashed", context(), policy);
   const isFront = page.active.peek() === tab;
   const off = { disabled: !isFront || refusal !== null, title: refusal ?? undefined };
   return (

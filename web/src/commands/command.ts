@@ -45,7 +45,7 @@ export interface Dialogs {
   /** What a run of the machine of a tab starts with. */
   readonly "start-run": { readonly asks: OpenTab; readonly answer: Partial<Start> };
   /** What becomes of the scripts that a crash has interrupted. */
-  readonly "take-up": { readonly asks: Watch; readonly answer: OnCrash };
+  readonly "resume-crashed": { readonly asks: Watch; readonly answer: OnCrash };
   readonly breakpoint: { readonly asks: Breakpoint; readonly answer: Breakpoint };
   readonly keys: { readonly asks: undefined; readonly answer: undefined };
   readonly settings: { readonly asks: undefined; readonly answer: undefined };

@@ -79,7 +79,7 @@ test("what can be done goes by how the run stands, and says why not", () => {
   ]);
   expect(why(held, "run.step-mode")).toMatch(/in step mode/);
   expect(why(running({ phase: "crashed" }), "run.pause")).toMatch(/resume it/);
-  expect(why(running({ phase: "crashed" }), "run.take-up")).toBeNull();
+  expect(why(running({ phase: "crashed" }), "run.resume-crashed")).toBeNull();
   expect(why(testContext(MACHINE), "run.pause")).toMatch(/no run is shown/);
 });
 
@@ -192,16 +192,16 @@ test("edits that touch an active state are taken once it is left, if the user wa
   expect(wanted.commands.at(-1)).toEqual({ type: "reload", wait: true });
 });
 
-test("a run that crashed is taken up by the rule that was chosen", async () => {
+test("a run that crashed is resumed by the rule that was chosen", async () => {
   const crashed = running({ phase: "crashed", answers: ["abort", null] });
   const policies: string[] = [];
   const resume = (policy: string) => Promise.resolve(void policies.push(policy));
   Object.assign(crashed.tab.run.peek() ?? {}, { resume });
-  COMMANDS.run("run.take-up", crashed);
+  COMMANDS.run("run.resume-crashed", crashed);
   await settle();
-  COMMANDS.run("run.take-up", crashed, "restart");
+  COMMANDS.run("run.resume-crashed", crashed, "restart");
   await settle();
-  COMMANDS.run("run.take-up", crashed);
+  COMMANDS.run("run.resume-crashed", crashed);
   await settle();
   expect(policies).toEqual(["abort", "restart"]);
 });

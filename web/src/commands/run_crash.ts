@@ -18,7 +18,7 @@ interface Recovered {
 
 export const RUN_CRASH: readonly UserCommand[] = [
   {
-    id: "run.take-up",
+    id: "run.resume-crashed",
     title: "Resume the crashed run…",
     detail: "Starts a new program that continues where the run was when its program died.",
     menu: "Run/2",
@@ -26,7 +26,7 @@ export const RUN_CRASH: readonly UserCommand[] = [
       const phase = tab?.run.value?.now.value?.run.phase;
       return phase === "crashed" ? lacks(page, "start") : "only for runs whose program died";
     },
-    run: takeUp,
+    run: resumeCrashed,
   },
   {
     id: "run.recover",
@@ -74,11 +74,11 @@ function interrupted({ tab }: CommandContext): readonly string[] {
   return all.filter(({ phase }) => phase === "interrupted").map(({ path }) => path);
 }
 
-async function takeUp({ tab, shell }: CommandContext, argument: unknown): Promise<void> {
+async function resumeCrashed({ tab, shell }: CommandContext, argument: unknown): Promise<void> {
   const watch = tab?.run.peek();
   if (!watch) return;
   const given = typeof argument === "string" ? (argument as OnCrash) : null;
-  const policy = given ?? (await shell.dialog("take-up", watch));
+  const policy = given ?? (await shell.dialog("resume-crashed", watch));
   if (policy) await watch.resume(policy);
 }
 

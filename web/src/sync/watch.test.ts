@@ -83,7 +83,7 @@ describe("the history of a run", () => {
     expect(watch.isCaughtUp.value).toBe(true);
   });
 
-  it("goes on when a run that was over is taken up again", () => {
+  it("goes on when a run that was over is resumed", () => {
     const { server, watch } = setUp();
     happen(server, 2);
     server.tell(2);

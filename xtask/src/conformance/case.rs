@@ -1,7 +1,7 @@
 //! The machines that are compared: those that the reference ships, and our own, one for each rule.
 //!
 //! The shipped ones are copied below the target folder and their sleeps shortened there, so that both engines run the
-//! same files and nobody waits for 99 bottles.
+//! same files and no one waits for 99 bottles.
 
 use std::path::{Path, PathBuf};
 

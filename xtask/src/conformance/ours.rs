@@ -22,7 +22,7 @@ pub(crate) fn run(product: &Product, reference: &Reference, case: &Case) -> Resu
         .arg("--python")
         .arg(&reference.python);
     command.env("RAFCON_RUNS", workspace::target()?.join("conformance/runs"));
-    // Nobody is there to answer; the reference has no desktop either.
+    // No one is there to answer; the reference has no desktop either.
     command.env("RAFCON_DIALOGS", "missing");
     command.args(["--timeout", &case.expected.timeout_s.to_string()]);
     observed::add_common(&mut command, case);

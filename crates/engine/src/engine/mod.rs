@@ -185,7 +185,7 @@ impl<D: Datum> Engine<D> {
         self.run.control.breakpoints.iter()
     }
 
-    /// What was counted so far: a run that is resumed later goes on counting from there.
+    /// What was counted so far: a run that is resumed later continues counting from there.
     pub fn counted(&self) -> Counted {
         Counted { states_run: self.run.entered, entries: self.run.entries }
     }

@@ -1,4 +1,4 @@
-//! A machine made ready to run: dense nodes with tables instead of names. Knows the model; must never know a run.
+//! A machine made ready to run: dense nodes with tables instead of names. Knows the model; knows nothing of a run.
 
 mod compile;
 mod defaults;

@@ -1,5 +1,5 @@
 //! Which state gets which number. Knows the program of before, so that a state keeps its number while it stands where it
-//! stood; must never know what is in a state.
+//! stood, but not what is in a state.
 
 use super::Program;
 use super::compile::index;

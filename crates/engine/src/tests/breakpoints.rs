@@ -1,4 +1,4 @@
-//! Breakpoints: where they hold, whom, when, and what they do while nobody is connected.
+//! Breakpoints: where they hold, whom, when, and what they do while no one is connected.
 
 use super::check;
 use expect_test::expect;

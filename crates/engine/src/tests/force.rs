@@ -1,4 +1,4 @@
-//! Outcomes that somebody chooses, and states that are asked to end one by one.
+//! Outcomes that someone chooses, and states that are asked to end one by one.
 
 use super::check;
 use expect_test::expect;

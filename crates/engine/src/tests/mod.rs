@@ -31,7 +31,7 @@ use world::World;
 /// `A other "text"`, `A raises "boom"`, with outputs behind it: `A done y=2 -z error="boom"` (`-z` leaves an output out);
 /// `global x=5`.
 ///
-/// `cut again` (`wait`, `abort`), also `cut again held`: the run is taken up by another engine (`elsewhere`: with the
+/// `cut again` (`wait`, `abort`), also `cut again held`: the run is resumed by another engine (`elsewhere`: with the
 /// machine of [`check_change`]); `keep`, `return`: a moment is kept, and the run goes back to it, held; `recover again`,
 /// `recover abort at ROOT/A`.
 fn check(machine: &str, script: &str, expect: &Expect) {

@@ -389,7 +389,7 @@ preemptive ROOT
 }
 
 #[test]
-fn libraries_are_taken_up_with_their_roots() {
+fn libraries_are_resumed_with_their_roots() {
     let machine = "
 hierarchy ROOT
   outcome done
@@ -615,7 +615,7 @@ fn a_run_that_stops_goes_on_stopping() {
 }
 
 #[test]
-fn a_run_that_stops_is_taken_up_twice_and_stopped_again() {
+fn a_run_that_stops_is_resumed_twice_and_stopped_again() {
     check(
         HANDLER,
         "start; stop; cut again; A done; stop; cut again; C done",
@@ -810,7 +810,7 @@ hierarchy ROOT
 }
 
 #[test]
-fn branches_that_were_taken_up_are_not_stepped_back_into() {
+fn branches_that_were_resumed_are_not_stepped_back_into() {
     let machine = "
 hierarchy ROOT
   outcome done

@@ -702,7 +702,7 @@ fn a_run_that_was_lost_behind_the_state_it_was_begun_at_forgets_it() {
 }
 
 #[test]
-fn a_branch_that_a_run_was_begun_at_is_begun_at_when_the_run_is_taken_up() {
+fn a_branch_that_a_run_was_begun_at_is_begun_at_when_the_run_is_resumed() {
     check(
         "
 preemptive B

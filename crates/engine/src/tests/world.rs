@@ -112,7 +112,7 @@ impl World {
         Input::Change(Change { program, wait })
     }
 
-    /// The run is lost, and taken up by another engine.
+    /// The run is lost, and resumed by another engine.
     fn cut(&mut self, how: &str) {
         let root = self.engine.configuration().expect("something is active");
         let (counted, stopping) = (self.engine.counted(), self.engine.stopping());

@@ -51,7 +51,7 @@ fn steps_go_back_and_forth_and_branch() {
         [None, Some(StepId(0)), Some(StepId(0))]"#]].assert_eq(&out.concat());
 }
 
-/// Somebody else removed the state: the step stays, and can be undone when the state is back.
+/// Someone else removed the state: the step stays, and can be undone when the state is back.
 #[test]
 fn an_undo_that_no_longer_fits_is_refused() {
     let mut machine = notation::parse("hierarchy ROOT\n  execution AAAAAA").expect("a machine");

@@ -224,7 +224,7 @@ pub struct MachineStatus {
     pub people: Vec<Presence>,
 }
 
-/// Somebody who looks at an open machine.
+/// Someone who looks at an open machine.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct Presence {

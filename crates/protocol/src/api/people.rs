@@ -11,7 +11,7 @@ pub enum Right {
     Anyone,
     /// See projects, machines and runs.
     Observe,
-    /// Command a run that goes on, and answer its questions.
+    /// Command a run in progress, and answer its questions.
     Command,
     /// Start a run, and take one up again.
     Start,
@@ -21,7 +21,7 @@ pub enum Right {
     Administer,
 }
 
-/// What somebody is allowed to do.
+/// What someone is allowed to do.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 #[serde(rename_all = "snake_case")]
@@ -51,7 +51,7 @@ impl Role {
     }
 }
 
-/// Who somebody is.
+/// Who someone is.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct Session {

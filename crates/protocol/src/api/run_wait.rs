@@ -12,7 +12,7 @@ pub enum RunWait {
     Answer,
     /// A decision about a script that a crash interrupted.
     Decision,
-    /// Somebody to resume it: it is paused, or goes on by steps.
+    /// Someone to resume it: it is paused, or continues by steps.
     Paused,
     /// Something else: a time, another branch.
     Other,

@@ -47,7 +47,7 @@ pub struct StartRun {
     pub size_max: Option<u64>,
 }
 
-/// Takes a run up again whose runner died.
+/// Resumes a run whose runner died.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct ResumeRun {
@@ -69,7 +69,7 @@ pub struct ResumeRun {
 pub enum RunPhase {
     /// Its runner was started and has not begun yet.
     Starting,
-    /// It goes on.
+    /// It is in progress.
     Live,
     /// It came to its end.
     Finished {
@@ -78,7 +78,7 @@ pub enum RunPhase {
         /// States that it ran.
         states_run: u64,
     },
-    /// Its runner ended before it did: it can be taken up again.
+    /// Its runner ended before it did: it can be resumed.
     Crashed,
     /// It never began.
     NotStarted {
@@ -109,7 +109,7 @@ pub struct RunSummary {
     /// What has become of it.
     #[serde(flatten)]
     pub phase: RunPhase,
-    /// Its length, in ms; so far, while it goes on.
+    /// Its length, in ms; so far, while it is in progress.
     pub length_ms: u64,
     /// How many events it has.
     pub events: u64,
@@ -117,7 +117,7 @@ pub struct RunSummary {
     pub bytes: u64,
     /// How much of it is kept.
     pub keeping: Keeping,
-    /// What it waits for, if it goes on and none of its branches is at work.
+    /// what it waits for, if it is in progress and none of its branches is at work.
     #[serde(default)]
     pub waits: Option<RunWait>,
 }
@@ -186,7 +186,7 @@ pub struct Control {
     pub since_ms: u64,
     /// When the holder was heard last: ms since 1970, UTC.
     pub heard_ms: u64,
-    /// After how many ms of the holder's silence anybody with the right may take over.
+    /// After how many ms of the holder's silence anyone with the right may take over.
     pub silence_ms: u64,
     /// Who asks for it, the first first.
     pub requests: Vec<String>,
@@ -196,12 +196,12 @@ pub struct Control {
     pub offered_to: Option<String>,
 }
 
-/// What somebody wants about control.
+/// What someone wants about control.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 #[serde(tag = "move", rename_all = "snake_case")]
 pub enum ControlMove {
-    /// Ask for it; given at once if nobody holds it.
+    /// Ask for it; given at once if no one holds it.
     Request,
     /// Take back the own request; the holder takes back the offer.
     Withdraw,
@@ -289,7 +289,7 @@ pub struct EventPage {
     pub last: u64,
 }
 
-/// Which runs are kept; what is left out has no limit. The 10 newest stay whatever they take, and so does every run that goes on.
+/// Which runs are kept; what is left out has no limit. The 10 newest stay whatever they take, and so does every run in progress.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 #[serde(default)]

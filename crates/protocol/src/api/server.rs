@@ -3,7 +3,7 @@
 use super::{MachineSummary, RunSummary};
 use serde::{Deserialize, Serialize};
 
-/// Whether the server is there; told to anybody.
+/// Whether the server is there; told to anyone.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct Health {
@@ -21,7 +21,7 @@ pub struct ServerStatus {
     pub files_revision: u64,
     /// Open machines.
     pub machines: Vec<MachineSummary>,
-    /// Runs that go on, and those that changed since the server began; the newest first.
+    /// Runs in progress, and those that changed since the server began; the newest first.
     pub runs: Vec<RunSummary>,
 }
 

@@ -29,7 +29,7 @@ pub struct HeaderDocument {
     /// Layout of the machine as a whole.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub layout: Option<LayoutDocument>,
-    /// Keys of the file that nobody knows.
+    /// Keys of the file that no one knows.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub extra: Option<serde_json::Value>,
 }
@@ -80,7 +80,7 @@ pub struct StateDocument {
     /// Of a container, by rising id.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub data_flows: Vec<DataFlowDocument>,
-    /// Keys of the file that nobody knows.
+    /// Keys of the file that no one knows.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub extra: Option<serde_json::Value>,
 }
@@ -112,7 +112,7 @@ pub struct OutcomeDocument {
     pub id: i64,
     /// Unique in the state.
     pub name: String,
-    /// Keys of the file that nobody knows.
+    /// Keys of the file that no one knows.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub extra: Option<serde_json::Value>,
 }
@@ -130,7 +130,7 @@ pub struct PortDocument {
     /// `null` is `None`; a text for another type is read when a run starts.
     #[serde(default, skip_serializing_if = "serde_json::Value::is_null")]
     pub default: serde_json::Value,
-    /// Keys of the file that nobody knows.
+    /// Keys of the file that no one knows.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub extra: Option<serde_json::Value>,
 }
@@ -153,7 +153,7 @@ pub struct TransitionDocument {
     /// An outcome of the container; none if it leads to a child.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub to_outcome: Option<i64>,
-    /// Keys of the file that nobody knows.
+    /// Keys of the file that no one knows.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub extra: Option<serde_json::Value>,
 }
@@ -172,7 +172,7 @@ pub struct DataFlowDocument {
     pub to_state: String,
     /// The port there.
     pub to_port: i64,
-    /// Keys of the file that nobody knows.
+    /// Keys of the file that no one knows.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub extra: Option<serde_json::Value>,
 }

@@ -1,5 +1,5 @@
 //! Machines as clients see them: a list of states by path, made for maps and for small changes (`docs/edits.md`, on the
-//! wire). Knows shapes and their meaning in the model; must never know who asks, nor how they travel.
+//! wire). Knows shapes and their meaning in the model, but not who asks, nor how they travel.
 //!
 //! The content of libraries is no part of a document: a library is a machine of its own, and one that stands in fifty places
 //! travels once.

@@ -1,5 +1,5 @@
 //! Edits as clients send them: one JSON object each, told apart by its `edit` (`docs/edits.md`, on the wire).
-//! Knows what the model's edits look like on the wire; must never know what they do.
+//! Knows what the model's edits look like on the wire, but not what they do.
 //!
 //! ```
 //! use rafcon_protocol::edit::Edit;

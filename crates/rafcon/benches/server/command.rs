@@ -1,4 +1,4 @@
-//! One command, from a client to its effect: a script that waits, is preempted, and notes when it goes on.
+//! One command, from a client to its effect: a script that waits, is preempted, and notes when it continues.
 
 use crate::bench_server::{BenchServer, Heard, noted, until};
 use crate::clock::now_ms;

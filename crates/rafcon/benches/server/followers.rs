@@ -92,7 +92,7 @@ fn subscribed(door: &Door, run: &str, from: u64) -> Result<Line> {
     Ok(line)
 }
 
-/// Waits until somebody is told something, and says who; nobody when the input has ended.
+/// Waits until someone is told something, and says who; no one when the input has ended.
 fn ready(lines: &[Line]) -> Result<Option<Vec<usize>>> {
     let input = stdin();
     let mut wanted = vec![PollFd::new(&input, PollFlags::IN)];
@@ -133,7 +133,7 @@ fn read(file: &std::path::Path) -> Result<Value> {
     Ok(serde_json::from_str(&fs::read_to_string(file)?)?)
 }
 
-/// Lets the run go on; gives begin and end of that time.
+/// Lets the run continue; gives begin and end of that time.
 fn turn() -> (f64, f64) {
     let begun = clock::now_ms();
     pass(TURN);

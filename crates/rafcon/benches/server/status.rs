@@ -57,7 +57,7 @@ pub(crate) fn measure(server: &BenchServer) -> Result<()> {
         Heard::Other(_) => Ok(None),
     })?;
     ensure!(told.len() == began.len(), "{} of {} changes were told", told.len(), began.len());
-    // The first was over before anybody asked.
+    // The first was over before anyone asked.
     let times = told.iter().zip(&began).skip(1).map(|(told, began)| told - began).collect();
     print("server_status_ms", percentile(times, 50)?, "ms");
     Ok(())

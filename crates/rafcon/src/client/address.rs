@@ -3,7 +3,7 @@
 use std::fmt;
 use std::net::IpAddr;
 
-/// Where a server listens if nobody says otherwise.
+/// Where a server listens if no one says otherwise.
 const USUAL_PORT: u16 = 4747;
 
 /// Scheme, host and port of a server.

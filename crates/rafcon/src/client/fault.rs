@@ -32,7 +32,7 @@ pub(crate) enum Fault {
         /// What it has.
         seen: Fingerprint,
     },
-    /// It has a certificate that nobody has vouched for.
+    /// It has a certificate that no one has vouched for.
     Unknown {
         /// Its address.
         server: String,

@@ -24,7 +24,7 @@ const QUEUE: usize = 256;
 const ASK: Duration = Duration::from_secs(5);
 /// After so long without a word it is not.
 const SILENCE: Duration = Duration::from_secs(15);
-/// Times between attempts to connect, in ms; the last one goes on.
+/// Times between attempts to connect, in ms; the last one continues.
 const PAUSES_MS: [u64; 6] = [100, 200, 500, 1000, 2000, 5000];
 
 /// The way to a run through its server.
@@ -73,7 +73,7 @@ struct Follower<'q> {
     woken: UnixStream,
     queue: &'q Queue,
     clock: Clock,
-    /// Nobody follows any more.
+    /// No one follows any more.
     is_over: bool,
 }
 

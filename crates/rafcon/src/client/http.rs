@@ -1,4 +1,4 @@
-//! Requests and answers. Knows HTTP and JSON; must never know what is asked.
+//! Requests and answers. Knows HTTP and JSON, but not what is asked.
 
 use super::{Address, Fault, Fingerprint, Stream};
 use rafcon_protocol::api::Refusal;

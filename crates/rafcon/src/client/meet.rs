@@ -40,7 +40,7 @@ impl TrustDecision<'_> {
     }
 
     /// The card of this computer's server, if it lives and is the one that is meant: at any other address of this computer
-    /// somebody else may listen.
+    /// someone else may listen.
     fn own(&self, address: &Address) -> Option<AddressFile> {
         let card = AddressFile::of_living(self.state?).ok()??;
         let (own, _) = Address::parse(&card.url).ok()?;
@@ -106,7 +106,7 @@ fn check(address: &Address, trusted: Option<Fingerprint>) -> Result<(), Fault> {
     Stream::connect(address, trusted, FRAME_TIMEOUT).map(drop)
 }
 
-/// Whether there is somebody to ask.
+/// Whether there is someone to ask.
 fn may_ask() -> bool {
     io::stdin().is_terminal() && io::stderr().is_terminal()
 }

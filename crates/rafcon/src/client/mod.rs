@@ -1,6 +1,6 @@
 //! A server, as this program uses it: where it is, whether it is the right one, who asks, and what it can be asked.
 //!
-//! Knows the words of `rafcon_protocol::api` and `rafcon_protocol::socket`. Must never know what they look like to the user.
+//! Knows the words of `rafcon_protocol::api` and `rafcon_protocol::socket`. Does not know what they look like to the user.
 
 mod address;
 mod fault;
@@ -67,7 +67,7 @@ impl Server {
         self.send("/runs", request)
     }
 
-    /// Takes a run up again.
+    /// Resumes a run again.
     pub(crate) fn resume(&self, run: &str, request: &ResumeRun) -> Result<RunSummary, Fault> {
         self.send(&format!("/runs/{}/resume", escaped(run)), request)
     }

@@ -1,4 +1,4 @@
-//! What this user knows about servers: their certificates and the tokens for them. Files that nobody else may read.
+//! What this user knows about servers: their certificates and the tokens for them. Files that no one else may read.
 
 use super::{Address, Fingerprint};
 use anyhow::{Context as _, Result};

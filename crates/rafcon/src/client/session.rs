@@ -1,7 +1,7 @@
 //! A run that is followed through a server, over as many connections as that takes. Pure: frames and the time come in, frames
 //! and causes go out.
 //!
-//! The cursor of the history and the commands without an answer outlive a connection: the next one goes on from there, and is
+//! The cursor of the history and the commands without an answer outlive a connection: the next one continues from there, and is
 //! asked for the same commands by the same ids, which are carried out once.
 
 use crate::event_queue::{Cause, STUCK};
@@ -13,8 +13,8 @@ use rafcon_protocol::{Answer, Envelope, Event, Expiry, Hello, Join, Snapshot, To
 const STATUS: u32 = 1;
 /// The subscription of its history.
 const HISTORY: u32 = 2;
-/// A run that crashed is lost after this time, in ms: until then the server may take it up again.
-const TAKEN_UP_MS: u64 = 2000;
+/// A run that crashed is lost after this time, in ms: until then the server may resume it again.
+const RESUME_WAIT_MS: u64 = 2000;
 /// After so long a command is said again to which the runner had no answer, in ms.
 const AGAIN_MS: u64 = 1000;
 
@@ -69,7 +69,7 @@ pub(super) struct Session {
     runner: Runner,
     is_loaded: bool,
     is_over: bool,
-    /// Since when nobody runs it, and the last event that there is.
+    /// Since when no one runs it, and the last event that there is.
     crashed: Option<(u64, u64)>,
     /// The server's clock minus ours, in ms.
     offset_ms: i64,
@@ -175,10 +175,10 @@ impl Session {
     }
 
     fn lost_at_ms(&self) -> Option<u64> {
-        self.crashed.filter(|_| !self.is_over).map(|(since, _)| since + TAKEN_UP_MS)
+        self.crashed.filter(|_| !self.is_over).map(|(since, _)| since + RESUME_WAIT_MS)
     }
 
-    /// The time goes on: a run that nobody takes up is lost, once everything was told.
+    /// The time continues: a run that no one resumes is lost, once everything was told.
     pub(super) fn tick(&mut self, now_ms: u64, todo: &mut Todo) {
         if self.is_up() && self.again_at_ms.is_some_and(|at| now_ms >= at) {
             self.say_again(todo);

@@ -1,4 +1,4 @@
-//! A connection to a server, plain or by TLS. Knows sockets and certificates; must never know what is said over them.
+//! A connection to a server, plain or by TLS. Knows sockets and certificates, but not what is said over them.
 
 use super::trust::Pinned;
 use super::{Address, Fault, Fingerprint};

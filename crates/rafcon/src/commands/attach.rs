@@ -1,4 +1,4 @@
-//! `rafcon attach`: a second pair of eyes and hands on a run that goes on, on this computer or at a server.
+//! `rafcon attach`: a second pair of eyes and hands on a run in progress, on this computer or at a server.
 
 use crate::cli;
 use crate::client::{Server, follow};

@@ -113,7 +113,7 @@ fn is_kept_later(error: &anyhow::Error) -> bool {
     matches!(fault, Some(Fault::Refused { refusal, .. }) if refusal.code == "no_such_machine")
 }
 
-/// What nobody else's ids begin with.
+/// What no one else's ids begin with.
 pub(super) fn unique(what: &str) -> Result<String> {
     let mut bytes = [0; 8];
     getrandom(&mut bytes, GetRandomFlags::empty()).context("there is no randomness")?;

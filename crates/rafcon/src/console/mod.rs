@@ -1,6 +1,6 @@
 //! The keyboard of a user who watches a run: what a key means, what is asked for next, and the lines that show it.
 //!
-//! Knows keys, snapshots and commands. Must never know terminals or sockets: keys come in, wishes go out.
+//! Knows keys, snapshots and commands. Knows nothing of terminals or sockets: keys come in, wishes go out.
 
 mod answering;
 mod key;
@@ -23,7 +23,7 @@ pub(crate) enum Wish {
     Send(Command),
     /// Ask what this state holds.
     Inspect(String),
-    /// End this view; the run goes on if others may join it.
+    /// End this view; the run continues if others may join it.
     Leave,
     /// Tell the user something.
     Say(String),
@@ -100,7 +100,7 @@ impl Console {
         }
     }
 
-    /// What was written is complete, left, or goes on.
+    /// What was written is complete, left, or continues.
     fn written(&mut self, step: PromptStep) -> Option<Wish> {
         let wish = match step {
             PromptStep::More => return None,

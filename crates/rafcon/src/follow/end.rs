@@ -13,7 +13,7 @@ pub(crate) enum End {
         /// Whether `--timeout` made it stop.
         timed_out: bool,
     },
-    /// The machine could not be loaded, or the run lets nobody in.
+    /// The machine could not be loaded, or the run lets no one in.
     LoadFailed {
         /// What, where, and the way out.
         reason: String,
@@ -25,7 +25,7 @@ pub(crate) enum End {
         /// Its last lines on the error output.
         said: Vec<String>,
     },
-    /// We killed it: the user asked twice, or it went on after its time was over.
+    /// We killed it: the user asked twice, or it continued after its time was over.
     Killed {
         /// Whether `--timeout` was the reason.
         timed_out: bool,
@@ -34,7 +34,7 @@ pub(crate) enum End {
     },
     /// The runner ended in the middle of the run.
     Died(RunnerDeath),
-    /// We left; the run goes on.
+    /// We left; the run continues.
     Left,
 }
 

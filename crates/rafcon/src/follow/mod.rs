@@ -1,7 +1,7 @@
 //! One run as the command line follows it, whether this program has started it, asked for it or only looks on: what is to be
 //! done when something happens.
 //!
-//! Knows deadlines, what Ctrl-C means and the reasons of an end. Must never know sockets, processes, terminals or clocks: causes
+//! Knows deadlines, what Ctrl-C means and the reasons of an end. Knows nothing of sockets, processes, terminals or clocks: causes
 //! and the time come in, actions go out.
 
 mod end;
@@ -70,11 +70,11 @@ pub(crate) struct RunFollower {
     interrupts: u32,
     /// Who gives commands.
     author: String,
-    /// How the ids of our commands begin: nobody else's do.
+    /// How the ids of our commands begin: no one else's do.
     prefix: String,
     commands: u32,
     active: Active,
-    /// Whether the engine takes inputs, if nobody else asks that.
+    /// Whether the engine takes inputs, if no one else asks that.
     pulse: Option<Pulse>,
     process: ProcessEnd,
     /// The last moment in the run's own time.
@@ -111,7 +111,7 @@ impl RunFollower {
         }
     }
 
-    /// The same, of a run that goes on: it is told what is wanted.
+    /// The same, of a run in progress: it is told what is wanted.
     pub(crate) fn joining(self, join: Join) -> Self {
         Self { join: Some(join), ..self }
     }
@@ -240,7 +240,7 @@ impl RunFollower {
         }
     }
 
-    /// Ctrl-C: a guest leaves; everybody else stops the run, then kills it, and a run at a server is left alone at last.
+    /// Ctrl-C: a guest leaves; everyone else stops the run, then kills it, and a run at a server is left alone at last.
     fn interrupt(&mut self, out: &mut Vec<Action>) {
         self.interrupts += 1;
         let takes_a_stop = match self.role {
@@ -347,7 +347,7 @@ impl RunFollower {
         }
     }
 
-    /// Has the run kill itself, which is somebody else's process.
+    /// Has the run kill itself, which is someone else's process.
     fn have_killed(&mut self, text: &str, out: &mut Vec<Action>) {
         self.kill_at = None;
         self.is_kill_sent = true;

@@ -16,7 +16,7 @@ pub(crate) struct RunLoop {
     pub(crate) follower: RunFollower,
     pub(crate) view: Box<dyn View>,
     pub(crate) line: Box<dyn Line>,
-    /// The runner's processes, if this program has started them: such a run goes on unseen when its view is gone.
+    /// The runner's processes, if this program has started them: such a run continues unseen when its view is gone.
     pub(crate) group: Option<Group>,
     pub(crate) clock: Clock,
 }
@@ -47,7 +47,7 @@ impl RunLoop {
         Ok(end)
     }
 
-    /// Shows something. Without a view, a run of ours goes on unseen; a guest has nothing more to do here.
+    /// Shows something. Without a view, a run of ours continues unseen; a guest has nothing more to do here.
     pub(crate) fn show(
         &mut self,
         what: impl FnOnce(&mut dyn View) -> io::Result<()>,

@@ -1,6 +1,6 @@
 //! Machines that `rafcon new` can make, one module each.
 //!
-//! A template knows the model only: it makes a root state from a [`TemplateRequest`]. It must never know files; writing is the
+//! A template knows the model only: it makes a root state from a [`TemplateRequest`]. It knows nothing of files; writing is the
 //! command's work. A new template is a module here and a line in [`ALL`].
 
 mod empty;

@@ -25,7 +25,7 @@ use rafcon_protocol::{Event, Snapshot, StateData};
 use std::io;
 use std::time::Duration;
 
-/// Something that shows a run. An error means that nobody can see it any more; the run goes on.
+/// Something that shows a run. An error means that no one can see it any more; the run continues.
 pub(crate) trait View {
     /// Whether states coming and going are wanted one by one.
     fn every_event(&self) -> bool;

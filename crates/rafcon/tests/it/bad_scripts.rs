@@ -252,7 +252,7 @@ fn a_thread_that_never_ends() {
     );
 }
 
-/// A second runner asks for the run while its script goes on.
+/// A second runner asks for the run while its script continues.
 #[test]
 fn a_script_that_copies_the_folder_of_its_run_keeps_its_run() {
     let script = r#"

@@ -1,4 +1,4 @@
-//! A run that is held, stepped, asked and taken up from other terminals.
+//! A run that is held, stepped, asked and resumed from other terminals.
 
 use crate::harness::{Place, Run};
 use expect_test::{Expect, expect};
@@ -237,7 +237,7 @@ fn nobody_can_join_a_run_that_is_over() {
     }
 }
 
-/// Kills the runner of a held run and takes the run up again by a policy.
+/// Kills the runner of a held run and resumes the run again by a policy.
 fn resumed(policy: &str, then: &[(&str, &str)], expect: &Expect) {
     let place = Place::with(&MACHINE.replace(
         r#"gvm.get_variable("ask", default=False)"#,

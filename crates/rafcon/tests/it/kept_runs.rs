@@ -521,7 +521,7 @@ fn keep_old(place: &Place, name: &str) {
 }
 
 #[test]
-fn runs_of_an_earlier_version_are_read_and_taken_up() {
+fn runs_of_an_earlier_version_are_read_and_resumed() {
     let place = Place::empty();
     keep_old(&place, "finished");
     keep_old(&place, "crashed");
@@ -533,9 +533,9 @@ fn runs_of_an_earlier_version_are_read_and_taken_up() {
     said("replay finished", "\"kitchen\"");
     said("history crashed", "scanning");
     said("replay crashed", "\"kitchen\"");
-    let resumed = Journal::take_up(&place.path("runs/crashed"), &Options::default());
-    let (journal, taken_up) = resumed.unwrap();
-    assert_eq!((taken_up.life, taken_up.lost), (2, None));
+    let resumed = Journal::resume(&place.path("runs/crashed"), &Options::default());
+    let (journal, resume_point) = resumed.unwrap();
+    assert_eq!((resume_point.life, resume_point.lost), (2, None));
     journal.close().unwrap();
     said("history crashed", "scanning");
     said("replay crashed", "\"kitchen\"");

@@ -36,7 +36,7 @@ hierarchy ROOT "Root"
           return 0
 "#;
 
-/// A script that goes on until it is asked to end.
+/// A script that continues until it is asked to end.
 const WAITS: &str = r#"
 def execute(self, inputs, outputs, gvm):
     self.logger.info("here")

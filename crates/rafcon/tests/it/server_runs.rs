@@ -1,4 +1,4 @@
-//! Runs under a server: begun once, found again, taken up, commanded by one at a time. With the real server, real runners and
+//! Runs under a server: begun once, found again, resumed, commanded by one at a time. With the real server, real runners and
 //! nothing in between.
 
 use crate::harness::{Place, Run, assert_extension};
@@ -18,7 +18,7 @@ use serde_json::{Value, json};
 /// What hashing a password costs here: next to nothing.
 const CHEAP: HashCost = HashCost { memory_kib: 8, passes: 1 };
 
-/// A script that goes on until it is asked to end, after it has said so past every capture.
+/// A script that continues until it is asked to end, after it has said so past every capture.
 pub(crate) const WAITS: &str = r#"
 hierarchy ROOT "Waits"
   outcome done
@@ -241,7 +241,7 @@ fn a_request_starts_one_run_and_a_server_that_was_killed_leaves_it_going() {
 }
 
 #[test]
-fn a_runner_that_dies_is_taken_up_by_its_policy() {
+fn a_runner_that_dies_is_resumed_by_its_policy() {
     let site = Site::new(WAITS);
     let run =
         site.start("r1", &json!({ "on_crash": "restart" }))["id"].as_str().unwrap().to_owned();
@@ -321,7 +321,7 @@ fn the_machine_of_a_run_can_be_had_as_soon_as_it_has_begun() {
     }
 }
 
-/// All that is told from a cursor on until the run is over, and the cursor to go on with.
+/// All that is told from a cursor on until the run is over, and the cursor to continue with.
 fn told(mut line: Line) -> (Vec<HistoryEntry>, u64) {
     let (mut told, mut cursor) = (Vec::new(), 0);
     loop {
@@ -350,7 +350,7 @@ fn a_run_of_one_state_enters_the_root_once() {
 }
 
 #[test]
-fn a_history_goes_on_over_a_crash_and_is_told_further_when_a_run_that_was_over_is_taken_up() {
+fn a_history_goes_on_over_a_crash_and_is_told_further_when_a_run_that_was_over_is_resumed() {
     let site = Site::new(WAITS);
     let run = site.start("r1", &json!({}))["id"].as_str().unwrap().to_owned();
     let follow = |from| site.line(Topic::RunHistory { run: run.clone(), from, values: true });
@@ -381,7 +381,7 @@ fn a_history_goes_on_over_a_crash_and_is_told_further_when_a_run_that_was_over_i
 }
 
 #[test]
-fn what_dies_with_its_server_is_taken_up_by_the_next_one() {
+fn what_dies_with_its_server_is_resumed_by_the_next_one() {
     let mut site = Site::new(WAITS);
     let run = site.start("r1", &json!({ "on_crash": "abort" }))["id"].as_str().unwrap().to_owned();
     site.until(&run, is_running);

@@ -1,5 +1,5 @@
-//! Many clients follow one fast run, one of them slowly, and one never reads: nobody loses anything, the server's memory stays
-//! bounded, and the run goes on at its own pace.
+//! Many clients follow one fast run, one of them slowly, and one never reads: no one loses anything, the server's memory stays
+//! bounded, and the run continues at its own pace.
 
 use crate::harness::{self, Place};
 use crate::served::{Door, Line, Served};
@@ -17,7 +17,7 @@ use std::time::Duration;
 
 /// How many clients there are, where a few are not enough.
 const CLIENTS: &str = "RAFCON_TEST_CLIENTS";
-/// For how long the run goes on.
+/// For how long the run continues.
 const SECONDS: &str = "RAFCON_TEST_SECONDS";
 /// How long the slow client thinks about a frame.
 const SLOWNESS: Duration = Duration::from_millis(40);

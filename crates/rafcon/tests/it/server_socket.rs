@@ -1,4 +1,4 @@
-//! What the WebSocket tells of a run that goes on, with a real runner: whoever follows it is told what its journal has.
+//! What the WebSocket tells of a run in progress, with a real runner: whoever follows it is told what its journal has.
 
 use crate::harness::{self, Place, assert_extension};
 use crate::served::{Door, Line, Served};
@@ -63,6 +63,16 @@ impl Site {
         let envelope =
             Envelope { id, author: String::new(), decided_on: None, expiry: None, command };
         ToServer::Command { run: self.run.clone(), envelope }
+    }
+}
+
+/// A run outlives its server; none outlives its test.
+impl Drop for Site {
+    fn drop(&mut self) {
+        let runner = writer_of(&self.place.path("runs").join(&self.run)).ok().flatten();
+        if let Some(runner) = runner.and_then(|runner| Pid::from_raw(runner.cast_signed())) {
+            kill_process(runner, Signal::KILL).unwrap_or_default();
+        }
     }
 }
 
@@ -157,7 +167,7 @@ fn commands_are_answered_in_their_order_and_the_status_ends_with_the_run() {
     assert!(is_stopped);
 }
 
-/// A process that was stopped; it goes on when this is dropped.
+/// A process that was stopped; it continues when this is dropped.
 struct Stopped(Pid);
 
 impl Stopped {

@@ -110,7 +110,7 @@ impl Site {
         entries.map(|entry| entry.file_name().into_string().unwrap()).collect()
     }
 
-    /// What scripts have left, with what has become of the run once nothing goes on in it.
+    /// What scripts have left, with what has become of the run once nothing continues in it.
     fn ending(&self, run: &str) -> String {
         let mut line = self.door().line().unwrap();
         let topic = Topic::RunStatus { run: run.to_owned() };
@@ -256,7 +256,7 @@ fn assert_kept(script: &str) {
 }
 
 #[test]
-fn a_first_script_that_kills_its_process_at_once_is_taken_up_where_the_policy_says_so() {
+fn a_first_script_that_kills_its_process_at_once_is_resumed_where_the_policy_says_so() {
     let twice = &expect![[r#"finished after "xx\nxx\n""#]];
     check("", "os._exit(0)", &json!({ "on_crash": "restart" }), twice);
 }

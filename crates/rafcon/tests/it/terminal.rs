@@ -68,7 +68,7 @@ const TREE: &str = r#"
                 return "success"
 "#;
 
-/// The machine [`TREE`] on a terminal, up to where it waits for somebody who opens `go`.
+/// The machine [`TREE`] on a terminal, up to where it waits for someone who opens `go`.
 fn waiting() -> (Place, Terminal, Child, String) {
     let place = Place::with(TREE);
     let go = place.path("go");

@@ -1,4 +1,4 @@
-//! Runners killed in the middle of a run, while it begins and while it is taken up, at moments that nobody chose: what anybody
+//! Runners killed in the middle of a run, while it begins and while it is resumed, at moments that no one chose: what anyone
 //! was told is in the journal, and the run comes to an end that its machine allows, with the data it had.
 
 use crate::harness::{Answer, Place, Run};
@@ -122,9 +122,9 @@ impl Dice {
 enum Moment {
     /// While the run begins: before its first event.
     Starting,
-    /// While it goes on.
+    /// While it continues.
     Running,
-    /// While it is taken up, after it was killed before: before the next event.
+    /// While it is resumed, after it was killed before: before the next event.
     Resuming,
 }
 
@@ -199,7 +199,7 @@ fn one_kill(place: &Place, seed: u64, tally: &mut Tally) {
         lives += 1;
         assert!(lives < 6, "seed {seed}: the run does not end");
         if latest(&place.path(&runs)).is_none() {
-            // It was refused; nobody was told anything of it.
+            // It was refused; no one was told anything of it.
             assert!(!told.iter().any(is_journaled), "seed {seed}: {told:?}");
             told = killed(start(""), u64::MAX);
             continue;
@@ -240,7 +240,7 @@ fn killed(mut run: Run, after: u64) -> Vec<Value> {
     told.iter().map(|line| serde_json::from_str(line).unwrap()).collect()
 }
 
-/// Kills the runner of a run that begins, or is taken up, after a moment that nobody chose; gives everything that was told. It is
+/// Kills the runner of a run that begins, or is resumed, after a moment that no one chose; gives everything that was told. It is
 /// counted as early if nothing had happened yet, else as late.
 fn killed_early(
     run: Run,

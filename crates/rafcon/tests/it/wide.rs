@@ -1,4 +1,4 @@
-//! Machines with many branches under the eyes of many viewers: each run goes on, and each command is answered.
+//! Machines with many branches under the eyes of many viewers: each run continues, and each command is answered.
 
 use crate::harness::{Place, Run};
 use crate::torture::number;

@@ -1,4 +1,4 @@
-//! What a command comes to: inputs of the engine, answers to questions. Knows the vocabulary of commands; must never know
+//! What a command comes to: inputs of the engine, answers to questions. Knows the vocabulary of commands; knows nothing of
 //! who sends them.
 
 use crate::drive::error::CommandError;
@@ -30,12 +30,12 @@ impl<'o> Order<'o> {
         Self { envelope: Some(envelope) }
     }
 
-    /// What nobody asked for just now: it is never too late, and not noted down as a command.
+    /// What no one asked for just now: it is never too late, and not noted down as a command.
     pub(crate) fn ours() -> Self {
         Self { envelope: None }
     }
 
-    /// Whether nobody wants it any more.
+    /// Whether no one wants it any more.
     pub(crate) fn is_late(&self) -> bool {
         let expiry = self.envelope.and_then(|envelope| envelope.expiry);
         expiry.is_some_and(|expiry| expiry.0 < Clock::epoch_ms())
@@ -97,7 +97,7 @@ impl<S: Scripts> Driver<S> {
     }
 
     /// Carries out a command that the engine takes. A command about the pace of the run also decides that its journal does not
-    /// any more: a run that is paused until a disk has room stays paused if somebody wants that.
+    /// any more: a run that is paused until a disk has room stays paused if someone wants that.
     fn carry_out_input(
         self: &Arc<Self>,
         command: &Command,
@@ -130,7 +130,7 @@ impl<S: Scripts> Driver<S> {
             driver.recorder().push(driver.clock().now_ns(), [record]);
             drop(told);
         };
-        // A disk that refuses must not keep anybody from ending a run.
+        // A disk that refuses must not keep anyone from ending a run.
         if thread::Builder::new().name("last line".to_owned()).spawn(tell).is_ok() {
             let _told = wait.recv_timeout(LAST_LINE);
         }

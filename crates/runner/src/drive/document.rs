@@ -1,5 +1,5 @@
 //! The machine that a run goes by, and how it changes while it runs: an edit reaches the engine between two steps, or not at
-//! all. Knows roots; must never know who changes them.
+//! all. Knows roots, but not who changes them.
 
 use crate::drive::core::Core;
 use crate::drive::error::ChangeError;
@@ -51,7 +51,7 @@ impl<D> Clone for Root<D> {
 }
 
 impl<D> Document<D> {
-    /// A machine that nobody has changed.
+    /// A machine that no one has changed.
     pub(crate) fn new(machine: Machine, program: Arc<Program<D>>, source: Option<Source>) -> Self {
         let root = Root { machine: Arc::new(machine), program, what: String::new() };
         Self {

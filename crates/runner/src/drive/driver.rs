@@ -1,5 +1,5 @@
 //! Drives an engine with threads: every input goes through one lock, effects are carried out under it, and a branch's next
-//! script goes on inline on the thread that finished the last one.
+//! script continues inline on the thread that finished the last one.
 
 use crate::drive::branch::{self, BranchWork, Worker};
 use crate::drive::core::{Core, InputOutcome, Next};
@@ -134,7 +134,7 @@ impl<S: Scripts> Driver<S> {
         &self.pulse
     }
 
-    /// Whether the run is paused because its journal could not be written. Held by whoever pauses the run or lets it go on.
+    /// Whether the run is paused because its journal could not be written. Held by whoever pauses the run or lets it continue.
     pub(crate) fn journal_pauses(&self) -> &Mutex<bool> {
         &self.journal_pauses
     }
@@ -318,7 +318,7 @@ impl<S: Scripts> Driver<S> {
     /// ends with its process, as after any crash.
     fn breaks(&self, core: &mut Core<S::Value>) -> Refusal {
         core.is_broken = true;
-        let what = "the engine failed; the process of this run ends, and it can be taken up";
+        let what = "the engine failed; the process of this run ends, and it can be resumed";
         self.recorder.push(self.clock.now_ns(), [tell::defect(what)]);
         self.end_with(RunEnd::Broken);
         Refusal::Broken

@@ -1,5 +1,5 @@
 //! What becomes of states that are past their time: a deadline preempts the state, a script that does not end in its grace
-//! period ends with the process. Knows the consequences; must never know when they are due.
+//! period ends with the process. Knows the consequences, but not when they are due.
 
 use crate::drive::core::Core;
 use crate::drive::driver::RunEnd;

@@ -62,7 +62,7 @@ pub enum QuestionError {
     /// The answer does not fit the form.
     #[error("{0}")]
     Answer(String),
-    /// Somebody answered it before, or its time is over.
+    /// Someone answered it before, or its time is over.
     #[error("question {0} is closed already")]
     Closed(u64),
     /// Nothing has asked it.

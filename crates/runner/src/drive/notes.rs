@@ -58,20 +58,20 @@ impl<S: Scripts> Driver<S> {
 
     /// Notes down that a global variable got a value, or was deleted.
     pub fn global(&self, name: &str, value: Option<&S::Value>) {
-        let mut pen = self.recorder().write();
-        if pen.keeps_values() {
-            let value = value.map(|value| pen.kept(&self.scripts().keep(value)));
-            pen.note(self.clock().now_ns(), &Record::Global { name: name.into(), value });
+        let mut writer = self.recorder().write();
+        if writer.keeps_values() {
+            let value = value.map(|value| writer.kept(&self.scripts().keep(value)));
+            writer.note(self.clock().now_ns(), &Record::Global { name: name.into(), value });
         }
     }
 
     /// Notes down what a state keeps from one run to the next: all of it, as one value.
     pub fn persistent(&self, place: &Arc<Place>, value: &S::Value) {
-        let mut pen = self.recorder().write();
-        if pen.keeps_values() && place.keeping == Keeping::Full {
-            let value = pen.kept(&self.scripts().keep(value));
+        let mut writer = self.recorder().write();
+        if writer.keeps_values() && place.keeping == Keeping::Full {
+            let value = writer.kept(&self.scripts().keep(value));
             let place = place.number;
-            pen.note(self.clock().now_ns(), &Record::Persistent { place, value });
+            writer.note(self.clock().now_ns(), &Record::Persistent { place, value });
         }
     }
 

@@ -1,4 +1,4 @@
-//! What has happened so far, for scripts that ask: as far back as memory goes. Knows events; must never know how a script sees
+//! What has happened so far, for scripts that ask: as far back as memory goes. Knows events, but not how a script sees
 //! them.
 
 use crate::record::blocks::Chunk;

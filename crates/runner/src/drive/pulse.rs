@@ -1,5 +1,5 @@
 //! Whether the engine takes inputs: what a runner says of it to those who ask, and the end of a process whose engine does not take
-//! a stop. Knows how long the engine may be out of reach; must never know who asks.
+//! a stop. Knows how long the engine may be out of reach, but not who asks.
 
 use crate::drive::core::Core;
 use crate::drive::driver::Driver;
@@ -71,7 +71,7 @@ impl<S: Scripts> Driver<S> {
         if !is_reached {
             tell(format!(
                 "a defect of RAFCON, please report it: the engine did not take a stop within {} ms, so the process ends; \
-                 the run can be taken up",
+                 the run can be resumed",
                 STOP_AT_MOST.as_millis()
             ));
             signal_hook::low_level::exit(UNREACHED);

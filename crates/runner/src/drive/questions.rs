@@ -1,5 +1,5 @@
-//! Questions of states to people: open until somebody answers, their time is over, or their state is to end. Knows who waits
-//! for an answer; must never know how people see a question.
+//! Questions of states to people: open until someone answers, their time is over, or their state is to end. Knows who waits
+//! for an answer, but not how people see a question.
 
 use crate::drive::error::QuestionError;
 use crate::places::signals::PREEMPTED;
@@ -38,7 +38,7 @@ pub struct Closed {
 /// The questions of a run.
 #[derive(Debug, Default)]
 pub(crate) struct Questions {
-    /// How many are open: mostly none, and then nobody has to look.
+    /// How many are open: mostly none, and then no one has to look.
     count: AtomicUsize,
     list: Mutex<List>,
     closed: Condvar,
@@ -90,7 +90,7 @@ impl<S: Scripts> Driver<S> {
 }
 
 impl Questions {
-    /// Numbers of questions go on after this one.
+    /// Numbers of questions continue after this one.
     pub(crate) fn go_on_after(&self, last: u64) {
         self.list.lock().last = last;
     }
@@ -119,7 +119,7 @@ impl Questions {
         Ok(())
     }
 
-    /// Those that nobody has answered yet, in the order of their ids.
+    /// Those that no one has answered yet, in the order of their ids.
     pub(crate) fn unanswered(&self) -> Vec<Question> {
         let list = self.list.lock();
         let open = list.open.values().filter(|open| open.end.is_none());

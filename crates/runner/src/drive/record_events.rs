@@ -1,4 +1,4 @@
-//! What the engine says, written down as it is kept, and what the places of a run learn from it. Knows events; must never know
+//! What the engine says, written down as it is kept, and what the places of a run learn from it. Knows events; knows nothing of
 //! where the record lies.
 
 use crate::Scripts;
@@ -19,7 +19,7 @@ use std::sync::Arc;
 struct RecordGroup<'p, S: Scripts> {
     core: &'p mut Core<S::Value>,
     scripts: &'p S,
-    pen: RecordWriter<'p>,
+    writer: RecordWriter<'p>,
     now: u64,
 }
 
@@ -44,16 +44,16 @@ pub(crate) fn record<S: Scripts>(
         return;
     }
     let mut events = std::mem::take(&mut core.outbox.events);
-    let pen = recorder.write();
-    let mut page = RecordGroup { core, scripts, pen, now };
+    let writer = recorder.write();
+    let mut page = RecordGroup { core, scripts, writer, now };
     if let Some(first) = first {
-        page.pen.note(page.now, &first);
+        page.writer.note(page.now, &first);
     }
     for event in &events {
         page.write(event);
     }
     if let Some(last) = last {
-        page.pen.note(page.now, &last);
+        page.writer.note(page.now, &last);
     }
     events.clear();
     page.core.outbox.events = events;
@@ -69,7 +69,7 @@ impl<S: Scripts> RecordGroup<'_, S> {
                 if keeps {
                     inputs.iter().for_each(|value| self.value(value));
                 }
-                self.pen.entered(self.now, place, *undoes);
+                self.writer.entered(self.now, place, *undoes);
             }
             Event::Left { path, node, outcome, outputs, absent, error, undoes } => {
                 let (place, keeps) = self.place(*path, *node);
@@ -82,7 +82,7 @@ impl<S: Scripts> RecordGroup<'_, S> {
                     self.outputs(outputs, absent.as_deref().unwrap_or_default());
                 }
                 let end = StateEnd { place, outcome: outcome.0, undoes: *undoes };
-                self.pen.left(self.now, end, error.as_ref());
+                self.writer.left(self.now, end, error.as_ref());
             }
             Event::Scoped { path, port, value } => {
                 if let Some(last) = self.last(*path) {
@@ -90,7 +90,7 @@ impl<S: Scripts> RecordGroup<'_, S> {
                 }
                 if let Some((place, true)) = self.place_at(*path) {
                     let value = self.kept(value);
-                    self.pen.scoped(self.now, place, port_number(*port), &value);
+                    self.writer.scoped(self.now, place, port_number(*port), &value);
                 }
             }
             event => self.rare(event),
@@ -106,7 +106,7 @@ impl<S: Scripts> RecordGroup<'_, S> {
             }
             Event::Stopping => {
                 self.core.set_flags(0);
-                self.pen.run_ends();
+                self.writer.run_ends();
             }
             Event::Changed => self.core.generation += 1,
             // It may never have been entered, and ends now.
@@ -120,7 +120,7 @@ impl<S: Scripts> RecordGroup<'_, S> {
             event => tell::rare(event, &self.core.engine),
         };
         if let Some(record) = record {
-            self.pen.note(self.now, &record);
+            self.writer.note(self.now, &record);
         }
     }
 
@@ -133,7 +133,7 @@ impl<S: Scripts> RecordGroup<'_, S> {
             known.defined = generation;
             self.define(number, path, node);
         }
-        (number, keeping == Keeping::Full && self.pen.keeps_values())
+        (number, keeping == Keeping::Full && self.writer.keeps_values())
     }
 
     fn place_at(&mut self, path: PathId) -> Option<(PlaceNumber, bool)> {
@@ -143,26 +143,26 @@ impl<S: Scripts> RecordGroup<'_, S> {
 
     fn define(&mut self, number: PlaceNumber, path: PathId, node: NodeId) {
         let place = names::definition(&self.core.engine, path, node);
-        if self.pen.names().latest(number).is_none_or(|latest| *latest != place) {
-            self.pen.define(number, Arc::new(place));
+        if self.writer.names().latest(number).is_none_or(|latest| *latest != place) {
+            self.writer.define(number, Arc::new(place));
         }
     }
 
     fn value(&mut self, value: &S::Value) {
         let keep = self.scripts.keep(value);
-        self.pen.value(&keep);
+        self.writer.value(&keep);
     }
 
     fn kept(&mut self, value: &S::Value) -> Kept {
         let keep: Keep<'_> = self.scripts.keep(value);
-        self.pen.kept(&keep)
+        self.writer.kept(&keep)
     }
 
     /// The outputs, without those at the places in `absent`.
     fn outputs(&mut self, outputs: &[S::Value], absent: &[u32]) {
         for (index, value) in (0..).zip(outputs) {
             if absent.contains(&index) {
-                self.pen.absent();
+                self.writer.absent();
             } else {
                 self.value(value);
             }

@@ -37,7 +37,7 @@ enum RootsRequest {
 }
 
 impl<S: Scripts> Driver<S> {
-    /// The run begins, or goes on, with the machine that was read from these files; one that `is_kept` is not kept again.
+    /// The run begins, or continues, with the machine that was read from these files; one that `is_kept` is not kept again.
     pub(crate) fn keep_first_root(&self, files: StateFiles, is_kept: bool) {
         let files = self.roots().files.get_or_init(|| files);
         if is_kept {
@@ -88,7 +88,7 @@ impl<S: Scripts> Driver<S> {
 /// Keeps machines until [`Driver::close_roots`].
 pub(crate) fn serve<S: Scripts>(driver: &Driver<S>) {
     let roots = driver.roots();
-    // Also if it ends by a panic: somebody waits for that.
+    // Also if it ends by a panic: someone waits for that.
     let _done = RootsClosed(&roots.done);
     while let RootsRequest::Keep(machine, change) = roots.wanted.wait() {
         let (journal, files) = (driver.recorder().journal(), roots.files.get());
@@ -109,7 +109,7 @@ impl Drop for RootsClosed<'_> {
     }
 }
 
-/// Keeps one machine; a disk that is full is waited for, as long as the run goes on.
+/// Keeps one machine; a disk that is full is waited for, as long as the run continues.
 fn keep<S: Scripts>(driver: &Driver<S>, journal: &Journal, pack: &Pack) -> Option<Hash> {
     loop {
         match journal.keep_root(pack) {
@@ -119,7 +119,7 @@ fn keep<S: Scripts>(driver: &Driver<S>, journal: &Journal, pack: &Pack) -> Optio
             }
             Err(error) => {
                 let message = format!(
-                    "the machine cannot be kept, so this run cannot be taken up after a crash: {}",
+                    "the machine cannot be kept, so this run cannot be resumed after a crash: {}",
                     reason(&error)
                 );
                 let record = tell::log(String::new(), LogLevel::Warning, message);

@@ -1,4 +1,4 @@
-//! The port through which a run reaches whatever runs its scripts. Knows values as handles; must never know an interpreter.
+//! The port through which a run reaches whatever runs its scripts. Knows values as handles; knows nothing of an interpreter.
 
 use crate::drive::error::ValueError;
 use crate::record::keep::Keep;
@@ -94,14 +94,14 @@ pub trait Scripts: Debug + Send + Sync + 'static {
     /// The reason, if this is such a stand-in. Called with the engine locked: enters no interpreter.
     fn is_lost(&self, value: &Self::Value) -> Option<String>;
 
-    /// Sets a global variable before anything runs: one of the launch, or one of a run that is taken up again.
+    /// Sets a global variable before anything runs: one of the launch, or one of a run that is resumed.
     fn restore_global(&self, name: &str, value: Self::Value) -> Result<(), ValueError> {
         let _ = (name, value);
         Err("this host keeps no global variables".into())
     }
 
     /// Puts back what the state at `path` (ids joined by `/`) keeps from one of its runs to the next, before anything of a
-    /// run that is taken up again runs.
+    /// run that is resumed runs.
     fn restore_persistent(&self, path: &str, value: Self::Value) -> Result<(), ValueError> {
         let _ = (path, value);
         Err("this host keeps nothing from one run of a state to the next".into())

@@ -48,7 +48,7 @@ impl<D> WorkerPool<D> {
         }
     }
 
-    /// The thread of this branch goes on with this script of its own.
+    /// The thread of this branch continues with this script of its own.
     pub(crate) fn go_on(&mut self, turn: &BranchTask<D>) {
         if let Some(owner) = self.owners.get(&turn.branch()) {
             self.active.begin(owner.slot, &turn.place);
@@ -94,7 +94,7 @@ impl<D> WorkerPool<D> {
         self.seekers = self.seekers.saturating_sub(1);
     }
 
-    /// Sends an idle thread to the queue if somebody has to go there; true if a new thread has to be made for it.
+    /// Sends an idle thread to the queue if someone has to go there; true if a new thread has to be made for it.
     pub(crate) fn needs_thread(&mut self) -> bool {
         if self.ready.is_empty() || self.seekers > 0 {
             return false;

@@ -1,4 +1,4 @@
-//! Where a run that is taken up was begun, as its journal tells it: by the launch or by a later command, and whether it came
+//! Where a run that is resumed was begun, as its journal tells it: by the launch or by a later command, and whether it came
 //! there. Knows events; what follows from it, the engine knows.
 
 use crate::drive::prepare::behind;

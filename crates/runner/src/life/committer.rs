@@ -1,5 +1,5 @@
 //! Makes the record safe, group by group, on a thread of its own; while the disk refuses, the run is paused. Knows what a failure
-//! means to a run; must never know how a journal is written.
+//! means to a run, but not how a journal is written.
 
 use crate::Scripts;
 use crate::drive::driver::Driver;

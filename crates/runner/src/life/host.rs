@@ -64,14 +64,14 @@ pub fn serve<H: Host>(stream: UnixStream, host: H) -> Result<(), ServeError> {
     }
 }
 
-/// Loads the machine, makes everything ready and lets the run begin, or go on.
+/// Loads the machine, makes everything ready and lets the run begin, or continue.
 fn begin<H: Host>(
     mut host: H,
     launch: &Launch,
     clock: Clock,
 ) -> Result<Begun<H::Scripts>, ServeError> {
     host.launched(launch);
-    let resumed = launch.resume.map(|resume| Resumed::take_up(launch, resume));
+    let resumed = launch.resume.map(|resume| Resumed::open(launch, resume));
     let resumed = resumed.transpose().map_err(LoadFailure::from)?;
     let prepared = match &resumed {
         Some(resumed) => resumed.prepare(&mut host, launch),
@@ -94,8 +94,8 @@ fn begin<H: Host>(
         Some(folder) => Active::open(folder)?,
         None => Active::default(),
     };
-    let clock = clock.after(past.as_ref().map_or(0, |past| past.taken_up.t_ns));
-    let from = past.as_ref().map_or(0, |past| past.taken_up.sequence) + 1;
+    let clock = clock.after(past.as_ref().map_or(0, |past| past.resume_point.t_ns));
+    let from = past.as_ref().map_or(0, |past| past.resume_point.sequence) + 1;
     let driver = Driver::new(document, host.open(opening), clock, active, recorder);
     H::opened(&driver);
     driver.keep_first_root(files, is_kept);
@@ -126,7 +126,7 @@ fn loaded(launch: &Launch, machine: &Machine, problems: Vec<String>) -> ToViewer
     }
 }
 
-/// The record of a run that begins, or goes on.
+/// The record of a run that begins, or continues.
 fn record(
     launch: &Launch,
     machine: &Machine,
@@ -226,7 +226,7 @@ fn open_door(launch: &Launch) -> io::Result<Option<(ViewerListener, ListenerClos
     folder.map(ViewerListener::open).transpose()
 }
 
-/// Sets the breakpoints and lets the run begin, or go on.
+/// Sets the breakpoints and lets the run begin, or continue.
 fn set_out<S: Scripts>(
     driver: &Arc<Driver<S>>,
     launch: &Launch,

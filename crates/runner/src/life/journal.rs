@@ -1,4 +1,4 @@
-//! Where the record of a run is kept, as its launch asks. Knows folders; must never know what is written.
+//! Where the record of a run is kept, as its launch asks. Knows folders, but not what is written.
 
 use crate::Clock;
 use crate::record::recorder::Recorder;

@@ -1,4 +1,4 @@
-//! A moment of a journal made into what an engine goes on from. Knows both; what cannot be made again is a stand-in that no
+//! A moment of a journal made into what an engine continues from. Knows both; what cannot be made again is a stand-in that no
 //! script ever gets.
 
 use crate::Scripts;
@@ -35,7 +35,7 @@ pub(crate) struct RestoreContext<D> {
 }
 
 impl<'r, S: Scripts> ValueRestorer<'r, S> {
-    /// For a run with this journal that goes on with `machine`.
+    /// For a run with this journal that continues with `machine`.
     pub(crate) fn new(scripts: &'r S, reader: &'r Reader, machine: &'r Machine) -> Self {
         let values = reader.folder().join(VALUES_FOLDER);
         Self { scripts, reader, machine, values, made: BTreeMap::new(), lost: false }

@@ -1,4 +1,4 @@
-//! Runs that are taken up again: after the end of their runner, or at an entry of their history. Knows what has to be put back,
+//! Runs that are resumed: after the end of their runner, or at an entry of their history. Knows what has to be put back,
 //! and in which order; what a journal says, others read.
 
 use crate::drive::dispatch::Order;
@@ -18,7 +18,8 @@ use rafcon_protocol::{
     Answer, Beginning, Command, Crash, Event, Launch, LogLevel, OnCrash, Resume, RunStatus, active,
 };
 use rafcon_storage::journal::{
-    About, Entry, Hash, Journal, JournalError, Kept, Moment, Packed, Place, Reader, Record, TakenUp,
+    About, Entry, Hash, Journal, JournalError, Kept, Moment, Packed, Place, Reader, Record,
+    ResumePoint,
 };
 use smol_str::SmolStr;
 use std::fs;
@@ -28,9 +29,9 @@ use std::sync::Arc;
 /// After its root was left a run does not say more than this.
 const LAST_EVENTS: u64 = 10_000;
 
-/// A journal that a runner goes on with, and the moment from which.
+/// A journal that a runner continues with, and the moment from which.
 pub(crate) struct Resumed {
-    pub(crate) taken_up: TakenUp,
+    pub(crate) resume_point: ResumePoint,
     journal: Journal,
     reader: Reader,
     /// How the run stood at its end.
@@ -51,13 +52,13 @@ struct From {
 
 impl Resumed {
     /// Takes the journal of the run over.
-    pub(crate) fn take_up(launch: &Launch, resume: Resume) -> Result<Self, ResumeError> {
+    pub(crate) fn open(launch: &Launch, resume: Resume) -> Result<Self, ResumeError> {
         let folder = launch.run_folder.as_deref().ok_or(ResumeError::NoFolder)?;
         let crash = launch.crash.clone().unwrap_or_else(|| crash(folder));
-        let (journal, taken_up) = Journal::take_up(folder, &options(launch.size_max))?;
-        match look(folder, taken_up.sequence, resume.from) {
+        let (journal, resume_point) = Journal::resume(folder, &options(launch.size_max))?;
+        match look(folder, resume_point.sequence, resume.from) {
             Ok((reader, last, from)) => {
-                Ok(Self { taken_up, journal, reader, last, from, crash, policy: resume.policy })
+                Ok(Self { resume_point, journal, reader, last, from, crash, policy: resume.policy })
             }
             Err(why) => {
                 // What cannot be closed is as it was found: a run without a runner.
@@ -73,7 +74,7 @@ impl Resumed {
         host: &mut H,
         launch: &Launch,
     ) -> Result<Prepared<crate::HostValue<H>>, LoadFailure> {
-        let about = &self.taken_up.about;
+        let about = &self.resume_point.about;
         let has_entered = self.last.entries() > 0;
         // Its first state may be gone since it was entered.
         let Beginning { start_from, afterwards, hold, .. } =
@@ -101,12 +102,12 @@ impl Resumed {
         self.last.whole().root.as_deref()
     }
 
-    /// The run's life goes on with this record.
+    /// The run's life continues with this record.
     pub(crate) fn recorder(self) -> (Recorder, ResumedPast) {
-        let Self { taken_up, journal, reader, last, from, crash, policy } = self;
-        let About { keeping, strict, .. } = taken_up.about;
-        let recorder = Recorder::with_journal(journal, Some(&taken_up), (keeping, strict));
-        (recorder, ResumedPast { reader, last, from, crash, policy, taken_up })
+        let Self { resume_point, journal, reader, last, from, crash, policy } = self;
+        let About { keeping, strict, .. } = resume_point.about;
+        let recorder = Recorder::with_journal(journal, Some(&resume_point), (keeping, strict));
+        (recorder, ResumedPast { reader, last, from, crash, policy, resume_point })
     }
 }
 
@@ -133,14 +134,14 @@ fn damaged_value(error: JournalError) -> ResumeError {
     ResumeError::DamagedValue(Box::new(error))
 }
 
-/// What a run that is taken up has behind it.
+/// What a run that is resumed has behind it.
 pub(crate) struct ResumedPast {
     reader: Reader,
     last: Moment,
     from: Option<From>,
     crash: Crash,
     policy: OnCrash,
-    pub(crate) taken_up: TakenUp,
+    pub(crate) resume_point: ResumePoint,
 }
 
 impl ResumedPast {
@@ -149,7 +150,7 @@ impl ResumedPast {
         self.last.whole().answers.clone()
     }
 
-    /// Puts everything back and lets the run go on, or begin by `start` if its first state was not entered.
+    /// Puts everything back and lets the run continue, or begin by `start` if its first state was not entered.
     pub(crate) fn go_on<S: Scripts>(
         mut self,
         driver: &Arc<Driver<S>>,
@@ -158,16 +159,16 @@ impl ResumedPast {
     ) -> Result<(), CommandError> {
         let whole = self.last.whole();
         // There are fewer questions than events.
-        driver.questions().go_on_after(self.taken_up.sequence);
-        let (life, crash, policy) = (self.taken_up.life, self.crash.clone(), self.policy);
+        driver.questions().go_on_after(self.resume_point.sequence);
+        let (life, crash, policy) = (self.resume_point.life, self.crash.clone(), self.policy);
         driver.tell(Event::Resumed { life, crash, policy });
-        if let Some(lost) = &self.taken_up.lost {
+        if let Some(lost) = &self.resume_point.lost {
             let text = format!("the journal is damaged: {lost}; the run goes on from before");
             let line = tell::log(String::new(), LogLevel::Error, text);
             driver.recorder().push(driver.clock().now_ns(), [line]);
         }
         let has_entered = self.last.entries() > 0;
-        let first = self.taken_up.about.beginning.breakpoints.iter().filter(|_| !has_entered);
+        let first = self.resume_point.about.beginning.breakpoints.iter().filter(|_| !has_entered);
         first
             .chain(whole.breakpoints.values())
             .try_for_each(|point| driver.set_breakpoint(point))?;
@@ -187,7 +188,7 @@ impl ResumedPast {
         driver.put_back(around);
         let Some(root) = root else {
             if !has_entered {
-                driver.set_globals(&self.taken_up.about.beginning.globals)?;
+                driver.set_globals(&self.resume_point.about.beginning.globals)?;
             }
             let hold = hold || held || start.hold;
             return Ok(driver.command(Input::Start(Start { hold, ..start }))?);
@@ -201,7 +202,7 @@ impl ResumedPast {
         let counted = counted(&self.last);
         let hold = hold || held;
         let stopping = stopping(&self.last);
-        let begun_at = begun_at(&mut self.reader, &self.last, &self.taken_up.about.beginning);
+        let begun_at = begun_at(&mut self.reader, &self.last, &self.resume_point.about.beginning);
         let restore = Restore { root, interrupted, crash, hold, counted, stopping, begun_at };
         Ok(driver.command(Input::Restore(Box::new(restore)))?)
     }
@@ -213,8 +214,8 @@ pub(crate) fn latest(reader: &mut Reader, last: &Moment) -> Result<Vec<Entry>, J
     reader.page(first, usize::try_from(LAST_EVENTS).unwrap_or(usize::MAX).saturating_add(1))
 }
 
-/// Whether a run that was paused at its end was so because somebody wanted it: then a command says so, in one group with the pause
-/// or later. Else its journal could not be written, and nobody holds it.
+/// Whether a run that was paused at its end was so because someone wanted it: then a command says so, in one group with the pause
+/// or later. Else its journal could not be written, and no one holds it.
 fn somebody_paused(reader: &mut Reader, last: &Moment) -> bool {
     let Ok(entries) = latest(reader, last) else { return true };
     let mut events = entries.iter().rev().filter_map(|entry| match &entry.record {
@@ -393,7 +394,7 @@ impl From {
     }
 }
 
-/// What is known of the end of the last runner, if nobody saw it.
+/// What is known of the end of the last runner, if no one saw it.
 fn crash(folder: &Path) -> Crash {
     let read = |name| fs::read(folder.join(name)).unwrap_or_default();
     let paths = read(active::PATHS_FILE);
@@ -422,7 +423,7 @@ mod tests {
     const COMMAND: &str = r#"told {"type":"commanded","envelope":{"id":"1","command":{"type":"pause"}},"answer":{"answer":"applied"}}"#;
     const HIT: &str = r#"told {"type":"hit","breakpoint":1,"path":"R","hits":1,"held":true}"#;
 
-    /// Whether somebody wanted the pause at the end of this run.
+    /// Whether someone wanted the pause at the end of this run.
     fn check(events: &[&str], expected: bool) {
         let folder = tempfile::tempdir().unwrap();
         let run = format!("place R \"Root\" outcome done\nenter R\n{}\n", events.join("\n"));

@@ -84,7 +84,7 @@ fn create(path: &Path) -> io::Result<File> {
 
 #[expect(unsafe_code, reason = "memory that is also a file has no safe door")]
 fn map(file: &File) -> io::Result<MmapMut> {
-    // SAFETY: the file was just made by this run in a folder of its own and nobody shortens it; readers only read.
+    // SAFETY: the file was just made by this run in a folder of its own and no one shortens it; readers only read.
     unsafe { MmapMut::map_mut(file) }
 }
 

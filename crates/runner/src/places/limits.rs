@@ -1,5 +1,5 @@
 //! What the semantic data of states limits: deadlines, grace periods, and how much a run keeps of them (`docs/semantics.md`). Knows what machines
-//! say; must never know a clock.
+//! say; knows nothing of a clock.
 
 use rafcon_engine::{Node, NodeId, Program};
 use rafcon_model::{Json, Kind, LibraryContent, Machine, State};
@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 /// Passing it preempts the state: seconds from its entry.
 const DEADLINE: &str = "deadline_s";
-/// How long a script may go on after it was asked to end, in seconds; that of the root counts for all states.
+/// How long a script may continue after it was asked to end, in seconds; that of the root counts for all states.
 const GRACE: &str = "grace_s";
 /// A year is as good as for ever, and fits every clock.
 const SECONDS_MAX: f64 = 365.0 * 86_400.0;
@@ -117,7 +117,7 @@ const KEEPING: &str = "journal";
 /// How much of `state` is kept, if that much is kept of the state around it (of the root: of the run).
 ///
 /// A state cannot ask for more than the one around it. [`Keeping::Off`] leaves out its values and log lines; that it came and
-/// went is kept all the same, for without it a run could not be taken up.
+/// went is kept all the same, for without it a run could not be resumed.
 pub(crate) fn keeping_of(state: &State, around: Keeping) -> Keeping {
     around.min(asked(state).unwrap_or_default())
 }

@@ -1,4 +1,4 @@
-//! What a running script is asked to do, and how it waits for it. Knows flags; must never know states.
+//! What a running script is asked to do, and how it waits for it. Knows flags; knows nothing of states.
 
 use crate::Clock;
 use rafcon_locks::{Condvar, Mutex};
@@ -9,9 +9,9 @@ use std::time::Duration;
 pub const PREEMPTED: u8 = 1;
 /// The run is held.
 pub const PAUSED: u8 = 2;
-/// The run goes on after a pause.
+/// The run continues after a pause.
 pub const STARTED: u8 = 4;
-/// Somebody has something for whoever waits; what it is, they know.
+/// Someone has something for whoever waits; what it is, they know.
 pub const NUDGED: u8 = 8;
 
 /// The flags of a place in the machine. A wait uses no processor time.

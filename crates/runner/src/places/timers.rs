@@ -1,4 +1,4 @@
-//! What is due when: deadlines of states, and the ends of grace periods. Knows times and entries; must never know what
+//! What is due when: deadlines of states, and the ends of grace periods. Knows times and entries, but not what
 //! becomes of them.
 
 use crate::places::limits::Limits;

@@ -1,5 +1,5 @@
 //! What happened lately, in memory: the stream of events in blocks, the oldest given up for the newest. Knows bytes and numbers;
-//! must never know who reads.
+//! knows nothing of who reads.
 
 use rafcon_storage::journal::stream::{EventBlock, StreamItem};
 use rafcon_storage::journal::{Reader, Record};
@@ -104,7 +104,7 @@ impl Blocks {
     }
 
     /// Copies events with numbers from `from` to before `end` to `into`: those of one block, or the rare ones of it. Gives the
-    /// number to go on with.
+    /// number to continue with.
     pub(crate) fn read(&self, from: u64, end: u64, rare: bool, into: &mut Chunk) -> u64 {
         into.clear();
         let after = self.list.partition_point(|block| block.first() <= from);
@@ -175,7 +175,7 @@ pub(crate) struct Chunk {
     pieces: Vec<Piece>,
     /// The last piece is more than is wanted: where the walk to its end begins, and the first event that is too many.
     tail: Option<(Mark, u64)>,
-    /// Where the reader goes on, in the block that begins with this event.
+    /// Where the reader continues, in the block that begins with this event.
     place: Option<(u64, Mark)>,
 }
 
@@ -360,7 +360,7 @@ mod tests {
     }
 
     proptest! {
-        /// However much becomes readable at a time, a reader that goes on where it was gets each event once, and nothing before
+        /// However much becomes readable at a time, a reader that continues where it was gets each event once, and nothing before
         /// what it asked for.
         #[test]
         fn a_reader_that_goes_on_gets_each_event_once(steps in prop::collection::vec(0..30_u64, 1..40)) {

@@ -1,4 +1,4 @@
-//! Values on their way into the journal. Knows how a value is named there; must never know how it was made.
+//! Values on their way into the journal. Knows how a value is named there, but not how it was made.
 
 use rafcon_storage::journal::{Kept, Stored, ValueNumber};
 use std::sync::atomic::{AtomicU64, Ordering};

@@ -1,4 +1,4 @@
-//! Writes events down as they are kept: values by number, each defined once. Knows the encoding; must never know where the bytes
+//! Writes events down as they are kept: values by number, each defined once. Knows the encoding, but not where the bytes
 //! go.
 
 use crate::record::blocks::{Encoded, Mark, Piece};
@@ -182,12 +182,12 @@ mod tests {
             content: Content::View,
         };
         let value = KeptValue::new(stored);
-        let mut pen = RecordEncoder::after(0, 0, 6);
+        let mut writer = RecordEncoder::after(0, 0, 6);
         let mut name_after = |records| {
             for _ in 0..records {
-                pen.entered(0, PlaceNumber(0), None);
+                writer.entered(0, PlaceNumber(0), None);
             }
-            pen.kept(&Keep::Stored(&value))
+            writer.kept(&Keep::Stored(&value))
         };
         assert_eq!(name_after(0), Kept::Value(ValueNumber(7)));
         assert_eq!(name_after(VALUE_LIFE), Kept::Value(ValueNumber(7)));

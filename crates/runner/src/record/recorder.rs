@@ -1,4 +1,4 @@
-//! What happened in a run, numbered, for any number of readers. Knows what is written and what may be told; must never know who
+//! What happened in a run, numbered, for any number of readers. Knows what is written and what may be told, but not who
 //! reads, and never waits for a reader.
 
 use crate::record::blocks::{Blocks, Chunk};
@@ -8,7 +8,7 @@ use crate::record::safety::Safety;
 use crate::record::tell::reason;
 use rafcon_locks::{Condvar, Mutex, MutexGuard};
 use rafcon_protocol::Keeping;
-use rafcon_storage::journal::{Full, Journal, Place, PlaceNumber, Record, TakenUp};
+use rafcon_storage::journal::{Full, Journal, Place, PlaceNumber, Record, ResumePoint};
 use std::ops::{Deref, DerefMut};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -22,7 +22,7 @@ const MEMORY_BYTES_WITH_JOURNAL: usize = if cfg!(test) { 1 << 20 } else { 16 << 
 /// What a reader gets.
 #[derive(Debug, Default, PartialEq, Eq)]
 pub(crate) struct Read {
-    /// The number to go on with.
+    /// The number to continue with.
     pub(crate) next: u64,
     /// How many records before that are not in memory any more.
     pub(crate) missed: u64,
@@ -46,7 +46,7 @@ pub(crate) struct Recorder {
 /// What one writer has at a time.
 #[derive(Debug)]
 struct RecorderInner {
-    pen: RecordEncoder,
+    writer: RecordEncoder,
     /// None if the run is not kept, or not any more.
     journal: Option<Arc<Journal>>,
 }
@@ -86,24 +86,24 @@ impl Recorder {
             keeping: Keeping::Off,
             folder: None,
             safety: Safety::default(),
-            ink: Mutex::new(RecorderInner { pen: RecordEncoder::after(0, 0, 0), journal: None }),
+            ink: Mutex::new(RecorderInner { writer: RecordEncoder::after(0, 0, 0), journal: None }),
             ring: Mutex::new(Ring::new(1, limit, u64::MAX)),
             grown: Condvar::new(),
         }
     }
 
-    /// A record with a journal behind it, which may be that of a run taken up again.
+    /// A record with a journal behind it, which may be that of a run resumed.
     pub(crate) fn with_journal(
         journal: Journal,
-        taken_up: Option<&TakenUp>,
+        resume_point: Option<&ResumePoint>,
         (keeping, strict): (Keeping, bool),
     ) -> Self {
         let last = journal.sequence();
         let names = Names::default();
-        for (number, place) in taken_up.into_iter().flat_map(|run| &run.places) {
+        for (number, place) in resume_point.into_iter().flat_map(|run| &run.places) {
             names.define(0, *number, Arc::new(place.clone()));
         }
-        let pen = match taken_up {
+        let writer = match resume_point {
             Some(run) => RecordEncoder::after(last, run.t_ns, run.next_value.0.saturating_sub(1)),
             None => RecordEncoder::after(last, 0, 0),
         };
@@ -112,7 +112,7 @@ impl Recorder {
             keeping,
             folder: Some(journal.folder().to_owned()),
             safety: Safety::new(last, strict),
-            ink: Mutex::new(RecorderInner { pen, journal: Some(Arc::new(journal)) }),
+            ink: Mutex::new(RecorderInner { writer, journal: Some(Arc::new(journal)) }),
             ring: Mutex::new(Ring::new(last + 1, MEMORY_BYTES_WITH_JOURNAL, last + 1)),
             grown: Condvar::new(),
         }
@@ -155,20 +155,20 @@ impl Recorder {
 
     /// Adds records that happened at the same time.
     pub(crate) fn push(&self, t_ns: u64, records: impl IntoIterator<Item = Record>) {
-        let mut pen = self.write();
-        records.into_iter().for_each(|record| pen.note(t_ns, &record));
+        let mut writer = self.write();
+        records.into_iter().for_each(|record| writer.note(t_ns, &record));
     }
 
     fn finish(&self, ink: &mut RecorderInner) {
         self.keep(ink);
-        self.change(|ring| ring.blocks.push(ink.pen.encoded()));
-        ink.pen.clear();
+        self.change(|ring| ring.blocks.push(ink.writer.encoded()));
+        ink.writer.clear();
     }
 
     /// Gives the journal what was written. It waits for room if it must; the committer needs nothing that the writer holds.
     fn keep(&self, ink: &mut RecorderInner) {
         let Some(journal) = &ink.journal else { return };
-        let batch = ink.pen.batch();
+        let batch = ink.writer.batch();
         let mut was_refused = false;
         let written = loop {
             let goes_on = match journal.append(batch) {
@@ -297,7 +297,7 @@ impl Recorder {
     }
 }
 
-/// A pen that nobody else has.
+/// A writer that no one else has.
 #[derive(Debug)]
 pub(crate) struct RecordWriter<'r> {
     recorder: &'r Recorder,
@@ -322,8 +322,8 @@ impl RecordWriter<'_> {
 
     /// The place stands for this from the next record on.
     pub(crate) fn define(&mut self, number: PlaceNumber, place: Arc<Place>) {
-        self.ink.pen.define(number, &place);
-        self.recorder.names.define(self.ink.pen.next(), number, place);
+        self.ink.writer.define(number, &place);
+        self.recorder.names.define(self.ink.writer.next(), number, place);
     }
 }
 
@@ -331,13 +331,13 @@ impl Deref for RecordWriter<'_> {
     type Target = RecordEncoder;
 
     fn deref(&self) -> &RecordEncoder {
-        &self.ink.pen
+        &self.ink.writer
     }
 }
 
 impl DerefMut for RecordWriter<'_> {
     fn deref_mut(&mut self) -> &mut RecordEncoder {
-        &mut self.ink.pen
+        &mut self.ink.writer
     }
 }
 

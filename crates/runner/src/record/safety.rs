@@ -1,4 +1,4 @@
-//! What of the record is safe from a power cut, and who waits for it. Knows numbers; must never know a disk.
+//! What of the record is safe from a power cut, and who waits for it. Knows numbers; knows nothing of a disk.
 
 use rafcon_locks::{Condvar, Mutex, MutexGuard};
 use std::sync::Arc;
@@ -44,9 +44,9 @@ struct State {
     waiting: u32,
     /// How often it was tried to make something safe.
     tries: u64,
-    /// Nobody waits any more while there is a problem: the run is ending.
+    /// No one waits any more while there is a problem: the run is ending.
     ending: bool,
-    /// Detail before this record was given up, and nobody was told yet.
+    /// Detail before this record was given up, and no one was told yet.
     thinned: Option<u64>,
     stage: Stage,
 }
@@ -70,7 +70,7 @@ impl State {
         self.problem.as_ref().or(self.refused.as_ref())
     }
 
-    /// Whether nobody waits any more.
+    /// Whether no one waits any more.
     fn gives_up(&self) -> bool {
         self.stage >= Stage::Over || self.ending && self.problem().is_some()
     }

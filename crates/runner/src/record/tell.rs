@@ -1,4 +1,4 @@
-//! What the engine says, in the words of the protocol. Knows both vocabularies; must never know who listens.
+//! What the engine says, in the words of the protocol. Knows both vocabularies, but not who listens.
 
 use rafcon_engine::{Datum, Engine, Event, HeldBy, Level, Note, PathId, WaitReason};
 use rafcon_model::OutcomeId;

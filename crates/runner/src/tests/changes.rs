@@ -45,7 +45,7 @@ const MORE_OF_A: &str = "  start -> A
     outcome ok
 ";
 
-/// Changes the folder of a run whose first state waits, tells the run so, and lets it go on.
+/// Changes the folder of a run whose first state waits, tells the run so, and lets it continue.
 fn check(new: &str, wait: bool, answer: &str, expect: &Expect) {
     let fixture = RunFixture::new(&machine(OLD));
     let (mut viewer, runner) = fixture.begin(fixture.launch());

@@ -1,4 +1,4 @@
-//! Runs that hold: from the start, by steps, by breakpoints with conditions, with and without anybody who looks.
+//! Runs that hold: from the start, by steps, by breakpoints with conditions, with and without anyone who looks.
 
 use super::served::RunFixture;
 use expect_test::{Expect, expect};

@@ -63,7 +63,7 @@ fn a_stop_that_the_engine_does_not_take_ends_the_process() {
             scope.spawn(|| {
                 driver.with_core(|_core| {
                     held.wait();
-                    // Nobody else comes: the engine stays locked.
+                    // No one else comes: the engine stays locked.
                     held.wait();
                 })
             });

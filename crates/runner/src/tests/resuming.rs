@@ -1,4 +1,4 @@
-//! Runs that are taken up after their runner died, or begun again at an entry of their history.
+//! Runs that are resumed after their runner died, or begun again at an entry of their history.
 
 use super::served::{Actors, RunFixture, Viewer};
 use expect_test::{Expect, expect};
@@ -76,7 +76,7 @@ fn check(
     runner.join().unwrap();
 }
 
-/// A command is noted down while what it leads to goes on already.
+/// A command is noted down while what it leads to continues already.
 fn without_commands(text: &str) -> String {
     text.split_inclusive('\n').filter(|line| !line.contains(" by test: ")).collect()
 }
@@ -142,7 +142,7 @@ hierarchy ROOT
     out number: int
 ";
 
-/// A run that died when its journal was made and nothing had happened, taken up; it goes on after it was held with this text.
+/// A run that died when its journal was made and nothing had happened, resumed; it continues after it was held with this text.
 fn check_blank(change: impl FnOnce(Launch) -> Launch, held: Option<&str>, expect: &Expect) {
     let fixture = RunFixture::new(GIVEN);
     let number = ("number".to_owned(), 6.into());
@@ -331,8 +331,8 @@ barrier ROOT
 ";
 
 #[test]
-fn all_branches_are_taken_up_where_they_were() {
-    let fixture = died(FORKS, "all_branches_are_taken_up_where_they_were");
+fn all_branches_are_resumed_where_they_were() {
+    let fixture = died(FORKS, "all_branches_are_resumed_where_they_were");
     let (viewer, runner) = fixture.begin(fixture.resume(OnCrash::Abort, None));
     let text = viewer.into_end();
     let mut lines: Vec<&str> = text.lines().collect();
@@ -476,7 +476,7 @@ fn a_refused_way_back_leaves_global_variables_as_they_are() {
 }
 
 #[test]
-fn a_run_that_is_over_or_goes_on_is_not_taken_up() {
+fn a_run_that_is_over_or_goes_on_is_not_resumed() {
     let fixture = RunFixture::new(THREE);
     let (mut viewer, runner) = fixture.begin(fixture.launch());
     viewer.until_text("+ROOT/C");
@@ -490,7 +490,7 @@ fn a_run_that_is_over_or_goes_on_is_not_taken_up() {
     assert!(!fixture.run_folder().join(RECORDER_FILE).exists());
 }
 
-/// Why the run is not taken up.
+/// Why the run is not resumed.
 fn refusal(fixture: &RunFixture) -> String {
     let (ours, theirs) = UnixStream::pair().unwrap();
     let runner = std::thread::Builder::new();
@@ -591,9 +591,9 @@ hierarchy ROOT
 ";
 
 #[test]
-fn a_state_that_was_preempted_stays_so_when_it_is_taken_up() {
+fn a_state_that_was_preempted_stays_so_when_it_is_resumed() {
     let fixture = RunFixture::new(STUCK);
-    let test = "tests::resuming::a_state_that_was_preempted_stays_so_when_it_is_taken_up";
+    let test = "tests::resuming::a_state_that_was_preempted_stays_so_when_it_is_resumed";
     let preempt = Command::Preempt { path: "ROOT/A".to_owned() };
     fixture.die_after(test, "+ROOT/A", &[("preempt", preempt)]);
     let resume = Command::Resume { branch: None };
@@ -628,10 +628,9 @@ hierarchy ROOT
 ";
 
 #[test]
-fn a_run_of_one_state_alone_still_stops_behind_it_when_it_is_taken_up() {
+fn a_run_of_one_state_alone_still_stops_behind_it_when_it_is_resumed() {
     let fixture = RunFixture::new(STARTLESS);
-    let test =
-        "tests::resuming::a_run_of_one_state_alone_still_stops_behind_it_when_it_is_taken_up";
+    let test = "tests::resuming::a_run_of_one_state_alone_still_stops_behind_it_when_it_is_resumed";
     let only = Command::RunOnlySelected { path: "ROOT/B".to_owned(), data: Vec::new() };
     fixture.die_after(
         test,

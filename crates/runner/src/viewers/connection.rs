@@ -1,4 +1,4 @@
-//! The talk with one viewer: lines in, frames out. Knows messages; must never know what they lead to.
+//! The talk with one viewer: lines in, frames out. Knows messages, but not what they lead to.
 
 use rafcon_locks::Mutex;
 use rafcon_protocol::{FrameError, Hello, ToViewer, decode, encode, encode_frame};
@@ -138,7 +138,7 @@ pub(crate) fn open(socket: Socket) -> Result<Line, TalkError> {
 }
 
 impl Sender {
-    /// Sends one message. A viewer that is gone is not an error: the run goes on.
+    /// Sends one message. A viewer that is gone is not an error: the run continues.
     pub(crate) fn send(&self, message: &ToViewer) {
         if let Ok(frame) = encode_frame(message) {
             self.send_frame(&frame);
@@ -152,12 +152,12 @@ impl Sender {
         }
     }
 
-    /// Nobody listens any more.
+    /// No one listens any more.
     pub(crate) fn lose(&self) {
         self.lost.store(true, Ordering::Relaxed);
     }
 
-    /// Whether nobody listens any more.
+    /// Whether no one listens any more.
     pub(crate) fn is_lost(&self) -> bool {
         self.lost.load(Ordering::Relaxed)
     }

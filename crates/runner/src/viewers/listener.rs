@@ -1,4 +1,4 @@
-//! Where others join a run: a socket in the run's folder. Knows how a viewer comes in; must never know what it is told.
+//! Where others join a run: a socket in the run's folder. Knows how a viewer comes in, but not what it is told.
 
 use crate::Scripts;
 use crate::viewers::connection::{self, Socket, TalkError, TrackedDescriptor};
@@ -16,10 +16,10 @@ use std::path::{Path, PathBuf};
 use std::thread::{self, Scope};
 use std::time::Duration;
 
-/// How long somebody who connects may take to say who they are and what they want.
+/// How long someone who connects may take to say who they are and what they want.
 const HELLO_AT_MOST: Duration = Duration::from_secs(10);
 
-/// How long nobody is let in who could not be.
+/// How long no one is let in who could not be.
 const ACCEPT_BACKOFF: Timespec = Timespec { tv_sec: 0, tv_nsec: 100_000_000 };
 
 /// The open door of a run.
@@ -27,7 +27,7 @@ const ACCEPT_BACKOFF: Timespec = Timespec { tv_sec: 0, tv_nsec: 100_000_000 };
 pub(crate) struct ViewerListener {
     listener: TrackedDescriptor<UnixListener>,
     path: PathBuf,
-    /// Closed when nobody is to come in any more.
+    /// Closed when no one is to come in any more.
     open: UnixStream,
 }
 
@@ -74,7 +74,7 @@ impl ViewerListener {
                 continue;
             }
             let talk = move || {
-                // Whoever does not say who they are is nobody: the connection ends.
+                // Whoever does not say who they are is no one: the connection ends.
                 drop(welcome(scope, company, &socket));
                 company.arrived(&socket);
             };
@@ -83,7 +83,7 @@ impl ViewerListener {
         }
     }
 
-    /// Waits a while, or until the door is closed: the system has no room for a connection, and somebody still knocks.
+    /// Waits a while, or until the door is closed: the system has no room for a connection, and someone still knocks.
     fn rest(&self) {
         let mut open = [PollFd::new(&self.open, PollFlags::IN | PollFlags::HUP)];
         // Interrupted by a signal, the wait is over.

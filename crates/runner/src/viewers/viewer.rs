@@ -180,7 +180,7 @@ pub(crate) fn way() -> (SyncSender<IncomingLine>, mpsc::Receiver<IncomingLine>) 
     mpsc::sync_channel(WAITING)
 }
 
-/// Hears one viewer until it goes away, or nobody heeds it any more; `pulse` asks for the engine.
+/// Hears one viewer until it goes away, or no one heeds it any more; `pulse` asks for the engine.
 pub(crate) fn hear(
     mut receiver: Receiver,
     sender: &Sender,

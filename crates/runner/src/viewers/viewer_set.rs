@@ -1,5 +1,5 @@
-//! Everybody who is connected to a run: each viewer is told and may command, none holds up another or the run. Knows who is
-//! there; must never know what is said.
+//! Everyone who is connected to a run: each viewer is told and may command, none holds up another or the run. Knows who is
+//! there, but not what is said.
 
 use crate::drive::driver::Driver;
 use crate::viewers::commands::{Answers, CommandDispatcher};
@@ -38,7 +38,7 @@ pub(crate) struct ViewerSet<S: Scripts> {
     /// What each is told first.
     loaded: ToViewer,
     present: Mutex<Present>,
-    /// Held while the engine is told whether anybody is there.
+    /// Held while the engine is told whether anyone is there.
     noting: Mutex<()>,
     /// A viewer was told everything, or has gone.
     changed: Condvar,
@@ -49,7 +49,7 @@ struct Present {
     guests: Vec<Arc<ViewerConnection>>,
     /// Connections whose owners have not said yet who they are.
     arriving: Vec<Socket>,
-    /// The run is over: nobody is let in any more.
+    /// The run is over: no one is let in any more.
     closed: bool,
 }
 
@@ -65,14 +65,14 @@ struct ViewerConnection {
 }
 
 impl<S: Scripts> ViewerSet<S> {
-    /// A run that nobody watches; these commands were answered before.
+    /// A run that no one watches; these commands were answered before.
     pub(crate) fn new(driver: Arc<Driver<S>>, loaded: ToViewer, answers: Answers) -> Self {
         let desk = CommandDispatcher::new(Arc::clone(&driver), answers);
         let (present, noting) = (Mutex::default(), Mutex::new(()));
         Self { driver, desk, loaded, present, noting, changed: Condvar::new() }
     }
 
-    /// Somebody has connected; false if nobody is let in any more.
+    /// Someone has connected; false if no one is let in any more.
     pub(crate) fn arrive(&self, socket: &Socket) -> bool {
         let mut present = self.present.lock();
         let room = !present.closed && present.arriving.len() < GUESTS_MAX;
@@ -82,7 +82,7 @@ impl<S: Scripts> ViewerSet<S> {
         room
     }
 
-    /// Somebody who had connected is a viewer now, or is gone.
+    /// Someone who had connected is a viewer now, or is gone.
     pub(crate) fn arrived(&self, socket: &Socket) {
         self.present.lock().arriving.retain(|other| !other.is(socket));
     }
@@ -147,7 +147,7 @@ impl<S: Scripts> ViewerSet<S> {
         Ok(())
     }
 
-    /// Takes commands until the viewer goes away. The run goes on without it.
+    /// Takes commands until the viewer goes away. The run continues without it.
     fn heed(&self, guest: &Arc<ViewerConnection>, words: &mpsc::Receiver<IncomingLine>) {
         self.desk.serve(words, &guest.sender, &guest.answering);
         guest.sender.lose();
@@ -174,7 +174,7 @@ impl<S: Scripts> ViewerSet<S> {
         self.changed.notify_all();
     }
 
-    /// Lets the engine know whether anybody is there. One after the other: what it is told last is what is true.
+    /// Lets the engine know whether anyone is there. One after the other: what it is told last is what is true.
     fn attended(&self) {
         let _turn = self.noting.lock();
         let anybody = !self.present.lock().guests.is_empty();
@@ -182,7 +182,7 @@ impl<S: Scripts> ViewerSet<S> {
         drop(self.driver.command(Input::Attended(anybody)));
     }
 
-    /// Waits until everybody was told everything, for a while; then all connections end, after `told`: what a viewer does who
+    /// Waits until everyone was told everything, for a while; then all connections end, after `told`: what a viewer does who
     /// sees its connection end comes later.
     pub(crate) fn part(&self, told: impl FnOnce()) {
         let deadline = Clock::moment(DRAIN_TIMEOUT);

@@ -1,5 +1,5 @@
 //! `audit.jsonl`: who came in, who was refused, who changed whose rights, and who took control. Bounded; readable by the
-//! server's owner only. Secrets never come here. A thread of its own writes, so that nobody waits for the disk.
+//! server's owner only. Secrets never come here. A thread of its own writes, so that no one waits for the disk.
 
 use super::private::{self, PrivateError};
 use super::recent_notes::RecentNotes;
@@ -87,7 +87,7 @@ impl Audit {
         self.note_at(since_1970_ms(), user, what, about);
     }
 
-    /// Notes what anybody can do over and over, on behalf of `of`: what comes too often is counted, and the count is told with
+    /// Notes what anyone can do over and over, on behalf of `of`: what comes too often is counted, and the count is told with
     /// the next note.
     pub(super) fn note_often(&self, of: &str, user: &str, what: &str, about: &str) {
         let now_ms = since_1970_ms();
@@ -143,7 +143,7 @@ impl Record {
         Ok(Self { folder: folder.to_owned(), file, bytes: about.len(), is_broken: false })
     }
 
-    /// Writes until nobody notes anything any more.
+    /// Writes until no one notes anything any more.
     fn write_all(mut self, waiting: &Receiver<Word>, missed: &AtomicU64) {
         for word in waiting {
             match word {

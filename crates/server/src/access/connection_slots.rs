@@ -1,6 +1,6 @@
 //! Places for connections: a limit for all, a part of it for one other network, and those who are logged in before all others.
-//! When every place is taken, a new connection takes the place of the oldest one that nobody has logged in on. So connections
-//! that only wait, or never read, cannot keep out who has to stop a robot. Knows addresses and users' names; must never know
+//! When every place is taken, a new connection takes the place of the oldest one that no one has logged in on. So connections
+//! that only wait, or never read, cannot keep out who has to stop a robot. Knows addresses and users' names; knows nothing of
 //! streams.
 
 use super::limiter::network;
@@ -85,7 +85,7 @@ impl ConnectionSlots {
         Self { max, taken: Arc::default(), count: watch::Sender::new(0) }
     }
 
-    /// A place for a new connection: a free one, or that of the oldest on which nobody has logged in.
+    /// A place for a new connection: a free one, or that of the oldest on which no one has logged in.
     pub(crate) fn take(&self, peer: Peer) -> Option<(Arc<ConnectionSlot>, Lost)> {
         let network = network(peer.ip);
         let most = if peer.is_near { self.max } else { (self.max / PART).max(1) };
@@ -116,7 +116,7 @@ impl Taken {
         self.places.values().filter(|holder| holder.network == network).count()
     }
 
-    /// The network with the most connections on which nobody has logged in.
+    /// The network with the most connections on which no one has logged in.
     fn most_anonymous(&self) -> Option<IpAddr> {
         let mut counts = BTreeMap::<IpAddr, usize>::new();
         for holder in self.places.values().filter(|holder| holder.user.is_none()) {
@@ -125,7 +125,7 @@ impl Taken {
         counts.into_iter().max_by_key(|(_, count)| *count).map(|(network, _)| network)
     }
 
-    /// Ends the oldest connection of a network on which nobody has logged in; nothing if there is none.
+    /// Ends the oldest connection of a network on which no one has logged in; nothing if there is none.
     fn end_oldest(&mut self, network: IpAddr) -> Option<()> {
         let is_anonymous = |holder: &SlotHolder| holder.network == network && holder.user.is_none();
         let (&number, _) = self.places.iter().find(|(_, holder)| is_anonymous(holder))?;
@@ -161,7 +161,7 @@ mod tests {
     use std::fmt::Write as _;
     use std::sync::Arc;
 
-    /// Lines of `name comes address` (with a `!` behind it, somebody logs in on it) or `name goes`: who is there then.
+    /// Lines of `name comes address` (with a `!` behind it, someone logs in on it) or `name goes`: who is there then.
     fn check(max: usize, script: &str, expect: &Expect) {
         let places = ConnectionSlots::new(max);
         let mut there: Vec<(String, Arc<ConnectionSlot>)> = Vec::new();

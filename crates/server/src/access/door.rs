@@ -1,4 +1,4 @@
-//! The door: every request passes it. Host, origin, who asks, and whether they may. Knows headers and rights; must never know
+//! The door: every request passes it. Host, origin, who asks, and whether they may. Knows headers and rights; knows nothing of
 //! what a route does.
 
 use super::connection_slots::{ConnectionSlot, Peer};
@@ -63,7 +63,7 @@ fn admit(server: &ServerState, request: &Request) -> Result<Option<Who>, Failure
     }
 }
 
-/// Somebody who may; who may not is noted.
+/// Someone who may; who may not is noted.
 fn may(
     server: &ServerState,
     who: Who,

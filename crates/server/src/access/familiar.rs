@@ -18,7 +18,7 @@ pub(super) struct Familiar {
 }
 
 impl Familiar {
-    /// Those of the servers before. A file that makes no sense counts as none: everybody is a stranger once.
+    /// Those of the servers before. A file that makes no sense counts as none: everyone is a stranger once.
     pub(super) fn open(file: PathBuf) -> Result<Self, PrivateError> {
         let text = private::read(&file)?.unwrap_or_default();
         let addresses = serde_json::from_str(&text).unwrap_or_default();

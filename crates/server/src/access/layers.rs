@@ -1,4 +1,4 @@
-//! What lies around every route: the door, limits, and headers that keep browsers from harm. Knows HTTP; must never know
+//! What lies around every route: the door, limits, and headers that keep browsers from harm. Knows HTTP; knows nothing of
 //! routes.
 
 use super::door::door;

@@ -1,4 +1,4 @@
-//! How often somebody may try to log in: a few times at once, then slowly. Pure: time is an argument.
+//! How often someone may try to log in: a few times at once, then slowly. Pure: time is an argument.
 //!
 //! Tries count for the address that they come from and for the user that they are about. Whoever was let in from an address
 //! before is not held up there by what others try elsewhere.

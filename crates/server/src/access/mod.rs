@@ -1,4 +1,4 @@
-//! Who may do what. Knows people, rights and doors; must never know machines or runs.
+//! Who may do what. Knows people, rights and doors; knows nothing of machines or runs.
 
 use crate::Failure;
 

@@ -1,5 +1,5 @@
-//! Notices when another program (the command line) changes users or tokens, so that what somebody lost is lost at once, also by
-//! who asks nothing. Knows the roster's file; must never know what stands in it.
+//! Notices when another program (the command line) changes users or tokens, so that what someone lost is lost at once, also by
+//! who asks nothing. Knows the roster's file, but not what stands in it.
 
 use super::register::FILE;
 use crate::{ServerState, log};

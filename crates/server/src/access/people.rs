@@ -28,7 +28,7 @@ const STRANGERS_MAX: usize = 2;
 /// And how many of users who were let in from the same address before.
 const FAMILIAR_MAX: usize = 1;
 
-/// What somebody shows to be let in.
+/// What someone shows to be let in.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) enum CredentialClaim {
     /// A token: the owner's or a program's.
@@ -37,7 +37,7 @@ pub(crate) enum CredentialClaim {
     Cookie(String),
 }
 
-/// Everybody who may come in.
+/// Everyone who may come in.
 #[derive(Debug)]
 pub struct People {
     owner: Secret,
@@ -101,7 +101,7 @@ impl People {
         who.filter(|who| is_near || who.user != OWNER)
     }
 
-    /// Who that is now; nobody, once the login, the token or the user is gone. Whoever was let in once and stays (a WebSocket)
+    /// Who that is now; no one, once the login, the token or the user is gone. Whoever was let in once and stays (a WebSocket)
     /// is asked for again with every new [`People::revision`] and before everything that needs a right.
     pub fn still(&self, who: &Who) -> Option<Who> {
         let now_ms = since_1970_ms();
@@ -115,7 +115,7 @@ impl People {
         }
     }
 
-    /// Is another number whenever somebody's rights may be others.
+    /// Is another number whenever someone's rights may be others.
     pub fn revision(&self) -> watch::Receiver<u64> {
         self.users.register().revision().subscribe()
     }
@@ -171,7 +171,7 @@ impl People {
         }
     }
 
-    /// Begins a login of somebody who was checked.
+    /// Begins a login of someone who was checked.
     pub(crate) fn begin(&self, user: &str) -> Result<(Secret, Who), Failure> {
         let roster = self.users.roster();
         let since_ms = since(&roster, user).ok_or_else(wrong)?;
@@ -191,7 +191,7 @@ impl People {
         Ok(())
     }
 
-    /// Lets a login go on although its user has chosen another password with it.
+    /// Lets a login continue although its user has chosen another password with it.
     pub(crate) fn renew(&self, who: &Who) -> Result<(), Failure> {
         let since = since(&self.users.roster(), &who.user);
         if let (Credential::Session(digest), Some(since_ms)) = (&who.by, since) {
@@ -211,7 +211,7 @@ fn owner() -> Who {
     Who { user, role: Role::Admin, expires_ms: None, by: Credential::Owner }
 }
 
-/// When somebody's password was set; the owner has none.
+/// When someone's password was set; the owner has none.
 fn since(roster: &Roster, user: &str) -> Option<u64> {
     if user == OWNER {
         return Some(0);

@@ -1,4 +1,4 @@
-//! Files for the server's owner only: written whole or not at all, readable by nobody else. Knows files; must never know what
+//! Files for the server's owner only: written whole or not at all, readable by no one else. Knows files, but not what
 //! stands in them.
 
 use std::fs::{self, DirBuilder, File, OpenOptions};

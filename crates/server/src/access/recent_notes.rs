@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-/// So long a count goes on.
+/// So long a count continues.
 const MINUTE_MS: u64 = 60_000;
 /// So often in that time.
 const NOTES_MAX: u32 = 10;

@@ -43,7 +43,7 @@ impl Register {
         Ok(Self { file, lock, read, revision: watch::Sender::new(0) })
     }
 
-    /// The roster now. While its file cannot be read it is empty: nobody comes in by mistake.
+    /// The roster now. While its file cannot be read it is empty: no one comes in by mistake.
     pub(crate) fn now(&self) -> Arc<Roster> {
         let now = stamp(&self.file);
         let read = self.read.read().clone();

@@ -83,7 +83,7 @@ pub const ROUTES: &[Row] = &[
     (Method::GET, "/api/v1/runs/{run}/statistics", Right::Observe),
     (Method::GET, "/api/v1/runs/{run}/compare/{other}", Right::Observe),
     (Method::GET, "/api/v1/runs/{run}/export", Right::Observe),
-    // Everything that goes on.
+    // Everything that continues.
     (Method::GET, "/api/v1/status", Right::Observe),
     (Method::GET, "/api/v1/socket", Right::Observe),
 ];

@@ -12,7 +12,7 @@ const NAME_MAX: usize = 64;
 /// How many tokens one user may have.
 const TOKENS_MAX: usize = 100;
 
-/// Everybody who may come in beside the owner.
+/// Everyone who may come in beside the owner.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Roster {
@@ -54,7 +54,7 @@ pub enum RosterError {
     /// A name that is taken.
     #[error("there is a user {0} already: choose another name, or change that user")]
     Taken(String),
-    /// Nobody of that name.
+    /// No one of that name.
     #[error("there is no user {0}: `rafcon user list` names them")]
     NoUser(String),
     /// The last who may manage the others.
@@ -77,7 +77,7 @@ impl Roster {
         self.users.get(name)
     }
 
-    /// What somebody may do; the owner everything.
+    /// What someone may do; the owner everything.
     pub(super) fn role_of(&self, name: &str) -> Option<Role> {
         if name == OWNER {
             return Some(Role::Admin);
@@ -85,7 +85,7 @@ impl Roster {
         self.users.get(name).map(|user| user.role)
     }
 
-    /// Everybody, by name.
+    /// Everyone, by name.
     pub fn users(&self) -> Vec<User> {
         let user = |(name, entry): (&String, &Entry)| User { name: name.clone(), role: entry.role };
         self.users.iter().map(user).collect()
@@ -172,7 +172,7 @@ impl Roster {
         Ok(())
     }
 
-    /// The token goes, if it is this user's; with nobody named, whoever's it is.
+    /// The token goes, if it is this user's; with no one named, whoever's it is.
     pub(super) fn remove_token(&mut self, id: &str, user: Option<&str>) -> Result<(), RosterError> {
         let is_theirs = |token: &&Token| user.is_none_or(|user| user == token.user);
         self.tokens.get(id).filter(is_theirs).ok_or(RosterError::NoToken)?;

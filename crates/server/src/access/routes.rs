@@ -107,7 +107,7 @@ async fn change_password(
     Ok(StatusCode::NO_CONTENT)
 }
 
-/// Tokens: one's own, or for an admin everybody's.
+/// Tokens: one's own, or for an admin everyone's.
 #[utoipa::path(get, path = "/api/v1/tokens", tag = "people", responses(
     (status = 200, description = "Without their secrets", body = [TokenAbout]),
 ))]
@@ -117,7 +117,7 @@ async fn tokens(State(server): State<Arc<ServerState>>, who: Who) -> Json<Vec<To
 
 /// Makes a token for a program.
 ///
-/// Only somebody who is logged in can: a token that was stolen shall not make others.
+/// Only someone who is logged in can: a token that was stolen shall not make others.
 #[utoipa::path(post, path = "/api/v1/tokens", tag = "people", request_body = NewToken, responses(
     (status = 201, description = "The only time that its secret is told", body = TokenMade),
     (status = 400, description = "The body does not fit", body = Refusal),
@@ -140,7 +140,7 @@ async fn make_token(
     Ok((StatusCode::CREATED, Json(made)))
 }
 
-/// Deletes a token: one's own, or as an admin anybody's.
+/// Deletes a token: one's own, or as an admin anyone's.
 #[utoipa::path(delete, path = "/api/v1/tokens/{token}", tag = "people",
     params(("token" = String, Path, description = "The token's id")),
     responses(
@@ -233,7 +233,7 @@ async fn remove_user(
     Ok(StatusCode::NO_CONTENT)
 }
 
-/// Who somebody is, as it is told.
+/// Who someone is, as it is told.
 pub(crate) fn about(who: Who) -> Session {
     let rights = [Right::Observe, Right::Command, Right::Start, Right::Edit, Right::Administer];
     let Who { user, role, expires_ms, by: _ } = who;
@@ -241,7 +241,7 @@ pub(crate) fn about(who: Who) -> Session {
     Session { user, role, rights, version: env!("CARGO_PKG_VERSION").to_owned(), expires_ms }
 }
 
-/// Whose tokens somebody may see and delete; nothing: everybody's.
+/// Whose tokens someone may see and delete; nothing: everyone's.
 fn of(who: &Who) -> Option<&str> {
     (who.role != Role::Admin).then_some(&who.user)
 }

@@ -45,7 +45,7 @@ impl fmt::Debug for Secret {
 }
 
 impl Digest {
-    /// Of what somebody claims to be a secret.
+    /// Of what someone claims to be a secret.
     pub(crate) fn of(text: &str) -> Self {
         Self(blake3::hash(text.as_bytes()))
     }

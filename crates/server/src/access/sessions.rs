@@ -1,5 +1,5 @@
 //! Logins: who has been let in by a password or by the owner's link, and until when. They outlive the server, so that its pages
-//! go on when the next one is there. Only digests of their secrets are kept.
+//! continue when the next one is there. Only digests of their secrets are kept.
 
 use super::private::{self, PrivateError};
 use super::secret::{Digest, Secret};
@@ -32,7 +32,7 @@ pub(super) struct Sessions {
 }
 
 impl Sessions {
-    /// Those of the servers before. A file that cannot be read lets nobody in.
+    /// Those of the servers before. A file that cannot be read lets no one in.
     pub(super) fn open(file: PathBuf) -> Result<Self, PrivateError> {
         let text = private::read(&file)?.unwrap_or_default();
         let logins = serde_json::from_str(&text).unwrap_or_default();
@@ -85,7 +85,7 @@ impl Sessions {
         self.keep(&logins)
     }
 
-    /// The login goes on although its user's password is another.
+    /// The login continues although its user's password is another.
     pub(super) fn renew(&self, digest: &str, since_ms: u64) -> Result<(), PrivateError> {
         let mut logins = self.logins.lock();
         if let Some(login) = logins.get_mut(digest) {
@@ -101,7 +101,7 @@ impl Sessions {
     }
 }
 
-/// Makes room for one more login of a user, at the expense of nobody else.
+/// Makes room for one more login of a user, at the expense of no one else.
 fn make_room(logins: &mut BTreeMap<String, Login>, user: &str) {
     let own = logins.iter().filter(|(_, login)| login.user == user);
     let mut own = own.map(|(digest, login)| (login.expires_ms, digest.clone())).collect::<Vec<_>>();

@@ -56,7 +56,7 @@ impl Users {
         self.register.now()
     }
 
-    /// Whether somebody of this name may do this now.
+    /// Whether someone of this name may do this now.
     pub(crate) fn may(&self, name: &str, right: Right) -> bool {
         self.roster().role_of(name).is_some_and(|role| role.grants(right))
     }
@@ -135,7 +135,7 @@ impl Users {
         Ok(TokenMade { id, token: secret.text().to_owned() })
     }
 
-    /// One token less: of this user, or of anybody.
+    /// One token less: of this user, or of anyone.
     pub fn remove_token(&self, id: &str, user: Option<&str>) -> Result<(), UsersError> {
         self.register.change(|roster| roster.remove_token(id, user))
     }

@@ -5,7 +5,7 @@ use axum::extract::{FromRequestParts, OptionalFromRequestParts};
 use axum::http::request::Parts;
 use rafcon_protocol::api::{Right, Role};
 
-/// Somebody whom the door knows. A handler that takes one as an argument is told who asks.
+/// Someone whom the door knows. A handler that takes one as an argument is told who asks.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Who {
     /// The user's name: the author of what they do.
@@ -18,7 +18,7 @@ pub struct Who {
     pub by: Credential,
 }
 
-/// By what somebody is known. No secret: none of these lets anybody in.
+/// By what someone is known. No secret: none of these lets anyone in.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Credential {
     /// The owner's token.

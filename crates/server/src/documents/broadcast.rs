@@ -1,5 +1,5 @@
-//! What everybody is told about an open machine: the latest truth, and who looks at it. Knows who waits for it; must never know
-//! files or edits. Nothing here waits for anybody, so that it may be asked from anywhere.
+//! What everyone is told about an open machine: the latest truth, and who looks at it. Knows who waits for it; knows nothing of
+//! files or edits. Nothing here waits for anyone, so that it may be asked from anywhere.
 
 use rafcon_locks::Mutex;
 use rafcon_protocol::api::{MachineStatus, MachineSummary, Presence};
@@ -16,7 +16,7 @@ struct Channels {
 }
 
 impl Broadcast {
-    /// Nobody looks at it yet.
+    /// No one looks at it yet.
     pub(super) fn new(summary: MachineSummary) -> Self {
         let revision = watch::Sender::new(summary.revision);
         let status = watch::Sender::new(MachineStatus { summary, people: Vec::new() });
@@ -49,7 +49,7 @@ impl Broadcast {
         }
     }
 
-    /// Somebody looks at these states.
+    /// Someone looks at these states.
     pub(super) fn looks(&self, presence: Presence) {
         if let Some(ends) = &*self.0.lock() {
             ends.status.send_modify(|status| match place_of(&status.people, presence.connection) {
@@ -59,7 +59,7 @@ impl Broadcast {
         }
     }
 
-    /// Somebody looks elsewhere.
+    /// Someone looks elsewhere.
     pub(super) fn leaves(&self, connection: u64) {
         if let Some(ends) = &*self.0.lock() {
             ends.status.send_if_modified(|status| {
@@ -74,7 +74,7 @@ impl Broadcast {
         *self.0.lock() = None;
     }
 
-    /// The same unless somebody looks at it or waits for what comes; whether it is closed.
+    /// The same unless someone looks at it or waits for what comes; whether it is closed.
     pub(super) fn close_unless_followed(&self) -> bool {
         let mut ends = self.0.lock();
         let is_followed = ends.as_ref().is_some_and(|ends| {

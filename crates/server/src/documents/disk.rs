@@ -1,4 +1,4 @@
-//! Machines as they lie on disk, and the names of their contents. Knows folders; must never know who has them open.
+//! Machines as they lie on disk, and the names of their contents. Knows folders, but not who has them open.
 
 use crate::Failure;
 use crate::document_text::document_text;

@@ -44,12 +44,12 @@ pub(crate) struct Documents {
     /// Before git is asked, which may take long: who opens a machine does not wait for that.
     pub(super) versions: Gate,
     sessions: Mutex<BTreeMap<String, Arc<MachineSession>>>,
-    /// Folders that somebody opens, closes or moves to.
+    /// Folders that someone opens, closes or moves to.
     claimed: Mutex<BTreeSet<PathBuf>>,
     released: Condvar,
 }
 
-/// A folder that nobody else opens or closes meanwhile.
+/// A folder that no one else opens or closes meanwhile.
 #[derive(Debug)]
 pub(super) struct FolderClaim<'d> {
     documents: &'d Documents,
@@ -103,7 +103,7 @@ impl Documents {
         self.sessions.lock().values().find(|session| session.folder() == folder).cloned()
     }
 
-    /// Waits until nobody else opens or closes the folder.
+    /// Waits until no one else opens or closes the folder.
     pub(super) fn claim(&self, folder: &Path) -> FolderClaim<'_> {
         let mut claimed = self.claimed.lock();
         while !claimed.insert(folder.to_owned()) {
@@ -112,7 +112,7 @@ impl Documents {
         FolderClaim { documents: self, folder: folder.to_owned() }
     }
 
-    /// The same, unless somebody does.
+    /// The same, unless someone does.
     fn try_claim(&self, folder: &Path) -> Option<FolderClaim<'_>> {
         let is_free = self.claimed.lock().insert(folder.to_owned());
         is_free.then(|| FolderClaim { documents: self, folder: folder.to_owned() })
@@ -163,7 +163,7 @@ impl Documents {
         session.summary()
     }
 
-    /// If need be, closes the machine that has been open for the longest of those that nobody follows and that lie on disk.
+    /// If need be, closes the machine that has been open for the longest of those that no one follows and that lie on disk.
     fn make_room(&self) -> Result<(), Failure> {
         let mut sessions: Vec<_> = self.sessions.lock().values().cloned().collect();
         if sessions.len() < OPEN_MAX {
@@ -244,7 +244,7 @@ impl Documents {
         Ok(revision)
     }
 
-    /// Closes an open machine for everybody.
+    /// Closes an open machine for everyone.
     pub(crate) fn close(
         &self,
         server: &ServerState,
@@ -283,7 +283,7 @@ impl Documents {
         Ok(Selection::of(&rafcon_model::edit::copy(state, &states, &variables)))
     }
 
-    /// Somebody looks at states of an open machine.
+    /// Someone looks at states of an open machine.
     pub(crate) fn looks(
         &self,
         server: &ServerState,
@@ -330,7 +330,7 @@ fn name_of(folder: &Path) -> String {
     hash[..16].to_owned()
 }
 
-/// Somebody may have opened a machine here that lies elsewhere now.
+/// Someone may have opened a machine here that lies elsewhere now.
 fn free_name(wanted: &str, is_taken: impl Fn(&str) -> bool) -> String {
     let mut name = wanted.to_owned();
     let mut number = 2_u32;

@@ -1,6 +1,6 @@
 //! What was done to an open machine since it was read, written before it is answered, so that a server that dies loses nothing,
 //! and synced a moment later, so that a power cut loses that moment at most.
-//! Knows lines and files; must never know what an edit means.
+//! Knows lines and files, but not what an edit means.
 //!
 //! A draft is a folder: `operations.jsonl` says what was read, what was done and when it was saved; beside it lie machines as
 //! documents, named after their content: the one that was read, and those that took its place.
@@ -77,7 +77,7 @@ struct DraftFile {
     sync: GroupSync,
 }
 
-/// Where a document of a draft belongs for whoever writes it beside what goes on: nowhere, once the draft was given up.
+/// Where a document of a draft belongs for whoever writes it beside what happens: nowhere, once the draft was given up.
 #[derive(Debug, Clone)]
 pub(super) struct DraftFolder(Arc<Mutex<Option<PathBuf>>>);
 
@@ -316,7 +316,7 @@ mod tests {
         assert!(find(&place.path().join("draft")).unwrap().is_none());
     }
 
-    /// What a draft begins with is written while people go on: save elsewhere, or close.
+    /// What a draft begins with is written while people continue: save elsewhere, or close.
     #[test]
     fn a_document_that_comes_late_comes_to_where_the_draft_is() {
         let place = tempfile::tempdir().unwrap();

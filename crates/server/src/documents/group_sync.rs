@@ -1,5 +1,5 @@
 //! A file's way to the disk, in groups: what is written is synced a moment later, by a thread of its own, so that whoever writes
-//! does not wait for the disk. Must never know what is written.
+//! does not wait for the disk. Does not know what is written.
 
 use crate::log;
 use std::convert::Infallible;

@@ -1,4 +1,4 @@
-//! Layouts in which several people moved things: a step is taken back element by element, so that what somebody else moved
+//! Layouts in which several people moved things: a step is taken back element by element, so that what someone else moved
 //! meanwhile stays. Pure.
 
 use rafcon_model::edit::{Edit, Field, Set};

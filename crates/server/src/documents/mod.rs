@@ -1,7 +1,7 @@
-//! Open machines: what several people edit at the same time, with everybody's own steps back, and what is needed so that
+//! Open machines: what several people edit at the same time, with everyone's own steps back, and what is needed so that
 //! nothing of it gets lost.
 //!
-//! Knows machines, their folders and who edits them. Must never know how people log in, nor what runs.
+//! Knows machines, their folders and who edits them. Does not know how people log in, nor what runs.
 
 mod broadcast;
 mod disk;

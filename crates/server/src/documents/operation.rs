@@ -1,5 +1,5 @@
 //! What users do to an open machine: one operation, from the request to the draft and to the revision that it makes. Knows how it
-//! is written and what it names; must never know what it changes.
+//! is written and what it names, but not what it changes.
 
 use super::draft;
 use crate::Failure;

@@ -1,4 +1,4 @@
-//! What a step of somebody changed, place by place, and whether somebody else built on it. Pure: knows the model's edits only
+//! What a step of someone changed, place by place, and whether someone else built on it. Pure: knows the model's edits only
 //! by the smallest changes that take them back.
 
 use rafcon_model::edit::{Edit, Field, Set, Step};

@@ -1,5 +1,5 @@
 //! From what lies on disk and what a server that died had taken to the machine as people left it. Knows drafts and how an
-//! operation is done; must never know who asks.
+//! operation is done, but not who asks.
 
 use super::disk::OnDisk;
 use super::draft::{

@@ -16,13 +16,13 @@ pub(super) enum OperationRefusal {
     /// The author has no step left.
     #[error("there is no step of yours to be {}", done(*.0))]
     NoStep(RevisionKind),
-    /// Somebody else built on the author's step.
+    /// Someone else built on the author's step.
     #[error(
         "`{step}` cannot be {}: {by} has changed {place} since (`{later}`); ask for that to be taken back first, or change it by hand",
         done(*.kind)
     )]
     BuiltUpon { kind: RevisionKind, step: String, by: String, later: String, place: String },
-    /// Somebody else moved the same.
+    /// Someone else moved the same.
     #[error(
         "`{step}` cannot be {}: somebody else has moved the same part of {path} since; move it by hand",
         done(*.kind)

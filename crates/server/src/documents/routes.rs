@@ -354,7 +354,7 @@ async fn reload(
     at.documents.saves.work(read).await
 }
 
-/// Closes an open machine for everybody.
+/// Closes an open machine for everyone.
 #[utoipa::path(post, path = "/api/v1/machines/{machine}/close", tag = "machines", request_body = CloseMachine,
     params(("machine" = String, Path, description = "The machine's id")),
     responses(

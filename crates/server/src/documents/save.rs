@@ -1,4 +1,4 @@
-//! Where open machines, and states of them, are written: never over what somebody has open, nor into another machine.
+//! Where open machines, and states of them, are written: never over what someone has open, nor into another machine.
 
 use super::disk;
 use super::documents::Documents;

@@ -1,4 +1,4 @@
-//! Several people edit one machine: nobody's work is lost, and each takes back what is his own.
+//! Several people edit one machine: no one's work is lost, and each takes back what is his own.
 
 use super::machine::OpenMachine;
 use super::operation::{EditRequest, Operation, ReadOperation};

@@ -29,7 +29,7 @@ pub(super) fn routes() -> OpenApiRouter<Arc<ServerState>> {
 
 /// What happened in a run.
 ///
-/// A page may hold fewer events than were asked for, even none, and still not be the last: go on from `next` until it is more than
+/// A page may hold fewer events than were asked for, even none, and still not be the last: continue from `next` until it is more than
 /// `last`.
 #[utoipa::path(get, path = "/api/v1/runs/{run}/events", tag = "history",
     params(("run" = String, Path, description = "The run's id"), EventQuery),

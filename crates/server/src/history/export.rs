@@ -154,7 +154,7 @@ fn failure(error: ExportError) -> Failure {
     }
 }
 
-/// Whether there is nobody any more who takes what is written.
+/// Whether there is no one any more who takes what is written.
 fn is_gone(error: &ExportError) -> bool {
     let ExportError::Write(error) = error else { return false };
     matches!(error.kind(), io::ErrorKind::BrokenPipe | io::ErrorKind::TimedOut)

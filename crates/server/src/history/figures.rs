@@ -1,6 +1,6 @@
 //! `GET …/statistics` and `GET …/compare`: what is counted over a whole run. What was counted is kept, and gone on with.
 //!
-//! Knows figures. Must never know how they are shown.
+//! Knows figures. Does not know how they are shown.
 
 use super::{History, Json, folder};
 use crate::extract::Path;

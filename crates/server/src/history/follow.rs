@@ -1,6 +1,6 @@
 //! A run's journal from a cursor on, as text that is ready to be sent: for who follows a run and is behind what memory has.
 //!
-//! Knows journals. Must never know who follows, nor when there will be more.
+//! Knows journals. Does not know who follows, nor when there will be more.
 
 use super::{History, Readers};
 use crate::Failure;

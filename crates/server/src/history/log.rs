@@ -23,7 +23,7 @@ pub(super) fn routes() -> OpenApiRouter<Arc<ServerState>> {
 
 /// What a run has logged.
 ///
-/// A page may hold fewer lines than were asked for, even none, and still not be the last: go on from `next` until it is more than
+/// A page may hold fewer lines than were asked for, even none, and still not be the last: continue from `next` until it is more than
 /// `last`.
 #[utoipa::path(get, path = "/api/v1/runs/{run}/log", tag = "history",
     params(("run" = String, Path, description = "The run's id"), LogQuery),
@@ -55,7 +55,7 @@ fn page(reader: &mut Reader, query: &LogQuery, count: usize) -> Result<LogPage, 
     let search = Search { filter: &filter, from: query.from, look: LOOK, values: true };
     let (mut lines, mut bytes) = (Vec::new(), 0);
     let looked = reader.search(&search, |found| -> Result<_, Failure> {
-        // Nobody knows whether what cannot be read was wanted.
+        // No one knows whether what cannot be read was wanted.
         let is_damage = matches!(found.event, Event::Damaged { .. });
         let is_wanted = |line: &LogLine| is_damage || has(line, wanted.as_deref());
         if let Some(line) = line(found).filter(is_wanted) {

@@ -1,6 +1,6 @@
 //! `GET …/machine`: a machine as a run has kept it. Read once, then in memory for whoever asks next.
 //!
-//! Knows machines by their hash. Must never know what they mean.
+//! Knows machines by their hash. Does not know what they mean.
 
 use super::events::LOOK;
 use super::{History, Json, folder};

@@ -1,6 +1,6 @@
 //! What runs leave: their events, logs, moments, values, machines and figures, read from their journals.
 //!
-//! Knows journals. Must never know runners: whether a run goes on means nothing here but that its journal grows, and that it
+//! Knows journals. Knows nothing of runners: whether a run continues means nothing here but that its journal grows, and that it
 //! cannot be deleted.
 
 mod events;

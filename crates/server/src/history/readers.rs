@@ -1,7 +1,7 @@
 //! Open journals for whoever reads: opening one takes longer than reading a page of it. At most so many are open at a time,
 //! however many clients follow however many runs.
 //!
-//! Knows when an open journal does not say any more what lies on disk. Must never know what it is read for.
+//! Knows when an open journal does not say any more what lies on disk. Does not know what it is read for.
 
 use crate::Failure;
 use crate::gate::blocking;
@@ -139,7 +139,7 @@ impl Readers {
         idle.push_back(open);
         let oldest = if idle.len() > IDLE { idle.pop_front() } else { None };
         drop(idle);
-        // Closed with nobody waiting for the lock.
+        // Closed with no one waiting for the lock.
         drop(oldest);
     }
 }
@@ -180,7 +180,7 @@ mod tests {
         assert_eq!(readers.with(folder.path(), last), Ok(1));
         drop(journal);
         assert_eq!(readers.with(folder.path(), last), Ok(2));
-        let (journal, _) = Journal::take_up(folder.path(), &Options::default()).unwrap();
+        let (journal, _) = Journal::resume(folder.path(), &Options::default()).unwrap();
         append(&journal, "enter R");
         journal.commit().unwrap();
         assert_eq!(readers.with(folder.path(), last), Ok(3));

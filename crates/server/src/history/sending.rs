@@ -1,7 +1,7 @@
 //! Bytes that are written on one thread and sent on another, a few at a time: a client that takes them slowly holds up the
 //! writer, and one that takes none for long is given up.
 //!
-//! Knows bodies of answers. Must never know what is written.
+//! Knows bodies of answers. Does not know what is written.
 
 use crate::Failure;
 use axum::body::{Body, Bytes};

@@ -54,7 +54,7 @@ impl AddressFile {
         card.map(Some).map_err(|source| PrivateError::new("read", &file, source))
     }
 
-    /// What the folder's server says if it lives; nothing of one that died, whose port somebody else may have by now.
+    /// What the folder's server says if it lives; nothing of one that died, whose port someone else may have by now.
     pub fn of_living(state: &Path) -> Result<Option<Self>, PrivateError> {
         let lock = state.join(LOCK);
         let unlocked = match File::open(&lock) {

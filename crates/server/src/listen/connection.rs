@@ -1,4 +1,4 @@
-//! Connections: so many at a time, each with a limit on how long it may take to say something. Knows streams; must never know
+//! Connections: so many at a time, each with a limit on how long it may take to say something. Knows streams; knows nothing of
 //! what is asked over them.
 
 use super::paced::Paced;

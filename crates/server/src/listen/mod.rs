@@ -80,7 +80,7 @@ pub enum ServeError {
         /// Why not.
         source: io::Error,
     },
-    /// Nobody could log in.
+    /// No one could log in.
     #[error(
         "other computers reach {address}, and nobody could log in: add a user first, with `rafcon user add NAME --role admin`"
     )]
@@ -96,7 +96,7 @@ pub enum ServeError {
     Begin(#[source] io::Error),
 }
 
-/// Serves until this process is asked to end (SIGINT, SIGTERM). Runs go on.
+/// Serves until this process is asked to end (SIGINT, SIGTERM). Runs continue.
 pub fn serve(settings: Settings, ready: impl FnOnce(&Server)) -> Result<(), ServeError> {
     let mut builder = tokio::runtime::Builder::new_multi_thread();
     let runtime = builder.enable_all().thread_name("server").build().map_err(ServeError::Begin)?;
@@ -111,7 +111,7 @@ pub fn serve(settings: Settings, ready: impl FnOnce(&Server)) -> Result<(), Serv
 }
 
 impl Server {
-    /// Prepares everything and listens; nobody is answered yet.
+    /// Prepares everything and listens; no one is answered yet.
     pub async fn bind(settings: Settings) -> Result<Self, ServeError> {
         private::folder(&settings.state)?;
         let lock = only_one(&settings.state).await?;

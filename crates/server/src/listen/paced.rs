@@ -1,4 +1,4 @@
-//! A stream whose other side has to read: what waits to be written for too long ends it. Knows bytes and time; must never know
+//! A stream whose other side has to read: what waits to be written for too long ends it. Knows bytes and time; knows nothing of
 //! what they mean.
 
 use crate::access::{ConnectionSlot, Lost};

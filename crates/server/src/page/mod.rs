@@ -1,5 +1,5 @@
-//! The page at `/` and its files: turns the token of the start link into a cookie, and gives the page to everybody, who logs in
-//! there. Must never know machines or runs.
+//! The page at `/` and its files: turns the token of the start link into a cookie, and gives the page to everyone, who logs in
+//! there. Knows nothing of machines or runs.
 
 use crate::access::{Credential, Who, in_link};
 use crate::extract::Path;

@@ -1,5 +1,5 @@
 //! Projects: the folders that the server was started with, and the only places below which requests read and write.
-//! Knows their names, and which folder a request means. Must never know what is inside a machine.
+//! Knows their names, and which folder a request means. Does not know what is inside a machine.
 
 mod confine;
 mod library;

@@ -20,7 +20,7 @@ pub(super) struct TreeLimits {
 /// What is told to one request.
 pub(super) const BOUNDS: TreeLimits = TreeLimits { nodes: 10_000, depth: 32 };
 
-/// Folders that are somebody else's.
+/// Folders that are someone else's.
 const FOREIGN: [&str; 3] = ["__pycache__", "node_modules", "target"];
 
 /// A folder on the way to being told.

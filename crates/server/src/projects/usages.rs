@@ -153,7 +153,7 @@ mod tests {
     use std::collections::BTreeSet;
     use std::fs;
 
-    /// A project may be somebody's home, with millions of folders in which no machine is.
+    /// A project may be someone's home, with millions of folders in which no machine is.
     #[test]
     fn a_search_ends_also_where_no_machines_are() {
         let place = tempfile::tempdir().unwrap();

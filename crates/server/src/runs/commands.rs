@@ -1,5 +1,5 @@
 //! Commands of runs: whether they may be given, on their way to the runner, and their answers. Knows rights, control and
-//! links; must never know what a command does.
+//! links, but not what a command does.
 
 use super::folder_files::key;
 use super::link::{Link, NotSent};
@@ -76,7 +76,7 @@ pub(super) fn take(server: &ServerState, run: &Arc<Run>, who: &Who) -> Result<()
     with_control(server, run, who, |holding| holding.command(&who.user, now_ms, run.silence()))
 }
 
-/// Moves control, as somebody wants.
+/// Moves control, as someone wants.
 pub(crate) async fn control(
     server: &Arc<ServerState>,
     who: &Who,
@@ -104,7 +104,7 @@ pub(crate) async fn control(
     Ok(control)
 }
 
-/// Nobody is given control who could not command.
+/// No one is given control who could not command.
 async fn may_command(server: &Arc<ServerState>, user: &str) -> Result<(), Failure> {
     let (here, name) = (Arc::clone(server), user.to_owned());
     if blocking(move || Ok(here.people().users().may(&name, Right::Command))).await? {
@@ -146,7 +146,7 @@ fn keep_holder(run: &Arc<Run>) {
     drop(tokio::task::spawn_blocking(move || run.keep_holding()));
 }
 
-/// Lets the runner note down who commands from now on. Without a link there is nobody who could be commanded.
+/// Lets the runner note down who commands from now on. Without a link there is no one who could be commanded.
 fn note(run: &Run, who: &Who, holder: Option<&str>) {
     let Some(link) = run.link() else { return };
     let (now_ms, number) = (clock::since_1970_ms(), run.next_note());
@@ -191,7 +191,7 @@ async fn stop(
     Ok(Answer::Applied)
 }
 
-/// Sends a command as often as its link is lost while the run goes on.
+/// Sends a command as often as its link is lost while the run continues.
 async fn until_answered(run: &Run, envelope: Envelope) -> Result<Answer, Failure> {
     loop {
         match send(run, envelope.clone()).await {
@@ -257,7 +257,7 @@ fn not_spoken_with(error: &LinkError) -> Failure {
     Failure::unavailable(LINK_LOST, message)
 }
 
-/// The answer that a command had while the run went on; without one it comes too late.
+/// The answer that a command had while the run continued; without one it comes too late.
 async fn answered_before(
     server: &ServerState,
     run: &Run,

@@ -1,5 +1,5 @@
 //! Who commands a run: one user at a time, who may be asked for it, hand it over, or lose it by silence. Pure: the time comes
-//! in. Knows users by their names; must never know what they command.
+//! in. Knows users by their names, but not what they command.
 
 use rafcon_protocol::api::{Control, ControlMove};
 use serde::{Deserialize, Serialize};
@@ -8,7 +8,7 @@ use std::time::Duration;
 /// So many ask at a time.
 const REQUESTS_MAX: usize = 64;
 
-/// Who holds control of a run, and who asks for it. Nobody asks while nobody holds it.
+/// Who holds control of a run, and who asks for it. No one asks while no one holds it.
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub(super) struct Holding {
     holder: Option<ControlHolder>,
@@ -30,7 +30,7 @@ struct ControlHolder {
 /// Why control does not change hands, or a command is not for this user.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub(super) enum Denied {
-    /// Somebody else holds it.
+    /// Someone else holds it.
     #[error(
         "{holder} holds control of this run: request it (POST …/control with \"move\": \"request\"), or take it over \
          when they have been silent for {silence_s} s; stop and pause need no control"
@@ -53,12 +53,12 @@ pub(super) enum Denied {
         /// After how many seconds of silence it can be taken over.
         silence_s: u64,
     },
-    /// Only the holder can do this, and nobody is.
+    /// Only the holder can do this, and no one is.
     #[error(
         "nobody holds control of this run: the first who commands takes it, or who requests it"
     )]
     Nobody,
-    /// Nobody can be called that.
+    /// No one can be called that.
     #[error("control is handed over to a user: a name of 1 to 64 characters")]
     NoName,
     /// There is nothing to accept or to decline.
@@ -98,7 +98,7 @@ impl Holding {
         }
     }
 
-    /// Somebody was heard; true if it is the holder.
+    /// Someone was heard; true if it is the holder.
     pub(super) fn heard(&mut self, user: &str, now_ms: u64) -> bool {
         match &mut self.holder {
             Some(holder) if holder.user == user => {
@@ -109,7 +109,7 @@ impl Holding {
         }
     }
 
-    /// Somebody commands: the first takes control, all but the holder are denied. Who commands what everybody may is not asked.
+    /// Someone commands: the first takes control, all but the holder are denied. Who commands what everyone may is not asked.
     pub(super) fn command(
         &mut self,
         user: &str,
@@ -126,7 +126,7 @@ impl Holding {
         Ok(())
     }
 
-    /// Somebody wants something about control.
+    /// Someone wants something about control.
     pub(super) fn apply(
         &mut self,
         user: &str,
@@ -186,7 +186,7 @@ impl Holding {
         self.requests.retain(|other| other != user);
     }
 
-    /// A user who requested control gets it; anybody else has to accept it first.
+    /// A user who requested control gets it; anyone else has to accept it first.
     fn hand_over(&mut self, to: &str, now_ms: u64) {
         if self.requests.iter().any(|other| other == to) || self.holder() == Some(to) {
             self.give(to, now_ms);
@@ -228,7 +228,7 @@ impl Holding {
         }
     }
 
-    /// Who asked first gets it, if anybody did.
+    /// Who asked first gets it, if anyone did.
     fn let_go(&mut self, now_ms: u64) {
         self.holder = None;
         self.offered_to = None;

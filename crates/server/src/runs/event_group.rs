@@ -1,5 +1,5 @@
 //! Some events of a run as its runner sent them, and as clients are told them: their texts are made when a first client wants
-//! them, once for all. Knows how events are spelled; must never know who reads them.
+//! them, once for all. Knows how events are spelled, but not who reads them.
 
 use rafcon_protocol::api::HistoryEntry;
 use rafcon_storage::journal::is_about_values;

@@ -1,5 +1,5 @@
 //! What a server keeps in the folder of a run, so that another server knows: who commands it; and, written down before it is
-//! started or taken up, who asked for that, by which id, and since when this computer is up. Must never know the rules.
+//! started or resumed, who asked for that, by which id, and since when this computer is up. Knows nothing of the rules.
 
 use super::control::Holding;
 use rafcon_protocol::api::{MachineFile, StartRun};
@@ -26,16 +26,16 @@ pub(super) struct RunRequest {
     pub(super) author: String,
     /// When it was asked last, this computer had been started as this.
     pub(super) boot: String,
-    /// What was started; nothing if the run was only taken up here.
+    /// What was started; nothing if the run was only resumed here.
     #[serde(default)]
     pub(super) start: Option<StartRun>,
-    /// By which it was taken up: authors with their ids.
+    /// By which it was resumed: authors with their ids.
     #[serde(default)]
     pub(super) resumed: Vec<String>,
-    /// By which it was about to be taken up when this was written: whether a runner was started is not known.
+    /// By which it was about to be resumed when this was written: whether a runner was started is not known.
     #[serde(default)]
     pub(super) resuming: Option<String>,
-    /// Nobody takes the run up by itself any more: somebody has to decide.
+    /// No one resumes the run by itself any more: someone has to decide.
     #[serde(default)]
     pub(super) is_left_alone: bool,
 }
@@ -51,7 +51,7 @@ impl RunRequest {
         serde_json::from_slice(&fs::read(folder.join(REQUEST_FILE)).ok()?).ok()
     }
 
-    /// Whether nobody will ask again for the run in `folder`, which has not begun.
+    /// Whether no one will ask again for the run in `folder`, which has not begun.
     pub(super) fn is_forgotten(folder: &Path) -> bool {
         let written = fs::metadata(folder.join(REQUEST_FILE)).and_then(|about| about.modified());
         let age = written.ok().and_then(|written| written.elapsed().ok());
@@ -68,8 +68,8 @@ impl RunRequest {
         fs::remove_file(folder.join(REQUEST_FILE))
     }
 
-    /// The same, about to be taken up by somebody.
-    pub(super) fn taking_up(mut self, author: &str, id: &str) -> Self {
+    /// The same, about to be resumed by someone.
+    pub(super) fn resuming(mut self, author: &str, id: &str) -> Self {
         if self.start.is_none() && self.resumed.is_empty() {
             author.clone_into(&mut self.author);
         }
@@ -79,18 +79,18 @@ impl RunRequest {
     }
 
     /// The same, with a runner.
-    pub(super) fn taken_up(mut self) -> Self {
+    pub(super) fn resumed(mut self) -> Self {
         self.resumed.extend(self.resuming.take());
         self
     }
 
-    /// Whether it was taken up by this id of this author.
-    pub(super) fn was_taken_up(&self, author: &str, id: &str) -> bool {
+    /// Whether it was resumed by this id of this author.
+    pub(super) fn was_resumed_by(&self, author: &str, id: &str) -> bool {
         self.resumed.contains(&key(author, id))
     }
 
-    /// Whether this id of this author was the last to take it up, with nobody knowing whether a runner was started.
-    pub(super) fn is_being_taken_up(&self, author: &str, id: &str) -> bool {
+    /// Whether this id of this author was the last to resume it, with no one knowing whether a runner was started.
+    pub(super) fn is_being_resumed_by(&self, author: &str, id: &str) -> bool {
         self.resuming.as_ref() == Some(&key(author, id))
     }
 
@@ -109,7 +109,7 @@ impl RunRequest {
         self.start.as_ref().map(|start| &start.machine)
     }
 
-    /// Whether a run that is found dead is taken up without being asked: this computer was not started anew since.
+    /// Whether a run that is found dead is resumed without being asked: this computer was not started anew since.
     pub(super) fn may_go_on(&self) -> bool {
         !self.is_left_alone && !self.boot.is_empty() && self.boot == boot()
     }
@@ -125,7 +125,7 @@ fn boot() -> String {
     fs::read_to_string(BOOT_FILE).unwrap_or_default().trim().to_owned()
 }
 
-/// What the run in `folder` keeps; nobody holds it if it keeps nothing that can be read.
+/// What the run in `folder` keeps; no one holds it if it keeps nothing that can be read.
 pub(super) fn read_holding(folder: &Path) -> Holding {
     let bytes = fs::read(folder.join(CONTROL_FILE)).unwrap_or_default();
     serde_json::from_slice(&bytes).unwrap_or_default()
@@ -171,10 +171,10 @@ mod tests {
 
     #[test]
     fn a_run_goes_on_by_itself_unless_the_computer_was_started_anew_or_it_is_left_alone() {
-        let request = RunRequest::default().taking_up("ana", "1");
-        assert!(request.is_being_taken_up("ana", "1") && !request.was_taken_up("ana", "1"));
-        let request = request.taken_up();
-        assert!(request.was_taken_up("ana", "1") && !request.was_taken_up("bob", "1"));
+        let request = RunRequest::default().resuming("ana", "1");
+        assert!(request.is_being_resumed_by("ana", "1") && !request.was_resumed_by("ana", "1"));
+        let request = request.resumed();
+        assert!(request.was_resumed_by("ana", "1") && !request.was_resumed_by("bob", "1"));
         assert!(request.may_go_on());
         assert!(!RunRequest { boot: "another".to_owned(), ..request.clone() }.may_go_on());
         assert!(!RunRequest { is_left_alone: true, ..request.clone() }.may_go_on());

@@ -1,4 +1,4 @@
-//! Starting a runner that outlives the server, until it says that its run begins. Knows processes; must never know why one is
+//! Starting a runner that outlives the server, until it says that its run begins. Knows processes, but not why one is
 //! started. Takes its time: never on a thread that talks.
 
 use super::leftovers::{OUTPUT_FILE, last_line};
@@ -23,7 +23,7 @@ const LOAD_TIMEOUT: Duration = Duration::from_mins(2);
 pub(super) struct Launched {
     /// What it goes by, if it said so.
     pub(super) loaded: Option<LoadedMachine>,
-    /// While it is open, the run knows that somebody looks on.
+    /// While it is open, the run knows that someone looks on.
     pub(super) control: UnixStream,
     /// How its process ended, once it has.
     pub(super) exit: oneshot::Receiver<Exit>,
@@ -134,7 +134,7 @@ fn reap(mut child: Child) -> io::Result<oneshot::Receiver<Exit>> {
     let (ended, exit) = oneshot::channel();
     let wait = move || {
         let status = child.wait().unwrap_or_default();
-        // Nobody may want to know.
+        // No one may want to know.
         ended.send(Exit(status)).unwrap_or_default();
     };
     thread::Builder::new().name("runner".to_owned()).stack_size(64 * 1024).spawn(wait)?;

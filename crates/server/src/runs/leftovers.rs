@@ -14,7 +14,7 @@ use std::path::Path;
 pub(super) const OUTPUT_FILE: &str = "output";
 /// So many of its last lines are kept.
 const LINES: usize = 12;
-/// So much is read if nobody says how much.
+/// So much is read if no one says how much.
 pub(super) const USUAL_BYTES: u64 = 64 * 1024;
 /// So much is read at most.
 pub(super) const BYTES_MAX: u64 = 1 << 20;

@@ -1,7 +1,7 @@
 //! The connection to the runner of one run: its events go into the ring as they are, its snapshots become the truth, commands go out and
-//! their answers come back. One for each run that goes on.
+//! their answers come back. One for each run in progress.
 //!
-//! Knows the protocol. Must never know who commands, who follows, or what becomes of a run whose runner is gone.
+//! Knows the protocol. Does not know who commands, who follows, or what becomes of a run whose runner is gone.
 
 use super::pulse::{self, Liveness, RunnerPulse};
 use super::run::Run;

@@ -1,7 +1,7 @@
 //! Runs: which there are, how they begin, how they stand, who commands them.
 //!
-//! Every run is a folder; one that goes on is a process that lives without the server, and is spoken with over the socket in its
-//! folder. Must never know HTTP beyond its own routes, nor what a runner does with what it is told.
+//! Every run is a folder; one that continues is a process that lives without the server, and is spoken with over the socket in its
+//! folder. Knows nothing of HTTP beyond its own routes, nor what a runner does with what it is told.
 
 mod commands;
 mod control;
@@ -11,13 +11,13 @@ mod launch;
 mod leftovers;
 mod link;
 mod pulse;
+mod resume;
 mod ring;
 mod routes;
 mod run;
 mod start;
 mod summary;
 mod supervise;
-mod take_up;
 mod talk;
 mod watch;
 
@@ -102,7 +102,7 @@ impl Runs {
         self.wait_until_known().await;
         let runs: Vec<_> = self.all.lock().values().rev().cloned().collect();
         let plain = || runs.iter().map(|run| run.summary()).collect();
-        // A disk that does not answer keeps nobody from seeing what goes on, and one thread at most.
+        // A disk that does not answer keeps no one from seeing what happens, and one thread at most.
         let Ok(turn) = Arc::clone(&self.measuring).try_acquire_owned() else { return plain() };
         let measured = runs.clone();
         let measure = spawn_blocking(move || {
@@ -112,7 +112,7 @@ impl Runs {
         timeout(DISK_TIMEOUT, measure).await.ok().and_then(Result::ok).unwrap_or_else(plain)
     }
 
-    /// Runs that go on, and those that changed since the server began; the newest first.
+    /// Runs in progress, and those that changed since the server began; the newest first.
     pub(crate) async fn lively(&self) -> Vec<RunSummary> {
         self.wait_until_known().await;
         let runs: Vec<_> = self.all.lock().values().rev().cloned().collect();
@@ -131,7 +131,7 @@ impl Runs {
         })
     }
 
-    /// Somebody was heard: who holds control of a run is not silent.
+    /// Someone was heard: who holds control of a run is not silent.
     pub(crate) fn heard(&self, user: &str) {
         let now_ms = clock::since_1970_ms();
         let runs: Vec<_> = self.all.lock().values().filter(|run| run.is_live()).cloned().collect();
@@ -156,7 +156,7 @@ impl Runs {
         drop(known.wait_for(|known| *known).await);
     }
 
-    /// The turn of somebody who wants a runner started: as soon as there are few enough before them.
+    /// The turn of someone who wants a runner started: as soon as there are few enough before them.
     async fn turn(&self) -> Result<OwnedSemaphorePermit, Failure> {
         let turn = timeout(TURN_TIMEOUT, Arc::clone(&self.launches).acquire_owned()).await;
         turn.ok().and_then(Result::ok).ok_or_else(|| {
@@ -170,7 +170,7 @@ impl Runs {
         Arc::clone(self.requests.lock().entry(id.to_owned()).or_default())
     }
 
-    /// A request has begun nothing: unless somebody else asks the same now, it was never made.
+    /// A request has begun nothing: unless someone else asks the same now, it was never made.
     fn forget_request(&self, id: &str, slot: &Slot) {
         let mut requests = self.requests.lock();
         // One of them is the table's, the other the caller's.
@@ -256,7 +256,7 @@ pub(crate) fn begin(server: &Arc<ServerState>) {
     });
 }
 
-/// Looks into every folder. The first look of a server decides what becomes of runs that died while nobody looked.
+/// Looks into every folder. The first look of a server decides what becomes of runs that died while no one looked.
 async fn look_through(server: &Arc<ServerState>) {
     let here = Arc::clone(server);
     let all = spawn_blocking(move || {

@@ -1,7 +1,7 @@
 //! Whether a runner is there: while nothing changes it says nothing by itself, and one that hangs looks the same. So it is asked,
-//! for as long as somebody looks on.
+//! for as long as someone looks on.
 //!
-//! Knows questions and answers, and how many look on. Must never know what else a runner says, nor whom it matters to.
+//! Knows questions and answers, and how many look on. Does not know what else a runner says, nor whom it matters to.
 
 use super::link::Link;
 use super::run::Run;
@@ -18,7 +18,7 @@ const ASK_EVERY: Duration = Duration::from_secs(1);
 /// So many questions without an answer in between are silence. Counted, and not timed: a server that was stopped itself has asked
 /// one only.
 const UNANSWERED_MAX: u32 = 3;
-/// So many questions are asked before it is looked whether somebody looks on still: a page that is loaded again finds an answer.
+/// So many questions are asked before it is looked whether someone looks on still: a page that is loaded again finds an answer.
 const ROUND: u32 = 10;
 
 /// What a runner has answered.
@@ -85,7 +85,7 @@ impl RunnerPulse {
     }
 }
 
-/// Asks a runner whether it is there while somebody looks on, and tells the run when it does not answer.
+/// Asks a runner whether it is there while someone looks on, and tells the run when it does not answer.
 #[expect(clippy::infinite_loop, reason = "it is given up with the link")]
 pub(super) async fn keep_asking(run: &Run, link: &Link, pulse: &RunnerPulse) -> Infallible {
     loop {
@@ -116,13 +116,13 @@ impl Default for Onlookers {
 }
 
 impl Onlookers {
-    /// Somebody looks on.
+    /// Someone looks on.
     pub(crate) fn join(&self) -> Onlooker {
         self.0.send_modify(|count| *count += 1);
         Onlooker(Arc::clone(&self.0))
     }
 
-    /// Waits until somebody looks on.
+    /// Waits until someone looks on.
     pub(super) async fn wait_for_onlooker(&self) {
         let mut count = self.0.subscribe();
         // The sender lives as long as we do.

@@ -1,6 +1,6 @@
-//! The newest events of a run that goes on, in memory: for all who are not far behind. Whoever is reads the journal.
+//! The newest events of a run in progress, in memory: for all who are not far behind. Whoever is reads the journal.
 //!
-//! Knows numbers and sizes. Must never know who reads, nor wait for them.
+//! Knows numbers and sizes. Does not know who reads, nor wait for them.
 
 use super::event_group::EventGroup;
 use rafcon_locks::Mutex;

@@ -1,6 +1,6 @@
 //! What is asked about runs: how they begin, stand and are commanded. Knows requests and answers; the work is done next door.
 
-use super::{Run, commands, leftovers, start, take_up};
+use super::{Run, commands, leftovers, resume, start};
 use crate::access::Who;
 use crate::extract::{Body, Path, Query};
 use crate::gate::blocking;
@@ -80,7 +80,7 @@ async fn now(
     Ok(Json(RunNow { now_ms: clock::since_1970_ms(), ..now }))
 }
 
-/// Takes a run up again whose runner died, or that is to begin again at an entry of its history.
+/// Resumes a run whose runner died, or that is to begin again at an entry of its history.
 #[utoipa::path(post, path = "/api/v1/runs/{run}/resume", tag = "runs", request_body = ResumeRun,
     params(("run" = String, Path, description = "The run's id")),
     responses(
@@ -89,7 +89,7 @@ async fn now(
         (status = 404, description = "There is no such run", body = Refusal),
         (status = 409, description = "It goes on, has ended, or somebody else commands", body = Refusal),
         (status = 413, description = "The request is too large", body = Refusal),
-        (status = 422, description = "It cannot be taken up", body = Refusal),
+        (status = 422, description = "It cannot be resumed", body = Refusal),
         (status = 429, description = "Too many runs are being started", body = Refusal),
         (status = 503, description = "There is no interpreter, extension or room", body = Refusal),
     )
@@ -100,7 +100,7 @@ async fn resume(
     Path(run): Path<String>,
     Body(asked): Body<ResumeRun>,
 ) -> Result<Json<RunSummary>, Failure> {
-    take_up::resume(&server, &who, &run, asked).await.map(Json)
+    resume::resume(&server, &who, &run, asked).await.map(Json)
 }
 
 /// Gives a run a command.
@@ -208,7 +208,7 @@ async fn breakpoints(
     }
 }
 
-/// The questions of a run that nobody has answered yet.
+/// The questions of a run that no one has answered yet.
 #[utoipa::path(get, path = "/api/v1/runs/{run}/questions", tag = "runs",
     params(("run" = String, Path, description = "The run's id")),
     responses(
@@ -226,7 +226,7 @@ async fn questions(
     Ok(Json(snapshot.map(|snapshot| snapshot.questions.clone()).unwrap_or_default()))
 }
 
-/// The global variables of a run, as the journal has them: at most 10 ms old while it goes on.
+/// The global variables of a run, as the journal has them: at most 10 ms old while it continues.
 #[utoipa::path(get, path = "/api/v1/runs/{run}/globals", tag = "runs",
     params(("run" = String, Path, description = "The run's id")),
     responses(

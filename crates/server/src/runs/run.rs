@@ -1,6 +1,6 @@
-//! One run, as everybody in the server shares it: how it stands, its newest events, the way to its runner, who commands it.
+//! One run, as everyone in the server shares it: how it stands, its newest events, the way to its runner, who commands it.
 //!
-//! Knows the latest truth. Must never know how it is found out, nor wait for whoever wants to know it.
+//! Knows the latest truth. Does not know how it is found out, nor wait for whoever wants to know it.
 
 use super::control::Holding;
 use super::folder_files;
@@ -38,11 +38,11 @@ pub(crate) struct Run {
     exit: Mutex<Option<oneshot::Receiver<Exit>>>,
     holding: Mutex<Holding>,
     silence: Duration,
-    /// For what goes wrong and nobody asked for.
+    /// For what goes wrong and no one asked for.
     tell: fn(&str),
     /// Told whenever the run in one line is different.
     news: watch::Sender<u64>,
-    /// Whether somebody looks after its runner.
+    /// Whether someone looks after its runner.
     is_followed: AtomicBool,
     /// Whether it is different from how it was found.
     has_changed: AtomicBool,
@@ -109,7 +109,7 @@ impl Run {
         self.now.subscribe()
     }
 
-    /// The run in one line. While it goes on it gets longer, whether its runner has something to say or not.
+    /// The run in one line. While it continues it gets longer, whether its runner has something to say or not.
     pub(crate) fn summary(&self) -> RunSummary {
         let now = self.now.borrow();
         let mut run = now.run.clone();
@@ -133,7 +133,7 @@ impl Run {
         &self.id
     }
 
-    /// Whether it goes on, or has changed since the server began.
+    /// Whether it continues, or has changed since the server began.
     pub(crate) fn is_lively(&self) -> bool {
         self.is_live() || self.has_changed.load(Ordering::Relaxed)
     }
@@ -143,7 +143,7 @@ impl Run {
         self.has_changed.store(true, Ordering::Relaxed);
     }
 
-    /// Whether it goes on, or is about to.
+    /// Whether it continues, or is about to.
     pub(crate) fn is_live(&self) -> bool {
         is_live(&self.now.borrow().run.phase)
     }
@@ -170,14 +170,14 @@ impl Run {
         self.link()
     }
 
-    /// Waits until somebody who looks after a runner that has come to its end knows what it left; not for long.
+    /// Waits until someone who looks after a runner that has come to its end knows what it left; not for long.
     pub(super) async fn wait_settled(&self) {
         let mut now = self.now();
         let is_known = |now: &Arc<RunNow>| now.link == LinkState::Over || is_live(&now.run.phase);
         drop(timeout(LINK_TIMEOUT, now.wait_for(is_known)).await);
     }
 
-    /// Lets somebody look into an active state for as long as this is held; nothing if too many do.
+    /// Lets someone look into an active state for as long as this is held; nothing if too many do.
     pub(super) fn guest(&self) -> Option<SemaphorePermit<'_>> {
         self.guests.try_acquire().ok()
     }
@@ -192,17 +192,17 @@ impl Run {
         self.exit.lock().take()
     }
 
-    /// From now on somebody looks after its runner; false if somebody does already.
+    /// From now on someone looks after its runner; false if someone does already.
     pub(super) fn try_claim(&self) -> bool {
         !self.is_followed.swap(true, Ordering::AcqRel)
     }
 
-    /// Whether somebody looks after its runner, and knows better than can be found.
+    /// Whether someone looks after its runner, and knows better than can be found.
     pub(super) fn is_claimed(&self) -> bool {
         self.is_followed.load(Ordering::Acquire)
     }
 
-    /// Nobody looks after its runner any more.
+    /// No one looks after its runner any more.
     pub(super) fn release(&self) {
         self.is_followed.store(false, Ordering::Release);
     }
@@ -244,7 +244,7 @@ impl Run {
         });
     }
 
-    /// Its process is ended because it did not take a stop: it is not to go on by itself.
+    /// Its process is ended because it did not take a stop: it is not to continue by itself.
     pub(super) fn stop_by_force(&self) {
         self.is_stopped_by_force.store(true, Ordering::Release);
     }
@@ -259,7 +259,7 @@ impl Run {
         &self.audience
     }
 
-    /// The run was looked at: this is what is true. Nobody is linked to it.
+    /// The run was looked at: this is what is true. No one is linked to it.
     pub(super) fn apply_summary(&self, summary: &RunSummary) {
         self.ring.settle(summary.events);
         self.change(|now| {
@@ -323,7 +323,7 @@ impl Run {
     /// Keeps who holds control in the run's folder: what is true when it is written.
     pub(super) fn keep_holding(&self) {
         let _one_after_the_other = self.keeping.lock();
-        // Nobody waits for the disk to be heard.
+        // No one waits for the disk to be heard.
         let holding = self.holding.lock().clone();
         if let Err(error) = folder_files::write_holding(&self.folder, &holding) {
             let (id, tell) = (&self.id, self.tell);
@@ -331,7 +331,7 @@ impl Run {
         }
     }
 
-    /// Somebody was heard. Whoever follows the run is told now and then only.
+    /// Someone was heard. Whoever follows the run is told now and then only.
     pub(super) fn heard(&self, user: &str, now_ms: u64) {
         let mut holding = self.holding.lock();
         if !holding.heard(user, now_ms) {
@@ -374,7 +374,7 @@ impl Run {
     }
 }
 
-/// Whether a run in this phase goes on, or is about to.
+/// Whether a run in this phase continues, or is about to.
 fn is_live(phase: &RunPhase) -> bool {
     matches!(phase, RunPhase::Live | RunPhase::Starting)
 }

@@ -1,6 +1,6 @@
 //! Starting a run: what is asked is checked, written down, and begun once, however often it is asked for.
 //!
-//! Knows requests and folders of runs. Must never know what becomes of a run afterwards.
+//! Knows requests and folders of runs. Does not know what becomes of a run afterwards.
 
 use super::StartRequestState;
 use super::folder_files::RunRequest;
@@ -24,7 +24,7 @@ use tokio::time::timeout;
 /// How long the runner of an earlier server is waited for.
 const PREVIOUS_RUNNER_TIMEOUT: Duration = Duration::from_secs(40);
 
-/// Starts the run, or finds the one that was started by this id. It goes on also if whoever asks goes away meanwhile.
+/// Starts the run, or finds the one that was started by this id. It continues also if whoever asks goes away meanwhile.
 pub(crate) async fn start(
     server: &Arc<ServerState>,
     who: &Who,

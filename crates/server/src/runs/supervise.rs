@@ -1,15 +1,15 @@
 //! What becomes of a run whose runner is followed: linked while it lives, linked again when only the link broke, and when the
-//! runner is dead, taken up by its policy or left for somebody to decide.
+//! runner is dead, resumed by its policy or left for someone to decide.
 //!
-//! Knows the order of things. Must never know who asks for them.
+//! Knows the order of things. Does not know who asks for them.
 
 use super::folder_files::RunRequest;
 use super::launch::Launched;
 use super::leftovers;
 use super::link;
+use super::resume;
 use super::run::Run;
 use super::summary::FolderSummary;
-use super::take_up;
 use crate::ServerState;
 use crate::failure::reason;
 use rafcon_protocol::OnCrash;
@@ -28,7 +28,7 @@ const RECONNECT_MAX: Duration = Duration::from_secs(1);
 /// How long the exit status of a process of our own is waited for, once it holds its run no more.
 const EXIT_STATUS_TIMEOUT: Duration = Duration::from_secs(1);
 
-/// Looks into a folder and lets everybody know what is there; nothing if there is no run. A run that somebody follows already is
+/// Looks into a folder and lets everyone know what is there; nothing if there is no run. A run that someone follows already is
 /// known better than it can be found.
 pub(super) async fn look(server: &Arc<ServerState>, folder: PathBuf) -> Option<Arc<Run>> {
     let (here, there) = (Arc::clone(server), folder.clone());
@@ -37,7 +37,7 @@ pub(super) async fn look(server: &Arc<ServerState>, folder: PathBuf) -> Option<A
     server.runs.found(server, &folder, looked)
 }
 
-/// Looks after the runner of a run from now on, if nobody does yet.
+/// Looks after the runner of a run from now on, if no one does yet.
 pub(super) fn follow(server: &Arc<ServerState>, run: &Arc<Run>) {
     if run.try_claim() {
         look_after(server, run);
@@ -52,7 +52,7 @@ fn look_after(server: &Arc<ServerState>, run: &Arc<Run>) {
 }
 
 /// Looks after a runner that was just started, of a run that is in our hand already if `is_claimed`, and waits until it can be
-/// commanded: until then it knows that somebody looks on.
+/// commanded: until then it knows that someone looks on.
 pub(super) async fn follow_ours(
     server: &Arc<ServerState>,
     run: &Arc<Run>,
@@ -97,11 +97,11 @@ impl RunSupervisor {
                 break;
             }
         }
-        // Somebody else may have taken it up in between.
+        // Someone else may have taken it up in between.
         look_again(&self.server, &self.run).await;
     }
 
-    /// Nobody looks after the run from now on; only then it is told how it stands, so that whoever knows can take it up.
+    /// No one looks after the run from now on; only then it is told how it stands, so that whoever knows can resume it.
     fn end(&self, summary: &RunSummary) -> bool {
         self.run.release();
         self.run.apply_summary(summary);
@@ -154,19 +154,19 @@ impl RunSupervisor {
             Next::Again(words) => {
                 summary.phase = RunPhase::Starting;
                 self.run.apply_summary(&summary);
-                match take_up::again(&self.server, &self.run, *words).await {
+                match resume::again(&self.server, &self.run, *words).await {
                     Ok(launched) => {
                         self.control = Some(launched.control);
                         self.run.set_exit(launched.exit);
                         true
                     }
-                    // Somebody else has taken it up meanwhile: a server before this one, or the command line.
+                    // Someone else has taken it up meanwhile: a server before this one, or the command line.
                     Err(_late) if self.look_for_writer().await => true,
                     // It died before it had taken the run up: one more death.
                     Err(error) if error.is_death() => true,
                     Err(error) => {
                         let (id, why) = (self.run.id(), reason(&error));
-                        (self.server.settings.tell)(&format!("run {id} is not taken up: {why}"));
+                        (self.server.settings.tell)(&format!("run {id} is not resumed: {why}"));
                         summary.phase = RunPhase::Crashed;
                         self.leave_for_decision(&summary, request).await
                     }
@@ -175,9 +175,9 @@ impl RunSupervisor {
         }
     }
 
-    /// Somebody has to decide what becomes of the run.
+    /// Someone has to decide what becomes of the run.
     async fn leave_for_decision(&self, summary: &RunSummary, request: RunRequest) -> bool {
-        take_up::leave_alone(&self.server, &self.run, request).await;
+        resume::leave_alone(&self.server, &self.run, request).await;
         self.end(summary)
     }
 
@@ -221,7 +221,7 @@ async fn begins(folder: &Path) -> bool {
     tokio::task::spawn_blocking(move || has_begun(&folder)).await.unwrap_or_default()
 }
 
-/// Whether a run that is found when the server begins is to be looked after: it lives, or it would go on by itself.
+/// Whether a run that is found when the server begins is to be looked after: it lives, or it would continue by itself.
 pub(super) fn needs_somebody(looked: &FolderSummary, policy: OnCrash) -> bool {
     let FolderSummary { summary, request } = looked;
     let may_go_on = || request.as_ref().is_some_and(RunRequest::may_go_on);

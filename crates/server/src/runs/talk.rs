@@ -1,7 +1,7 @@
 //! The first words with a runner that is joined, and short talks: one question, one answer, on a connection of its own. So a
 //! question that takes its time holds up no command.
 //!
-//! Knows how a run is joined. Must never know what the words lead to.
+//! Knows how a run is joined. Does not know what the words lead to.
 
 use rafcon_protocol::api::LoadedMachine;
 use rafcon_protocol::{
@@ -22,7 +22,7 @@ const BUFFER_BYTES: usize = 256 * 1024;
 /// Why a runner is not spoken with.
 #[derive(Debug, thiserror::Error)]
 pub(super) enum LinkError {
-    /// Nobody listens there.
+    /// No one listens there.
     #[error(transparent)]
     Join(#[from] JoinError),
     /// The connection broke.
@@ -37,7 +37,7 @@ pub(super) enum LinkError {
     /// It is of another version.
     #[error(transparent)]
     Version(#[from] VersionMismatch),
-    /// It lets nobody in.
+    /// It lets no one in.
     #[error("the runner lets nobody in: {0}")]
     Refused(String),
     /// It went away before it had answered.

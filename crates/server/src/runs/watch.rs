@@ -1,4 +1,4 @@
-//! What changes in the folder of all runs: folders that come and go, runs that begin or are taken up there. So runs that the
+//! What changes in the folder of all runs: folders that come and go, runs that begin or are resumed there. So runs that the
 //! command line starts appear. Knows names of files; nothing is asked again and again.
 
 use super::supervise;
@@ -42,7 +42,7 @@ pub(super) fn begin(server: &Arc<ServerState>) -> mpsc::Receiver<Noticed> {
     let all = server.runs.folder.folder().to_path_buf();
     let tell = move |event: notify::Result<notify::Event>| {
         for change in noticed_of(&all, event) {
-            // Nobody notices any more when the server ends.
+            // No one notices any more when the server ends.
             changes.blocking_send(change).unwrap_or_default();
         }
     };
@@ -120,7 +120,7 @@ pub(super) fn folders(all: &Path) -> Vec<PathBuf> {
     folders
 }
 
-/// A folder in which nothing has begun and nothing will: nobody was told of it.
+/// A folder in which nothing has begun and nothing will: no one was told of it.
 pub(super) async fn remove(server: &ServerState, folder: PathBuf) {
     let tell = server.settings.tell;
     let removed = tokio::task::spawn_blocking(move || {

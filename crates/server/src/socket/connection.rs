@@ -1,5 +1,5 @@
 //! One client's connection: every cause of work is one [`Cause`], taken one after the other. Knows frames and whom they are
-//! for; must never know what lies behind the desk, or how a frame reaches the other side.
+//! for, but not what lies behind the desk, or how a frame reaches the other side.
 
 use super::outbox::{Lane, Outbox, length};
 use super::pulse::ClientPulse;
@@ -60,7 +60,7 @@ where
     }
 }
 
-/// Sends what is in the outbox, one frame after the other, until the last one or until nobody takes them.
+/// Sends what is in the outbox, one frame after the other, until the last one or until no one takes them.
 async fn write(
     mut sink: impl Sink<Message, Error = axum::Error> + Unpin,
     outbox: &Outbox,
@@ -74,7 +74,7 @@ async fn write(
             return;
         }
         outbox.sent(lane, length);
-        // A ping only shows that nobody was there to be asked before.
+        // A ping only shows that no one was there to be asked before.
         if is_text {
             pulse.beat();
         }

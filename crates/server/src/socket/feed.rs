@@ -1,5 +1,5 @@
 //! How a subscription is told: when there is something, when it is due, and when there is room. Knows frames as text and the
-//! outbox; must never know what they are about.
+//! outbox, but not what they are about.
 
 use super::outbox::{Lane, Outbox, Ticket};
 use std::time::Duration;

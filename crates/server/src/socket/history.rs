@@ -1,5 +1,5 @@
 //! A run's history for one client: each event once, from a cursor on, out of the journal as long as the ring has given up what
-//! comes next, then out of the ring. Knows cursors and texts; must never know what an event says.
+//! comes next, then out of the ring. Knows cursors and texts, but not what an event says.
 
 use super::feed::{Feed, NextMessage};
 use super::outbox::Lane;
@@ -84,7 +84,7 @@ pub(super) struct RunHistory {
     last: watch::Receiver<u64>,
     journal: HistoryReader,
     cursor: Cursor,
-    /// The journal had not what it should have: it is about to be taken up.
+    /// The journal had not what it should have: it is about to be resumed.
     is_stalled: bool,
 }
 

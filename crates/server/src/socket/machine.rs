@@ -1,4 +1,4 @@
-//! An open machine's history for one client: each revision once, from a cursor on. Knows cursors and texts; must never know
+//! An open machine's history for one client: each revision once, from a cursor on. Knows cursors and texts; knows nothing of
 //! what a revision says.
 
 use super::feed::{Feed, NextMessage};

@@ -1,4 +1,4 @@
-//! What is on its way to one client, bounded by its bytes: frames in two lanes, each in order. Must never know what they say.
+//! What is on its way to one client, bounded by its bytes: frames in two lanes, each in order. Does not know what they say.
 
 use axum::extract::ws::{CloseFrame, Message, Utf8Bytes};
 use rafcon_locks::Mutex;

@@ -1,4 +1,4 @@
-//! Whether somebody is at the other end of a connection. Knows when the client was heard, or took something, last.
+//! Whether someone is at the other end of a connection. Knows when the client was heard, or took something, last.
 
 use super::outbox::Outbox;
 use rafcon_locks::Mutex;
@@ -7,7 +7,7 @@ use tokio::time::{Instant, sleep_until};
 
 /// So often the client is asked, whatever else it is told: an answer shows that it is there though it wants nothing.
 const ASKED_EVERY: Duration = Duration::from_secs(10);
-/// After so much silence nobody is there.
+/// After so much silence no one is there.
 const GONE_AFTER: Duration = Duration::from_mins(1);
 
 /// Signs of life of a client.
@@ -30,7 +30,7 @@ impl ClientPulse {
         *self.last.lock()
     }
 
-    /// Waits until nobody is there; meanwhile the client is asked again and again.
+    /// Waits until no one is there; meanwhile the client is asked again and again.
     pub(super) async fn end(&self, outbox: &Outbox) {
         let mut ask_at = Instant::now() + ASKED_EVERY;
         loop {

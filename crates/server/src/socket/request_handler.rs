@@ -1,5 +1,5 @@
 //! What a client can have of the server: the one place where the socket meets the other parts of the server. Knows who the client
-//! is and whom to ask; must never know how anything is told.
+//! is and whom to ask, but not how anything is told.
 
 use super::feed::tell;
 use super::history::{Cursor, RunHistory};
@@ -180,7 +180,7 @@ impl RequestHandler {
     }
 }
 
-/// How long it may be relied upon that somebody is still the same: others may change who is known, and logins end.
+/// How long it may be relied upon that someone is still the same: others may change who is known, and logins end.
 fn patience(who: &Who) -> Duration {
     let end = who.expires_ms.map(|end| end.saturating_sub(now_ms()) + 1);
     end.map_or(ASKED_EVERY, |end| ASKED_EVERY.min(Duration::from_millis(end)))

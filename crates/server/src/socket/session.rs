@@ -11,7 +11,7 @@ use std::collections::BTreeSet;
 
 /// So many subscriptions one connection may have at a time.
 pub(super) const SUBSCRIPTIONS_MAX: usize = 64;
-/// So many states somebody may have selected, as the others are told.
+/// So many states someone may have selected, as the others are told.
 const SELECTION_MAX: usize = 1000;
 /// So many bytes their paths may have together.
 const SELECTION_BYTES_MAX: usize = 64 << 10;

@@ -1,5 +1,5 @@
 //! Subscriptions to a status: to the latest of one thing, the first change at once, then at most one frame in a tenth of a second;
-//! and to everything that the server looks after. Must never know what a change was.
+//! and to everything that the server looks after. Does not know what a change was.
 
 use super::feed::{Feed, NextMessage};
 use super::outbox::Lane;

@@ -1,4 +1,4 @@
-//! Frames as text. Knows how they are spelled; must never know when they are sent.
+//! Frames as text. Knows how they are spelled, but not when they are sent.
 
 use crate::Failure;
 use rafcon_protocol::api::RunNow;

@@ -1,4 +1,4 @@
-//! Which folders the system is asked about. Knows where to look and how to ask; must never know what changes mean.
+//! Which folders the system is asked about. Knows where to look and how to ask, but not what changes mean.
 //!
 //! Asking costs memory of the system for each folder, so projects are followed down to their machines and no further;
 //! libraries and open machines are followed to the last state. Links are not followed.

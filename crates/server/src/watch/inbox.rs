@@ -1,4 +1,4 @@
-//! What the system says about files, gathered until somebody looks. Knows paths and kinds of events; asks no disk.
+//! What the system says about files, gathered until someone looks. Knows paths and kinds of events; asks no disk.
 
 use notify::event::{AccessKind, AccessMode, CreateKind, ModifyKind, RenameMode};
 use notify::{Event, EventKind};
@@ -10,7 +10,7 @@ use tokio::sync::Notify;
 /// More paths than these are not told one by one.
 const MOST: usize = 10_000;
 
-/// What happened since somebody looked last.
+/// What happened since someone looked last.
 #[derive(Debug, Default, PartialEq, Eq)]
 pub(super) struct Changes {
     /// Files and folders that are new, different or gone.

@@ -1,5 +1,5 @@
 //! Changes that other programs make to machines and libraries: noticed, and told to whoever has them open. Knows which part
-//! of the server a changed file concerns; must never know what is in the files.
+//! of the server a changed file concerns, but not what is in the files.
 //!
 //! The server's own saves come by here as well: whether a machine is really another one is decided by its content, by
 //! whoever has it open.
@@ -117,7 +117,7 @@ impl Watch {
     }
 }
 
-/// Leaves whoever opened a machine in peace for a while, but nobody who waits for news of files. Always true.
+/// Leaves whoever opened a machine in peace for a while, but no one who waits for news of files. Always true.
 async fn opened(inbox: &Inbox) -> bool {
     tokio::select! {
         () = inbox.something() => {}

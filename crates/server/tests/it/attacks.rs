@@ -120,7 +120,7 @@ fn head(server: &TestServer, path: &str, role: Option<Role>, length: &str) -> St
     )
 }
 
-/// A server that waits for nobody.
+/// A server that waits for no one.
 fn impatient() -> TestServer {
     TestServer::with(|settings| {
         settings.listen.head_patience = Duration::from_secs(1);

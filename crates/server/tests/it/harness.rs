@@ -101,7 +101,7 @@ impl TestServer {
         &self.owner
     }
 
-    /// Asks as somebody with this role, or as nobody.
+    /// Asks as someone with this role, or as no one.
     pub(crate) fn call(
         &self,
         role: Option<Role>,

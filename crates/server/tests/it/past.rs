@@ -47,7 +47,7 @@ pub(crate) fn server(runs: &[(&str, &str)]) -> TestServer {
     TestServer::at(place, |_settings| {})
 }
 
-/// A run that goes on in this process until its journal is dropped.
+/// A run in progress in this process until its journal is dropped.
 pub(crate) fn write(runs: &Path, id: &str, text: &str) -> Journal {
     let about = About {
         id: id.to_owned(),
@@ -67,7 +67,7 @@ pub(crate) fn append(journal: &Journal, text: &str) {
     journal.append(&journal_notation::batch(&format!("{MACHINE}{text}"), 0).unwrap()).unwrap();
 }
 
-/// What is answered to somebody who may look on.
+/// What is answered to someone who may look on.
 pub(crate) fn get(server: &TestServer, path: &str) -> Value {
     let answer = server.call(Some(Role::Viewer), "GET", &format!("/api/v1/runs/{path}"), None);
     assert_eq!(answer.status, 200, "{path}: {}", answer.text);

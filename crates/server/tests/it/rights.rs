@@ -1,4 +1,4 @@
-//! The tables of rights: every role, and nobody, against every route and every command.
+//! The tables of rights: every role, and no one, against every route and every command.
 
 use crate::harness::TestServer;
 use expect_test::expect;

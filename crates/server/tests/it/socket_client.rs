@@ -17,7 +17,7 @@ pub(crate) struct Client {
 }
 
 impl Client {
-    /// Connects as somebody with this role, and hears the welcome.
+    /// Connects as someone with this role, and hears the welcome.
     pub(crate) fn connect(server: &TestServer, role: Role) -> Self {
         let mut client = Self::with(server, server.token(role));
         assert_eq!(client.hear()["frame"], "welcome");

@@ -1,6 +1,6 @@
 //! The journal of a run: everything that happened in it, in order, in a folder of its own (`docs/journal.md`).
 //!
-//! Knows how events are kept and found again. Must never know what makes them happen.
+//! Knows how events are kept and found again. Does not know what makes them happen.
 
 mod compare;
 mod export;
@@ -31,6 +31,6 @@ pub use record::{
     Record, Stored, ValueNumber, tell,
 };
 pub use write::{
-    Committed, Journal, Options, Pruned, RECORDER_BYTES, Retention, SIZE_MAX, TakenUp, has_begun,
-    remove,
+    Committed, Journal, Options, Pruned, RECORDER_BYTES, ResumePoint, Retention, SIZE_MAX,
+    has_begun, remove,
 };

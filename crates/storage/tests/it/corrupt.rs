@@ -342,7 +342,7 @@ fn read(folder: &Path, clean: &Path, truth: &Truth) -> Result<(), String> {
         }
     }
     drop(export_csv(&mut reader, &Filter::default(), Vec::new()));
-    take_up(folder, truth)
+    resume(folder, truth)
 }
 
 fn check_events(reader: &mut Reader, truth: &Truth) -> Result<(), String> {
@@ -369,15 +369,15 @@ fn check_events(reader: &mut Reader, truth: &Truth) -> Result<(), String> {
     Ok(())
 }
 
-/// A run is taken up with what it was, or not, or it says what it lost.
-fn take_up(folder: &Path, truth: &Truth) -> Result<(), String> {
-    let Ok((journal, taken_up)) = Journal::take_up(folder, &OPTIONS) else { return Ok(()) };
+/// A run is resumed with what it was, or not, or it says what it lost.
+fn resume(folder: &Path, truth: &Truth) -> Result<(), String> {
+    let Ok((journal, resume_point)) = Journal::resume(folder, &OPTIONS) else { return Ok(()) };
     let last = truth.events.len() as u64;
-    if taken_up.sequence != last && taken_up.lost.is_none() {
-        return Err(format!("it is taken up after event {}", taken_up.sequence));
+    if resume_point.sequence != last && resume_point.lost.is_none() {
+        return Err(format!("it is resumed after event {}", resume_point.sequence));
     }
     let mut reader = Reader::open(folder).map_err(|error| error.to_string())?;
-    let moment = reader.moment(taken_up.sequence);
+    let moment = reader.moment(resume_point.sequence);
     if let Ok(moment) = moment
         && reader.check_values(&moment).is_ok()
     {
@@ -385,7 +385,7 @@ fn take_up(folder: &Path, truth: &Truth) -> Result<(), String> {
         let right = &truth.moments[&last];
         let parts = ["globals", "persistent"];
         let is_kept = parts.iter().all(|part| told[part] == right[part]);
-        if taken_up.sequence == last && !(is_kept && same(&told, right)) {
+        if resume_point.sequence == last && !(is_kept && same(&told, right)) {
             return Err(format!("scripts would get {told}, not {right}"));
         }
     }

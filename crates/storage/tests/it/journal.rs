@@ -87,8 +87,8 @@ fn what_a_killed_process_appended_is_there() {
         let reader = Reader::open(folder.path()).unwrap();
         let left: u64 = reader.last_sequence().unwrap();
         assert!(left >= count, "{left} < {count}");
-        let (journal, taken_up) = Journal::take_up(folder.path(), &OPTIONS).unwrap();
-        assert_eq!((taken_up.sequence, taken_up.life), (left, 2));
+        let (journal, resume_point) = Journal::resume(folder.path(), &OPTIONS).unwrap();
+        assert_eq!((resume_point.sequence, resume_point.life), (left, 2));
         journal.close().unwrap();
         let mut reader = Reader::open(folder.path()).unwrap();
         let page = reader.page(1, usize::MAX).unwrap();
@@ -109,7 +109,7 @@ fn one_process_writes_a_run() {
     let mut lines = BufReader::new(child.stdout.take().unwrap()).lines();
     lines.find(|line| line.as_ref().unwrap().contains("appended")).unwrap().unwrap();
     assert_eq!(writer_of(folder.path()).unwrap(), Some(process));
-    let refused = Journal::take_up(folder.path(), &OPTIONS).unwrap_err();
+    let refused = Journal::resume(folder.path(), &OPTIONS).unwrap_err();
     let expected = format!(
         "the run in {} is still going on (process {process}): join it with `rafcon attach`, or end it first",
         folder.path().display()
@@ -118,7 +118,7 @@ fn one_process_writes_a_run() {
     child.kill().unwrap();
     child.wait().unwrap();
     assert_eq!(writer_of(folder.path()).unwrap(), None);
-    Journal::take_up(folder.path(), &OPTIONS).unwrap();
+    Journal::resume(folder.path(), &OPTIONS).unwrap();
 }
 
 /// Fills its disk, which ends at a limit for files, says so, gets more room and loses nothing. Does nothing in a usual run.

@@ -1,4 +1,4 @@
-//! A process that saves again and again is killed at moments that nobody chose; what is on disk is one of its machines.
+//! A process that saves again and again is killed at moments that no one chose; what is on disk is one of its machines.
 
 use crate::folders::read;
 use rafcon_model::Machine;

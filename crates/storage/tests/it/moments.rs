@@ -271,7 +271,7 @@ fn a_run_that_begins_elsewhere_drops_what_was_active() {
 }
 
 #[test]
-fn a_run_that_is_taken_up_goes_on_with_its_data() {
+fn a_run_that_is_resumed_goes_on_with_its_data() {
     check(
         r#"enter R
          scoped R n=4

@@ -17,7 +17,7 @@ pub(crate) enum Like {
     WaitingChanges,
     Force,
     BeginningAgain,
-    /// The engine is lost, and another one takes the run up.
+    /// The engine is lost, and another one resumes the run.
     Losses,
     /// States are asked to end.
     Requests,

@@ -100,7 +100,7 @@ counts! {
     twins_cut_preempting,
     /// Cuts while a handler ran.
     twins_cut_handling,
-    /// Runs that went on from what events alone had said, while a state had been asked to end.
+    /// Runs that continued from what events alone had said, while a state had been asked to end.
     twins_told_preempting,
 }
 

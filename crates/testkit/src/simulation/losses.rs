@@ -24,7 +24,7 @@ struct Left {
 }
 
 impl World {
-    /// The process dies; another engine takes the run up as it was.
+    /// The process dies; another engine resumes the run as it was.
     pub(crate) fn lose_engine(&mut self) -> Checked {
         let Some(root) = self.engine.configuration() else { return Ok(()) };
         let counted = self.engine.counted();
@@ -42,7 +42,7 @@ impl World {
         self.resume(left)
     }
 
-    /// The same while nothing is held, so that it goes on as if nothing had happened.
+    /// The same while nothing is held, so that it continues as if nothing had happened.
     pub(crate) fn lose_engine_quietly(&mut self) -> Checked {
         let Some(root) = self.engine.configuration() else { return Ok(()) };
         let counted = self.engine.counted();

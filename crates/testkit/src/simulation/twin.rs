@@ -1,4 +1,4 @@
-//! A run that is cut and resumed by another engine goes on as the run that was not cut: the same answers to the same
+//! A run that is cut and resumed by another engine continues as the run that was not cut: the same answers to the same
 //! results, from then on.
 
 use super::commands::Like;
@@ -17,13 +17,13 @@ use std::sync::Arc;
 const INPUTS: usize = 80;
 
 /// One of the two runs, with its scripts by their places.
-struct Side {
+struct Twin {
     engine: Engine<Value>,
     jobs: BTreeMap<String, Job<Value>>,
 }
 
 impl World {
-    /// Runs for a while, and is then cut and resumed while it also goes on.
+    /// Runs for a while, and is then cut and resumed while it also continues.
     pub(crate) fn live_as_twins(&mut self) -> Checked {
         self.feed(Input::Start(Start::default()))?;
         for _ in 0..self.random.below(LIFE / 4) {
@@ -68,7 +68,7 @@ fn twins(world: &mut World) -> Checked {
     counts.twins_told_preempting += u64::from(told && amid.preempting);
     let program = Arc::clone(world.engine.program());
     let (counted, begun_at) = (world.engine.counted(), world.engine.begun_at());
-    let mut cut = Side { engine: Engine::new(Arc::clone(&program)), jobs: BTreeMap::new() };
+    let mut cut = Twin { engine: Engine::new(Arc::clone(&program)), jobs: BTreeMap::new() };
     let interrupted = Interrupted::Again;
     let (crash, hold) = (None, false);
     let restore = Restore { root, interrupted, crash, hold, counted, stopping, begun_at };
@@ -76,7 +76,7 @@ fn twins(world: &mut World) -> Checked {
     let engine = std::mem::replace(&mut world.engine, Engine::new(program));
     let running = std::mem::take(&mut world.watch.running);
     let named = running.into_iter().map(|job| (engine.path_text(job.path).to_string(), job));
-    let mut whole = Side { jobs: named.collect(), engine };
+    let mut whole = Twin { jobs: named.collect(), engine };
     alike(&whole, &cut)?;
     for turn in 0.. {
         if whole.engine.status() == Status::Finished {
@@ -96,7 +96,7 @@ fn twins(world: &mut World) -> Checked {
     if over { Ok(()) } else { Err("the run that was resumed goes on".into()) }
 }
 
-/// Whether the run goes on from what events alone have said. They do not tell of commands to preempt a state, nor what was
+/// Whether the run continues from what events alone have said. They do not tell of commands to preempt a state, nor what was
 /// before an engine was lost.
 fn is_told(world: &mut World, amid: Amid) -> bool {
     let commanded = world.watch.counts.preempt_commands > 0 || world.was_resumed;
@@ -107,7 +107,7 @@ fn is_told(world: &mut World, amid: Amid) -> bool {
 }
 
 /// The same scripts run, with the same inputs, and the same stands still.
-fn alike(whole: &Side, cut: &Side) -> Checked {
+fn alike(whole: &Twin, cut: &Twin) -> Checked {
     same("runs other scripts", &whole.scripts(), &cut.scripts())?;
     same("stands otherwise", &whole.standing(), &cut.standing())
 }
@@ -122,8 +122,8 @@ fn same(what: &str, whole: &[String], cut: &[String]) -> Checked {
 
 /// Gives both the same input, and compares what they say.
 fn both(
-    whole: &mut Side,
-    cut: &mut Side,
+    whole: &mut Twin,
+    cut: &mut Twin,
     random: &mut Random,
     turn: usize,
 ) -> Result<String, String> {
@@ -152,8 +152,8 @@ fn compare(whole: String, cut: &str) -> Result<String, String> {
     Err(format!("the run resumed goes on otherwise; it should have said\n{whole}but said\n{cut}"))
 }
 
-impl Side {
-    /// Another engine takes the run up, if it goes on by itself.
+impl Twin {
+    /// Another engine resumes the run, if it continues by itself.
     fn lose_engine(&mut self) -> Result<bool, String> {
         if !matches!(self.engine.status(), Status::Running | Status::Stopping) {
             return Ok(false);

@@ -111,7 +111,7 @@ impl World {
         self.wide.as_mut().is_some_and(|random| random.percent(percent))
     }
 
-    /// From start to end: at random, then a stop, and if handlers go on for long, a second one.
+    /// From start to end: at random, then a stop, and if handlers continue for long, a second one.
     fn live(&mut self, handlers: bool) -> Checked {
         let start =
             if self.mood.likes(Like::BeginningAgain) { self.start() } else { Start::default() };
@@ -148,7 +148,7 @@ impl World {
         self.end()
     }
 
-    /// Everything that is held may go on, and every condition is answered.
+    /// Everything that is held may continue, and every condition is answered.
     fn let_go(&mut self) -> Checked {
         for _ in 0..INPUTS_AFTER_STOP {
             match self.engine.status() {

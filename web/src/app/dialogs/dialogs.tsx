@@ -7,8 +7,8 @@ import { useSignal } from "../../ui/signals.ts";
 import { useSession } from "../provided.tsx";
 import type { OpenDialog } from "../session.ts";
 import { Ask } from "./ask.tsx";
+import { ResumeCrashed } from "./resume_crashed.tsx";
 import { StartRunDialog } from "./start_run.tsx";
-import { TakeUp } from "./take_up.tsx";
 import "./dialogs.css";
 
 /** What a dialog is given: what it is asked, and where its answer goes. Null closes it without one. */
@@ -94,7 +94,7 @@ const DIALOGS: Readonly<Record<OpenDialog["name"], FunctionComponent<AskedDialog
   library: LibraryChooser,
   colour: Colour,
   "start-run": StartRunDialog,
-  "take-up": TakeUp,
+  "resume-crashed": ResumeCrashed,
   breakpoint: BreakpointDialog,
   keys: Keys,
   settings: SettingsDialog,

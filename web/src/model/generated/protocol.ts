@@ -41,7 +41,7 @@ export type Breakpoint = {
   hit_count: number,
   /** What is held. */
   scope: Scope,
-  /** What happens while nobody is connected. */
+  /** What happens while no one is connected. */
   unattended: Unattended,
   /** A disabled one does nothing and is kept. */
   enabled: boolean, };
@@ -148,7 +148,7 @@ export type Command = { "type": "start",
   path: string,
   /** The whole new text. */
   script: string, } | { "type": "control",
-  /** The user; `None`: nobody. */
+  /** The user; `None`: no one. */
   holder: string | null, };
 
 /** What became of a command. */
@@ -179,14 +179,14 @@ export type Control = {
   since_ms: number,
   /** When the holder was heard last: ms since 1970, UTC. */
   heard_ms: number,
-  /** After how many ms of the holder's silence anybody with the right may take over. */
+  /** After how many ms of the holder's silence anyone with the right may take over. */
   silence_ms: number,
   /** Who asks for it, the first first. */
   requests: Array<string>,
   /** The user to whom the holder offers it, and who has not accepted yet. */
   offered_to?: string, };
 
-/** What somebody wants about control. */
+/** What someone wants about control. */
 export type ControlMove = { "move": "request" } | { "move": "withdraw" } | { "move": "hand_over",
   /** To this user. */
   to: string, } | { "move": "release" } | { "move": "take_over" } | { "move": "accept" } | { "move": "decline" } | { "move": "override" };
@@ -238,7 +238,7 @@ export type DataFlowDocument = {
   to_state: string,
   /** The port there. */
   to_port: number,
-  /** Keys of the file that nobody knows. */
+  /** Keys of the file that no one knows. */
   extra?: JsonValue | null, };
 
 /** What a value was of a state. */
@@ -597,7 +597,7 @@ export type Event = { "type": "entered",
   how: Closing,
   /** The answer, if there is one. */
   answer: JsonValue | null,
-  /** Who answered; empty if nobody did. */
+  /** Who answered; empty if no one did. */
   author: string, } | { "type": "deadline_passed",
   /** The state. */
   path: string,
@@ -791,10 +791,10 @@ export type HeaderDocument = {
   used_rafcon_version?: string | null,
   /** Layout of the machine as a whole. */
   layout?: LayoutDocument | null,
-  /** Keys of the file that nobody knows. */
+  /** Keys of the file that no one knows. */
   extra?: JsonValue | null, };
 
-/** Whether the server is there; told to anybody. */
+/** Whether the server is there; told to anyone. */
 export type Health = {
   /** Always `rafcon`. */
   program: string,
@@ -1237,7 +1237,7 @@ export type OutcomeDocument = {
   id: number,
   /** Unique in the state. */
   name: string,
-  /** Keys of the file that nobody knows. */
+  /** Keys of the file that no one knows. */
   extra?: JsonValue | null, };
 
 /** An outcome of a child. */
@@ -1276,7 +1276,7 @@ export type PortDocument = {
   data_type: string,
   /** `null` is `None`; a text for another type is read when a run starts. */
   default?: JsonValue,
-  /** Keys of the file that nobody knows. */
+  /** Keys of the file that no one knows. */
   extra?: JsonValue | null, };
 
 /** In which list of a state a port stands. */
@@ -1289,7 +1289,7 @@ export type PortOf = {
   /** The port's id. */
   port: number, };
 
-/** Somebody who looks at an open machine. */
+/** Someone who looks at an open machine. */
 export type Presence = {
   /** The connection, by a number of the server's. */
   connection: number,
@@ -1348,7 +1348,7 @@ export type Repair = {
   /** The edit, as the machine is now. */
   edit: Edit, };
 
-/** Takes a run up again whose runner died. */
+/** Resumes a run whose runner died. */
 export type ResumeRun = {
   /** Chosen by the sender; the same id is carried out once. */
   id: string,
@@ -1357,7 +1357,7 @@ export type ResumeRun = {
   /** Begin at this event of the history instead of where the run ended: an `entered`. */
   from: number | null, };
 
-/** Which runs are kept; what is left out has no limit. The 10 newest stay whatever they take, and so does every run that goes on. */
+/** Which runs are kept; what is left out has no limit. The 10 newest stay whatever they take, and so does every run in progress. */
 export type Retention = {
   /** So many of the newest. */
   count: number | null,
@@ -1405,7 +1405,7 @@ export type RevisionsFrom = {
 /** What a request needs. Rights are granted by [`Role`]s. */
 export type Right = "anyone" | "observe" | "command" | "start" | "edit" | "administer";
 
-/** What somebody is allowed to do. */
+/** What someone is allowed to do. */
 export type Role = "viewer" | "operator" | "engineer" | "admin";
 
 /** The latest truth about one run. */
@@ -1463,7 +1463,7 @@ export type RunSummary = {
   author: string | null,
   /** When it began: ms since 1970, UTC. */
   started_ms: number,
-  /** Its length, in ms; so far, while it goes on. */
+  /** Its length, in ms; so far, while it is in progress. */
   length_ms: number,
   /** How many events it has. */
   events: number,
@@ -1471,7 +1471,7 @@ export type RunSummary = {
   bytes: number,
   /** How much of it is kept. */
   keeping: Keeping,
-  /** What it waits for, if it goes on and none of its branches is at work. */
+  /** what it waits for, if it is in progress and none of its branches is at work. */
   waits: RunWait | null, } & ({ "phase": "starting" } | { "phase": "live" } | { "phase": "finished",
   /** By this outcome. */
   outcome: Outcome,
@@ -1565,10 +1565,10 @@ export type ServerStatus = {
   files_revision: number,
   /** Open machines. */
   machines: Array<MachineSummary>,
-  /** Runs that go on, and those that changed since the server began; the newest first. */
+  /** Runs in progress, and those that changed since the server began; the newest first. */
   runs: Array<RunSummary>, };
 
-/** Who somebody is. */
+/** Who someone is. */
 export type Session = {
   /** The user's name. */
   user: string,
@@ -1602,7 +1602,7 @@ export type Snapshot = {
   journal_problem: string | null,
   /** All breakpoints. */
   breakpoints: Array<Breakpoint>,
-  /** Questions that nobody has answered yet. */
+  /** Questions that no one has answered yet. */
   questions: Array<Question>, };
 
 /** Starts a run. */
@@ -1678,7 +1678,7 @@ export type StateDocument = {
   transitions?: Array<TransitionDocument>,
   /** Of a container, by rising id. */
   data_flows?: Array<DataFlowDocument>,
-  /** Keys of the file that nobody knows. */
+  /** Keys of the file that no one knows. */
   extra?: JsonValue | null, };
 
 /** What kind of state it is. */
@@ -1747,7 +1747,7 @@ export type ToClient = { "frame": "welcome",
   now_ms: number, } | { "frame": "events",
   /** Of this subscription. */
   subscription: number,
-  /** Where the client goes on after a break. Without values some numbers are left out, and this says how far it is told. */
+  /** Where the client continues after a break. Without values some numbers are left out, and this says how far it is told. */
   next: number,
   /** In order. Empty once: everything that there is so far has been told. */
   events: Array<HistoryEntry>, } | { "frame": "revisions",
@@ -1870,7 +1870,7 @@ export type TransitionDocument = {
   to_state?: string | null,
   /** An outcome of the container; none if it leads to a child. */
   to_outcome?: number | null,
-  /** Keys of the file that nobody knows. */
+  /** Keys of the file that no one knows. */
   extra?: JsonValue | null, };
 
 /** Which part of a project's tree is asked for. */
@@ -1878,7 +1878,7 @@ export type TreeFrom = {
   /** From this folder on, joined by `/`; left out: the whole project. */
   path: string, };
 
-/** What a breakpoint does while nobody is connected. */
+/** What a breakpoint does while no one is connected. */
 export type Unattended = "hold" | "continue" | "stop";
 
 /** Takes back, or makes again, one's own last step. */

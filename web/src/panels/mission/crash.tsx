@@ -13,7 +13,7 @@ import { pathInWords, useMachineNames } from "./names.ts";
 
 export function Crash({ watch }: { readonly watch: Watch }) {
   const phase = useComputed(() => watch.now.value?.run.phase, [watch]);
-  return phase === "crashed" ? <TakeUp watch={watch} /> : <Interrupted watch={watch} />;
+  return phase === "crashed" ? <ResumeCrashed watch={watch} /> : <Interrupted watch={watch} />;
 }
 
 const CHOICES: readonly {
@@ -38,12 +38,12 @@ const CHOICES: readonly {
   },
 ];
 
-function TakeUp({ watch }: { readonly watch: Watch }) {
+function ResumeCrashed({ watch }: { readonly watch: Watch }) {
   const run = useCommand();
   const names = useMachineNames();
   const active = useComputed(() => lanes(activeStates(watch)), [watch]);
   const where = fewInWords(active.map(({ path }) => pathInWords(names, path)));
-  const refusal = useRefusalOf("run.take-up");
+  const refusal = useRefusalOf("run.resume-crashed");
   return (
     <section className="mission-part mission-crash" aria-label="The run crashed">
       <h3>
@@ -54,13 +54,13 @@ function TakeUp({ watch }: { readonly watch: Watch }) {
         {where !== "" && `It was at ${where}. `}Nothing moves until the run is resumed. Everything
         that happened is kept, and the run can continue from there:
       </p>
-      <ul className="mission-choices mission-take-up">
+      <ul className="mission-choices mission-resume-crashed">
         {CHOICES.map(({ policy, title, means }) => (
           <li key={policy}>
             <Button
               kind={policy === "ask" ? "primary" : "plain"}
               disabled={refusal !== null}
-              onClick={() => run("run.take-up", policy)}
+              onClick={() => run("run.resume-crashed", policy)}
             >
               {title}
             </Button>

@@ -65,7 +65,7 @@ export interface Watch {
   readonly command: (command: Command, patience_ms?: number) => Promise<SentCommand>;
   /** Asks for control, gives it away, takes it over. Throws a `RefusalError`. */
   readonly control: (move: ControlMove) => Promise<Control>;
-  /** Takes a run up again whose runner died. Throws a `RefusalError`. */
+  /** Resumes a run whose runner died. Throws a `RefusalError`. */
   readonly resume: (policy: OnCrash, from?: number | null) => Promise<void>;
   readonly close: () => void;
   /** Calls when the page leaves the run: what follows it ends with it. */

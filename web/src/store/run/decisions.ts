@@ -1,4 +1,4 @@
-/** What a crash leaves to people: whether, and how, a run is taken up, and what becomes of scripts that it interrupted. */
+/** What a crash leaves to people: whether, and how, a run is resumed, and what becomes of scripts that it interrupted. */
 
 import type { Watch } from "../history/run.ts";
 import { activeStates } from "./active.ts";

@@ -55,7 +55,7 @@ export function random(seed: number): () => number {
 }
 
 /** What a run of a machine with hierarchies (H) and concurrency (C) tells, in so many events or a few more. Now and then states fail,
- * or the runner dies and takes up again. */
+ * or the runner dies and resumes again. */
 export function randomRun(seed: number, many: number): readonly HistoryEntry[] {
   const run = new RandomRun(random(seed));
   run.enter("R");

@@ -15,7 +15,7 @@ pub(in crate::engine) enum Phase {
     Held,
     /// The condition of a breakpoint is being evaluated before its next child, or after its last.
     Checking,
-    /// It cannot go on by itself.
+    /// It cannot continue by itself.
     Waiting(WaitReason),
     /// Its children run side by side.
     Branches,

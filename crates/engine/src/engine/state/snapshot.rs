@@ -46,7 +46,7 @@ pub enum Activity {
     Held,
     /// The condition of a breakpoint is being evaluated before its next child, or after its last.
     Checking,
-    /// It cannot go on until the machine is changed or stopped.
+    /// It cannot continue until the machine is changed or stopped.
     Waiting(WaitReason),
 }
 

@@ -8,7 +8,7 @@ use crate::program::Body;
 use std::collections::VecDeque;
 use std::sync::Arc;
 
-/// Steps that are kept in a run by default: more than anybody goes back by hand, and few enough that the
+/// Steps that are kept in a run by default: more than anyone goes back by hand, and few enough that the
 /// values that they hold on to, and the memory that is written for each state, do not matter.
 pub(in crate::engine) const STEPS_MAX: usize = 2_000;
 /// Steps that are kept beyond the limit before the oldest are given up, all at once.

@@ -113,7 +113,7 @@ impl<'s, D: Datum> Step<'s, D> {
     }
 
     /// Whether more children ended within one answer than there are ways for a child to end: then no script runs between
-    /// them, nothing can ever change, and the circle would go on for good.
+    /// them, nothing can ever change, and the circle would continue for good.
     fn runs_in_a_circle(&mut self, slot: u32, inside: &Inside<D>) -> bool {
         let Some(children) = self.run.frames.get_mut(slot).children.in_turn_mut() else {
             return false;

@@ -6,7 +6,7 @@ use rafcon_protocol::socket::ToClient;
 use rafcon_protocol::{Command, Envelope, Join, ToRunner};
 use serde_json::{Value, json};
 
-/// What happens; the time goes on by a second with each.
+/// What happens; the time continues by a second with each.
 enum Turn {
     /// The run is to be told something.
     Say(Box<ToRunner>),
@@ -262,7 +262,7 @@ fn only_what_is_rare_is_shown_in_a_picture() {
 }
 
 #[test]
-fn a_run_that_nobody_takes_up_is_lost_once_all_was_told() {
+fn a_run_that_no_one_resumes_is_lost_once_all_was_told() {
     check(
         true,
         vec![

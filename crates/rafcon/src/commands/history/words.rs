@@ -1,4 +1,4 @@
-//! Events in words: one line each. Knows what people call things; must never know where events come from.
+//! Events in words: one line each. Knows what people call things, but not where events come from.
 
 use crate::commands::kept::span;
 use crate::view::{Style, TextLine, harmless, outcome_style, shown};

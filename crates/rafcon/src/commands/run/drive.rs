@@ -43,18 +43,18 @@ impl Place {
         }
     }
 
-    /// Whether the run can be taken up again.
+    /// Whether the run can be resumed.
     pub(super) fn is_kept(&self) -> bool {
         matches!(self, Self::Kept(_))
     }
 
-    /// Its name, if it can be taken up again.
+    /// Its name, if it can be resumed.
     pub(super) fn kept_run(&self) -> Option<&str> {
         let Self::Kept(folder) = self else { return None };
         folder.file_name()?.to_str().filter(|_| self.keeps_itself())
     }
 
-    /// Whether it says what it is, so that it can be taken up again.
+    /// Whether it says what it is, so that it can be resumed.
     fn keeps_itself(&self) -> bool {
         self.folder().join(ABOUT_FILE).exists()
     }
@@ -64,7 +64,7 @@ impl Drop for Place {
     /// A run that never began leaves no folder.
     fn drop(&mut self) {
         if self.is_kept() && !self.keeps_itself() {
-            // What cannot be removed is in nobody's way.
+            // What cannot be removed is in no one's way.
             std::fs::remove_dir_all(self.folder()).unwrap_or_default();
         }
     }

@@ -7,7 +7,7 @@ use rafcon_supervisor::{RunnerDeath, remains};
 use std::collections::BTreeMap;
 use std::path::Path;
 
-/// Tells the user; a run that finished has been shown already. `run` is how commands name it, if it can be taken up again, and
+/// Tells the user; a run that finished has been shown already. `run` is how commands name it, if it can be resumed, and
 /// `folder` where it lies, if that is on this computer.
 pub(super) fn end(
     end: &End,
@@ -34,7 +34,7 @@ fn said(logged: &BTreeMap<String, String>, names: &mut Names) -> String {
     block("last log lines of these states:", &logged.iter().map(line).collect::<Vec<_>>())
 }
 
-/// How a run goes on that was cut off; `run` is how commands name it.
+/// How a run continues that was cut off; `run` is how commands name it.
 fn way_out(run: &str) -> String {
     format!(
         "  the run is recorded up to this point; resume it:\n    rafcon resume {run} --policy abort   (abort the interrupted states; recovery transitions take over)\n    rafcon resume {run}                  (wait until you decide)"

@@ -1,6 +1,6 @@
 //! From a draft to a state: names become ids, parts get their places.
 //!
-//! Knows the model. Must never know what a mission is.
+//! Knows the model. Does not know what a mission is.
 
 use super::draft::{Draft, FlowDraft, Inside, Parts, Slot, To, TransitionDraft};
 use super::layout::{self, Pair};

@@ -1,6 +1,6 @@
 //! A state being drafted: children, outcomes and ports go by name.
 //!
-//! Knows the words in which a draft is written. Must never know ids or the screen; that is `build`'s work.
+//! Knows the words in which a draft is written. Knows nothing of ids or the screen; that is `build`'s work.
 
 use rafcon_model::Value;
 

@@ -105,7 +105,7 @@ fn is_inside(path: &str, above: &str) -> bool {
     path.strip_prefix(above).is_some_and(|rest| rest.starts_with('/'))
 }
 
-/// Finds out, from the last row up, where a line must go on to a later sibling.
+/// Finds out, from the last row up, where a line must continue to a later sibling.
 fn mark_followed(rows: &mut [Row<'_>]) {
     let mut below: Vec<bool> = Vec::new();
     for row in rows.iter_mut().rev() {

@@ -22,7 +22,7 @@ pub(super) struct Screen {
 
 impl Screen {
     /// The standard output. From the first drawing on the terminal is quiet: no cursor, no echo of keys, which come one by one;
-    /// Ctrl-C and Ctrl-Z go on working.
+    /// Ctrl-C and Ctrl-Z continue working.
     pub(super) fn new(paint: Paint) -> Self {
         Self { out: io::stdout(), paint, drawn: Vec::new(), keyboard: None }
     }

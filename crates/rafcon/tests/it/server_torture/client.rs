@@ -1,5 +1,5 @@
 //! A client that follows a run from its cursor, over whatever happens to the server, and commands at random. Knows what it was
-//! told; must never know what was killed, unless it is the one that kills.
+//! told, but not what was killed, unless it is the one that kills.
 
 use super::site::{Site, Victim, now_ms};
 use crate::served::Line;
@@ -16,11 +16,11 @@ const HISTORY: u32 = 1;
 const STATUS: u32 = 2;
 /// How many commands of a client may be under way.
 const UNDER_WAY_MAX: usize = 4;
-/// How many commands a client invents, beside those that let the run go on.
+/// How many commands a client invents, beside those that let the run continue.
 const COMMANDS_MAX: u32 = 60;
 /// How often a killing hand trembles at most.
 const TREMBLES: u64 = 300_000;
-/// What lets a run go on.
+/// What lets a run continue.
 const RESUME: Command = Command::Resume { branch: None };
 /// States of the machine that a breakpoint can stand at.
 const STATES: [&str; 5] =
@@ -38,7 +38,7 @@ pub(super) struct Kill {
     pub(super) again: Option<u64>,
 }
 
-/// Somebody who follows and commands.
+/// Someone who follows and commands.
 #[derive(Debug)]
 pub(super) struct Client<'s, 'p> {
     site: &'s Site<'p>,
@@ -194,7 +194,7 @@ impl<'s, 'p> Client<'s, 'p> {
         match refusal.code.as_str() {
             "link_lost" | "no_answer" if self.is_up() => return self.say_again(line),
             "link_lost" | "no_answer" => self.again = true,
-            // It has ended, or nobody has taken it up yet.
+            // It has ended, or no one has taken it up yet.
             "run_is_not_live" => drop(self.under_way.remove(id)),
             _ => panic!("{}: {id} was refused: {refusal:?}", self.name),
         }
@@ -284,7 +284,7 @@ impl<'s, 'p> Client<'s, 'p> {
         self.status.as_deref().is_some_and(is_held) && self.under_way.len() < UNDER_WAY_MAX
     }
 
-    /// A run that is held goes on, at once or step by step.
+    /// A run that is held continues, at once or step by step.
     fn let_go(&mut self, line: &mut Line) -> anyhow::Result<()> {
         if !self.is_held() {
             return Ok(());
@@ -347,7 +347,7 @@ impl<'s, 'p> Client<'s, 'p> {
     }
 }
 
-/// Whether somebody has to let the run go on.
+/// Whether someone has to let the run continue.
 fn is_held(status: &RunNow) -> bool {
     let Some(snapshot) = status.snapshot.as_ref().filter(|_| status.link == LinkState::Up) else {
         return false;

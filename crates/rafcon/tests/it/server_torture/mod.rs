@@ -1,4 +1,4 @@
-//! Servers and runners killed at moments that nobody chose, while a run is started, while it is taken up, and while two clients
+//! Servers and runners killed at moments that no one chose, while a run is started, while it is resumed, and while two clients
 //! follow and command: the run is started once, each client has the history that the journal has, no command ran twice or too
 //! late, and the run comes to the end that it would have come to.
 
@@ -42,7 +42,7 @@ struct Tally {
     killed: u64,
     /// So many of them before the run had begun.
     starting: u64,
-    /// So many of them before the run was taken up again.
+    /// So many of them before the run was resumed.
     resuming: u64,
     lives: u64,
     commands: usize,
@@ -101,7 +101,7 @@ fn one_run(seed: u64, kills: u64, tally: &mut Tally) {
     tally.resuming += resuming;
 }
 
-/// `may_again`: the next runner is killed while it takes the run up. A run that dies too often is left alone.
+/// `may_again`: the next runner is killed while it resumes the run. A run that dies too often is left alone.
 fn plan(dice: &mut Dice, may_again: bool) -> Kill {
     let victim = victim(dice);
     let again = (may_again && victim != Victim::Server).then(|| dice.roll(TREMBLES));
@@ -147,7 +147,7 @@ impl Journal {
         for (entry, _) in &self.events {
             if let Event::Commanded { envelope, answer: Answer::Applied } = &entry.event {
                 let id = envelope.id.as_str();
-                // Everybody here is the same user.
+                // Everyone here is the same user.
                 *applied.entry(id.strip_prefix("owner/").unwrap_or(id)).or_default() += 1;
             }
         }
@@ -187,7 +187,7 @@ fn assert_in_time(journal: &Journal, deaths: &[u64]) {
     }
 }
 
-/// The run has ended as one that nobody disturbs.
+/// The run has ended as one that no one disturbs.
 fn assert_end(journal: &Journal) {
     let last = journal.events.last().map(|(entry, _)| &entry.event);
     let Some(Event::Finished { outcome, outputs, .. }) = last else { panic!("ends by {last:?}") };

@@ -1,4 +1,4 @@
-//! A server, a run that it started, and how both are killed. Knows processes; must never know what clients are told.
+//! A server, a run that it started, and how both are killed. Knows processes, but not what clients are told.
 
 use crate::harness::Place;
 use crate::served::{Door, Served};
@@ -46,14 +46,14 @@ struct Now {
 pub(super) struct Early {
     /// Before the run had begun.
     pub(super) starting: u64,
-    /// Before it was taken up again.
+    /// Before it was resumed.
     pub(super) resuming: u64,
     /// A moment too late for that.
     pub(super) late: u64,
 }
 
 impl<'p> Site<'p> {
-    /// A server that has started a run of the machine in `project/machine`, which goes on by itself when its runner dies. While
+    /// A server that has started a run of the machine in `project/machine`, which continues by itself when its runner dies. While
     /// it is started these are killed, one after the other, and the same is asked again.
     pub(super) fn new(place: &'p Place, policy: &str, victims: &[Victim], dice: &mut Dice) -> Self {
         let served = serve(place);
@@ -86,7 +86,7 @@ impl<'p> Site<'p> {
         (now.served.door().clone(), now.generation)
     }
 
-    /// Kills, and starts a server again if there is none left; then the runner that takes the run up, after trembling so often.
+    /// Kills, and starts a server again if there is none left; then the runner that resumes the run, after trembling so often.
     /// Whether there was anything to kill.
     pub(super) fn kill(&self, victim: Victim, again: Option<u64>) -> bool {
         let mut now = self.now();

@@ -1,7 +1,7 @@
 //! One open machine with its folder, its draft and the people who look at it. Knows in which order things are done so that
-//! nothing that was answered gets lost; must never know how requests arrive.
+//! nothing that was answered gets lost, but not how requests arrive.
 //!
-//! Three locks, taken in this order. That of the files is held while they are read or written, and edits go on meanwhile; that
+//! Three locks, taken in this order. That of the files is held while they are read or written, and edits continue meanwhile; that
 //! of the draft while an edit is made and written down; that of what is open for a moment only, so that whoever must not wait
 //! for a disk may look.
 
@@ -218,7 +218,7 @@ impl MachineSession {
         Ok(())
     }
 
-    /// Closes it, if nobody is at work on it, follows it or would miss anything. What was answered stays known by its draft.
+    /// Closes it, if no one is at work on it, follows it or would miss anything. What was answered stays known by its draft.
     pub(super) fn retire(&self) -> bool {
         let (Some(_files), Some(_draft)) = (self.files.try_lock(), self.draft.try_lock()) else {
             return false;
@@ -244,17 +244,17 @@ impl MachineSession {
         Ok(files.into_iter().chain(rules).chain(scripts).chain(changed).collect())
     }
 
-    /// Somebody looks at these states.
+    /// Someone looks at these states.
     pub(super) fn looks(&self, presence: Presence) {
         self.wires.looks(presence);
     }
 
-    /// Somebody looks elsewhere.
+    /// Someone looks elsewhere.
     pub(super) fn leaves(&self, connection: u64) {
         self.wires.leaves(connection);
     }
 
-    /// A line of the draft. With the first one, what the draft begins with is kept as well; nobody waits for that: as long as
+    /// A line of the draft. With the first one, what the draft begins with is kept as well; no one waits for that: as long as
     /// the files are what they are, they do.
     fn write_down(&self, draft: &mut Draft, line: &DraftLine) -> Result<(), Failure> {
         let is_first = !draft.is_begun();

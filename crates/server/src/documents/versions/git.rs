@@ -1,7 +1,7 @@
-//! What git knows about a folder: its commits, and its files as of a commit. Knows git's commands; must never know what the
+//! What git knows about a folder: its commits, and its files as of a commit. Knows git's commands, but not what the
 //! files mean.
 //!
-//! A repository is somebody else's: nothing that its configuration names is run. So there is no checkout and no archive, which
+//! A repository is someone else's: nothing that its configuration names is run. So there is no checkout and no archive, which
 //! filter, and no configuration of a user or the system; objects that are not there are not fetched.
 
 use crate::child::{ChildError, ChildLimits, ChildOutput, ask};

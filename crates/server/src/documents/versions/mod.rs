@@ -1,5 +1,5 @@
 //! Other versions of an open machine, to compare it with: what lies on disk, and what git knows. Knows folders and how a machine
-//! is read from one; must never know who compares.
+//! is read from one, but not who compares.
 
 mod git;
 mod routes;
@@ -76,7 +76,7 @@ pub(super) fn sweep(state: &Path) {
     }
 }
 
-/// The files in a folder that goes away when nobody needs it.
+/// The files in a folder that goes away when no one needs it.
 fn put(all: &Path, files: &[CommittedFile], contents: &[Vec<u8>]) -> io::Result<TempDir> {
     fs::create_dir_all(all)?;
     let place = tempfile::tempdir_in(all)?;

@@ -1,4 +1,4 @@
-//! Changes in, frames out, each with the moment, by a clock that stands still while somebody works.
+//! Changes in, frames out, each with the moment, by a clock that stands still while someone works.
 
 use super::super::outbox::{FULL, Lane, Outbox, length};
 use super::super::status::Status;

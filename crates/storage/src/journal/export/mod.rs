@@ -1,6 +1,6 @@
 //! Exports a run to formats of other programs, event by event, without holding the run in memory.
 //!
-//! Knows events and formats. Must never know where the bytes go.
+//! Knows events and formats. Does not know where the bytes go.
 
 mod csv;
 mod mcap;

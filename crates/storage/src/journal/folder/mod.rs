@@ -1,4 +1,4 @@
-//! The files in the folder of a run, and how the folder is created. Knows names; must never know what the files contain.
+//! The files in the folder of a run, and how the folder is created. Knows names, but not what the files contain.
 
 mod about;
 mod error;

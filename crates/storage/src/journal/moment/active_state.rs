@@ -1,6 +1,6 @@
 //! A moment for readers: active states with their data by port, ready to be shown or restored.
 //!
-//! Knows names of places. Must never know how steps are kept.
+//! Knows names of places. Does not know how steps are kept.
 
 use super::inside::End;
 use super::{Active, Moment, Whole};

@@ -1,7 +1,7 @@
 //! What happened in one run of a container, as far as later events and steps back depend on it: how its children
 //! ended and which values its scoped variables had, in order.
 //!
-//! Knows one container. Must never know which states are active.
+//! Knows one container. Knows nothing of which states are active.
 
 use crate::journal::record::{Kept, PlaceNumber};
 use std::collections::{BTreeMap, VecDeque};

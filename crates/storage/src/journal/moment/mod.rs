@@ -1,6 +1,6 @@
 //! The state of a run after one of its events: active states and their data, variables, questions, held branches.
 //!
-//! Knows what each record changes. Must never know where records come from, nor what a machine would do next.
+//! Knows what each record changes. Does not know where records come from, nor what a machine would do next.
 
 mod active_state;
 mod bytes;

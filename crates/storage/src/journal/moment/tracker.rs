@@ -1,5 +1,5 @@
 //! Follows the committed events, to store keyframes of the run now and then, and to know which values
-//! are still in use. Knows records; must never know the database.
+//! are still in use. Knows records; knows nothing of the database.
 
 use super::Moment;
 use crate::journal::record::frame::{Frame, definitions};

@@ -1,6 +1,6 @@
 //! The part of a moment that concerns the whole run: its status, held branches, questions, breakpoints, its end.
 //!
-//! Knows the protocol's events. Must never know data of states.
+//! Knows the protocol's events. Knows nothing of data of states.
 
 use super::Moment;
 use rafcon_protocol::api::Holding;
@@ -181,7 +181,7 @@ impl Moment {
                 whole.questions.insert(question.id, (**question).clone());
             }
             Event::Closed { id, .. } => drop(whole.questions.remove(id)),
-            Event::Resumed { life, .. } => whole.taken_up(*life),
+            Event::Resumed { life, .. } => whole.resumed(*life),
             Event::Waiting { path, reason } => {
                 whole.waiting.insert(path.clone(), reason.clone());
             }
@@ -199,7 +199,7 @@ impl Moment {
 
 impl Whole {
     /// Forgets what belonged to the runner that died; the rest belongs to the run.
-    fn taken_up(&mut self, life: u32) {
+    fn resumed(&mut self, life: u32) {
         self.life = life;
         self.status = RunStatus::Running;
         if let Some(stop) = &mut self.stop {

@@ -1,7 +1,7 @@
 //! Machines in a journal: every file of the machine and of its libraries, by the hash of its content, so
 //! that an edited machine takes only the space of the edit.
 //!
-//! Knows machines and bytes. Must never know a run.
+//! Knows machines and bytes. Knows nothing of a run.
 
 pub(crate) mod packed;
 mod store;

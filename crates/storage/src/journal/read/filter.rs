@@ -1,4 +1,4 @@
-//! Selects events of a run. Knows records and their names; must never know how they are shown.
+//! Selects events of a run. Knows records and their names, but not how they are shown.
 
 use super::{Entry, damaged};
 use crate::journal::record::{Place, PlaceNumber, Places, Record};

@@ -1,6 +1,6 @@
 //! Searches events of a run, from any event on, and returns each with the names of its state and its duration.
 //!
-//! Knows journals. Must never know how events are shown.
+//! Knows journals. Does not know how events are shown.
 
 use super::filter::{Filter, FilterState, path_of, place_of};
 use super::{Entry, Reader, damaged};

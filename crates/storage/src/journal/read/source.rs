@@ -1,5 +1,5 @@
 //! The database of a journal, opened for reading. Checks every row, and skips damaged ones.
-//! Knows its tables; must never know what their bytes mean.
+//! Knows its tables, but not what their bytes mean.
 
 use super::Defined;
 use crate::journal::folder::{DATABASE_FILE, JournalError};

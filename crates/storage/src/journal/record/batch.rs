@@ -1,5 +1,5 @@
 //! Events on their way into a journal, encoded as the journal keeps them. A batch is reused: once it has grown to
-//! its usual size it allocates nothing. Knows items; must never know where they go.
+//! its usual size it allocates nothing. Knows items, but not where they go.
 
 use super::binary::BinaryWriter;
 use super::{Definition, Kept, Place, PlaceNumber, Record, Stored, ValueNumber};

@@ -1,4 +1,4 @@
-//! A batch as bytes with a checksum. Knows one frame; must never know where it is stored.
+//! A batch as bytes with a checksum. Knows one frame, but not where it is stored.
 
 use super::batch::Batch;
 use super::binary::{BinaryReader, Broken};

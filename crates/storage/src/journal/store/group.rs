@@ -1,5 +1,5 @@
 //! The content of one commit, made from frames: rows of many events each, places, values. Knows the shape of
-//! rows; must never know when they are written.
+//! rows, but not when they are written.
 
 use super::sums::{self, RowHeader};
 use crate::journal::moment::Keyframe;

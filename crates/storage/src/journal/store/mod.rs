@@ -1,4 +1,4 @@
-//! The database of a journal and its tables. Knows `SQLite`; must never know where rows come from.
+//! The database of a journal and its tables. Knows `SQLite`, but not where rows come from.
 
 pub(in crate::journal) mod group;
 pub(in crate::journal) mod leftovers;

@@ -1,7 +1,7 @@
 //! The newest events in a mapped file, where they outlive this process as soon as they are written. The file is a ring of
 //! segments; each is filled with frames from its beginning, and reused only when all its frames are in the database.
 //!
-//! Knows frames and bytes; must never know what they mean or where they are moved.
+//! Knows frames and bytes, but not what they mean or where they are moved.
 
 use crate::journal::folder::{
     Doing, Full, JournalError, RECORDER_FILE, SPILL_FOLDER, create_file, fresh_name, sync_folder,

@@ -1,4 +1,4 @@
-//! Checksums of rows, to detect damage. Knows tables by their names; must never know
+//! Checksums of rows, to detect damage. Knows tables by their names; knows nothing of
 //! `SQLite`.
 
 use super::group::Block;

@@ -1,5 +1,5 @@
 //! Events as a runner sends them: the encoded items of its journal, each definition before the first event
-//! that uses it. Knows bytes and numbers; must never know who sends or reads them.
+//! that uses it. Knows bytes and numbers, but not who sends or reads them.
 //!
 //! Values come without their content: a reader gets their views.
 

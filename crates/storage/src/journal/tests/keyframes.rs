@@ -60,9 +60,9 @@ fn keyframes_come_every_fifty_thousand_records_also_after_taking_up() {
     scoped(&mut batch, 1);
     fill(&journal, &mut batch, 30_000);
     drop(journal);
-    let (journal, taken_up) = Journal::take_up(folder.path(), &Options::default()).unwrap();
-    assert_eq!(taken_up.next_value, ValueNumber(3));
-    let mut batch = Batch::new(taken_up.t_ns);
+    let (journal, resume_point) = Journal::resume(folder.path(), &Options::default()).unwrap();
+    assert_eq!(resume_point.next_value, ValueNumber(3));
+    let mut batch = Batch::new(resume_point.t_ns);
     fill(&journal, &mut batch, 30_000);
     check(folder.path(), &expect!["[(50002, 3), (100003, 3)] [(1, 60003)]"]);
 }

@@ -162,14 +162,14 @@ proptest! {
             let files = found(&history, cut);
             let run = folder.path().join(number.to_string());
             write(&run, &files);
-            let (journal, taken_up) = Journal::take_up(&run, &SMALL).unwrap();
-            prop_assert!(taken_up.sequence >= files.safe, "{} < {}", taken_up.sequence, files.safe);
-            let mut batch = Batch::new(taken_up.t_ns);
+            let (journal, resume_point) = Journal::resume(&run, &SMALL).unwrap();
+            prop_assert!(resume_point.sequence >= files.safe, "{} < {}", resume_point.sequence, files.safe);
+            let mut batch = Batch::new(resume_point.t_ns);
             entered(&mut batch, 8, 0);
-            prop_assert_eq!(journal.append(&batch).unwrap(), taken_up.sequence + 1);
+            prop_assert_eq!(journal.append(&batch).unwrap(), resume_point.sequence + 1);
             journal.close().unwrap();
-            let expected: Vec<String> = (1..=taken_up.sequence).map(|n| format!("{n}:7:{n}")).collect();
-            let last = format!("{}:8:0", taken_up.sequence + 1);
+            let expected: Vec<String> = (1..=resume_point.sequence).map(|n| format!("{n}:7:{n}")).collect();
+            let last = format!("{}:8:0", resume_point.sequence + 1);
             let expected: Vec<String> = expected.into_iter().chain([last]).collect();
             prop_assert_eq!(kept(&run), expected.join(" "));
         }

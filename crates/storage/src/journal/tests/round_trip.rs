@@ -1,4 +1,4 @@
-//! Appending, committing, closing and taking up without accidents.
+//! Appending, committing, closing and resuming without accidents.
 
 use super::{SMALL, append, create, entered, kept};
 use crate::journal::folder::RECORDER_FILE;
@@ -25,7 +25,7 @@ fn what_is_appended_is_there_after_a_commit() {
 }
 
 #[test]
-fn a_run_is_taken_up_with_what_its_recorder_held() {
+fn a_run_is_resumed_with_what_its_recorder_held() {
     let folder = tempfile::tempdir().unwrap();
     let journal = create(folder.path());
     let mut batch = Batch::new(0);
@@ -33,12 +33,12 @@ fn a_run_is_taken_up_with_what_its_recorder_held() {
     journal.commit().unwrap();
     append(&journal, &mut batch, [3, 4]);
     drop(journal);
-    let (journal, taken_up) = Journal::take_up(folder.path(), &SMALL).unwrap();
-    assert_eq!((taken_up.sequence, taken_up.t_ns, taken_up.life), (4, 4, 2));
+    let (journal, resume_point) = Journal::resume(folder.path(), &SMALL).unwrap();
+    assert_eq!((resume_point.sequence, resume_point.t_ns, resume_point.life), (4, 4, 2));
     append(&journal, &mut Batch::new(4), [5]);
     drop(journal);
-    let (_journal, taken_up) = Journal::take_up(folder.path(), &SMALL).unwrap();
-    assert_eq!((taken_up.sequence, taken_up.life), (5, 3));
+    let (_journal, resume_point) = Journal::resume(folder.path(), &SMALL).unwrap();
+    assert_eq!((resume_point.sequence, resume_point.life), (5, 3));
     expect!["1:1:1 2:2:2 3:3:3 4:4:4 5:5:5"].assert_eq(&kept(folder.path()));
 }
 
@@ -77,8 +77,8 @@ fn a_group_larger_than_the_recorder_is_kept_as_a_whole() {
     batch.clear();
     append(&journal, &mut batch, [5000]);
     drop(journal);
-    let (journal, taken_up) = Journal::take_up(folder.path(), &SMALL).unwrap();
-    assert_eq!(taken_up.sequence, 5000);
+    let (journal, resume_point) = Journal::resume(folder.path(), &SMALL).unwrap();
+    assert_eq!(resume_point.sequence, 5000);
     batch.clear();
     (5001..9000).for_each(|place| entered(&mut batch, 0, place));
     assert_eq!(journal.append(&batch).unwrap(), 8999);
@@ -111,9 +111,9 @@ fn places_and_values_are_known_after_taking_up() {
     entered(&mut batch, 2, 7);
     journal.append(&batch).unwrap();
     drop(journal);
-    let (_journal, taken_up) = Journal::take_up(folder.path(), &SMALL).unwrap();
-    assert_eq!(taken_up.next_value, ValueNumber(3));
-    assert_eq!(taken_up.places, [(PlaceNumber(7), place("late"))]);
+    let (_journal, resume_point) = Journal::resume(folder.path(), &SMALL).unwrap();
+    assert_eq!(resume_point.next_value, ValueNumber(3));
+    assert_eq!(resume_point.places, [(PlaceNumber(7), place("late"))]);
     expect!["1:1:7 2:2:7"].assert_eq(&kept(folder.path()));
 }
 
@@ -137,10 +137,10 @@ fn a_run_has_one_writer() {
     assert_eq!(writer_of(folder.path()).unwrap(), None);
     let journal = create(folder.path());
     assert_eq!(writer_of(folder.path()).unwrap(), Some(std::process::id()));
-    let refused = Journal::take_up(folder.path(), &SMALL).unwrap_err();
+    let refused = Journal::resume(folder.path(), &SMALL).unwrap_err();
     assert!(matches!(refused, JournalError::Going { .. }));
     assert_eq!(writer_of(folder.path()).unwrap(), Some(std::process::id()));
     drop(journal);
     assert_eq!(writer_of(folder.path()).unwrap(), None);
-    Journal::take_up(folder.path(), &SMALL).unwrap();
+    Journal::resume(folder.path(), &SMALL).unwrap();
 }

@@ -12,7 +12,7 @@ fn check(spoil: impl FnOnce(&Path), expect: &Expect) {
     let folder = tempfile::tempdir().unwrap();
     create(folder.path()).close().unwrap();
     spoil(folder.path());
-    let refused = Journal::take_up(folder.path(), &SMALL).unwrap_err();
+    let refused = Journal::resume(folder.path(), &SMALL).unwrap_err();
     expect.assert_eq(&refused.to_string().replace(&*folder.path().to_string_lossy(), "RUN"));
 }
 

@@ -1,5 +1,5 @@
 //! Moves frames into the database in groups, and stores a keyframe now and then. Knows the last event in the database;
-//! must never know who appends.
+//! knows nothing of who appends.
 
 use super::thin::DetailPruner;
 use crate::journal::folder::{
@@ -56,7 +56,7 @@ impl Committer {
     }
 
     /// Continues after the last event in `database`, with the `leftovers` that follow it.
-    pub(in crate::journal) fn take_up(
+    pub(in crate::journal) fn resume(
         folder: &Path,
         database: Database,
         size_max: u64,

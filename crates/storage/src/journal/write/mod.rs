@@ -67,7 +67,7 @@ pub struct Committed {
 
 /// The state of a run that is resumed.
 #[derive(Debug, Clone, PartialEq)]
-pub struct TakenUp {
+pub struct ResumePoint {
     /// The description of the run.
     pub about: About,
     /// Number of its last event.
@@ -109,19 +109,19 @@ impl Journal {
     }
 
     /// Resumes the run in `folder` after its runner ended, with all events that the runner had appended.
-    pub fn take_up(folder: &Path, options: &Options) -> Result<(Self, TakenUp), JournalError> {
+    pub fn resume(folder: &Path, options: &Options) -> Result<(Self, ResumePoint), JournalError> {
         let about = About::read(folder)?;
         let lock = RunLock::take(folder)?;
         let database = Database::open(folder)?;
         let leftovers = Leftovers::read(folder)?;
-        let mut committer = Committer::take_up(folder, database, options.size_max, &leftovers)?;
+        let mut committer = Committer::resume(folder, database, options.size_max, &leftovers)?;
         let (sequence, t_ns) = (committer.sequence(), committer.t_last());
         let life = committer.database.begin_life(sequence + 1)?;
         let (next_value, (_, places)) = (committer.next_value(), committer.database.places()?);
         let recorder = Recorder::create(folder, options.recorder_bytes, life, sequence + 1)?;
         let lost = leftovers.lost(sequence).map(|lost| lost.to_string());
-        let taken_up = TakenUp { about, sequence, t_ns, next_value, places, life, lost };
-        Ok((Self::new(lock, recorder, committer, folder), taken_up))
+        let resume_point = ResumePoint { about, sequence, t_ns, next_value, places, life, lost };
+        Ok((Self::new(lock, recorder, committer, folder), resume_point))
     }
 
     fn new(lock: RunLock, recorder: Recorder, committer: Committer, folder: &Path) -> Self {

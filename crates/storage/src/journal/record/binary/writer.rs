@@ -1,4 +1,4 @@
-//! Items to bytes. Knows the encoding of each part; must never know where the bytes go.
+//! Items to bytes. Knows the encoding of each part, but not where the bytes go.
 
 use super::{
     ENTERED, GLOBAL, LEFT, LEVELS, LOG, PERSISTENT, PLACE, SCOPED, STREAMS, TOLD, VALUE, WENT_BACK,

@@ -1,6 +1,6 @@
-//! Taking a run up again whose runner is gone: because somebody asks, or by its policy.
+//! Taking a run up again whose runner is gone: because someone asks, or by its policy.
 //!
-//! Knows requests and launches. Must never know what the run does then.
+//! Knows requests and launches. Does not know what the run does then.
 
 use super::commands;
 use super::folder_files::RunRequest;
@@ -18,7 +18,7 @@ use rafcon_supervisor::resume_launch;
 use std::io;
 use std::sync::Arc;
 
-/// Takes a run up, or finds that it was taken up by this id.
+/// Resumes a run, or finds that it was resumed by this id.
 pub(crate) async fn resume(
     server: &Arc<ServerState>,
     who: &Who,
@@ -45,8 +45,8 @@ async fn once(
     let before = blocking(move || Ok(RunRequest::read(&folder))).await?;
     let known = before.as_ref();
     let is_done = known.is_some_and(|request| {
-        let is_begun = request.is_being_taken_up(&who.user, &asked.id) && run.is_live();
-        is_begun || request.was_taken_up(&who.user, &asked.id)
+        let is_begun = request.is_being_resumed_by(&who.user, &asked.id) && run.is_live();
+        is_begun || request.was_resumed_by(&who.user, &asked.id)
     });
     if is_done {
         return Ok(run.summary());
@@ -93,7 +93,7 @@ fn may_be_resumed(run: &RunSummary, asked: &ResumeRun) -> Result<(), Failure> {
         ),
         RunPhase::Live | RunPhase::Starting => Err(still_live()),
         RunPhase::NotStarted { reason } | RunPhase::Unreadable { reason } => {
-            refused("run_is_unreadable", &format!("there is nothing to take up: {reason}"))
+            refused("run_is_unreadable", &format!("there is nothing to resume: {reason}"))
         }
     }
 }
@@ -107,27 +107,27 @@ fn begun(
     before: Option<RunRequest>,
 ) -> Result<Launched, Failure> {
     let folder = run.folder();
-    let request = before.clone().unwrap_or_default().taking_up(author, &asked.id);
+    let request = before.clone().unwrap_or_default().resuming(author, &asked.id);
     request.write(folder).map_err(|error| cannot_write(folder, &error))?;
     let words = resume_launch(folder, asked.policy, asked.from);
     match launch(&server.settings, folder, words) {
         Ok(launched) => {
-            if let Err(error) = request.taken_up().write(folder) {
-                (server.settings.tell)(&format!("run {} was taken up: {error}", run.id()));
+            if let Err(error) = request.resumed().write(folder) {
+                (server.settings.tell)(&format!("run {} was resumed: {error}", run.id()));
             }
             Ok(launched)
         }
         Err(error) => {
             let put_back = before.map_or_else(|| RunRequest::remove(folder), |it| it.write(folder));
             if let Err(error) = put_back {
-                (server.settings.tell)(&format!("run {} was not taken up: {error}", run.id()));
+                (server.settings.tell)(&format!("run {} was not resumed: {error}", run.id()));
             }
             Err(not_launched(&error))
         }
     }
 }
 
-/// Another runner takes the run up, as its policy says.
+/// Another runner resumes the run, as its policy says.
 pub(super) async fn again(
     server: &Arc<ServerState>,
     run: &Arc<Run>,
@@ -139,7 +139,7 @@ pub(super) async fn again(
     begun.unwrap_or_else(|stopped| Err(LaunchError::Thread(io::Error::other(stopped))))
 }
 
-/// Nobody takes this run up by itself any more, also after the server was started again.
+/// No one takes this run up by itself any more, also after the server was started again.
 pub(super) async fn leave_alone(server: &Arc<ServerState>, run: &Arc<Run>, request: RunRequest) {
     let (server, run) = (Arc::clone(server), Arc::clone(run));
     let request = RunRequest { is_left_alone: true, ..request };

@@ -1,4 +1,4 @@
-/** A run whose runner died is taken up again: what becomes of the scripts that were interrupted is chosen. */
+/** A run whose runner died is resumed: what becomes of the scripts that were interrupted is chosen. */
 
 import { useEffect, useState } from "react";
 import type { Moment, OnCrash } from "../../model/generated/protocol.ts";
@@ -28,7 +28,7 @@ const CHOICES = [
   },
 ] as const satisfies readonly { value: OnCrash; title: string; detail: string }[];
 
-export function TakeUp({ asks: watch, answer }: AskedDialogProps<Watch>) {
+export function ResumeCrashed({ asks: watch, answer }: AskedDialogProps<Watch>) {
   const names = useInterrupted(watch);
   return (
     <Dialog
@@ -38,7 +38,7 @@ export function TakeUp({ asks: watch, answer }: AskedDialogProps<Watch>) {
       footer={<Button onClick={() => answer(null)}>Cancel</Button>}
     >
       <p>The program of the run died. A new one continues with the saved data. The run was in:</p>
-      <ul className="take-up-states">
+      <ul className="resume-crashed-states">
         {names === null && <li>…</li>}
         {names?.map((name) => (
           <li key={name}>{name}</li>
