@@ -6,11 +6,13 @@
 /// The engine with its lock, threads and scripts: what goes in, what comes out, and what is written down of it.
 mod drive {
     pub(crate) mod branch;
+    pub(crate) mod carry_out;
     pub(crate) mod core;
     pub(crate) mod dispatch;
     pub(crate) mod document;
     pub(crate) mod driver;
     pub(crate) mod due;
+    pub(crate) mod ending;
     pub(crate) mod error;
     pub(crate) mod inquiry;
     pub(crate) mod notes;
@@ -53,6 +55,7 @@ mod record {
     pub(crate) mod names;
     pub(crate) mod record_encoder;
     pub(crate) mod recorder;
+    pub(crate) mod run_record;
     pub(crate) mod safety;
     pub(crate) mod tell;
 }

@@ -68,7 +68,7 @@ impl<S: Scripts> Driver<S> {
             Err(CommandError::Late) => Answer::Expired,
             Err(refused) => Answer::Refused { reason: refused.to_string() },
         };
-        self.tell_in_time(commanded(envelope, answer.clone()));
+        self.record().note_until_over(commanded(envelope, answer.clone()));
         answer
     }
 
@@ -114,7 +114,7 @@ impl<S: Scripts> Driver<S> {
         let mut pauses = self.journal_pauses().lock();
         let is_paused_already = *pauses && *command == Command::Pause && !order.is_late();
         if is_paused_already {
-            self.recorder().push(self.clock().now_ns(), order.note());
+            self.record().note(order.note());
         } else {
             self.input_beside(input, || order.is_late(), beside)?;
         }
@@ -127,7 +127,7 @@ impl<S: Scripts> Driver<S> {
         let driver = Arc::clone(self);
         let (told, wait) = mpsc::sync_channel::<()>(1);
         let tell = move || {
-            driver.recorder().push(driver.clock().now_ns(), [record]);
+            driver.record().note([record]);
             drop(told);
         };
         // A disk that refuses must not keep anyone from ending a run.

@@ -228,13 +228,13 @@ impl<S: Scripts> Driver<S> {
     pub(crate) fn adopt(&self, core: &Core<S::Value>) {
         let Some(root) = self.document().adopt(core.engine.program()) else { return };
         self.timers().adopt(&root.program);
-        self.keep_root(&root.machine, &root.what);
+        self.roots().keep(self.record(), &root.machine, &root.what);
         self.scripts().changed(&root.machine, &root.program);
     }
 
     /// The engine waits with a change until the state at `path` is left.
     pub(crate) fn change_waits(&self, core: &Core<S::Value>, path: PathId) {
         let path = core.engine.path_text(path).to_string();
-        self.tell(Event::ChangeWaits { path, change: self.document().last_coming() });
+        self.record().tell(Event::ChangeWaits { path, change: self.document().last_coming() });
     }
 }

@@ -4,38 +4,25 @@
 use crate::drive::branch::{self, BranchWork, Worker};
 use crate::drive::core::{Core, InputOutcome, Next};
 use crate::drive::document::Document;
+use crate::drive::ending::{Ending, RunEnd};
 use crate::drive::error::CommandError;
 use crate::drive::points::Points;
 use crate::drive::pulse::Pulse;
 use crate::drive::questions::Questions;
-use crate::drive::record_events::{self, ExtraRecords};
+use crate::drive::record_events::ExtraRecords;
 use crate::drive::roots::Roots;
 use crate::places::active::Active;
-use crate::places::signals::PREEMPTED;
 use crate::places::timers::Timers;
 use crate::record::recorder::Recorder;
+use crate::record::run_record::RunRecord;
 use crate::record::tell;
 use crate::{Clock, Places, Scripts};
-use rafcon_engine::{
-    BranchId, Effect, Event, Finish, Input, Job, NodeId, PathId, Program, Refusal,
-};
-use rafcon_locks::{Condvar, Mutex};
-use rafcon_protocol::LogLevel;
+use rafcon_engine::{BranchId, Input, Program, Refusal};
+use rafcon_locks::Mutex;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
-
-/// How a run of a process ends.
-#[derive(Debug)]
-pub(crate) enum RunEnd<D> {
-    /// The run is over.
-    Finished(Finish<D>),
-    /// A script does not end: the process has to.
-    CutOff,
-    /// The engine failed: nothing that it says can be trusted any more, and the process has to end.
-    Broken,
-}
 
 /// A run in progress.
 #[derive(Debug)]
@@ -43,8 +30,7 @@ pub struct Driver<S: Scripts> {
     scripts: S,
     document: Document<S::Value>,
     places: Arc<Places>,
-    recorder: Arc<Recorder>,
-    clock: Clock,
+    record: RunRecord,
     core: Mutex<Core<S::Value>>,
     questions: Questions,
     points: Points,
@@ -55,10 +41,7 @@ pub struct Driver<S: Scripts> {
     /// Whether there are stand-ins among the values, for which scripts must be looked through.
     any_lost: AtomicBool,
     roots: Roots,
-    /// Whether the run's last event was told. Held by whoever tells something that may come later.
-    over: Mutex<bool>,
-    end: Mutex<Option<RunEnd<S::Value>>>,
-    ended: Condvar,
+    ending: Ending<S::Value>,
 }
 
 impl<S: Scripts> Driver<S> {
@@ -79,8 +62,7 @@ impl<S: Scripts> Driver<S> {
             scripts,
             document,
             places,
-            recorder: Arc::new(recorder),
-            clock,
+            record: RunRecord::new(recorder, clock),
             core: Mutex::new(core),
             questions: Questions::default(),
             points: Points::default(),
@@ -89,9 +71,7 @@ impl<S: Scripts> Driver<S> {
             journal_pauses: Mutex::new(false),
             any_lost: AtomicBool::new(false),
             roots: Roots::default(),
-            over: Mutex::new(false),
-            end: Mutex::new(None),
-            ended: Condvar::new(),
+            ending: Ending::default(),
         })
     }
 
@@ -122,8 +102,12 @@ impl<S: Scripts> Driver<S> {
         &self.timers
     }
 
-    pub(crate) fn over(&self) -> &Mutex<bool> {
-        &self.over
+    pub(crate) fn record(&self) -> &RunRecord {
+        &self.record
+    }
+
+    pub(crate) fn ending(&self) -> &Ending<S::Value> {
+        &self.ending
     }
 
     pub(crate) fn points(&self) -> &Points {
@@ -144,18 +128,18 @@ impl<S: Scripts> Driver<S> {
     }
 
     pub(crate) fn recorder(&self) -> &Arc<Recorder> {
-        &self.recorder
+        self.record.recorder()
     }
 
     pub(crate) fn clock(&self) -> Clock {
-        self.clock
+        self.record.clock()
     }
 
     /// Gives the engine an input from outside its branches.
     pub fn command(self: &Arc<Self>, input: Input<S::Value>) -> Result<(), Refusal> {
         if matches!(input, Input::Stop) {
             // Whoever holds the engine may wait for a disk that refuses.
-            self.recorder.safety().end();
+            self.record.recorder().safety().end();
         }
         self.submit(input, None).map(drop)
     }
@@ -167,7 +151,7 @@ impl<S: Scripts> Driver<S> {
         branch: BranchId,
     ) -> Next<S::Value> {
         self.submit(input, Some(branch)).unwrap_or_else(|refusal| {
-            self.recorder.push(self.clock.now_ns(), [tell::defect(&refusal.to_string())]);
+            self.record.note([tell::defect(&refusal.to_string())]);
             None
         })
     }
@@ -197,15 +181,9 @@ impl<S: Scripts> Driver<S> {
 
     /// Waits for the end of the run.
     pub(crate) fn wait(&self) -> Option<RunEnd<S::Value>> {
-        let mut found = None;
-        self.scripts.park(&mut || {
-            let mut end = self.end.lock();
-            while end.is_none() {
-                self.ended.wait(&mut end);
-            }
-            found = end.take();
-        });
-        found
+        let mut end = None;
+        self.scripts.park(&mut || end = self.ending.wait());
+        end
     }
 
     /// Ends all threads of the run, which has to be over.
@@ -218,8 +196,7 @@ impl<S: Scripts> Driver<S> {
             drop(core);
             for thread in threads.drain(..) {
                 if thread.join().is_err() {
-                    self.recorder
-                        .push(self.clock.now_ns(), [tell::defect("a branch's thread panicked")]);
+                    self.record.note([tell::defect("a branch's thread panicked")]);
                 }
             }
         });
@@ -264,7 +241,7 @@ impl<S: Scripts> Driver<S> {
     ) -> Result<(), CommandError> {
         if matches!(input, Input::Stop) {
             // Whoever holds the engine may wait for a disk that refuses.
-            self.recorder.safety().end();
+            self.record.recorder().safety().end();
         }
         let take = |core: &mut Core<S::Value>| {
             if late() {
@@ -276,6 +253,10 @@ impl<S: Scripts> Driver<S> {
         let taken = self.with_core(take);
         self.scripts.settle();
         taken.unwrap_or(Err(CommandError::Unreachable))
+    }
+
+    pub(crate) fn has_lost_values(&self) -> bool {
+        self.any_lost.load(Ordering::Relaxed)
     }
 
     /// There are stand-ins for lost values from now on, if that is so.
@@ -319,8 +300,8 @@ impl<S: Scripts> Driver<S> {
     fn breaks(&self, core: &mut Core<S::Value>) -> Refusal {
         core.is_broken = true;
         let what = "the engine failed; the process of this run ends, and it can be resumed";
-        self.recorder.push(self.clock.now_ns(), [tell::defect(what)]);
-        self.end_with(RunEnd::Broken);
+        self.record.note([tell::defect(what)]);
+        self.ending.decide(RunEnd::Broken);
         Refusal::Broken
     }
 
@@ -330,7 +311,7 @@ impl<S: Scripts> Driver<S> {
         while !core.pending.is_empty() {
             let mut outside = InputOutcome::of(None);
             if let Err(refusal) = self.answer_pending(core, &mut outside) {
-                self.recorder.push(self.clock.now_ns(), [tell::defect(&refusal.to_string())]);
+                self.record.note([tell::defect(&refusal.to_string())]);
             }
             self.recruit(core);
         }
@@ -347,100 +328,6 @@ impl<S: Scripts> Driver<S> {
             self.carry_out(core, turn, ExtraRecords::default());
         }
         Ok(())
-    }
-
-    fn carry_out(
-        &self,
-        core: &mut Core<S::Value>,
-        turn: &mut InputOutcome<S::Value>,
-        beside: ExtraRecords,
-    ) {
-        let entered = self.look_ahead(core);
-        let now_ns = self.clock.now_ns();
-        self.pulse.moved(now_ns);
-        record_events::record(core, &self.scripts, now_ns, (&self.recorder, beside));
-        self.set_alarms(core, &entered);
-        let mut effects = std::mem::take(&mut core.outbox.effects);
-        for effect in effects.drain(..) {
-            self.carry_out_one(core, turn, effect);
-        }
-        core.outbox.effects = effects;
-        self.questions.withdraw_orphans();
-    }
-
-    fn carry_out_one(
-        &self,
-        core: &mut Core<S::Value>,
-        turn: &mut InputOutcome<S::Value>,
-        effect: Effect<S::Value>,
-    ) {
-        match effect {
-            Effect::Run(job) => {
-                let lost = self.lost_input(&job);
-                let frame = job.frame;
-                let begun = core.begin(job);
-                if let Some(why) = lost {
-                    let path = begun.place.text.to_string();
-                    let line = tell::log(path, LogLevel::Error, why.clone());
-                    self.recorder.push(self.clock.now_ns(), [line]);
-                    let result = self.scripts.failure(&why);
-                    return core.pending.push_back(Input::Finished { frame, result });
-                }
-                if begun.place.signals.any(PREEMPTED) {
-                    self.timers.asked_to_end(&begun.place, self.clock.now_ns());
-                }
-                core.dispatch(begun, turn);
-            }
-            Effect::Check(check) => {
-                let begun = core.begin_check(check);
-                core.dispatch(begun, turn);
-            }
-            // A branch gets its thread with its first piece of work.
-            Effect::Fork { .. } => {}
-            Effect::EndBranch { branch } => core.end_branch(branch, turn),
-            Effect::Preempt(path) => {
-                core.signal(path);
-                self.questions.withdraw(path);
-                if let Some(place) = core.at(path) {
-                    self.timers.asked_to_end(place, self.clock.now_ns());
-                }
-            }
-            Effect::Paused(paused) => core.pause(paused),
-            Effect::Finish(finish) => self.finish(finish),
-        }
-    }
-
-    /// Why this script cannot run: one of its values is only a stand-in.
-    fn lost_input(&self, job: &Job<S::Value>) -> Option<String> {
-        if !self.any_lost.load(Ordering::Relaxed) {
-            return None;
-        }
-        let values = job.inputs.iter().chain(&job.error);
-        values.into_iter().find_map(|value| self.scripts.is_lost(value))
-    }
-
-    /// What the events about to be recorded mean to the driver itself: another machine is run from now on; the states that
-    /// are entered, if any has a deadline.
-    fn look_ahead(&self, core: &Core<S::Value>) -> Vec<(PathId, NodeId)> {
-        let mut entered = Vec::new();
-        let any = self.timers.any();
-        for event in &core.outbox.events {
-            match event {
-                Event::Entered { path, node, .. } if any => entered.push((*path, *node)),
-                Event::Changed => self.adopt(core),
-                Event::ChangeWaits { path } => self.change_waits(core, *path),
-                _ => {}
-            }
-        }
-        entered
-    }
-
-    fn set_alarms(&self, core: &Core<S::Value>, entered: &[(PathId, NodeId)]) {
-        for (path, node) in entered {
-            if let Some(place) = core.at(*path) {
-                self.timers.entered(place, *node, self.clock.now_ns());
-            }
-        }
     }
 
     fn recruit(self: &Arc<Self>, core: &mut Core<S::Value>) {
@@ -479,17 +366,5 @@ impl<S: Scripts> Driver<S> {
             turn
         };
         self.with_core(seek).flatten()
-    }
-
-    pub(crate) fn finish(&self, finish: Finish<S::Value>) {
-        self.questions.end();
-        self.timers.close();
-        self.end_with(RunEnd::Finished(finish));
-    }
-
-    /// This is the end, unless there is one already.
-    pub(crate) fn end_with(&self, end: RunEnd<S::Value>) {
-        self.end.lock().get_or_insert(end);
-        self.ended.notify_all();
     }
 }

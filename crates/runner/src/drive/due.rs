@@ -2,7 +2,7 @@
 //! period ends with the process. Knows the consequences, but not when they are due.
 
 use crate::drive::core::Core;
-use crate::drive::driver::RunEnd;
+use crate::drive::ending::RunEnd;
 use crate::places::timers::{Due, TimerAction};
 use crate::record::tell;
 use crate::{Driver, Scripts};
@@ -32,7 +32,7 @@ impl<S: Scripts> Driver<S> {
                 return Ok(());
             }
             let path = due.place.text.to_string();
-            self.tell(Event::DeadlinePassed { path, deadline_ms: due.ms });
+            self.record().tell(Event::DeadlinePassed { path, deadline_ms: due.ms });
             let input = Input::Preempt(StatePath::parse(&due.place.text));
             self.drive(core, input, None).map(drop)
         };
@@ -45,7 +45,7 @@ impl<S: Scripts> Driver<S> {
 
     fn say(&self, due: &Due, message: String) {
         let path = due.place.text.to_string();
-        self.tell_in_time(tell::log(path, rafcon_protocol::LogLevel::Warning, message));
+        self.record().note_until_over(tell::log(path, rafcon_protocol::LogLevel::Warning, message));
     }
 
     /// Lets the process end: nothing else ends a script that does not want to.
@@ -54,7 +54,7 @@ impl<S: Scripts> Driver<S> {
             return;
         }
         let path = due.place.text.to_string();
-        self.tell(Event::CutOff { path, grace_ms: due.ms });
-        self.end_with(RunEnd::CutOff);
+        self.record().tell(Event::CutOff { path, grace_ms: due.ms });
+        self.ending().decide(RunEnd::CutOff);
     }
 }

@@ -1,5 +1,4 @@
-//! What goes into the record beside the engine's events. Called on any thread, also by the holder of the engine:
-//! it takes the lock of the record, and nothing that whoever writes a record waits for.
+//! What scripts and launches put into the record beside the engine's events: lines, global variables, what states keep.
 
 use crate::drive::driver::Driver;
 use crate::drive::error::CommandError;
@@ -21,23 +20,10 @@ impl<S: Scripts> Driver<S> {
             return;
         }
         let record = self.line(place.map(|place| &**place), (level, stream), cut(message));
-        self.recorder().push(self.clock().now_ns(), [record]);
+        self.record().note([record]);
         let safety = self.recorder().safety();
         if safety.is_full() {
             self.scripts().park(&mut || safety.wait_for_room());
-        }
-    }
-
-    /// Notes an event down.
-    pub(crate) fn tell(&self, event: Event) {
-        self.recorder().push(self.clock().now_ns(), [tell::told(event)]);
-    }
-
-    /// Notes down what may come after the run's last event, and then is nothing any more.
-    pub(crate) fn tell_in_time(&self, record: Record) {
-        let over = self.over().lock();
-        if !*over {
-            self.recorder().push(self.clock().now_ns(), [record]);
         }
     }
 

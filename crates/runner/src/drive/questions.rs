@@ -78,13 +78,13 @@ impl<S: Scripts> Driver<S> {
         let timeout = asked.timeout_ms.map(Duration::from_millis);
         let question = self.questions().open(place, asked);
         let id = question.id;
-        self.tell(Event::Asked { question: Box::new(question) });
+        self.record().tell(Event::Asked { question: Box::new(question) });
         let mut end = None;
         let deadline = timeout.and_then(Clock::moment);
         self.scripts().park(&mut || end = Some(self.questions().wait(id, deadline)));
         let QuestionEnd { closed, author } = end.unwrap_or_else(withdrawn);
         let (how, answer) = (closed.how, closed.answer.clone());
-        self.tell(Event::Closed { id, how, answer, author });
+        self.record().tell(Event::Closed { id, how, answer, author });
         Ok(closed)
     }
 }

@@ -1,11 +1,12 @@
 //! Keeps each machine that a run goes by, on a thread of its own: the run does not wait for it. Knows what is to be kept; must
 //! never know how.
 
-use crate::drive::driver::Driver;
 use crate::places::mailbox::Mailbox;
+use crate::record::recorder::Recorder;
+use crate::record::run_record::RunRecord;
 use crate::record::tell;
 use crate::record::tell::reason;
-use crate::{Clock, Scripts, StateFiles};
+use crate::{Clock, StateFiles};
 use rafcon_locks::Mutex;
 use rafcon_model::Machine;
 use rafcon_protocol::{Event, LogLevel};
@@ -36,68 +37,72 @@ enum RootsRequest {
     End,
 }
 
-impl<S: Scripts> Driver<S> {
+impl Roots {
     /// The run begins, or continues, with the machine that was read from these files; one that `is_kept` is not kept again.
-    pub(crate) fn keep_first_root(&self, files: StateFiles, is_kept: bool) {
-        let files = self.roots().files.get_or_init(|| files);
+    pub(crate) fn keep_first(
+        &self,
+        record: &RunRecord,
+        machine: &Arc<Machine>,
+        files: StateFiles,
+        is_kept: bool,
+    ) {
+        let files = self.files.get_or_init(|| files);
         if is_kept {
             return;
         }
-        let machine = self.machine();
         let at_once = machine.count() <= AT_ONCE_MAX;
-        let journal = self.recorder().journal().filter(|_| at_once);
-        let hash = journal.and_then(|journal| journal.keep_root(&self.pack(&machine, files)).ok());
+        let journal = record.recorder().journal().filter(|_| at_once);
+        let hash = journal.and_then(|journal| journal.keep_root(&self.pack(machine, files)).ok());
         match hash {
-            Some(hash) => self.tell_root(hash, String::new()),
-            None => self.keep_root(&machine, ""),
+            Some(hash) => tell(record, hash, String::new()),
+            None => self.keep(record, machine, ""),
         }
     }
 
     /// The run goes by `machine` from now on; `change` says what was changed, and nothing for the first.
-    pub(crate) fn keep_root(&self, machine: &Arc<Machine>, change: &str) {
-        if self.recorder().has_journal() {
-            self.roots().wanted.post(RootsRequest::Keep(Arc::clone(machine), change.to_owned()));
+    pub(crate) fn keep(&self, record: &RunRecord, machine: &Arc<Machine>, change: &str) {
+        if record.recorder().has_journal() {
+            self.wanted.post(RootsRequest::Keep(Arc::clone(machine), change.to_owned()));
         } else if !change.is_empty() {
-            self.tell(Event::Root { hash: String::new(), change: change.to_owned() });
+            record.tell(Event::Root { hash: String::new(), change: change.to_owned() });
+        }
+    }
+
+    /// Keeps machines until [`Roots::close`].
+    pub(crate) fn serve(&self, record: &RunRecord) {
+        // Also if it ends by a panic: someone waits for that.
+        let _done = RootsClosed(&self.done);
+        while let RootsRequest::Keep(machine, change) = self.wanted.wait() {
+            let (journal, files) = (record.recorder().journal(), self.files.get());
+            if let (Some(journal), Some(files)) = (journal, files)
+                && let Some(hash) = keep(record, &journal, &self.pack(&machine, files))
+            {
+                tell(record, hash, change);
+            }
         }
     }
 
     /// Waits until all machines are kept.
-    pub(crate) fn close_roots(&self) {
-        if self.recorder().has_journal() {
-            self.recorder().safety().end();
-            self.dismiss_roots();
-            self.roots().done.wait();
+    pub(crate) fn close(&self, recorder: &Recorder) {
+        if recorder.has_journal() {
+            recorder.safety().end();
+            self.dismiss();
+            self.done.wait();
         }
     }
 
     /// No more machines are kept after those that wait.
-    pub(crate) fn dismiss_roots(&self) {
-        self.roots().wanted.post(RootsRequest::End);
+    pub(crate) fn dismiss(&self) {
+        self.wanted.post(RootsRequest::End);
     }
 
     fn pack(&self, machine: &Machine, files: &StateFiles) -> Pack {
-        self.roots().packer.lock().pack(machine, files.saved().as_deref(), files.libraries())
-    }
-
-    fn tell_root(&self, hash: Hash, change: String) {
-        self.tell(Event::Root { hash: hash.to_string(), change });
+        self.packer.lock().pack(machine, files.saved().as_deref(), files.libraries())
     }
 }
 
-/// Keeps machines until [`Driver::close_roots`].
-pub(crate) fn serve<S: Scripts>(driver: &Driver<S>) {
-    let roots = driver.roots();
-    // Also if it ends by a panic: someone waits for that.
-    let _done = RootsClosed(&roots.done);
-    while let RootsRequest::Keep(machine, change) = roots.wanted.wait() {
-        let (journal, files) = (driver.recorder().journal(), roots.files.get());
-        if let (Some(journal), Some(files)) = (journal, files)
-            && let Some(hash) = keep(driver, &journal, &driver.pack(&machine, files))
-        {
-            driver.tell_root(hash, change);
-        }
-    }
+fn tell(record: &RunRecord, hash: Hash, change: String) {
+    record.tell(Event::Root { hash: hash.to_string(), change });
 }
 
 /// Says that no more machines are kept.
@@ -110,20 +115,19 @@ impl Drop for RootsClosed<'_> {
 }
 
 /// Keeps one machine; a disk that is full is waited for, as long as the run continues.
-fn keep<S: Scripts>(driver: &Driver<S>, journal: &Journal, pack: &Pack) -> Option<Hash> {
+fn keep(record: &RunRecord, journal: &Journal, pack: &Pack) -> Option<Hash> {
     loop {
         match journal.keep_root(pack) {
             Ok(hash) => return Some(hash),
-            Err(JournalError::DiskFull { .. }) if !driver.recorder().safety().is_ending() => {
-                driver.recorder().wait_closed(Clock::moment(RETRY));
+            Err(JournalError::DiskFull { .. }) if !record.recorder().safety().is_ending() => {
+                record.recorder().wait_closed(Clock::moment(RETRY));
             }
             Err(error) => {
                 let message = format!(
                     "the machine cannot be kept, so this run cannot be resumed after a crash: {}",
                     reason(&error)
                 );
-                let record = tell::log(String::new(), LogLevel::Warning, message);
-                driver.recorder().push(driver.clock().now_ns(), [record]);
+                record.note([tell::log(String::new(), LogLevel::Warning, message)]);
                 return None;
             }
         }

@@ -4,7 +4,6 @@
 use crate::Scripts;
 use crate::drive::driver::Driver;
 use crate::drive::error::CommitError;
-use crate::drive::roots;
 use crate::record::recorder::Recorder;
 use crate::record::safety::{CommitterWork, RunAction};
 use crate::record::tell;
@@ -25,7 +24,7 @@ pub(crate) fn start<'scope, S: Scripts>(
         let named = |name: &str| thread::Builder::new().name(name.to_owned());
         named("committer").spawn_scoped(scope, || serve(driver.recorder()))?;
         named("journal").spawn_scoped(scope, || attend(driver))?;
-        named("roots").spawn_scoped(scope, || roots::serve(driver))?;
+        named("roots").spawn_scoped(scope, || driver.roots().serve(driver.record()))?;
     }
     Ok(())
 }
@@ -84,7 +83,7 @@ pub(crate) fn attend<S: Scripts>(driver: &Arc<Driver<S>>) {
                 attendant.works_again();
             }
             RunAction::Thinned(before) => {
-                driver.tell_in_time(tell::told(Event::Thinned { before }));
+                driver.record().note_until_over(tell::told(Event::Thinned { before }));
             }
         }
     }
@@ -119,7 +118,7 @@ impl<S: Scripts> DiskReporter<'_, S> {
     }
 
     fn say(&self, level: LogLevel, message: String) {
-        self.driver.tell_in_time(tell::log(String::new(), level, message));
+        self.driver.record().note_until_over(tell::log(String::new(), level, message));
     }
 }
 

@@ -1,8 +1,9 @@
 //! One run from hello to the last word. Knows the order of things; the parts know how.
 
 use crate::drive::document::Document;
-use crate::drive::driver::{Driver, RunEnd};
+use crate::drive::driver::Driver;
 use crate::drive::due;
+use crate::drive::ending::RunEnd;
 use crate::drive::error::{CommandError, LoadFailure};
 use crate::drive::prepare::{Prepared, prepare};
 use crate::life::resume::{Resumed, ResumedPast};
@@ -98,7 +99,7 @@ fn begin<H: Host>(
     let from = past.as_ref().map_or(0, |past| past.resume_point.sequence) + 1;
     let driver = Driver::new(document, host.open(opening), clock, active, recorder);
     H::opened(&driver);
-    driver.keep_first_root(files, is_kept);
+    driver.roots().keep_first(driver.record(), &driver.machine(), files, is_kept);
     let (door, closer) = open_door(launch)?.unzip();
     let answers = past.as_ref().map(ResumedPast::answers).unwrap_or_default();
     let begun =
@@ -253,11 +254,9 @@ fn conclude<S: Scripts>(driver: &Driver<S>) -> ControlFlow<i32> {
             driver.close();
             driver.scripts().ended(&finish);
             driver.scripts().finished();
-            driver.close_roots();
+            driver.roots().close(driver.recorder());
             let event = finished(driver.scripts(), finish);
-            let mut over = driver.over().lock();
-            *over = true;
-            driver.tell(event);
+            driver.record().end(event);
             ControlFlow::Continue(())
         }
         Some(RunEnd::Broken) => ControlFlow::Break(BROKEN),
@@ -270,8 +269,8 @@ fn conclude<S: Scripts>(driver: &Driver<S>) -> ControlFlow<i32> {
 /// Lets the threads end that a run has, as it cannot have all that it needs; its scripts are asked to end.
 pub(crate) fn abandon<S: Scripts>(driver: &Arc<Driver<S>>, error: &io::Error) -> ControlFlow<i32> {
     let message = format!("the system gave no thread to look after this run, which ends: {error}");
-    driver.tell_in_time(tell::log(String::new(), LogLevel::Error, message));
-    driver.dismiss_roots();
+    driver.record().note_until_over(tell::log(String::new(), LogLevel::Error, message));
+    driver.roots().dismiss();
     driver.timers().close();
     driver.recorder().abandon();
     // Refused if the run has come to its end meanwhile.

@@ -161,11 +161,11 @@ impl ResumedPast {
         // There are fewer questions than events.
         driver.questions().go_on_after(self.resume_point.sequence);
         let (life, crash, policy) = (self.resume_point.life, self.crash.clone(), self.policy);
-        driver.tell(Event::Resumed { life, crash, policy });
+        driver.record().tell(Event::Resumed { life, crash, policy });
         if let Some(lost) = &self.resume_point.lost {
             let text = format!("the journal is damaged: {lost}; the run goes on from before");
             let line = tell::log(String::new(), LogLevel::Error, text);
-            driver.recorder().push(driver.clock().now_ns(), [line]);
+            driver.record().note([line]);
         }
         let has_entered = self.last.entries() > 0;
         let first = self.resume_point.about.beginning.breakpoints.iter().filter(|_| !has_entered);
@@ -175,7 +175,7 @@ impl ResumedPast {
         if let Some(from) = &self.from {
             return driver.go_back(&self.reader, from, counted(&self.last), &Order::ours());
         }
-        if let Some(finish) = driver.ending(&mut self.reader, &self.last) {
+        if let Some(finish) = driver.unreported_finish(&mut self.reader, &self.last) {
             driver.finish(finish);
             return Ok(());
         }
@@ -267,7 +267,7 @@ impl<S: Scripts> Driver<S> {
     }
 
     /// How a run ended whose runner died before it could say so: nothing is active any more, and its root was left.
-    fn ending(&self, reader: &mut Reader, last: &Moment) -> Option<Finish<S::Value>> {
+    fn unreported_finish(&self, reader: &mut Reader, last: &Moment) -> Option<Finish<S::Value>> {
         if last.entries() == 0 || !last.active().is_empty() {
             return None;
         }
@@ -365,10 +365,9 @@ impl<S: Scripts> Driver<S> {
             put.map_err(|why| format!("what {path} keeps cannot be put back: {why}"))
         });
         problems.extend(persistent.filter_map(Result::err));
-        let now = self.clock().now_ns();
         let lines =
             problems.into_iter().map(|line| tell::log(String::new(), LogLevel::Warning, line));
-        self.recorder().push(now, lines);
+        self.record().note(lines);
     }
 }
 

@@ -1,7 +1,7 @@
 //! Scripts without an interpreter, and runs of them.
 
 use crate::drive::document::Document;
-use crate::drive::driver::RunEnd;
+use crate::drive::ending::RunEnd;
 use crate::drive::error::ValueError;
 use crate::places::active::Active;
 use crate::places::signals::PREEMPTED;

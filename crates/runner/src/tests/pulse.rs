@@ -1,7 +1,7 @@
 //! An engine that cannot be reached, and one that has failed: both are found, and neither keeps a run from its end.
 
 use super::players::Run;
-use crate::drive::driver::RunEnd;
+use crate::drive::ending::RunEnd;
 use crate::drive::pulse::UNREACHED;
 use rafcon_engine::{Input, Refusal, Start, Status};
 use rafcon_protocol::{Breakpoint, Command, Envelope, Scope, Unattended, When};

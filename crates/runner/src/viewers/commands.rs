@@ -87,7 +87,7 @@ impl<S: Scripts> CommandDispatcher<S> {
 
     fn complain(&self, what: &str) {
         let message = format!("a viewer sent {what}; it was ignored");
-        self.driver.tell_in_time(tell::log(String::new(), LogLevel::Warning, message));
+        self.driver.record().note_until_over(tell::log(String::new(), LogLevel::Warning, message));
     }
 
     /// The answer of a command that was sent before, from whomever; else it is carried out.
