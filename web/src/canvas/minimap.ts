@@ -3,13 +3,14 @@
 
 import { effect, signal } from "@preact/signals-core";
 import type { Box, Point, Size } from "../model/geometry.ts";
+import { scaledContext } from "../store/canvas_element.ts";
 import type { OpenTab } from "../store/page/page.ts";
 import type { Camera } from "../store/page/view.ts";
 import { fitted, screenBox, visibleBox, worldFromScreen } from "./camera.ts";
 import { NO_OVERLAY } from "./overlay.ts";
 import { inkOf } from "./paint/ink.ts";
 import { paint } from "./paint/paint.ts";
-import { backed, type CanvasPicture } from "./picture.ts";
+import type { CanvasPicture } from "./picture.ts";
 import { PLAIN } from "./scene/input.ts";
 import type { BoxMark } from "./scene/list.ts";
 import { scene } from "./scene/scene.ts";
@@ -189,7 +190,7 @@ const QUIET = { transitions: false, dataFlows: "none", names: false } as const;
 
 function paintWhole(whole: HTMLCanvasElement, { view }: OpenTab, picture: CanvasPicture): void {
   const size = { width: SIZE.width * FINER, height: SIZE.height * FINER };
-  const context = sized(whole, size);
+  const context = scaledContext(whole, size);
   const root = rootBox(picture);
   if (!context || !root) return;
   const colours = picture.colours();
@@ -226,7 +227,7 @@ function paintMap(
   { view }: OpenTab,
   picture: CanvasPicture,
 ): void {
-  const context = sized(map, SIZE);
+  const context = scaledContext(map, SIZE);
   const root = rootBox(picture);
   if (!context || !root || whole.width === 0) return;
   context.imageSmoothingQuality = "high";
@@ -240,12 +241,4 @@ function paintMap(
   context.strokeStyle = inkOf(picture.colours(), "selection");
   context.lineWidth = 1.5;
   context.strokeRect(x, y, width, height);
-}
-
-/** The context of a canvas of this size, in CSS pixels. */
-function sized(canvas: HTMLCanvasElement, size: Size): CanvasRenderingContext2D | null {
-  const ratio = backed(canvas, size);
-  const context = canvas.getContext("2d");
-  context?.setTransform(ratio, 0, 0, ratio, 0, 0);
-  return context;
 }

@@ -5,6 +5,7 @@ import { effect, type ReadonlySignal, signal } from "@preact/signals-core";
 import type { ElementKey } from "../model/element.ts";
 import type { MachineProblem, Severity } from "../model/generated/protocol.ts";
 import type { Size } from "../model/geometry.ts";
+import { onTheme, scaledContext } from "../store/canvas_element.ts";
 import type { MachineSession } from "../store/document/machine_session.ts";
 import type { OpenTab } from "../store/page/page.ts";
 import { IdleRouter } from "./idle_router.ts";
@@ -97,8 +98,7 @@ export function pictureIn(place: HTMLElement, options: PictureOptions): CanvasPi
     const from = performance.now();
     const routing = routingTime(FRAME_MS - lasted);
     list = scene(inputOf(options, layout(), size, measure, routing.mayGoOn));
-    const ratio = backed(canvas, size);
-    context.setTransform(ratio, 0, 0, ratio, 0, 0);
+    scaledContext(canvas, size);
     context.fillStyle = colours["ground"] ?? "";
     context.fillRect(0, 0, size.width, size.height);
     paint(context, list, colours);
@@ -202,7 +202,7 @@ function watch(place: HTMLElement, options: PictureOptions, tell: PictureListene
     tell.changed();
   });
   const stopHearing = options.tab.session.onChange(tell.changed);
-  const stopTheme = onTheme(place, tell.themed);
+  const stopTheme = onTheme(tell.themed, place.parentElement);
   const resized = new ResizeObserver(tell.sized);
   resized.observe(place);
   document.fonts?.addEventListener("loadingdone", tell.lettered);
@@ -299,22 +299,4 @@ function routingTime(left: number): RoutingTime {
     },
     used: () => Math.min(most, last - begun),
   };
-}
-
-/** Makes the canvas as large as its place, in pixels of the screen, and says how many those are for a CSS pixel. */
-export function backed(canvas: HTMLCanvasElement, size: Size): number {
-  const ratio = Math.max(1, window.devicePixelRatio || 1);
-  const [width, height] = [Math.round(size.width * ratio), Math.round(size.height * ratio)];
-  if (canvas.width !== width) canvas.width = width;
-  if (canvas.height !== height) canvas.height = height;
-  return ratio;
-}
-
-/** Tells when the colours of a place in the page may be others: by the theme, or by the class of what is around it. */
-function onTheme(place: HTMLElement, changed: () => void): () => void {
-  const watcher = new MutationObserver(changed);
-  watcher.observe(document.documentElement, { attributes: true, attributeFilter: ["data-theme"] });
-  const around = place.parentElement;
-  if (around) watcher.observe(around, { attributes: true, attributeFilter: ["class"] });
-  return () => watcher.disconnect();
 }

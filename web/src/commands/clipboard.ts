@@ -6,6 +6,7 @@ import type { Machine } from "../model/machine.ts";
 import { type Clip, type CopiedWaypoints, clipOf } from "../plan/clipboard.ts";
 import type { InterfacePart } from "../plan/parts.ts";
 import { isRefused } from "../plan/plan.ts";
+import { BROWSER_STORE, kept } from "../store/local_store.ts";
 
 /** As much of a drag's or paste's data as is needed. */
 export type TextTransfer = Pick<DataTransfer, "getData" | "setData">;
@@ -20,26 +21,32 @@ interface ClipboardText {
   readonly parts?: readonly InterfacePart[];
 }
 
-export function textOf({ selection, ways: waypoints, parts }: Clip): string {
-  const written: ClipboardText = {
+function writtenOf({ selection, ways: waypoints, parts }: Clip): ClipboardText {
+  return {
     rafcon: selection,
     ...(waypoints ? { ways: waypoints } : {}),
     ...(parts.length > 0 ? { parts } : {}),
   };
-  return JSON.stringify(written);
+}
+
+export function textOf(clip: Clip): string {
+  return JSON.stringify(writtenOf(clip));
 }
 
 /** What a text holds for machines; null if it is about something else. */
 export function clipIn(text: string): Clip | null {
   if (!text.trimStart().startsWith("{")) return null;
   try {
-    const { rafcon, ways: waypoints, parts } = JSON.parse(text) as ClipboardText;
-    const selection = typeof rafcon?.container === "string" ? (rafcon as Selection) : null;
-    const known = Array.isArray(parts) ? parts.filter(isPart) : [];
-    return selection || known.length > 0 ? { selection, ways: waypoints, parts: known } : null;
+    return clipOfWritten(JSON.parse(text));
   } catch {
     return null;
   }
+}
+
+function clipOfWritten({ rafcon, ways: waypoints, parts }: ClipboardText): Clip | null {
+  const selection = typeof rafcon?.container === "string" ? (rafcon as Selection) : null;
+  const known = Array.isArray(parts) ? parts.filter(isPart) : [];
+  return selection || known.length > 0 ? { selection, ways: waypoints, parts: known } : null;
 }
 
 const PORTS: readonly unknown[] = ["input", "output", "scoped_variable"];
@@ -53,11 +60,7 @@ function isPart(part: Partial<Record<string, unknown>> | null): part is Interfac
 /** Puts it onto the clipboard: of the event that asks for it, else of the system. */
 export async function write(clip: Clip, transfer: TextTransfer | null): Promise<void> {
   const text = textOf(clip);
-  try {
-    localStorage.setItem(STAND_IN, text);
-  } catch {
-    // No room: the system's clipboard has it.
-  }
+  BROWSER_STORE.put(STAND_IN, writtenOf(clip));
   if (transfer) transfer.setData("text/plain", text);
   else await navigator.clipboard?.writeText(text).catch(() => undefined);
 }
@@ -82,7 +85,7 @@ export const NOTHING_COPIED =
 export async function read(transfer: TextTransfer | null): Promise<Clip | null> {
   if (transfer) return clipIn(transfer.getData("text/plain"));
   const text = await navigator.clipboard?.readText().catch(() => undefined);
-  return clipIn(text ?? localStorage.getItem(STAND_IN) ?? "");
+  return text === undefined ? clipOfWritten(kept(BROWSER_STORE, STAND_IN) ?? {}) : clipIn(text);
 }
 
 /** The data of an event that a command was run with, if it was. */

@@ -4,6 +4,7 @@ import { machineOf } from "../model/plain.ts";
 import { sketch } from "../model/testing/sketch.ts";
 import { type FieldDraft, openDrafts } from "../store/document/drafts.ts";
 import type { EditAnswer } from "../store/document/machine_session.ts";
+import { memoryStore } from "../store/local_store.ts";
 import type { OpenTab } from "../store/page/page.ts";
 import { applyDrafts } from "./drafts.ts";
 
@@ -19,7 +20,7 @@ function setUp(answer: EditAnswer = { revision: 1 }) {
     },
   } as unknown as OpenTab["session"];
   const page = { tell: ({ text }: { text: string }) => void told.push(text) };
-  const drafts = openDrafts(null);
+  const drafts = openDrafts(memoryStore());
   const draft: FieldDraft = { machine: "m", path: "R/A", field: "script", text: "new", base: "" };
   return { edits, told, drafts, draft, apply: () => applyDrafts(page, { session }, drafts) };
 }

@@ -5,6 +5,8 @@ export interface LocalStore {
   readonly get: (key: string) => unknown;
   /** Puts it there; undefined removes it. */
   readonly put: (key: string, value: unknown) => void;
+  /** Of all that is kept, the keys that begin like this. */
+  readonly keys: (prefix: string) => readonly string[];
   /** Tells when another tab of the browser has put something else there. */
   readonly whenOther: (key: string, told: () => void) => void;
 }
@@ -33,6 +35,13 @@ export function localStoreOf(storage: () => Storage): LocalStore {
         // No room, or nothing may be kept.
       }
     },
+    keys: (prefix) => {
+      try {
+        return Object.keys(storage()).filter((key) => key.startsWith(prefix));
+      } catch {
+        return [];
+      }
+    },
     whenOther: (key, told) => {
       window.addEventListener("storage", (event) => {
         if (event.key === key || event.key === null) told();
@@ -54,6 +63,7 @@ export function memoryStore(): LocalStore {
       if (value === undefined) texts.delete(key);
       else texts.set(key, JSON.stringify(value));
     },
+    keys: (prefix) => [...texts.keys()].filter((key) => key.startsWith(prefix)),
     whenOther: () => {},
   };
 }

@@ -1,6 +1,7 @@
 /** The two canvases of the time line: keeps them painted, a frame at most for each change, and takes the pointer. */
 
 import { effect } from "@preact/signals-core";
+import { inksOf, onTheme, scaledContext } from "../../store/canvas_element.ts";
 import { NONE } from "../../store/history/calls.ts";
 import { showIndex, showTime } from "../../store/history/moments.ts";
 import { notesOf } from "../../store/history/notes.ts";
@@ -8,7 +9,6 @@ import type { OpenTab } from "../../store/page/page.ts";
 import { runTime, timeScale } from "../../store/page/times.ts";
 import { select, selectedStates } from "../../store/page/view.ts";
 import type { Gap } from "../../store/run/gaps.ts";
-import { inksOf, onTheme } from "../../ui/inks.ts";
 import { namesOf } from "../parts/happened.ts";
 import { barsOf, type Scale, timeAt, xOf } from "./bars.ts";
 import { rowAt } from "./layout.ts";
@@ -42,6 +42,7 @@ export function mountChart(places: ChartPlaces, options: ChartOptions): () => vo
 const CLICK_PX = 4;
 /** One step of the wheel. */
 const WHEEL = 1.0016;
+const OPAQUE = { alpha: false };
 
 class Chart {
   readonly #places: ChartPlaces;
@@ -131,9 +132,10 @@ class Chart {
       timeOf: (t_ns, step_ms) => runTime(model.watch, t_ns, step_ms),
       ...this.#looks,
     };
-    const above = sized(ruler, scene.scale.width, RULER_PX);
+    const { width } = scene.scale;
+    const above = scaledContext(ruler, { width, height: RULER_PX }, OPAQUE);
     if (above) paintRuler(above, scene);
-    const below = sized(rows, scene.scale.width, scene.height);
+    const below = scaledContext(rows, { width, height: scene.height }, OPAQUE);
     if (below) paintRows(below, scene);
   }
 
@@ -270,19 +272,4 @@ class Chart {
       ? { ...nothing, call: bar.first, many: bar.many, failed: bar.failed }
       : { ...nothing, call: bar.call, many: 1 };
   }
-}
-
-/** The context of a canvas of this size, in CSS pixels. */
-function sized(
-  canvas: HTMLCanvasElement,
-  width: number,
-  height: number,
-): CanvasRenderingContext2D | null {
-  const ratio = Math.max(1, window.devicePixelRatio || 1);
-  const [wide, high] = [Math.round(width * ratio), Math.round(height * ratio)];
-  if (canvas.width !== wide) canvas.width = wide;
-  if (canvas.height !== high) canvas.height = high;
-  const context = canvas.getContext("2d", { alpha: false });
-  context?.setTransform(ratio, 0, 0, ratio, 0, 0);
-  return context;
 }

@@ -1,11 +1,11 @@
 /** Paints the time line: rows of bars, and the ruler above with what is worth a mark. */
 
+import type { Inks } from "../../store/canvas_element.ts";
 import type { Calls } from "../../store/history/calls.ts";
 import type { JournalHits } from "../../store/history/journal_hits.ts";
 import type { CallLook } from "../../store/history/lanes.ts";
 import { NOTE_KINDS, type NoteKind, type Notes } from "../../store/history/notes.ts";
 import type { Gap } from "../../store/run/gaps.ts";
-import type { Inks } from "../../ui/inks.ts";
 import type { NameOf } from "../parts/happened.ts";
 import { type Bar, barsOf, type Scale, xOf } from "./bars.ts";
 import { ROW_PX, type TimelineLayout } from "./layout.ts";

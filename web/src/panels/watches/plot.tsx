@@ -2,8 +2,8 @@
 
 import { useEffect, useRef, useState } from "react";
 import type uPlot from "uplot";
+import { onTheme } from "../../store/canvas_element.ts";
 import type { SeriesPoint } from "../../store/history/series.ts";
-import { onTheme } from "../../ui/inks.ts";
 import { useSignal } from "../../ui/signals.ts";
 import { duration } from "../parts/duration.ts";
 import "uplot/dist/uPlot.min.css";

@@ -2,6 +2,7 @@
  * browser's storage, each under a key of its own, until they are applied or given up. */
 
 import { type ReadonlySignal, signal } from "@preact/signals-core";
+import { BROWSER_STORE, type LocalStore } from "../local_store.ts";
 
 /** Whose text it is. */
 export interface DraftPlace {
@@ -16,9 +17,6 @@ export interface FieldDraft extends DraftPlace {
   /** What the machine said when the draft was begun: if it says something else now, somebody else has changed it. */
   readonly base: string;
 }
-
-/** As much of the browser's storage as is needed. */
-export type DraftStorage = Pick<Storage, "getItem" | "setItem" | "removeItem" | "key" | "length">;
 
 export interface Drafts {
   readonly all: ReadonlySignal<ReadonlyMap<string, FieldDraft>>;
@@ -35,25 +33,21 @@ export function draftKey({ machine, path, field }: DraftPlace): string {
   return `${machine}:${field}:${path}`;
 }
 
-/** Drafts that are kept in this storage; without one they last as long as the page. */
-export function openDrafts(storage: DraftStorage | null): Drafts {
-  const all = signal<ReadonlyMap<string, FieldDraft>>(storage ? stored(storage) : new Map());
+/** The drafts that lie in this store; one that finds no room there lives as long as the page. */
+export function openDrafts(store: LocalStore): Drafts {
+  const all = signal(stored(store));
   const drop = (place: DraftPlace) => {
     const key = draftKey(place);
     if (!all.peek().has(key)) return;
     const left = new Map(all.peek());
     left.delete(key);
     all.value = left;
-    storage?.removeItem(PREFIX + key);
+    store.put(PREFIX + key, undefined);
   };
   const keep = (draft: FieldDraft) => {
     const key = draftKey(draft);
     all.value = new Map(all.peek()).set(key, draft);
-    try {
-      storage?.setItem(PREFIX + key, JSON.stringify(draft));
-    } catch {
-      // The storage is full: the draft lives as long as the page.
-    }
+    store.put(PREFIX + key, draft);
   };
   const move = (machine: string, from: string, to: string) => {
     for (const draft of all.peek().values()) {
@@ -66,36 +60,16 @@ export function openDrafts(storage: DraftStorage | null): Drafts {
   return { all, get: (place) => all.value.get(draftKey(place)), keep, drop, move };
 }
 
-function stored(storage: DraftStorage): ReadonlyMap<string, FieldDraft> {
-  const found = new Map<string, FieldDraft>();
-  for (let index = 0; index < storage.length; index++) {
-    const key = storage.key(index);
-    const text = key?.startsWith(PREFIX) ? storage.getItem(key) : null;
-    const draft = text === null ? null : read(text);
-    if (draft) found.set(draftKey(draft), draft);
-  }
-  return found;
+function stored(store: LocalStore): ReadonlyMap<string, FieldDraft> {
+  const found = store.keys(PREFIX).map((key) => store.get(key));
+  return new Map(found.filter(isDraft).map((draft) => [draftKey(draft), draft]));
 }
 
-function read(text: string): FieldDraft | null {
-  try {
-    const { machine, path, field, text: draft, base } = JSON.parse(text) as Record<string, unknown>;
-    const texts = [machine, path, draft, base];
-    if (texts.some((part) => typeof part !== "string")) return null;
-    if (field !== "script" && field !== "description") return null;
-    return { machine, path, field, text: draft, base } as FieldDraft;
-  } catch {
-    return null;
-  }
-}
-
-function browserStorage(): DraftStorage | null {
-  try {
-    return globalThis.localStorage ?? null;
-  } catch {
-    return null;
-  }
+function isDraft(value: unknown): value is FieldDraft {
+  const { machine, path, field, text, base } = (value ?? {}) as Record<string, unknown>;
+  const isText = [machine, path, text, base].every((part) => typeof part === "string");
+  return isText && (field === "script" || field === "description");
 }
 
 /** The drafts of this browser. */
-export const drafts: Drafts = openDrafts(browserStorage());
+export const drafts: Drafts = openDrafts(BROWSER_STORE);

@@ -1,6 +1,7 @@
 import { expect, test } from "vitest";
 import type { Edit } from "../../model/generated/protocol.ts";
 import { sketch } from "../../model/testing/sketch.ts";
+import { memoryStore } from "../local_store.ts";
 import { type FieldDraft, openDrafts } from "./drafts.ts";
 import { followDrafts } from "./follow_drafts.ts";
 import { OptimisticDocument, type TouchedPaths } from "./optimistic_document.ts";
@@ -21,7 +22,7 @@ function followed(draft: FieldDraft) {
   );
   const machine = new OptimisticDocument({ ...document, states }, () => undefined);
   const listeners = new Set<(touched: TouchedPaths) => void>();
-  const kept = openDrafts(null);
+  const kept = openDrafts(memoryStore());
   kept.keep(draft);
   const onChange = (listener: (touched: TouchedPaths) => void) => {
     listeners.add(listener);

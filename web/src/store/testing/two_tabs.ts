@@ -7,6 +7,7 @@ export function twoTabs(): readonly [LocalStore, LocalStore] {
   const listeners: [Map<string, () => void>, Map<string, () => void>] = [new Map(), new Map()];
   const tab = (own: 0 | 1): LocalStore => ({
     get: shared.get,
+    keys: shared.keys,
     put: (key, value) => {
       shared.put(key, value);
       listeners[own === 0 ? 1 : 0].get(key)?.();
