@@ -3,7 +3,7 @@
 import { mkdirSync } from "node:fs";
 import { join } from "node:path";
 import type { Browser, BrowserContextOptions } from "playwright-core";
-import { afterAll, test } from "vitest";
+import { test } from "vitest";
 import type { Role } from "../../src/model/generated/protocol.ts";
 import { App } from "./app.ts";
 import { launch } from "./chromium.ts";
@@ -32,13 +32,14 @@ export interface Hands {
 
 let browser: Promise<Browser> | null = null;
 
-/** The browser of this file of journeys. */
-function theBrowser(): Promise<Browser> {
+/** The browser of all journeys of this process, which ends with it. */
+async function theBrowser(): Promise<Browser> {
   browser ??= launch();
+  const there = await browser;
+  if (there.isConnected()) return there;
+  browser = launch();
   return browser;
 }
-
-afterAll(async () => (await browser)?.close());
 
 /** Goes the journey from a fresh server and a fresh browser profile. */
 export function journey(name: string, setting: Setting, go: (hands: Hands) => Promise<void>): void {
