@@ -47,7 +47,7 @@ for (const colorScheme of ["light", "dark"] as const) {
   );
 }
 
-journey("nobody is shut out of the login", {}, async ({ app, server }) => {
+journey("no one is shut out of the login", {}, async ({ app, server }) => {
   await app.sheet.context().clearCookies();
   await app.sheet.goto(server.url);
   await app.sheet.getByLabel("Password").waitFor();

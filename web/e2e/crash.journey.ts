@@ -68,7 +68,7 @@ journey("interrupted scripts wait for a decision", SETTING, async ({ app, server
   await untilOver(app);
 });
 
-journey("a run by the rule abort goes on by itself", SETTING, async ({ app, server }) => {
+journey("a run by the rule abort continues by itself", SETTING, async ({ app, server }) => {
   await app.menu("Run", "Start with…");
   const dialog = app.sheet.getByRole("dialog", { name: /^Start / });
   await dialog.getByLabel(/^Interrupted scripts/).selectOption("abort");
@@ -83,7 +83,7 @@ const SAYS = exampleWith("error_recovery", {
 });
 
 journey(
-  "a run whose machine itself says what a crash means goes on by itself",
+  "a run whose machine itself says what a crash means continues by itself",
   { machines: { error_recovery: SAYS }, open: "error_recovery" },
   async ({ app, server }) => {
     await press(app, "Start");

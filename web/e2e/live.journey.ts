@@ -82,7 +82,7 @@ journey(
 );
 
 journey(
-  "a state that failed keeps its mark until somebody acknowledges it",
+  "a state that failed keeps its mark until someone acknowledges it",
   { open: "error_recovery" },
   async ({ app }) => {
     const push = "PLUGIN/INSERT/PUSHIN";
@@ -187,7 +187,7 @@ async function zoomFarOut(app: App): Promise<void> {
   }
 }
 
-journey("the camera follows what runs, until somebody moves it", waiting(), async ({ app }) => {
+journey("the camera follows what runs, until someone moves it", waiting(), async ({ app }) => {
   await perform(app, "run.start", undefined);
   await untilActive(app, FULL);
   await zoomFarOut(app);

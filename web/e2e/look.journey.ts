@@ -71,7 +71,7 @@ journey("the theme changes, and stays after the page is loaded again", HERE, asy
   expect(await ground()).toContain("dark");
 });
 
-journey("the theme goes by the system's while nobody chose one", HERE, async ({ app }) => {
+journey("the theme goes by the system's while no one chose one", HERE, async ({ app }) => {
   const root = app.sheet.locator(":root");
   const text = () => app.sheet.evaluate(() => getComputedStyle(document.body).color);
   await app.sheet.emulateMedia({ colorScheme: "dark" });

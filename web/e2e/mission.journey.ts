@@ -250,7 +250,7 @@ journey(
 );
 
 journey(
-  "what went wrong stays until somebody has seen it",
+  "what went wrong stays until someone has seen it",
   { machines: MACHINES, open: "fails" },
   async ({ app, server }) => {
     await during(server, "fails", async () => {

@@ -82,7 +82,7 @@ journey(
 );
 
 journey(
-  "after a silence the connection goes on where it was, and old news is not taken for new",
+  "after a silence the connection continues where it was, and old news is not taken for new",
   HERE,
   async (hands) => {
     const { app, server } = hands;

@@ -89,7 +89,7 @@ const LATE = missionFolder("late", [
 ]);
 
 journey(
-  "of a question that nobody answers in time the author's answer counts, or the state fails",
+  "of a question that no one answers in time the author's answer counts, or the state fails",
   { machines: { late: LATE }, open: "late" },
   async ({ app, server }) => {
     const run = await startRun(server, "late");

@@ -237,7 +237,7 @@ journey(
 );
 
 journey(
-  "edits are saved before a start, and taken into a run that goes on",
+  "edits are saved before a start, and taken into a run in progress",
   { open: "hierarchy_and_data" },
   async ({ app }) => {
     const rename = async (name: string) => {
@@ -286,7 +286,7 @@ journey(
 );
 
 journey(
-  "two runs of a machine go on at once, are switched between, and are found and deleted in the panel",
+  "two runs of a machine continue at once, are switched between, and are found and deleted in the panel",
   { open: "hierarchy_and_data" },
   async ({ app, server }) => {
     await app.menu("Run", "Start paused");

@@ -77,7 +77,7 @@ journey("a script outlives a reload and is saved with the machine", HERE, async 
   expect(await script(app)).toContain("# not applied");
 });
 
-journey("a script that somebody else changed is compared", HERE, async ({ app, colleague }) => {
+journey("a script that someone else changed is compared", HERE, async ({ app, colleague }) => {
   const anna = await colleague("anna");
   await anna.open("hierarchy_and_data");
   await app.select(LABEL);

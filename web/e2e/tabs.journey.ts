@@ -69,7 +69,7 @@ journey(
 );
 
 journey(
-  "of two runs that go on at once, mission control holds the one that it shows",
+  "of two runs in progress at once, mission control holds the one that it shows",
   { machines: { drives: missionFolder("drives", [DRIVE]), loads: missionFolder("loads", [LOAD]) } },
   async ({ app, server }) => {
     const [drives, loads] = [await startRun(server, "drives"), await startRun(server, "loads")];

@@ -88,7 +88,7 @@ journey(
 );
 
 journey(
-  "values of a run that goes on change where they are open",
+  "values of a run in progress change where they are open",
   { machines: { sensing: sensing({ rounds: 3_000, pause_s: 0.05 }) }, open: "sensing" },
   async (hands) => {
     const { app } = hands;
@@ -167,7 +167,7 @@ async function over(app: App, thing: Locator): Promise<void> {
 }
 
 journey(
-  "a value is dragged from the inspector to the watches, and is watched as the run goes on",
+  "a value is dragged from the inspector to the watches, and is watched as the run continues",
   { machines: { sensing: sensing({ rounds: 3_000, pause_s: 0.05 }) }, open: "sensing" },
   async (hands) => {
     const { app } = hands;

@@ -27,7 +27,7 @@ interface MomentBarProps {
 function OfRun({ tab, watch }: MomentBarProps) {
   const { page } = useSession();
   // From now on it is known when the page was not told, whether or not the time line shows it.
-  useEffect(() => void gapsOf(page, watch), [page, watch]);
+  useEffect(() => void gapsOf(watch, page), [page, watch]);
   const playhead = useSignal(watch.playhead);
   return playhead === null ? null : <OfMoment tab={tab} watch={watch} playhead={playhead} />;
 }
@@ -70,7 +70,7 @@ function Ago({ watch, index }: { readonly watch: Watch; readonly index: number }
   const { page } = useSession();
   const now = useSignal(watch.now);
   const t_ms = watch.journal.t_ns(index) / 1e6;
-  const come_ms = useComputed(() => timelineOf(page, watch).end_ns / 1e6, [page, watch]);
+  const come_ms = useComputed(() => timelineOf(watch, page).end_ns / 1e6, [page, watch]);
   const before = duration(Math.max(0, come_ms - t_ms));
   return `, ${before} ${now?.link === "over" ? "before the end" : "ago"}`;
 }

@@ -14,7 +14,7 @@ afterEach(() => {
   document.head.replaceChildren();
 });
 
-test("Start is green, but not beside a run that goes on", () => {
+test("Start is green, but not beside a run in progress", () => {
   const style = document.createElement("style");
   style.textContent = `:root { --running: green; --text-soft: grey } ${LOOKS}`;
   document.head.append(style);

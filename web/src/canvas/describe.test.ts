@@ -38,7 +38,7 @@ test("a state says what it does in a run, and its breakpoint", () => {
   expect(say({ breakpoint: "off" })).toBe("Box, breakpoint off");
 });
 
-test("what somebody may want to know at once is said without being asked for", () => {
+test("what someone may want to know at once is said without being asked for", () => {
   const say = (phase: MarkPhase, detail: string | null = null) =>
     urgentWords(machine, "R/C", { run: { phase, failed: false, detail } as RunMark });
   expect(say("waiting", "an answer")).toBe("Box waits for an answer");

@@ -266,7 +266,7 @@ test("a picture that cannot be drawn says so, and that it can again", () => {
   vi.unstubAllGlobals();
 });
 
-test("a name that somebody else changes meanwhile is said, and only Enter overwrites it", () => {
+test("a name that someone else changes meanwhile is said, and only Enter overwrites it", () => {
   const { mounted, place, session } = mounting();
   mounted.control.rename("R/A");
   const field = place.querySelector<HTMLInputElement>("input");

@@ -5,6 +5,7 @@ import { effect, type ReadonlySignal, signal } from "@preact/signals-core";
 import type { ElementKey } from "../model/element.ts";
 import type { MachineProblem, Severity } from "../model/generated/protocol.ts";
 import type { Size } from "../model/geometry.ts";
+import { perOwner } from "../model/per_owner.ts";
 import { onTheme, scaledContext } from "../store/canvas_element.ts";
 import type { MachineSession } from "../store/document/machine_session.ts";
 import type { OpenTab } from "../store/page/page.ts";
@@ -266,20 +267,16 @@ function onlookers(people: OpenTab["session"]["people"]["value"]): readonly Onlo
 }
 
 const RANK: Readonly<Record<Severity, number>> = { note: 0, warning: 1, error: 2 };
-const WORST = new WeakMap<readonly MachineProblem[], ReadonlyMap<string, Severity>>();
 
 /** The worst problem of each state. */
-function worst(problems: readonly MachineProblem[]): ReadonlyMap<string, Severity> {
-  const known = WORST.get(problems);
-  if (known) return known;
+const worst = perOwner((problems: readonly MachineProblem[]): ReadonlyMap<string, Severity> => {
   const found = new Map<string, Severity>();
   for (const { path, severity } of problems) {
     const before = found.get(path);
     if (before === undefined || RANK[severity] > RANK[before]) found.set(path, severity);
   }
-  WORST.set(problems, found);
   return found;
-}
+});
 
 interface RoutingTime {
   /** Whether there is time left in this frame. The first is always granted. */

@@ -57,7 +57,7 @@ test("the holder hands over and releases, and withdraws what was offered", () =>
   expect(moves({ holder: "anna", offered_to: "bob" })).toBe("withdraw hand-over release");
 });
 
-test("who is offered control accepts or declines it, and nobody else does", () => {
+test("who is offered control accepts or declines it, and no one else does", () => {
   expect(moves({ holder: "bob", offered_to: "anna" })).toBe("request accept decline");
   expect(moves({ holder: "bob", offered_to: "carl", requests: ["anna"] })).toBe("withdraw");
 });

@@ -50,7 +50,7 @@ test("drafts that cannot be applied stay, and it is told why", async () => {
   expect(drafts.all.value.size).toBe(2);
 });
 
-test("a draft of a state that is gone waits and hinders nobody", async () => {
+test("a draft of a state that is gone waits and hinders no one", async () => {
   const { edits, told, drafts, draft, apply } = setUp();
   drafts.keep({ ...draft, path: "R/GONE" });
   expect(await apply()).toBe(true);

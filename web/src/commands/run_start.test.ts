@@ -76,7 +76,7 @@ test("beside a run of the same machine that is not shown here another one is sta
   ]);
 });
 
-test("beside a run that goes on another one is started only if it is meant", async () => {
+test("beside a run in progress another one is started only if it is meant", async () => {
   const { context, started } = setUp({ live: true, answers: [false, true] });
   expect(await startRun(context)).toBeNull();
   await startRun(context);

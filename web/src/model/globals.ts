@@ -2,6 +2,7 @@
 
 import type { StateDocument } from "./generated/protocol.ts";
 import { type Machine, type PortKind, portsOf } from "./machine.ts";
+import { perOwner } from "./per_owner.ts";
 import { lineAt, type ScriptUse, scriptUses } from "./python.ts";
 
 /** One place where a global variable is used. */
@@ -52,7 +53,10 @@ type OwnUse = Omit<GlobalUse, "path"> & { readonly name: string };
 type Uses = readonly (readonly [string, GlobalUse])[];
 
 /** States never change, so each script is read once, wherever libraries put it. */
-const READ = new WeakMap<StateDocument, readonly OwnUse[]>();
+const ownUses = perOwner((state: StateDocument): readonly OwnUse[] => [
+  ...inScript(state.script ?? ""),
+  ...inDefaults(state),
+]);
 const PLACED = new WeakMap<StateDocument, { readonly path: string; readonly uses: Uses }>();
 
 function usesOf(state: StateDocument, path: string): Uses {
@@ -60,15 +64,6 @@ function usesOf(state: StateDocument, path: string): Uses {
   if (known?.path === path) return known.uses;
   const uses = ownUses(state).map(({ name, ...use }) => [name, { path, ...use }] as const);
   PLACED.set(state, { path, uses });
-  return uses;
-}
-
-function ownUses(state: StateDocument): readonly OwnUse[] {
-  let uses = READ.get(state);
-  if (!uses) {
-    uses = [...inScript(state.script ?? ""), ...inDefaults(state)];
-    READ.set(state, uses);
-  }
   return uses;
 }
 

@@ -5,6 +5,7 @@ import { type ElementKey, keyOf } from "./element.ts";
 import type { JsonValue, LayoutDocument, StateDocument } from "./generated/protocol.ts";
 import type { Box, Point, Size } from "./geometry.ts";
 import { ABORTED, outcomesOf, PREEMPTED, portsOf } from "./machine.ts";
+import { perOwner } from "./per_owner.ts";
 
 /** What the layout of one state says about it and its parts; what it does not say is missing. */
 interface StateLayout {
@@ -106,17 +107,11 @@ function read(layout: LayoutDocument): StateLayout {
 }
 
 const NOTHING: StateLayout = read({});
-const READ = new WeakMap<LayoutDocument, StateLayout>();
+const readOnce = perOwner(read);
 
 /** What the file says about the drawing of a state. */
 export function readLayout(state: StateDocument): StateLayout {
-  if (!state.layout) return NOTHING;
-  let layout = READ.get(state.layout);
-  if (!layout) {
-    layout = read(state.layout);
-    READ.set(state.layout, layout);
-  }
-  return layout;
+  return state.layout ? readOnce(state.layout) : NOTHING;
 }
 
 /** What stands before the id of a part in the file. */

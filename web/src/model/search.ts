@@ -6,6 +6,7 @@ import type { PortDocument, StateDocument } from "./generated/protocol.ts";
 import { type Machine, outcomesOf, type PortKind, portsOf } from "./machine.ts";
 import { type Match, match, type Query, queryOf, scoreOf, type TextSpan } from "./match.ts";
 import { idOf } from "./path.ts";
+import { perOwner } from "./per_owner.ts";
 import { python } from "./value.ts";
 
 /** What a text is. */
@@ -78,16 +79,7 @@ interface Text {
   readonly part: { readonly kind: PortKind | "outcome"; readonly id: number } | null;
 }
 
-const KNOWN = new WeakMap<StateDocument, readonly Text[]>();
-
-function textsOf(state: StateDocument): readonly Text[] {
-  let texts = KNOWN.get(state);
-  if (!texts) {
-    texts = read(state);
-    KNOWN.set(state, texts);
-  }
-  return texts;
-}
+const textsOf = perOwner(read);
 
 function read(state: StateDocument): readonly Text[] {
   const found: Text[] = [];

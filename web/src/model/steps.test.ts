@@ -20,7 +20,7 @@ function rows(text: string, hasBranches = true): string[] {
 }
 
 describe("the tree of steps", () => {
-  it("is a line while nobody goes back", () => {
+  it("is a line while no one goes back", () => {
     expect(rows("2 3")).toEqual(["3 current 0", "2 done 0", "1 done 0"]);
   });
 
@@ -29,7 +29,7 @@ describe("the tree of steps", () => {
     expect(rows("2 3 4=2 5=3")).toEqual(["3 current 0", "2 done 0", "1 done 0"]);
   });
 
-  it("branches where somebody went back and on", () => {
+  it("branches where someone went back and on", () => {
     expect(rows("2 3 4=2 5")).toEqual(["5 current 0", "3 branch 1", "2 done 0 <1", "1 done 0"]);
     expect(rows("2 3 4=2 5", false)).toEqual(["5 current 0", "2 done 0", "1 done 0"]);
   });

@@ -43,7 +43,7 @@ test("a state comes with a script and an outcome, its middle at the point", () =
   expect(state?.script).toContain("def execute");
 });
 
-test("those that stand where nobody put them stay there when others come", () => {
+test("those that stand where no one put them stay there when others come", () => {
   const edits = lines(addState(machine, "R", "execution"));
   expect(edits.slice(0, 2)).toEqual([
     "set_position R/A element=state position=[4,12]",

@@ -70,7 +70,7 @@ describe("a request", () => {
     expect(await once).toBe("0 no_answer");
   });
 
-  it("goes on for as long as something comes of it, which shows that the network is there", async () => {
+  it("continues for as long as something comes of it, which shows that the network is there", async () => {
     const { request, clock, answers, alive } = setUp();
     const asked = fate(request("GET", "/a", undefined, REPEATED));
     answers[0]?.begin(200);

@@ -45,7 +45,7 @@ test("a refusal is one at once", async () => {
   expect(said.length).toBe(1);
 });
 
-test("after a minute without an answer nobody knows", async () => {
+test("after a minute without an answer no one knows", async () => {
   const { clock, answer } = setUp([lost]);
   const told = expect(answer).rejects.toThrow(/it is unknown/);
   for (let turn = 0; turn < 121; turn += 1) {

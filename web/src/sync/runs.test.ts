@@ -98,7 +98,7 @@ describe("the runs of the server", () => {
     expect(shown()).toEqual(["m-1 0"]);
   });
 
-  it("that nobody looks at any more are not watched for ever", () => {
+  it("that no one looks at any more are not watched for ever", () => {
     const { server, runs } = setUp((id) => id === "shown");
     const shown = runs.watch("shown");
     const left = Array.from({ length: 7 }, (_, number) => runs.watch(`r${number}`));

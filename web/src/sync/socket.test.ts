@@ -189,7 +189,7 @@ describe("the socket", () => {
     expect(wires.length).toBe(before + 1);
   });
 
-  it("stops dialling where it is not let in, until somebody logs in", async () => {
+  it("stops dialling where it is not let in, until someone logs in", async () => {
     const { clock, socket, wires, wire, welcome } = setUp("stranger");
     wire().news.closed("refused");
     clock.pass(0);
@@ -222,7 +222,7 @@ describe("the socket", () => {
     expect([socket.link.value.state, wires[0]?.isOpen]).toEqual(["up", false]);
   });
 
-  it("goes on with a connection that was only silent, and asks for nothing again", () => {
+  it("continues with a connection that was only silent, and asks for nothing again", () => {
     const { clock, socket, wires, welcome } = setUp();
     socket.follow(SILENT);
     const stop = socket.follow(SILENT);
@@ -337,7 +337,7 @@ describe("over a slow network", () => {
     `);
   });
 
-  it("connects at 6 s each way, farther than anybody is", () => {
+  it("connects at 6 s each way, farther than anyone is", () => {
     expect(slowly(6_000, 3, 5)).toMatchInlineSnapshot(`
       "1 s: connecting
       30 s: down

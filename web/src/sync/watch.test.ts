@@ -83,7 +83,7 @@ describe("the history of a run", () => {
     expect(watch.isCaughtUp.value).toBe(true);
   });
 
-  it("goes on when a run that was over is resumed", () => {
+  it("continues when a run that was over is resumed", () => {
     const { server, watch } = setUp();
     happen(server, 2);
     server.tell(2);
@@ -120,7 +120,7 @@ describe("the history of a run", () => {
     expect(watch.lack.value).toBe("it ends before event 7");
   });
 
-  it("is not asked for any more once nobody watches", () => {
+  it("is not asked for any more once no one watches", () => {
     const { server, clock, watch } = setUp();
     server.end("run_status", { code: "busy", message: "busy" });
     watch.close();
@@ -223,7 +223,7 @@ describe("a command", () => {
     expect((await sending).answer).toEqual({ answer: "refused", reason: "anna is in control" });
   });
 
-  it("that is refused after an answer was lost has a fate that nobody knows", async () => {
+  it("that is refused after an answer was lost has a fate that no one knows", async () => {
     const { server, clock, watch } = setUp();
     const sending = watch.command(PAUSE);
     server.first().refuse(0);
@@ -234,7 +234,7 @@ describe("a command", () => {
     expect((await sending).answer).toEqual({ answer: "lost", reason: "anna is in control" });
   });
 
-  it("is lost long after nobody could say what became of it", async () => {
+  it("is lost long after no one could say what became of it", async () => {
     const { server, clock, watch } = setUp();
     const sending = watch.command(PAUSE, 0);
     clock.pass(600_001);
@@ -340,7 +340,7 @@ describe("a moment", () => {
     expect(seen(watch)).toBe(null);
   });
 
-  it("with live values is asked for once a second, only while somebody wants it and something happens", async () => {
+  it("with live values is asked for once a second, only while someone wants it and something happens", async () => {
     const { server, clock, watch } = setUp();
     happen(server, 3);
     server.tell(3);

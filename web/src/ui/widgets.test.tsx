@@ -60,7 +60,7 @@ test("what was typed is committed when the field goes away", async () => {
   expect(commit.mock.calls).toEqual([["new"]]);
 });
 
-test("what somebody else makes of a text while it is typed is said, and only Enter overwrites it", async () => {
+test("what someone else makes of a text while it is typed is said, and only Enter overwrites it", async () => {
   const commit = vi.fn(() => null);
   const name = (value: string) => <TextField label="Name" value={value} onCommit={commit} />;
   const input = mount(name("old")).querySelector("input");
@@ -80,7 +80,7 @@ test("what somebody else makes of a text while it is typed is said, and only Ent
   expect(said()).toBeUndefined();
 });
 
-test("a text that would overwrite somebody else's goes with its field, and that is said", async () => {
+test("a text that would overwrite someone else's goes with its field, and that is said", async () => {
   const [commit, lost] = [vi.fn(() => null), vi.fn()];
   const name = (value: string) => (
     <LostTexts.Provider value={lost}>
@@ -97,7 +97,7 @@ test("a text that would overwrite somebody else's goes with its field, and that 
   ]);
 });
 
-test("what one's own Enter made of a text is nobody else's", async () => {
+test("what one's own Enter made of a text is no one else's", async () => {
   let answer = (_: null) => {};
   const commit = () => new Promise<null>((resolve) => (answer = resolve));
   const name = (value: string) => <TextField label="Name" value={value} onCommit={commit} />;
@@ -214,7 +214,7 @@ test("a cell is edited in place, and what is refused stays in it", async () => {
   ]);
 });
 
-test("a cell says, too, what somebody else makes of it meanwhile, and leaving it overwrites nothing", async () => {
+test("a cell says, too, what someone else makes of it meanwhile, and leaving it overwrites nothing", async () => {
   const commit = vi.fn(() => null);
   const table = (name: string) => (
     <Table
@@ -271,7 +271,7 @@ test("a row that was just added is edited at once, in its first cell that can be
   expect(input()).toBeNull();
 });
 
-test("Tab goes on to the next cell while the key is still down, but not from what is refused or asked", async () => {
+test("Tab continues to the next cell while the key is still down, but not from what is refused or asked", async () => {
   const answers: Record<string, Commit> = {
     later: new Promise<null>(() => {}),
     bad: "No.",

@@ -111,7 +111,7 @@ test("by keyboard targets are chosen one after the other", () => {
   expect(canvas.isClear()).toBe(true);
 });
 
-test("begun by keyboard it goes on by pointer: clicks set waypoints, and the last one connects", () => {
+test("begun by keyboard it continues by pointer: clicks set waypoints, and the last one connects", () => {
   const canvas = driver().select("outcome:R/A:1");
   canvas.controller.connect();
   canvas.hover({ x: 300, y: 300 }).click({ x: 300, y: 300 }).hover("C.income").click("C.income");

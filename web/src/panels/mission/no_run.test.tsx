@@ -12,7 +12,7 @@ afterEach(() => {
   vi.useRealTimers();
 });
 
-test("in the list of missions a run that goes on lasts until now by the server's clock, one that is over as long as it took", async () => {
+test("in the list of missions a run in progress lasts until now by the server's clock, one that is over as long as it took", async () => {
   vi.setSystemTime(STARTED_MS + 80_000);
   const runs = [runLine("live", "live-1"), runLine("finished", "over-1")];
   const place = shown(<NoRun />, { runs, ahead_ms: 5_000 });

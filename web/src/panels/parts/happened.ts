@@ -2,13 +2,14 @@
 
 import type { Event } from "../../model/generated/protocol.ts";
 import { idOf, lineage } from "../../model/path.ts";
+import { perOwner } from "../../model/per_owner.ts";
 import type { MachineSession } from "../../store/document/machine_session.ts";
 import type { Happening } from "../../store/history/journal.ts";
 
 export type NameOf = (path: string) => string;
 
 /** Libraries whose content was asked for, for the names in it. */
-const ASKED = new WeakMap<MachineSession, Set<string>>();
+const askedOf = perOwner((_session: MachineSession) => new Set<string>());
 
 /** Names of states of a machine; the id of one that the machine has no more. What lies in a library is asked for, and has its name when
  * it is here. */
@@ -25,8 +26,7 @@ function askFor(session: MachineSession, path: string): void {
     (outer) => session.machine.state(outer)?.kind === "library",
   );
   if (library === undefined) return;
-  const asked = ASKED.get(session) ?? new Set();
-  ASKED.set(session, asked);
+  const asked = askedOf(session);
   if (asked.has(library)) return;
   asked.add(library);
   void session.loadLibrary(library);

@@ -1,8 +1,9 @@
 /** Where the run that is shown parts from the one that it is compared with: asked for when that is chosen, and once more when the run
  * is over. */
 
-import { type Signal, signal } from "@preact/signals-core";
+import { signal } from "@preact/signals-core";
 import type { Comparison } from "../../model/generated/protocol.ts";
+import { perOwner } from "../../model/per_owner.ts";
 import { comparedRun } from "../../store/history/compared_run.ts";
 import type { Watch } from "../../store/history/run.ts";
 import type { Page } from "../../store/page/page.ts";
@@ -16,17 +17,8 @@ export interface Compared {
   readonly refusal: string | null;
 }
 
-const OF = new WeakMap<Watch, Signal<Compared | null>>();
-
 /** What the comparison says that was chosen for a run; null if none is. */
-export function comparedOf(watch: Watch): Signal<Compared | null> {
-  let known = OF.get(watch);
-  if (!known) {
-    known = signal<Compared | null>(null);
-    OF.set(watch, known);
-  }
-  return known;
-}
+export const comparedOf = perOwner((_watch: Watch) => signal<Compared | null>(null));
 
 /** Asks the server anew. */
 export async function compareNow(page: Page, watch: Watch): Promise<void> {

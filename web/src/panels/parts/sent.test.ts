@@ -44,7 +44,7 @@ test("what was not carried out stays until it was seen", () => {
   expect(line({ answer: "expired" }, 60_000, ["1"])).toBe(undefined);
 });
 
-test("an answer that came after that of somebody else says who has answered", () => {
+test("an answer that came after that of someone else says who has answered", () => {
   const command = { type: "answer_question", question: 4, value: { button: 0 } } as const;
   const answer = { answer: "refused", reason: "bob holds control of this run" } as const;
   const times = { sent_ms: NOW_MS, expiry_ms: NOW_MS, answered_ms: NOW_MS };

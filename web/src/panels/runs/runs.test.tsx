@@ -7,7 +7,7 @@ import { Runs } from "./runs.tsx";
 
 afterEach(unmount);
 
-test("the list of runs tells no length of a run that goes on, as it would not grow", () => {
+test("the list of runs tells no length of a run in progress, as it would not grow", () => {
   const runs = [runLine("live", "live-1"), runLine("finished", "over-1")];
   const place = shown(<Runs />, { runs });
   const texts = [...place.querySelectorAll(".runs-when")].map((when) => when.textContent ?? "");

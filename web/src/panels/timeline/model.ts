@@ -2,6 +2,7 @@
  * is at. Belongs to the run as this page watches it. */
 
 import { type Signal, signal } from "@preact/signals-core";
+import { perOwner } from "../../model/per_owner.ts";
 import { type Calls, callsOf, NONE } from "../../store/history/calls.ts";
 import { JournalHits } from "../../store/history/journal_hits.ts";
 import { lanesOf } from "../../store/history/lanes.ts";
@@ -145,13 +146,6 @@ export class TimelineModel {
   }
 }
 
-const OF = new WeakMap<Watch, TimelineModel>();
-
-export function timelineOf(page: Pick<Page, "server">, watch: Watch): TimelineModel {
-  let model = OF.get(watch);
-  if (!model) {
-    model = new TimelineModel(page, watch);
-    OF.set(watch, model);
-  }
-  return model;
-}
+export const timelineOf = perOwner(
+  (watch: Watch, page: Pick<Page, "server">) => new TimelineModel(page, watch),
+);

@@ -3,7 +3,7 @@ import { fitted, panned, spanOf, ticks, withTime, zoomed } from "./span.ts";
 
 const END = 100e9;
 
-test("all shows until somebody zooms, and all again when there is no more", () => {
+test("all shows until someone zooms, and all again when there is no more", () => {
   expect(spanOf(null, END)).toEqual({ from_ns: 0, to_ns: 102e9 });
   const closer = zoomed(spanOf(null, END), 0.5, 20e9, END);
   const { from_ns, to_ns } = spanOf(closer, END);

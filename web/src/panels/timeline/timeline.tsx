@@ -49,7 +49,7 @@ function OfTab({ tab }: { readonly tab: OpenTab }) {
   const watch = useSignal(tab.run);
   const { page } = useHost().context();
   if (!watch) return <NoRun what="Its states appear here over time, one lane per branch." />;
-  return <OfRun key={watch.id} tab={tab} watch={watch} model={timelineOf(page, watch)} />;
+  return <OfRun key={watch.id} tab={tab} watch={watch} model={timelineOf(watch, page)} />;
 }
 
 interface TimelineProps {
@@ -211,7 +211,7 @@ function Chart({ tab, watch, model }: TimelineProps) {
       tab,
       model,
       parted_ns: () => partedAt(watch),
-      gaps: () => gapsOf(page, watch).value,
+      gaps: () => gapsOf(watch, page).value,
     });
   }, [tab, model, page, watch]);
   const { when, what } = useMoment(tab, watch);

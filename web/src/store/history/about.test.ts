@@ -4,7 +4,7 @@ import { callAbout } from "./about.ts";
 import { Calls } from "./calls.ts";
 import { Journal } from "./journal.ts";
 
-test("an event is about the call that begins or ends by it, whatever goes on beside it", () => {
+test("an event is about the call that begins or ends by it, whatever continues beside it", () => {
   const journal = new Journal();
   const told = events(`> R
     > R/A

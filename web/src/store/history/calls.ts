@@ -3,6 +3,7 @@
 
 import type { Outcome } from "../../model/generated/protocol.ts";
 import { parentOf } from "../../model/path.ts";
+import { perOwner } from "../../model/per_owner.ts";
 import { NumberColumn } from "./column.ts";
 import { ENTERED, type Journal, LEFT } from "./journal.ts";
 
@@ -250,15 +251,11 @@ function listOf(lists: Map<number, number[]>, key: number): number[] {
   return list;
 }
 
-const OF = new WeakMap<Journal, Calls>();
+const knownCalls = perOwner((journal: Journal) => new Calls(journal));
 
 /** The calls of a journal, as far as it goes now. */
 export function callsOf(journal: Journal): Calls {
-  let calls = OF.get(journal);
-  if (!calls) {
-    calls = new Calls(journal);
-    OF.set(journal, calls);
-  }
+  const calls = knownCalls(journal);
   calls.follow();
   return calls;
 }

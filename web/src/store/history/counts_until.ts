@@ -1,5 +1,6 @@
 /** How often and how long states had run until an event: walks only the way from the event that was asked for last. */
 
+import { perOwner } from "../../model/per_owner.ts";
 import { ENTERED, type Journal, LEFT } from "./journal.ts";
 import { type CallLengths, lengthsOf } from "./lengths.ts";
 
@@ -12,12 +13,9 @@ export interface CountUntil {
 
 type CountUntilDraft = { -readonly [K in keyof CountUntil]: CountUntil[K] };
 
-const KNOWN = new WeakMap<Journal, CountsUntil>();
-
 /** The counts before the event with this index. They hold until somebody asks for others. */
 export function countsUntil(journal: Journal, index: number): CountsUntil {
-  const known = KNOWN.get(journal) ?? new CountsUntil(journal);
-  KNOWN.set(journal, known);
+  const known = countsOf(journal);
   known.to(index);
   return known;
 }
@@ -68,3 +66,5 @@ class CountsUntil {
     return count;
   }
 }
+
+const countsOf = perOwner((journal: Journal) => new CountsUntil(journal));

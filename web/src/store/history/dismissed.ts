@@ -1,16 +1,11 @@
 /** Commands without effect whose fate the user has seen, by run: they are not shown again. */
 
-import { type Signal, signal } from "@preact/signals-core";
+import { signal } from "@preact/signals-core";
+import { perOwner } from "../../model/per_owner.ts";
 import type { Watch } from "./run.ts";
 
-const SEEN = new WeakMap<Watch, Signal<ReadonlySet<string>>>();
-
 /** Ids of commands. */
-export function dismissed(watch: Watch): Signal<ReadonlySet<string>> {
-  const known = SEEN.get(watch) ?? signal<ReadonlySet<string>>(new Set());
-  SEEN.set(watch, known);
-  return known;
-}
+export const dismissed = perOwner((_watch: Watch) => signal<ReadonlySet<string>>(new Set()));
 
 export function dismiss(watch: Watch, id: string): void {
   const seen = dismissed(watch);

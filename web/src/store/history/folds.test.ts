@@ -26,7 +26,7 @@ test("what repeats is a loop with its count", () => {
   expect(folded("ABC")).toBe("A B C");
 });
 
-test("a round that goes on belongs to its loop, until it turns out to be another", () => {
+test("a round that continues belongs to its loop, until it turns out to be another", () => {
   expect(folded("ABCABCAB")).toBe(`ABC×${8 / 3}`);
   expect(folded("ABCABCABX")).toBe("ABC×2 A B X");
 });

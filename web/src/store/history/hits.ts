@@ -2,6 +2,7 @@
 
 import { computed, type ReadonlySignal } from "@preact/signals-core";
 import type { Event } from "../../model/generated/protocol.ts";
+import { perOwner } from "../../model/per_owner.ts";
 import type { Watch } from "./run.ts";
 
 interface Tally {
@@ -10,21 +11,18 @@ interface Tally {
   readonly hits: Map<number, number>;
 }
 
-const KNOWN = new WeakMap<Watch, ReadonlySignal<ReadonlyMap<number, number>>>();
+const hitsSignal = perOwner((watch: Watch): ReadonlySignal<ReadonlyMap<number, number>> => {
+  const tally: Tally = { at: 0, hits: new Map() };
+  return computed(() => {
+    watch.journalVersion.value;
+    readOn(watch, tally);
+    return new Map(tally.hits);
+  });
+});
 
 /** Hits by the breakpoint's id. A signal's reader. */
 export function hitsOf(watch: Watch): ReadonlyMap<number, number> {
-  let known = KNOWN.get(watch);
-  if (!known) {
-    const tally: Tally = { at: 0, hits: new Map() };
-    known = computed(() => {
-      watch.journalVersion.value;
-      readOn(watch, tally);
-      return new Map(tally.hits);
-    });
-    KNOWN.set(watch, known);
-  }
-  return known.value;
+  return hitsSignal(watch).value;
 }
 
 function readOn({ journal }: Watch, tally: Tally): void {

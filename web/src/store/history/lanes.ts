@@ -3,6 +3,7 @@
  * lanes anew, so that the same events always give the same lanes. */
 
 import { ABORTED, PREEMPTED } from "../../model/machine.ts";
+import { perOwner } from "../../model/per_owner.ts";
 import type { Calls } from "./calls.ts";
 import { DROPPED, NONE, OPEN, TAKEN_BACK } from "./calls.ts";
 import { lowerBound } from "./column.ts";
@@ -187,15 +188,11 @@ function ordered(lanes: readonly Lane[]): readonly Lane[] {
   return below(null);
 }
 
-const OF = new WeakMap<Calls, RunLanes>();
+const knownRunLanes = perOwner((calls: Calls) => new RunLanes(calls));
 
 /** The lanes of a run, as far as it was told. */
 export function lanesOf(calls: Calls): RunLanes {
-  let lanes = OF.get(calls);
-  if (!lanes) {
-    lanes = new RunLanes(calls);
-    OF.set(calls, lanes);
-  }
+  const lanes = knownRunLanes(calls);
   lanes.follow();
   return lanes;
 }

@@ -1,15 +1,8 @@
 /** How long states had been active when they ended, by the end's index in the journal. Each event is read once. */
 
+import { perOwner } from "../../model/per_owner.ts";
 import { NumberColumn } from "./column.ts";
 import { ENTERED, type Journal, LEFT } from "./journal.ts";
-
-const KNOWN = new WeakMap<Journal, CallLengths>();
-
-export function lengthsOf(journal: Journal): CallLengths {
-  const known = KNOWN.get(journal) ?? new CallLengths(journal);
-  KNOWN.set(journal, known);
-  return known;
-}
 
 export class CallLengths {
   readonly #journal: Journal;
@@ -37,3 +30,5 @@ export class CallLengths {
     this.#lengths.push(kind === LEFT ? t_ns - (this.#entered[number] ?? 0) : 0);
   }
 }
+
+export const lengthsOf = perOwner((journal: Journal) => new CallLengths(journal));

@@ -54,7 +54,7 @@ test("one goes from entry to entry of a state, and to times", () => {
   expect(watch.playhead.value).toBe(4);
 });
 
-test("a run goes on from a moment by the next entry, else by what ran then", () => {
+test("a run continues from a moment by the next entry, else by what ran then", () => {
   const watch = watched();
   watch.playhead.value = 4;
   expect(entryToStartFrom(watch)).toBe(5);

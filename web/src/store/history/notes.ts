@@ -2,6 +2,7 @@
  * as it grows; of very many the oldest are not known any more. */
 
 import type { Event } from "../../model/generated/protocol.ts";
+import { perOwner } from "../../model/per_owner.ts";
 import { lowerBound } from "./column.ts";
 import { type Journal, OTHER } from "./journal.ts";
 
@@ -77,15 +78,11 @@ function kindOf(event: Event): NoteKind | null {
   }
 }
 
-const OF = new WeakMap<Journal, Notes>();
+const knownNotes = perOwner((journal: Journal) => new Notes(journal));
 
 /** The notes of a journal, as far as it goes now. */
 export function notesOf(journal: Journal): Notes {
-  let notes = OF.get(journal);
-  if (!notes) {
-    notes = new Notes(journal);
-    OF.set(journal, notes);
-  }
+  const notes = knownNotes(journal);
   notes.follow();
   return notes;
 }

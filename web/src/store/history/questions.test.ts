@@ -14,7 +14,7 @@ function closed(id: number, author: string): Event {
   return { type: "closed", id, how: "answered", answer: { button: 0 }, author };
 }
 
-test("a question is known from when it was asked until somebody answers it, and then by whom", () => {
+test("a question is known from when it was asked until someone answers it, and then by whom", () => {
   const journal = new Journal();
   const journalVersion = signal(0);
   const asked = askedQuestions({ journal, journalVersion });

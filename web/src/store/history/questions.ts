@@ -2,6 +2,7 @@
 
 import { computed, type ReadonlySignal } from "@preact/signals-core";
 import type { Closing, JsonValue, Question } from "../../model/generated/protocol.ts";
+import { perOwner } from "../../model/per_owner.ts";
 import { OTHER } from "./journal.ts";
 import type { Watch } from "./run.ts";
 
@@ -28,8 +29,6 @@ const CLOSED_MAX = 20;
 
 type QuestionsWatch = Pick<Watch, "journal" | "journalVersion">;
 
-const ALL = new WeakMap<QuestionsWatch, ReadonlySignal<AskedQuestions>>();
-
 /** The questions that wait for an answer now, whatever moment is shown: they are answered now. */
 export function openQuestions(watch: Pick<Watch, "now">): readonly Question[] {
   const now = watch.now.value;
@@ -37,17 +36,13 @@ export function openQuestions(watch: Pick<Watch, "now">): readonly Question[] {
 }
 
 /** When questions were asked and how they ended, found while the journal grows. */
-export function askedQuestions(watch: QuestionsWatch): ReadonlySignal<AskedQuestions> {
-  const there = ALL.get(watch);
-  if (there) return there;
+export const askedQuestions = perOwner((watch: QuestionsWatch): ReadonlySignal<AskedQuestions> => {
   const walker = new Walker();
-  const made = computed(() => {
+  return computed(() => {
     watch.journalVersion.value;
     return walker.found(watch.journal);
   });
-  ALL.set(watch, made);
-  return made;
-}
+});
 
 /** Who else answered a question; null while nobody is known to. A signal's reader. */
 export function answeredBy(watch: QuestionsWatch, question: number): string | null {

@@ -81,7 +81,7 @@ test("a long log loses its older half, and can have it again", () => {
   expect([texts().length, log.from, texts()[0]]).toEqual([21_000, 15_001, "1.6000"]);
 });
 
-test("older lines that somebody asked for stay until as many new ones have come", async () => {
+test("older lines that someone asked for stay until as many new ones have come", async () => {
   const { happen, get, log, texts } = setUp(1_000);
   for (let part = 0; part < 4; part += 1) {
     happen(...Array.from({ length: 8_000 }, (_, index) => line(`${part}.${index}`)));

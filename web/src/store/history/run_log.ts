@@ -1,6 +1,7 @@
 /** The log of a run, read from its journal as that grows; older lines than the journal has are asked for at the server. */
 
 import type { LogLevel, LogLine, LogPage, Stream } from "../../model/generated/protocol.ts";
+import { perOwner } from "../../model/per_owner.ts";
 import { OTHER } from "./journal.ts";
 import type { Runs, Watch } from "./run.ts";
 
@@ -105,11 +106,5 @@ function lineOf({ sequence, t_ns, path, level, stream, message }: LogLine): RunL
   return { sequence, t_ns, path, level, stream, message };
 }
 
-const LOGS = new WeakMap<Watch, RunLog>();
-
 /** The log of a run, the same for all who ask. */
-export function runLog(watch: Watch): RunLog {
-  const known = LOGS.get(watch) ?? new RunLog(watch);
-  LOGS.set(watch, known);
-  return known;
-}
+export const runLog = perOwner((watch: Watch) => new RunLog(watch));

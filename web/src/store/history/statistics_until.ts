@@ -2,6 +2,7 @@
  * moment. From one moment to the next only what ended between them is counted. */
 
 import type { Outcome, StateStatistics } from "../../model/generated/protocol.ts";
+import { perOwner } from "../../model/per_owner.ts";
 import { lowerBound } from "./column.ts";
 import { type Journal, LEFT } from "./journal.ts";
 import { lengthsOf } from "./lengths.ts";
@@ -9,14 +10,10 @@ import { lengthsOf } from "./lengths.ts";
 /** Without names: those are the machine's. */
 type StatisticsUntil = Omit<StateStatistics, "names">;
 
-const KNOWN = new WeakMap<Journal, StateEnds>();
-
 /** Of all states that had ended before the event with this index, in the order in which they first did. Rows that did not change are the
  * same objects. */
 export function statisticsUntil(journal: Journal, index: number): readonly StatisticsUntil[] {
-  const known = KNOWN.get(journal) ?? new StateEnds(journal);
-  KNOWN.set(journal, known);
-  return known.until(index);
+  return endsOf(journal).until(index);
 }
 
 class StateEnds {
@@ -136,3 +133,5 @@ function leaveOut(numbers: SortedLengths, count: number, some: SortedLengths): v
     else numbers[kept++] = number;
   }
 }
+
+const endsOf = perOwner((journal: Journal) => new StateEnds(journal));

@@ -1,5 +1,6 @@
 /** When each state was entered and left, by state: found without walking the journal again. Steps back are left out. */
 
+import { perOwner } from "../../model/per_owner.ts";
 import { lowerBound } from "./column.ts";
 import { ENTERED, type Journal, LEFT } from "./journal.ts";
 import type { Watch } from "./run.ts";
@@ -10,12 +11,8 @@ interface StateVisits {
   readonly left: number[];
 }
 
-const KNOWN = new WeakMap<Journal, Visits>();
-
 export function visitsOf({ journal }: Pick<Watch, "journal">): Visits {
-  const known = KNOWN.get(journal) ?? new Visits(journal);
-  KNOWN.set(journal, known);
-  return known;
+  return visitsIn(journal);
 }
 
 export class Visits {
@@ -72,3 +69,5 @@ export class Visits {
     }
   }
 }
+
+const visitsIn = perOwner((journal: Journal) => new Visits(journal));

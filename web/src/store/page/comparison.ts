@@ -5,6 +5,7 @@ import { batch, type ReadonlySignal, signal } from "@preact/signals-core";
 import { type Difference, differences, marksOf } from "../../model/difference.ts";
 import type { Document, MachineDocument } from "../../model/generated/protocol.ts";
 import type { Machine } from "../../model/machine.ts";
+import { perOwner } from "../../model/per_owner.ts";
 import { machineOf } from "../../model/plain.ts";
 import type { OpenTab } from "./page.ts";
 import { RefusalError, type Server } from "./server.ts";
@@ -33,17 +34,8 @@ export interface MachineComparison {
 /** Compared again when nothing has changed for so long. */
 const SETTLED_MS = 150;
 
-const COMPARISONS = new WeakMap<OpenTab, MachineComparison>();
-
 /** The one comparison of a tab. */
-export function comparisonOf(tab: OpenTab, server: Server): MachineComparison {
-  let comparison = COMPARISONS.get(tab);
-  if (!comparison) {
-    comparison = newComparison(tab, server);
-    COMPARISONS.set(tab, comparison);
-  }
-  return comparison;
-}
+export const comparisonOf = perOwner(newComparison);
 
 function newComparison(tab: OpenTab, server: Server): MachineComparison {
   const against = signal<Against | null>(null);

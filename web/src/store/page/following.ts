@@ -1,15 +1,7 @@
 /** Whether the canvas of a tab goes along with what runs. */
 
-import { type Signal, signal } from "@preact/signals-core";
+import { signal } from "@preact/signals-core";
+import { perOwner } from "../../model/per_owner.ts";
 import type { SessionView } from "./view.ts";
 
-const KNOWN = new WeakMap<SessionView, Signal<boolean>>();
-
-export function followedSignal(view: SessionView): Signal<boolean> {
-  let known = KNOWN.get(view);
-  if (!known) {
-    known = signal(false);
-    KNOWN.set(view, known);
-  }
-  return known;
-}
+export const followedSignal = perOwner((_view: SessionView) => signal(false));

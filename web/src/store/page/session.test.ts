@@ -31,7 +31,7 @@ describe("a session", () => {
     expect(view.modes.value.grid).toBe(true);
   });
 
-  it("lets the canvas choose where to look if nobody has chosen", () => {
+  it("lets the canvas choose where to look if no one has chosen", () => {
     const localStore = memoryStore();
     localStore.put("rafcon.session", { tabs: [{ file: FILE, camera: { x: 0, y: 0, scale: 1 } }] });
     expect(readSession(localStore)?.tabs[0]?.camera).toBe(FIRST_CAMERA);

@@ -134,7 +134,7 @@ test("deadlines, scripts that were cut off and crashes are told in words", () =>
   ]);
 });
 
-test("nothing new is the same list, so that nobody is drawn again", () => {
+test("nothing new is the same list, so that no one is drawn again", () => {
   const { watch, tell } = run("same");
   tell(left("R/A"));
   const before = failures(watch).value;

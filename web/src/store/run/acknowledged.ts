@@ -1,6 +1,7 @@
 /** Which failures of a run somebody has acknowledged, in this browser: kept in its storage by run. */
 
-import { computed, type ReadonlySignal, type Signal, signal } from "@preact/signals-core";
+import { computed, type ReadonlySignal, signal } from "@preact/signals-core";
+import { perOwner } from "../../model/per_owner.ts";
 import { Failures, type RunFailure } from "../history/failures.ts";
 import { openQuestions } from "../history/questions.ts";
 import type { Watch } from "../history/run.ts";
@@ -19,8 +20,6 @@ interface RunFailures {
   readonly acknowledged: ReadonlySignal<ReadonlySet<number>>;
   readonly open: ReadonlySignal<readonly RunFailure[]>;
 }
-
-const ALL = new WeakMap<FailuresWatch, RunFailures>();
 
 /** What wants acknowledgement, and what was acknowledged already; the oldest first. */
 export function failures(watch: FailuresWatch): ReadonlySignal<readonly RunFailure[]> {
@@ -58,41 +57,32 @@ export function acknowledge(
   localStore.put(KEY, Object.fromEntries(runs));
 }
 
-function about(watch: FailuresWatch, localStore: LocalStore = BROWSER_STORE): RunFailures {
-  const there = ALL.get(watch);
-  if (there) return there;
+const about = perOwner((watch: FailuresWatch, localStore?: LocalStore): RunFailures => {
   const walker = new Failures();
   const failures = computed(() => {
     watch.journalVersion.value;
     return walker.found(watch.journal);
   });
-  const known = knownIn(localStore);
+  const known = knownIn(localStore ?? BROWSER_STORE);
   const own = computed(() => known.value[watch.id]);
   const acknowledged = computed<ReadonlySet<number>>(() => new Set(own.value));
   const open = computed(() => {
     const done = acknowledged.value;
     return failures.value.filter(({ sequence }) => !done.has(sequence));
   });
-  const made = { failures, acknowledged, open };
-  ALL.set(watch, made);
-  return made;
-}
+  return { failures, acknowledged, open };
+});
 
 type ByRun = Readonly<Record<string, readonly number[]>>;
 
-const KNOWN = new WeakMap<LocalStore, Signal<ByRun>>();
-
 /** What was acknowledged of all runs, here and in the other tabs of the browser. */
-function knownIn(localStore: LocalStore): Signal<ByRun> {
-  const there = KNOWN.get(localStore);
-  if (there) return there;
+const knownIn = perOwner((localStore: LocalStore) => {
   const known = signal(readKept(localStore));
-  KNOWN.set(localStore, known);
   localStore.whenOther(KEY, () => {
     known.value = withMore(known.peek(), readKept(localStore));
   });
   return known;
-}
+});
 
 /** Both; the lists of runs that have nothing new stay the same. */
 function withMore(before: ByRun, more: ByRun): ByRun {

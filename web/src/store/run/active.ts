@@ -1,6 +1,6 @@
 /** What is active in a run at the moment that the page shows: of the latest truth while live, else of the picture of the moment. */
 
-import { computed, type ReadonlySignal } from "@preact/signals-core";
+import { computed } from "@preact/signals-core";
 import type {
   ActiveState,
   HeldBy,
@@ -13,6 +13,7 @@ import type {
   Snapshot,
 } from "../../model/generated/protocol.ts";
 import { parentOf } from "../../model/path.ts";
+import { perOwner } from "../../model/per_owner.ts";
 import { AN_ANSWER } from "../../model/run_words.ts";
 import type { Watch } from "../history/run.ts";
 
@@ -29,16 +30,11 @@ export interface Active {
   readonly held: readonly Hold[];
 }
 
-const KNOWN = new WeakMap<Watch, ReadonlySignal<readonly Active[]>>();
+const activeSignal = perOwner((watch: Watch) => computed(() => found(watch)));
 
 /** The active states, a parent before its children. A signal's reader. */
 export function activeStates(watch: Watch): readonly Active[] {
-  let known = KNOWN.get(watch);
-  if (!known) {
-    known = computed(() => found(watch));
-    KNOWN.set(watch, known);
-  }
-  return known.value;
+  return activeSignal(watch).value;
 }
 
 function found(watch: Watch): readonly Active[] {

@@ -50,7 +50,7 @@ test("what another tab of the browser does to them is told", () => {
   expect(mine.value).toEqual([]);
 });
 
-test("while a run goes on its breakpoints count, and new ones have a number that is free in both", () => {
+test("while a run continues its breakpoints count, and new ones have a number that is free in both", () => {
   const localStore = memoryStore();
   const tab = tabWith("drill", [newBreakpoint(4, "R/B")]);
   keptBreakpoints(tab, localStore).value = [newBreakpoint(6, "R/A")];

@@ -2,21 +2,21 @@
 
 import { type Signal, signal } from "@preact/signals-core";
 import type { Breakpoint } from "../../model/generated/protocol.ts";
+import { perOwner } from "../../model/per_owner.ts";
 import { BROWSER_STORE, type LocalStore } from "../local_store.ts";
 import type { OpenTab } from "../page/page.ts";
 import { fileOfTab, liveRun, snapshotOf } from "./running.ts";
 
 type KeptBreakpoints = Signal<readonly Breakpoint[]>;
 
-const KNOWN = new WeakMap<LocalStore, Map<string, KeptBreakpoints>>();
+const keptIn = perOwner((_localStore: LocalStore) => new Map<string, KeptBreakpoints>());
 
 /** What is kept for the next start of the machine of a tab. */
 export function keptBreakpoints(
   tab: OpenTab,
   localStore: LocalStore = BROWSER_STORE,
 ): KeptBreakpoints {
-  const known = KNOWN.get(localStore) ?? new Map<string, KeptBreakpoints>();
-  KNOWN.set(localStore, known);
+  const known = keptIn(localStore);
   const key = keyOf(tab);
   let kept = known.get(key);
   if (!kept) {

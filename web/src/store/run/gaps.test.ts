@@ -18,7 +18,7 @@ function watched(whenClosed: (stop: () => void) => void = () => {}) {
   const up = { ...UP, state: "up" } as unknown as Link;
   const link = signal<Link>(up);
   const now = signal<RunNow | null>(truth(100));
-  const gaps = gapsOf({ server: { link } }, { now, journal: new Journal(), whenClosed });
+  const gaps = gapsOf({ now, journal: new Journal(), whenClosed }, { server: { link } });
   return { link, now, gaps, up };
 }
 
@@ -58,7 +58,7 @@ test("what the journal was told counts, if it is later", () => {
   journal.add(told, 3);
   const now = signal<RunNow | null>(truth(0, "down"));
   const link = signal({ state: "up" } as unknown as Link);
-  expect(gapsOf({ server: { link } }, { now, journal, whenClosed: () => {} }).value).toEqual([
+  expect(gapsOf({ now, journal, whenClosed: () => {} }, { server: { link } }).value).toEqual([
     { from_ns: 2e6, to_ns: null },
   ]);
 });

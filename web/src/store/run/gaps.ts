@@ -3,6 +3,7 @@
 
 import { effect, type ReadonlySignal, signal } from "@preact/signals-core";
 import type { RunNow } from "../../model/generated/protocol.ts";
+import { perOwner } from "../../model/per_owner.ts";
 import type { Watch } from "../history/run.ts";
 import type { Page } from "../page/page.ts";
 
@@ -14,21 +15,14 @@ export interface Gap {
 }
 
 type Told = Pick<Watch, "now" | "journal" | "whenClosed">;
-
-const KNOWN = new WeakMap<Told, ReadonlySignal<readonly Gap[]>>();
+type LinkedPage = { readonly server: Pick<Page["server"], "link"> };
 
 /** So many are kept, the newest. */
 const GAPS_MAX = 200;
 
 /** The gaps since this was asked for first. A gap ends with the first truth that is told after it. */
-export function gapsOf(
-  page: { readonly server: Pick<Page["server"], "link"> },
-  watch: Told,
-): ReadonlySignal<readonly Gap[]> {
-  const known = KNOWN.get(watch);
-  if (known) return known;
+export const gapsOf = perOwner((watch: Told, page: LinkedPage): ReadonlySignal<readonly Gap[]> => {
   const gaps = signal<readonly Gap[]>([]);
-  KNOWN.set(watch, gaps);
   let before: RunNow | null = null;
   const stop = effect(() => {
     const now = watch.now.value;
@@ -46,7 +40,7 @@ export function gapsOf(
   });
   watch.whenClosed(stop);
   return gaps;
-}
+});
 
 /** How far the run had come when it was heard last. */
 function comeTo({ now, journal }: Pick<Told, "now" | "journal">): number {

@@ -35,6 +35,6 @@ test("a state at work is told when it takes longer than ever, of five times at l
   expect([longer(5, 2_500), longer(4, 9_000)]).toEqual(["", ""]);
 });
 
-test("nothing is told of what waits for somebody, or of a run that is not heard", () => {
+test("nothing is told of what waits for someone, or of a run that is not heard", () => {
   expect([longer(5, 9_000, "waiting"), longer(5, 9_000, "running", "silent")]).toEqual(["", ""]);
 });

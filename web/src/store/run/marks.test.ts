@@ -89,7 +89,7 @@ test("states that ended and transitions that were taken stay for a while", () =>
   );
 });
 
-test("a transition is not taken where the run went on elsewhere", () => {
+test("a transition is not taken where the run continued elsewhere", () => {
   const jump = told(recentPathOf(">R >R/A <R/A >R/C"));
   expect(jump).toBe(`1 ${START.replace("transition:", "")}\n0 R/A\n0 `);
   const stopped = told(recentPathOf(">R >R/A <R/A <R:-2"));

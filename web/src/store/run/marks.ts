@@ -12,6 +12,7 @@ import {
   transitionsOf,
 } from "../../model/machine.ts";
 import { idOf, parentOf } from "../../model/path.ts";
+import { perOwner } from "../../model/per_owner.ts";
 import type { MachineSession } from "../document/machine_session.ts";
 import { countsUntil } from "../history/counts_until.ts";
 import { isEnd, type RunFailure } from "../history/failures.ts";
@@ -81,15 +82,13 @@ const LOUDNESS: readonly MarkPhase[] = [
   "failed",
 ];
 
-const KNOWN = new WeakMap<Watch, WeakMap<MachineSession, ReadonlySignal<RunMarks>>>();
+const marksOf = perOwner((watch: Watch) =>
+  perOwner((session: MachineSession) => following(watch, session)),
+);
 
 /** The marks of a run on a machine. A signal's reader. */
 export function runMarks(watch: Watch, session: MachineSession): RunMarks {
-  const ofWatch = KNOWN.get(watch) ?? new WeakMap<MachineSession, ReadonlySignal<RunMarks>>();
-  KNOWN.set(watch, ofWatch);
-  const known = ofWatch.get(session) ?? following(watch, session);
-  ofWatch.set(session, known);
-  return known.value;
+  return marksOf(watch)(session).value;
 }
 
 function following(watch: Watch, session: MachineSession): ReadonlySignal<RunMarks> {

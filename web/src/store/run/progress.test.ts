@@ -40,7 +40,7 @@ function come({ phase = "live", playhead, heard_ms = NOW_MS }: Given): number {
   return progressAt({ server } as unknown as Page, watch as unknown as Watch, NOW_MS);
 }
 
-test("a run that goes on comes farther also while nothing happens, whatever moment is shown", () => {
+test("a run in progress comes farther also while nothing happens, whatever moment is shown", () => {
   expect(come({})).toBe(7_000);
   expect(come({ playhead: 1 })).toBe(7_000);
 });

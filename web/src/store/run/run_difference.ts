@@ -4,6 +4,7 @@ import { effect, type ReadonlySignal, signal } from "@preact/signals-core";
 import { differences } from "../../model/difference.ts";
 import type { Document } from "../../model/generated/protocol.ts";
 import type { Machine } from "../../model/machine.ts";
+import { perOwner } from "../../model/per_owner.ts";
 import { machineOf } from "../../model/plain.ts";
 import type { Runs, Watch } from "../history/run.ts";
 import type { OpenTab } from "../page/page.ts";
@@ -14,18 +15,13 @@ const SETTLED_MS = 300;
 /** What could not be had is asked for again after so long. */
 const AGAIN_MS = 2_000;
 
-const KNOWN = new WeakMap<OpenTab, WeakMap<Watch, ReadonlySignal<boolean>>>();
+const differencesOf = perOwner((tab: OpenTab) =>
+  perOwner((watch: Watch, runs: Runs) => followed(tab, watch, runs)),
+);
 
 /** One signal for a tab and a run; it is kept up only while somebody looks. */
 export function differsFromRun(tab: OpenTab, watch: Watch, runs: Runs): ReadonlySignal<boolean> {
-  const ofTab = KNOWN.get(tab) ?? new WeakMap<Watch, ReadonlySignal<boolean>>();
-  KNOWN.set(tab, ofTab);
-  let known = ofTab.get(watch);
-  if (!known) {
-    known = followed(tab, watch, runs);
-    ofTab.set(watch, known);
-  }
-  return known;
+  return differencesOf(tab)(watch, runs);
 }
 
 function followed({ session }: OpenTab, watch: Watch, runs: Runs): ReadonlySignal<boolean> {
@@ -85,13 +81,12 @@ function followed({ session }: OpenTab, watch: Watch, runs: Runs): ReadonlySigna
   return differs;
 }
 
-const ROOTS = new WeakMap<Watch, { at: number; root: string }>();
+const lastRoot = perOwner((_watch: Watch) => ({ at: 0, root: "" }));
 
 /** The machine that the run goes by now, as its journal says; empty: that of the start. */
 function rootOf(watch: Watch): string {
   watch.journalVersion.value;
-  const found = ROOTS.get(watch) ?? { at: 0, root: "" };
-  ROOTS.set(watch, found);
+  const found = lastRoot(watch);
   for (; found.at < watch.journal.length; found.at += 1) {
     const event = watch.journal.other(found.at);
     if (event?.type === "root") found.root = event.hash;
