@@ -15,7 +15,6 @@ import {
   ZoomIn,
   ZoomOut,
 } from "lucide-react";
-import { followedSignal } from "../store/page/following.ts";
 import type { OpenTab } from "../store/page/page.ts";
 import { IconButton } from "../ui/button.tsx";
 import { useComputed, useSignal } from "../ui/signals.ts";
@@ -60,7 +59,7 @@ export function CanvasTools({ tab }: { tab: OpenTab }) {
   );
   const watch = useSignal(tab.run);
   const heat = useSignal(tab.view.heat);
-  const follows = useSignal(followedSignal(tab.view));
+  const follows = useSignal(tab.view.follows);
   return (
     <>
       {watch && (

@@ -3,16 +3,13 @@
 import type { Box, Size } from "../model/geometry.ts";
 import { kept, localStoreOf } from "../store/local_store.ts";
 import type { OpenTab } from "../store/page/page.ts";
-import type { Camera, SessionView } from "../store/page/view.ts";
+import type { Camera } from "../store/page/view.ts";
 import { screenBox } from "./camera.ts";
 import type { InteractionController } from "./interaction.ts";
 import { filling } from "./looks.ts";
 
 /** What this tab of the browser keeps over reloads. */
 const TAB_STORE = localStoreOf(() => window.sessionStorage);
-
-/** Views whose camera has been set once, and how large their canvas was last: they keep it when that comes back. */
-const LOOKED = new WeakMap<SessionView, Size>();
 
 /** Sets the camera as soon as the place has a size, keeps the middle of the view or the whole machine in it when that changes, and
  * remembers the camera when the page is left. Returns the way to stop. */
@@ -27,19 +24,19 @@ export function firstLook(
   const sized = () => {
     const size = { width: root.clientWidth, height: root.clientHeight };
     if (size.width === 0 || size.height === 0) return;
-    const before = LOOKED.get(view);
+    const before = view.canvasSize.peek();
     const camera = before
       ? resized(view.camera.peek(), box(), before, size)
       : (remembered(key) ?? lookAtMachine(box(), size));
     if (!camera) return;
-    LOOKED.set(view, size);
+    view.canvasSize.value = size;
     view.camera.value = camera;
   };
   sized();
   const observer = new ResizeObserver(sized);
   observer.observe(root);
   const remember = () => {
-    if (LOOKED.has(view)) TAB_STORE.put(key, view.camera.peek());
+    if (view.canvasSize.peek()) TAB_STORE.put(key, view.camera.peek());
   };
   window.addEventListener("pagehide", remember);
   return () => {

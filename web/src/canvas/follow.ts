@@ -4,7 +4,6 @@
 import { effect } from "@preact/signals-core";
 import type { Box, Size } from "../model/geometry.ts";
 import { commonPath, parentOf } from "../model/path.ts";
-import { followedSignal } from "../store/page/following.ts";
 import type { OpenTab, Page } from "../store/page/page.ts";
 import type { Camera } from "../store/page/view.ts";
 import { activeStates, lanes, placeOfLane } from "../store/run/active.ts";
@@ -89,7 +88,7 @@ export function followRun(
   picture: CanvasPicture,
   flight: Flight,
 ): () => void {
-  const follows = followedSignal(view);
+  const follows = view.follows;
   let goal: Camera | null = null;
   let last: Camera = view.camera.peek();
   let size = picture.size();

@@ -2,7 +2,6 @@
 import { signal } from "@preact/signals-core";
 import { afterEach, beforeEach, expect, test, vi } from "vitest";
 import { dragged } from "../store/page/dragged.ts";
-import { followedSignal } from "../store/page/following.ts";
 import type { Page } from "../store/page/page.ts";
 import { FIRST_SETTINGS } from "../store/page/settings.ts";
 import { newView, select } from "../store/page/view.ts";
@@ -86,13 +85,13 @@ test("the whole machine is in view at first, and the camera comes back", () => {
 test("a canvas that comes back in another size has the same in its middle, and follows on", () => {
   const { view, mounted } = mounting();
   view.camera.value = { x: 100, y: 100, scale: 2 };
-  followedSignal(view).value = true;
+  view.follows.value = true;
   mounted.dispose();
   vi.spyOn(HTMLElement.prototype, "clientWidth", "get").mockReturnValue(SIZE.width / 2);
   const again = mount(view);
   open.push(again.mounted);
   expect(view.camera.value).toEqual({ x: 225, y: 100, scale: 2 });
-  expect(followedSignal(view).value).toBe(true);
+  expect(view.follows.value).toBe(true);
   expect(again.told).toEqual([]);
 });
 

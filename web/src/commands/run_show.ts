@@ -4,7 +4,6 @@ import type { RunSummary } from "../model/generated/protocol.ts";
 import { statusInWords, summaryStatusWords } from "../model/run_words.ts";
 import { comparedRun } from "../store/history/compared_run.ts";
 import { entryToStartFrom } from "../store/history/moments.ts";
-import { followedSignal } from "../store/page/following.ts";
 import { type OpenTab, type Page, runOf } from "../store/page/page.ts";
 import { wallTime } from "../store/page/times.ts";
 import { liveRun, runsOfTab } from "../store/run/running.ts";
@@ -52,10 +51,10 @@ export const RUN_SHOW: readonly UserCommand[] = [
     title: "Follow active states",
     detail: "Keeps the active states in view.",
     menu: "Run/7",
-    checked: ({ tab }) => tab !== null && followedSignal(tab.view).value,
+    checked: ({ tab }) => tab?.view.follows.value ?? false,
     refusal: ({ page }) => (runOf(page) ? null : NONE),
     run: ({ tab }) => {
-      if (tab) followedSignal(tab.view).value = !followedSignal(tab.view).peek();
+      if (tab) tab.view.follows.value = !tab.view.follows.peek();
     },
   },
   {

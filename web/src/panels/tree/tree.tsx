@@ -36,9 +36,6 @@ export function StateTree() {
   );
 }
 
-/** What is open in the trees of machines that are not in front. */
-const OPEN = new WeakMap<OpenTab, ReadonlySet<string>>();
-
 function OfTab({ tab }: { readonly tab: OpenTab }) {
   const host = useHost();
   const { machine } = tab.session;
@@ -106,15 +103,15 @@ function OfTab({ tab }: { readonly tab: OpenTab }) {
 
 /** What is open in the tree: what the user opened, and what stands around the selected states. */
 function useOpen(tab: OpenTab): [ReadonlySet<string>, (path: string, open: boolean) => void] {
-  const [open, setOpen] = useState(() => OPEN.get(tab) ?? new Set([tab.session.machine.root]));
+  const { openInTree } = tab.view;
+  const { root } = tab.session.machine;
+  const rootAlone = useMemo(() => new Set([root]), [root]);
+  const open = useSignal(openInTree) ?? rootAlone;
   const change = useCallback(
-    (next: (before: ReadonlySet<string>) => ReadonlySet<string>) =>
-      setOpen((before) => {
-        const now = next(before);
-        OPEN.set(tab, now);
-        return now;
-      }),
-    [tab],
+    (next: (before: ReadonlySet<string>) => ReadonlySet<string>) => {
+      openInTree.value = next(openInTree.peek() ?? rootAlone);
+    },
+    [openInTree, rootAlone],
   );
   const selection = useSignal(tab.view.selection);
   useEffect(() => {

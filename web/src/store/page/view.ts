@@ -2,6 +2,7 @@
 
 import { type Signal, signal } from "@preact/signals-core";
 import { type ElementKey, type ElementRef, elementOf, keyOf } from "../../model/element.ts";
+import type { Size } from "../../model/geometry.ts";
 import { parentOf } from "../../model/path.ts";
 
 /** What the screen shows: `scale` CSS pixels for one unit of the root, and the root's coordinates in the screen's left top corner. */
@@ -43,6 +44,12 @@ export interface SessionView {
   readonly heat: Signal<HeatMode>;
   /** Library states whose content is shown or hidden here, other than the file says. */
   readonly contents: Signal<ReadonlyMap<string, boolean>>;
+  /** Whether the camera follows what runs. */
+  readonly follows: Signal<boolean>;
+  /** The states that are open in the tree; null: the root alone. */
+  readonly openInTree: Signal<ReadonlySet<string> | null>;
+  /** How large the canvas was last, in CSS pixels; null before the camera was set once. */
+  readonly canvasSize: Signal<Size | null>;
 }
 
 export const MODES: ViewModes = {
@@ -63,6 +70,9 @@ export function newView(): SessionView {
     marks: signal<ReadonlyMap<ElementKey, Mark> | null>(null),
     heat: signal<HeatMode>("off"),
     contents: signal<ReadonlyMap<string, boolean>>(new Map()),
+    follows: signal(false),
+    openInTree: signal<ReadonlySet<string> | null>(null),
+    canvasSize: signal<Size | null>(null),
   };
 }
 
