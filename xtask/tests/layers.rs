@@ -10,8 +10,10 @@ use serde_json::Value;
 const TESTKIT: &str = "rafcon-testkit";
 
 /// Each package and the packages of this workspace that it may name, for building and for testing.
-const LAYERS: [(&str, &[&str]); 13] = [
+const LAYERS: [(&str, &[&str]); 14] = [
     ("rafcon-model", &[]),
+    // Bytes and numbers only.
+    ("rafcon-link", &[]),
     // For tests, benches and examples of all others ([`TESTKIT`]).
     (TESTKIT, &["rafcon-storage", "rafcon-engine", "rafcon-protocol", "rafcon-model"]),
     // Knows nothing but locks.

@@ -1,0 +1,307 @@
+//! Datagrams that only the other side can have made and that count once: authenticated, encrypted, without a handshake, so that the
+//! first datagram after a silence is as good as any other.
+//!
+//! The construction is that of CCSDS 355.0-B (space data link security) with the primitives of RFC 5869 and RFC 8439: one key for
+//! each direction and generation, derived by HKDF-SHA256 from a pairing key, and ChaCha20-Poly1305 with the header as nonce and as
+//! associated data.
+
+use crate::replay_window::ReplayWindow;
+use ring::aead::{Aad, CHACHA20_POLY1305, LessSafeKey, NONCE_LEN, Nonce, UnboundKey};
+use ring::hkdf::{HKDF_SHA256, Prk, Salt};
+use ring::rand::{SecureRandom as _, SystemRandom};
+use std::fmt;
+
+/// What a sealed datagram is longer than its payload: the header and the tag, in bytes.
+pub const OVERHEAD: usize = HEADER + TAG;
+
+const VERSION: u8 = 1;
+const HEADER: usize = 12;
+const TAG: usize = 16;
+/// Packet numbers have 48 bits.
+const NUMBERS: u64 = 1 << 48;
+const SALT: &[u8] = b"rafcon link 1";
+
+/// Which way a datagram goes. Each way has keys of its own, so that nothing can be sent back to its sender.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Direction {
+    /// From the robot to the station.
+    Down,
+    /// From the station to the robot.
+    Up,
+}
+
+impl Direction {
+    fn byte(self) -> u8 {
+        match self {
+            Self::Down => b'D',
+            Self::Up => b'U',
+        }
+    }
+}
+
+/// The secret that a robot and its stations share: 32 bytes by chance.
+#[derive(Clone, PartialEq, Eq)]
+pub struct PairingKey([u8; 32]);
+
+impl PairingKey {
+    /// A new one; nothing if the system gives no randomness.
+    pub fn generate() -> Option<Self> {
+        let mut bytes = [0; 32];
+        SystemRandom::new().fill(&mut bytes).ok()?;
+        Some(Self(bytes))
+    }
+
+    /// The key with these bytes.
+    pub fn from_bytes(bytes: [u8; 32]) -> Self {
+        Self(bytes)
+    }
+
+    /// Its bytes, for the file that keeps it.
+    pub fn bytes(&self) -> &[u8; 32] {
+        &self.0
+    }
+}
+
+impl fmt::Debug for PairingKey {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("PairingKey(..)")
+    }
+}
+
+/// Which of the pairing keys a datagram is sealed with: another one after each change of keys.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub struct KeyId(pub u8);
+
+/// The number of a sender's start. Each start has a higher one than all before, which has to be on the sender's disk, synced, before
+/// the first datagram is sealed: under one generation, no packet number may be used twice.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Generation(pub u32);
+
+impl Generation {
+    /// That of the next start; nothing after the last, when new keys are needed.
+    pub fn next(self) -> Option<Self> {
+        self.0.checked_add(1).map(Self)
+    }
+}
+
+/// What a receiver has received last, for its disk: after its restart, nothing up to here counts again.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Horizon {
+    /// The newest generation.
+    pub generation: Generation,
+    /// The newest packet number of that generation.
+    pub number: u64,
+}
+
+/// Why a datagram cannot be sealed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+pub enum SealError {
+    /// All packet numbers of this generation are used.
+    #[error("all packet numbers of this start are used: start again to have a new generation")]
+    NumbersUsed,
+}
+
+/// Why a datagram was rejected. Nothing was changed by it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+pub enum Rejected {
+    /// It is shorter than any datagram.
+    #[error("a datagram of {0} bytes is too short")]
+    TooShort(usize),
+    /// The other side speaks another version.
+    #[error(
+        "the other side speaks version {0} of the link, this one speaks {VERSION}: update the older side"
+    )]
+    Version(u8),
+    /// It is sealed with a key that is not known here.
+    #[error("a datagram is sealed with pairing key {}, which is not known here: pair the two sides again", .0.0)]
+    Key(KeyId),
+    /// The other side made it, in a generation before the newest one.
+    #[error(
+        "a datagram is of start {} of its sender, and start {} was heard already: it is an old one sent again, or the sender's disk \
+         was put back; pair the two sides again then", .was.0, .newest.0
+    )]
+    OldGeneration {
+        /// Its generation.
+        was: Generation,
+        /// The newest one.
+        newest: Generation,
+    },
+    /// It was received before, or is too far behind the newest to say.
+    #[error("datagram {0} was received before, or came too late to tell")]
+    Repeated(u64),
+    /// It was not sealed by the other side, or it was changed on its way.
+    #[error("a datagram was not made by the other side, or was changed on its way")]
+    Forged,
+}
+
+/// A datagram that was opened.
+#[derive(Debug, PartialEq, Eq)]
+pub struct Opened<'d> {
+    /// The start of its sender that it is of.
+    pub generation: Generation,
+    /// Its number in that generation.
+    pub number: u64,
+    /// What is in it.
+    pub payload: &'d [u8],
+}
+
+/// Seals what one side sends. One for each start of a program.
+#[derive(Debug)]
+pub struct Sealer {
+    key: LessSafeKey,
+    key_id: KeyId,
+    generation: Generation,
+    next: u64,
+}
+
+impl Sealer {
+    /// For what the robot of this name sends (`Down`), or is sent (`Up`). The generation has to be on disk already.
+    pub fn new(
+        (key_id, key): (KeyId, &PairingKey),
+        robot: &str,
+        direction: Direction,
+        generation: Generation,
+    ) -> Self {
+        let key = derived(key, robot, direction, generation);
+        Self { key, key_id, generation, next: 0 }
+    }
+
+    /// Writes the sealed datagram behind what is in `out`; answers its packet number.
+    pub fn seal(&mut self, payload: &[u8], out: &mut Vec<u8>) -> Result<u64, SealError> {
+        let number = self.next;
+        if number >= NUMBERS {
+            return Err(SealError::NumbersUsed);
+        }
+        let header = header(self.key_id, self.generation, number);
+        let start = out.len();
+        out.extend_from_slice(&header);
+        out.extend_from_slice(payload);
+        let (nonce, sealed) = (nonce(header), &mut out[start + HEADER..]);
+        let tag = self.key.seal_in_place_separate_tag(nonce, Aad::from(header), sealed);
+        let Ok(tag) = tag else {
+            // Only of gigabytes at once.
+            out.truncate(start);
+            return Err(SealError::NumbersUsed);
+        };
+        out.extend_from_slice(tag.as_ref());
+        self.next += 1;
+        Ok(number)
+    }
+}
+
+/// Opens what the other side has sealed: each datagram once, in any order.
+#[derive(Debug)]
+pub struct Opener {
+    key_id: KeyId,
+    pairing_key: PairingKey,
+    robot: String,
+    direction: Direction,
+    newest: Option<OpenedGeneration>,
+}
+
+#[derive(Debug)]
+struct OpenedGeneration {
+    generation: Generation,
+    key: LessSafeKey,
+    window: ReplayWindow,
+}
+
+impl Opener {
+    /// For what comes from the robot of this name (`Down`), or goes to it (`Up`). `heard` is what was received before this start, as
+    /// far as it is known.
+    pub fn new(
+        (key_id, key): (KeyId, &PairingKey),
+        robot: &str,
+        direction: Direction,
+        heard: Option<Horizon>,
+    ) -> Self {
+        let newest = heard.map(|Horizon { generation, number }| OpenedGeneration {
+            generation,
+            key: derived(key, robot, direction, generation),
+            window: ReplayWindow::after(number),
+        });
+        Self { key_id, pairing_key: key.clone(), robot: robot.to_owned(), direction, newest }
+    }
+
+    /// What was received last.
+    pub fn heard(&self) -> Option<Horizon> {
+        let newest = self.newest.as_ref()?;
+        Some(Horizon { generation: newest.generation, number: newest.window.newest()? })
+    }
+
+    /// Opens a datagram in its place.
+    pub fn open<'d>(&mut self, datagram: &'d mut [u8]) -> Result<Opened<'d>, Rejected> {
+        let length = datagram.len();
+        let (header, sealed) = datagram
+            .split_first_chunk_mut::<HEADER>()
+            .filter(|(_, sealed)| sealed.len() >= TAG)
+            .ok_or(Rejected::TooShort(length))?;
+        let (generation, number) = self.read(*header)?;
+        let newest = self.newest.as_ref().filter(|newest| newest.generation == generation);
+        if newest.is_some_and(|newest| !newest.window.is_new(number)) {
+            return Err(Rejected::Repeated(number));
+        }
+        let made = newest
+            .is_none()
+            .then(|| derived(&self.pairing_key, &self.robot, self.direction, generation));
+        let key = made.as_ref().or(newest.map(|newest| &newest.key)).ok_or(Rejected::Forged)?;
+        let aad = Aad::from(*header);
+        let payload =
+            key.open_in_place(nonce(*header), aad, sealed).map_err(|_forged| Rejected::Forged)?;
+        if let Some(newest) = self.newest.as_ref().filter(|newest| generation < newest.generation) {
+            return Err(Rejected::OldGeneration { was: generation, newest: newest.generation });
+        }
+        if let Some(key) = made {
+            self.newest = Some(OpenedGeneration { generation, key, window: ReplayWindow::new() });
+        }
+        if let Some(newest) = &mut self.newest {
+            newest.window.receive(number);
+        }
+        Ok(Opened { generation, number, payload })
+    }
+
+    /// The generation and packet number that a header claims.
+    fn read(&self, header: [u8; HEADER]) -> Result<(Generation, u64), Rejected> {
+        let [version, key, g0, g1, g2, g3, n0, n1, n2, n3, n4, n5] = header;
+        if version != VERSION {
+            return Err(Rejected::Version(version));
+        }
+        if KeyId(key) != self.key_id {
+            return Err(Rejected::Key(KeyId(key)));
+        }
+        let generation = Generation(u32::from_be_bytes([g0, g1, g2, g3]));
+        Ok((generation, u64::from_be_bytes([0, 0, n0, n1, n2, n3, n4, n5])))
+    }
+}
+
+fn header(KeyId(key): KeyId, generation: Generation, number: u64) -> [u8; HEADER] {
+    let [g0, g1, g2, g3] = generation.0.to_be_bytes();
+    let [_, _, n0, n1, n2, n3, n4, n5] = number.to_be_bytes();
+    [VERSION, key, g0, g1, g2, g3, n0, n1, n2, n3, n4, n5]
+}
+
+/// The header itself: under one key, no two datagrams have the same.
+fn nonce(header: [u8; HEADER]) -> Nonce {
+    const _: () = assert!(HEADER == NONCE_LEN, "a header is as long as a nonce");
+    Nonce::assume_unique_for_key(header)
+}
+
+/// The key of one direction and generation.
+fn derived(
+    key: &PairingKey,
+    robot: &str,
+    direction: Direction,
+    generation: Generation,
+) -> LessSafeKey {
+    let extracted: Prk = Salt::new(HKDF_SHA256, SALT).extract(&key.0);
+    let generation = generation.0.to_be_bytes();
+    let info = [&[direction.byte()], &generation[..], robot.as_bytes()];
+    match extracted.expand(&info, &CHACHA20_POLY1305) {
+        Ok(material) => LessSafeKey::new(UnboundKey::from(material)),
+        // Only of keys that are longer than 255 blocks.
+        Err(_too_long) => unreachable!("a key of 32 bytes is not too long"),
+    }
+}
+
+#[cfg(test)]
+mod tests;
