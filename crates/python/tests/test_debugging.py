@@ -98,13 +98,14 @@ class Conditions(Debugging):
 
 
 class Backward(Debugging):
-    def walk(self, root, commands):
-        """Steps through a held machine; returns what scripts printed, step by step, up to the last command."""
+    def walk(self, root, commands, branches=1):
+        """Steps through a held machine, back with so many branches at once; returns what scripts printed, step by step, up to
+        the last command."""
         runner = self.start(root, hold=True)
         self.held(runner)
         for name in commands:
             self.command(runner, name)
-            if name.startswith("step"):
+            for _ in range(branches if name == "step_back" else 1):
                 self.held(runner)
         self.command(runner, "resume")
         return runner.finish()
@@ -125,7 +126,7 @@ class Backward(Debugging):
     def test_through_a_barrier(self):
         decider = script("def execute(self, i, o, g):\n    print('decided')\n    return 0\n", decider=True)
         barrier = container("barrier", steps("X", "Y") + [decider], [(decider["id"], 0, 0)], id="I")
-        result = self.walk(sequence(barrier, *steps("B")), ["step_over", "step_back"])
+        result = self.walk(sequence(barrier, *steps("B")), ["step_over", "step_back"], branches=2)
         printed = result.logged("stdout")
         self.assertEqual((sorted(printed[:2]), printed[2]), (["+x False", "+y False"], "decided"))
         self.assertEqual(sorted(printed[3:5]), ["-x True", "-y True"])

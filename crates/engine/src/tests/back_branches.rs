@@ -34,6 +34,98 @@ hierarchy ROOT
 ";
 
 #[test]
+fn a_resume_during_a_step_back_lets_every_branch_continue() {
+    check(
+        BRANCHES,
+        "start hold; step over; F/A ok; F/B ok; G/A ok; G/B ok; S ok; unique_decider_state_id ok; step back; step back; F/B ok; resume; S ok; G/B ok; active",
+        &expect![[r"
+            > start hold
+            enter ROOT
+            hold ROOT before ROOT/C (Start)
+            > step over
+            enter ROOT/C
+            enter ROOT/C/F
+            enter ROOT/C/F/A
+            enter ROOT/C/G
+            enter ROOT/C/G/A
+            enter ROOT/C/S
+              fork 1
+              run ROOT/C/F/A on 1
+              fork 2
+              run ROOT/C/G/A on 2
+              fork 3
+              run ROOT/C/S on 3
+            > F/A ok
+            leave ROOT/C/F/A ok
+            enter ROOT/C/F/B
+              run ROOT/C/F/B on 1
+            > F/B ok
+            leave ROOT/C/F/B ok
+            leave ROOT/C/F ok
+              end 1
+            > G/A ok
+            leave ROOT/C/G/A ok
+            enter ROOT/C/G/B
+              run ROOT/C/G/B on 2
+            > G/B ok
+            leave ROOT/C/G/B ok
+            leave ROOT/C/G ok
+              end 2
+            > S ok
+            leave ROOT/C/S ok
+            enter ROOT/C/unique_decider_state_id
+              end 3
+              run ROOT/C/unique_decider_state_id [F ok] [G ok] [S ok]
+            > unique_decider_state_id ok
+            leave ROOT/C/unique_decider_state_id ok
+            leave ROOT/C done
+            hold ROOT before ROOT/Z (Step)
+            > step back
+            enter back 2 ROOT/C
+            enter back 3 ROOT/C/F
+            hold ROOT/C/F (Step)
+            enter back 5 ROOT/C/G
+            hold ROOT/C/G (Step)
+            enter back 7 ROOT/C/S
+              fork 3
+              fork 2
+              fork 1
+              undo ROOT/C/S on 1
+            > step back
+            enter back 8 ROOT/C/F/B
+            enter back 9 ROOT/C/G/B
+              undo ROOT/C/F/B on 3
+              undo ROOT/C/G/B on 2
+            > F/B ok
+            leave back 8 ROOT/C/F/B ok
+            hold ROOT/C/F before ROOT/C/F/B (Step)
+            > resume
+            enter ROOT/C/F/B
+              run ROOT/C/F/B on 3
+            > S ok
+            leave back 7 ROOT/C/S ok
+            hold ROOT/C before ROOT/C/S (Start)
+            enter ROOT/C/S
+              run ROOT/C/S on 1
+            > G/B ok
+            leave back 9 ROOT/C/G/B ok
+            hold ROOT/C/G before ROOT/C/G/B (Step)
+            enter ROOT/C/G/B
+              run ROOT/C/G/B on 2
+            > active
+            ROOT Inside
+            ROOT/C Inside
+            ROOT/C/F Inside
+            ROOT/C/F/B Script
+            ROOT/C/G Inside
+            ROOT/C/G/B Script
+            ROOT/C/S Script
+            Running, 13 states run
+        "]],
+    );
+}
+
+#[test]
 fn branches_step_back_to_their_own_starts() {
     check(
         BRANCHES,

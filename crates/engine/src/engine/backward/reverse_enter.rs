@@ -145,7 +145,7 @@ impl<'s, D: Datum> Step<'s, D> {
         }
         for child in never {
             let branch = self.fork_stepping();
-            self.hold(StopPoint::before(slot, child), branch, HeldBy::Start);
+            self.hold_back(StopPoint::before(slot, child), branch, HeldBy::Start);
         }
         self.branches_back(slot, &ran);
     }
@@ -170,7 +170,9 @@ impl<'s, D: Datum> Step<'s, D> {
             self.run.branches.set(branch, true);
             match self.take_end(slot, child) {
                 Some(run) if run.entry > 0 => self.enter_back((slot, child), run, branch),
-                Some(_) | None => self.hold(StopPoint::before(slot, child), branch, HeldBy::Start),
+                Some(_) | None => {
+                    self.hold_back(StopPoint::before(slot, child), branch, HeldBy::Start);
+                }
             }
         }
         self.rebase(slot, *kind, inside);
@@ -258,10 +260,10 @@ impl<'s, D: Datum> Step<'s, D> {
         let child = self.view().upcoming(slot).unwrap_or(NONE);
         match at_start {
             true if self.view().is_outermost(slot) => {
-                self.hold(StopPoint::before(slot, child), branch, HeldBy::Start);
+                self.hold_back(StopPoint::before(slot, child), branch, HeldBy::Start);
             }
             true => self.leave_back_later(slot),
-            false => self.hold(StopPoint::before(slot, child), branch, HeldBy::Step),
+            false => self.hold_back(StopPoint::before(slot, child), branch, HeldBy::Step),
         }
     }
 

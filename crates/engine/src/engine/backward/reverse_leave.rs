@@ -3,7 +3,7 @@
 use crate::engine::Status;
 use crate::engine::state::frames::NONE;
 use crate::engine::state::phase::{Cause, Phase};
-use crate::engine::state::step::{Step, View};
+use crate::engine::state::step::{Step, View, Work};
 use crate::engine::state::suspended::{StopPoint, SuspendedBranch};
 use crate::engine::state::undo_log::ReplacedValues;
 use crate::program::{Body, Concurrency, Inside};
@@ -38,9 +38,9 @@ impl<D: Datum> Step<'_, D> {
         match self.view().body(slot) {
             Body::Hierarchy(_) => {
                 let child = self.view().upcoming(slot).unwrap_or(NONE);
-                self.hold(StopPoint::before(slot, child), branch, HeldBy::Start);
+                self.hold_back(StopPoint::before(slot, child), branch, HeldBy::Start);
             }
-            Body::Library(_) => self.hold(StopPoint::before(slot, 0), branch, HeldBy::Start),
+            Body::Library(_) => self.hold_back(StopPoint::before(slot, 0), branch, HeldBy::Start),
             Body::Concurrency(kind, _) => self.stand_without_branches(slot, *kind),
             Body::Script => {}
         }
@@ -54,8 +54,16 @@ impl<D: Datum> Step<'_, D> {
             Concurrency::Preemptive => self.wait(slot, WaitReason::NoChildren),
             Concurrency::Barrier(decider) => {
                 let spot = StopPoint::before(slot, decider.unwrap_or(NONE));
-                self.hold(spot, frame.branch, HeldBy::Start);
+                self.hold_back(spot, frame.branch, HeldBy::Start);
             }
+        }
+    }
+
+    /// Holds a branch where a step back has brought it. One that was resumed meanwhile goes past that spot.
+    pub(in crate::engine) fn hold_back(&mut self, spot: StopPoint, branch: BranchId, by: HeldBy) {
+        self.hold(spot, branch, by);
+        if !self.run.branches.steps(branch) {
+            self.run.work.push(Work::Pass(self.run.control.newest()));
         }
     }
 
@@ -142,7 +150,7 @@ impl<D: Datum> Step<'_, D> {
         if self.view().goes_on(slot) {
             return self.branch_never_begins(slot, branch);
         }
-        self.hold(StopPoint::before(slot, child), branch, HeldBy::Start);
+        self.hold_back(StopPoint::before(slot, child), branch, HeldBy::Start);
         if self.view().all_at_start(slot) && !self.view().is_outermost(slot) {
             self.leave_back_later(slot);
         }

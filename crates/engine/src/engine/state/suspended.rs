@@ -164,6 +164,11 @@ impl<D: Datum> Control<D> {
         self.holds.push(SuspendedBranch { id: self.next_hold, spot, branch, why });
     }
 
+    /// The number of the hold that was put here last.
+    pub(in crate::engine) fn newest(&self) -> u64 {
+        self.next_hold
+    }
+
     pub(in crate::engine) fn next_check(&mut self) -> u64 {
         self.next_check += 1;
         self.next_check
