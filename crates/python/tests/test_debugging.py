@@ -34,15 +34,23 @@ class Debugging(unittest.TestCase):
         self.folder = pathlib.Path(folder.name)
 
     def start(self, root, **launch):
+        self.looked_at = 0
         return Runner(save(self.folder / "machine", root), **launch)
 
     def held(self, runner, path=None):
-        """Reads until a branch is held (in this container), and returns what is next there."""
-        found = runner.read_event(lambda event: event["type"] == "held" and path in (None, event["path"]))
-        return found and (found["next"], found["by"]["type"])
+        """Reads until a branch is held (in this container) after the last command, and returns what is next there. That may have
+        come before the command's answer."""
+        while True:
+            for message in runner.messages[self.looked_at :]:
+                self.looked_at += 1
+                event = message.get("event", {})
+                if event.get("type") == "held" and path in (None, event["path"]):
+                    return event["next"], event["by"]["type"]
+            assert runner.read(lambda message: True), "the talk ended before a branch was held"
 
     def command(self, runner, name, **fields):
         """Gives a command and reads its answer."""
+        self.looked_at = len(runner.messages)
         self.count = getattr(self, "count", 0) + 1
         sent = {"message": "command", "id": "c%d" % self.count, "command": {"type": name, **fields}}
         runner.send(sent)
