@@ -1,5 +1,5 @@
-//! Writes the list of the files of the built page, which a release build carries in itself, packed. Knows where `cargo xtask web`
-//! puts them. A debug build reads the folder when it is asked, so that it carries none.
+//! Writes the list of the files of the built page, which a release build embeds in compressed form. Knows where `cargo xtask
+//! web` puts them. A debug build reads the folder at run time, so it embeds none.
 
 use flate2::{Compression, write::GzEncoder};
 use std::error::Error;
@@ -17,12 +17,13 @@ fn main() -> Result<(), Box<dyn Error>> {
     println!("cargo:rerun-if-changed=build.rs");
     let mut list = String::from("&[\n");
     if is_release {
-        // A folder that is not there would make cargo build this crate again each time: the one around it tells when it comes.
+        // Cargo would rebuild this crate each time if it watched a folder that does not exist, so it watches the parent
+        // folder.
         let watched = if page.is_dir() { &page } else { &web };
         println!("cargo:rerun-if-changed={}", watched.display());
         for file in files(&page)? {
             let name = file.strip_prefix(&page)?.to_string_lossy().replace('\\', "/");
-            // A copy: the page may be built anew before the compiler reads it.
+            // A copy: the page may be rebuilt before the compiler reads it.
             let copy = out.join("page").join(&name);
             fs::create_dir_all(copy.parent().unwrap_or(&out))?;
             let plain = fs::read(&file)?;
@@ -37,14 +38,14 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(fs::write(out.join("page.rs"), list)?)
 }
 
-/// Once, as small as it gets: fonts and pictures are packed already.
+/// Compressed once, as small as possible: fonts and pictures are compressed already.
 fn packed(plain: &[u8]) -> std::io::Result<Vec<u8>> {
     let mut packer = GzEncoder::new(Vec::new(), Compression::best());
     packer.write_all(plain)?;
     packer.finish()
 }
 
-/// All files below a folder, by name; none if it is not there.
+/// All files below a folder, by name; none if the folder does not exist.
 fn files(folder: &Path) -> std::io::Result<Vec<PathBuf>> {
     if !folder.is_dir() {
         return Ok(Vec::new());

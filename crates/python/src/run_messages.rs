@@ -1,5 +1,5 @@
-//! `rafcon._native.RunMessages`: what a runner says to the program around it, read from its frames. Knows their encoding; must
-//! never know what a message leads to.
+//! `rafcon._native.RunMessages`: what a runner says to the program around it, read from its frames. Knows their encoding; does
+//! not know what a message leads to.
 
 use parking_lot::Mutex;
 use pyo3::exceptions::PyValueError;

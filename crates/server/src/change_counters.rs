@@ -1,5 +1,5 @@
-//! That something is different now: three counters that whoever waits is woken by. Knows no more than that; what is
-//! different is asked of whoever owns it.
+//! That something has changed: three counters that wake those who wait for them. Knows no more than that; the owner of the
+//! changed thing is asked for the rest.
 
 use rafcon_supervisor::clock;
 use tokio::sync::watch;
@@ -14,34 +14,34 @@ pub(crate) struct ChangeCounters {
 
 impl Default for ChangeCounters {
     fn default() -> Self {
-        // Clients ask for files again when this is another number: it must be, of another server.
+        // Clients request files again when this number changes: another server must have another one.
         let files = watch::Sender::new(clock::since_1970_ms());
         Self { files, machines: watch::Sender::default(), runs: watch::Sender::default() }
     }
 }
 
 impl ChangeCounters {
-    /// A file of a project or a library is different.
+    /// A file of a project or a library has changed.
     pub(crate) fn files(&self) {
         count(&self.files);
     }
 
-    /// An open machine is different: opened, edited, saved, closed, looked at.
+    /// An open machine has changed: opened, edited, saved, closed, or viewed by others.
     pub(crate) fn machines(&self) {
         count(&self.machines);
     }
 
-    /// How often files changed; with `changed`, the next time.
+    /// How often files have changed; with `changed`, the next time.
     pub(crate) fn of_files(&self) -> watch::Receiver<u64> {
         self.files.subscribe()
     }
 
-    /// How often open machines changed; with `changed`, the next time.
+    /// How often open machines have changed; with `changed`, the next time.
     pub(crate) fn of_machines(&self) -> watch::Receiver<u64> {
         self.machines.subscribe()
     }
 
-    /// How often runs changed; with `changed`, the next time.
+    /// How often runs have changed; with `changed`, the next time.
     pub(crate) fn of_runs(&self) -> watch::Receiver<u64> {
         self.runs.subscribe()
     }
@@ -51,7 +51,7 @@ impl ChangeCounters {
         self.runs.clone()
     }
 
-    /// Another number whenever files have changed, also after a restart of the server.
+    /// Changes whenever files have changed, also with a restart of the server.
     pub(crate) fn files_revision(&self) -> u64 {
         *self.files.borrow()
     }

@@ -7,31 +7,31 @@ use std::time::Duration;
 use tokio::io::{AsyncRead, AsyncReadExt as _, AsyncWriteExt as _};
 use tokio::process::Command;
 
-/// So much of what a program says about what went wrong is kept.
+/// How much of a program's error output is kept.
 const ERROR_BYTES: u64 = 4096;
 
-/// How much a program may do.
+/// The limits of a program.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct ChildLimits {
     /// How long it may take.
     pub(crate) patience: Duration,
-    /// How many bytes it may say.
+    /// How many bytes it may write.
     pub(crate) output: u64,
 }
 
-/// What a program said.
+/// The output of a program.
 #[derive(Debug)]
 pub(crate) struct ChildOutput {
     pub(crate) status: ExitStatus,
     pub(crate) output: Vec<u8>,
-    /// The beginning of what it said about what went wrong.
+    /// The beginning of its error output.
     pub(crate) error: String,
 }
 
-/// Why a program said nothing.
+/// Why a program gave no answer.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum ChildError {
-    /// It is not there, or cannot be started.
+    /// It does not exist, or cannot be started.
     #[error("it cannot be started")]
     NotStarted(#[source] io::Error),
     /// It was ended.
@@ -57,7 +57,7 @@ pub(crate) async fn ask(
     let talk = async {
         let give = async {
             let Some(mut stdin) = stdin else { return };
-            // One that does not want to hear more says why.
+            // A program that stops reading says why in its output.
             stdin.write_all(&input).await.unwrap_or_default();
         };
         let ((), output, error) =
@@ -74,7 +74,7 @@ pub(crate) async fn ask(
     said.unwrap_or(Err(ChildError::TooLong(bounds.patience)))
 }
 
-/// At most so many bytes. What comes behind them is not read: the program ends, or is ended.
+/// Reads at most so many bytes. The rest is not read: the program ends, or is killed.
 async fn heard(from: Option<impl AsyncRead + Unpin>, most: u64) -> io::Result<Vec<u8>> {
     let mut heard = Vec::new();
     if let Some(from) = from {

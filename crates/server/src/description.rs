@@ -40,7 +40,7 @@ use utoipa::openapi::{Content, OpenApi, Ref, RefOr};
 )]
 struct Head;
 
-/// What every description begins with.
+/// The beginning of every description.
 pub(crate) fn head() -> OpenApi {
     Head::openapi()
 }
@@ -87,7 +87,7 @@ fn complete_operation(operation: &mut Operation, method: &Method, path: &str) {
     operation.description = Some(said.map_or(needs.clone(), |said| format!("{said}\n\n{needs}")));
 }
 
-/// What may be answered before the route is asked, by status.
+/// The answers before the route is reached, by status.
 fn refusals(operation: &Operation, right: Right) -> Vec<(&'static str, &'static str)> {
     let mut refusals = vec![("421", "The server is not called by this name")];
     if right != Right::Anyone {
@@ -144,7 +144,7 @@ fn add_example(schema: &mut Schema, example: Value) {
     }
 }
 
-/// What the main requests look like, by schema.
+/// Examples of the main requests, by schema.
 fn examples() -> [(&'static str, Value); 10] {
     let machine = json!({"project": "examples", "path": "hierarchy_and_data"});
     [

@@ -17,7 +17,7 @@ use tokio::time::timeout;
 /// The largest body of a request, in bytes.
 pub(crate) const BODY_MAX: usize = 8 << 20;
 
-/// The largest body of who need not be known yet, in bytes.
+/// The largest body from a client that need not be logged in yet, in bytes.
 const SMALL_MAX: usize = 16 << 10;
 
 /// A body of JSON.
@@ -34,7 +34,7 @@ impl<S: Send + Sync, T: DeserializeOwned> FromRequest<S> for Body<T> {
     }
 }
 
-/// A short body of JSON that does not take its time: strangers cannot keep much here, nor keep it long.
+/// A short body of JSON that must arrive soon: strangers cannot keep much memory here, nor keep it long.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Small<T>(pub(crate) T);
 
@@ -57,8 +57,8 @@ impl<T: DeserializeOwned> FromRequest<Arc<ServerState>> for Small<T> {
     }
 }
 
-/// Refuses a body that says that it is too large. One that is a little too large is read to its end and forgotten: whoever is
-/// still sending when the connection is closed never sees the answer.
+/// Refuses a body that announces too large a size. One that is a little too large is read to its end and discarded: a client
+/// that is still sending when the connection is closed never sees the answer.
 async fn not_too_large(request: Request, bytes_max: usize) -> Result<Request, Failure> {
     let length = request.headers().get(CONTENT_LENGTH).and_then(|length| length.to_str().ok());
     let length = length.and_then(|length| length.parse().ok()).unwrap_or(0);
@@ -94,7 +94,7 @@ fn too_large(bytes_max: usize) -> Failure {
     Failure::too_large("body_too_large", message)
 }
 
-/// What stands behind the `?` of an address.
+/// The query: what follows the `?` of an address.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Query<T>(pub(crate) T);
 
@@ -111,7 +111,7 @@ impl<S: Send + Sync, T: DeserializeOwned> FromRequestParts<S> for Query<T> {
     }
 }
 
-/// The parts of a path that the route names.
+/// The parts of the path that the route names.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Path<T>(pub(crate) T);
 
@@ -128,10 +128,10 @@ impl<S: Send + Sync, T: DeserializeOwned + Send> FromRequestParts<S> for Path<T>
     }
 }
 
-/// An id is no longer, in bytes.
+/// The maximum length of an id, in bytes.
 const LENGTH_MAX: usize = 128;
 
-/// Refuses what is no id.
+/// Refuses an invalid id.
 pub(crate) fn check_request_id(id: &str) -> Result<(), Failure> {
     if id.is_empty() || id.len() > LENGTH_MAX {
         let message =
@@ -153,7 +153,7 @@ mod tests {
     use std::time::Duration;
     use tokio::time::{Instant, sleep};
 
-    /// What becomes of a body in pieces that come a second after the other.
+    /// The result for a body in pieces that arrive one second apart.
     async fn check(piece: &'static [u8]) -> (u16, u64) {
         let place = tempfile::tempdir().unwrap();
         let settings = Settings::new(place.path().join("state"), place.path().join("runs"));

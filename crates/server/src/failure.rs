@@ -1,5 +1,5 @@
-//! A request that cannot be served, as an answer: what, where, and the way out. The one place that knows which status of HTTP
-//! goes with which reason.
+//! A request that cannot be served, as an answer: what, where, and the way out. The one place that maps reasons to HTTP
+//! statuses.
 
 use axum::Json;
 use axum::http::header::{ALLOW, HeaderName, RETRY_AFTER, WWW_AUTHENTICATE};
@@ -7,7 +7,7 @@ use axum::http::{HeaderValue, StatusCode};
 use axum::response::{IntoResponse, Response};
 use rafcon_protocol::api::Refusal;
 
-/// What is answered instead of what was asked for.
+/// The answer to a request that failed.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{message}")]
 pub struct Failure {
@@ -125,7 +125,7 @@ impl Failure {
         self.reason
     }
 
-    /// The status of HTTP that goes with the reason.
+    /// The HTTP status of the reason.
     pub fn status(&self) -> StatusCode {
         match self.reason {
             Reason::Bad => StatusCode::BAD_REQUEST,
@@ -148,7 +148,7 @@ impl Failure {
         self.code
     }
 
-    /// The same, as it is told.
+    /// The same, as the wire has it.
     pub fn refusal(&self) -> Refusal {
         Refusal { code: self.code.to_owned(), message: self.message.clone() }
     }

@@ -5,9 +5,9 @@ use crate::Failure;
 use std::sync::Arc;
 use tokio::sync::Semaphore;
 
-/// So many are at work.
+/// How many run at once.
 const AT_ONCE: usize = 4;
-/// So many are at work or wait.
+/// How many run or wait.
 const INSIDE: usize = 256;
 
 /// A gate before threads.
@@ -24,13 +24,14 @@ impl Default for Gate {
 }
 
 impl Gate {
-    /// A gate behind which so many are at work.
+    /// A gate that lets so many run at once.
     pub(crate) fn of(at_once: usize) -> Self {
         let places = |count| Arc::new(Semaphore::new(count));
         Self { inside: places(INSIDE), turns: places(at_once) }
     }
 
-    /// Does the work when it has its turn; refused if too many wait. Whoever goes away while it is done leaves its turn to it.
+    /// Does the work when its turn comes; refused if too many wait. If the caller goes away meanwhile, the work keeps its
+    /// turn to its end.
     pub(crate) async fn work<T: Send + 'static>(
         &self,
         work: impl FnOnce() -> Result<T, Failure> + Send + 'static,

@@ -1,5 +1,5 @@
-//! Keeps each machine that a run goes by, on a thread of its own: the run does not wait for it. Knows what is to be kept; must
-//! never know how.
+//! Keeps each machine that a run goes by, on a thread of its own: the run does not wait for it. Knows what is to be kept; does
+//! not know how.
 
 use crate::places::mailbox::Mailbox;
 use crate::record::recorder::Recorder;

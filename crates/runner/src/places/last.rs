@@ -1,5 +1,5 @@
-//! What a container or library state held in its last run: scripts and programs ask for it after its end. Knows values; must
-//! never know who asks.
+//! What a container or library state held in its last run: scripts and programs ask for it after its end. Knows values; does
+//! not know who asks.
 
 use rafcon_model::{Port, PortId, State};
 use smol_str::SmolStr;

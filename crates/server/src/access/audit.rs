@@ -16,29 +16,29 @@ use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::thread::{self, JoinHandle};
 use std::time::Duration;
 
-/// The size from which a new file is begun.
+/// The size at which a new file is begun.
 const BYTES_MAX: u64 = 10_000_000;
 /// How many old files are kept.
 const OLD_MAX: u32 = 3;
-/// How much of a text is kept: some of it is said by strangers.
+/// How much of a text is kept: some texts come from strangers.
 const TEXT_MAX: usize = 200;
-/// So many lines may wait for the disk.
+/// How many lines may wait for the disk.
 const WAITING_MAX: usize = 4096;
-/// How long the end of a server waits for them.
+/// How long the server's shutdown waits for them.
 const FLUSH_TIMEOUT: Duration = Duration::from_secs(5);
 
-/// The record of who did what about access. What was noted is on disk once this is dropped.
+/// The record of who did what about access. Everything noted is on disk once this is dropped.
 #[derive(Debug)]
 pub struct Audit {
-    /// Nothing while it is dropped.
+    /// `None` while it is dropped.
     words: Option<SyncSender<Word>>,
     writer: Option<JoinHandle<()>>,
     recent_notes: Mutex<RecentNotes>,
-    /// Lines for which there was no room.
+    /// Lines that were dropped because the queue was full.
     missed: Arc<AtomicU64>,
 }
 
-/// The files, in the hands of the thread that writes them.
+/// The files, owned by the thread that writes them.
 struct Record {
     folder: PathBuf,
     file: File,
@@ -46,11 +46,11 @@ struct Record {
     is_broken: bool,
 }
 
-/// What the thread is told.
+/// What the thread receives.
 enum Word {
-    /// To be written.
+    /// A line to write.
     Line(Vec<u8>),
-    /// To be answered once everything before is written.
+    /// A request to answer once everything before it is written.
     Settle(SyncSender<()>),
 }
 
@@ -64,7 +64,7 @@ struct Note<'a> {
 }
 
 impl Audit {
-    /// Goes on in the folder's record.
+    /// Continues the record in the folder.
     pub(crate) fn open(folder: &Path) -> Result<Self, PrivateError> {
         let record = Record::open(folder)?;
         let (words, waiting) = sync_channel(WAITING_MAX);
@@ -102,13 +102,13 @@ impl Audit {
 
     fn note_at(&self, at_ms: u64, user: &str, what: &str, about: &str) {
         let line = line(&Note { at_ms, user: cut(user), what, about: cut(about) });
-        // Whoever asks does not wait for a disk that is stuck.
+        // The caller does not wait for a disk that is stuck.
         if self.words.as_ref().is_some_and(|words| words.try_send(Word::Line(line)).is_err()) {
             self.missed.fetch_add(1, Ordering::Relaxed);
         }
     }
 
-    /// Waits until everything is written that was noted, but not for ever.
+    /// Waits, for a limited time, until everything that was noted is written.
     pub(crate) fn settle(&self) {
         let (done, settled) = sync_channel(1);
         let asked = self.words.as_ref().map(|words| words.try_send(Word::Settle(done)));
@@ -129,7 +129,7 @@ impl Drop for Audit {
 }
 
 fn line(note: &Note<'_>) -> Vec<u8> {
-    // Texts and a number always are JSON.
+    // Strings and a number always serialize as JSON.
     let mut line = serde_json::to_vec(note).unwrap_or_default();
     line.push(b'\n');
     line
@@ -148,7 +148,7 @@ impl Record {
         for word in waiting {
             match word {
                 Word::Line(line) => self.write_or_say(&line),
-                // Whoever asked may have gone.
+                // The caller may have gone.
                 Word::Settle(done) => done.send(()).unwrap_or_default(),
             }
             let count = missed.swap(0, Ordering::Relaxed);
@@ -194,7 +194,7 @@ impl Record {
     }
 }
 
-/// The record of this age.
+/// The current file.
 fn file(folder: &Path, age: u32) -> PathBuf {
     match age {
         0 => folder.join("audit.jsonl"),

@@ -14,10 +14,10 @@ use axum::response::{IntoResponse as _, Response};
 use rafcon_protocol::api::Right;
 use std::sync::Arc;
 
-/// Routes whose address may carry a token: a browser can send nothing else there.
+/// Routes whose address may carry a token: a browser can send it nowhere else there.
 const WITH_LINK: [&str; 2] = ["/", "/api/v1/socket"];
 
-/// What a request is about, as far as the door is concerned.
+/// What a request is about, as far as access is concerned.
 struct RequestTarget {
     method: Method,
     path: String,
@@ -78,7 +78,7 @@ fn may(
     may.map(|()| who)
 }
 
-/// The route of a request and its right; nothing where there is no route.
+/// The route of a request and its right; `None` if there is no route.
 fn asked(request: &Request) -> Result<Option<RequestTarget>, Failure> {
     let Some(path) = request.extensions().get::<MatchedPath>() else { return Ok(None) };
     let path = path.as_str();
@@ -104,7 +104,7 @@ fn no_row(method: &Method, path: &str) -> Failure {
     failure.allowing(others)
 }
 
-/// The name that the client called. Two names are refused: a proxy in between may go by the other one.
+/// The name that the client called. Two names are refused: a proxy in between may use the other one.
 fn host(request: &Request) -> Result<Option<&str>, Failure> {
     let mut named = request.headers().get_all(header::HOST).iter();
     let (first, second) = (named.next(), named.next());
@@ -123,7 +123,7 @@ fn elsewhere(host: &str) -> Failure {
     Failure::new(Reason::WrongHost, "wrong_host", message)
 }
 
-/// What the client shows: a token in a header, in the address where that is possible, or a cookie.
+/// The credential that the client shows: a token in a header, in the address where that is allowed, or a cookie.
 fn claim(
     server: &ServerState,
     request: &Request,
@@ -153,7 +153,7 @@ pub(crate) fn cookie(headers: &HeaderMap, name: &str) -> Option<String> {
     pairs.find_map(|pair| pair.strip_prefix(name)?.strip_prefix('=')).map(str::to_owned)
 }
 
-/// Refuses what pages of others make a browser send: requests that change something, and to open a WebSocket.
+/// Refuses what other sites' pages make a browser send: requests that change something, and opening a WebSocket.
 fn check_origin(
     server: &ServerState,
     request: &Request,

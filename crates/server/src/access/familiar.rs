@@ -1,5 +1,5 @@
-//! From where each user was let in before. What others try elsewhere does not hold up who comes from there: neither by the
-//! limit of tries nor by their number. It outlives the server.
+//! The addresses from which each user has logged in before. Attempts from elsewhere do not delay a user at such an address:
+//! neither by the limit of attempts nor by their number. It outlives the server.
 
 use super::private::{self, PrivateError};
 use rafcon_locks::Mutex;
@@ -7,7 +7,7 @@ use std::collections::BTreeSet;
 use std::net::IpAddr;
 use std::path::PathBuf;
 
-/// So many are remembered.
+/// How many are remembered.
 const MAX: usize = 10_000;
 
 /// Users and the addresses from which they were let in.
@@ -25,17 +25,17 @@ impl Familiar {
         Ok(Self { file, addresses: Mutex::new(addresses) })
     }
 
-    /// Whether the user was let in from this network before.
+    /// Whether the user has logged in from this network before.
     pub(super) fn knows(&self, user: &str, network: IpAddr) -> bool {
         self.addresses.lock().contains(&(user.to_owned(), network))
     }
 
-    /// The user was let in from this network.
+    /// Notes that the user has logged in from this network.
     pub(super) fn add(&self, user: &str, network: IpAddr) {
         let mut addresses = self.addresses.lock();
         if addresses.len() < MAX && addresses.insert((user.to_owned(), network)) {
             let text = serde_json::to_vec(&*addresses).unwrap_or_default();
-            // A disk that refuses makes strangers of them after the next start, and nothing else.
+            // If the disk refuses, they are strangers after the next start; nothing else is lost.
             private::write_soon(&self.file, &text).unwrap_or_default();
         }
     }

@@ -16,7 +16,7 @@ use tower_http::catch_panic::CatchPanicLayer;
 use tower_http::compression::CompressionLayer;
 use tower_http::timeout::RequestBodyTimeoutLayer;
 
-/// What a browser is told with every answer.
+/// The headers of every answer for browsers.
 const HEADERS: [(HeaderName, HeaderValue); 4] = [
     (header::X_CONTENT_TYPE_OPTIONS, HeaderValue::from_static("nosniff")),
     (header::REFERRER_POLICY, HeaderValue::from_static("no-referrer")),
@@ -44,7 +44,7 @@ pub(crate) fn guarded(
         .layer(middleware::from_fn_with_state(Arc::clone(server), with_headers))
 }
 
-/// For 30 days a browser that trusts the server's certificate asks by TLS only.
+/// For 30 days a browser that trusts the server's certificate uses TLS only.
 const ONLY_TLS: HeaderValue = HeaderValue::from_static("max-age=2592000");
 
 async fn with_headers(
@@ -64,7 +64,7 @@ async fn with_headers(
     response
 }
 
-/// The answer to a request that met a fault of this program.
+/// The answer to a request that met a defect of this program.
 fn broken(panic: &(dyn Any + Send)) -> Response {
     let text = panic.downcast_ref::<String>().map(String::as_str);
     let text = text.or_else(|| panic.downcast_ref::<&str>().copied()).unwrap_or("a panic");

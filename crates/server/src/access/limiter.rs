@@ -1,38 +1,38 @@
 //! How often someone may try to log in: a few times at once, then slowly. Pure: time is an argument.
 //!
-//! Tries count for the address that they come from and for the user that they are about. Whoever was let in from an address
-//! before is not held up there by what others try elsewhere.
+//! Attempts count for the address that they come from and for the user that they are about. A user who has logged in from an
+//! address before is not delayed there by attempts from elsewhere.
 
 use std::collections::BTreeMap;
 use std::net::{IpAddr, Ipv6Addr};
 
-/// So many tries at once.
+/// How many attempts at once.
 const AT_ONCE: u64 = 5;
 /// Then one in this time.
 const PAUSE_MS: u64 = 10_000;
-/// What a right one costs of that: whoever may come in shall not keep this side busy either.
+/// What a correct attempt costs of that: a user with the right password must not keep the server busy either.
 const RIGHT_MS: u64 = 2_000;
-/// So many addresses and users are remembered.
+/// How many addresses and users are remembered.
 const MAX: usize = 10_000;
 
-/// What was tried.
+/// The attempts so far.
 #[derive(Debug, Default)]
 pub(super) struct Limiter {
-    /// When all that was tried is forgotten, by whom it counts for.
+    /// When all attempts are forgotten, by what they count for.
     spent: BTreeMap<Key, u64>,
 }
 
-/// A try to log in.
+/// An attempt to log in.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Try<'t> {
     pub(super) user: &'t str,
     /// Where it comes from: a [`network`].
     pub(super) from: IpAddr,
-    /// The user was let in from there before.
+    /// The user has logged in from there before.
     pub(super) is_familiar: bool,
 }
 
-/// For whom a try counts.
+/// What an attempt counts for.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
 enum Key {
     From(IpAddr),
@@ -41,7 +41,7 @@ enum Key {
 }
 
 impl Limiter {
-    /// Counts a try, or says after how many seconds the next one makes sense.
+    /// Counts an attempt, or says after how many seconds the next one makes sense.
     pub(super) fn attempt(&mut self, tried: Try<'_>, now_ms: u64) -> Result<(), u64> {
         self.forget(now_ms);
         let keys = keys(tried);
@@ -56,7 +56,7 @@ impl Limiter {
         Ok(())
     }
 
-    /// The try was right: it counts for little.
+    /// The attempt was correct: it counts for little.
     pub(super) fn succeeded(&mut self, tried: Try<'_>) {
         for key in keys(tried) {
             if let Some(spent) = self.spent.get_mut(&key) {
@@ -70,7 +70,7 @@ impl Limiter {
         (spent + PAUSE_MS).saturating_sub(now_ms + AT_ONCE * PAUSE_MS)
     }
 
-    /// Drops what counts no more, and where too much does, the quarter that is forgotten first.
+    /// Drops what no longer counts, and if there is still too much, the quarter that would be forgotten first.
     fn forget(&mut self, now_ms: u64) {
         if self.spent.len() < MAX {
             return;

@@ -6,7 +6,7 @@ use crate::{ServerState, log};
 use notify::{Event, RecommendedWatcher, RecursiveMode, Watcher as _};
 use std::sync::{Arc, Weak};
 
-/// Looks at the roster's file until dropped. Without it a change counts from the next request on.
+/// Watches the roster's file until dropped. Without it a change counts from the next request on.
 pub(crate) fn notice(server: &Arc<ServerState>) -> Option<RecommendedWatcher> {
     let watched = watch(server);
     if let Err(error) = &watched {

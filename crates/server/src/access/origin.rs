@@ -1,7 +1,7 @@
-//! By which names this server answers, and from which pages requests may come. Pure: headers in, yes or no out.
+//! The names by which this server answers, and the pages from which requests may come. Pure: headers in, yes or no out.
 //!
-//! A page of a stranger can make a browser send requests to this computer. What it cannot do is to make the browser lie about
-//! the name it called (`Host`) or the page that asked (`Origin`).
+//! A stranger's page can make a browser send requests to this computer. It cannot make the browser lie about the name it
+//! called (`Host`) or the page that asked (`Origin`).
 
 use std::net::IpAddr;
 
@@ -12,14 +12,14 @@ pub(crate) struct Names {
     pub(crate) port: u16,
     /// Whether it speaks TLS.
     pub(crate) is_secure: bool,
-    /// Whether only programs of this computer reach it.
+    /// Whether only programs on this computer reach it.
     pub(crate) is_loopback: bool,
     /// Its names and addresses, in lower case.
     pub(crate) hosts: Vec<String>,
 }
 
 impl Names {
-    /// Of a server that does not listen.
+    /// The names of a server that does not listen.
     pub(crate) fn nobody() -> Self {
         Self { port: 0, is_secure: false, is_loopback: true, hosts: Vec::new() }
     }
@@ -29,14 +29,14 @@ impl Names {
         if self.is_secure { "https" } else { "http" }
     }
 
-    /// Whether `host`, as a `Host` header says it, means this server.
+    /// Whether `host`, as a `Host` header gives it, means this server.
     pub(crate) fn answers_to(&self, host: &str) -> bool {
         let usual = if self.is_secure { 443 } else { 80 };
         let Some((name, port)) = parted(host) else { return false };
         port.unwrap_or(usual) == self.port && self.is_called(&name)
     }
 
-    /// A name can be made to lead anywhere by whoever owns it, an address cannot.
+    /// The owner of a name can point it anywhere; an address cannot be redirected.
     fn is_called(&self, name: &str) -> bool {
         let address = name.parse::<IpAddr>().ok();
         self.hosts.iter().any(|host| host == name)

@@ -1,4 +1,4 @@
-//! Passwords and what is kept of them. Slow on purpose: never call this where others wait.
+//! Passwords and their hashes. Slow on purpose: never call this where others wait.
 
 use crate::settings::HashCost;
 use argon2::password_hash::PasswordHasher as _;
@@ -6,12 +6,12 @@ use argon2::password_hash::phc::{Output, PasswordHash};
 use argon2::{Algorithm, Argon2, Block, Params, Version};
 use rafcon_locks::Mutex;
 
-/// How many characters a password has at least.
+/// The minimum length of a password, in characters.
 pub(super) const LENGTH_MIN: usize = 10;
-/// How many bytes it has at most: hashing more is work for nothing.
+/// The maximum length in bytes: hashing more is wasted work.
 pub(super) const BYTES_MAX: usize = 1024;
 
-/// Why a secret cannot be made or kept.
+/// Why a secret cannot be made or stored.
 #[derive(Debug, thiserror::Error)]
 #[error("cannot make or hash a secret: {0}")]
 pub struct HashError(String);
@@ -22,7 +22,7 @@ impl HashError {
     }
 }
 
-/// What is kept of a password.
+/// The hash of a password.
 pub(super) fn hash(password: &str, cost: HashCost) -> Result<String, HashError> {
     let params = Params::new(cost.memory_kib, cost.passes, 1, None);
     let params = params.map_err(|error| HashError::new(&error))?;
@@ -32,15 +32,14 @@ pub(super) fn hash(password: &str, cost: HashCost) -> Result<String, HashError> 
     Ok(hash.to_string())
 }
 
-/// The memory that comparing passwords takes. It is used again and again: given back to the allocator, each thread would keep
-/// some of it.
+/// The memory for comparing passwords. It is reused: given back to the allocator, each thread would keep some of it.
 #[derive(Debug, Default)]
 pub(super) struct HashMemory {
     spare: Mutex<Vec<Vec<Block>>>,
 }
 
 impl HashMemory {
-    /// Whether this is the password of which `kept` was kept. Where nothing was, it takes as long to say no.
+    /// Whether this password has the hash `kept`. Without a hash, the refusal takes as long.
     pub(super) fn is_right(&self, password: &str, kept: Option<&str>, cost: HashCost) -> bool {
         let kept = kept.and_then(|kept| PasswordHash::new(kept).ok());
         let none = || Params::new(cost.memory_kib, cost.passes, 1, None).unwrap_or_default();
@@ -70,7 +69,7 @@ impl HashMemory {
     }
 }
 
-/// Parameters, salt and hash, if it is a hash as [`hash`] makes them.
+/// Parameters, salt and hash, if it is a hash made by [`hash`].
 fn parts(kept: &PasswordHash) -> Option<(Params, &[u8], &Output)> {
     let is_ours =
         kept.algorithm.as_str() == "argon2id" && kept.version == Some(Version::V0x13.into());
@@ -78,7 +77,7 @@ fn parts(kept: &PasswordHash) -> Option<(Params, &[u8], &Output)> {
     Some((params, kept.salt.as_ref()?.as_ref(), kept.hash.as_ref()?))
 }
 
-/// Whether it was kept at this cost.
+/// Whether it was hashed at this cost.
 pub(super) fn is_of(kept: &str, cost: HashCost) -> bool {
     let head = format!("$argon2id$v=19$m={},t={},p=1$", cost.memory_kib, cost.passes);
     kept.starts_with(&head)

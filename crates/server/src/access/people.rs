@@ -20,12 +20,12 @@ use std::sync::Arc;
 use tokio::sync::watch;
 use tokio::time::Instant;
 
-/// The name of whoever has the owner's token.
+/// The name of the user with the owner's token.
 pub const OWNER: &str = "owner";
 
 /// How many passwords of strangers are hashed at a time: each takes memory and a processor.
 const STRANGERS_MAX: usize = 2;
-/// And how many of users who were let in from the same address before.
+/// How many of users who have logged in from the same address before.
 const FAMILIAR_MAX: usize = 1;
 
 /// What someone shows to be let in.
@@ -46,15 +46,15 @@ pub struct People {
     familiar: Familiar,
     limiter: Mutex<Limiter>,
     strangers: Gate,
-    /// Users who were let in from the same address before: however many strangers try, these do not wait for them.
+    /// For users who have logged in from the same address before: however many strangers try, these do not wait for them.
     familiar_ones: Gate,
     memory: Arc<HashMemory>,
-    /// Since when tries are counted.
+    /// The time from which attempts are counted.
     begun: Instant,
 }
 
 impl People {
-    /// Reads who they are, and makes the owner's token.
+    /// Reads users and tokens, and makes the owner's token.
     pub(crate) fn open(settings: &Settings) -> Result<Self, PrivateError> {
         let state = &settings.state;
         Ok(Self {
@@ -80,7 +80,7 @@ impl People {
         &self.users
     }
 
-    /// Who shows this. What is the owner's counts on this computer only.
+    /// The user with this credential. The owner's token counts on this computer only.
     pub(crate) fn known(&self, claim: &CredentialClaim, is_near: bool) -> Option<Who> {
         let now_ms = since_1970_ms();
         let roster = self.users.roster();
@@ -120,12 +120,12 @@ impl People {
         self.users.register().revision().subscribe()
     }
 
-    /// Reads users and tokens again if they are different.
+    /// Reads users and tokens again if they have changed.
     pub(crate) fn look(&self) {
         self.users.roster();
     }
 
-    /// Whether this is the user's password. A few tries are free, others have to wait.
+    /// Whether this is the user's password. A few attempts are free, later ones have to wait.
     pub(crate) async fn check(
         &self,
         user: &str,
@@ -153,7 +153,7 @@ impl People {
         u64::try_from(self.begun.elapsed().as_millis()).unwrap_or(u64::MAX)
     }
 
-    /// The work of comparing; what was hashed at another cost is hashed again.
+    /// The work of comparing; a password hashed at another cost is hashed again.
     fn compare(
         &self,
         user: String,
@@ -245,7 +245,7 @@ fn too_often(seconds: u64) -> Failure {
     failure.retry_after(seconds)
 }
 
-/// The token in the folder if it is to stay, else a new one.
+/// The token in the folder if it is to stay the same, else a new one.
 fn owners_token(state: &Path, keep: bool) -> Result<Secret, PrivateError> {
     let file = state.join("token");
     let kept = if keep { private::read(&file)? } else { None };

@@ -6,7 +6,7 @@ use std::io::{self, Write as _};
 use std::os::unix::fs::{DirBuilderExt as _, OpenOptionsExt as _, PermissionsExt as _};
 use std::path::{Path, PathBuf};
 
-/// What could not be done with one of the server's own files.
+/// Why one of the server's own files cannot be read or written.
 #[derive(Debug, thiserror::Error)]
 #[error("cannot {what} {}: {source}", path.display())]
 pub struct PrivateError {
@@ -21,20 +21,20 @@ impl PrivateError {
     }
 }
 
-/// Makes a folder that only its owner may look into.
+/// Makes a folder that only its owner can read.
 pub(crate) fn folder(path: &Path) -> Result<(), PrivateError> {
     let made = DirBuilder::new().recursive(true).mode(0o700).create(path);
     let made = made.and_then(|()| fs::set_permissions(path, fs::Permissions::from_mode(0o700)));
     made.map_err(|source| PrivateError::new("make the folder", path, source))
 }
 
-/// Replaces a file. What was written survives a power cut.
+/// Replaces a file. The new content survives a power cut.
 pub(crate) fn write(path: &Path, bytes: &[u8]) -> Result<(), PrivateError> {
     let replaced = replace(path, bytes, File::sync_all).and_then(|()| sync_folder(path));
     replaced.map_err(|source| PrivateError::new("write", path, source))
 }
 
-/// Replaces a file without waiting for the disk: after a power cut it may be gone.
+/// Replaces a file without waiting for the disk: a power cut may lose it.
 pub(crate) fn write_soon(path: &Path, bytes: &[u8]) -> Result<(), PrivateError> {
     let replaced = replace(path, bytes, |_file| Ok(()));
     replaced.map_err(|source| PrivateError::new("write", path, source))
@@ -58,7 +58,7 @@ fn sync_folder(path: &Path) -> io::Result<()> {
     path.parent().map_or(Ok(()), |folder| File::open(folder)?.sync_all())
 }
 
-/// A file's text; nothing if there is no such file.
+/// A file's text; `None` if there is no such file.
 pub(crate) fn read(path: &Path) -> Result<Option<String>, PrivateError> {
     match fs::read_to_string(path) {
         Ok(text) => Ok(Some(text)),

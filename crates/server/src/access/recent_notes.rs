@@ -1,21 +1,21 @@
-//! How often the same may be put on record: a few times a minute; what is beyond that is counted. Pure: time is an argument.
+//! How often the same may be put on record: a few times a minute; the rest is counted. Pure: time is an argument.
 
 use std::collections::BTreeMap;
 
 /// So long a count continues.
 const MINUTE_MS: u64 = 60_000;
-/// So often in that time.
+/// How often in that time.
 const NOTES_MAX: u32 = 10;
-/// So many are told apart.
+/// How many are told apart.
 const MAX: usize = 10_000;
-/// What those are called that are too many to be told apart.
+/// The name for those beyond that number.
 const OTHERS: &str = "others";
 
-/// What was put on record of late.
+/// What was put on record recently.
 #[derive(Debug, Default)]
 pub(super) struct RecentNotes {
     minutes: BTreeMap<String, Minute>,
-    /// The second in which it was looked last what can be forgotten.
+    /// The second of the last search for what can be forgotten.
     tidied_s: u64,
 }
 
@@ -23,12 +23,12 @@ pub(super) struct RecentNotes {
 struct Minute {
     since_ms: u64,
     noted: u32,
-    /// What was not noted, in this minute or the ones before.
+    /// How many were not noted, in this minute or the ones before.
     untold: u64,
 }
 
 impl RecentNotes {
-    /// Whether this may be noted now, and then how often it was not since it was noted last.
+    /// Whether this may be noted now, and if so how often it was not since the last note.
     pub(super) fn may(&mut self, what: &str, now_ms: u64) -> Option<u64> {
         let what = self.known(what, now_ms);
         let minute = self.minutes.entry(what).or_default();
@@ -44,7 +44,7 @@ impl RecentNotes {
         Some(std::mem::take(&mut minute.untold))
     }
 
-    /// What it counts as: there is room for so many.
+    /// The name that it counts under: the number of names is limited.
     fn known(&mut self, what: &str, now_ms: u64) -> String {
         let now_s = now_ms / 1000;
         if self.minutes.len() >= MAX && now_s != self.tidied_s {

@@ -1,5 +1,5 @@
-//! `users.json`: the roster on disk, changed by the server and by the command line, one at a time. Knows files and locks; must
-//! never know requests.
+//! `users.json`: the roster on disk, changed by the server and by the command line, one at a time. Knows files and locks, but
+//! nothing of requests.
 
 use super::private::{self, PrivateError};
 use super::roster::{Roster, RosterError};
@@ -16,7 +16,7 @@ use tokio::sync::watch;
 /// The roster's file.
 pub(crate) const FILE: &str = "users.json";
 
-/// The roster as it lies on disk, read again when it is different.
+/// The roster on disk, read again when it has changed.
 #[derive(Debug)]
 pub(crate) struct Register {
     file: PathBuf,
@@ -32,7 +32,7 @@ struct Read {
     roster: Arc<Roster>,
 }
 
-/// What is different about a file that is: number, size and time. Nothing if there is none.
+/// What identifies a version of a file: number, size and time. `None` if there is no file.
 type Stamp = Option<(u64, u64, i64, i64)>;
 
 impl Register {
@@ -56,12 +56,12 @@ impl Register {
         }))
     }
 
-    /// Becomes another number with every roster.
+    /// Changes with every roster.
     pub(crate) fn revision(&self) -> &watch::Sender<u64> {
         &self.revision
     }
 
-    /// Changes the roster. One program at a time does, so that no change is lost.
+    /// Changes the roster. One program at a time does so, so that no change is lost.
     pub(crate) fn change<T>(
         &self,
         change: impl FnOnce(&mut Roster) -> Result<T, RosterError>,

@@ -8,7 +8,7 @@ use rafcon_protocol::socket::ToServer;
 /// One route: method, path as the router spells it, and the right that it needs.
 pub type Row = (Method, &'static str, Right);
 
-/// Every route. What does not stand here is denied.
+/// Every route. A route that is missing here is denied.
 pub const ROUTES: &[Row] = &[
     // For browsers.
     (Method::GET, "/", Right::Anyone),
@@ -72,7 +72,7 @@ pub const ROUTES: &[Row] = &[
     (Method::GET, "/api/v1/runs/{run}/questions", Right::Observe),
     (Method::GET, "/api/v1/runs/{run}/globals", Right::Observe),
     (Method::GET, "/api/v1/runs/{run}/output", Right::Observe),
-    // Runs: what they leave.
+    // Runs: what they have recorded.
     (Method::GET, "/api/v1/runs/{run}/events", Right::Observe),
     (Method::GET, "/api/v1/runs/{run}/events/{sequence}", Right::Observe),
     (Method::GET, "/api/v1/runs/{run}/log", Right::Observe),
@@ -88,13 +88,13 @@ pub const ROUTES: &[Row] = &[
     (Method::GET, "/api/v1/socket", Right::Observe),
 ];
 
-/// The right that a route needs; nothing if it has no row.
+/// The right that a route needs; `None` if it has no row.
 pub fn of_route(method: &Method, path: &str) -> Option<Right> {
     let is_it = |row: &&Row| row.0 == *method && row.1 == path;
     ROUTES.iter().find(is_it).map(|row| row.2)
 }
 
-/// The right that a command of a run needs. What brings Python text into a run is an edit.
+/// The right that a command of a run needs. A command that brings Python text into a run is an edit.
 pub fn of_command(command: &Command) -> Right {
     match command {
         Command::Reload { .. } | Command::EditScript { .. } => Right::Edit,
@@ -123,7 +123,7 @@ pub fn of_command(command: &Command) -> Right {
     }
 }
 
-/// The right that starting a run needs. What brings Python text into a run is an edit.
+/// The right that starting a run needs. A start that brings Python text into a run is an edit.
 pub fn of_start(start: &StartRun) -> Right {
     let is_edit = start.breakpoints.iter().any(|breakpoint| breakpoint.condition.is_some());
     if is_edit { Right::Edit } else { Right::Start }

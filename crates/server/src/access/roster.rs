@@ -1,5 +1,5 @@
-//! Users and tokens as a value: who there is, what they may do, what is kept of their secrets. Pure: a change gives the next
-//! roster or a refusal.
+//! Users and tokens as a value: who there is, what they may do, and the hashes of their secrets. Pure: a change gives the
+//! next roster or a refusal.
 
 use super::OWNER;
 use super::secret::Digest;
@@ -7,7 +7,7 @@ use rafcon_protocol::api::{Role, TokenAbout, User};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// How long a name may be.
+/// The maximum length of a name.
 const NAME_MAX: usize = 64;
 /// How many tokens one user may have.
 const TOKENS_MAX: usize = 100;
@@ -26,7 +26,7 @@ pub(super) struct Entry {
     pub(super) role: Role,
     /// The password's hash.
     pub(super) password: String,
-    /// When the password was set: ms since 1970, UTC. Logins from before count no more.
+    /// When the password was set: ms since 1970, UTC. Logins from before no longer count.
     pub(super) since_ms: u64,
 }
 
@@ -43,30 +43,30 @@ pub(super) struct Token {
     pub(super) digest: String,
 }
 
-/// Why the roster stays as it is.
+/// Why the roster does not change.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum RosterError {
-    /// A name that cannot be one.
+    /// The name is not valid.
     #[error(
         "`{0}` cannot be a user's name: use 1 to {NAME_MAX} of the letters a to z and A to Z, digits, `.`, `-` and `_`, and not `{OWNER}`"
     )]
     BadName(String),
-    /// A name that is taken.
+    /// The name is taken.
     #[error("there is a user {0} already: choose another name, or change that user")]
     Taken(String),
     /// No one of that name.
     #[error("there is no user {0}: `rafcon user list` names them")]
     NoUser(String),
-    /// The last who may manage the others.
+    /// The user is the last who may manage the others.
     #[error("{0} is the only admin: make somebody else one first")]
     LastAdmin(String),
-    /// No token of that name.
+    /// There is no token of that name.
     #[error("there is no such token: the list of tokens names them")]
     NoToken,
-    /// A token that may more than its user.
+    /// The token has more rights than its user.
     #[error("a token may do no more than its user: ask for a lesser role")]
     TooMuch,
-    /// Too many tokens.
+    /// The user has too many tokens.
     #[error("{0} has {TOKENS_MAX} tokens: delete some first")]
     TooMany(String),
 }
@@ -129,7 +129,7 @@ impl Roster {
         Ok(())
     }
 
-    /// Another password. Tokens stay: they are secrets of their own.
+    /// Sets another password. Tokens stay: they are secrets of their own.
     pub(super) fn set_password(
         &mut self,
         name: &str,
@@ -142,7 +142,7 @@ impl Roster {
         Ok(())
     }
 
-    /// The same password, kept at another cost. Logins stay.
+    /// Stores the same password hashed at another cost. Logins stay.
     pub(super) fn keep_again(&mut self, name: &str, old: &str, hash: String) {
         let entry = self.users.get_mut(name).filter(|entry| entry.password == old);
         if let Some(entry) = entry {
@@ -150,7 +150,7 @@ impl Roster {
         }
     }
 
-    /// The user goes, and all tokens.
+    /// Removes the user and all their tokens.
     pub(super) fn remove(&mut self, name: &str) -> Result<(), RosterError> {
         self.check_not_last(name)?;
         self.users.remove(name).ok_or_else(|| RosterError::NoUser(name.to_owned()))?;
@@ -195,7 +195,7 @@ impl Roster {
 }
 
 impl Token {
-    /// Whether its time is over.
+    /// Whether it has expired.
     pub(super) fn is_over(&self, now_ms: u64) -> bool {
         self.expires_ms.is_some_and(|end| end <= now_ms)
     }
@@ -234,7 +234,7 @@ mod tests {
         Token { user, name, role, made_ms: 1, expires_ms, digest }
     }
 
-    /// Words of a little language: one change a line, what came of each.
+    /// A little language: one change a line, and the result of each.
     fn check(script: &str, expected: &Expect) {
         let mut roster = Roster::default();
         let role = |word: &str| serde_json::from_str(&format!("\"{word}\"")).unwrap();

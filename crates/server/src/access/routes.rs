@@ -1,4 +1,4 @@
-//! Logging in and out, tokens, users. Knows requests and answers; what is allowed is decided at the door and by the roster.
+//! Logging in and out, tokens, users. Knows requests and answers; the door and the roster decide what is allowed.
 
 use super::connection_slots::Peer;
 use super::limiter::network;
@@ -32,7 +32,7 @@ pub(crate) fn routes() -> OpenApiRouter<Arc<ServerState>> {
 
 /// Logs in with a password.
 ///
-/// The answer sets a cookie, which browsers send from then on. Programs had better use tokens.
+/// The answer sets a cookie, which browsers send from then on. For programs, tokens are better.
 #[utoipa::path(post, path = "/api/v1/session", tag = "people", request_body = Login, responses(
     (status = 200, description = "Logged in", body = Session),
     (status = 400, description = "The body does not fit", body = Refusal),
@@ -188,7 +188,7 @@ async fn add_user(
 
 /// Changes a user's role or password.
 ///
-/// It counts at once, also for what the user has open. Another password ends the user's logins.
+/// The change takes effect at once, also for what the user has open. Another password ends the user's logins.
 #[utoipa::path(patch, path = "/api/v1/users/{user}", tag = "people", request_body = ChangeUser,
     params(("user" = String, Path, description = "The user's name")),
     responses(

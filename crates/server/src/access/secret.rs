@@ -1,4 +1,4 @@
-//! Secrets: 256 random bits that only their owner knows, and the digest by which this side knows them again.
+//! Secrets: 256 random bits that only their owner knows, and the digest by which the server recognizes them.
 
 use rustix::io::Errno;
 use rustix::rand::{GetRandomFlags, getrandom};
@@ -8,21 +8,21 @@ use std::io;
 /// How many random bytes a secret has.
 const BYTES: usize = 32;
 
-/// A secret's text. It is told once and never shown by accident.
+/// A secret's text. It is given out once and never shown by accident.
 #[derive(Clone)]
 pub(crate) struct Secret(String);
 
-/// What is kept of a secret. Two of them are compared in constant time.
+/// The digest of a secret. Two digests are compared in constant time.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Digest(blake3::Hash);
 
 impl Secret {
-    /// A new one.
+    /// A new secret.
     pub(crate) fn new() -> io::Result<Self> {
         Ok(Self(hex(&random::<BYTES>()?)))
     }
 
-    /// One that was kept in a file; nothing if it cannot be one.
+    /// One from a file; `None` if the text is not valid.
     pub(crate) fn read(text: &str) -> Option<Self> {
         let text = text.trim();
         let fits = text.len() == 2 * BYTES && text.bytes().all(|byte| byte.is_ascii_hexdigit());
@@ -50,7 +50,7 @@ impl Digest {
         Self(blake3::hash(text.as_bytes()))
     }
 
-    /// As it stands in files.
+    /// Its text, as files have it.
     pub(crate) fn text(&self) -> String {
         self.0.to_hex().to_string()
     }

@@ -8,11 +8,11 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-/// How long a login lasts after it was used last.
+/// How long a login lasts after its last use.
 const LENGTH_MS: u64 = 12 * 3_600_000;
 /// By how much its end has to move before the file is written again.
 const GRAIN_MS: u64 = 600_000;
-/// How many a user may have; beyond that the one goes that was not used for longest.
+/// How many logins a user may have; beyond that the one unused for longest is removed.
 const MAX_OF_ONE: usize = 20;
 
 /// A login.
@@ -39,7 +39,7 @@ impl Sessions {
         Ok(Self { file, logins: Mutex::new(logins) })
     }
 
-    /// A new login, and what its owner shows from now on.
+    /// Makes a login; gives the secret that its owner shows from now on.
     pub(super) fn begin(
         &self,
         user: &str,
@@ -57,7 +57,7 @@ impl Sessions {
         Ok((secret, login))
     }
 
-    /// The login of this secret, which is used now.
+    /// The login of this secret, which counts as used now.
     pub(super) fn used(&self, secret: &str, now_ms: u64) -> Option<(String, Login)> {
         let digest = Digest::of(secret).text();
         let mut logins = self.logins.lock();
@@ -68,12 +68,12 @@ impl Sessions {
         }
         login.expires_ms += moved;
         let login = login.clone();
-        // A disk that refuses ends a login earlier, and nothing else.
+        // If the disk refuses, a login ends earlier; nothing else happens.
         self.keep(&logins).unwrap_or_default();
         Some((digest, login))
     }
 
-    /// The login with this digest, if it is not over.
+    /// The login with this digest, if it has not expired.
     pub(super) fn with(&self, digest: &str, now_ms: u64) -> Option<Login> {
         self.logins.lock().get(digest).filter(|login| login.expires_ms > now_ms).cloned()
     }

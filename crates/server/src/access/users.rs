@@ -1,5 +1,5 @@
-//! Users and tokens as the server and the command line change them: what is asked for is checked, secrets are made and hashed,
-//! the roster is written. Slow: never call what changes something where others wait.
+//! Users and tokens as the server and the command line change them: requests are checked, secrets are made and hashed, the
+//! roster is written. Slow: never call a change where others wait.
 
 use super::passwords::{self, BYTES_MAX, HashError, LENGTH_MIN};
 use super::private::{self, PrivateError};
@@ -12,7 +12,7 @@ use rafcon_supervisor::clock::since_1970_ms;
 use std::path::Path;
 use std::sync::Arc;
 
-/// How long the name of a token may be.
+/// The maximum length of a token's name.
 const TOKEN_NAME_MAX: usize = 100;
 
 /// The users and tokens of a server's folder.
@@ -22,10 +22,10 @@ pub struct Users {
     cost: HashCost,
 }
 
-/// Why users and tokens stay as they are.
+/// Why users and tokens do not change.
 #[derive(Debug, thiserror::Error)]
 pub enum UsersError {
-    /// The change is none.
+    /// The change is not valid.
     #[error(transparent)]
     Roster(#[from] RosterError),
     /// A file cannot be read or written.
@@ -39,19 +39,19 @@ pub enum UsersError {
         "a password has {LENGTH_MIN} characters at least and {BYTES_MAX} bytes at most: choose another"
     )]
     BadPassword,
-    /// The token's name is none.
+    /// The token's name is not valid.
     #[error("a token has a name of 1 to {TOKEN_NAME_MAX} characters, which says what it is for")]
     BadTokenName,
 }
 
 impl Users {
-    /// Those in a server's folder, which is made if it is not there.
+    /// Those in a server's folder, which is made if it does not exist.
     pub fn open(state: &Path, cost: HashCost) -> Result<Self, PrivateError> {
         private::folder(state)?;
         Ok(Self { register: Register::open(state)?, cost })
     }
 
-    /// Who there is now.
+    /// The current roster.
     pub fn roster(&self) -> Arc<Roster> {
         self.register.now()
     }
@@ -69,19 +69,19 @@ impl Users {
         self.cost
     }
 
-    /// One user more.
+    /// Adds a user.
     pub fn add(&self, name: &str, role: Role, password: &str) -> Result<(), UsersError> {
         let password = self.hash(password)?;
         let entry = Entry { role, password, since_ms: since_1970_ms() };
         self.register.change(|roster| roster.add(name, entry))
     }
 
-    /// One user and all their tokens less.
+    /// Removes a user and all their tokens.
     pub fn remove(&self, name: &str) -> Result<(), UsersError> {
         self.register.change(|roster| roster.remove(name))
     }
 
-    /// Another role, another password (which ends the user's logins), or both; or neither, if one cannot be.
+    /// Sets another role, another password (which ends the user's logins), or both. If one fails, neither is set.
     pub fn change(
         &self,
         name: &str,
@@ -96,7 +96,7 @@ impl Users {
         })
     }
 
-    /// The same password at the cost of today.
+    /// Stores the same password at the current cost.
     pub(super) fn keep_again(
         &self,
         name: &str,
@@ -110,7 +110,7 @@ impl Users {
         })
     }
 
-    /// One token more, for a user whose right is `most` at the moment.
+    /// Makes a token for a user who has the right `most` now.
     pub fn make_token(
         &self,
         user: &str,

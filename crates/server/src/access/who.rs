@@ -1,4 +1,4 @@
-//! Whoever makes a request, once the door has let them in.
+//! Who makes a request, once the door has let it in.
 
 use crate::Failure;
 use axum::extract::{FromRequestParts, OptionalFromRequestParts};
@@ -14,7 +14,7 @@ pub struct Who {
     pub role: Role,
     /// When the session ends: ms since 1970, UTC.
     pub expires_ms: Option<u64>,
-    /// How the door knows.
+    /// How they were identified.
     pub by: Credential,
 }
 
@@ -30,7 +30,7 @@ pub enum Credential {
 }
 
 impl Who {
-    /// Refuses whoever lacks a right.
+    /// Refuses a user who lacks a right.
     pub fn must(&self, right: Right) -> Result<(), Failure> {
         if self.role.grants(right) {
             return Ok(());
@@ -62,7 +62,7 @@ impl<S: Sync> OptionalFromRequestParts<S> for Who {
     }
 }
 
-/// The answer to a request that says nothing about who makes it.
+/// The answer to a request without a credential.
 pub(crate) fn nobody() -> Failure {
     let message = "nobody is logged in: send a token, or log in at /api/v1/session";
     let failure = Failure::unauthorized("not_logged_in", message);

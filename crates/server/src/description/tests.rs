@@ -1,4 +1,4 @@
-//! The description is whole: every route is there, says who may, and its examples are what they should be.
+//! The description is complete: every route is there, says who may call it, and its examples are valid.
 
 use super::*;
 use crate::access::ROUTES;

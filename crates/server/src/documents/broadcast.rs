@@ -27,7 +27,7 @@ impl Broadcast {
         self.0.lock().is_some()
     }
 
-    /// How it stands; nothing once it is closed.
+    /// Its status; `None` once it is closed.
     pub(super) fn summary(&self) -> Option<MachineSummary> {
         self.0.lock().as_ref().map(|ends| ends.status.borrow().summary.clone())
     }
@@ -40,7 +40,7 @@ impl Broadcast {
         self.0.lock().as_ref().map(|ends| ends.revision.subscribe())
     }
 
-    /// It stands like this now. Who looks at it stays as it is.
+    /// Sets its status. Its viewers stay as they are.
     pub(super) fn tell(&self, summary: MachineSummary) {
         if let Some(ends) = &*self.0.lock() {
             let revision = summary.revision;

@@ -22,7 +22,7 @@ pub(super) struct OnDisk {
     pub(super) document: Vec<u8>,
 }
 
-/// Reads the machine in a folder; nothing if there is none any more.
+/// Reads the machine in a folder; `None` if it no longer exists.
 pub(super) fn read(folder: &Path, libraries: &Libraries) -> Result<Option<OnDisk>, Failure> {
     let loaded = match load(folder, libraries) {
         Ok(loaded) => loaded,
@@ -43,7 +43,7 @@ pub(super) fn content(machine: &Machine) -> Result<(String, Vec<u8>), Failure> {
     Ok((blake3::hash(&document).to_hex().to_string(), document))
 }
 
-/// Writes what of a machine differs from what is on disk.
+/// Writes those parts of a machine that differ from what is on disk.
 pub(super) fn write(
     machine: &Machine,
     folder: &Path,

@@ -1,5 +1,5 @@
-//! All open machines: which folder is open under which name. Knows rooms; the work on files is to be done on threads that may
-//! wait.
+//! All open machines: which folder is open under which name. Knows machine sessions; their work on files belongs on threads
+//! that may block.
 
 use super::disk;
 use super::operation::{EditRequest, Operation, RecordedOperation};
@@ -22,11 +22,11 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// So many machines may be open at a time.
+/// How many machines may be open at a time.
 const OPEN_MAX: usize = 64;
-/// So many ask git at a time.
+/// How many git queries run at a time.
 const GITS: usize = 2;
-/// Names of what people do are no longer, in characters.
+/// The maximum length of the names of edits, in characters.
 const NAME_MAX: usize = 200;
 
 /// The open machines of a server.
@@ -35,13 +35,13 @@ pub(crate) struct Documents {
     /// The folder with all drafts.
     drafts: PathBuf,
     naming: Naming,
-    /// Before machines are read.
+    /// Passed before machines are read.
     pub(super) loads: Gate,
-    /// Before machines are written, or read again.
+    /// Passed before machines are written, or read again.
     pub(super) saves: Gate,
-    /// Before something is made of an open machine.
+    /// Passed before something is computed from an open machine.
     pub(super) looks: Gate,
-    /// Before git is asked, which may take long: who opens a machine does not wait for that.
+    /// Passed before git is queried, which may take long: opening a machine does not wait for that.
     pub(super) versions: Gate,
     sessions: Mutex<BTreeMap<String, Arc<MachineSession>>>,
     /// Folders that someone opens, closes or moves to.
@@ -136,8 +136,8 @@ impl Documents {
         Tools { libraries: server.projects.libraries(), naming: self.naming }
     }
 
-    /// Opens the machine in a folder, once for all who want it, with what a server that died had taken. That is set aside, if it
-    /// does not fit any more, only for one who may edit.
+    /// Opens the machine in a folder, once for all clients, with the edits that a dead server had answered. Edits that no
+    /// longer fit are set aside, but only for a user who may edit.
     pub(crate) fn open(
         &self,
         server: &ServerState,
@@ -210,7 +210,7 @@ impl Documents {
         self.open(server, &new.file, true)
     }
 
-    /// Does it; the new revision.
+    /// Performs it; gives the new revision.
     pub(crate) fn change(
         &self,
         server: &ServerState,
@@ -231,7 +231,7 @@ impl Documents {
         Ok(revision)
     }
 
-    /// Reads the files of an open machine again; the new revision.
+    /// Reads the files of an open machine again; gives the new revision.
     pub(crate) fn reload(
         &self,
         server: &ServerState,
@@ -268,7 +268,7 @@ impl Documents {
         server.news.machines();
     }
 
-    /// Copies states of an open machine, as they can be pasted.
+    /// Copies states of an open machine, in the form that can be pasted.
     pub(crate) fn copy(&self, id: &str, wish: &CopyStates) -> Result<Selection, Failure> {
         let (_, machine) = self.session(id)?.machine();
         let state = machine.state(&StatePath::parse(&wish.path));
@@ -295,7 +295,7 @@ impl Documents {
         Ok(())
     }
 
-    /// A connection is gone, or looks elsewhere.
+    /// A connection is gone, or views something else.
     pub(crate) fn leaves(&self, connection: u64) {
         let sessions: Vec<_> = self.sessions.lock().values().cloned().collect();
         for session in sessions {

@@ -3,7 +3,7 @@
 //! Knows lines and files, but not what an edit means.
 //!
 //! A draft is a folder: `operations.jsonl` says what was read, what was done and when it was saved; beside it lie machines as
-//! documents, named after their content: the one that was read, and those that took its place.
+//! documents, named after their content: the one that was read, and those that replaced it.
 
 use super::group_sync::GroupSync;
 use super::operation::{EditRequest, RecordedOperation};
@@ -17,13 +17,13 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 const OPERATIONS: &str = "operations.jsonl";
-/// The form of the lines.
+/// The format of the lines.
 const FORMAT: u32 = 1;
 
 /// The first line of a draft.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub(super) struct DraftHeader {
-    /// The form of the lines.
+    /// The format of the lines.
     format: u32,
     /// Where the machine lies.
     pub(super) folder: PathBuf,
@@ -36,7 +36,7 @@ pub(super) struct DraftHeader {
     pub(super) answered: Vec<RecordedAnswer>,
 }
 
-/// Something that was done and answered, of which no more is known.
+/// An operation that was done and answered, of which nothing else is known.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub(super) struct RecordedAnswer {
     #[serde(flatten)]
@@ -49,18 +49,18 @@ pub(super) struct RecordedAnswer {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "line", rename_all = "snake_case")]
 pub(super) enum DraftLine {
-    /// Something was done.
+    /// An operation was done.
     Done(Box<RecordedOperation>),
-    /// The machine lies on disk.
+    /// The machine was saved.
     Saved {
-        /// As it was at this revision.
+        /// At this revision.
         revision: u64,
         /// The content of its files.
         hash: String,
     },
 }
 
-/// The draft of an open machine. Nothing lies on disk until there is something to lose.
+/// The draft of an open machine. Nothing is on disk until there is something to lose.
 #[derive(Debug)]
 pub(super) struct Draft {
     place: PathBuf,
@@ -81,12 +81,12 @@ struct DraftFile {
 #[derive(Debug, Clone)]
 pub(super) struct DraftFolder(Arc<Mutex<Option<PathBuf>>>);
 
-/// A draft that a server left behind.
+/// A draft that an earlier server left behind.
 #[derive(Debug)]
 pub(super) struct FoundDraft {
     pub(super) head: DraftHeader,
     pub(super) lines: Vec<DraftLine>,
-    /// How far they reach; what follows was never answered.
+    /// The length of the valid lines; what follows was never answered.
     length: u64,
 }
 
@@ -97,7 +97,7 @@ impl DraftHeader {
     }
 }
 
-/// The draft that lies in `place`. One that cannot be read is not touched.
+/// The draft in `place`. One that cannot be read is not touched.
 pub(super) fn find(place: &Path) -> Result<Option<FoundDraft>, PrivateError> {
     let path = place.join(OPERATIONS);
     let Some(text) = private::read(&path)? else { return Ok(None) };
@@ -118,7 +118,7 @@ pub(super) fn find(place: &Path) -> Result<Option<FoundDraft>, PrivateError> {
 }
 
 impl DraftFile {
-    /// The lines in a draft's folder, up to this length. With them the folders are synced that say where they lie.
+    /// The lines in a draft's folder, up to this length. They are synced together with the folders that contain them.
     fn open(place: &Path, length: u64) -> io::Result<Self> {
         let file = private::open(&place.join(OPERATIONS)).map_err(io::Error::other)?;
         file.set_len(length)?;
@@ -128,7 +128,7 @@ impl DraftFile {
         Ok(Self { file, length, sync })
     }
 
-    /// Writes at its end. If that fails, nothing of it stays.
+    /// Appends to it. If that fails, nothing of it stays.
     fn append(&mut self, text: &str) -> io::Result<()> {
         if let Err(error) = self.file.write_all(text.as_bytes()) {
             self.file.set_len(self.length)?;
@@ -146,7 +146,7 @@ impl Draft {
         Self { shelf: DraftFolder::at(&place), place, head, file: None }
     }
 
-    /// A draft in the place of one of which everything lies on disk, but what was answered is to stay known.
+    /// A draft that replaces one whose edits are all saved, but whose answered ids are to stay known.
     pub(super) fn anew(
         place: PathBuf,
         head: DraftHeader,
@@ -161,7 +161,7 @@ impl Draft {
         Ok(Self { shelf: DraftFolder::at(&place), place, head, file: Some(file) })
     }
 
-    /// Goes on with what a server left behind.
+    /// Continues a draft that an earlier server left behind.
     pub(super) fn go_on(place: PathBuf, found: &FoundDraft) -> Result<Self, PrivateError> {
         let path = place.join(OPERATIONS);
         let failed = |source| PrivateError::new("write", &path, source);
@@ -182,7 +182,7 @@ impl Draft {
         &self.head.base
     }
 
-    /// Where it lies.
+    /// Its folder.
     pub(super) fn place(&self) -> &Path {
         &self.place
     }
@@ -222,7 +222,7 @@ impl Draft {
         Ok(())
     }
 
-    /// Gives everything up.
+    /// Discards everything.
     pub(super) fn discard(&mut self) -> Result<(), PrivateError> {
         self.file = None;
         let mut shelf = self.shelf.0.lock();
@@ -237,7 +237,7 @@ impl DraftFolder {
         Self(Arc::new(Mutex::new(Some(place.to_owned()))))
     }
 
-    /// Keeps a document under the name of its content, unless it was given up.
+    /// Keeps a document under the name of its content, unless the draft was discarded.
     pub(super) fn keep(&self, hash: &str, document: &[u8]) -> Result<(), PrivateError> {
         let place = self.0.lock();
         place.as_ref().map_or(Ok(()), |place| keep(place, hash, document))
@@ -332,7 +332,7 @@ mod tests {
         assert_eq!((path("draft").exists(), path("moved").exists()), (false, false));
     }
 
-    /// A line that was cut off was never answered: it goes.
+    /// A line that was cut off was never answered: it is removed.
     #[test]
     fn a_cut_line_goes_and_the_next_one_is_whole() {
         let place = tempfile::tempdir().unwrap();
@@ -346,7 +346,7 @@ mod tests {
         assert_eq!(found(place.path()).unwrap().lines, [undo("1"), undo("2")]);
     }
 
-    /// An operation outlives a power cut once its group is synced.
+    /// An operation survives a power cut once its group is synced.
     #[test]
     fn every_line_is_synced_behind_its_answer() {
         let place = tempfile::tempdir().unwrap();

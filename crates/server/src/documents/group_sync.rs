@@ -8,19 +8,19 @@ use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::thread;
 use std::time::Duration;
 
-/// What is written within this time is synced together.
+/// Writes within this time are synced together.
 const GROUP: Duration = Duration::from_millis(50);
 
-/// The thread that syncs a file. It ends with this, after a last sync of what was written.
+/// The thread that syncs a file. It ends when this is dropped, after a last sync of what was written.
 #[derive(Debug)]
 pub(super) struct GroupSync {
     written: SyncSender<()>,
-    /// Says nothing: the thread waits until it is gone.
+    /// Carries no message: the thread waits until it is closed.
     _end: SyncSender<Infallible>,
 }
 
 impl GroupSync {
-    /// `sync` brings everything to the disk that was written before it is called.
+    /// `sync` brings to the disk everything that was written before it is called.
     pub(super) fn begin(sync: impl FnMut() -> io::Result<()> + Send + 'static) -> io::Result<Self> {
         let (written, groups) = sync_channel(1);
         let (end, is_over) = sync_channel(1);
@@ -31,7 +31,7 @@ impl GroupSync {
 
     /// Something was written.
     pub(super) fn written(&self) {
-        // Where one waits already, its group takes this along.
+        // A sync that is already pending includes this.
         let _waits_already = self.written.try_send(());
     }
 }
@@ -57,7 +57,7 @@ mod tests {
     use std::sync::atomic::{AtomicU32, Ordering};
     use std::sync::mpsc::sync_channel;
 
-    /// Whatever is written is synced after it was written, also if that happens while a sync is under way or fails.
+    /// Every write is synced after it was written, also if it happens while a sync runs or fails.
     #[test]
     fn everything_that_was_written_is_synced() {
         let written = Arc::new(AtomicU32::new(0));

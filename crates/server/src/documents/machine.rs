@@ -1,5 +1,5 @@
-//! An open machine as a value with a past: edits of several people in one order, each taken once, each taken back by its own
-//! author only. Pure: what is done is prepared first, so that it can be written down, and made then.
+//! An open machine as a value with a past: edits of several users in one order, each accepted once, each undone by its own
+//! author only. Pure: an operation is prepared first, so that it can be written down, and performed then.
 
 use super::merge;
 use super::operation::{EditRequest, Operation, ReadOperation};
@@ -12,10 +12,10 @@ use rafcon_protocol::api::{MachineSteps, Revision, RevisionKind};
 use rafcon_protocol::document::changes;
 use std::collections::{BTreeMap, VecDeque};
 
-/// So many ids of what was done are known, so that whoever asks again gets the same answer.
+/// How many ids of operations are known, so that a repeated request gets the same answer.
 const ANSWERED_MAX: usize = 100_000;
 
-/// Something that can be done now.
+/// An operation that can be performed now.
 #[derive(Debug)]
 pub(super) struct Prepared {
     machine: Machine,
@@ -24,7 +24,7 @@ pub(super) struct Prepared {
     mark: Fingerprint,
 }
 
-/// A machine that several people edit.
+/// A machine that several users edit.
 #[derive(Debug)]
 pub(super) struct OpenMachine {
     machine: Machine,
@@ -49,7 +49,7 @@ impl OpenMachine {
         Self { machine, history, answered: AnsweredRequests::default() }
     }
 
-    /// Something was done before, and answered by this revision.
+    /// Adds an operation that was done before, and answered by this revision.
     pub(super) fn knows(&mut self, request: EditRequest, revision: u64) {
         self.answered.push(request, revision);
     }
@@ -79,7 +79,7 @@ impl OpenMachine {
         self.answered.revisions.get(request).copied()
     }
 
-    /// What doing it would come to. Nothing has changed yet.
+    /// What performing it would result in. Nothing has changed yet.
     pub(super) fn prepare(
         &self,
         request: EditRequest,
@@ -92,7 +92,7 @@ impl OpenMachine {
         self.prepare_again(request, at_ms, operation)
     }
 
-    /// The same for what was allowed before: a jump also if it changes nothing now, for libraries are not what they were.
+    /// The same for what was allowed before: a jump also if it changes nothing now, for libraries may have changed.
     pub(super) fn prepare_again(
         &self,
         request: EditRequest,
@@ -123,7 +123,7 @@ impl OpenMachine {
         Ok((name, machine, InverseChange::Edit(back)))
     }
 
-    /// One's own last step back, or again.
+    /// The author's own last undo or redo.
     fn step(&self, author: &str, kind: RevisionKind) -> Result<Next, OperationRefusal> {
         let (name, inverse) = self.history.inverse(author, kind)?;
         let name = name.to_owned();
@@ -167,7 +167,7 @@ impl OpenMachine {
         Ok(self.replace(name, machine.clone()))
     }
 
-    /// Does what was prepared, and nothing since.
+    /// Performs what was prepared; nothing may have been performed since.
     pub(super) fn commit(&mut self, prepared: Prepared) -> u64 {
         let Prepared { machine, revision, inverse, mark } = prepared;
         self.history.push(&revision, inverse, &machine, mark);
@@ -190,7 +190,7 @@ impl AnsweredRequests {
     }
 }
 
-/// What takes a revision back that leads from `before` to `machine`.
+/// What takes back a revision that leads from `before` to `machine`.
 fn inverse(change: InverseChange, machine: &Machine, before: &Machine) -> Inverse {
     let (places, layouts) = match &change {
         InverseChange::Edit(back) => (places(back), merge::layouts(back, machine)),

@@ -20,8 +20,8 @@ fn is_layout(set: &Set) -> bool {
     matches!(set, Set::Field(Field::Layout(_)))
 }
 
-/// The way with layouts that keep what changed in the machine since the step left `left` behind; `Err` names a state of which
-/// the same element was changed.
+/// The way with layouts that keep what has changed in the machine since the step left `left` behind; `Err` names a state of
+/// which the same element was changed.
 pub(super) fn merged(way: &Edit, left: &Layouts, machine: &Machine) -> Result<Edit, StatePath> {
     let Edit::Restore(restore) = way else { return Ok(way.clone()) };
     let mut merged = restore.clone();
@@ -41,7 +41,7 @@ pub(super) fn merged(way: &Edit, left: &Layouts, machine: &Machine) -> Result<Ed
     Ok(Edit::Restore(merged))
 }
 
-/// `now`, with what leads from `left` to `wanted`; `None` if an element of that is another one now.
+/// `now`, with what leads from `left` to `wanted`; `None` if an element of that has changed since.
 fn merge(left: &Layout, wanted: &Layout, now: &Layout) -> Option<Layout> {
     let (left, wanted, mut merged) = (left.json(), wanted.json(), now.json());
     let keys = [&left, &wanted].into_iter().flat_map(|json| json.as_object().unwrap_or_default());

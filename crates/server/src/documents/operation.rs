@@ -11,7 +11,7 @@ use rafcon_storage::{Libraries, fill_library};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
-/// A change of an open machine: as it is asked for and written down, or with everything read that it names.
+/// A change of an open machine: as it was requested and is written down, or with everything loaded that it names.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "what", rename_all = "snake_case")]
 pub(crate) enum Operation<E = Box<Edit>, M = String> {
@@ -22,9 +22,9 @@ pub(crate) enum Operation<E = Box<Edit>, M = String> {
         /// The edit.
         edit: E,
     },
-    /// One's own last step back.
+    /// The author's own last undo.
     Undo,
-    /// One's own last step again.
+    /// The author's own last redo.
     Redo,
     /// The machine becomes another one, which the draft keeps under this name: the files were read again.
     Replace {
@@ -35,7 +35,7 @@ pub(crate) enum Operation<E = Box<Edit>, M = String> {
     Jump {
         /// The revision.
         revision: u64,
-        /// Also if that takes steps of others away.
+        /// Also if that takes back steps of other users.
         #[serde(skip)]
         over_others: bool,
     },
@@ -44,7 +44,7 @@ pub(crate) enum Operation<E = Box<Edit>, M = String> {
 /// An operation that can be applied.
 pub(super) type ReadOperation = Operation<rafcon_model::edit::Edit, Machine>;
 
-/// Who asks for an operation, and under which id: the same request is carried out once.
+/// Who requests an operation, and under which id: the same request is carried out once.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub(crate) struct EditRequest {
     pub(crate) author: String,
@@ -63,12 +63,12 @@ pub(super) struct RecordedOperation {
 }
 
 impl Operation {
-    /// The edit that a client asks for.
+    /// The edit that a client requests.
     pub(crate) fn edit(wish: EditMachine) -> Self {
         Self::Edit { name: wish.name, edit: Box::new(wish.edit) }
     }
 
-    /// The same with what it names: the content of libraries as it is now, and documents of the draft in `place`.
+    /// The same with what it names: the current content of libraries, and documents of the draft in `place`.
     pub(super) fn read(
         &self,
         libraries: &Libraries,
@@ -91,7 +91,7 @@ impl Operation {
     }
 }
 
-/// A machine that was kept beside the draft in `place`.
+/// A machine that is stored beside the draft in `place`.
 pub(super) fn kept_machine(
     place: &Path,
     hash: &str,
@@ -114,7 +114,7 @@ mod tests {
     use super::{EditRequest, Operation, RecordedOperation};
     use crate::documents::draft::DraftLine;
 
-    /// Servers before this one wrote lines like these.
+    /// Earlier versions of the server wrote lines like these.
     #[test]
     fn lines_of_earlier_versions_are_read_and_written_as_they_were() {
         let head = r#"{"line":"done","author":"ann","id":"1","at_ms":7,"what":"#;

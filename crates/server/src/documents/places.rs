@@ -17,7 +17,7 @@ pub(super) struct MachinePlace {
 enum StatePart {
     /// The state with everything inside it.
     Whole,
-    /// What its kind makes of it: children, script, connections inside.
+    /// The contents that depend on its kind: children, script, connections inside.
     Inside,
     Id,
     Name,
@@ -93,7 +93,7 @@ impl MachinePlace {
 }
 
 impl StatePart {
-    /// Whether it goes when a state becomes one of another kind.
+    /// Whether it is removed when a state becomes one of another kind.
     fn is_inside(self) -> bool {
         match self {
             Self::Whole

@@ -15,24 +15,24 @@ use rafcon_storage::Libraries;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// So many of the ids of what was done and saved stay known.
+/// How many ids of operations that were done and saved stay known.
 const ANSWERED_MAX: usize = 10_000;
 
-/// A machine as people left it.
+/// A machine as users left it.
 #[derive(Debug)]
 pub(super) struct Recovered {
     pub(super) machine: OpenMachine,
     pub(super) draft: Draft,
     /// The revision that lies on disk.
     pub(super) saved_revision: u64,
-    /// Whether edits were found that do not lie on disk.
+    /// Whether edits were found that are not saved.
     pub(super) has_edits: bool,
     /// The content of the files as they were read or written last.
     pub(super) hash: String,
 }
 
-/// The machine of a folder with what its draft holds. `revision` is where one without a draft begins. What no longer
-/// fits is set aside only for one who may edit.
+/// The machine of a folder with what its draft holds. `revision` is where one without a draft begins. What no longer fits is
+/// set aside, but only for a user who may edit.
 pub(super) fn recover(
     spot: &FileLocation,
     on_disk: &OnDisk,
@@ -76,7 +76,7 @@ fn fresh(folder: &Path, place: PathBuf, on_disk: &OnDisk, revision: u64) -> Reco
     }
 }
 
-/// Everything lies on disk; what was done stays known, so that it is not done again.
+/// Everything is saved; the ids of operations stay known, so that none is done again.
 fn known(
     folder: &Path,
     place: PathBuf,
@@ -93,7 +93,7 @@ fn known(
     Ok(recovered)
 }
 
-/// What the draft says was done.
+/// What was done, by the draft.
 fn answered(found: &FoundDraft) -> Vec<RecordedAnswer> {
     let done = found.lines.iter().filter_map(|line| match line {
         DraftLine::Done(operation) => Some(operation),
@@ -124,7 +124,7 @@ fn saved(found: &FoundDraft) -> (u64, String) {
     last.unwrap_or_else(|| (found.head.revision, found.head.base.clone()))
 }
 
-/// How many operations do not lie on disk.
+/// How many operations are not saved.
 fn unsaved(found: &FoundDraft) -> u64 {
     let done = found.lines.iter().filter(|line| matches!(line, DraftLine::Done(_))).count() as u64;
     (found.head.revision + done).saturating_sub(saved(found).0)
@@ -143,7 +143,7 @@ fn base(
     kept_machine(place, &found.head.base, libraries)
 }
 
-/// What was read, with everything that was done to it.
+/// The machine that was read, with everything that was done to it.
 fn replayed(
     found: &FoundDraft,
     place: &Path,
@@ -163,7 +163,7 @@ fn replayed(
     Ok(machine)
 }
 
-/// A draft that no longer fits is kept for people to look at.
+/// A draft that no longer fits is kept for people to inspect.
 fn set_aside(place: &Path, folder: &Path, revision: u64, failure: &Failure) {
     let aside = place.with_extension(format!("unfit-{revision}"));
     let moved = match fs::rename(place, &aside) {

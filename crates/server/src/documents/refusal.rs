@@ -1,5 +1,5 @@
-//! Why an operation on an open machine is refused. Knows the rules of editing together; the one place here that says which answer
-//! of HTTP goes with each.
+//! Why an operation on an open machine is refused. Knows the rules of editing together; the one place here that maps each to
+//! its HTTP answer.
 
 use crate::Failure;
 use rafcon_model::edit::EditError;
@@ -10,7 +10,7 @@ use std::collections::BTreeMap;
 /// Why an operation is refused.
 #[derive(Debug, thiserror::Error)]
 pub(super) enum OperationRefusal {
-    /// The edit breaks a rule, or is about something that is not there.
+    /// The edit breaks a rule, or is about something that does not exist.
     #[error("{0}")]
     Rule(EditError),
     /// The author has no step left.
@@ -34,12 +34,12 @@ pub(super) enum OperationRefusal {
     /// The machine is at the revision already.
     #[error("the machine already is what it was then")]
     AlreadyThere,
-    /// The machine at a revision was forgotten, or never was.
+    /// The machine at a revision is no longer kept, or never existed.
     #[error(
         "the machine as it was at revision {0} is not kept any more: the steps tell which ones are"
     )]
     NotKept(u64),
-    /// A jump takes so many steps of others away.
+    /// A jump takes back so many steps of other users.
     #[error(
         "this takes {} away: ask them, or say `over_others`; a jump can be taken back",
         counted(.0)

@@ -1,8 +1,9 @@
-//! What was done to an open machine: one log of revisions. Each has its author, the way back, the machine that it led to and the
-//! text that clients get; from that follow one's own steps back, the tree of steps and what a reader has not seen. Pure.
+//! What was done to an open machine: one log of revisions. Each has its author, the way back, the machine that it led to and
+//! the text that clients get; from these follow each user's undo and redo, the tree of steps and what a reader has not seen.
+//! Pure.
 //!
-//! A node of the tree is a revision at which the machine was what it had never been before; it hangs on the node of the
-//! revision before.
+//! A node of the tree is a revision at which the machine was new, unlike at any revision before; its parent is the node of
+//! the revision before.
 
 use super::merge::Layouts;
 use super::places::MachinePlace;
@@ -16,13 +17,13 @@ use rafcon_protocol::document::{Change, changes};
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::sync::Arc;
 
-/// Older revisions are forgotten.
+/// How many revisions are kept; older ones are dropped.
 const REVISIONS_MAX: usize = 10_000;
-/// So many machines of the past are kept beside the start. They share what they have in common.
+/// How many earlier machines are kept beside the start. They share what they have in common.
 const MACHINES_MAX: usize = 1000;
-/// So many bytes of texts are kept.
+/// How many bytes of text are kept.
 const BYTES_MAX: usize = 16 << 20;
-/// About so many bytes are given at once.
+/// About how many bytes are given at once.
 const PAGE_BYTES: usize = 256 << 10;
 
 /// The revisions of an open machine, the last one last.
@@ -47,7 +48,7 @@ struct RecordedRevision {
     step: MachineStep,
     /// A [`Revision`] as JSON.
     text: Option<Arc<str>>,
-    /// Nothing once it was taken back.
+    /// `None` once it was taken back.
     inverse: Option<Inverse>,
     /// The revision that this one took back.
     reverses: Option<u64>,
@@ -68,7 +69,7 @@ pub(super) struct Inverse {
 pub(super) enum InverseChange {
     /// An edit.
     Edit(Edit),
-    /// Another machine: the files were read again, or the machine became what it was.
+    /// Another machine: the files were read again, or a jump was made.
     Machine(Machine),
 }
 
@@ -87,27 +88,27 @@ struct OwnSteps {
     undone: Vec<u64>,
 }
 
-/// What there is from a cursor on.
+/// The revisions from a cursor on.
 #[derive(Debug, PartialEq, Eq)]
 pub(crate) enum RevisionsPage {
-    /// These as JSON, without a gap; none if the reader has seen everything. There may be more behind them.
+    /// These as JSON, without a gap; none if the reader has seen everything. More may follow them.
     Revisions(Vec<Arc<str>>),
-    /// The first of them are gone, or never were: get the whole machine, which is at this revision now.
+    /// The first of them are no longer kept, or never existed: get the whole machine, which is at this revision now.
     Reset(u64),
 }
 
-/// Tells machines of one past apart without looking at all of them: the sum of what is different from the start, part by part.
+/// Distinguishes machines of one past without comparing all of them: the sum of what differs from the start, part by part.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default)]
 pub(super) struct Fingerprint(u128);
 
 impl Fingerprint {
-    /// That of `new`, if this is that of `old`, and these changes lead from there to `new`.
+    /// The sum of `new`, if this is that of `old`, and these changes lead from there to `new`.
     fn after(self, old: &Machine, new: &Machine, forth: &[Change]) -> Self {
         Self(self.0.wrapping_add(weight(forth)).wrapping_sub(weight(&changes(new, old))))
     }
 }
 
-/// The sum over everything that changes say is there.
+/// The sum over everything that the changes name.
 fn weight(changes: &[Change]) -> u128 {
     let is_there = |change: &&Change| match change {
         Change::State { .. } | Change::Header { .. } => true,
@@ -125,7 +126,7 @@ fn weight(changes: &[Change]) -> u128 {
 }
 
 impl RevisionLog {
-    /// That of a machine that was read as this revision.
+    /// The log of a machine that was read as this revision.
     pub(super) fn of(machine: Machine, start: u64) -> Self {
         let mut history = Self {
             start,
@@ -146,7 +147,7 @@ impl RevisionLog {
         self.revisions.back().map_or(self.start, |last| last.step.revision)
     }
 
-    /// Where a machine belongs to which these changes lead, and the earliest revision that is known at which it was the same.
+    /// The node of a machine to which these changes lead, and the earliest known revision at which it was the same.
     pub(super) fn place(
         &self,
         old: &Machine,
@@ -162,8 +163,8 @@ impl RevisionLog {
         (self.machines.get(&node)?.machine == *machine).then_some(node)
     }
 
-    /// Adds the next revision, which led to this machine. What its author had taken back can no longer be made again, unless
-    /// the revision is itself such a step.
+    /// Adds the next revision, which led to this machine. What its author had taken back can no longer be redone, unless the
+    /// revision is itself such a step.
     pub(super) fn push(
         &mut self,
         revision: &Revision,
@@ -171,7 +172,7 @@ impl RevisionLog {
         machine: &Machine,
         mark: Fingerprint,
     ) {
-        // Everything in it came from JSON or from text, so that it is JSON.
+        // Everything in it came from JSON or from text, so it is JSON.
         let text: Arc<str> = serde_json::to_string(revision).unwrap_or_default().into();
         self.told_bytes += text.len();
         self.mark = mark;
@@ -205,7 +206,7 @@ impl RevisionLog {
         self.authors.values_mut().for_each(|own| own.forget(oldest));
     }
 
-    /// Texts go one by one, the oldest first.
+    /// Texts are dropped one by one, the oldest first.
     fn forget_text(&mut self) {
         let oldest = self.index(self.told_from).and_then(|index| self.revisions[index].text.take());
         self.told_bytes -= oldest.map_or(self.told_bytes, |text| text.len());
@@ -305,12 +306,12 @@ impl RevisionLog {
         MachineSteps { start: self.start, steps: self.revisions.iter().map(told).collect() }
     }
 
-    /// What the step to a revision is called; nothing at the start.
+    /// What the step to a revision is called; empty at the start.
     pub(super) fn name(&self, revision: u64) -> Option<&str> {
         self.revision(revision).map(|told| told.step.name.as_str())
     }
 
-    /// The node of a revision, and the machine as it was there; nothing if it is not kept.
+    /// The node of a revision, and the machine at that time; `None` if it is not kept.
     pub(super) fn machine(&self, revision: u64) -> Option<(u64, &Machine)> {
         let node = self.node(revision)?;
         Some((node, &self.machines.get(&node)?.machine))
@@ -324,7 +325,7 @@ impl RevisionLog {
         self.revision(revision).map(|told| node(&told.step))
     }
 
-    /// How many steps of others than `author` are taken away on the way from one revision to another, by who made them.
+    /// How many steps of others than `author` are taken back on the way from one revision to another, by author.
     pub(super) fn taken_away(&self, author: &str, from: u64, to: u64) -> BTreeMap<String, usize> {
         let stays: BTreeSet<u64> = self.way(to).map(|step| step.revision).collect();
         let goes = self.way(from).take_while(|step| !stays.contains(&step.revision));
@@ -343,7 +344,7 @@ impl RevisionLog {
 }
 
 impl OwnSteps {
-    /// Adds a revision; the one that it takes back, if it is an undo or redo.
+    /// Adds a revision, and the one that it takes back, if it is an undo or redo.
     fn push(&mut self, revision: &Revision) -> Option<u64> {
         let (reverses, next) = match revision.kind {
             RevisionKind::Undo => (self.done.pop(), &mut self.undone),
@@ -369,7 +370,7 @@ impl OwnSteps {
 }
 
 impl Inverse {
-    /// The place of this revision that a later one builds upon. Layouts are told apart more finely where they are merged.
+    /// The place of this revision that a later one builds upon. Layouts are distinguished more finely where they are merged.
     fn place_under(&self, later: &Self) -> Option<&MachinePlace> {
         let is_upon = |place: &&MachinePlace| {
             later.places.iter().any(|later| place.is_built_upon(later) && !place.is_layout(later))
@@ -400,17 +401,17 @@ fn node(step: &MachineStep) -> u64 {
 #[cfg(test)]
 mod tests;
 
-/// Something that was made of the revision that was asked for last.
+/// A cached result for the revision that was requested last.
 #[derive(Debug)]
 pub(super) struct RevisionCache<T>(Mutex<Option<(u64, T)>>);
 
 impl<T: Clone> RevisionCache<T> {
-    /// Perhaps it is there from the beginning.
+    /// The initial value, if there is one.
     pub(super) fn new(kept: Option<(u64, T)>) -> Self {
         Self(Mutex::new(kept))
     }
 
-    /// That of a revision. Who asks while it is made waits for it.
+    /// The result for a revision. A caller that comes while it is computed waits for it.
     pub(super) fn of(
         &self,
         revision: u64,

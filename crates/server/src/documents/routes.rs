@@ -1,4 +1,5 @@
-//! What is asked about open machines. Knows requests and answers; the work is done next door, off the threads that talk.
+//! Requests about open machines. Knows requests and answers; the work is done elsewhere, off the threads that serve
+//! connections.
 
 use super::operation::{EditRequest, Operation};
 use super::revision_log::RevisionsPage;
@@ -88,7 +89,7 @@ async fn open(
     at.documents.loads.work(move || server.documents.open(&server, &file, may_edit).map(Json)).await
 }
 
-/// How an open machine stands.
+/// The status of an open machine.
 #[utoipa::path(get, path = "/api/v1/machines/{machine}", tag = "machines",
     params(("machine" = String, Path, description = "The machine's id")),
     responses(
@@ -205,7 +206,7 @@ async fn edit(
     change(server, who, machine, id, Operation::edit(edit)).await
 }
 
-/// Takes one's own last step back.
+/// Undoes the author's own last step.
 #[utoipa::path(post, path = "/api/v1/machines/{machine}/undo", tag = "machines", request_body = Undo,
     params(("machine" = String, Path, description = "The machine's id")),
     responses(
@@ -225,7 +226,7 @@ async fn undo(
     change(server, who, machine, undo.id, Operation::Undo).await
 }
 
-/// Makes one's own step again that was taken back last.
+/// Redoes the author's own step that was undone last.
 #[utoipa::path(post, path = "/api/v1/machines/{machine}/redo", tag = "machines", request_body = Undo,
     params(("machine" = String, Path, description = "The machine's id")),
     responses(

@@ -13,7 +13,7 @@ use std::fs;
 use std::sync::Arc;
 
 impl Documents {
-    /// Saves an open machine; the revision that lies on disk now.
+    /// Saves an open machine; gives the revision that lies on disk now.
     pub(crate) fn save(
         &self,
         server: &ServerState,
@@ -65,7 +65,7 @@ impl Documents {
         Ok(SavedState { file: spot.file, library })
     }
 
-    /// Refuses a place for a machine where something is that would be lost, or would lose something.
+    /// Refuses a folder for a machine if something there would be lost, or would lose something.
     fn must_be_free(
         &self,
         server: &ServerState,
@@ -202,7 +202,7 @@ mod tests {
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(12))]
 
-        /// A save notes what it wrote without reading it: what it notes is what the next look finds.
+        /// A save notes what it wrote without reading it: what it notes is what the next check finds.
         #[test]
         fn what_a_save_wrote_is_what_lies_there(numbers in vec(any::<u16>(), 0..120)) {
             let place = tempfile::tempdir().unwrap();

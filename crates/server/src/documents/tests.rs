@@ -40,7 +40,7 @@ fn machine(text: &str) -> Machine {
     notation::parse(text).expect("a machine in the notation")
 }
 
-/// Does it; the name of the step and the new revision, or the refusal.
+/// Performs it; gives the name of the step and the new revision, or the refusal.
 fn done(open: &mut OpenMachine, author: &str, deed: ReadOperation) -> String {
     let request = EditRequest { author: author.to_owned(), id: open.revision().to_string() };
     match open.prepare(request, 0, deed) {
@@ -52,8 +52,8 @@ fn done(open: &mut OpenMachine, author: &str, deed: ReadOperation) -> String {
     }
 }
 
-/// One line a deed: the author, then `<` (back), `>` (again), `@` or `@!` and a revision (jump, also over others), or an edit
-/// as JSON.
+/// One operation a line: the author, then `<` (back), `>` (again), `@` or `@!` and a revision (jump, also over others), or an
+/// edit as JSON.
 fn deed(text: &str) -> ReadOperation {
     let jump = |revision: &str, over_others| {
         let revision = revision.parse().expect("a revision");
@@ -349,7 +349,7 @@ fn the_same_request_is_answered_by_what_it_did() {
     assert_eq!(open.answered(&EditRequest { author: "bob".into(), ..request }), None);
 }
 
-/// Makes random edits and steps back of two people; both follow by what they are told.
+/// Makes random edits and steps back of two users; both follow by the changes they receive.
 fn two_people(numbers: Vec<u16>) {
     let mut open = OpenMachine::new(machine(START), 0);
     let mut mirror = Mirror::new(Document::of(open.machine()));

@@ -8,7 +8,7 @@ use rafcon_protocol::api::{LibraryName, LibraryUsage, LibraryUsages, UsagesOf};
 use std::collections::BTreeSet;
 use std::path::Path;
 
-/// So many usages are told.
+/// How many usages are listed.
 const USAGES_MAX: usize = 1000;
 
 impl Documents {

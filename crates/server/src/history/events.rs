@@ -1,4 +1,4 @@
-//! `GET …/events`: what happened, page by page, as far as it is wanted. Knows cursors and filters.
+//! `GET …/events`: what happened, page by page, filtered. Knows cursors and filters.
 
 use super::{Json, read};
 use crate::extract::{Path, Query};
@@ -13,13 +13,13 @@ use std::sync::Arc;
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
-/// A page has at most so many.
+/// The maximum number of events on a page.
 pub(super) const COUNT_MAX: u32 = 1000;
-/// At most so many events are looked at for a page.
+/// The maximum number of events that are examined for a page.
 pub(super) const LOOK: u64 = 200_000;
 /// The same where every event is read as text.
 const LOOK_FOR_TEXT: u64 = 20_000;
-/// A page with values ends behind so many bytes of them, about.
+/// A page with values ends after about so many bytes of them.
 const BYTES_MAX: usize = 4 << 20;
 
 /// The routes of this file.
@@ -71,7 +71,7 @@ async fn event(
     read(&server, &run, move |reader| Json::of(&detail(reader, sequence)?)).await
 }
 
-/// How many are wanted.
+/// How many are requested.
 pub(super) fn count(wanted: Option<u32>) -> Result<usize, Failure> {
     let count = wanted.unwrap_or(COUNT_MAX);
     if (1..=COUNT_MAX).contains(&count) {
@@ -82,7 +82,7 @@ pub(super) fn count(wanted: Option<u32>) -> Result<usize, Failure> {
     Err(Failure::bad("bad_count", message))
 }
 
-/// The first event to look at: none before the time from which on they are wanted.
+/// The first event to examine: none before the requested time.
 fn first(reader: &mut Reader, query: &EventQuery) -> Result<u64, Failure> {
     match query.since_ms {
         Some(ms) => Ok(reader.first_at(nanos(ms))?.max(query.from)),
@@ -90,7 +90,7 @@ fn first(reader: &mut Reader, query: &EventQuery) -> Result<u64, Failure> {
     }
 }
 
-/// Where the next page begins, and the last event that there is.
+/// Where the next page begins, and the last event so far.
 pub(super) fn cursor(reader: &Reader, looked: Looked) -> Result<(u64, u64), Failure> {
     let last = reader.last_sequence()?;
     let next = if looked.is_past { looked.next.max(last + 1) } else { looked.next };

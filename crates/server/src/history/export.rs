@@ -1,6 +1,6 @@
 //! `GET …/export`: a run in formats of other programs, as a file. Never in memory as a whole.
 //!
-//! Knows names of formats and files. How a format is written is known to storage.
+//! Knows names of formats and files. Storage knows how a format is written.
 
 use super::events::kinds;
 use super::sending::{Sending, sending};
@@ -22,9 +22,9 @@ use tokio::sync::{OwnedSemaphorePermit, Semaphore};
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
-/// So many runs are written at a time.
+/// How many exports run at a time.
 const AT_ONCE: usize = 4;
-/// So much of a file is sent at once.
+/// How much of a file is sent at once.
 const PART_BYTES: usize = 64 << 10;
 
 /// Runs that are being written.
@@ -114,13 +114,13 @@ fn file(run: &str, format: ExportFormat, body: Body) -> Response {
     ([(CONTENT_TYPE, kind), (CONTENT_DISPOSITION, &disposition)], body).into_response()
 }
 
-/// One run on its way.
+/// One export in progress.
 struct Writing {
     readers: Arc<Readers>,
     folder: PathBuf,
     format: ExportFormat,
     filter: Filter,
-    /// Where a recording lies until it is whole.
+    /// Where a recording lies until it is complete.
     scratch: PathBuf,
     tell: fn(&str),
 }
@@ -133,7 +133,7 @@ impl Writing {
                 ExportFormat::Csv => export_csv(reader, &self.filter, &mut sending),
                 ExportFormat::Mcap => recording(reader, &mut sending, &self.scratch),
             }
-            // What is damaged is named where it lies; who only counts bytes is to notice it as well.
+            // Damage is named in the file at its place; a client that only counts bytes must notice it as well.
             .and_then(|()| Ok(reader.check()?)))
         });
         let failure = match written {
@@ -160,7 +160,7 @@ fn is_gone(error: &ExportError) -> bool {
     matches!(error.kind(), io::ErrorKind::BrokenPipe | io::ErrorKind::TimedOut)
 }
 
-/// A recording has its index at its end and its length at its beginning: it is written into a file without a name.
+/// A recording has its index at its end and its length at its beginning: it is written into an unnamed file first.
 fn recording(
     reader: &mut Reader,
     sending: &mut Sending,

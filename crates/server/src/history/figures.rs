@@ -1,4 +1,4 @@
-//! `GET …/statistics` and `GET …/compare`: what is counted over a whole run. What was counted is kept, and gone on with.
+//! `GET …/statistics` and `GET …/compare`: figures over a whole run. They are kept, and continued with new events.
 //!
 //! Knows figures. Does not know how they are shown.
 
@@ -16,17 +16,17 @@ use tokio::sync::Semaphore;
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
-/// So many runs stay counted.
+/// For how many runs figures are kept.
 const COUNTED: usize = 32;
-/// Comparing takes memory for each event: longer runs are not.
+/// Comparing takes memory for each event: longer runs are not compared.
 const COMPARED_MAX: u64 = 1_000_000;
 
-/// What was counted.
+/// The figures that are kept.
 #[derive(Debug)]
 pub(super) struct Figures {
-    /// The run that was asked for last is at the back.
+    /// The run that was requested last is at the back.
     tallies: Mutex<VecDeque<(PathBuf, Arc<Mutex<Tally>>)>>,
-    /// Two runs are compared at a time, and no more.
+    /// Two runs are compared at a time, no more.
     comparing: Arc<Semaphore>,
 }
 
@@ -41,7 +41,7 @@ pub(super) fn routes() -> OpenApiRouter<Arc<ServerState>> {
     OpenApiRouter::new().routes(routes!(statistics)).routes(routes!(comparison))
 }
 
-/// What the states of a run did and took.
+/// Figures of the states of a run: visits, outcomes, times.
 #[utoipa::path(get, path = "/api/v1/runs/{run}/statistics", tag = "history",
     params(("run" = String, Path, description = "The run's id")),
     responses(
@@ -113,7 +113,7 @@ impl Figures {
         self.tallies.lock().retain(|(counted, _)| counted != folder);
     }
 
-    /// What there is to say now. What was counted before is not counted again.
+    /// The current figures. Events that were counted before are not counted again.
     fn counted(&self, reader: &mut Reader) -> Result<Statistics, Failure> {
         let tally = self.tally(reader.folder());
         let mut tally = tally.lock();

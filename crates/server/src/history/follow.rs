@@ -1,4 +1,5 @@
-//! A run's journal from a cursor on, as text that is ready to be sent: for who follows a run and is behind what memory has.
+//! A run's journal from a cursor on, as text that is ready to be sent: for a client that follows a run and is behind what
+//! memory has.
 //!
 //! Knows journals. Does not know who follows, nor when there will be more.
 
@@ -10,7 +11,7 @@ use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// At most so many events are looked at for a page: of a run without anything but values nothing may be told.
+/// The maximum number of events examined for a page: a run with nothing but values may yield no text.
 const LOOK: u64 = 20_000;
 
 /// Reads the journal of one run, page by page. Cheap: the journal is open only while it is read, or shared.
@@ -21,23 +22,23 @@ pub(crate) struct HistoryReader {
     values: bool,
 }
 
-/// Events that follow on one another.
+/// Consecutive events.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct HistoryPage {
     /// Each a [`HistoryEntry`] as JSON.
     pub(crate) entries: Vec<String>,
-    /// Where the next page begins. Without values some numbers are left out, and the oldest may have been given up.
+    /// Where the next page begins. Without values some numbers are left out, and the oldest may be gone.
     pub(crate) next: u64,
 }
 
 impl HistoryReader {
-    /// Of the run in `folder`; without `values`, what is about values only is left out.
+    /// For the run in `folder`; without `values`, events that are about values only are left out.
     pub(crate) fn new(history: &History, folder: &Path, values: bool) -> Self {
         Self { readers: Arc::clone(&history.readers), folder: folder.to_owned(), values }
     }
 
-    /// The events from number `from` on: at most `count`, and no more once they are `bytes` together. If there are no
-    /// more now, `next` is `from`.
+    /// The events from number `from` on: at most `count`, ending once they have `bytes` together. If there are no more now,
+    /// `next` is `from`.
     pub(crate) async fn page(
         &self,
         from: u64,
@@ -51,7 +52,7 @@ impl HistoryReader {
     }
 }
 
-/// How much a page holds.
+/// The limits of a page.
 #[derive(Debug, Clone, Copy)]
 struct PageLimits {
     count: usize,

@@ -13,7 +13,7 @@ use std::sync::Arc;
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
-/// A page ends behind so many bytes of text.
+/// A page ends after so many bytes of text.
 const BYTES_MAX: usize = 4 << 20;
 
 /// The routes of this file.
@@ -84,7 +84,7 @@ fn line(found: Found) -> Option<LogLine> {
     Some(LogLine { sequence, t_ns, path, names, level, stream, message })
 }
 
-/// Whether a line has a text in lower case in it.
+/// Whether a line contains a text, given in lower case.
 fn has(line: &LogLine, wanted: Option<&str>) -> bool {
     wanted.is_none_or(|wanted| line.message.to_lowercase().contains(wanted))
 }

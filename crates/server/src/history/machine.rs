@@ -1,4 +1,4 @@
-//! `GET …/machine`: a machine as a run has kept it. Read once, then in memory for whoever asks next.
+//! `GET …/machine`: a machine as a run has kept it. Read once, then cached in memory.
 //!
 //! Knows machines by their hash. Does not know what they mean.
 
@@ -25,20 +25,20 @@ use tokio::time::{Instant, sleep};
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
-/// So many machines stay in memory.
+/// How many machines stay in memory.
 const COUNT_MAX: usize = 64;
-/// So many bytes of them, but the last one whatever it takes.
+/// How many bytes of them; the last one stays whatever its size.
 const BYTES_MAX: usize = 64 << 20;
-/// So long is waited for the machine of a run that has just begun, and looked for it so often.
+/// How long to wait for the machine of a run that has just begun, and how often to check.
 const MACHINE_TIMEOUT: Duration = Duration::from_secs(10);
 const RETRY_INTERVAL: Duration = Duration::from_millis(50);
 
 /// Machines of runs as JSON.
 #[derive(Debug, Default)]
 pub(super) struct Machines {
-    /// Held while one is read: whoever asks for the same meanwhile finds it.
+    /// Held while one is read: a second request for the same one then finds it.
     reading: Mutex<()>,
-    /// The one that was asked for last is at the back.
+    /// The one that was requested last is at the back.
     kept: Mutex<VecDeque<CachedDocument>>,
 }
 
@@ -61,7 +61,7 @@ pub(super) fn routes() -> OpenApiRouter<Arc<ServerState>> {
     OpenApiRouter::new().routes(routes!(machine))
 }
 
-/// A machine that a run went by, or a library that it used, as the run has kept them.
+/// A machine that a run used, or a library of it, as the run has kept them.
 #[utoipa::path(get, path = "/api/v1/runs/{run}/machine", tag = "history",
     params(("run" = String, Path, description = "The run's id"), KeptMachineQuery),
     responses(
@@ -93,12 +93,12 @@ async fn machine(
         .await
 }
 
-/// The machine that a run began with. Whoever asks for that of a run that has just begun waits until it is told.
+/// The machine that a run began with. A request for that of a run that has just begun waits until it is known.
 async fn began_with(server: &ServerState, run: &str, folder: &FilePath) -> Result<Hash, Failure> {
     let run = server.runs.get(run).await?;
     let patience = Instant::now() + MACHINE_TIMEOUT;
     loop {
-        // Asked first: of a run that is over all is told.
+        // Read first: a run that is over reports nothing more.
         let is_kept = run.is_live() && run.summary().keeping != Keeping::Off;
         let may_come = is_kept && Instant::now() < patience;
         let found = server.history.readers.read(folder.to_owned(), first).await?;
@@ -122,7 +122,7 @@ fn parse(text: &str) -> Result<Hash, Failure> {
     })
 }
 
-/// The machine that the run began with. Of a large one it is told a little later.
+/// The machine that the run began with. A large one is known a little later.
 fn first(reader: &mut Reader) -> Result<Option<Hash>, Failure> {
     let filter = Filter { kinds: vec!["root".to_owned()], ..Filter::default() };
     let search = Search { filter: &filter, from: 1, look: LOOK, values: true };
@@ -137,7 +137,7 @@ fn first(reader: &mut Reader) -> Result<Option<Hash>, Failure> {
 }
 
 impl Machines {
-    /// Forgets those of a run.
+    /// Drops those of a run.
     pub(super) fn forget(&self, folder: &FilePath) {
         self.kept.lock().retain(|kept| kept.which.folder != folder);
     }
@@ -193,7 +193,7 @@ fn read(which: &Which) -> Result<Bytes, Failure> {
     Ok(text.map_err(|error| unreadable(&error))?.into())
 }
 
-/// Where a library lies that a library state names like this.
+/// The folder of a library that a library state names like this.
 fn library_folder(packed: &Packed, library: &str) -> Result<String, Failure> {
     let folder =
         library.rsplit_once('/').and_then(|(path, name)| packed.library_folder(path, name));

@@ -1,4 +1,4 @@
-//! What runs leave: their events, logs, moments, values, machines and figures, read from their journals.
+//! The history of runs: their events, logs, moments, values, machines and figures, read from their journals.
 //!
 //! Knows journals. Knows nothing of runners: whether a run continues means nothing here but that its journal grows, and that it
 //! cannot be deleted.
@@ -30,7 +30,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use utoipa_axum::router::OpenApiRouter;
 
-/// What all requests about the past share.
+/// What all requests about history share.
 #[derive(Debug, Default)]
 pub(crate) struct History {
     /// Open journals.
@@ -39,7 +39,7 @@ pub(crate) struct History {
     machines: Arc<Machines>,
     /// What was counted.
     figures: Arc<Figures>,
-    /// Runs that are being written for others.
+    /// Exports in progress.
     exports: export::Exports,
 }
 
@@ -56,12 +56,12 @@ pub(crate) fn routes() -> OpenApiRouter<Arc<ServerState>> {
 }
 
 impl History {
-    /// Open journals, for whoever else reads some.
+    /// Open journals, for other parts that read some.
     pub(crate) fn readers(&self) -> &Arc<Readers> {
         &self.readers
     }
 
-    /// A run is gone, or about to go: nothing of it stays open or in memory.
+    /// A run is gone, or about to be deleted: nothing of it stays open or in memory.
     pub(crate) fn forget(&self, folder: &Path) {
         self.readers.forget(folder);
         self.machines.forget(folder);
@@ -73,7 +73,7 @@ impl History {
 struct Json(Bytes);
 
 impl Json {
-    /// It is made where it may take its time.
+    /// The text is made on a thread that may block.
     fn of(answer: &impl Serialize) -> Result<Self, Failure> {
         let failed = |error: serde_json::Error| {
             let message = format!("what the journal says cannot be written as JSON: {error}");
@@ -89,12 +89,12 @@ impl IntoResponse for Json {
     }
 }
 
-/// The folder of a run that there is.
+/// The folder of an existing run.
 async fn folder(server: &ServerState, run: &str) -> Result<PathBuf, Failure> {
     Ok(server.runs.get(run).await?.folder().to_owned())
 }
 
-/// What the journal of a run says.
+/// The content of a run's journal.
 async fn read(
     server: &ServerState,
     run: &str,

@@ -1,4 +1,5 @@
-//! `GET …/moments` and `GET …/values`: how a run stood, and what it has kept of a value. Knows pictures; pickles are for runners.
+//! `GET …/moments` and `GET …/values`: the state of a run at an event, and what it has kept of a value. Knows snapshots;
+//! pickles are for runners.
 
 use super::events::{nanos, no_such_event};
 use super::{Json, read};
@@ -17,7 +18,7 @@ pub(super) fn routes() -> OpenApiRouter<Arc<ServerState>> {
     OpenApiRouter::new().routes(routes!(moment)).routes(routes!(moment_at)).routes(routes!(kept))
 }
 
-/// How a run stood after one event; 0: before the first.
+/// The state of a run after one event; 0: before the first.
 #[utoipa::path(get, path = "/api/v1/runs/{run}/moments/{sequence}", tag = "history",
     params(
         ("run" = String, Path, description = "The run's id"),
@@ -44,7 +45,7 @@ async fn moment(
     .await
 }
 
-/// How a run stood at a time, or stands in its journal now.
+/// The state of a run at a time, or at the end of its journal so far.
 #[utoipa::path(get, path = "/api/v1/runs/{run}/moments", tag = "history",
     params(("run" = String, Path, description = "The run's id"), MomentQuery),
     responses(
@@ -103,7 +104,7 @@ async fn kept(
     .await
 }
 
-/// A value as it is told.
+/// A value as the wire has it.
 pub(super) fn value(number: ValueNumber, stored: Stored) -> KeptValue {
     let kept = match stored.content {
         Content::View => KeptAs::View,

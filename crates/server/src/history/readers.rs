@@ -1,4 +1,4 @@
-//! Open journals for whoever reads: opening one takes longer than reading a page of it. At most so many are open at a time,
+//! Open journals for all readers: opening one takes longer than reading a page of it. The number of open journals is limited,
 //! however many clients follow however many runs.
 //!
 //! Knows when an open journal does not say any more what lies on disk. Does not know what it is read for.
@@ -16,11 +16,11 @@ use std::sync::Arc;
 use std::time::SystemTime;
 use tokio::sync::Semaphore;
 
-/// So many read at a time; others wait for their turn.
+/// How many read at a time; others wait for their turn.
 const AT_ONCE: usize = 8;
-/// So many do what takes long, beside the others.
+/// How many long reads run beside the others.
 const SLOW_AT_ONCE: usize = 2;
-/// So many journals stay open for the next who asks.
+/// How many journals stay open for the next request.
 const IDLE: usize = 16;
 
 /// Open journals.
@@ -39,7 +39,7 @@ struct OpenReader {
     reader: Reader,
 }
 
-/// By what it is known that what was read of a journal still holds: its writer is the same, or it has the same leftovers.
+/// What shows that what was read of a journal is still valid: its writer is the same, or it has the same leftovers.
 #[derive(Debug, PartialEq, Eq)]
 struct JournalVersion {
     writer: Option<u32>,
@@ -66,7 +66,7 @@ impl Default for Readers {
 }
 
 impl Readers {
-    /// Does something with the journal in the folder of a run, on a thread that may wait.
+    /// Does something with the journal in the folder of a run, on a thread that may block.
     pub(crate) async fn read<T: Send + 'static>(
         self: &Arc<Self>,
         folder: PathBuf,
@@ -75,7 +75,7 @@ impl Readers {
         self.in_turn(&self.turns, folder, work).await
     }
 
-    /// The same for what takes long: those who follow a run do not wait for it.
+    /// The same for work that takes long: readers that follow a run do not wait for it.
     pub(crate) async fn read_slowly<T: Send + 'static>(
         self: &Arc<Self>,
         folder: PathBuf,
@@ -90,7 +90,7 @@ impl Readers {
         folder: PathBuf,
         work: impl FnOnce(&mut Reader) -> Result<T, Failure> + Send + 'static,
     ) -> Result<T, Failure> {
-        // Kept by the work, not by the request: this may be given up in the middle.
+        // Held by the work, not by the request, which may be dropped in the middle.
         let turn = Arc::clone(turns).acquire_owned().await.ok();
         let readers = Arc::clone(self);
         blocking(move || {
@@ -108,18 +108,18 @@ impl Readers {
     ) -> Result<T, Failure> {
         let mut open = self.take(folder)?;
         let done = work(&mut open.reader)?;
-        // One that failed is not kept.
+        // A journal that failed is not kept.
         self.put(open);
         Ok(done)
     }
 
-    /// Closes the journal in a folder that is about to go.
+    /// Closes the journal in a folder that is about to be deleted.
     pub(crate) fn forget(&self, folder: &Path) {
         self.idle.lock().retain(|open| open.folder != folder);
     }
 
     fn take(&self, folder: &Path) -> Result<OpenReader, JournalError> {
-        // Asked before the journal is opened: what changes in between is noticed next time.
+        // Read before the journal is opened: a change in between is noticed next time.
         let version = JournalVersion::of(folder)?;
         let known = self.take_idle(folder).filter(|open| open.version == version);
         if let Some(open) = known {

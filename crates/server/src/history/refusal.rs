@@ -1,4 +1,4 @@
-//! What is wrong with a journal, as the answer to a request. Knows both vocabularies.
+//! Errors of a journal, as answers to requests. Knows both vocabularies.
 
 use crate::failure::reason;
 use crate::{Failure, Reason};

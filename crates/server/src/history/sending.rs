@@ -1,5 +1,5 @@
-//! Bytes that are written on one thread and sent on another, a few at a time: a client that takes them slowly holds up the
-//! writer, and one that takes none for long is given up.
+//! Bytes that are written on one thread and sent on another, a few at a time: a slow client slows the writer down, and one
+//! that reads nothing for long is dropped.
 //!
 //! Knows bodies of answers. Does not know what is written.
 
@@ -12,9 +12,9 @@ use tokio::runtime::Handle;
 use tokio::sync::mpsc;
 use tokio::time::timeout;
 
-/// So many parts wait to be sent.
+/// How many parts may wait to be sent.
 const PARTS: usize = 4;
-/// So long a client may take for one.
+/// How long a client may take for one.
 const CLIENT_TIMEOUT: Duration = Duration::from_mins(1);
 
 /// What is sent next; a failure ends the answer in the middle.
@@ -32,17 +32,18 @@ pub(super) struct Sending {
 #[derive(Debug)]
 pub(super) struct Written(mpsc::Receiver<SentPart>);
 
-/// Both ends. The writer needs a thread that may wait, of the runtime that this is called in.
+/// Both ends. The writer needs a thread that may block, of the current runtime.
 pub(super) fn sending() -> (Sending, Written) {
     let (parts, received) = mpsc::channel(PARTS);
     (Sending { parts, runtime: Handle::current(), patience: CLIENT_TIMEOUT }, Written(received))
 }
 
 impl Written {
-    /// The body of the answer, once its first part is there: what fails before is a refusal, what fails later cuts it off.
+    /// The body of the answer, once its first part is there: an earlier failure is a refusal, a later one cuts the answer
+    /// off.
     pub(super) async fn body(mut self) -> Result<Body, Failure> {
         let first = self.0.recv().await.transpose()?;
-        // Whoever packs the answer asks again behind its end.
+        // A layer that compresses the answer polls again after its end.
         let rest = stream::poll_fn(move |context| self.0.poll_recv(context));
         let parts = stream::iter(first.map(Ok)).chain(rest);
         Ok(Body::from_stream(parts.map(|part| part.map_err(|failure| failure.to_string()))))
@@ -50,9 +51,9 @@ impl Written {
 }
 
 impl Sending {
-    /// The answer ends here, and not as it should.
+    /// The answer ends here, unexpectedly.
     pub(super) fn fail(&self, failure: Failure) {
-        // A client that is gone knows.
+        // A client that is gone needs no notice.
         self.send(Err(failure)).unwrap_or_default();
     }
 

@@ -1,5 +1,5 @@
-//! The server as a process: its folder, its socket, its beginning and its end. Knows addresses and connections; must never
-//! know what requests mean.
+//! The server as a process: its folder, its socket, its beginning and its end. Knows addresses and connections; does
+//! not know what requests mean.
 
 use crate::access::notice;
 use crate::access::private::{self, PrivateError};

@@ -1,5 +1,5 @@
-//! What a client's frames ask for: text in, one thing to do out. Pure: knows frames, numbers of subscriptions and rights; must
-//! never know connections, runs or machines.
+//! What a client's frames ask for: text in, one thing to do out. Pure: knows frames, numbers of subscriptions and rights; knows
+//! nothing of connections, runs or machines.
 
 use super::words::{ended, refused};
 use crate::Failure;

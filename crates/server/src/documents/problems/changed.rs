@@ -1,5 +1,5 @@
-//! Libraries that are not what they were when a machine was read or made: told as notes, with the edit that takes over what
-//! they are now. Knows libraries as they are now and as a machine has them.
+//! Libraries that have changed since a machine was read or made: reported as notes, with the edit that adopts the current
+//! version. Knows libraries as they are now and as a machine has them.
 
 use rafcon_model::{Kind, LibraryContent, Machine, State, StatePath};
 use rafcon_protocol::api::{MachineProblem, Repair, Severity};
@@ -9,7 +9,7 @@ use rafcon_storage::{Fault, Libraries, fill_library};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// A note for each library state whose library is another one now. Libraries within libraries are not looked at.
+/// A note for each library state whose library has changed. Libraries within libraries are not checked.
 pub(in super::super) fn of_libraries(
     machine: &Machine,
     libraries: &Libraries,
@@ -25,7 +25,7 @@ pub(in super::super) fn of_libraries(
     found
 }
 
-/// Contents that were compared already, by where they lie.
+/// Contents that were compared already, by their folders.
 #[derive(Debug, Default)]
 struct Compared(BTreeMap<(*const State, *const State), bool>);
 
@@ -81,7 +81,7 @@ fn note(
     })
 }
 
-/// What is new and gone, by name.
+/// What is new and what is gone, by name.
 fn differences(old: &State, new: &State) -> Vec<String> {
     let outcomes = |state: &State| state.outcomes.iter().map(|one| one.name.to_string()).collect();
     let inputs = |state: &State| state.inputs.iter().map(typed).collect();

@@ -15,7 +15,7 @@ pub(super) fn rules(machine: &Machine) -> Vec<MachineProblem> {
     told(&of_rules_with_repairs(machine))
 }
 
-/// Everything that is wrong with its scripts; they are read where that was not done before, so the thread may wait.
+/// Everything that is wrong with its scripts; reads those that were not read before, so the thread may block.
 pub(super) fn scripts(machine: &Machine, server: &ServerState) -> Vec<MachineProblem> {
     let texts = rafcon_check::scripts(machine);
     let facts = server.python.facts(&server.settings, &texts);
@@ -25,7 +25,7 @@ pub(super) fn scripts(machine: &Machine, server: &ServerState) -> Vec<MachinePro
     told(&of_scripts(machine, &facts))
 }
 
-/// Faults of its files; without those that are found in the machine as it is now.
+/// Faults of its files, without those that are found in the machine as it is now.
 pub(super) fn files(problems: &[LoadProblem]) -> Vec<MachineProblem> {
     let rest: Vec<_> =
         problems.iter().filter(|problem| !problem.is_found_by_rules()).cloned().collect();

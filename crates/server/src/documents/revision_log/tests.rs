@@ -93,7 +93,7 @@ fn pages_and_memory_are_bounded() {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(60))]
 
-    /// A mark does not depend on the way: equal machines have one, others have others.
+    /// A mark does not depend on the way: equal machines have the same one, different machines have different ones.
     #[test]
     fn marks_tell_machines_apart(numbers in proptest::collection::vec(any::<u16>(), 0..600)) {
         let start = notation::parse("hierarchy ROOT\n  barrier BBBBBB\n    decider unique_decider_state_id").unwrap();

@@ -15,7 +15,7 @@ use std::path::Path;
 /// A save in another folder that is free for it, or in its own.
 #[derive(Debug)]
 pub(in crate::documents) struct Saving {
-    /// Elsewhere, from now on.
+    /// Another folder, from now on.
     pub(in crate::documents) to: Option<FileLocation>,
     /// Also over what another program wrote there.
     pub(in crate::documents) overwrite: bool,
@@ -24,7 +24,7 @@ pub(in crate::documents) struct Saving {
 /// What lies where a save writes.
 struct BeforeSave {
     saved: Option<Saved>,
-    /// It is what was read or written before, without faults: then the files say what a save writes to them, and nothing else.
+    /// What was read or written before, without faults: then the files say what a save would write to them, and nothing else.
     is_known: bool,
 }
 
@@ -60,12 +60,12 @@ impl MachineSession {
         Ok(revision)
     }
 
-    /// Whether a library comes in that was not read with the files.
+    /// Whether a library was added that was not read with the files.
     fn brings_libraries(&self, machine: &Machine) -> bool {
         !libraries_of(machine).is_subset(&libraries_of(&self.open.read().files.machine))
     }
 
-    /// Writes the machine to another folder, and nothing else; the revision that lies there.
+    /// Writes a copy of the machine to another folder; gives the revision that lies there.
     pub(in crate::documents) fn copy(
         &self,
         spot: &FileLocation,
@@ -79,7 +79,7 @@ impl MachineSession {
         Ok(revision)
     }
 
-    /// What a save compares with; refused where it would overwrite what another program wrote.
+    /// What a save compares with; refused if it would overwrite what another program wrote.
     fn before(&self, saving: &Saving, tools: &Tools) -> Result<BeforeSave, Failure> {
         let unknown = |saved| Ok(BeforeSave { saved, is_known: false });
         let (saved, hash, folder) = {
@@ -133,7 +133,7 @@ impl MachineSession {
         *self.open.read().machine.machine() == now.machine
     }
 
-    /// Looks at the files: whether another program changed them.
+    /// Checks whether another program changed the files.
     pub(in crate::documents) fn look(&self, libraries: &Libraries) -> Result<(), Failure> {
         let _files = self.files.lock();
         let folder = self.folder();

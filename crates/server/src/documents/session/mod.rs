@@ -40,9 +40,9 @@ pub(crate) struct MachineSession {
     opened: u64,
     /// Held while files are read or written.
     files: Mutex<()>,
-    /// Held while something is done and written down: what is open changes under it only.
+    /// Held while an operation is performed and written down: what is open changes under it only.
     draft: Mutex<Draft>,
-    /// Held for writing only where nothing is waited for.
+    /// Held for writing only where nothing blocks.
     open: RwLock<OpenFiles>,
     wires: Broadcast,
     document: RevisionCache<Bytes>,
@@ -75,7 +75,7 @@ struct Files {
 pub(super) struct FileLocation {
     pub(super) folder: PathBuf,
     pub(super) file: MachineFile,
-    /// Where its draft belongs.
+    /// The folder of its draft.
     pub(super) draft: PathBuf,
 }
 
@@ -98,7 +98,7 @@ impl MachineSession {
         let Recovered { machine, draft, saved_revision, has_edits, hash } = recovered;
         let is_changed = hash != on_disk.hash;
         let revision = machine.revision();
-        // Who opens it asks for it next.
+        // The client that opens it requests it next.
         let document = (!has_edits).then(|| (revision, whole(revision, &on_disk.document)));
         let files = Files {
             saved: on_disk.saved,
@@ -127,17 +127,17 @@ impl MachineSession {
         &self.id
     }
 
-    /// Since when it is open: ms since 1970, UTC.
+    /// When it was opened: ms since 1970, UTC.
     pub(super) fn opened(&self) -> u64 {
         self.opened
     }
 
-    /// Where it lies.
+    /// Its folder.
     pub(super) fn folder(&self) -> PathBuf {
         self.open.read().folder.clone()
     }
 
-    /// In one line, as long as it is open.
+    /// Its summary, as long as it is open.
     pub(super) fn summary(&self) -> Result<MachineSummary, Failure> {
         self.wires.summary().ok_or_else(|| closed(&self.id))
     }
@@ -172,13 +172,13 @@ impl MachineSession {
         if self.wires.is_open() { Ok(()) } else { Err(closed(&self.id)) }
     }
 
-    /// Tells how it stands now. To be called before the draft is let go, so that what is told last is the latest.
+    /// Reports its current status. To be called before the draft is unlocked, so that the last report is the latest.
     fn tell(&self) {
         let summary = self.open.read().summary(&self.id);
         self.wires.tell(summary);
     }
 
-    /// Does it, once for each request, and only when it is written down. `read` is the operation with what it names.
+    /// Performs it, once for each request, and only after it is written down. `read` is the operation with what it names.
     pub(super) fn perform(
         &self,
         record: RecordedOperation,
@@ -232,8 +232,7 @@ impl MachineSession {
         self.document.of(revision, || Ok(whole(revision, &disk::content(&machine)?.1)))
     }
 
-    /// Faults of its files as they were read last, rules that it breaks, scripts that do not fit, and libraries that have
-    /// changed.
+    /// Faults of its files at the last read, rules that it breaks, scripts that do not fit, and libraries that have changed.
     pub(super) fn problems(&self, server: &ServerState) -> Result<Vec<MachineProblem>, Failure> {
         let (revision, machine) = self.machine();
         let rules = self.problems.of(revision, || Ok(super::problems::rules(&machine).into()))?;

@@ -11,11 +11,11 @@ use std::path::Path;
 use std::time::Duration;
 use tokio::process::Command;
 
-/// So many commits are told.
+/// How many commits are listed.
 const COMMITS_MAX: usize = 200;
-/// So many bytes may the files of a commit have together.
+/// How many bytes the files of a commit may have together.
 const BYTES_MAX: u64 = 128 << 20;
-/// So many files may a commit have below the folder.
+/// How many files a commit may have below the folder.
 const FILES_MAX: usize = 200_000;
 const GIT_TIMEOUT: Duration = Duration::from_secs(20);
 
@@ -32,9 +32,9 @@ pub(super) struct CommittedFile {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct GitFolder<'f> {
     pub(super) path: &'f Path,
-    /// The project in which it lies: no repository outside is asked.
+    /// The project in which it lies: no repository outside is used.
     pub(super) project: &'f Path,
-    /// Where programs are looked for.
+    /// Where programs are searched.
     pub(super) programs: Option<&'f str>,
 }
 
@@ -60,7 +60,8 @@ impl GitFolder<'_> {
         ask(self.git(arguments), input, ChildLimits { patience: GIT_TIMEOUT, output }).await
     }
 
-    /// Whether there is a repository and all of it lies in the project. A file `.git`, a link or `commondir` may lead to another.
+    /// Whether there is a repository and all of it lies in the project. A file `.git`, a link or `commondir` may lead to
+    /// another.
     async fn find_repository(&self) -> Result<bool, ChildError> {
         let folders = ["rev-parse", "--path-format=absolute", "--git-dir", "--git-common-dir"];
         let said = self.ask(&folders, Vec::new(), 64 << 10).await?;
@@ -115,7 +116,7 @@ impl GitFolder<'_> {
         Ok(files)
     }
 
-    /// What these files hold, in their order.
+    /// The contents of these files, in their order.
     pub(super) async fn contents(&self, files: &[CommittedFile]) -> Result<Vec<Vec<u8>>, Failure> {
         let bytes: u64 = files.iter().map(|file| file.bytes).sum();
         if files.len() > FILES_MAX || bytes > BYTES_MAX {
@@ -192,7 +193,7 @@ fn no_version(commit: &str, why: &str) -> Failure {
 }
 
 fn refused(why: &str) -> Failure {
-    // The way out that git tells is one by the user's configuration, which does not count here.
+    // The remedy that git suggests is in the user's configuration, which does not count here.
     let message = if why.contains("dubious ownership") {
         "the repository belongs to another user than the server: start the server as that user"
             .to_owned()

@@ -36,7 +36,7 @@ async fn versions(server: &ServerState, id: &str) -> Result<MachineVersions, Fai
     GitFolder { path: &path, project: &project, programs: programs.as_deref() }.versions().await
 }
 
-/// The machine as of a commit: a [`Document`] as JSON. To be called on a thread that may wait.
+/// The machine as of a commit: a [`Document`] as JSON. To be called on a thread that may block.
 fn version(server: &ServerState, id: &str, commit: &str) -> Result<Vec<u8>, Failure> {
     let path = server.documents.session(id)?.folder();
     let project = server.projects.home_of(&path).unwrap_or_else(|| path.clone());
@@ -61,12 +61,12 @@ fn is_of_machine(path: &str) -> bool {
         || Part::ALL.iter().any(|part| name == part.file_name())
 }
 
-/// Where versions lie while they are read.
+/// Where versions are unpacked while they are read.
 fn place(state: &Path) -> PathBuf {
     state.join("versions")
 }
 
-/// Removes what a server left behind that was killed while it read a version.
+/// Removes what remains of a server that was killed while it read a version.
 pub(super) fn sweep(state: &Path) {
     match fs::remove_dir_all(place(state)) {
         Err(error) if error.kind() != io::ErrorKind::NotFound => {
@@ -90,7 +90,7 @@ fn put(all: &Path, files: &[CommittedFile], contents: &[Vec<u8>]) -> io::Result<
     Ok(place)
 }
 
-/// The machine in a folder of our own, with libraries as they are now.
+/// The machine in a temporary folder, with libraries as they are now.
 fn document(folder: &Path, commit: &str, libraries: &Libraries) -> Result<Vec<u8>, Failure> {
     let unread = |why: String| {
         let message = format!("the machine as of {commit} cannot be read: {why}");

@@ -1,4 +1,4 @@
-//! What is asked about other versions of an open machine. Knows requests and answers.
+//! Requests about other versions of an open machine. Knows requests and answers.
 
 use crate::extract::Path;
 use crate::{Failure, ServerState};
