@@ -233,7 +233,7 @@ pub enum Scope {
 pub enum Unattended {
     /// Holds all the same.
     Hold,
-    /// Lets continue, also what it held when the last viewer was lost.
+    /// Holds nothing, and releases what it held when the last viewer was lost.
     Continue,
     /// Stops the run.
     Stop,

@@ -67,7 +67,7 @@ pub enum Unattended {
     /// Holds all the same.
     #[default]
     Hold,
-    /// Lets continue, also what it held when the last viewer was lost.
+    /// Holds nothing, and releases what it held when the last viewer was lost.
     Continue,
     /// Stops the run.
     Stop,

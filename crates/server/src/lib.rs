@@ -1,6 +1,6 @@
 //! The server: projects, open machines, runs and people behind one HTTP and WebSocket interface.
 //!
-//! Knows who may do what, what is open and what happens. Knows nothing of the inside of the engine or of a runner: a runner is
+//! Knows who may do what, what is open and what is in progress. Knows nothing of the inside of the engine or of a runner: a runner is
 //! a process that it starts or joins and speaks the protocol with. Routes and their rights stand in [`access::ROUTES`];
 //! `docs/api.md` is for whoever writes a client.
 

@@ -82,7 +82,7 @@ test("all levels are tidy: nothing overlaps, everything is inside", async () => 
   expectTidy(await laidOut(sketch(MISSION), "R", true), "R");
 });
 
-test("it continues from the start, and errors are handled below what happens", async () => {
+test("states follow the start, and error handlers lie below them", async () => {
   const boxes = boxesIn(await laidOut(sketch(MISSION), "R", true), "R");
   const at = (id: string) => boxes.get(`R/${id}`) ?? { x: 0, y: 0, width: 0, height: 0 };
   const before = (one: string, other: string) =>

@@ -24,7 +24,7 @@ const QUEUE: usize = 256;
 const ASK: Duration = Duration::from_secs(5);
 /// After so long without a word it is not.
 const SILENCE: Duration = Duration::from_secs(15);
-/// Times between attempts to connect, in ms; the last one continues.
+/// Times between attempts to connect, in ms; the last one repeats.
 const PAUSES_MS: [u64; 6] = [100, 200, 500, 1000, 2000, 5000];
 
 /// The way to a run through its server.

@@ -67,7 +67,7 @@ impl Server {
         self.send("/runs", request)
     }
 
-    /// Resumes a run again.
+    /// Resumes a run.
     pub(crate) fn resume(&self, run: &str, request: &ResumeRun) -> Result<RunSummary, Fault> {
         self.send(&format!("/runs/{}/resume", escaped(run)), request)
     }

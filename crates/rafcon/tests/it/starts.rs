@@ -110,7 +110,7 @@ impl Site {
         entries.map(|entry| entry.file_name().into_string().unwrap()).collect()
     }
 
-    /// What scripts have left, with what has become of the run once nothing continues in it.
+    /// What scripts have left, with what has become of the run once nothing runs in it.
     fn ending(&self, run: &str) -> String {
         let mut line = self.door().line().unwrap();
         let topic = Topic::RunStatus { run: run.to_owned() };

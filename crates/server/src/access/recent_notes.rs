@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-/// So long a count continues.
+/// How long a count continues.
 const MINUTE_MS: u64 = 60_000;
 /// How often in that time.
 const NOTES_MAX: u32 = 10;

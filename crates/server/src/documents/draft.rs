@@ -77,7 +77,7 @@ struct DraftFile {
     sync: GroupSync,
 }
 
-/// Where a document of a draft belongs for whoever writes it beside what happens: nowhere, once the draft was given up.
+/// Where a document of a draft belongs for a writer beside other work: nowhere, once the draft was given up.
 #[derive(Debug, Clone)]
 pub(super) struct DraftFolder(Arc<Mutex<Option<PathBuf>>>);
 

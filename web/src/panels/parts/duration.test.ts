@@ -19,7 +19,7 @@ test("lengths are short, and told apart where it matters", () => {
   ]);
 });
 
-test("of what happens for days, days are told", () => {
+test("of what lasts for days, days are told", () => {
   const HOUR = 3_600_000;
   const lengths = [24 * HOUR - 1_000, 24 * HOUR, 49 * HOUR + 123_000];
   expect(lengths.map(duration)).toEqual(["23:59:59", "1 d 0:00:00", "2 d 1:02:03"]);

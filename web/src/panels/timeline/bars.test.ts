@@ -21,7 +21,7 @@ const TOLD = events(`> R
   > R/B
   < R/B aborted`);
 
-test("calls are bars from their entry to their end, what happens reaches up to now", () => {
+test("calls are bars from their entry to their end, those in progress reach up to now", () => {
   const { calls, rows } = rowsOf(TOLD);
   const scale = { span: { from_ns: 0, to_ns: 10e6 }, width: 100, end_ns: 8e6 };
   const [outer, inner] = rows.map((row) => barsOf(calls, row, scale));

@@ -12,7 +12,7 @@ function journalOf(entries: readonly HistoryEntry[]): Journal {
   return journal;
 }
 
-test("steps back do not count, and what happens has taken no time yet", () => {
+test("steps back do not count, and what is in progress has taken no time yet", () => {
   const journal = journalOf(events("> R\n> R/A\n< R/A\n> R/A\n< R/A\n> R/A!\n< R/A!"));
   const at = (index: number) => {
     const all = [...countsUntil(journal, index).all()].filter(({ entries }) => entries > 0);

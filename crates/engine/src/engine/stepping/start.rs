@@ -1,4 +1,4 @@
-//! Starting a run, also anew: where, with which values, held or not, and what happens behind the state that it was started at.
+//! Starting a run, also anew: where, with which values, held or not, and what runs after the state that it was started at.
 
 use crate::engine::state::frames::Seed;
 use crate::engine::state::phase::Phase;

@@ -41,7 +41,7 @@ pub(super) fn run(raw: &cli::Run, environment: &Environment, clock: Clock) -> Re
     ended(setup, launch, &place, || request.names())
 }
 
-/// Resumes a run again until it ends.
+/// Resumes a run and follows it until it ends.
 pub(super) fn resume(
     raw: &cli::Resume,
     environment: &Environment,
