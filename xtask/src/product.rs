@@ -38,10 +38,17 @@ pub(crate) struct Product {
 }
 
 impl Product {
-    /// Builds the workspace, as a user does by `cargo build --workspace`.
+    /// Builds the program and the extension. For tests, the whole workspace with it: they need all of it, built with the same
+    /// features.
     pub(crate) fn build(profile: Profile) -> Result<Self> {
         let mut cargo = process::cargo();
-        cargo.args(["build", "--workspace", "--profile", profile.name()]);
+        cargo.args(["build", "--profile", profile.name()]);
+        match profile {
+            Profile::Debug => cargo.arg("--workspace"),
+            Profile::Release | Profile::Symbols => {
+                cargo.args(["-p", "rafcon", "-p", "rafcon-python"])
+            }
+        };
         process::run(&mut cargo)?;
         Self::built(profile)
     }
