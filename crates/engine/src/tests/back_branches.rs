@@ -126,6 +126,84 @@ fn a_resume_during_a_step_back_lets_every_branch_continue() {
 }
 
 #[test]
+fn a_step_back_takes_back_the_forced_outcome_of_a_decider() {
+    check(
+        BRANCHES,
+        "break 1 before ROOT/C/unique_decider_state_id; break 2 before ROOT/Z; start at ROOT/C; F/A ok; F/B ok; G/A ok; G/B ok; S ok; force ROOT/C/unique_decider_state_id 0; step back; S ok; resume; S ok",
+        &expect![[r"
+            > break 1 before ROOT/C/unique_decider_state_id
+            > break 2 before ROOT/Z
+            > start at ROOT/C
+            enter ROOT
+            enter ROOT/C
+            enter ROOT/C/F
+            enter ROOT/C/F/A
+            enter ROOT/C/G
+            enter ROOT/C/G/A
+            enter ROOT/C/S
+              fork 1
+              run ROOT/C/F/A on 1
+              fork 2
+              run ROOT/C/G/A on 2
+              fork 3
+              run ROOT/C/S on 3
+            > F/A ok
+            leave ROOT/C/F/A ok
+            enter ROOT/C/F/B
+              run ROOT/C/F/B on 1
+            > F/B ok
+            leave ROOT/C/F/B ok
+            leave ROOT/C/F ok
+              end 1
+            > G/A ok
+            leave ROOT/C/G/A ok
+            enter ROOT/C/G/B
+              run ROOT/C/G/B on 2
+            > G/B ok
+            leave ROOT/C/G/B ok
+            leave ROOT/C/G ok
+              end 2
+            > S ok
+            leave ROOT/C/S ok
+            hit 1 at ROOT/C/unique_decider_state_id for the 1. time
+            hold ROOT/C before ROOT/C/unique_decider_state_id (Breakpoint(1))
+              end 3
+            > force ROOT/C/unique_decider_state_id 0
+            force ROOT/C/unique_decider_state_id ok
+            leave ROOT/C done
+            hit 2 at ROOT/Z for the 1. time
+            hold ROOT before ROOT/Z (Breakpoint(2))
+            > step back
+            enter back 2 ROOT/C
+            enter back 3 ROOT/C/F
+            hold ROOT/C/F (Step)
+            enter back 5 ROOT/C/G
+            hold ROOT/C/G (Step)
+            enter back 7 ROOT/C/S
+              fork 3
+              fork 2
+              fork 1
+              undo ROOT/C/S on 1
+            > S ok
+            leave back 7 ROOT/C/S ok
+            hold ROOT/C before ROOT/C/S (Start)
+            > resume
+            enter ROOT/C/S
+            leave ROOT/C/F ok
+            leave ROOT/C/G ok
+              run ROOT/C/S on 1
+              end 3
+              end 2
+            > S ok
+            leave ROOT/C/S ok
+            hit 1 at ROOT/C/unique_decider_state_id for the 2. time
+            hold ROOT/C before ROOT/C/unique_decider_state_id (Breakpoint(1))
+              end 1
+        "]],
+    );
+}
+
+#[test]
 fn branches_step_back_to_their_own_starts() {
     check(
         BRANCHES,

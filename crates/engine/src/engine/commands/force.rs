@@ -116,11 +116,12 @@ impl<'s, D: Datum> Step<'s, D> {
     ) {
         let StopPoint { parent, child, .. } = hold.spot;
         let ended = without_outputs(self.program.node(inside.child(child)), outcome);
+        let decides = kind.decider() == Some(child);
         let frame = self.run.frames.get_mut(parent);
         if let Some(children) = frame.children.side_by_side_mut() {
-            children.end(child, ended, Some(EndedRun::skipped(outcome)));
+            children.end(child, ended, (!decides).then(|| EndedRun::skipped(outcome)));
         }
-        if kind.decider() == Some(child) {
+        if decides {
             frame.last = Some((child, outcome));
             self.wake(&[parent], Cause::LetGo);
         } else {
