@@ -333,6 +333,51 @@ fn what_goes_on_by_itself_is_not_forced() {
 }
 
 #[test]
+fn a_step_back_takes_back_the_forced_outcome_of_a_library_state() {
+    check(
+        MACHINE,
+        "break 1 after ROOT/L/R; break 2 before ROOT/C; start at ROOT/L; R ok y=9; force ROOT/L 0; step back; R ok; resume; R ok y=7",
+        &expect![[r"
+            > break 1 after ROOT/L/R
+            > break 2 before ROOT/C
+            > start at ROOT/L
+            enter ROOT
+            set ROOT.v = 2
+            enter ROOT/L
+            enter ROOT/L/R
+              run ROOT/L/R
+            > R ok y=9
+            leave ROOT/L/R ok y=9
+            hit 1 at ROOT/L/R for the 1. time
+            hold ROOT/L (Breakpoint(1))
+            > force ROOT/L 0
+            force ROOT/L ok
+            leave ROOT/L ok y=4
+            set ROOT.v = 4
+            hit 2 at ROOT/C for the 1. time
+            hold ROOT before ROOT/C (Breakpoint(2))
+            > step back
+            enter back 2 ROOT/L
+            enter back 3 ROOT/L/R
+              undo ROOT/L/R
+            > R ok
+            leave back 3 ROOT/L/R ok y=None
+            leave back 2 ROOT/L ok y=None
+            set ROOT.v = 2
+            hold ROOT before ROOT/L (Start)
+            > resume
+            enter ROOT/L
+            enter ROOT/L/R
+              run ROOT/L/R
+            > R ok y=7
+            leave ROOT/L/R ok y=7
+            hit 1 at ROOT/L/R for the 2. time
+            hold ROOT/L (Breakpoint(1))
+        "]],
+    );
+}
+
+#[test]
 fn one_state_is_preempted() {
     check(
         MACHINE,

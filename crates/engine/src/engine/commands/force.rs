@@ -55,7 +55,11 @@ impl<'s, D: Datum> Step<'s, D> {
                 self.leave_container(slot, inside, index);
             }
             Body::Library(_) => {
-                let outputs = self.run.frames.get_mut(slot).outputs.take();
+                let frame = self.run.frames.get_mut(slot);
+                if let Some(root) = frame.children.library() {
+                    root.end = None;
+                }
+                let outputs = frame.outputs.take();
                 let outputs = outputs.unwrap_or_else(|| node.outputs.clone());
                 let ended = Ended { outcome: index, outputs, absent: Vec::new(), error: None };
                 self.leave(slot, ended);
