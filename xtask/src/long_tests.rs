@@ -31,6 +31,29 @@ fn seeds(from: u64, count: u64) -> Result<()> {
     process::run(process::cargo().args(simulate).args(["--seeds", &count, "--from", &from]))
 }
 
+/// What `cargo xtask spacebotcamp` can be asked for.
+#[derive(clap::Args)]
+pub(crate) struct SpacebotcampOptions {
+    /// How many worlds are simulated.
+    #[arg(long, default_value_t = 100)]
+    seeds: u64,
+    /// The first seed.
+    #[arg(long, default_value_t = 0)]
+    from: u64,
+    /// Print each figure as a line of JSON.
+    #[arg(long)]
+    json: bool,
+}
+
+/// Prints the table of the link, or the first seed that broke a promise; fails if a bar is missed.
+pub(crate) fn spacebotcamp(options: &SpacebotcampOptions) -> Result<()> {
+    let mut world = process::cargo();
+    world.args(["run", "--release", "-p", "rafcon-testkit", "--example", "link_world", "--"]);
+    let (seeds, from) = (options.seeds.to_string(), options.from.to_string());
+    world.args(["--seeds", &seeds, "--from", &from]).args(options.json.then_some("--json"));
+    process::run(&mut world)
+}
+
 /// What `cargo xtask soak` can be asked for.
 #[derive(clap::Args)]
 pub(crate) struct SoakOptions {

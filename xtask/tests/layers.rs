@@ -15,7 +15,10 @@ const LAYERS: [(&str, &[&str]); 14] = [
     // Bytes and numbers only.
     ("rafcon-link", &[]),
     // For tests, benches and examples of all others ([`TESTKIT`]).
-    (TESTKIT, &["rafcon-storage", "rafcon-engine", "rafcon-protocol", "rafcon-model"]),
+    (
+        TESTKIT,
+        &["rafcon-storage", "rafcon-engine", "rafcon-link", "rafcon-protocol", "rafcon-model"],
+    ),
     // Knows nothing but locks.
     ("rafcon-locks", &[]),
     // The journal keeps the events of the protocol, so storage speaks it.

@@ -3,10 +3,26 @@
 //! Knows bytes and numbers. Knows nothing of sockets, clocks, files or HTTP: whatever it needs of them is an argument. The format
 //! and its reasons are in `docs/link.md`.
 
+mod assembly;
+mod bytes;
+mod deflate;
+mod frame;
+mod heard;
+mod profile;
+mod range_set;
 mod replay_window;
+mod robot;
 mod seal;
+mod station;
 
+pub use bytes::BrokenFrame;
+pub use frame::{CommandId, CommandState, Events, StreamId};
+pub use heard::ClockBounds;
+pub use profile::{CARRIER_OVERHEAD, Profile};
+pub use range_set::RangeSet;
+pub use robot::{EventBuffer, Identity, ReceivedCommand, RobotSession, RunSource, Unusable};
 pub use seal::{
     Direction, Generation, Horizon, KeyId, OVERHEAD, Opened, Opener, PairingKey, Rejected,
     SealError, Sealer,
 };
+pub use station::{FromRobot, NewCommand, NotSent, StationSession};

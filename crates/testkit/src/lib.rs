@@ -6,6 +6,8 @@
 pub mod edits;
 pub mod files;
 pub mod journal_notation;
+pub mod link_world;
 pub mod machines;
 pub mod notation;
+mod random;
 pub mod simulation;

@@ -1,7 +1,7 @@
 //! Random commands, most of them sensible at the moment.
 
 use super::places::paths;
-use super::random::Random;
+use crate::random::Random;
 use rafcon_engine::{
     Activity, Breakpoint, Engine, Input, Interrupted, Scope, Start, Status, Stride, Then,
     Unattended, WaitReason, When,

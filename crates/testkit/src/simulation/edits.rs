@@ -2,7 +2,7 @@
 
 use super::machine::{INPUT, OUTCOMES, OUTPUT};
 use super::places::{paths, state_at_mut};
-use super::random::Random;
+use crate::random::Random;
 use rafcon_model::edit::{ChildrenEdit, DataFlowEdit, Edit, OutcomeEdit, PortEdit, StateEdit};
 use rafcon_model::edit::{TransitionEdit, apply};
 use rafcon_model::{

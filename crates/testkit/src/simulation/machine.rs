@@ -1,6 +1,6 @@
 //! Random machines in text notation: nested, concurrent, with libraries, many of them faulty.
 
-use super::random::Random;
+use crate::random::Random;
 
 /// How deep machines get.
 const DEPTH: usize = 4;

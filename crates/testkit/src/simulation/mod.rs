@@ -7,7 +7,6 @@ mod history;
 mod losses;
 mod machine;
 mod places;
-mod random;
 mod twin;
 mod watch;
 mod world;

@@ -2,9 +2,9 @@
 //! results, from then on.
 
 use super::commands::Like;
-use super::random::Random;
 use super::watch::{Amid, Checked};
 use super::world::{INPUTS as LIFE, World, result};
+use crate::random::Random;
 use rafcon_engine::{
     Effect, Engine, Event, Input, Interrupted, Job, NoGlobals, Outbox, PathId, Restore,
     ScriptResult, Start, Status, WaitReason,

@@ -4,9 +4,9 @@ use super::commands::{self, Like, Moment, Mood};
 use super::counts::Counts;
 use super::edits::{edited, reloaded};
 use super::machine::machine;
-use super::random::Random;
 use super::watch::{Checked, Watch, promise};
 use crate::notation;
+use crate::random::Random;
 use rafcon_engine::{
     ActiveStateData, Change, Counted, Engine, FrameId, Input, Job, ModelLiterals, NoGlobals,
     Outbox, Program, Refusal, Restore, Returned, ScriptResult, Start, Status, Stride,

@@ -39,11 +39,16 @@ struct Header {
 impl Moment {
     /// The moment as bytes, with a limited number of steps for steps back.
     pub fn to_bytes(&self) -> Vec<u8> {
-        if self.steps() <= STEPS_KEPT {
+        self.to_bytes_with_steps(STEPS_KEPT)
+    }
+
+    /// The moment as bytes, with at most so many steps for steps back.
+    pub fn to_bytes_with_steps(&self, steps: usize) -> Vec<u8> {
+        if self.steps() <= steps {
             return self.all_to_bytes();
         }
         let mut shorter = self.clone();
-        shorter.settle(STEPS_KEPT);
+        shorter.settle(steps);
         shorter.all_to_bytes()
     }
 

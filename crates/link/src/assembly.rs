@@ -1,0 +1,37 @@
+//! Something that comes in parts, in any order.
+
+use crate::range_set::RangeSet;
+
+/// Nothing that comes in parts is longer, in bytes.
+pub(crate) const LENGTH_MAX: u32 = 16 << 20;
+
+/// The parts of one thing so far; those of a newer one replace them.
+#[derive(Debug, Default)]
+pub(crate) struct Assembly {
+    number: u64,
+    bytes: Vec<u8>,
+    /// The numbers of the bytes that are here, from 1.
+    here: RangeSet,
+}
+
+impl Assembly {
+    /// Adds a part of the thing of this number; answers the whole once it is complete.
+    pub(crate) fn add(
+        &mut self,
+        number: u64,
+        length: u32,
+        offset: u32,
+        part: &[u8],
+    ) -> Option<Vec<u8>> {
+        if length > LENGTH_MAX {
+            return None;
+        }
+        if self.number != number || self.bytes.len() != length as usize {
+            *self = Self { number, bytes: vec![0; length as usize], here: RangeSet::default() };
+        }
+        let (start, end) = (offset as usize, offset as usize + part.len());
+        self.bytes.get_mut(start..end)?.copy_from_slice(part);
+        self.here.insert(start as u64 + 1..=end as u64);
+        (self.here.contiguous() == u64::from(length)).then(|| std::mem::take(self).bytes)
+    }
+}

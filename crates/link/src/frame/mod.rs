@@ -1,0 +1,342 @@
+//! What is in a datagram once it is opened: the time of its sender, then frames. The format is that of `docs/link.md`.
+
+use crate::bytes::{BrokenFrame, FrameReader, number_length, write_bytes, write_number};
+use crate::range_set::RangeSet;
+use crate::seal::Generation;
+
+/// Which run of a robot: the same number for the same run as long as the robot keeps it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct StreamId(pub u32);
+
+/// The id of a command, which its author chose by chance.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct CommandId(pub [u8; 16]);
+
+/// Consecutive events of a run, as its journal encodes them.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Events<'b> {
+    /// The run.
+    pub stream: StreamId,
+    /// The number of the first event.
+    pub first: u64,
+    /// How many events they are.
+    pub count: u64,
+    /// The time of the event before them, in ns since the start of the run.
+    pub t_before: u64,
+    /// The items.
+    pub items: &'b [u8],
+}
+
+impl Events<'_> {
+    /// The number of the last event.
+    pub fn last(&self) -> u64 {
+        self.first + self.count - 1
+    }
+
+    /// The longest items that fit into a frame of `room` bytes.
+    pub(crate) fn items_max(room: usize, first: u64, t_before: u64) -> usize {
+        let most = [u64::from(u32::MAX), first, 9_999, t_before, 9_999];
+        room.saturating_sub(1 + most.into_iter().map(number_length).sum::<usize>())
+    }
+}
+
+/// What became of a command.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum CommandState {
+    /// The robot has it.
+    Received,
+    /// The run carries it out.
+    Started,
+    /// It was carried out.
+    Done,
+    /// The robot refused it.
+    Refused,
+    /// It came after its time, and was not carried out.
+    Expired,
+}
+
+impl CommandState {
+    const ALL: [Self; 5] =
+        [Self::Received, Self::Started, Self::Done, Self::Refused, Self::Expired];
+
+    /// Whether nothing more becomes of it.
+    pub fn is_final(self) -> bool {
+        matches!(self, Self::Done | Self::Refused | Self::Expired)
+    }
+}
+
+/// A command as it travels.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct Command<'b> {
+    /// Its id.
+    pub(crate) id: CommandId,
+    /// The start of the robot whose clock counts.
+    pub(crate) robot_start: Generation,
+    /// The last moment at which it may be carried out, in ms of that clock.
+    pub(crate) not_after_ms: u64,
+    /// The epoch of authority under which it was given.
+    pub(crate) epoch: u64,
+    /// The command, as both servers understand it.
+    pub(crate) body: &'b [u8],
+}
+
+/// What a station has of one run.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct Received {
+    /// The run.
+    pub(crate) stream: StreamId,
+    /// All events up to this one are on the station's disk.
+    pub(crate) safe: u64,
+    /// Which events it has received, the newest ranges if they are many.
+    pub(crate) events: RangeSet,
+}
+
+/// A part of a datagram.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) enum Frame<'b> {
+    /// Events, new or again.
+    Events(Events<'b>),
+    /// How far a run is.
+    Status {
+        /// The run.
+        stream: StreamId,
+        /// The number of its last event.
+        head: u64,
+        /// Whether it has ended: no event will follow.
+        is_over: bool,
+        /// What else is known at a glance, in the words of the servers.
+        state: &'b [u8],
+    },
+    /// A part of the state of a run after one of its events.
+    Snapshot {
+        /// The run.
+        stream: StreamId,
+        /// The number of the event.
+        sequence: u64,
+        /// The length of the whole snapshot, in bytes.
+        length: u32,
+        /// Where this part begins.
+        offset: u32,
+        /// The part.
+        bytes: &'b [u8],
+    },
+    /// A part of events that do not fit into one datagram.
+    Large {
+        /// The run.
+        stream: StreamId,
+        /// The number of the event.
+        first: u64,
+        /// The time of the event before it, in ns.
+        t_before: u64,
+        /// The length of all its items, in bytes.
+        length: u32,
+        /// Where this part begins.
+        offset: u32,
+        /// The part.
+        bytes: &'b [u8],
+    },
+    /// What became of a command.
+    CommandState {
+        /// Its id.
+        id: CommandId,
+        /// What became of it.
+        state: CommandState,
+    },
+    /// A command.
+    Command(Command<'b>),
+    /// What was heard of the other side last.
+    Heard {
+        /// The start of the other side that it was heard in.
+        start: Generation,
+        /// The newest time in its datagrams, in ms.
+        newest_ms: u64,
+        /// How long ago that was, in ms.
+        held_ms: u64,
+        /// How late datagrams came that others had overtaken, in ms.
+        late_ms: u64,
+    },
+    /// What the station has of a run.
+    Received(Received),
+}
+
+const EVENTS: u8 = 1;
+const STATUS: u8 = 2;
+const SNAPSHOT: u8 = 3;
+const LARGE: u8 = 4;
+const COMMAND_STATE: u8 = 5;
+const COMMAND: u8 = 16;
+const HEARD: u8 = 17;
+const RECEIVED: u8 = 18;
+/// So many ranges are reported at most.
+pub(crate) const RANGES_MAX: usize = 16;
+
+impl<'b> Frame<'b> {
+    /// Appends the frame.
+    pub(crate) fn write(&self, out: &mut Vec<u8>) {
+        let mut numbers = |tag: u8, numbers: &[u64]| {
+            out.push(tag);
+            for number in numbers {
+                write_number(*number, out);
+            }
+        };
+        match self {
+            Self::Events(Events { stream, first, count, t_before, items }) => {
+                numbers(EVENTS, &[u64::from(stream.0), *first, *count, *t_before]);
+                write_bytes(items, out);
+            }
+            Self::Status { stream, head, is_over, state } => {
+                numbers(STATUS, &[u64::from(stream.0), *head, u64::from(*is_over)]);
+                write_bytes(state, out);
+            }
+            Self::Snapshot { stream, sequence, length, offset, bytes } => {
+                let place = [*length, *offset].map(u64::from);
+                numbers(SNAPSHOT, &[u64::from(stream.0), *sequence, place[0], place[1]]);
+                write_bytes(bytes, out);
+            }
+            Self::Large { stream, first, t_before, length, offset, bytes } => {
+                let place = [*length, *offset].map(u64::from);
+                numbers(LARGE, &[u64::from(stream.0), *first, *t_before, place[0], place[1]]);
+                write_bytes(bytes, out);
+            }
+            Self::CommandState { id, state } => {
+                out.push(COMMAND_STATE);
+                out.extend_from_slice(&id.0);
+                out.push(*state as u8);
+            }
+            Self::Command(Command { id, robot_start, not_after_ms, epoch, body }) => {
+                out.push(COMMAND);
+                out.extend_from_slice(&id.0);
+                for number in [u64::from(robot_start.0), *not_after_ms, *epoch] {
+                    write_number(number, out);
+                }
+                write_bytes(body, out);
+            }
+            Self::Heard { start, newest_ms, held_ms, late_ms } => {
+                numbers(HEARD, &[u64::from(start.0), *newest_ms, *held_ms, *late_ms]);
+            }
+            Self::Received(received) => write_received(received, out),
+        }
+    }
+
+    /// Reads the next frame.
+    fn read(reader: &mut FrameReader<'b>) -> Result<Self, BrokenFrame> {
+        Ok(match reader.byte()? {
+            EVENTS => Self::Events(read_events(reader)?),
+            STATUS => {
+                let (stream, head) = (StreamId(reader.small()?), reader.number()?);
+                let is_over = match reader.number()? {
+                    0 => false,
+                    1 => true,
+                    _ => return Err(BrokenFrame("neither yes nor no")),
+                };
+                Self::Status { stream, head, is_over, state: reader.bytes()? }
+            }
+            SNAPSHOT => {
+                let (stream, sequence) = (StreamId(reader.small()?), reader.number()?);
+                let (length, offset, bytes) = read_part(reader)?;
+                Self::Snapshot { stream, sequence, length, offset, bytes }
+            }
+            LARGE => {
+                let (stream, first) = (StreamId(reader.small()?), reader.number()?);
+                let t_before = reader.number()?;
+                let (length, offset, bytes) = read_part(reader)?;
+                Self::Large { stream, first, t_before, length, offset, bytes }
+            }
+            COMMAND_STATE => {
+                let id = CommandId(reader.fixed()?);
+                let state = CommandState::ALL.get(usize::from(reader.byte()?));
+                let state = *state.ok_or(BrokenFrame("an unknown state of a command"))?;
+                Self::CommandState { id, state }
+            }
+            COMMAND => Self::Command(Command {
+                id: CommandId(reader.fixed()?),
+                robot_start: Generation(reader.small()?),
+                not_after_ms: reader.number()?,
+                epoch: reader.number()?,
+                body: reader.bytes()?,
+            }),
+            HEARD => Self::Heard {
+                start: Generation(reader.small()?),
+                newest_ms: reader.number()?,
+                held_ms: reader.number()?,
+                late_ms: reader.number()?,
+            },
+            RECEIVED => Self::Received(read_received(reader)?),
+            _ => return Err(BrokenFrame("an unknown kind")),
+        })
+    }
+}
+
+fn read_events<'b>(reader: &mut FrameReader<'b>) -> Result<Events<'b>, BrokenFrame> {
+    let stream = StreamId(reader.small()?);
+    let (first, count) = (reader.number()?, reader.number()?);
+    let is_possible = first > 0 && count > 0 && first.checked_add(count).is_some();
+    if !is_possible {
+        return Err(BrokenFrame("impossible numbers of events"));
+    }
+    Ok(Events { stream, first, count, t_before: reader.number()?, items: reader.bytes()? })
+}
+
+/// Length of the whole, offset and bytes of a part.
+fn read_part<'b>(reader: &mut FrameReader<'b>) -> Result<(u32, u32, &'b [u8]), BrokenFrame> {
+    let (length, offset, bytes) = (reader.small()?, reader.small()?, reader.bytes()?);
+    let end = u64::from(offset) + bytes.len() as u64;
+    if end > u64::from(length) {
+        return Err(BrokenFrame("a part reaches beyond its whole"));
+    }
+    Ok((length, offset, bytes))
+}
+
+/// The newest ranges, each as the distance from the end of the one before, and its length.
+fn write_received(received: &Received, out: &mut Vec<u8>) {
+    out.push(RECEIVED);
+    let contiguous = received.events.contiguous();
+    let ahead = received.events.ranges().filter(|range| *range.start() > 1);
+    let mut ahead: Vec<_> = ahead.rev().take(RANGES_MAX).collect();
+    ahead.reverse();
+    let head = [u64::from(received.stream.0), received.safe, contiguous, ahead.len() as u64];
+    for number in head {
+        write_number(number, out);
+    }
+    let mut end = contiguous;
+    for range in ahead {
+        write_number(range.start() - end, out);
+        write_number(range.end() - range.start(), out);
+        end = *range.end();
+    }
+}
+
+fn read_received(reader: &mut FrameReader<'_>) -> Result<Received, BrokenFrame> {
+    let (stream, safe) = (StreamId(reader.small()?), reader.number()?);
+    let (contiguous, count) = (reader.number()?, reader.number()?);
+    if count > RANGES_MAX as u64 {
+        return Err(BrokenFrame("too many ranges"));
+    }
+    let (mut events, mut end) = (RangeSet::up_to(contiguous), contiguous);
+    for _ in 0..count {
+        let far = || BrokenFrame("a number is too large");
+        let first = end.checked_add(reader.number()?).ok_or_else(far)?;
+        end = first.checked_add(reader.number()?).ok_or_else(far)?;
+        events.insert(first..=end);
+    }
+    Ok(Received { stream, safe, events })
+}
+
+/// The time of the sender in ms, and the frames of a payload up to the first broken one.
+pub(crate) fn read_payload(
+    payload: &[u8],
+) -> Result<(u64, impl Iterator<Item = Result<Frame<'_>, BrokenFrame>>), BrokenFrame> {
+    let mut reader = FrameReader::new(payload);
+    let at_ms = reader.number()?;
+    let frames = std::iter::from_fn(move || {
+        let frame = (!reader.is_at_end()).then(|| Frame::read(&mut reader))?;
+        if frame.is_err() {
+            reader = FrameReader::new(&[]);
+        }
+        Some(frame)
+    });
+    Ok((at_ms, frames))
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,180 @@
+//! Frames as bytes and back, and whatever bytes a side may be sent.
+
+use super::{Command, CommandId, CommandState, Events, Frame, RANGES_MAX, Received, StreamId};
+use super::{read_payload, write_received};
+use crate::bytes::{BrokenFrame, write_number};
+use crate::range_set::RangeSet;
+use crate::seal::Generation;
+use expect_test::expect;
+use proptest::prelude::*;
+use proptest::strategy::ValueTree as _;
+use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
+
+fn bytes() -> impl Strategy<Value = Vec<u8>> {
+    prop::collection::vec(any::<u8>(), 0..200)
+}
+
+fn ranges() -> impl Strategy<Value = RangeSet> {
+    let parts = prop::collection::vec((1..1_000_u64, 1..1_000_u64), 0..40);
+    (0..1_000_u64, parts).prop_map(|(contiguous, parts)| {
+        let (mut set, mut end) = (RangeSet::up_to(contiguous), contiguous + 1);
+        for (gap, length) in parts {
+            set.insert(end + gap..=end + gap + length);
+            end += gap + length + 1;
+        }
+        set
+    })
+}
+
+/// A frame whose bytes are these.
+fn frame(bytes: &[u8]) -> impl Strategy<Value = Frame<'_>> {
+    let length = u32::try_from(bytes.len()).expect("few");
+    let stream = any::<u32>().prop_map(StreamId);
+    let id = any::<[u8; 16]>().prop_map(CommandId);
+    let state = prop::sample::select(CommandState::ALL.to_vec());
+    let part = (stream.clone(), any::<u64>(), any::<u64>(), 0..1_000_u32);
+    prop_oneof![
+        (stream.clone(), 1..u64::from(u32::MAX), 1..1_000_u64, any::<u64>()).prop_map(
+            move |(stream, first, count, t_before)| {
+                Frame::Events(Events { stream, first, count, t_before, items: bytes })
+            }
+        ),
+        (stream.clone(), any::<u64>(), any::<bool>()).prop_map(move |(stream, head, is_over)| {
+            Frame::Status { stream, head, is_over, state: bytes }
+        }),
+        part.clone().prop_map(move |(stream, sequence, _, offset)| {
+            Frame::Snapshot { stream, sequence, length: offset + length, offset, bytes }
+        }),
+        part.prop_map(move |(stream, first, t_before, offset)| {
+            Frame::Large { stream, first, t_before, length: offset + length, offset, bytes }
+        }),
+        (id.clone(), state).prop_map(|(id, state)| Frame::CommandState { id, state }),
+        (id, any::<u32>(), any::<u64>(), any::<u64>()).prop_map(
+            move |(id, robot_start, not_after_ms, epoch)| {
+                let robot_start = Generation(robot_start);
+                Frame::Command(Command { id, robot_start, not_after_ms, epoch, body: bytes })
+            }
+        ),
+        (any::<u32>(), any::<[u64; 3]>()).prop_map(|(start, [newest_ms, held_ms, late_ms])| {
+            Frame::Heard { start: Generation(start), newest_ms, held_ms, late_ms }
+        }),
+        (stream, any::<u64>(), ranges()).prop_map(|(stream, safe, events)| {
+            Frame::Received(Received { stream, safe, events: newest(&events) })
+        }),
+    ]
+}
+
+/// Chooses frames for bytes that are known only then.
+fn runner(seed: [u8; 32]) -> TestRunner {
+    TestRunner::new_with_rng(Config::default(), TestRng::from_seed(RngAlgorithm::ChaCha, &seed))
+}
+
+/// What a report has room for.
+fn newest(events: &RangeSet) -> RangeSet {
+    let mut some = RangeSet::up_to(events.contiguous());
+    let ahead = events.ranges().filter(|range| *range.start() > 1);
+    for range in ahead.rev().take(RANGES_MAX) {
+        some.insert(range);
+    }
+    some
+}
+
+proptest! {
+    #[test]
+    fn frames_are_read_as_they_were_written(
+        at_ms in any::<u64>(), bytes in prop::collection::vec(bytes(), 1..6), seed in any::<[u8; 32]>(),
+    ) {
+        let mut runner = runner(seed);
+        let frames: Vec<Frame<'_>> = bytes
+            .iter()
+            .map(|bytes| frame(bytes).new_tree(&mut runner).expect("a frame").current())
+            .collect();
+        let mut payload = Vec::new();
+        write_number(at_ms, &mut payload);
+        for frame in &frames {
+            frame.write(&mut payload);
+        }
+        let (read_at, read) = read_payload(&payload).expect("a time");
+        prop_assert_eq!(read_at, at_ms);
+        prop_assert_eq!(read.collect::<Result<Vec<_>, _>>(), Ok(frames));
+    }
+
+    #[test]
+    fn whatever_is_in_a_datagram_ends_with_the_first_broken_frame(
+        payload in prop::collection::vec(any::<u8>(), 0..300),
+    ) {
+        if let Ok((_, frames)) = read_payload(&payload) {
+            let frames: Vec<_> = frames.collect();
+            prop_assert!(frames.iter().rev().skip(1).all(Result::is_ok));
+        }
+    }
+
+    #[test]
+    fn a_changed_byte_gives_a_frame_or_an_error(
+        bytes in bytes(), at in any::<prop::sample::Index>(), to in any::<u8>(), seed in any::<[u8; 32]>(),
+    ) {
+        let mut runner = runner(seed);
+        let frame = frame(&bytes).new_tree(&mut runner).expect("a frame").current();
+        let mut payload = vec![0];
+        frame.write(&mut payload);
+        let at = at.index(payload.len());
+        payload[at] = to;
+        if let Ok((_, frames)) = read_payload(&payload) {
+            let _read = frames.count();
+        }
+    }
+}
+
+/// What is wrong with a payload, whose time is already written.
+fn broken(frame: &[u8]) -> String {
+    let payload = [&[0], frame].concat();
+    let (_, frames) = read_payload(&payload).expect("a time");
+    match frames.collect::<Result<Vec<_>, BrokenFrame>>() {
+        Ok(frames) => format!("{frames:?}"),
+        Err(broken) => broken.to_string(),
+    }
+}
+
+#[test]
+fn a_broken_frame_says_what_is_wrong_with_it() {
+    let far = [0xff; 9].as_slice();
+    let cases: &[&[u8]] = &[
+        &[99],
+        &[1, 1],
+        &[1, 1, 0, 1, 0, 0],
+        &[1, 1, 1, 0, 0, 0],
+        &[&[1, 1], far, &[1, 1, 0, 0]].concat(),
+        &[&[1], far, far].concat(),
+        &[2, 1, 5, 2, 0],
+        &[3, 1, 5, 2, 1, 2, 0, 0],
+        &[4, 1, 5, 0, 9, 0, 200],
+        &[&[5], [0; 16].as_slice(), &[9]].concat(),
+        &[18, 1, 5, 5, 17],
+    ];
+    let said: Vec<_> = cases.iter().map(|case| broken(case)).collect();
+    expect![[r"
+        a frame of the link is broken: an unknown kind
+        a frame of the link is broken: it ends too early
+        a frame of the link is broken: impossible numbers of events
+        a frame of the link is broken: impossible numbers of events
+        a frame of the link is broken: impossible numbers of events
+        a frame of the link is broken: a number is too large
+        a frame of the link is broken: neither yes nor no
+        a frame of the link is broken: a part reaches beyond its whole
+        a frame of the link is broken: it ends too early
+        a frame of the link is broken: an unknown state of a command
+        a frame of the link is broken: too many ranges"]]
+    .assert_eq(&said.join("\n"));
+}
+
+#[test]
+fn a_report_names_the_newest_ranges() {
+    let mut events = RangeSet::up_to(10);
+    for nth in 0..20 {
+        events.insert(20 + nth * 10..=22 + nth * 10);
+    }
+    let mut out = Vec::new();
+    write_received(&Received { stream: StreamId(3), safe: 7, events }, &mut out);
+    expect!["[12 03 07 0a 10 32 02 08 02 08 02 08 02 08 02 08 02 08 02 08 02 08 02 08 02 08 02 08 02 08 02 08 02 08 02 08 02]"]
+        .assert_eq(&format!("{out:02x?}").replace(", ", " "));
+}

@@ -1,0 +1,136 @@
+//! What one side heard of the other last, and what follows for the clocks.
+
+use crate::frame::Frame;
+use crate::seal::Generation;
+use std::time::Duration;
+
+/// The newest time that was in a datagram of the other side.
+#[derive(Debug, Default)]
+pub(crate) struct Heard {
+    newest: Option<Newest>,
+}
+
+#[derive(Debug)]
+struct Newest {
+    start: Generation,
+    at_ms: u64,
+    heard_at: Duration,
+    /// By how much overtaken datagrams were late; forgotten slowly.
+    late_ms: u64,
+}
+
+impl Heard {
+    /// A datagram of this start with this time in it. Answers whether it is the first of a new start.
+    pub(crate) fn hear(&mut self, start: Generation, at_ms: u64, now: Duration) -> bool {
+        match &mut self.newest {
+            Some(newest) if newest.start == start => {
+                if at_ms >= newest.at_ms {
+                    newest.late_ms -= newest.late_ms / 64;
+                    (newest.at_ms, newest.heard_at) = (at_ms, now);
+                } else {
+                    newest.late_ms = newest.late_ms.max(newest.at_ms - at_ms);
+                }
+                false
+            }
+            _ => {
+                self.newest = Some(Newest { start, at_ms, heard_at: now, late_ms: 0 });
+                true
+            }
+        }
+    }
+
+    /// How long ago the other side was heard.
+    pub(crate) fn before(&self, now: Duration) -> Option<Duration> {
+        self.newest.as_ref().map(|newest| now.saturating_sub(newest.heard_at))
+    }
+
+    pub(crate) fn frame(&self, now: Duration) -> Option<Frame<'static>> {
+        let newest = self.newest.as_ref()?;
+        let held = now.saturating_sub(newest.heard_at);
+        Some(Frame::Heard {
+            start: newest.start,
+            newest_ms: newest.at_ms,
+            held_ms: u64::try_from(held.as_millis()).unwrap_or(u64::MAX),
+            late_ms: newest.late_ms,
+        })
+    }
+}
+
+/// Between which times the clock of the robot is, as a station knows it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct ClockBounds {
+    /// The start of the robot that the clock is of.
+    pub start: Generation,
+    /// It is at least this, in ms.
+    pub earliest_ms: u64,
+    /// It is at most this, in ms; unknown until the robot has heard the station.
+    pub latest_ms: Option<u64>,
+}
+
+/// Two clocks part by at most one millisecond in so many, or come together.
+const DRIFT: i64 = 5_000;
+
+/// The bounds of the robot's clock from datagrams in both directions: no message arrives before it was sent. A bound that is not
+/// renewed widens, because no two clocks are equally fast.
+#[derive(Debug, Default)]
+pub(crate) struct RobotClock {
+    start: Option<Generation>,
+    low: Bound,
+    high: Option<Bound>,
+}
+
+/// A difference robot − here, in ms, and when it was found.
+#[derive(Debug, Clone, Copy, Default)]
+struct Bound {
+    difference: i64,
+    found_ms: i64,
+}
+
+impl Bound {
+    /// How far the clocks may have parted since.
+    fn drift(self, now_ms: i64) -> i64 {
+        now_ms.saturating_sub(self.found_ms).max(0) / DRIFT + 1
+    }
+}
+
+impl RobotClock {
+    /// A datagram of the robot that was sent at `at_ms`.
+    pub(crate) fn receive(&mut self, start: Generation, at_ms: u64, now_ms: u64) {
+        let now_ms = now_ms.cast_signed();
+        let found = at_ms.cast_signed().saturating_sub(now_ms);
+        if self.start != Some(start) {
+            *self = Self { start: Some(start), low: Bound::default(), high: None };
+        } else if found < self.lowest(now_ms) {
+            return;
+        }
+        self.low = Bound { difference: found, found_ms: now_ms };
+    }
+
+    /// The robot heard at `heard_ms` of its clock what was sent at `sent_ms` of this one.
+    pub(crate) fn robot_heard(&mut self, heard_ms: u64, sent_ms: u64, now_ms: u64) {
+        let now_ms = now_ms.cast_signed();
+        // The robot rounded both its times down.
+        let difference = heard_ms.cast_signed().saturating_sub(sent_ms.cast_signed()) + 2;
+        if self.highest(now_ms).is_none_or(|highest| difference <= highest) {
+            self.high = Some(Bound { difference, found_ms: now_ms });
+        }
+    }
+
+    fn lowest(&self, now_ms: i64) -> i64 {
+        self.low.difference - self.low.drift(now_ms)
+    }
+
+    fn highest(&self, now_ms: i64) -> Option<i64> {
+        self.high.map(|high| high.difference.saturating_add(high.drift(now_ms)))
+    }
+
+    pub(crate) fn bounds(&self, now_ms: u64) -> Option<ClockBounds> {
+        let now_ms = now_ms.cast_signed();
+        let at = |difference: i64| now_ms.saturating_add(difference).max(0).cast_unsigned();
+        Some(ClockBounds {
+            start: self.start?,
+            earliest_ms: at(self.lowest(now_ms)),
+            latest_ms: self.highest(now_ms).map(at),
+        })
+    }
+}

@@ -1,0 +1,124 @@
+//! What is known of a link before it is measured, and the rate at which a side may send.
+
+use std::time::Duration;
+
+/// The properties of a link that its users set. Everything that depends on the delay is measured.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Profile {
+    /// Its name.
+    pub name: &'static str,
+    /// The rate from the robot, in bits per second, with the headers of the carrier.
+    pub down_bits_per_s: u64,
+    /// The rate to the robot, likewise.
+    pub up_bits_per_s: u64,
+    /// The longest datagram from the robot, in bytes.
+    pub down_bytes_max: usize,
+    /// The longest datagram to the robot, in bytes: it must not hold up a stop behind it.
+    pub up_bytes_max: usize,
+    /// How often the robot sends its status, whether or not anything is heard.
+    pub status_every: Duration,
+    /// New events wait for others at most this long after the datagram before.
+    pub gather: Duration,
+    /// New events are sent again after this time, so that one loss heals without a round trip.
+    pub repeat_after: Duration,
+    /// How often the station reports what it has, while it receives something.
+    pub report_every: Duration,
+}
+
+const fn ms(ms: u64) -> Duration {
+    Duration::from_millis(ms)
+}
+
+impl Profile {
+    /// A cable or a good wireless network.
+    pub const LAN: Self = Self {
+        name: "lan",
+        down_bits_per_s: 50_000_000,
+        up_bits_per_s: 50_000_000,
+        down_bytes_max: 1_200,
+        up_bytes_max: 1_200,
+        status_every: ms(250),
+        gather: ms(10),
+        repeat_after: ms(40),
+        report_every: ms(50),
+    };
+    /// A wireless network at the edge of its range.
+    pub const WIFI: Self = Self {
+        name: "wifi",
+        down_bits_per_s: 4_000_000,
+        up_bits_per_s: 1_000_000,
+        gather: ms(40),
+        repeat_after: ms(100),
+        report_every: ms(200),
+        ..Self::LAN
+    };
+    /// A link to another planet as field tests imitate it: seconds of delay, little bandwidth, long blackouts.
+    pub const DELAY_2S: Self = Self {
+        name: "delay-2s",
+        down_bits_per_s: 256_000,
+        up_bits_per_s: 32_000,
+        up_bytes_max: 300,
+        status_every: ms(500),
+        gather: ms(150),
+        repeat_after: ms(160),
+        report_every: ms(500),
+        ..Self::LAN
+    };
+    /// A link of a few kilobits per second and minutes of delay.
+    pub const DEEP: Self = Self {
+        name: "deep",
+        down_bits_per_s: 8_000,
+        up_bits_per_s: 1_000,
+        down_bytes_max: 500,
+        up_bytes_max: 150,
+        status_every: ms(5_000),
+        gather: ms(2_000),
+        repeat_after: ms(4_000),
+        report_every: ms(10_000),
+    };
+    /// All of them.
+    pub const ALL: [Self; 4] = [Self::LAN, Self::WIFI, Self::DELAY_2S, Self::DEEP];
+
+    /// The profile of this name.
+    pub fn named(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|profile| profile.name == name)
+    }
+
+    /// The station reports this often while it receives nothing new.
+    pub(crate) fn report_idle_every(&self) -> Duration {
+        self.report_every * 4
+    }
+
+    /// A side that has heard nothing for this long, in which three idle reports would have come, acts as if it were not heard.
+    pub(crate) fn silence(&self) -> Duration {
+        self.report_idle_every() * 7 / 2
+    }
+}
+
+/// Datagrams cost their carrier this much besides, in bytes: the headers of IP and UDP.
+pub const CARRIER_OVERHEAD: usize = 28;
+
+/// Says when a side may send at its rate.
+#[derive(Debug)]
+pub(crate) struct Pacer {
+    bits_per_s: u64,
+    free_at: Duration,
+}
+
+impl Pacer {
+    pub(crate) fn new(bits_per_s: u64) -> Self {
+        Self { bits_per_s: bits_per_s.max(1), free_at: Duration::ZERO }
+    }
+
+    /// When the datagrams so far have left.
+    pub(crate) fn free_at(&self) -> Duration {
+        self.free_at
+    }
+
+    /// Counts a datagram.
+    pub(crate) fn spend(&mut self, now: Duration, datagram: usize) {
+        let bits = (datagram + CARRIER_OVERHEAD) as u64 * 8;
+        let takes = Duration::from_nanos(bits.saturating_mul(1_000_000_000) / self.bits_per_s);
+        self.free_at = self.free_at.max(now).saturating_add(takes);
+    }
+}

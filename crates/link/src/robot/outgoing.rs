@@ -1,0 +1,407 @@
+//! What the robot sends of one run, and what it knows of what the station has of it.
+
+use super::source::{EventBuffer, RunSource};
+use super::tail::{self, Tail};
+use crate::assembly::LENGTH_MAX;
+use crate::deflate::deflate;
+use crate::frame::{Events, Frame, Received, StreamId};
+use crate::profile::Profile;
+use crate::range_set::RangeSet;
+use std::collections::VecDeque;
+use std::ops::RangeInclusive;
+use std::time::Duration;
+
+/// Older events are sent so often while the rate allows it and nothing else waits, so that a loss heals without a round trip.
+const OLD_SENDS: u8 = 3;
+/// A snapshot is sent this often, in status intervals, while the station is heard: it might be needed for a reason unknown here.
+const SNAPSHOT_STATUSES: u32 = 240;
+/// Without reports, a snapshot is sent round and round so often before a newer one replaces it: parts of any round complete it.
+const SNAPSHOT_ROUNDS: u32 = 4;
+/// Without reports, a whole snapshot is sent in this time, as long as that takes at most half of the rate.
+const SNAPSHOT_EVERY: Duration = Duration::from_millis(200);
+/// The smallest part of something that is worth a frame, in bytes.
+const PART_MIN: usize = 64;
+
+/// Events that were sent and are not reported.
+#[derive(Debug)]
+struct SentEvents {
+    at: Duration,
+    range: RangeInclusive<u64>,
+    /// How often they may be sent again before a report says that they are lost.
+    repeats: u8,
+}
+
+/// What a datagram is written for.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Turn<'p> {
+    pub(super) now: Duration,
+    pub(super) profile: &'p Profile,
+    /// Whether the station reports what it has.
+    pub(super) is_heard: bool,
+    /// The longest payload.
+    pub(super) room: usize,
+}
+
+/// A run on its way to the station.
+#[derive(Debug)]
+pub(super) struct Outgoing {
+    id: StreamId,
+    head: u64,
+    is_over: bool,
+    state: Vec<u8>,
+    is_state_new: bool,
+    tail: Tail,
+    /// When anything was sent from which the station knows the head.
+    shown_at: Option<Duration>,
+    status_at: Option<Duration>,
+    /// What the station has, by its last report.
+    received: RangeSet,
+    safe: u64,
+    /// What was sent and is not reported, in the order of the times.
+    sent: VecDeque<SentEvents>,
+    sent_set: RangeSet,
+    /// When the unreported events are sent again, for a station that cannot report.
+    round_due: Duration,
+    /// When the last round of a snapshot began.
+    snapshot_at: Option<Duration>,
+    is_snapshot_due: bool,
+    /// The snapshot that is being sent.
+    snapshot: Option<Parts>,
+    large: Option<(EventBuffer, usize)>,
+}
+
+#[derive(Debug)]
+struct Parts {
+    sequence: u64,
+    bytes: Vec<u8>,
+    /// Of this round.
+    sent: usize,
+    rounds: u32,
+}
+
+impl Outgoing {
+    pub(super) fn new(id: StreamId, head: u64) -> Self {
+        Self {
+            id,
+            head,
+            is_over: false,
+            state: Vec::new(),
+            is_state_new: false,
+            tail: Tail::default(),
+            shown_at: None,
+            status_at: None,
+            received: RangeSet::default(),
+            safe: 0,
+            sent: VecDeque::new(),
+            sent_set: RangeSet::default(),
+            round_due: Duration::ZERO,
+            snapshot_at: None,
+            is_snapshot_due: true,
+            snapshot: None,
+            large: None,
+        }
+    }
+
+    pub(super) fn safe_at_station(&self) -> u64 {
+        self.safe
+    }
+
+    pub(super) fn append(&mut self, events: &Events<'_>, room: usize) {
+        let continues = events.first == self.head + 1;
+        self.head = self.head.max(events.last());
+        let fits = events.items.len() <= Events::items_max(room, events.first, events.t_before);
+        if continues && fits {
+            self.tail.append(events);
+        } else {
+            // What is missing between, or too long, is read from the journal.
+            self.tail = Tail::default();
+        }
+    }
+
+    pub(super) fn set_state(&mut self, state: &[u8], is_over: bool) {
+        if self.state != state || self.is_over != is_over {
+            (self.state, self.is_over) = (state.to_vec(), is_over);
+            self.is_state_new = true;
+        }
+    }
+
+    /// The station has these events. `echo` is the newest time that it heard, and how late overtaken datagrams were.
+    pub(super) fn report(
+        &mut self,
+        now: Duration,
+        received: Received,
+        echo: Option<(u64, u64)>,
+        profile: &Profile,
+    ) {
+        self.received = received.events;
+        self.safe = received.safe;
+        let Some((newest_ms, late_ms)) = echo else { return };
+        // What was sent before this, and is not received, is lost; a repetition may still heal the newest of it.
+        let late = Duration::from_millis(late_ms) + profile.repeat_after * u32::from(tail::SENDS);
+        let lost_before = Duration::from_millis(newest_ms).saturating_sub(late);
+        let (before, unreported) = (self.sent.len(), &self.received);
+        self.sent.retain(|sent| !unreported.contains(&sent.range));
+        let in_flight = self.sent.len();
+        self.sent.retain(|sent| sent.at >= lost_before);
+        self.is_snapshot_due |= self.sent.len() < in_flight && !self.is_snapshot_on_its_way();
+        if self.sent.len() < before {
+            self.sent_set = RangeSet::default();
+            for sent in &self.sent {
+                self.sent_set.insert(sent.range.clone());
+            }
+        }
+        self.round_due = now;
+    }
+
+    fn is_snapshot_on_its_way(&self) -> bool {
+        self.snapshot.as_ref().is_some_and(|snapshot| snapshot.sent > 0)
+    }
+
+    fn has_all(&self) -> bool {
+        self.is_over && self.received.contiguous() >= self.head
+    }
+
+    /// When the status or new events are due.
+    pub(super) fn urgent_at(&self, profile: &Profile, is_heard: bool) -> Duration {
+        let status = match (self.shown_at, self.status_at) {
+            _ if self.is_state_new => Duration::ZERO,
+            // The station reports that it has all: nothing is new ever after.
+            _ if self.has_all() => Duration::MAX,
+            (Some(shown), Some(status)) => {
+                (shown + profile.status_every).min(status + profile.status_every * 4)
+            }
+            _ => Duration::ZERO,
+        };
+        self.tail.due_at(profile, is_heard).min(status)
+    }
+
+    /// Writes the status and the newest events if they are due. Answers whether the status is among them.
+    pub(super) fn write_urgent(&mut self, turn: Turn<'_>, payload: &mut Vec<u8>) -> bool {
+        let Turn { now, profile, is_heard, room } = turn;
+        if self.urgent_at(profile, is_heard) > now {
+            return false;
+        }
+        self.write_tail(turn, payload);
+        let status_due = self.status_at.is_none_or(|at| at + profile.status_every * 4 <= now);
+        let head_known = self.shown_at == Some(now);
+        if head_known && !status_due && !self.is_state_new {
+            return false;
+        }
+        let frame = Frame::Status {
+            stream: self.id,
+            head: self.head,
+            is_over: self.is_over,
+            state: &self.state,
+        };
+        let length = payload.len();
+        frame.write(payload);
+        if payload.len() > room {
+            payload.truncate(length);
+            return false;
+        }
+        (self.status_at, self.shown_at, self.is_state_new) = (Some(now), Some(now), false);
+        true
+    }
+
+    fn write_tail(&mut self, turn: Turn<'_>, payload: &mut Vec<u8>) {
+        let Some(written) = self.tail.write(self.id, turn, payload) else { return };
+        self.shown_at = Some(turn.now);
+        if let Some(new) = written.new {
+            self.note_sent(turn.now, new, 0);
+        }
+    }
+
+    fn note_sent(&mut self, at: Duration, range: RangeInclusive<u64>, repeats: u8) {
+        self.sent_set.insert(range.clone());
+        match self.sent.back_mut() {
+            Some(last)
+                if (last.at, last.repeats) == (at, repeats)
+                    && last.range.end() + 1 == *range.start() =>
+            {
+                last.range = *last.range.start()..=*range.end();
+            }
+            _ => self.sent.push_back(SentEvents { at, range, repeats }),
+        }
+    }
+
+    /// The oldest events that neither are with the station nor on their way.
+    fn gap(&self) -> Option<RangeInclusive<u64>> {
+        // New events go with the next urgent datagram.
+        let last = self.tail.first_unsent().map_or(self.head, |first| first - 1);
+        self.received.first_gap(&self.sent_set, 1, last)
+    }
+
+    /// When the next part of a snapshot is due.
+    fn snapshot_due_at(&self, is_heard: bool, profile: &Profile) -> Duration {
+        let is_between = self.snapshot.as_ref().is_none_or(|snapshot| snapshot.sent == 0);
+        let Some(at) = self.snapshot_at.filter(|_| is_between && !self.is_snapshot_due) else {
+            return Duration::ZERO;
+        };
+        if self.has_all() {
+            return Duration::MAX;
+        }
+        match &self.snapshot {
+            _ if is_heard => at + profile.status_every * SNAPSHOT_STATUSES,
+            None => at,
+            Some(Parts { bytes, .. }) => {
+                let bits = bytes.len() as u64 * 8 * 2;
+                let takes = Duration::from_millis(bits * 1_000 / profile.down_bits_per_s.max(1));
+                at + takes.max(SNAPSHOT_EVERY)
+            }
+        }
+    }
+
+    /// When something of the lower queues is due.
+    pub(super) fn bulk_at(&self, is_heard: bool, profile: &Profile) -> Duration {
+        let is_repeated = is_heard && self.sent.iter().any(|sent| sent.repeats > 0);
+        if is_repeated || self.large.is_some() || self.gap().is_some() {
+            return Duration::ZERO;
+        }
+        let round = if is_heard || self.sent.is_empty() { Duration::MAX } else { self.round_due };
+        round.min(self.snapshot_due_at(is_heard, profile))
+    }
+
+    /// Fills the rest of the datagram with parts of a snapshot, then with events that the station lacks.
+    pub(super) fn write_bulk(
+        &mut self,
+        turn: Turn<'_>,
+        source: &mut impl RunSource,
+        payload: &mut Vec<u8>,
+    ) {
+        let Turn { now, profile, is_heard, room } = turn;
+        self.write_snapshot(turn, source, payload);
+        while self.write_large(turn, payload) {
+            let is_round_due = !is_heard && self.round_due <= now && !self.sent.is_empty();
+            if self.gap().is_none() && is_round_due {
+                self.sent.clear();
+                self.sent_set = RangeSet::default();
+                self.round_due = now + profile.report_every * 2;
+            }
+            let again = self.repeated();
+            let (range, repeats) = match (self.gap(), again) {
+                (Some(gap), _) => (gap, OLD_SENDS),
+                (None, Some(again)) if is_heard => {
+                    (self.sent[again].range.clone(), self.sent[again].repeats)
+                }
+                _ => return,
+            };
+            let left = room.saturating_sub(payload.len());
+            let items_max = Events::items_max(left, *range.end(), u64::MAX >> 8);
+            if items_max < PART_MIN {
+                return;
+            }
+            let Some(events) = source.events(self.id, *range.start(), *range.end(), items_max)
+            else {
+                return;
+            };
+            if events.items.len() > items_max {
+                self.large = Some((events, 0));
+                continue;
+            }
+            let EventBuffer { first, count, t_before, items } = &events;
+            let (first, count, t_before) = (*first, *count, *t_before);
+            Frame::Events(Events { stream: self.id, first, count, t_before, items }).write(payload);
+            self.take_sent(first, events.last());
+            self.note_sent(now, first..=events.last(), repeats - 1);
+        }
+    }
+
+    /// What to repeat before anything is known of it: of the least repeated the newest, because the oldest are reported first.
+    fn repeated(&self) -> Option<usize> {
+        let sent = self.sent.iter().enumerate().filter(|(_, sent)| sent.repeats > 0);
+        sent.max_by_key(|(place, sent)| (sent.repeats, *place)).map(|(place, _)| place)
+    }
+
+    /// Events are sent again: what was noted of them, from this one to that one, is void.
+    fn take_sent(&mut self, first: u64, last: u64) {
+        let place = self.sent.iter().position(|sent| *sent.range.start() == first);
+        let Some(sent) = place.and_then(|place| self.sent.get_mut(place)) else { return };
+        if *sent.range.end() > last {
+            sent.range = last + 1..=*sent.range.end();
+        } else if let Some(place) = place {
+            self.sent.remove(place);
+        }
+    }
+
+    fn write_snapshot(
+        &mut self,
+        turn: Turn<'_>,
+        source: &mut impl RunSource,
+        payload: &mut Vec<u8>,
+    ) {
+        let Turn { now, profile, is_heard, room } = turn;
+        if self.snapshot_due_at(is_heard, profile) > now {
+            return;
+        }
+        let goes_on = |parts: &Parts| {
+            let again = !is_heard && parts.rounds < SNAPSHOT_ROUNDS;
+            parts.sent > 0 || again && self.tail.continues(parts.sequence, self.head)
+        };
+        if self.is_snapshot_due || !self.snapshot.as_ref().is_some_and(goes_on) {
+            let taken = source.snapshot(self.id);
+            let taken = taken.filter(|(_, bytes)| bytes.len() <= LENGTH_MAX as usize);
+            self.snapshot = taken.map(|(sequence, bytes)| {
+                let bytes = deflate(&bytes);
+                Parts { sequence, bytes, sent: 0, rounds: 0 }
+            });
+        }
+        self.is_snapshot_due = false;
+        self.snapshot_at.get_or_insert(now);
+        let Some(Parts { sequence, bytes, sent, rounds }) = &mut self.snapshot else {
+            self.snapshot_at = Some(now);
+            return;
+        };
+        let (offset, part) = next_part(bytes, *sent, room.saturating_sub(payload.len()));
+        if part.is_empty() && !bytes.is_empty() {
+            return;
+        }
+        if offset == 0 {
+            self.snapshot_at = Some(now);
+            // What happened since is sent again with each round, so that the state is the present one.
+            if !is_heard {
+                self.tail.send_again_after(*sequence);
+            }
+        }
+        let (sequence, length) = (*sequence, small(bytes.len()));
+        Frame::Snapshot { stream: self.id, sequence, length, offset, bytes: part }.write(payload);
+        *sent += part.len();
+        if *sent >= bytes.len() {
+            (*sent, *rounds) = (0, *rounds + 1);
+        }
+    }
+
+    /// Writes the next part of an event that is too long for a datagram. Answers whether nothing of it is left.
+    fn write_large(&mut self, turn: Turn<'_>, payload: &mut Vec<u8>) -> bool {
+        let Some((events, sent)) = &mut self.large else { return true };
+        let (offset, part) =
+            next_part(&events.items, *sent, turn.room.saturating_sub(payload.len()));
+        if part.is_empty() {
+            return false;
+        }
+        let (first, t_before, length) = (events.first, events.t_before, small(events.items.len()));
+        Frame::Large { stream: self.id, first, t_before, length, offset, bytes: part }
+            .write(payload);
+        *sent += part.len();
+        if *sent < events.items.len() {
+            return false;
+        }
+        let range = events.first..=events.last();
+        self.large = None;
+        self.note_sent(turn.now, range, 0);
+        true
+    }
+}
+
+/// The next part that fits into a frame of `room` bytes, and its offset.
+fn next_part(bytes: &[u8], sent: usize, room: usize) -> (u32, &[u8]) {
+    const HEAD_MAX: usize = 1 + 5 + 10 + 10 + 5 + 5 + 3;
+    let room = room.saturating_sub(HEAD_MAX);
+    let rest = bytes.get(sent..).unwrap_or_default();
+    let part = if room < PART_MIN.min(rest.len()) { &[] } else { &rest[..rest.len().min(room)] };
+    (small(sent), part)
+}
+
+/// A length that is at most that of an assembly.
+fn small(length: usize) -> u32 {
+    u32::try_from(length).unwrap_or(u32::MAX)
+}

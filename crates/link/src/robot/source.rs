@@ -1,0 +1,39 @@
+//! Where the robot's side reads what it no longer has in memory.
+
+use crate::frame::StreamId;
+
+/// Events that are read from a journal.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct EventBuffer {
+    /// The number of the first event.
+    pub first: u64,
+    /// How many events they are.
+    pub count: u64,
+    /// The time of the event before them, in ns since the start of the run.
+    pub t_before: u64,
+    /// The items.
+    pub items: Vec<u8>,
+}
+
+impl EventBuffer {
+    /// The number of the last event.
+    pub fn last(&self) -> u64 {
+        self.first + self.count - 1
+    }
+}
+
+/// Where the session reads what it no longer has in memory.
+pub trait RunSource {
+    /// Events from `first` on: at least one, at most to `last`, and not more than `bytes_max` unless a single event is longer. Nothing
+    /// if they cannot be read now.
+    fn events(
+        &mut self,
+        stream: StreamId,
+        first: u64,
+        last: u64,
+        bytes_max: usize,
+    ) -> Option<EventBuffer>;
+
+    /// The present state of a run and the number of its last event, readable without the events before.
+    fn snapshot(&mut self, stream: StreamId) -> Option<(u64, Vec<u8>)>;
+}

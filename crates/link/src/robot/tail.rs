@@ -1,0 +1,125 @@
+//! The newest events of a run: sent at once, and again in the next datagrams, so that one loss heals without a round trip.
+
+use super::outgoing::Turn;
+use super::source::EventBuffer;
+use crate::frame::{Events, Frame, StreamId};
+use crate::profile::Profile;
+use std::collections::VecDeque;
+use std::ops::RangeInclusive;
+use std::time::Duration;
+
+/// So many bytes of the newest events are kept at hand.
+const BYTES_MAX: usize = 4_096;
+/// New events are sent so often while the station reports what it has.
+pub(super) const SENDS: u8 = 2;
+/// And so often while it does not.
+const SENDS_UNHEARD: u8 = 3;
+
+/// The newest events, without gaps up to the last one of the run.
+#[derive(Debug, Default)]
+pub(super) struct Tail {
+    events: VecDeque<TailEvents>,
+    bytes: usize,
+    /// When any of them were sent, and when any for the first time.
+    sent_at: Option<Duration>,
+    new_sent_at: Option<Duration>,
+    /// More of them are due than fit into the last datagram.
+    is_cut: bool,
+}
+
+#[derive(Debug)]
+struct TailEvents {
+    events: EventBuffer,
+    sends: u8,
+}
+
+/// What was written.
+pub(super) struct Written {
+    /// Events that were not sent before.
+    pub(super) new: Option<RangeInclusive<u64>>,
+}
+
+impl Tail {
+    /// The next events of the run, which fit into one datagram.
+    pub(super) fn append(&mut self, events: &Events<'_>) {
+        let Events { first, count, t_before, items, .. } = *events;
+        let events = EventBuffer { first, count, t_before, items: items.to_vec() };
+        self.bytes += events.items.len();
+        self.events.push_back(TailEvents { events, sends: 0 });
+        while self.bytes > BYTES_MAX
+            && let Some(oldest) = self.events.pop_front()
+        {
+            self.bytes -= oldest.events.items.len();
+        }
+    }
+
+    /// Whether it continues a state after this event up to the last event of the run.
+    pub(super) fn continues(&self, sequence: u64, head: u64) -> bool {
+        let first = self.events.front().map_or(head + 1, |events| events.events.first);
+        first <= sequence + 1
+    }
+
+    /// The first event that is still to be sent for the first time.
+    pub(super) fn first_unsent(&self) -> Option<u64> {
+        let unsent = self.events.iter().find(|events| events.sends == 0);
+        unsent.map(|events| events.events.first)
+    }
+
+    /// What comes after this event is due once more.
+    pub(super) fn send_again_after(&mut self, sequence: u64) {
+        for events in self.events.iter_mut().filter(|events| events.events.first > sequence) {
+            events.sends = events.sends.min(SENDS_UNHEARD - 1);
+        }
+    }
+
+    /// When events are due; never if all were sent often enough.
+    pub(super) fn due_at(&self, profile: &Profile, is_heard: bool) -> Duration {
+        let sends = self.events.iter().map(|events| events.sends).min();
+        match sends.filter(|least| *least < sends_wanted(is_heard)) {
+            None => Duration::MAX,
+            Some(_) if self.is_cut => Duration::ZERO,
+            Some(0) => self.new_sent_at.map_or(Duration::ZERO, |sent| sent + profile.gather),
+            Some(_) => self.sent_at.map_or(Duration::ZERO, |sent| sent + profile.repeat_after),
+        }
+    }
+
+    /// Writes the events that were not sent often enough, and those after them, as far as they fit.
+    pub(super) fn write(
+        &mut self,
+        stream: StreamId,
+        turn: Turn<'_>,
+        payload: &mut Vec<u8>,
+    ) -> Option<Written> {
+        let wanted = sends_wanted(turn.is_heard);
+        let from = self.events.iter().position(|events| events.sends < wanted)?;
+        let head = self.events.back()?.events.last();
+        let EventBuffer { first, t_before, .. } = self.events[from].events;
+        let left = Events::items_max(turn.room.saturating_sub(payload.len()), head, t_before);
+        let (mut items, mut last, mut new) = (Vec::new(), None, None);
+        self.is_cut = false;
+        for TailEvents { events, sends } in self.events.range_mut(from..) {
+            if items.len() + events.items.len() > left {
+                self.is_cut = true;
+                break;
+            }
+            items.extend_from_slice(&events.items);
+            if *sends == 0 {
+                new.get_or_insert(events.first);
+            }
+            *sends = sends.saturating_add(1);
+            last = Some(events.last());
+        }
+        let last = last?;
+        let events = Events { stream, first, count: last - first + 1, t_before, items: &items };
+        Frame::Events(events).write(payload);
+        self.sent_at = Some(turn.now);
+        if new.is_some() {
+            self.new_sent_at = Some(turn.now);
+        }
+        Some(Written { new: new.map(|new| new..=last) })
+    }
+}
+
+fn sends_wanted(is_heard: bool) -> u8 {
+    if is_heard { SENDS } else { SENDS_UNHEARD }
+}

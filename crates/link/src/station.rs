@@ -1,0 +1,372 @@
+//! The station's side of the link: receives what happens, reports what it has, sends commands.
+
+use crate::assembly::Assembly;
+use crate::bytes::write_number;
+use crate::deflate::inflate;
+use crate::frame::{
+    Command, CommandId, CommandState, Events, Frame, Received, StreamId, read_payload,
+};
+use crate::heard::{ClockBounds, Heard, RobotClock};
+use crate::profile::{Pacer, Profile};
+use crate::range_set::RangeSet;
+use crate::robot::{Identity, Unusable, now_ms};
+use crate::seal::{Direction, Horizon, OVERHEAD, Opener, SealError, Sealer};
+use std::collections::BTreeMap;
+use std::time::Duration;
+
+/// A command is sent this often at first, so that it arrives although datagrams are lost.
+const FIRST_SENDS: u32 = 4;
+/// The time between these.
+const FIRST_EVERY: Duration = Duration::from_millis(50);
+/// A report of a run that is over and complete is sent this often after the last news of it.
+const LAST_REPORTS: u8 = 8;
+
+/// What arrived.
+#[derive(Debug, PartialEq, Eq)]
+pub enum FromRobot<'b> {
+    /// The robot has started again, or was heard for the first time: what it said before of commands and clocks is void.
+    Started,
+    /// Events of which at least one is new.
+    Events(Events<'b>),
+    /// How far a run is.
+    Status {
+        /// The run.
+        stream: StreamId,
+        /// The number of its last event.
+        head: u64,
+        /// Whether it has ended.
+        is_over: bool,
+        /// What else is known at a glance.
+        state: &'b [u8],
+        /// When it was so, in ms of the robot's session.
+        at_ms: u64,
+    },
+    /// The state of a run.
+    Snapshot {
+        /// The run.
+        stream: StreamId,
+        /// After this event.
+        sequence: u64,
+        /// The state.
+        bytes: Vec<u8>,
+    },
+    /// What became of a command.
+    CommandState {
+        /// Its id.
+        id: CommandId,
+        /// What became of it.
+        state: CommandState,
+    },
+}
+
+/// The station's side.
+#[derive(Debug)]
+pub struct StationSession {
+    profile: Profile,
+    start: crate::seal::Generation,
+    sealer: Sealer,
+    opener: Opener,
+    pacer: Pacer,
+    heard: Heard,
+    clock: RobotClock,
+    /// What it was heard of this side last, and how long the way there and back took.
+    round_trip: Option<Duration>,
+    streams: BTreeMap<StreamId, Incoming>,
+    reported_at: Option<Duration>,
+    has_news: bool,
+    commands: BTreeMap<CommandId, SentCommand>,
+}
+
+#[derive(Debug, Default)]
+struct Incoming {
+    received: RangeSet,
+    safe: u64,
+    head: u64,
+    is_over: bool,
+    snapshot: Assembly,
+    snapshot_sequence: u64,
+    large: Assembly,
+    /// How often it is still to be reported.
+    reports: u8,
+}
+
+#[derive(Debug)]
+struct SentCommand {
+    epoch: u64,
+    body: Vec<u8>,
+    robot_start: crate::seal::Generation,
+    not_after_ms: u64,
+    sends: u32,
+    due: Duration,
+}
+
+/// A command that is to be sent.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct NewCommand {
+    /// Its id.
+    pub id: CommandId,
+    /// How long it is valid from now on. What has not arrived by then is not carried out.
+    pub valid: Duration,
+    /// The epoch of authority under which it is given.
+    pub epoch: u64,
+    /// The command; at most 200 bytes.
+    pub body: Vec<u8>,
+}
+
+/// Why a command cannot be sent.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+pub enum NotSent {
+    /// The robot's clock, by which the command would expire, is unknown.
+    #[error(
+        "the robot was never heard, so no time can be named until which the command is valid: wait until it is heard"
+    )]
+    Unheard,
+    /// It does not fit into one datagram.
+    #[error("the command has {0} bytes, and at most {1} fit: give it in a shorter form")]
+    TooLong(usize, usize),
+}
+
+impl StationSession {
+    /// A session from now on. Times are those since its begin, by a clock that never goes back.
+    pub fn new(identity: &Identity<'_>, profile: Profile) -> Self {
+        let Identity { key_id, key, robot, start, heard } = identity.clone();
+        Self {
+            sealer: Sealer::new((key_id, key), robot, Direction::Up, start),
+            opener: Opener::new((key_id, key), robot, Direction::Down, heard),
+            pacer: Pacer::new(profile.up_bits_per_s),
+            heard: Heard::default(),
+            clock: RobotClock::default(),
+            round_trip: None,
+            streams: BTreeMap::new(),
+            reported_at: None,
+            has_news: false,
+            commands: BTreeMap::new(),
+            profile,
+            start,
+        }
+    }
+
+    /// The events of a run that are on the disk from earlier starts.
+    pub fn restore(&mut self, stream: StreamId, events: RangeSet) {
+        let incoming = self.streams.entry(stream).or_default();
+        incoming.safe = events.contiguous();
+        incoming.received = events;
+        incoming.reports = LAST_REPORTS;
+        self.has_news = true;
+    }
+
+    /// The events of a run up to this one are on the disk.
+    pub fn set_safe(&mut self, stream: StreamId, safe: u64) {
+        if let Some(incoming) = self.streams.get_mut(&stream) {
+            incoming.safe = incoming.safe.max(safe);
+        }
+    }
+
+    /// What was heard of the robot last, for the disk.
+    pub fn horizon(&self) -> Option<Horizon> {
+        self.opener.heard()
+    }
+
+    /// How long ago the robot was heard.
+    pub fn heard_before(&self, now: Duration) -> Option<Duration> {
+        self.heard.before(now)
+    }
+
+    /// How long the way to the robot and back takes; unknown without an up-link.
+    pub fn round_trip(&self) -> Option<Duration> {
+        self.round_trip
+    }
+
+    /// Between which times the robot's clock is.
+    pub fn robot_clock(&self, now: Duration) -> Option<ClockBounds> {
+        self.clock.bounds(now_ms(now))
+    }
+
+    /// The number of the last event of a run that the robot told of, and the events that are here.
+    pub fn progress(&self, stream: StreamId) -> Option<(u64, &RangeSet)> {
+        self.streams.get(&stream).map(|incoming| (incoming.head, &incoming.received))
+    }
+
+    /// Takes a datagram; passes on what is new in it.
+    pub fn receive(
+        &mut self,
+        now: Duration,
+        datagram: &mut [u8],
+        mut show: impl FnMut(FromRobot<'_>),
+    ) -> Result<(), Unusable> {
+        let opened = self.opener.open(datagram)?;
+        let (generation, payload) = (opened.generation, opened.payload);
+        let (at_ms, frames) = read_payload(payload)?;
+        let silence = self.heard.before(now);
+        if self.heard.hear(generation, at_ms, now) {
+            self.round_trip = None;
+            show(FromRobot::Started);
+        }
+        if silence.is_none_or(|silence| silence > self.profile.silence()) {
+            // After a silence, the robot learns at once what is missing.
+            (self.has_news, self.reported_at) = (true, None);
+        }
+        self.clock.receive(generation, at_ms, now_ms(now));
+        for frame in frames {
+            self.take((now, at_ms), &frame?, &mut show);
+        }
+        Ok(())
+    }
+
+    fn take(
+        &mut self,
+        (now, at_ms): (Duration, u64),
+        frame: &Frame<'_>,
+        show: &mut impl FnMut(FromRobot<'_>),
+    ) {
+        match *frame {
+            Frame::Events(ref events) => self.take_events(events, show),
+            Frame::Large { stream, first, t_before, length, offset, bytes } => {
+                let incoming = self.streams.entry(stream).or_default();
+                if incoming.received.contains(&(first..=first)) {
+                    return;
+                }
+                let Some(items) = incoming.large.add(first, length, offset, bytes) else { return };
+                self.take_events(
+                    &Events { stream, first, count: 1, t_before, items: &items },
+                    show,
+                );
+            }
+            Frame::Status { stream, head, is_over, state } => {
+                let incoming = self.streams.entry(stream).or_default();
+                incoming.reports = LAST_REPORTS;
+                incoming.head = incoming.head.max(head);
+                incoming.is_over |= is_over;
+                self.has_news = true;
+                show(FromRobot::Status { stream, head, is_over, state, at_ms });
+            }
+            Frame::Snapshot { stream, sequence, length, offset, bytes } => {
+                let incoming = self.streams.entry(stream).or_default();
+                if sequence < incoming.snapshot_sequence {
+                    return;
+                }
+                let whole = incoming.snapshot.add(sequence, length, offset, bytes);
+                if let Some(bytes) = whole.and_then(|whole| inflate(&whole)) {
+                    incoming.snapshot_sequence = sequence;
+                    show(FromRobot::Snapshot { stream, sequence, bytes });
+                }
+            }
+            Frame::CommandState { id, state } => {
+                self.commands.remove(&id);
+                show(FromRobot::CommandState { id, state });
+            }
+            Frame::Heard { start, newest_ms, held_ms, .. } if start == self.start => {
+                let heard_at = at_ms.saturating_sub(held_ms);
+                self.clock.robot_heard(heard_at, newest_ms, now_ms(now));
+                let since = now_ms(now).saturating_sub(newest_ms).saturating_sub(held_ms);
+                self.round_trip = Some(Duration::from_millis(since));
+            }
+            _ => {}
+        }
+    }
+
+    fn take_events(&mut self, events: &Events<'_>, show: &mut impl FnMut(FromRobot<'_>)) {
+        let incoming = self.streams.entry(events.stream).or_default();
+        incoming.head = incoming.head.max(events.last());
+        incoming.reports = LAST_REPORTS;
+        self.has_news = true;
+        let range = events.first..=events.last();
+        if !incoming.received.contains(&range) {
+            incoming.received.insert(range);
+            show(FromRobot::Events(*events));
+        }
+    }
+
+    /// Sends a command until its fate is known or its time is over.
+    pub fn command(&mut self, now: Duration, command: NewCommand) -> Result<(), NotSent> {
+        let NewCommand { id, valid, epoch, body } = command;
+        let max = self.profile.up_bytes_max - OVERHEAD - 64;
+        if body.len() > max {
+            return Err(NotSent::TooLong(body.len(), max));
+        }
+        let clock = self.robot_clock(now).ok_or(NotSent::Unheard)?;
+        // The robot's clock is at least this: so the command is never carried out later than its author meant.
+        let not_after_ms = clock.earliest_ms.saturating_add(now_ms(valid));
+        let robot_start = clock.start;
+        let sent = SentCommand { epoch, body, robot_start, not_after_ms, sends: 0, due: now };
+        self.commands.insert(id, sent);
+        Ok(())
+    }
+
+    /// The next datagram, if one is due.
+    pub fn transmit(&mut self, now: Duration) -> Result<Option<Vec<u8>>, SealError> {
+        let (room, mut payload) = (self.profile.up_bytes_max - OVERHEAD, Vec::new());
+        write_number(now_ms(now), &mut payload);
+        let empty = payload.len();
+        self.write_commands(now, room, &mut payload);
+        if self.report_at().max(self.pacer.free_at()) <= now {
+            self.write_report(now, room, &mut payload);
+        }
+        if payload.len() == empty {
+            return Ok(None);
+        }
+        let mut datagram = Vec::with_capacity(payload.len() + OVERHEAD);
+        self.sealer.seal(&payload, &mut datagram)?;
+        self.pacer.spend(now, datagram.len());
+        Ok(Some(datagram))
+    }
+
+    /// When something may be due next; earlier if anything is received.
+    pub fn next_transmit(&self, now: Duration) -> Duration {
+        let command = self.commands.values().map(|sent| sent.due).min().unwrap_or(Duration::MAX);
+        self.report_at().max(self.pacer.free_at()).min(command).max(now)
+    }
+
+    fn report_at(&self) -> Duration {
+        let Profile { report_every, .. } = self.profile;
+        let every = if self.has_news { report_every } else { self.profile.report_idle_every() };
+        self.reported_at.map_or(Duration::ZERO, |at| at + every)
+    }
+
+    fn write_commands(&mut self, now: Duration, room: usize, payload: &mut Vec<u8>) {
+        let clock = self.clock.bounds(now_ms(now));
+        self.commands.retain(|_, sent| {
+            // The robot answers that it is expired, if it is heard; until then it is sent once more at least.
+            let is_over = clock.is_none_or(|clock| {
+                clock.start != sent.robot_start || clock.earliest_ms > sent.not_after_ms
+            });
+            !is_over || sent.sends < FIRST_SENDS
+        });
+        let again = self.round_trip.unwrap_or_default().max(self.profile.report_every);
+        for (id, sent) in self.commands.iter_mut().filter(|(_, sent)| sent.due <= now) {
+            let length = payload.len();
+            let SentCommand { epoch, body, robot_start, not_after_ms, .. } = &*sent;
+            let (robot_start, not_after_ms, epoch) = (*robot_start, *not_after_ms, *epoch);
+            Frame::Command(Command { id: *id, robot_start, not_after_ms, epoch, body })
+                .write(payload);
+            if payload.len() > room {
+                payload.truncate(length);
+                break;
+            }
+            sent.sends += 1;
+            sent.due = now + if sent.sends < FIRST_SENDS { FIRST_EVERY } else { again };
+        }
+    }
+
+    fn write_report(&mut self, now: Duration, room: usize, payload: &mut Vec<u8>) {
+        if let Some(heard) = self.heard.frame(now) {
+            heard.write(payload);
+        }
+        for (stream, incoming) in &mut self.streams {
+            let is_complete = incoming.is_over && incoming.received.contiguous() >= incoming.head;
+            if is_complete && incoming.reports == 0 {
+                continue;
+            }
+            let length = payload.len();
+            let events = incoming.received.clone();
+            Frame::Received(Received { stream: *stream, safe: incoming.safe, events })
+                .write(payload);
+            if payload.len() > room {
+                payload.truncate(length);
+                break;
+            }
+            incoming.reports = incoming.reports.saturating_sub(1);
+        }
+        (self.reported_at, self.has_news) = (Some(now), false);
+    }
+}

@@ -1,0 +1,108 @@
+//! A carrier of datagrams as bad as a scenario wants it: late, lost, doubled, overtaken, at a rate, and cut.
+
+use crate::random::Random;
+use std::collections::BTreeMap;
+use std::time::Duration;
+
+/// What a carrier does to datagrams.
+#[derive(Debug, Clone)]
+pub(super) struct Conditions {
+    pub(super) delay: Duration,
+    pub(super) bits_per_s: u64,
+    /// Out of a hundred.
+    pub(super) lost: usize,
+    /// Out of a hundred.
+    pub(super) doubled: usize,
+    /// Out of a hundred: these are late by at most `late_max`, and others overtake them.
+    pub(super) late: usize,
+    pub(super) late_max: Duration,
+    /// What waits longer for its turn is dropped.
+    pub(super) queue_max: Duration,
+}
+
+/// What becomes of datagrams that are sent while the carrier is cut.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Cut {
+    /// They are gone.
+    Drops,
+    /// They come when the cut is over, as if nothing had been.
+    Holds,
+}
+
+/// One direction.
+#[derive(Debug)]
+pub(super) struct Carrier {
+    conditions: Conditions,
+    random: Random,
+    cuts: Vec<(Duration, Duration, Cut)>,
+    free_at: Duration,
+    on_the_way: BTreeMap<(Duration, u64), Vec<u8>>,
+    count: u64,
+    /// All that was sent, with the headers of IP and UDP.
+    pub(super) bytes: u64,
+}
+
+impl Carrier {
+    pub(super) fn new(conditions: Conditions, random: Random) -> Self {
+        Self {
+            conditions,
+            random,
+            cuts: Vec::new(),
+            free_at: Duration::ZERO,
+            on_the_way: BTreeMap::new(),
+            count: 0,
+            bytes: 0,
+        }
+    }
+
+    /// Cuts it from one time to another.
+    pub(super) fn cut(&mut self, from: Duration, to: Duration, cut: Cut) {
+        self.cuts.push((from, to, cut));
+    }
+
+    pub(super) fn send(&mut self, now: Duration, datagram: Vec<u8>) {
+        let length = (datagram.len() + rafcon_link::CARRIER_OVERHEAD) as u64;
+        self.bytes += length;
+        let cut = self.cuts.iter().find(|(from, to, _)| (*from..*to).contains(&now));
+        let enters = match cut {
+            Some((_, _, Cut::Drops)) => return,
+            Some((_, to, Cut::Holds)) => *to,
+            None => now,
+        };
+        let Conditions { delay, bits_per_s, lost, doubled, late, late_max, queue_max } =
+            self.conditions;
+        let free_at = self.free_at.max(enters);
+        if free_at > enters + queue_max {
+            return;
+        }
+        self.free_at = free_at + Duration::from_nanos(length * 8_000_000_000 / bits_per_s);
+        let lateness = |random: &mut Random| {
+            let is_late = random.percent(late);
+            let part = u32::try_from(random.below(1_000)).unwrap_or_default();
+            if is_late { late_max * part / 1_000 } else { Duration::ZERO }
+        };
+        let first = self.free_at + delay + lateness(&mut self.random);
+        let second = self.free_at + delay + lateness(&mut self.random);
+        let (is_lost, is_doubled) = (self.random.percent(lost), self.random.percent(doubled));
+        if is_doubled {
+            self.carry(second, datagram.clone());
+        }
+        if !is_lost {
+            self.carry(first, datagram);
+        }
+    }
+
+    fn carry(&mut self, at: Duration, datagram: Vec<u8>) {
+        self.count += 1;
+        self.on_the_way.insert((at, self.count), datagram);
+    }
+
+    pub(super) fn next(&self) -> Option<Duration> {
+        self.on_the_way.keys().next().map(|(at, _)| *at)
+    }
+
+    pub(super) fn arrive(&mut self, now: Duration) -> Option<Vec<u8>> {
+        let first = self.on_the_way.first_entry().filter(|first| first.key().0 <= now)?;
+        Some(first.remove())
+    }
+}

@@ -1,0 +1,37 @@
+//! The clock of a process in the world.
+
+use std::time::Duration;
+
+const MILLION: u128 = 1_000_000;
+
+/// Begins at the start of its process, and is not exactly as fast as the world's.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct LocalClock {
+    started: Duration,
+    /// How far it gets in a million of the world's ns.
+    per_million: u128,
+}
+
+impl LocalClock {
+    /// `fast` says by how many ns in a million it is too fast.
+    pub(super) fn new(started: Duration, fast: i64) -> Self {
+        let per_million = MILLION.saturating_add_signed(i128::from(fast));
+        Self { started, per_million }
+    }
+
+    pub(super) fn local(self, now: Duration) -> Duration {
+        let passed = now.saturating_sub(self.started).as_nanos();
+        nanos(passed * self.per_million / MILLION)
+    }
+
+    /// The first moment of the world at which it shows this time; none if that never comes.
+    pub(super) fn real(self, local: Duration) -> Option<Duration> {
+        let is_never = local >= Duration::from_secs(1 << 30);
+        let passed = (local.as_nanos() * MILLION).div_ceil(self.per_million);
+        (!is_never).then(|| self.started + nanos(passed))
+    }
+}
+
+fn nanos(nanos: u128) -> Duration {
+    Duration::from_nanos(u64::try_from(nanos).unwrap_or(u64::MAX))
+}

@@ -1,0 +1,131 @@
+//! What a run of the world measured, and the figures that follow.
+
+#![expect(
+    clippy::cast_precision_loss,
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "figures are printed with three digits"
+)]
+
+use std::time::Duration;
+
+/// What one seed measured, or all.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Measures {
+    /// Events of the robot that a replica lacks in the end.
+    pub missing: u64,
+    /// Events of a replica that the robot does not have.
+    pub extra: u64,
+    /// Events with other bytes.
+    pub different: u64,
+    /// Events that happened while the link was whole, and what the robot sent to one station in that time, in bytes.
+    pub events: u64,
+    /// See `events`.
+    pub bytes: u64,
+    /// From an event to a state at the station that includes it, less the delay, while the link was whole.
+    pub latency: Vec<Duration>,
+    /// The same without an up-link.
+    pub one_way_latency: Vec<Duration>,
+    /// From the end of a cut to a live state, less the delay.
+    pub live_after_return: Vec<Duration>,
+    /// From the start of a station without a replica and without an up-link to a live state, less the delay.
+    pub late_joiner: Vec<Duration>,
+    /// From the end of the long cut to a complete replica, and in which time that was to be.
+    pub backfill: Vec<(Duration, Duration)>,
+    /// From the command to its effect, less the delay, while the link was whole.
+    pub hold: Vec<Duration>,
+    /// Commands that were carried out after their time, twice, or under an old epoch.
+    pub late_or_twice: u64,
+    /// Commands that were carried out.
+    pub commands: u64,
+    /// How often a server died.
+    pub kills: u64,
+    /// What the robot sent while nothing happened, in bits, and in which time.
+    pub idle_bits: u64,
+    /// See `idle_bits`.
+    pub idle: Duration,
+}
+
+/// A line of the gate's table.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Figure {
+    /// Its name.
+    pub name: &'static str,
+    /// What was measured.
+    pub value: f64,
+    /// Its unit; empty for a number.
+    pub unit: &'static str,
+    /// It has to be at most this.
+    pub bar: f64,
+}
+
+impl Measures {
+    /// Adds those of another seed.
+    pub fn add(&mut self, other: &Self) {
+        self.missing += other.missing;
+        self.extra += other.extra;
+        self.different += other.different;
+        self.events += other.events;
+        self.bytes += other.bytes;
+        self.latency.extend_from_slice(&other.latency);
+        self.one_way_latency.extend_from_slice(&other.one_way_latency);
+        self.live_after_return.extend_from_slice(&other.live_after_return);
+        self.late_joiner.extend_from_slice(&other.late_joiner);
+        self.backfill.extend_from_slice(&other.backfill);
+        self.hold.extend_from_slice(&other.hold);
+        self.late_or_twice += other.late_or_twice;
+        self.commands += other.commands;
+        self.kills += other.kills;
+        self.idle_bits += other.idle_bits;
+        self.idle += other.idle;
+    }
+
+    /// The gate's table.
+    pub fn figures(&self) -> Vec<Figure> {
+        let seconds = |name, value: Duration, bar| Figure {
+            name,
+            value: value.as_secs_f64(),
+            unit: "s",
+            bar,
+        };
+        let number = |name, value: f64, unit, bar| Figure { name, value, unit, bar };
+        let slowest = self.backfill.iter().max_by(|(one, bar), (other, other_bar)| {
+            let over = |took: &Duration, bar: &Duration| took.as_secs_f64() / bar.as_secs_f64();
+            over(one, bar).total_cmp(&over(other, other_bar))
+        });
+        let (backfill, backfill_bar) = slowest.copied().unwrap_or_default();
+        vec![
+            number("replica_missing", self.missing as f64, "", 0.0),
+            number("replica_extra", self.extra as f64, "", 0.0),
+            number("replica_different", self.different as f64, "", 0.0),
+            number("link_bytes_per_event", ratio(self.bytes, self.events), "B", 50.0),
+            seconds("live_after_return_s", quantile(&self.live_after_return, 0.99), 0.5),
+            seconds("latency_p50_s", quantile(&self.latency, 0.5), 0.05),
+            seconds("latency_p99_s", quantile(&self.latency, 0.99), 0.3),
+            seconds("hold_effective_s", quantile(&self.hold, 0.999), 0.2),
+            seconds("one_way_latency_p99_s", quantile(&self.one_way_latency, 0.99), 0.5),
+            seconds("one_way_late_joiner_s", quantile(&self.late_joiner, 0.99), 10.0),
+            seconds("backfill_12min_s", backfill, backfill_bar.as_secs_f64()),
+            number("commands_late_or_twice", self.late_or_twice as f64, "", 0.0),
+            number(
+                "idle_down_bits_per_s",
+                self.idle_bits as f64 / self.idle.as_secs_f64().max(1.0),
+                "bit/s",
+                5_000.0,
+            ),
+        ]
+    }
+}
+
+fn ratio(over: u64, under: u64) -> f64 {
+    over as f64 / under.max(1) as f64
+}
+
+/// The value that so much of them is at most; zero of none.
+fn quantile(values: &[Duration], part: f64) -> Duration {
+    let mut values = values.to_vec();
+    values.sort_unstable();
+    let last = values.len().saturating_sub(1);
+    let place = (part * last as f64).ceil() as usize;
+    values.get(place.min(last)).copied().unwrap_or_default()
+}

@@ -1,0 +1,160 @@
+//! What happens to the world of a seed, and when.
+
+use super::carrier::Cut;
+use crate::random::Random;
+use std::time::Duration;
+
+/// Which world.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Scenario {
+    /// An hour on a link of 2 s: cuts of 90 s and of 12 minutes, half of the time without an up-link.
+    SpaceBotCamp,
+    /// Ten minutes in which servers die again and again.
+    Kills,
+}
+
+/// A time in which something is so.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Window {
+    pub(super) from: Duration,
+    pub(super) to: Duration,
+}
+
+impl Window {
+    pub(super) fn new(from: u64, length: u64) -> Self {
+        let from = Duration::from_millis(from);
+        Self { from, to: from + Duration::from_millis(length) }
+    }
+
+    pub(super) fn has(&self, time: Duration) -> bool {
+        (self.from..self.to).contains(&time)
+    }
+
+    /// The same with more time around it.
+    pub(super) fn wider(self, before: Duration, after: Duration) -> Self {
+        Self { from: self.from.saturating_sub(before), to: self.to + after }
+    }
+}
+
+/// Something that is done to the world once.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Action {
+    StartRobot,
+    KillRobot,
+    StartStation(usize),
+    KillStation(usize),
+    /// The operator at the station that has control gives a command.
+    Command,
+    /// The other station takes control.
+    TakeControl,
+}
+
+#[derive(Debug, Clone)]
+pub(super) struct Plan {
+    pub(super) length: Duration,
+    /// When nothing happens in the mission.
+    pub(super) quiet: Window,
+    /// Cuts of the link in both directions, with what becomes of what is sent up meanwhile.
+    pub(super) cuts: Vec<(Window, Cut)>,
+    /// Times without an up-link.
+    pub(super) one_way: Vec<Window>,
+    /// Times in which a server is not there, with the number of the station, or none for the robot.
+    pub(super) down: Vec<(Window, Option<usize>)>,
+    pub(super) actions: Vec<(Duration, Action)>,
+}
+
+/// The first two stations have an up-link, the third one comes late and has none.
+pub(super) const STATIONS: usize = 2;
+pub(super) const LATE: usize = 2;
+
+impl Plan {
+    pub(super) fn new(scenario: Scenario, random: &mut Random) -> Self {
+        let mut plan = match scenario {
+            Scenario::SpaceBotCamp => Self::space_bot_camp(random),
+            Scenario::Kills => Self::kills(random),
+        };
+        plan.actions.push((Duration::ZERO, Action::StartRobot));
+        plan.actions.extend((0..STATIONS).map(|it| (Duration::ZERO, Action::StartStation(it))));
+        plan.actions.sort_by_key(|(at, _)| *at);
+        plan
+    }
+
+    fn space_bot_camp(random: &mut Random) -> Self {
+        let mut between = |from: usize, to: usize| (from + random.below(to - from)) as u64;
+        let first = Window::new(between(120_000, 300_000), 90_000);
+        let second = Window::new(between(1_400_000, 1_600_000), 720_000);
+        let first_one_way = Window::new(between(420_000, 480_000), 900_000);
+        let second_one_way = Window::new(between(2_400_000, 2_480_000), 900_000);
+        let robot = Window::new(between(0, 60_000), between(1_000, 20_000));
+        let robot = Window { from: first.from + robot.from, to: first.from + robot.to };
+        let station = Window::new(between(0, 600_000), between(1_000, 60_000));
+        let station = Window { from: second.from + station.from, to: second.from + station.to };
+        let late = second_one_way.from + Duration::from_millis(between(10_000, 600_000));
+        let mut actions = vec![
+            (robot.from, Action::KillRobot),
+            (robot.to, Action::StartRobot),
+            (station.from, Action::KillStation(0)),
+            (station.to, Action::StartStation(0)),
+            (late, Action::StartStation(LATE)),
+            (Duration::from_millis(between(1_380_000, 1_400_000)), Action::TakeControl),
+            // So that the cut comes in the middle of it.
+            (first.from.saturating_sub(Duration::from_millis(between(0, 4_000))), Action::Command),
+        ];
+        let mut at = 20_000;
+        while at < 3_550_000 {
+            actions.push((Duration::from_millis(at), Action::Command));
+            at += between(4_000, 30_000);
+        }
+        let mut cut = || if between(0, 2) == 0 { Cut::Drops } else { Cut::Holds };
+        Self {
+            length: Duration::from_hours(1),
+            quiet: Window::new(3_420_000, 120_000),
+            cuts: vec![(first, cut()), (second, cut())],
+            one_way: vec![first_one_way, second_one_way],
+            down: vec![(robot, None), (station, Some(0))],
+            actions,
+        }
+    }
+
+    fn kills(random: &mut Random) -> Self {
+        let mut between = |from: usize, to: usize| (from + random.below(to - from)) as u64;
+        let (mut actions, mut down, mut cuts, mut at) = (Vec::new(), Vec::new(), Vec::new(), 5_000);
+        while at < 580_000 {
+            let time = Window::new(at, between(100, 6_000));
+            let who = match between(0, 3) {
+                0 => None,
+                1 => Some(0),
+                _ => Some(1),
+            };
+            let (kill, start) = match who {
+                None => (Action::KillRobot, Action::StartRobot),
+                Some(it) => (Action::KillStation(it), Action::StartStation(it)),
+            };
+            actions.extend([(time.from, kill), (time.to, start)]);
+            down.push((time, who));
+            if between(0, 4) == 0 {
+                let cut = if between(0, 2) == 0 { Cut::Drops } else { Cut::Holds };
+                cuts.push((Window::new(at + between(0, 2_000), between(200, 20_000)), cut));
+            }
+            at = at + 6_000 + between(0, 6_000);
+        }
+        let mut at = 3_000;
+        while at < 590_000 {
+            actions.push((Duration::from_millis(at), Action::Command));
+            at += between(100, 3_000);
+        }
+        for _ in 0..4 {
+            actions.push((Duration::from_millis(between(10_000, 590_000)), Action::TakeControl));
+        }
+        cuts.sort_by_key(|(cut, _)| cut.from);
+        cuts.dedup_by(|next, cut| next.0.from < cut.0.to);
+        Self {
+            length: Duration::from_mins(10),
+            quiet: Window::new(0, 0),
+            cuts,
+            one_way: Vec::new(),
+            down,
+            actions,
+        }
+    }
+}

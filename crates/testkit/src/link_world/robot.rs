@@ -1,0 +1,175 @@
+//! The robot in the world: a disk that stays, and a server that can die.
+
+use super::clock::LocalClock;
+use super::mission::{Mission, MissionState};
+use rafcon_link::{
+    CommandId, CommandState, EventBuffer, Events, Generation, Horizon, Identity, KeyId, PairingKey,
+    Profile, ReceivedCommand, RobotSession, RunSource, StreamId,
+};
+use std::collections::BTreeMap;
+use std::time::Duration;
+
+/// The one run.
+pub(super) const STREAM: StreamId = StreamId(1);
+pub(super) const ROBOT: &str = "scout";
+
+/// The key that the robot shares with the station of this number.
+pub(super) fn key(station: usize) -> PairingKey {
+    PairingKey::from_bytes([if station == 0 { 7 } else { 8 }; 32])
+}
+
+#[derive(Debug)]
+pub(super) struct Robot {
+    disk: RobotDisk,
+    pub(super) server: Option<RobotServer>,
+    state: MissionState,
+}
+
+#[derive(Debug)]
+struct RobotDisk {
+    starts: u32,
+    heard: Vec<Option<Horizon>>,
+    commands: BTreeMap<CommandId, CommandState>,
+    epoch: u64,
+}
+
+#[derive(Debug)]
+pub(super) struct RobotServer {
+    clock: LocalClock,
+    /// One for each station.
+    sessions: Vec<RobotSession>,
+    head: u64,
+}
+
+/// What the robot did because of a command.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct CarriedOut {
+    pub(super) id: CommandId,
+    pub(super) epoch: u64,
+}
+
+struct Journal<'m> {
+    mission: &'m Mission,
+    state: &'m mut MissionState,
+    head: u64,
+}
+
+impl RunSource for Journal<'_> {
+    fn events(
+        &mut self,
+        _stream: StreamId,
+        first: u64,
+        last: u64,
+        bytes_max: usize,
+    ) -> Option<EventBuffer> {
+        let fits = |last: &u64| self.mission.items(first, *last).1.len() <= bytes_max;
+        let (mut fitting, mut beyond) = (first, last.min(self.head) + 1);
+        while beyond - fitting > 1 {
+            let middle = fitting.midpoint(beyond);
+            *(if fits(&middle) { &mut fitting } else { &mut beyond }) = middle;
+        }
+        let (t_before, items) = self.mission.items(first, fitting);
+        let (count, items) = (fitting - first + 1, items.to_vec());
+        Some(EventBuffer { first, count, t_before, items })
+    }
+
+    fn snapshot(&mut self, _stream: StreamId) -> Option<(u64, Vec<u8>)> {
+        self.state.follow(self.mission, self.head);
+        Some((self.head, self.state.take_bytes()))
+    }
+}
+
+impl Robot {
+    pub(super) fn new(stations: usize) -> Self {
+        let heard = vec![None; stations];
+        let disk = RobotDisk { starts: 0, heard, commands: BTreeMap::new(), epoch: 1 };
+        Self { disk, server: None, state: MissionState::new() }
+    }
+
+    /// Starts the server; the mission is at this event.
+    pub(super) fn start(&mut self, clock: LocalClock, profile: &Profile, head: u64) {
+        self.disk.starts += 1;
+        let session = |(station, heard): (usize, &Option<Horizon>)| {
+            let identity = Identity {
+                key_id: KeyId(1),
+                key: &key(station),
+                robot: ROBOT,
+                start: Generation(self.disk.starts),
+                heard: *heard,
+            };
+            let mut session = RobotSession::new(&identity, profile.clone());
+            session.begin(STREAM, head);
+            session
+        };
+        let sessions = self.disk.heard.iter().enumerate().map(session).collect();
+        self.server = Some(RobotServer { clock, sessions, head });
+    }
+
+    /// The server dies.
+    pub(super) fn kill(&mut self) {
+        self.server = None;
+    }
+
+    /// The mission is at this event.
+    pub(super) fn follow(&mut self, mission: &Mission, head: u64, is_over: bool) {
+        let Some(server) = &mut self.server else { return };
+        for first in server.head + 1..=head {
+            let (t_before, items) = mission.items(first, first);
+            let events = Events { stream: STREAM, first, count: 1, t_before, items };
+            server.sessions.iter_mut().for_each(|session| session.append(&events));
+        }
+        server.head = server.head.max(head);
+        for session in &mut server.sessions {
+            session.set_state(STREAM, b"running", is_over);
+        }
+    }
+
+    /// The next datagram for a station.
+    pub(super) fn transmit(
+        &mut self,
+        now: Duration,
+        station: usize,
+        mission: &Mission,
+    ) -> Result<Option<Vec<u8>>, String> {
+        let Some(server) = &mut self.server else { return Ok(None) };
+        let (local, state) = (server.clock.local(now), &mut self.state);
+        let mut journal = Journal { mission, state, head: server.head };
+        let session = &mut server.sessions[station];
+        session.transmit(local, &mut journal).map_err(|error| error.to_string())
+    }
+
+    /// When something may be due for a station.
+    pub(super) fn next(&self, now: Duration, station: usize) -> Option<Duration> {
+        let server = self.server.as_ref()?;
+        let next = server.sessions[station].next_transmit(server.clock.local(now));
+        server.clock.real(next)
+    }
+
+    /// Takes a datagram of a station; answers what the robot did because of it.
+    pub(super) fn receive(
+        &mut self,
+        now: Duration,
+        station: usize,
+        mut datagram: Vec<u8>,
+    ) -> Vec<CarriedOut> {
+        let Some(server) = &mut self.server else { return Vec::new() };
+        let (local, mut received) = (server.clock.local(now), Vec::new());
+        let session = &mut server.sessions[station];
+        let _of_an_earlier_start_or_doubled =
+            session.receive(local, &mut datagram, |command| received.push(command));
+        self.disk.heard[station] = session.horizon();
+        let mut done = Vec::new();
+        for ReceivedCommand { id, epoch, .. } in received {
+            let is_new = !self.disk.commands.contains_key(&id);
+            let is_allowed = epoch >= self.disk.epoch;
+            let outcome = if is_allowed { CommandState::Done } else { CommandState::Refused };
+            let state = *self.disk.commands.entry(id).or_insert(outcome);
+            if is_new && is_allowed {
+                self.disk.epoch = epoch;
+                done.push(CarriedOut { id, epoch });
+            }
+            server.sessions[station].set_command_state(local, id, state);
+        }
+        done
+    }
+}

@@ -1,0 +1,135 @@
+//! A station in the world: a disk with a replica that stays, and a server that can die.
+
+use super::clock::LocalClock;
+use super::mission::Mission;
+use super::robot::{ROBOT, STREAM, key};
+use rafcon_link::{
+    CommandId, CommandState, FromRobot, Generation, Horizon, Identity, KeyId, NewCommand, Profile,
+    RangeSet, StationSession,
+};
+use std::collections::BTreeMap;
+use std::ops::RangeInclusive;
+use std::time::Duration;
+
+/// The replica reaches the disk this often.
+const SYNC_EVERY: Duration = Duration::from_millis(250);
+
+#[derive(Debug)]
+pub(super) struct Station {
+    /// Whose key it has.
+    key: usize,
+    pub(super) disk: StationDisk,
+    pub(super) server: Option<StationServer>,
+    /// Of the events that it received, how often the bytes were not those of the robot.
+    pub(super) different: u64,
+}
+
+#[derive(Debug, Default)]
+pub(super) struct StationDisk {
+    starts: u32,
+    heard: Option<Horizon>,
+    /// The events of the replica.
+    pub(super) events: RangeSet,
+}
+
+#[derive(Debug)]
+pub(super) struct StationServer {
+    clock: LocalClock,
+    session: StationSession,
+    unsynced: Vec<RangeInclusive<u64>>,
+    synced: Duration,
+    /// The newest snapshot is of this event.
+    snapshot: u64,
+    /// The state after this event is shown.
+    pub(super) view: u64,
+    pub(super) fates: BTreeMap<CommandId, CommandState>,
+}
+
+impl Station {
+    pub(super) fn new(key: usize) -> Self {
+        Self { key, disk: StationDisk::default(), server: None, different: 0 }
+    }
+
+    pub(super) fn start(&mut self, clock: LocalClock, profile: &Profile) {
+        self.disk.starts += 1;
+        let identity = Identity {
+            key_id: KeyId(1),
+            key: &key(self.key),
+            robot: ROBOT,
+            start: Generation(self.disk.starts),
+            heard: self.disk.heard,
+        };
+        let mut session = StationSession::new(&identity, profile.clone());
+        session.restore(STREAM, self.disk.events.clone());
+        self.server = Some(StationServer {
+            clock,
+            session,
+            unsynced: Vec::new(),
+            synced: Duration::ZERO,
+            snapshot: 0,
+            view: 0,
+            fates: BTreeMap::new(),
+        });
+    }
+
+    /// The server dies, with what it has not synced.
+    pub(super) fn kill(&mut self) {
+        self.server = None;
+    }
+
+    pub(super) fn next(&self, now: Duration) -> Option<Duration> {
+        let server = self.server.as_ref()?;
+        let next = server.clock.real(server.session.next_transmit(server.clock.local(now)));
+        let sync = (!server.unsynced.is_empty()).then(|| server.synced + SYNC_EVERY);
+        next.into_iter().chain(sync).min()
+    }
+
+    pub(super) fn transmit(&mut self, now: Duration) -> Result<Option<Vec<u8>>, String> {
+        let Some(server) = &mut self.server else { return Ok(None) };
+        if server.synced + SYNC_EVERY <= now {
+            for range in server.unsynced.drain(..) {
+                self.disk.events.insert(range);
+            }
+            self.disk.heard = server.session.horizon();
+            server.session.set_safe(STREAM, self.disk.events.contiguous());
+            server.synced = now;
+        }
+        let local = server.clock.local(now);
+        server.session.transmit(local).map_err(|error| error.to_string())
+    }
+
+    pub(super) fn receive(&mut self, now: Duration, mission: &Mission, mut datagram: Vec<u8>) {
+        let Some(server) = &mut self.server else { return };
+        let local = server.clock.local(now);
+        let StationServer { session, unsynced, snapshot, fates, .. } = server;
+        let different = &mut self.different;
+        let _of_an_earlier_start_or_doubled =
+            session.receive(local, &mut datagram, |shown| match shown {
+                FromRobot::Events(events) => {
+                    let made = mission.items(events.first, events.last());
+                    *different += u64::from(made != (events.t_before, events.items));
+                    unsynced.push(events.first..=events.last());
+                }
+                FromRobot::Snapshot { sequence, .. } => *snapshot = sequence,
+                FromRobot::CommandState { id, state } => {
+                    fates.insert(id, state);
+                }
+                FromRobot::Started | FromRobot::Status { .. } => {}
+            });
+        let Some((_, received)) = session.progress(STREAM) else { return };
+        let after_snapshot = received.end_at(*snapshot + 1).unwrap_or(*snapshot);
+        server.view = server.view.max(received.contiguous()).max(after_snapshot);
+    }
+
+    /// The last event up to which it has received all.
+    pub(super) fn contiguous(&self) -> u64 {
+        let progress = self.server.as_ref().and_then(|server| server.session.progress(STREAM));
+        progress.map_or(0, |(_, received)| received.contiguous())
+    }
+
+    /// Gives a command; answers whether it is on its way.
+    pub(super) fn command(&mut self, now: Duration, command: NewCommand) -> bool {
+        let Some(server) = &mut self.server else { return false };
+        server.session.command(server.clock.local(now), command).is_ok()
+    }
+}

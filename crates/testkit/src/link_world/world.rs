@@ -1,0 +1,418 @@
+//! The world: who sends what when, and what has to be true after every step.
+
+use super::carrier::{Carrier, Conditions, Cut};
+use super::clock::LocalClock;
+use super::measures::Measures;
+use super::mission::Mission;
+use super::plan::{Action, LATE, Plan, STATIONS, Scenario, Window};
+use super::robot::{CarriedOut, Robot};
+use super::station::Station;
+use crate::random::Random;
+use rafcon_link::{CommandId, NewCommand, Profile};
+use std::collections::BTreeMap;
+use std::time::Duration;
+
+const DELAY: Duration = Duration::from_secs(2);
+/// A view is live that includes all that happened up to this time ago, besides the delay.
+const LIVE: Duration = Duration::from_millis(150);
+/// After a cut, for so long what happens is not counted as on a whole link.
+const RECOVERY: Duration = Duration::from_secs(15);
+/// What happens reaches the robot's server in groups.
+const GROUP: Duration = Duration::from_millis(5);
+const TICK: Duration = Duration::from_secs(1);
+
+/// Runs the world of a seed; answers what it measured, or the first promise that was broken.
+pub fn run(seed: u64, scenario: Scenario) -> Result<Measures, String> {
+    let mut world = LinkWorld::new(seed, scenario);
+    world.go().map_err(|broken| format!("seed {seed}, at {:?}: {broken}", world.now))?;
+    let measures = world.measures;
+    Ok(match scenario {
+        Scenario::SpaceBotCamp => measures,
+        // Its links are hardly ever whole: what counts is that nothing is lost, late or done twice.
+        Scenario::Kills => {
+            let Measures { missing, extra, different, late_or_twice, commands, kills, .. } =
+                measures;
+            Measures {
+                missing,
+                extra,
+                different,
+                late_or_twice,
+                commands,
+                kills,
+                ..Measures::default()
+            }
+        }
+    })
+}
+
+struct LinkWorld {
+    now: Duration,
+    random: Random,
+    profile: Profile,
+    plan: Plan,
+    next_action: usize,
+    mission: Mission,
+    head: u64,
+    robot: Robot,
+    stations: Vec<Station>,
+    /// To each station.
+    down: Vec<Carrier>,
+    /// From each station.
+    up: Vec<Carrier>,
+    given: BTreeMap<CommandId, Given>,
+    in_control: usize,
+    epoch: u64,
+    robot_epoch: u64,
+    /// The first station shows the state after this event.
+    seen: u64,
+    returns: Vec<Waited>,
+    late_joined: Option<Duration>,
+    fills: Vec<Fill>,
+    tick: Tick,
+    measures: Measures,
+}
+
+struct Given {
+    at: Duration,
+    until: Duration,
+    epoch: u64,
+    carried_out: bool,
+}
+
+/// A cut is over, and the first station is not live yet.
+struct Waited {
+    since: Duration,
+}
+
+/// After the long cut the replica of the first station is not complete.
+struct Fill {
+    since: Duration,
+    until: u64,
+    bar: Duration,
+}
+
+/// What was sent to the first station up to a full second.
+struct Tick {
+    at: Duration,
+    bytes: u64,
+    head: u64,
+}
+
+impl LinkWorld {
+    fn new(seed: u64, scenario: Scenario) -> Self {
+        let mut random = Random::new(seed);
+        let plan = Plan::new(scenario, &mut random);
+        let profile = Profile::DELAY_2S;
+        let conditions = |bits_per_s| Conditions {
+            delay: DELAY,
+            bits_per_s,
+            lost: 2,
+            doubled: 5,
+            late: 5,
+            late_max: Duration::from_millis(120),
+            queue_max: Duration::from_secs(2),
+        };
+        let mut fork = || Random::new(random.below(usize::MAX) as u64);
+        let mission = Mission::new(fork(), plan.length, (plan.quiet.from, plan.quiet.to));
+        let carrier = |bits_per_s, random| Carrier::new(conditions(bits_per_s), random);
+        let mut down: Vec<_> =
+            (0..=STATIONS).map(|_| carrier(profile.down_bits_per_s, fork())).collect();
+        let mut up: Vec<_> =
+            (0..STATIONS).map(|_| carrier(profile.up_bits_per_s, fork())).collect();
+        for (window, cut) in &plan.cuts {
+            for carrier in &mut down {
+                carrier.cut(window.from, window.to, Cut::Drops);
+            }
+            for carrier in &mut up {
+                carrier.cut(window.from, window.to, *cut);
+            }
+        }
+        for window in &plan.one_way {
+            for carrier in &mut up {
+                carrier.cut(window.from, window.to, Cut::Drops);
+            }
+        }
+        Self {
+            now: Duration::ZERO,
+            profile,
+            plan,
+            next_action: 0,
+            mission,
+            head: 0,
+            robot: Robot::new(STATIONS),
+            stations: [0, 1, 0].map(Station::new).into(),
+            down,
+            up,
+            given: BTreeMap::new(),
+            in_control: 0,
+            epoch: 1,
+            robot_epoch: 1,
+            seen: 0,
+            returns: Vec::new(),
+            late_joined: None,
+            fills: Vec::new(),
+            tick: Tick { at: Duration::ZERO, bytes: 0, head: 0 },
+            measures: Measures::default(),
+            random,
+        }
+    }
+
+    fn go(&mut self) -> Result<(), String> {
+        let end = self.plan.length + Duration::from_mins(5);
+        while self.now < end && !self.is_over() {
+            self.step()?;
+        }
+        for station in &self.stations[..STATIONS] {
+            let replica = &station.disk.events;
+            self.measures.missing += self.head - replica.contiguous();
+            let last = replica.ranges().next_back().map_or(0, |range| *range.end());
+            self.measures.extra += last.saturating_sub(self.head);
+        }
+        self.measures.different += self.stations.iter().map(|it| it.different).sum::<u64>();
+        match self.measures {
+            Measures { missing: 0, extra: 0, different: 0, late_or_twice: 0, .. } => Ok(()),
+            _ => Err(format!(
+                "{} events are missing, {} too many, {} different; {} commands late or twice",
+                self.measures.missing,
+                self.measures.extra,
+                self.measures.different,
+                self.measures.late_or_twice
+            )),
+        }
+    }
+
+    fn is_over(&self) -> bool {
+        let is_complete = |station: &Station| station.disk.events.contiguous() >= self.head;
+        self.now > self.plan.length + GROUP && self.stations[..STATIONS].iter().all(is_complete)
+    }
+
+    fn step(&mut self) -> Result<(), String> {
+        self.now = self.next();
+        while let Some((_, action)) = self.plan.actions.get(self.next_action).copied()
+            && self.plan.actions[self.next_action].0 <= self.now
+        {
+            self.next_action += 1;
+            self.act(action);
+        }
+        if self.mission.time(self.head + 1).is_some_and(|at| at + GROUP <= self.now) {
+            self.head = self.mission.head(self.now);
+        }
+        let is_over = self.now >= self.plan.length + GROUP;
+        self.robot.follow(&self.mission, self.head, is_over);
+        self.deliver();
+        self.send()?;
+        self.count();
+        self.check()
+    }
+
+    fn next(&self) -> Duration {
+        let action = self.plan.actions.get(self.next_action).map(|(at, _)| *at);
+        let stations = self.stations.iter().map(|station| station.next(self.now));
+        let robot = (0..STATIONS).map(|station| self.robot.next(self.now, station));
+        let carriers = self.down.iter().chain(&self.up).map(Carrier::next);
+        let event = self.mission.time(self.head + 1).map(|at| at + GROUP);
+        let length = self.plan.length + GROUP;
+        let end = (self.now < length).then_some(length);
+        let others = [action, event, end, Some(self.tick.at + TICK)];
+        let next = stations.chain(robot).chain(carriers).chain(others).flatten().min();
+        next.unwrap_or(self.tick.at + TICK).max(self.now)
+    }
+
+    fn act(&mut self, action: Action) {
+        match action {
+            Action::StartRobot => {
+                let clock = self.clock();
+                self.robot.start(clock, &self.profile, self.head);
+            }
+            Action::KillRobot => {
+                self.measures.kills += 1;
+                self.robot.kill();
+            }
+            Action::StartStation(station) => {
+                let clock = self.clock();
+                self.stations[station].start(clock, &self.profile);
+                if station == LATE {
+                    self.late_joined = Some(self.now);
+                }
+            }
+            Action::KillStation(station) => {
+                self.measures.kills += 1;
+                self.stations[station].kill();
+            }
+            Action::Command => self.command(self.in_control),
+            Action::TakeControl => {
+                self.in_control = 1 - self.in_control;
+                self.epoch += 1;
+                self.command(self.in_control);
+            }
+        }
+    }
+
+    /// Of a process that starts now.
+    fn clock(&mut self) -> LocalClock {
+        LocalClock::new(self.now, self.random.small(100) - 50)
+    }
+
+    fn command(&mut self, station: usize) {
+        let mut id = [0; 16];
+        id[..8].copy_from_slice(&(self.given.len() as u64).to_be_bytes());
+        let id = CommandId(id);
+        let valid = Duration::from_secs([3, 8, 30, 120][self.random.below(4)]);
+        let command = NewCommand { id, valid, epoch: self.epoch, body: b"hold".to_vec() };
+        if self.stations[station].command(self.now, command) {
+            let until = self.now + valid;
+            let given = Given { at: self.now, until, epoch: self.epoch, carried_out: false };
+            self.given.insert(id, given);
+        }
+    }
+
+    fn deliver(&mut self) {
+        for station in 0..self.down.len() {
+            while let Some(datagram) = self.down[station].arrive(self.now) {
+                self.stations[station].receive(self.now, &self.mission, datagram);
+            }
+        }
+        for station in 0..STATIONS {
+            while let Some(datagram) = self.up[station].arrive(self.now) {
+                for done in self.robot.receive(self.now, station, datagram) {
+                    self.carried_out(done);
+                }
+            }
+        }
+    }
+
+    fn carried_out(&mut self, CarriedOut { id, epoch }: CarriedOut) {
+        let now = self.now;
+        self.measures.commands += 1;
+        let is_whole = self.is_whole(now, DELAY + TICK);
+        let is_obsolete = epoch < self.robot_epoch;
+        self.robot_epoch = self.robot_epoch.max(epoch);
+        let Some(given) = self.given.get_mut(&id) else {
+            self.measures.late_or_twice += 1;
+            return;
+        };
+        let is_wrong = given.carried_out || now > given.until || given.epoch != epoch;
+        self.measures.late_or_twice += u64::from(is_wrong || is_obsolete);
+        given.carried_out = true;
+        if is_whole {
+            self.measures.hold.push(now.saturating_sub(given.at + DELAY));
+        }
+    }
+
+    fn send(&mut self) -> Result<(), String> {
+        for station in 0..STATIONS {
+            while let Some(datagram) = self.robot.transmit(self.now, station, &self.mission)? {
+                if station == 0 && self.stations[LATE].server.is_some() {
+                    self.down[LATE].send(self.now, datagram.clone());
+                }
+                self.down[station].send(self.now, datagram);
+            }
+            if self.robot.next(self.now, station).is_some_and(|next| next <= self.now) {
+                return Err(format!("the robot has nothing to send to station {station}, at once"));
+            }
+        }
+        for station in 0..self.stations.len() {
+            while let Some(datagram) = self.stations[station].transmit(self.now)? {
+                if let Some(up) = self.up.get_mut(station) {
+                    up.send(self.now, datagram);
+                }
+            }
+            if self.stations[station].next(self.now).is_some_and(|next| next <= self.now) {
+                return Err(format!("station {station} has nothing to send, at once"));
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether both directions are whole, the servers are there, and were so for a while and are so for `after`.
+    fn is_whole(&self, time: Duration, after: Duration) -> bool {
+        self.is_whole_down(time, after)
+            && !self.plan.one_way.iter().any(|it| it.wider(after, RECOVERY).has(time))
+    }
+
+    fn is_whole_down(&self, time: Duration, after: Duration) -> bool {
+        let cuts = self.plan.cuts.iter().map(|(window, _)| window);
+        let down = self.plan.down.iter().map(|(window, _)| window);
+        let start = Window { from: Duration::ZERO, to: RECOVERY };
+        !cuts.chain(down).chain([&start]).any(|it| it.wider(after, RECOVERY).has(time))
+    }
+
+    fn count(&mut self) {
+        let view = self.stations[0].server.as_ref().map_or(0, |server| server.view);
+        for sequence in self.seen + 1..=view {
+            let Some(at) = self.mission.time(sequence) else { continue };
+            let latency = self.now.saturating_sub(at).saturating_sub(DELAY);
+            if self.is_whole(at, DELAY) {
+                self.measures.latency.push(latency);
+            }
+            let without = self.plan.one_way.iter().any(|it| it.has(at));
+            if without && self.is_whole_down(at, DELAY) {
+                self.measures.one_way_latency.push(latency);
+            }
+        }
+        self.seen = self.seen.max(view);
+        let expected = self.mission.head(self.now.saturating_sub(DELAY + LIVE));
+        if view >= expected {
+            let now = self.now;
+            for Waited { since } in self.returns.extract_if(.., |it| it.since + DELAY <= now) {
+                self.measures.live_after_return.push(now.saturating_sub(since + DELAY));
+            }
+        }
+        let late = self.stations[LATE].server.as_ref().map_or(0, |server| server.view);
+        if let Some(since) = self.late_joined.filter(|_| late > 0 && late >= expected) {
+            self.measures.late_joiner.push(self.now.saturating_sub(since + DELAY));
+            self.late_joined = None;
+        }
+        let contiguous = self.stations[0].contiguous();
+        for fill in self.fills.extract_if(.., |fill| contiguous >= fill.until) {
+            self.measures.backfill.push((self.now.saturating_sub(fill.since), fill.bar));
+        }
+        if self.tick.at + TICK <= self.now {
+            self.count_second();
+        }
+    }
+
+    fn count_second(&mut self) {
+        let second = Window { from: self.tick.at, to: self.tick.at + TICK };
+        let bytes = self.down[0].bytes - self.tick.bytes;
+        let quiet = self.plan.quiet;
+        if self.is_whole(second.from, DELAY) && !quiet.wider(TICK, TICK).has(second.from) {
+            self.measures.bytes += bytes;
+            self.measures.events += self.head - self.tick.head;
+        }
+        let idle = quiet.from + TICK * 20..quiet.to.saturating_sub(TICK * 2);
+        if idle.contains(&second.from) {
+            self.measures.idle_bits += bytes * 8;
+            self.measures.idle += TICK;
+        }
+        let ended = self.plan.cuts.iter().filter(|(cut, _)| second.has(cut.to));
+        for (cut, _) in ended {
+            self.returns.push(Waited { since: cut.to });
+            if cut.from + Duration::from_mins(10) < cut.to {
+                let until = self.mission.head(cut.to);
+                let from = self.stations[0].contiguous() + 1;
+                let bits = self.mission.items(from.min(until), until).1.len() as u64 * 8;
+                let takes = Duration::from_millis(bits * 1_150 / self.profile.down_bits_per_s);
+                let bar = takes + DELAY * 2 + TICK;
+                self.fills.push(Fill { since: cut.to, until, bar });
+            }
+        }
+        self.tick = Tick { at: second.to, bytes: self.down[0].bytes, head: self.head };
+    }
+
+    fn check(&self) -> Result<(), String> {
+        for (number, station) in self.stations.iter().enumerate() {
+            if station.different > 0 {
+                return Err(format!("station {number} received an event with other bytes"));
+            }
+            let view = station.server.as_ref().map_or(0, |server| server.view);
+            if view > self.head {
+                return Err(format!("station {number} shows event {view} of {}", self.head));
+            }
+        }
+        if self.measures.late_or_twice > 0 {
+            return Err("a command was carried out late, twice, or under an old epoch".to_owned());
+        }
+        Ok(())
+    }
+}
