@@ -9,6 +9,7 @@ mod moment;
 pub(crate) mod pack;
 mod read;
 pub mod record;
+mod replicate;
 mod store;
 pub mod stream;
 #[cfg(test)]
@@ -30,6 +31,7 @@ pub use record::{
     Batch, Broken, DAMAGED, Definition, Glossary, Item, Kept, Left, Place, PlaceNumber, Places,
     Record, Stored, ValueNumber, tell,
 };
+pub use replicate::{EventItems, EventSource, Replica, ReplicaError};
 pub use write::{
     Committed, Journal, Options, Pruned, RECORDER_BYTES, ResumePoint, Retention, SIZE_MAX,
     has_begun, remove,

@@ -17,5 +17,6 @@ mod packs;
 mod random;
 mod reader;
 mod reference;
+mod replica;
 mod save;
 mod statistics;

@@ -34,7 +34,7 @@ use std::cell::RefCell;
 use std::collections::BTreeSet;
 use std::fs;
 use std::io;
-use std::ops::ControlFlow;
+use std::ops::{ControlFlow, RangeInclusive};
 use std::path::{Path, PathBuf};
 
 /// How many rows count as the end of a journal.
@@ -296,6 +296,21 @@ impl Reader {
         value
     }
 
+    /// The definitions of places that come with these events: the first event of each, its number and what it is.
+    pub(in crate::journal) fn definitions(
+        &mut self,
+        events: RangeInclusive<u64>,
+    ) -> Result<Vec<(u64, PlaceNumber, Place)>, JournalError> {
+        self.learn()?;
+        let defined = self.defined.iter().filter(|defined| events.contains(&defined.first));
+        Ok(defined.map(|it| (it.first, it.number, it.place.clone())).collect())
+    }
+
+    /// An error: these events are damaged.
+    pub(in crate::journal) fn lost_events(&self, first: u64, last: u64) -> JournalError {
+        self.lost(first, last, "they cannot be sent")
+    }
+
     /// Advances a moment to a later event.
     fn forward(&mut self, mut moment: Moment, sequence: u64) -> Result<Moment, JournalError> {
         let start = moment.sequence();
@@ -382,7 +397,7 @@ fn end(source: &Source, extra: &Extra) -> Result<JournalEnd, JournalError> {
 }
 
 /// The range of unreadable events that a `damaged` event replaces.
-pub(super) fn damaged(record: &Record) -> Option<(u64, u64)> {
+pub(in crate::journal) fn damaged(record: &Record) -> Option<(u64, u64)> {
     let Record::Told(event) = record else { return None };
     let Event::Damaged { first, last, .. } = &**event else { return None };
     Some((*first, *last))

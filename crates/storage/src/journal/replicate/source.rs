@@ -1,0 +1,186 @@
+//! The events of a journal as items, each with the definitions that it is the first to need.
+
+use crate::journal::read::{Reader, damaged};
+use crate::journal::record::{
+    Content, Definition, Item, Kept, PlaceNumber, Record, Stored, ValueNumber,
+};
+use crate::journal::{Entry, JournalError, Place};
+use std::collections::BTreeSet;
+use std::ops::ControlFlow;
+use std::path::Path;
+
+/// After so many events it is noted what was defined before, so that reading may begin there.
+const MARK_EVERY: u64 = 1_024;
+
+/// Consecutive events of a journal with the definitions that they are the first to need.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct EventItems {
+    /// The number of the first event.
+    pub first: u64,
+    /// How many events they are.
+    pub count: u64,
+    /// The time of the event before them, in ns since the start of the run.
+    pub t_before: u64,
+    /// The items.
+    pub bytes: Vec<u8>,
+}
+
+/// Reads a journal, which may grow, from any event on.
+#[derive(Debug)]
+pub struct EventSource {
+    reader: Reader,
+    /// What was defined before some events, in their order. The first one is the first event.
+    marks: Vec<Before>,
+    /// The same before the event that is probably read next.
+    next: Before,
+}
+
+/// What is known before an event.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct Before {
+    sequence: u64,
+    t_ns: u64,
+    /// Values with this number or a higher one are not defined.
+    value: u64,
+}
+
+const START: Before = Before { sequence: 1, t_ns: 0, value: 0 };
+
+impl Before {
+    /// What is known behind an event.
+    fn behind(mut self, entry: &Entry) -> Self {
+        (self.sequence, self.t_ns) = (entry.sequence + 1, entry.t_ns);
+        entry.record.values(&mut |kept| {
+            if let Kept::Value(number) = kept {
+                self.value = self.value.max(number.0 + 1);
+            }
+        });
+        self
+    }
+}
+
+impl EventSource {
+    /// The journal of the run in `folder`.
+    pub fn open(folder: &Path) -> Result<Self, JournalError> {
+        Ok(Self { reader: Reader::open(folder)?, marks: vec![START], next: START })
+    }
+
+    /// The number of the last event that is safe on the disk.
+    pub fn last(&self) -> Result<u64, JournalError> {
+        self.reader.last_sequence()
+    }
+
+    /// The journal.
+    pub fn reader(&mut self) -> &mut Reader {
+        &mut self.reader
+    }
+
+    /// Events from number `first` on, at most to `last`, and not more than `bytes_max` unless a single event is longer. Nothing if
+    /// there are none; an error if they are damaged or were given up.
+    pub fn read(
+        &mut self,
+        first: u64,
+        last: u64,
+        bytes_max: usize,
+    ) -> Result<Option<EventItems>, JournalError> {
+        let mut before = self.known_before(first)?;
+        let mut items = EventItems { first, count: 0, t_before: before.t_ns, bytes: Vec::new() };
+        let places = self.reader.definitions(first..=last)?;
+        let mut places = places.into_iter().peekable();
+        let (mut lost, mut failed) = (None, None);
+        self.reader.each(first, |reader, entry| {
+            if entry.sequence > last {
+                return ControlFlow::Break(());
+            }
+            if let Some(range) = damaged(&entry.record) {
+                lost = Some(range);
+                return ControlFlow::Break(());
+            }
+            let length = items.bytes.len();
+            while let Some((_, number, place)) =
+                places.next_if(|(first, ..)| *first <= entry.sequence)
+            {
+                define_place(number, place, &mut items.bytes);
+            }
+            if let Err(error) = define_values(reader, &entry.record, before.value, &mut items.bytes)
+            {
+                items.bytes.truncate(length);
+                failed = Some(error);
+                return ControlFlow::Break(());
+            }
+            let behind = before.behind(&entry);
+            Item::Record(entry.t_ns, entry.record).write(&mut before.t_ns, &mut items.bytes);
+            if items.count > 0 && items.bytes.len() > bytes_max {
+                items.bytes.truncate(length);
+                return ControlFlow::Break(());
+            }
+            (before, items.count) = (behind, items.count + 1);
+            ControlFlow::Continue(())
+        })?;
+        if items.count > 0 {
+            self.next = before;
+            return Ok(Some(items));
+        }
+        match (failed, lost) {
+            (Some(error), _) => Err(error),
+            (None, Some((first, last))) => Err(self.reader.lost_events(first, last)),
+            (None, None) => Ok(None),
+        }
+    }
+
+    /// What is known before an event: from where it was known last, through the events between.
+    fn known_before(&mut self, first: u64) -> Result<Before, JournalError> {
+        if self.next.sequence == first {
+            return Ok(self.next);
+        }
+        let place = self.marks.partition_point(|mark| mark.sequence <= first);
+        let mark = self.marks.get(place.saturating_sub(1)).copied().unwrap_or(START);
+        let mut before =
+            if (mark.sequence..=first).contains(&self.next.sequence) { self.next } else { mark };
+        let marks = &mut self.marks;
+        if before.sequence < first {
+            self.reader.each(before.sequence, |_, entry| {
+                if entry.sequence >= first {
+                    return ControlFlow::Break(());
+                }
+                before = before.behind(&entry);
+                let newest = marks.last().map_or(0, |mark| mark.sequence);
+                if before.sequence >= newest + MARK_EVERY {
+                    marks.push(before);
+                }
+                ControlFlow::Continue(())
+            })?;
+        }
+        Ok(before)
+    }
+}
+
+fn define_place(number: PlaceNumber, place: Place, items: &mut Vec<u8>) {
+    Item::Definition(Definition::Place(number, place)).write(&mut 0, items);
+}
+
+/// Defines the values of a record from this number on: lower ones were defined when they were named first.
+fn define_values(
+    reader: &Reader,
+    record: &Record,
+    from: u64,
+    items: &mut Vec<u8>,
+) -> Result<(), JournalError> {
+    let mut new = BTreeSet::new();
+    record.values(&mut |kept| {
+        if let Kept::Value(number) = kept
+            && number.0 >= from
+        {
+            new.insert(number.0);
+        }
+    });
+    for number in new.into_iter().map(ValueNumber) {
+        let stored = reader.value(number)?.unwrap_or_else(|| Stored {
+            view: serde_json::Value::Null,
+            type_name: "".into(),
+            content: Content::Nothing("the robot has dropped it to keep its journal small".into()),
+        });
+        Item::Definition(Definition::Value(number, stored)).write(&mut 0, items);
+    }
+    Ok(())
+}

@@ -1,0 +1,106 @@
+//! Journals of any content, sent in parts of any size, some of them twice, to replicas that are opened again and again.
+
+use expect_test::expect;
+use proptest::prelude::*;
+use rafcon_storage::journal::{
+    About, Entry, EventSource, Journal, Options, Reader, Replica, ReplicaError, Stored, ValueNumber,
+};
+use rafcon_testkit::journal_notation;
+use std::path::Path;
+
+const MACHINE: &str = r#"
+    place R "Root" scoped n outcome done
+    place R/A "Root/Scan" script in a in c out b outcome ok
+"#;
+
+const SMALL: Options = Options { size_max: u64::MAX, recorder_bytes: 1 << 15 };
+
+const ROUNDS: [&str; 5] = [
+    "enter R/A a=1 c=2\nleave R/A ok b=2\n",
+    "enter R/A a=[1, 2] c={\"x\": 1}\nscoped R n=[3]\nleave R/A ok b=[4]\n",
+    "log R/A info \"hi\"\nglobal map=\"kitchen\"\n",
+    "persistent R/A {\"calls\": 1}\n",
+    "place R/A \"Root/Scan again\" script in a in c out b outcome ok\nenter R/A a=[5] c=0\nleave R/A ok b=6\n",
+];
+
+fn write(folder: &Path, rounds: &[usize]) {
+    let journal = Journal::create(folder, &About::default(), &SMALL).unwrap();
+    let text: String = rounds.iter().map(|round| ROUNDS[*round]).collect();
+    let batch = journal_notation::batch(&format!("{MACHINE}enter R\n{text}leave R done\n"), 0);
+    journal.append(&batch.unwrap()).unwrap();
+    journal.close().unwrap();
+}
+
+/// All events, their names and all values.
+fn whole(folder: &Path) -> (Vec<Entry>, Vec<String>, Vec<Option<Stored>>) {
+    let mut reader = Reader::open(folder).unwrap();
+    let entries = reader.page(1, usize::MAX).unwrap();
+    let events = entries.iter().map(|entry| format!("{:?}", reader.event(entry, true).unwrap()));
+    let (events, values) = (events.collect(), 0..100);
+    let values = values.map(|number| reader.value(ValueNumber(number)).ok().flatten()).collect();
+    (entries, events, values)
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(24))]
+
+    #[test]
+    fn a_replica_is_the_journal_that_it_was_sent(
+        rounds in prop::collection::vec(0..ROUNDS.len(), 0..30),
+        parts in prop::collection::vec((1..90_u64, 0..9_u64, 1..400_usize, any::<bool>()), 1..30),
+    ) {
+        let (robot, station) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
+        write(robot.path(), &rounds);
+        let mut source = EventSource::open(robot.path()).unwrap();
+        let head = source.last().unwrap();
+        let open = || Replica::open(station.path(), &About::default(), &SMALL).unwrap();
+        let mut replica = open();
+        for (first, more, bytes_max, dies) in parts {
+            // Now and then from anywhere, else what comes next.
+            let first = if more == 0 { first } else { replica.next().saturating_sub(more / 3).max(1) };
+            if let Some(items) = source.read(first, head, bytes_max).unwrap() {
+                let continues = (items.first..items.first + items.count).contains(&replica.next());
+                prop_assert_eq!(replica.append(&items).unwrap(), continues);
+            }
+            if dies {
+                drop(replica);
+                replica = open();
+            }
+        }
+        while let Some(items) = source.read(replica.next(), head, 300).unwrap() {
+            prop_assert!(replica.append(&items).unwrap());
+        }
+        prop_assert_eq!(replica.next(), head + 1);
+        replica.close().unwrap();
+        prop_assert_eq!(whole(station.path()), whole(robot.path()));
+    }
+
+    #[test]
+    fn broken_items_are_refused_and_change_nothing(
+        at in any::<prop::sample::Index>(), to in any::<u8>(),
+    ) {
+        let (robot, station) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
+        write(robot.path(), &[1, 4]);
+        let mut items = EventSource::open(robot.path()).unwrap().read(1, 99, 9_999).unwrap().unwrap();
+        let at = at.index(items.bytes.len());
+        items.bytes[at] = to;
+        let mut replica = Replica::open(station.path(), &About::default(), &SMALL).unwrap();
+        let next = replica.append(&items).map_or(1, |_| items.count + 1);
+        prop_assert_eq!(replica.next(), next);
+    }
+}
+
+#[test]
+fn events_that_are_not_as_many_as_they_should_be_are_refused() {
+    let (robot, station) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
+    write(robot.path(), &[0]);
+    let mut source = EventSource::open(robot.path()).unwrap();
+    let mut items = source.read(1, 99, 9_999).unwrap().unwrap();
+    items.count += 1;
+    let mut replica = Replica::open(station.path(), &About::default(), &SMALL).unwrap();
+    let refused = replica.append(&items).unwrap_err();
+    assert!(matches!(refused, ReplicaError::Count { .. }));
+    expect!["5 events were sent, and 4 came: both sides need the same version of rafcon"]
+        .assert_eq(&refused.to_string());
+    assert_eq!(replica.next(), 1);
+}
