@@ -10,7 +10,7 @@ use serde_json::Value;
 const TESTKIT: &str = "rafcon-testkit";
 
 /// Each package and the packages of this workspace that it may name, for building and for testing.
-const LAYERS: [(&str, &[&str]); 14] = [
+const LAYERS: [(&str, &[&str]); 15] = [
     ("rafcon-model", &[]),
     // Bytes and numbers only.
     ("rafcon-link", &[]),
@@ -49,10 +49,17 @@ const LAYERS: [(&str, &[&str]); 14] = [
             "rafcon-model",
         ],
     ),
+    // Carries runs over the link: sockets and folders, never HTTP, never the engine.
+    (
+        "rafcon-relay",
+        &["rafcon-link", "rafcon-supervisor", "rafcon-storage", "rafcon-protocol", "rafcon-model"],
+    ),
     // Never the extension and never the runner: it starts them as a process and speaks the protocol.
     (
         "rafcon",
         &[
+            "rafcon-relay",
+            "rafcon-link",
             "rafcon-server",
             "rafcon-supervisor",
             "rafcon-check",

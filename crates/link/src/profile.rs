@@ -90,7 +90,7 @@ impl Profile {
     }
 
     /// A side that has heard nothing for this long, in which three idle reports would have come, acts as if it were not heard.
-    pub(crate) fn silence(&self) -> Duration {
+    pub fn silence(&self) -> Duration {
         self.report_idle_every() * 7 / 2
     }
 }

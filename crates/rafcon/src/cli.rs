@@ -1,12 +1,14 @@
 //! The commands and options of the command line, as clap parses them. Each command checks what they mean.
 
 mod kept;
+mod link;
 mod remote;
 mod serve;
 
 pub(crate) use kept::{
     Compare, Export, ExportFormat, History, KeptRun, ListRuns, Log, LogLevel, Replay,
 };
+pub(crate) use link::{Link, LinkProfile, Pair, Station};
 pub(crate) use remote::{Access, Control, KeptRemote, Login, Remote, Wanted};
 pub(crate) use serve::{Role, Serve, State, User, UserAction};
 
@@ -38,6 +40,8 @@ pub(crate) enum Command {
     Compare(Compare),
     Export(Export),
     Serve(Serve),
+    Station(Station),
+    Pair(Pair),
     User(User),
     Login(Login),
     Control(Control),

@@ -127,6 +127,13 @@ impl RobotSession {
         }
     }
 
+    /// The source has a newer snapshot of a run: it is sent when the rate allows it.
+    pub fn set_snapshot_changed(&mut self, stream: StreamId) {
+        if let Some(stream) = self.streams.get_mut(&stream) {
+            stream.set_snapshot_changed();
+        }
+    }
+
     /// What became of a command.
     pub fn set_command_state(&mut self, now: Duration, id: CommandId, state: CommandState) {
         if self.states.insert(id, SentState { state, sends: 0, due: now }).is_none() {

@@ -19,6 +19,8 @@ const SNAPSHOT_STATUSES: u32 = 240;
 const SNAPSHOT_ROUNDS: u32 = 4;
 /// Without reports, a whole snapshot is sent in this time, as long as that takes at most half of the rate.
 const SNAPSHOT_EVERY: Duration = Duration::from_millis(200);
+/// After so long events are asked for again that could not be read.
+const READ_AGAIN: Duration = Duration::from_secs(1);
 /// The smallest part of something that is worth a frame, in bytes.
 const PART_MIN: usize = 64;
 
@@ -64,10 +66,22 @@ pub(super) struct Outgoing {
     round_due: Duration,
     /// When the last round of a snapshot began.
     snapshot_at: Option<Duration>,
-    is_snapshot_due: bool,
+    snapshot_need: SnapshotNeed,
+    /// The source could not read events: it is asked again then.
+    read_again_at: Duration,
     /// The snapshot that is being sent.
     snapshot: Option<Parts>,
     large: Option<(EventBuffer, usize)>,
+}
+
+/// Whether a snapshot is needed, besides those that are sent now and then.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum SnapshotNeed {
+    None,
+    /// The source has a newer one: as soon as the rate allows it.
+    Newer,
+    /// Events were lost: at once.
+    Now,
 }
 
 #[derive(Debug)]
@@ -96,7 +110,8 @@ impl Outgoing {
             sent_set: RangeSet::default(),
             round_due: Duration::ZERO,
             snapshot_at: None,
-            is_snapshot_due: true,
+            snapshot_need: SnapshotNeed::Now,
+            read_again_at: Duration::ZERO,
             snapshot: None,
             large: None,
         }
@@ -116,6 +131,11 @@ impl Outgoing {
             // What is missing between, or too long, is read from the journal.
             self.tail = Tail::default();
         }
+    }
+
+    /// The source has a newer snapshot than before.
+    pub(super) fn set_snapshot_changed(&mut self) {
+        self.snapshot_need = self.snapshot_need.max(SnapshotNeed::Newer);
     }
 
     pub(super) fn set_state(&mut self, state: &[u8], is_over: bool) {
@@ -143,7 +163,9 @@ impl Outgoing {
         self.sent.retain(|sent| !unreported.contains(&sent.range));
         let in_flight = self.sent.len();
         self.sent.retain(|sent| sent.at >= lost_before);
-        self.is_snapshot_due |= self.sent.len() < in_flight && !self.is_snapshot_on_its_way();
+        if self.sent.len() < in_flight && !self.is_snapshot_on_its_way() {
+            self.snapshot_need = SnapshotNeed::Now;
+        }
         if self.sent.len() < before {
             self.sent_set = RangeSet::default();
             for sent in &self.sent {
@@ -234,31 +256,33 @@ impl Outgoing {
     /// When the next part of a snapshot is due.
     fn snapshot_due_at(&self, is_heard: bool, profile: &Profile) -> Duration {
         let is_between = self.snapshot.as_ref().is_none_or(|snapshot| snapshot.sent == 0);
-        let Some(at) = self.snapshot_at.filter(|_| is_between && !self.is_snapshot_due) else {
+        let Some(at) =
+            self.snapshot_at.filter(|_| is_between && self.snapshot_need != SnapshotNeed::Now)
+        else {
             return Duration::ZERO;
         };
         if self.has_all() {
             return Duration::MAX;
         }
-        match &self.snapshot {
-            _ if is_heard => at + profile.status_every * SNAPSHOT_STATUSES,
-            None => at,
-            Some(Parts { bytes, .. }) => {
-                let bits = bytes.len() as u64 * 8 * 2;
-                let takes = Duration::from_millis(bits * 1_000 / profile.down_bits_per_s.max(1));
-                at + takes.max(SNAPSHOT_EVERY)
+        let bits = self.snapshot.as_ref().map_or(0, |snapshot| snapshot.bytes.len() as u64 * 8);
+        let takes = Duration::from_millis(bits * 1_000 / profile.down_bits_per_s.max(1));
+        let every = match is_heard {
+            true if self.snapshot_need == SnapshotNeed::Newer => {
+                (takes * 4).max(profile.status_every)
             }
-        }
+            true => profile.status_every * SNAPSHOT_STATUSES,
+            false => (takes * 2).max(SNAPSHOT_EVERY),
+        };
+        at + every
     }
 
     /// When something of the lower queues is due.
     pub(super) fn bulk_at(&self, is_heard: bool, profile: &Profile) -> Duration {
         let is_repeated = is_heard && self.sent.iter().any(|sent| sent.repeats > 0);
-        if is_repeated || self.large.is_some() || self.gap().is_some() {
-            return Duration::ZERO;
-        }
+        let is_lacking = is_repeated || self.large.is_some() || self.gap().is_some();
+        let events = if is_lacking { self.read_again_at } else { Duration::MAX };
         let round = if is_heard || self.sent.is_empty() { Duration::MAX } else { self.round_due };
-        round.min(self.snapshot_due_at(is_heard, profile))
+        round.max(self.read_again_at).min(events).min(self.snapshot_due_at(is_heard, profile))
     }
 
     /// Fills the rest of the datagram with parts of a snapshot, then with events that the station lacks.
@@ -270,7 +294,7 @@ impl Outgoing {
     ) {
         let Turn { now, profile, is_heard, room } = turn;
         self.write_snapshot(turn, source, payload);
-        while self.write_large(turn, payload) {
+        while self.read_again_at <= now && self.write_large(turn, payload) {
             let is_round_due = !is_heard && self.round_due <= now && !self.sent.is_empty();
             if self.gap().is_none() && is_round_due {
                 self.sent.clear();
@@ -292,6 +316,7 @@ impl Outgoing {
             }
             let Some(events) = source.events(self.id, *range.start(), *range.end(), items_max)
             else {
+                self.read_again_at = now + READ_AGAIN;
                 return;
             };
             if events.items.len() > items_max {
@@ -337,7 +362,9 @@ impl Outgoing {
             let again = !is_heard && parts.rounds < SNAPSHOT_ROUNDS;
             parts.sent > 0 || again && self.tail.continues(parts.sequence, self.head)
         };
-        if self.is_snapshot_due || !self.snapshot.as_ref().is_some_and(goes_on) {
+        let is_needed = self.snapshot_need == SnapshotNeed::Now;
+        if is_needed || !self.snapshot.as_ref().is_some_and(goes_on) {
+            self.snapshot_need = SnapshotNeed::None;
             let taken = source.snapshot(self.id);
             let taken = taken.filter(|(_, bytes)| bytes.len() <= LENGTH_MAX as usize);
             self.snapshot = taken.map(|(sequence, bytes)| {
@@ -345,7 +372,6 @@ impl Outgoing {
                 Parts { sequence, bytes, sent: 0, rounds: 0 }
             });
         }
-        self.is_snapshot_due = false;
         self.snapshot_at.get_or_insert(now);
         let Some(Parts { sequence, bytes, sent, rounds }) = &mut self.snapshot else {
             self.snapshot_at = Some(now);

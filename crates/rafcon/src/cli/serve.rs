@@ -1,6 +1,6 @@
 //! The commands that serve machines and runs, and that manage users.
 
-use super::{Libraries, Python, Runs};
+use super::{Libraries, Link, Python, Runs};
 use clap::{Args, Subcommand, ValueEnum};
 use std::net::SocketAddr;
 use std::path::PathBuf;
@@ -28,6 +28,8 @@ pub(crate) struct Serve {
     /// Keep the token of the last start, so that old addresses still work
     #[arg(long)]
     pub(crate) keep_token: bool,
+    #[command(flatten)]
+    pub(crate) link: Link,
     #[command(flatten)]
     pub(crate) state: State,
     #[command(flatten)]

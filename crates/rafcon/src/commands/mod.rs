@@ -9,6 +9,7 @@ mod fmt;
 mod history;
 mod kept;
 mod kept_at_server;
+mod link;
 mod login;
 mod new;
 mod remote;
@@ -40,7 +41,11 @@ pub(crate) fn main(cli: Cli, environment: &Environment, clock: Clock) -> Result<
         Command::Replay(request) => replay::replay(&request, environment),
         Command::Compare(request) => compare::compare(&request, environment),
         Command::Export(request) => export::export(&request, environment),
-        Command::Serve(request) => serve::serve(&request, environment),
+        Command::Serve(request) => serve::serve(&request, None, environment),
+        Command::Station(request) => {
+            serve::serve(&request.serve, Some(request.listen), environment)
+        }
+        Command::Pair(request) => link::pair(&request, environment),
         Command::Login(request) => login::login(&request, environment),
         Command::Control(request) => control::control(&request, environment),
         Command::User(request) => user::user(&request, environment),

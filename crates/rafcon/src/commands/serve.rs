@@ -1,6 +1,7 @@
 //! `rafcon serve`: from the words of the command line to a server's settings. What a server does, `rafcon-server` knows.
 
 use super::kept::runs_folder;
+use super::link::Relays;
 use crate::cli;
 use crate::environment::{self, Environment};
 use crate::failure::complain;
@@ -8,12 +9,26 @@ use crate::machine;
 use anyhow::{Context as _, Result, bail};
 use rafcon_server::{Server, Settings};
 use std::io::{self, Write as _};
+use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-/// Serves until it is asked to end.
-pub(super) fn serve(raw: &cli::Serve, environment: &Environment) -> Result<ExitCode> {
-    rafcon_server::serve(settings(raw, environment)?, |server| greet(server, raw))?;
+/// Serves until it is asked to end; a station also receives robots.
+pub(super) fn serve(
+    raw: &cli::Serve,
+    robots: Option<SocketAddr>,
+    environment: &Environment,
+) -> Result<ExitCode> {
+    let settings = settings(raw, environment)?;
+    let (state, runs) = (state(&raw.state, environment)?, settings.runs.clone());
+    let mut relays = Relays::default();
+    relays.robot(&raw.link, &state, &runs)?;
+    if let Some(listen) = robots {
+        relays.station(&raw.link, listen, (&state, &runs))?;
+    }
+    let served = rafcon_server::serve(settings, |server| greet(server, raw));
+    relays.stop();
+    served?;
     Ok(ExitCode::SUCCESS)
 }
 

@@ -26,6 +26,7 @@ mod server_torture;
 mod server_twice;
 mod signals;
 mod starts;
+mod station;
 mod strangers;
 mod terminal;
 mod torture;

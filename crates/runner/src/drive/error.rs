@@ -153,6 +153,12 @@ pub enum ResumeError {
     /// The launch names no folder.
     #[error("a run is resumed by its folder: name it in `run_folder`")]
     NoFolder,
+    /// The run happens elsewhere.
+    #[error("this is the replica of a run of robot `{robot}`: resume it there")]
+    Replica {
+        /// The robot.
+        robot: String,
+    },
     /// The journal cannot be read.
     #[error("{}", reason(.0))]
     Journal(Box<JournalError>),

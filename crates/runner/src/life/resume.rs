@@ -54,6 +54,9 @@ impl Resumed {
     /// Takes the journal of the run over.
     pub(crate) fn open(launch: &Launch, resume: Resume) -> Result<Self, ResumeError> {
         let folder = launch.run_folder.as_deref().ok_or(ResumeError::NoFolder)?;
+        if let Ok(About { robot: Some(robot), .. }) = About::read(folder) {
+            return Err(ResumeError::Replica { robot });
+        }
         let crash = launch.crash.clone().unwrap_or_else(|| crash(folder));
         let (journal, resume_point) = Journal::resume(folder, &options(launch.size_max))?;
         match look(folder, resume_point.sequence, resume.from) {

@@ -53,6 +53,7 @@ proptest! {
         write(robot.path(), &rounds);
         let mut source = EventSource::open(robot.path()).unwrap();
         let head = source.last().unwrap();
+        let entries = source.reader().page(1, usize::MAX).unwrap();
         let open = || Replica::open(station.path(), &About::default(), &SMALL).unwrap();
         let mut replica = open();
         for (first, more, bytes_max, dies) in parts {
@@ -68,6 +69,8 @@ proptest! {
             }
         }
         while let Some(items) = source.read(replica.next(), head, 300).unwrap() {
+            let before = entries.iter().find(|entry| entry.sequence + 1 == items.first);
+            prop_assert_eq!(items.t_before, before.map_or(0, |entry| entry.t_ns));
             prop_assert!(replica.append(&items).unwrap());
         }
         prop_assert_eq!(replica.next(), head + 1);

@@ -58,6 +58,9 @@ pub struct About {
     /// The folders from which files may be loaded; `None` means anywhere.
     #[serde(default)]
     pub homes: Option<Vec<PathBuf>>,
+    /// The robot that runs it, if this is a replica. No runner may resume it here.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub robot: Option<String>,
     /// How to enter its first state, for a run that died before it did.
     #[serde(default)]
     pub beginning: Beginning,

@@ -75,6 +75,18 @@ impl EventSource {
         &mut self.reader
     }
 
+    /// All definitions of places up to an event, each as items: the event that it comes before, and the items.
+    pub fn places(&mut self, last: u64) -> Result<Vec<(u64, Vec<u8>)>, JournalError> {
+        let places = self.reader.definitions(1..=last)?.into_iter();
+        Ok(places
+            .map(|(first, number, place)| {
+                let mut items = Vec::new();
+                define_place(number, place, &mut items);
+                (first, items)
+            })
+            .collect())
+    }
+
     /// Events from number `first` on, at most to `last`, and not more than `bytes_max` unless a single event is longer. Nothing if
     /// there are none; an error if they are damaged or were given up.
     pub fn read(
@@ -109,7 +121,8 @@ impl EventSource {
                 return ControlFlow::Break(());
             }
             let behind = before.behind(&entry);
-            Item::Record(entry.t_ns, entry.record).write(&mut before.t_ns, &mut items.bytes);
+            let mut t_before = before.t_ns;
+            Item::Record(entry.t_ns, entry.record).write(&mut t_before, &mut items.bytes);
             if items.count > 0 && items.bytes.len() > bytes_max {
                 items.bytes.truncate(length);
                 return ControlFlow::Break(());

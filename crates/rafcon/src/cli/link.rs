@@ -1,0 +1,61 @@
+//! The commands and options of the link between robots and stations.
+
+use super::serve::{Serve, State};
+use clap::{Args, ValueEnum};
+use std::net::SocketAddr;
+
+/// Serve the runs of robots far away, and command them.
+///
+/// Robots send their runs to the address of `--listen`; each becomes an ordinary run here. First pair the robot with this station
+/// (`rafcon pair`). All else is as with `rafcon serve`.
+#[derive(Debug, Args)]
+pub(crate) struct Station {
+    /// Address at which robots are received
+    #[arg(long, value_name = "ADDRESS:PORT", default_value = "127.0.0.1:4748")]
+    pub(crate) listen: SocketAddr,
+    #[command(flatten)]
+    pub(crate) serve: Serve,
+}
+
+/// What a robot's server needs to send its runs to a station.
+#[derive(Debug, Args)]
+pub(crate) struct Link {
+    /// Send the runs to the station at this address, such as `udp://ground.example:4748`
+    #[arg(long, value_name = "ADDRESS")]
+    pub(crate) station: Option<String>,
+    /// Name of this robot in its pairing; needed only if there are several
+    #[arg(long, value_name = "NAME", requires = "station")]
+    pub(crate) robot: Option<String>,
+    /// Properties of the link
+    #[arg(long = "link", value_enum, default_value = "wifi", value_name = "PROFILE")]
+    pub(crate) profile: LinkProfile,
+}
+
+/// What is known of a link before it is measured.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum LinkProfile {
+    /// A cable or a good wireless network: 50 Mbit/s
+    Lan,
+    /// A wireless network at the edge of its range: 4 Mbit/s down, 1 Mbit/s up
+    Wifi,
+    /// Seconds of delay and long blackouts: 256 kbit/s down, 32 kbit/s up
+    #[value(name = "delay-2s")]
+    Delay2s,
+    /// Minutes of delay: 8 kbit/s down, 1 kbit/s up
+    Deep,
+}
+
+/// Pair a robot with a station: both get the key with which they talk.
+///
+/// On the robot, `rafcon pair NAME` makes the key and prints a line. On the station, `rafcon pair --paste` reads that line.
+#[derive(Debug, Args)]
+pub(crate) struct Pair {
+    /// Name of the robot: letters, digits, `.`, `-`, `_`
+    #[arg(value_name = "NAME", required_unless_present = "paste", conflicts_with = "paste")]
+    pub(crate) robot: Option<String>,
+    /// Read the line that the robot printed
+    #[arg(long)]
+    pub(crate) paste: bool,
+    #[command(flatten)]
+    pub(crate) state: State,
+}

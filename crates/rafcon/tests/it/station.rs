@@ -1,0 +1,188 @@
+//! A robot and a station as their users have them: two servers, a real network, and a path between them that damages what it carries.
+
+use crate::harness::{Place, Run, ticks};
+use expect_test::expect;
+use std::io::{BufRead as _, BufReader, Write as _};
+use std::net::{SocketAddr, UdpSocket};
+use std::process::{Child, Stdio};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread;
+
+/// A program that is killed when it is dropped.
+struct Program(Child);
+
+impl Drop for Program {
+    fn drop(&mut self) {
+        self.0.kill().unwrap_or_default();
+        self.0.wait().unwrap();
+    }
+}
+
+fn pair(place: &Place, name: &str) {
+    let made = place.call(&format!("pair {name} --state robot"));
+    assert_eq!(made.code, Some(0), "{}", made.stderr);
+    let mut paste = place.command("pair --paste --state ground");
+    let mut paste = paste.stdin(Stdio::piped()).stdout(Stdio::null()).spawn().unwrap();
+    paste.stdin.take().unwrap().write_all(made.stdout.as_bytes()).unwrap();
+    assert!(paste.wait().unwrap().success());
+}
+
+/// A station that receives at this address, and where that is.
+fn station(place: &Place, listen: &str) -> (Program, SocketAddr) {
+    let words = format!(
+        "station --state ground --runs ground-runs --bind 127.0.0.1:0 --listen {listen} --link lan"
+    );
+    let mut station = place.command(&words);
+    let mut child = station.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();
+    let mut lines = BufReader::new(child.stderr.take().unwrap()).lines().map(Result::unwrap);
+    let said = lines.find_map(|line| Some(line.split_once("udp://")?.1.to_owned()));
+    let address = said.unwrap().parse().unwrap();
+    // Whoever writes to it later is read.
+    in_background(move || lines.for_each(drop));
+    (Program(child), address)
+}
+
+fn robot(place: &Place, station: SocketAddr) -> Program {
+    let words = format!(
+        "serve --state robot --runs robot-runs --bind 127.0.0.1:0 --station udp://{station} --link lan"
+    );
+    let mut robot = place.command(&words);
+    Program(robot.stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap())
+}
+
+fn in_background(work: impl FnOnce() + Send + 'static) {
+    thread::Builder::new().spawn(work).unwrap();
+}
+
+/// A path that loses, doubles and damages datagrams in both directions, until dropped. It says where it begins.
+struct BadPath {
+    address: SocketAddr,
+    ends: Arc<AtomicBool>,
+}
+
+impl BadPath {
+    fn to(station: SocketAddr) -> Self {
+        let (near, far) = [(); 2].map(|()| UdpSocket::bind("127.0.0.1:0").unwrap()).into();
+        let (address, ends) = (near.local_addr().unwrap(), Arc::new(AtomicBool::new(false)));
+        let (there, back) = (near.try_clone().unwrap(), far.try_clone().unwrap());
+        let (first, second) = (Arc::clone(&ends), Arc::clone(&ends));
+        let robot = Arc::new(std::sync::Mutex::new(None));
+        let known = Arc::clone(&robot);
+        in_background(move || {
+            carry(&there, &first, |from, datagram| {
+                *known.lock().unwrap() = Some(from);
+                far.send_to(datagram, station).unwrap_or_default();
+            });
+        });
+        in_background(move || {
+            carry(&back, &second, |_, datagram| {
+                if let Some(robot) = *robot.lock().unwrap() {
+                    near.send_to(datagram, robot).unwrap_or_default();
+                }
+            });
+        });
+        Self { address, ends }
+    }
+}
+
+impl Drop for BadPath {
+    fn drop(&mut self) {
+        self.ends.store(true, Ordering::Release);
+    }
+}
+
+fn carry(socket: &UdpSocket, ends: &AtomicBool, mut send: impl FnMut(SocketAddr, &[u8])) {
+    let mut buffer = [0; 2_000];
+    for count in 1_usize.. {
+        let Ok((length, from)) = socket.recv_from(&mut buffer) else { return };
+        if ends.load(Ordering::Acquire) {
+            return;
+        }
+        let datagram = &mut buffer[..length];
+        if count.is_multiple_of(11) {
+            datagram[count % length] ^= 1 << (count % 8);
+        }
+        if !count.is_multiple_of(7) {
+            send(from, datagram);
+        }
+        if count.is_multiple_of(5) {
+            send(from, datagram);
+        }
+    }
+}
+
+/// All events of the newest run in a folder, with their values.
+fn history(place: &Place, runs: &str) -> String {
+    place.call(&format!("history last --json --values --runs {runs}")).stdout
+}
+
+/// Waits until the newest run at the station says this of itself.
+fn wait_at_station(place: &Place, words: &str) {
+    while !place.call("runs --runs ground-runs").stdout.contains(words) {
+        thread::yield_now();
+    }
+}
+
+#[test]
+fn a_station_has_the_run_of_its_robot_although_the_path_is_bad_and_it_dies() {
+    let place = Place::with(&ticks(3_000));
+    pair(&place, "scout");
+    let (ground, address) = station(&place, "127.0.0.1:0");
+    let path = BadPath::to(address);
+    let robot = robot(&place, path.address);
+    let run = Run::start(&place, "--runs robot-runs");
+    wait_at_station(&place, "Ticks  running");
+    drop(ground);
+    wait_at_station(&place, "Ticks  crashed");
+    let resumed = place.call("resume last --runs ground-runs");
+    expect!["error: this is the replica of a run of robot `scout`: resume it there"]
+        .assert_eq(resumed.stderr.lines().last().unwrap());
+    let (_ground, _) = station(&place, &address.to_string());
+    assert_eq!(run.end().0, Some(0));
+    wait_at_station(&place, "Ticks  ended with success");
+    assert_eq!(history(&place, "ground-runs"), history(&place, "robot-runs"));
+    drop(robot);
+}
+
+#[test]
+fn commands_at_a_station_reach_the_robot() {
+    let place = Place::with(&ticks(1_000_000));
+    pair(&place, "scout");
+    let (_ground, address) = station(&place, "127.0.0.1:0");
+    let path = BadPath::to(address);
+    let _robot = robot(&place, path.address);
+    let run = Run::start(&place, "--runs robot-runs");
+    wait_at_station(&place, "Ticks  running");
+    let tell = |command: &str| {
+        let told = place.call(&format!("tell last {command} --runs ground-runs"));
+        (told.code, told.stdout)
+    };
+    assert_eq!(tell("pause"), (Some(0), "applied\n".to_owned()));
+    assert_eq!(tell("resume"), (Some(0), "applied\n".to_owned()));
+    assert_eq!(tell("stop"), (Some(0), "applied\n".to_owned()));
+    drop(run.end());
+    wait_at_station(&place, "Ticks  ended with");
+    assert_eq!(history(&place, "ground-runs"), history(&place, "robot-runs"));
+}
+
+#[test]
+fn what_is_not_paired_is_not_received() {
+    let place = Place::empty();
+    let station = place.call("station --state ground --listen 127.0.0.1:0 --bind 127.0.0.1:0");
+    let robot = place.call("serve --state robot --station udp://127.0.0.1:9 --bind 127.0.0.1:0");
+    let again =
+        ["pair scout --state robot", "pair scout --state robot", "pair bad/name --state robot"];
+    let mut said = vec![station.stderr, robot.stderr];
+    said.extend(again.into_iter().skip(1).map(|words| {
+        let _first = place.call(again[0]);
+        place.call(words).stderr
+    }));
+    expect![[r"
+        error: this station is paired with no robot: run `rafcon pair NAME` on the robot and `rafcon pair --paste` here
+        error: this robot is not paired: run `rafcon pair NAME` here, and `rafcon pair --paste` at the station
+        error: cannot write PLACE/robot/link/pairings/scout: to pair `scout` again, remove that file first
+          because: File exists (os error 17)
+        error: `bad/name` cannot name a robot: use 1 to 64 letters, digits, `.`, `-` and `_`
+    "]].assert_eq(&said.concat());
+}

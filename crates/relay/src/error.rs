@@ -1,0 +1,38 @@
+//! What ends a relay.
+
+use rafcon_link::SealError;
+use std::io;
+use std::net::SocketAddr;
+use std::path::PathBuf;
+
+/// Why a relay cannot begin, or ended.
+#[derive(Debug, thiserror::Error)]
+pub enum RelayError {
+    /// Its address is not to be had.
+    #[error(
+        "cannot receive datagrams at {address}: check that the address is this computer's and that no other program has it"
+    )]
+    Bind {
+        /// The address.
+        address: SocketAddr,
+        /// Why not.
+        source: io::Error,
+    },
+    /// Its folder cannot be written.
+    #[error("cannot write {}: the number of this start has to be on the disk before anything is sent", path.display())]
+    Folder {
+        /// The file.
+        path: PathBuf,
+        /// Why not.
+        source: io::Error,
+    },
+    /// A file in its folder says nothing.
+    #[error("{} is damaged: pair robot and station again, and remove the file", path.display())]
+    Damaged {
+        /// The file.
+        path: PathBuf,
+    },
+    /// The session has sealed as many datagrams as one start may.
+    #[error(transparent)]
+    Seal(#[from] SealError),
+}

@@ -1,0 +1,39 @@
+//! The numbers by which both sides name runs and commands: hashes, so that no one has to agree on them.
+
+use rafcon_link::{CommandId, StreamId};
+
+/// The events of the run with this id.
+pub(crate) fn events_of(run: &str) -> StreamId {
+    StreamId(hash(run) | 1)
+}
+
+/// What is to be known about the run with this id: a stream that comes before that of its events.
+pub(crate) fn about_of(run: &str) -> StreamId {
+    StreamId(hash(run) & !1)
+}
+
+/// The stream with what is to be known about the run of a stream of events.
+pub(crate) fn about_beside(events: StreamId) -> StreamId {
+    StreamId(events.0 & !1)
+}
+
+/// The stream with the events of the run that a stream is about.
+pub(crate) fn events_beside(about: StreamId) -> StreamId {
+    StreamId(about.0 | 1)
+}
+
+pub(crate) fn is_about(stream: StreamId) -> bool {
+    stream.0.is_multiple_of(2)
+}
+
+/// The command of the envelope with this id.
+pub(crate) fn command(envelope: &str) -> CommandId {
+    let mut id = [0; 16];
+    id.copy_from_slice(&blake3::hash(envelope.as_bytes()).as_bytes()[..16]);
+    CommandId(id)
+}
+
+fn hash(run: &str) -> u32 {
+    let [a, b, c, d, ..] = *blake3::hash(run.as_bytes()).as_bytes();
+    u32::from_be_bytes([a, b, c, d])
+}

@@ -1,0 +1,90 @@
+//! What a relay waits for, from several threads: datagrams, and whatever else its side sends it.
+
+use crate::error::RelayError;
+use std::net::{SocketAddr, UdpSocket};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{self, Receiver, SyncSender};
+use std::thread;
+use std::time::Duration;
+
+/// So much waits at most; datagrams beyond that are lost, as on any bad link.
+const WAITING: usize = 4_096;
+/// No datagram is longer.
+const DATAGRAM_MAX: usize = 65_535;
+/// A thread that receives looks this often whether it is to end.
+const LOOK: Duration = Duration::from_millis(200);
+
+/// Ends a relay.
+#[derive(Debug, Clone, Default)]
+pub struct Stopper(Arc<AtomicBool>);
+
+impl Stopper {
+    /// Ends it; it takes a moment.
+    pub fn stop(&self) {
+        self.0.store(true, Ordering::Release);
+    }
+
+    pub(crate) fn is_stopped(&self) -> bool {
+        self.0.load(Ordering::Acquire)
+    }
+}
+
+/// What arrives.
+#[derive(Debug)]
+pub(crate) enum Input<T> {
+    Datagram(SocketAddr, Vec<u8>),
+    Other(T),
+}
+
+/// Where a relay waits.
+#[derive(Debug)]
+pub(crate) struct Inbox<T> {
+    sender: SyncSender<Input<T>>,
+    receiver: Receiver<Input<T>>,
+}
+
+impl<T: Send + 'static> Inbox<T> {
+    pub(crate) fn new() -> Self {
+        let (sender, receiver) = mpsc::sync_channel(WAITING);
+        Self { sender, receiver }
+    }
+
+    /// For the threads that send to it.
+    pub(crate) fn sender(&self) -> SyncSender<Input<T>> {
+        self.sender.clone()
+    }
+
+    /// The next input; nothing if none comes in this time.
+    pub(crate) fn wait(&self, time: Duration) -> Option<Input<T>> {
+        self.receiver.recv_timeout(time.min(LOOK)).ok()
+    }
+
+    /// Binds a socket whose datagrams arrive here until the relay is stopped.
+    pub(crate) fn listen(
+        &self,
+        address: SocketAddr,
+        stopper: &Stopper,
+    ) -> Result<UdpSocket, RelayError> {
+        let bind = || {
+            let socket = UdpSocket::bind(address)?;
+            let receiving = socket.try_clone()?;
+            receiving.set_read_timeout(Some(LOOK))?;
+            let (sender, stopper) = (self.sender(), stopper.clone());
+            let receive = move || receive(&receiving, &sender, &stopper);
+            thread::Builder::new().name("datagrams".to_owned()).spawn(receive)?;
+            Ok(socket)
+        };
+        bind().map_err(|source| RelayError::Bind { address, source })
+    }
+}
+
+fn receive<T>(socket: &UdpSocket, sender: &SyncSender<Input<T>>, stopper: &Stopper) {
+    let mut buffer = vec![0; DATAGRAM_MAX];
+    while !stopper.is_stopped() {
+        if let Ok((length, from)) = socket.recv_from(&mut buffer) {
+            // What finds no room is lost on the way.
+            drop(sender.try_send(Input::Datagram(from, buffer[..length].to_vec())));
+        }
+    }
+}

@@ -1,0 +1,19 @@
+//! Carries the runs of a robot over the link to its stations: on the robot from journals and runners to datagrams, at a station
+//! from datagrams to ordinary run folders, each with a stand-in for its runner that a server joins like any other.
+//!
+//! Knows sockets, threads and folders. Knows nothing of HTTP, terminals or what a datagram looks like inside (`rafcon-link`).
+
+mod clock;
+mod error;
+mod ids;
+mod inbox;
+mod pairing;
+mod robot;
+mod start;
+mod station;
+
+pub use error::RelayError;
+pub use inbox::Stopper;
+pub use pairing::{BadPairing, Pairing};
+pub use robot::{RobotSettings, relay_robot};
+pub use station::{StationSettings, relay_station};

@@ -1,0 +1,107 @@
+//! The connection to the runner of a run that continues.
+
+use crate::inbox::Input;
+use rafcon_protocol::{
+    Answer, Envelope, FrameKind, Hello, Join, Snapshot, ToRunner, ToViewer, decode, encode,
+    read_frame,
+};
+use rafcon_supervisor::connect;
+use std::io::{self, BufRead as _, BufReader, Write as _};
+use std::net::Shutdown;
+use std::os::unix::net::UnixStream;
+use std::path::Path;
+use std::sync::mpsc::SyncSender;
+use std::thread;
+
+/// What the runner of a run sends.
+#[derive(Debug)]
+pub(super) enum FromRun {
+    /// There are more events in the journal of this run.
+    Happened(String),
+    /// This is its present state.
+    Snapshot(String, Box<Snapshot>),
+    /// This became of the command with this id.
+    Answered(String, Answer),
+    /// The connection to the runner of this run ended.
+    Gone(String),
+}
+
+/// A runner that is followed until this is dropped.
+#[derive(Debug)]
+pub(super) struct Followed {
+    out: UnixStream,
+}
+
+impl Followed {
+    /// Joins the run in `folder`; what it sends from event `from` on arrives at `inbox`.
+    pub(super) fn join(
+        folder: &Path,
+        run: &str,
+        from: u64,
+        inbox: &SyncSender<Input<FromRun>>,
+    ) -> Option<Self> {
+        let stream = connect(folder).ok()?;
+        let mut out = stream.try_clone().ok()?;
+        let mut words = encode(&Hello::ours()).ok()?;
+        words.extend(encode(&ToRunner::Join(Join { from, every_event: true })).ok()?);
+        out.write_all(&words).ok()?;
+        let (run, inbox) = (run.to_owned(), inbox.clone());
+        let follow = move || {
+            // However it ends, the run is looked at again.
+            drop(follow(BufReader::new(stream), &run, &inbox));
+            inbox.send(Input::Other(FromRun::Gone(run))).unwrap_or_default();
+        };
+        thread::Builder::new().name("run".to_owned()).spawn(follow).ok()?;
+        Some(Self { out })
+    }
+
+    /// Gives a command; false if the runner is gone.
+    pub(super) fn command(&mut self, envelope: Envelope) -> bool {
+        let line = encode(&ToRunner::Command(envelope));
+        line.is_ok_and(|line| self.out.write_all(&line).is_ok())
+    }
+}
+
+impl Drop for Followed {
+    fn drop(&mut self) {
+        // One that is shut already is as shut as it should be.
+        drop(self.out.shutdown(Shutdown::Both));
+    }
+}
+
+fn follow(
+    mut frames: BufReader<UnixStream>,
+    run: &str,
+    inbox: &SyncSender<Input<FromRun>>,
+) -> io::Result<()> {
+    let mut hello = String::new();
+    frames.read_line(&mut hello)?;
+    let theirs = decode::<Hello>(&hello).map_err(io::Error::other)?;
+    theirs.check().map_err(io::Error::other)?;
+    let mut content = Vec::new();
+    while let Some(kind) = read_frame(&mut frames, &mut content)? {
+        let input = match kind {
+            FrameKind::Events => Some(FromRun::Happened(run.to_owned())),
+            FrameKind::Message => said(run, &content),
+            FrameKind::Unknown => None,
+        };
+        if let Some(input) = input
+            && inbox.send(Input::Other(input)).is_err()
+        {
+            break;
+        }
+    }
+    Ok(())
+}
+
+fn said(run: &str, content: &[u8]) -> Option<FromRun> {
+    match serde_json::from_slice(content).ok()? {
+        ToViewer::Snapshot(snapshot) => Some(FromRun::Snapshot(run.to_owned(), Box::new(snapshot))),
+        ToViewer::Answer { id, answer } => Some(FromRun::Answered(id, answer)),
+        ToViewer::Loaded { .. }
+        | ToViewer::LoadFailed { .. }
+        | ToViewer::Inspection { .. }
+        | ToViewer::Event { .. }
+        | ToViewer::Pong { .. } => None,
+    }
+}

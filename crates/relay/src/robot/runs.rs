@@ -1,0 +1,177 @@
+//! The runs of a robot: which there are, what of them is sent, and from where.
+
+use super::follow::{Followed, FromRun};
+use crate::ids;
+use crate::inbox::Input;
+use rafcon_link::{EventBuffer, Events, RobotSession, RunSource, StreamId};
+use rafcon_protocol::{Envelope, Snapshot};
+use rafcon_storage::journal::{
+    About, EventItems, EventSource, JournalError, RunState, Summary, run_folders, writer_of,
+};
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::sync::mpsc::SyncSender;
+
+/// Of so many new events each goes ahead of older ones; of more the journal has them, in their turn.
+const AHEAD_MAX: u64 = 64;
+
+/// The runs of a robot.
+#[derive(Debug)]
+pub(super) struct RobotRuns {
+    folder: PathBuf,
+    inbox: SyncSender<Input<FromRun>>,
+    tell: fn(&str),
+    all: BTreeMap<String, RobotRun>,
+    streams: BTreeMap<StreamId, String>,
+}
+
+#[derive(Debug)]
+struct RobotRun {
+    folder: PathBuf,
+    about: Vec<u8>,
+    source: EventSource,
+    head: u64,
+    runner: Option<Followed>,
+    snapshot: Option<Box<Snapshot>>,
+}
+
+impl RobotRuns {
+    pub(super) fn new(folder: &Path, inbox: SyncSender<Input<FromRun>>, tell: fn(&str)) -> Self {
+        let (all, streams) = (BTreeMap::new(), BTreeMap::new());
+        Self { folder: folder.to_owned(), inbox, tell, all, streams }
+    }
+
+    /// Looks for runs that continue and are not followed.
+    pub(super) fn look(&mut self, session: &mut RobotSession) {
+        for folder in run_folders(&self.folder).unwrap_or_default() {
+            let id = folder.file_name().unwrap_or_default().to_string_lossy().into_owned();
+            let is_live = matches!(writer_of(&folder), Ok(Some(_)));
+            if !is_live || self.all.get(&id).is_some_and(|run| run.runner.is_some()) {
+                continue;
+            }
+            if let Err(error) = self.find(&id, &folder, session) {
+                (self.tell)(&format!("run {id} is not sent to the station: {error}"));
+            }
+        }
+    }
+
+    fn find(
+        &mut self,
+        id: &str,
+        folder: &Path,
+        session: &mut RobotSession,
+    ) -> Result<(), JournalError> {
+        if !self.all.contains_key(id) && !self.begin(id, folder, session)? {
+            return Ok(());
+        }
+        let Some(run) = self.all.get_mut(id) else { return Ok(()) };
+        run.source = EventSource::open(folder)?;
+        run.runner = Followed::join(folder, id, run.head + 1, &self.inbox);
+        session.set_state(ids::events_of(id), b"live", false);
+        Ok(())
+    }
+
+    /// Begins to send a run; not if it is itself a replica.
+    fn begin(
+        &mut self,
+        id: &str,
+        folder: &Path,
+        session: &mut RobotSession,
+    ) -> Result<bool, JournalError> {
+        let about = About::read(folder)?;
+        if about.robot.is_some() {
+            return Ok(false);
+        }
+        let source = EventSource::open(folder)?;
+        let about = serde_json::to_vec(&about).unwrap_or_default();
+        let head = source.last()?;
+        let (events, beside) = (ids::events_of(id), ids::about_of(id));
+        session.begin(beside, 1);
+        session.set_state(beside, &[], true);
+        session.begin(events, head);
+        self.streams.extend([(events, id.to_owned()), (beside, id.to_owned())]);
+        let (folder, runner) = (folder.to_owned(), None);
+        let run = RobotRun { folder, about, source, head, runner, snapshot: None };
+        self.all.insert(id.to_owned(), run);
+        Ok(true)
+    }
+
+    /// Sends what is new in the journal of a run.
+    pub(super) fn happened(&mut self, id: &str, session: &mut RobotSession) {
+        let Some(run) = self.all.get_mut(id) else { return };
+        let Ok(last) = run.source.last() else { return };
+        if last > run.head + AHEAD_MAX {
+            // They go in their turn, read from the journal.
+            let (stream, first) = (ids::events_of(id), last);
+            let items = &[];
+            session.append(&Events { stream, first, count: 1, t_before: 0, items });
+            run.head = last;
+        }
+        while run.head < last {
+            let Ok(Some(read)) = run.source.read(run.head + 1, last, 0) else { return };
+            let EventItems { first, count, t_before, bytes } = &read;
+            let (stream, first, count, t_before) = (ids::events_of(id), *first, *count, *t_before);
+            session.append(&Events { stream, first, count, t_before, items: bytes });
+            run.head = first + count - 1;
+        }
+    }
+
+    /// A run is in this state.
+    pub(super) fn stands(&mut self, id: &str, snapshot: Box<Snapshot>, session: &mut RobotSession) {
+        if let Some(run) = self.all.get_mut(id) {
+            run.snapshot = Some(snapshot);
+            session.set_snapshot_changed(ids::events_of(id));
+        }
+    }
+
+    /// The runner of a run is gone: it has ended, or died.
+    pub(super) fn gone(&mut self, id: &str, session: &mut RobotSession) {
+        let Some(run) = self.all.get_mut(id) else { return };
+        run.runner = None;
+        // What is beside the database of a dead runner counts, too.
+        match EventSource::open(&run.folder) {
+            Ok(source) => run.source = source,
+            Err(error) => (self.tell)(&format!("the journal of run {id} cannot be read: {error}")),
+        }
+        self.happened(id, session);
+        if let Some(run) = self.all.get(id) {
+            let is_over = matches!(Summary::of(&run.folder).state, RunState::Finished { .. });
+            let state: &[u8] = if is_over { b"finished" } else { b"crashed" };
+            session.set_state(ids::events_of(id), state, is_over);
+        }
+    }
+
+    /// Gives a command to the runner of a run; false if it has none.
+    pub(super) fn command(&mut self, id: &str, envelope: Envelope) -> bool {
+        let runner = self.all.get_mut(id).and_then(|run| run.runner.as_mut());
+        runner.is_some_and(|runner| runner.command(envelope))
+    }
+
+    fn run(&mut self, stream: StreamId) -> Option<&mut RobotRun> {
+        self.all.get_mut(self.streams.get(&stream)?)
+    }
+}
+
+impl RunSource for RobotRuns {
+    fn events(
+        &mut self,
+        stream: StreamId,
+        first: u64,
+        last: u64,
+        bytes_max: usize,
+    ) -> Option<EventBuffer> {
+        let run = self.run(stream)?;
+        if ids::is_about(stream) {
+            let items = run.about.clone();
+            return (first == 1).then_some(EventBuffer { first, count: 1, t_before: 0, items });
+        }
+        let read = run.source.read(first, last, bytes_max).ok()??;
+        let EventItems { first, count, t_before, bytes: items } = read;
+        Some(EventBuffer { first, count, t_before, items })
+    }
+
+    fn snapshot(&mut self, stream: StreamId) -> Option<(u64, Vec<u8>)> {
+        let snapshot = self.run(stream).filter(|_| !ids::is_about(stream))?.snapshot.as_ref()?;
+        Some((snapshot.sequence, serde_json::to_vec(snapshot).ok()?))
+    }
+}

@@ -1,0 +1,80 @@
+//! The files of one side of a link: which start of it this is, and what it heard before.
+
+use crate::error::RelayError;
+use crate::pairing::Pairing;
+use rafcon_link::{Generation, Horizon, Identity};
+use std::fs::{self, File};
+use std::io::{self, Write as _};
+use std::path::{Path, PathBuf};
+
+const START_FILE: &str = "start";
+const HEARD_FILE: &str = "heard";
+
+/// One start of one side.
+#[derive(Debug)]
+pub(crate) struct Start {
+    folder: PathBuf,
+    pub(crate) generation: Generation,
+    heard: Option<Horizon>,
+}
+
+impl Start {
+    /// The next start of the side whose files lie in `folder`. Its number is safe on the disk when this returns.
+    pub(crate) fn begin(folder: &Path) -> Result<Self, RelayError> {
+        fs::create_dir_all(folder)
+            .map_err(|source| RelayError::Folder { path: folder.to_owned(), source })?;
+        let [before] = numbers(&folder.join(START_FILE))?.unwrap_or([0]);
+        let next = u32::try_from(before + 1)
+            .map_err(|_many| RelayError::Damaged { path: folder.join(START_FILE) })?;
+        write(&folder.join(START_FILE), &[u64::from(next)])?;
+        let heard = numbers(&folder.join(HEARD_FILE))?.and_then(|[generation, number]| {
+            Some(Horizon { generation: Generation(u32::try_from(generation).ok()?), number })
+        });
+        Ok(Self { folder: folder.to_owned(), generation: Generation(next), heard })
+    }
+
+    pub(crate) fn identity<'k>(&self, pairing: &'k Pairing) -> Identity<'k> {
+        Identity {
+            key_id: pairing.key_id,
+            key: &pairing.key,
+            robot: &pairing.robot,
+            start: self.generation,
+            heard: self.heard,
+        }
+    }
+
+    /// Keeps what was heard last, for the next start.
+    pub(crate) fn keep_heard(&mut self, heard: Option<Horizon>) -> Result<(), RelayError> {
+        let Some(heard) = heard.filter(|_| heard != self.heard) else { return Ok(()) };
+        let numbers = [u64::from(heard.generation.0), heard.number];
+        write(&self.folder.join(HEARD_FILE), &numbers)?;
+        self.heard = Some(heard);
+        Ok(())
+    }
+}
+
+fn numbers<const N: usize>(path: &Path) -> Result<Option<[u64; N]>, RelayError> {
+    let text = match fs::read_to_string(path) {
+        Ok(text) => text,
+        Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
+        Err(source) => return Err(RelayError::Folder { path: path.to_owned(), source }),
+    };
+    let numbers: Option<Vec<u64>> =
+        text.split_whitespace().map(|number| number.parse().ok()).collect();
+    let numbers = numbers.and_then(|numbers| numbers.try_into().ok());
+    numbers.map(Some).ok_or_else(|| RelayError::Damaged { path: path.to_owned() })
+}
+
+/// Replaces the file, synced with its folder.
+fn write(path: &Path, numbers: &[u64]) -> Result<(), RelayError> {
+    let text = numbers.iter().map(u64::to_string).collect::<Vec<_>>().join(" ");
+    let new = path.with_extension("new");
+    let replace = || {
+        let mut file = File::create(&new)?;
+        file.write_all(text.as_bytes())?;
+        file.sync_all()?;
+        fs::rename(&new, path)?;
+        File::open(path.parent().unwrap_or(Path::new(".")))?.sync_all()
+    };
+    replace().map_err(|source| RelayError::Folder { path: path.to_owned(), source })
+}

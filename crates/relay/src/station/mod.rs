@@ -1,0 +1,95 @@
+//! The station's side: keeps a replica of each run of its robots, reports what it has, and sends commands.
+
+mod replica_run;
+mod robot;
+mod viewers;
+
+use crate::clock::SessionClock;
+use crate::error::RelayError;
+use crate::inbox::{Inbox, Input, Stopper};
+use crate::pairing::Pairing;
+use rafcon_link::Profile;
+use rafcon_protocol::Envelope;
+use robot::StationRobot;
+use std::net::SocketAddr;
+use std::path::PathBuf;
+use std::time::Duration;
+
+/// What arrived is safe on the disk after this time at most.
+const SYNC_EVERY: Duration = Duration::from_millis(250);
+/// What was heard is kept this often.
+const KEEP_EVERY: Duration = Duration::from_secs(10);
+
+/// What a station's relay needs.
+#[derive(Debug, Clone)]
+pub struct StationSettings {
+    /// The folder for its files, one for each robot.
+    pub folder: PathBuf,
+    /// The folder for the replicas.
+    pub runs: PathBuf,
+    /// What it shares with its robots.
+    pub pairings: Vec<Pairing>,
+    /// Where it receives.
+    pub bind: SocketAddr,
+    /// What is known of the link.
+    pub profile: Profile,
+    /// Told what goes wrong.
+    pub tell: fn(&str),
+}
+
+/// A command that a viewer of a replica gave.
+#[derive(Debug)]
+pub(crate) struct GivenCommand {
+    /// The number of the robot.
+    robot: usize,
+    /// The id of the run.
+    run: String,
+    envelope: Envelope,
+}
+
+/// Keeps replicas of the runs of robots until it is stopped. `is_up` is given the address at which it receives.
+pub fn relay_station(
+    settings: &StationSettings,
+    stopper: &Stopper,
+    is_up: impl FnOnce(SocketAddr),
+) -> Result<(), RelayError> {
+    let inbox = Inbox::new();
+    let socket = inbox.listen(settings.bind, stopper)?;
+    is_up(socket.local_addr().unwrap_or(settings.bind));
+    let clock = SessionClock::begin();
+    let robots = settings.pairings.iter().enumerate();
+    let robots = robots.map(|(number, pairing)| {
+        StationRobot::begin(settings, number, pairing, inbox.sender(), clock)
+    });
+    let mut robots = robots.collect::<Result<Vec<_>, _>>()?;
+    let (mut sync_at, mut keep_at) = (SYNC_EVERY, KEEP_EVERY);
+    while !stopper.is_stopped() {
+        let now = clock.now();
+        if now >= sync_at {
+            sync_at = now + SYNC_EVERY;
+            robots.iter_mut().for_each(StationRobot::sync);
+        }
+        if now >= keep_at {
+            keep_at = now + KEEP_EVERY;
+            robots.iter_mut().try_for_each(StationRobot::keep)?;
+        }
+        let mut next = sync_at.min(keep_at);
+        for robot in &mut robots {
+            next = next.min(robot.send(&socket)?);
+        }
+        match inbox.wait(next.saturating_sub(clock.now())) {
+            Some(Input::Datagram(from, datagram)) => {
+                // Which robot it is of is known by the key that opens it.
+                let _opened = robots.iter_mut().any(|robot| robot.receive(from, datagram.clone()));
+            }
+            Some(Input::Other(GivenCommand { robot, run, envelope })) => {
+                if let Some(robot) = robots.get_mut(robot) {
+                    robot.command(&run, envelope);
+                }
+            }
+            None => {}
+        }
+    }
+    robots.iter_mut().for_each(StationRobot::sync);
+    robots.iter_mut().try_for_each(StationRobot::keep)
+}

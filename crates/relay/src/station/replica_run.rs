@@ -1,0 +1,116 @@
+//! The replica of one run: an ordinary run folder, written by the link, and open to viewers as if its runner were here.
+
+use super::GivenCommand;
+use super::viewers::{Shared, Viewers};
+use crate::inbox::Input;
+use rafcon_protocol::{Answer, Snapshot};
+use rafcon_storage::journal::{About, EventItems, JournalError, Options, Replica, ReplicaError};
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::sync::Arc;
+use std::sync::mpsc::SyncSender;
+
+pub(super) struct ReplicaRun {
+    id: String,
+    replica: Option<Replica>,
+    safe: u64,
+    is_over: bool,
+    /// Events behind a gap, by the number of the first.
+    ahead: BTreeMap<u64, EventItems>,
+    shared: Arc<Shared>,
+    /// Closed when this is dropped.
+    _viewers: Viewers,
+}
+
+impl ReplicaRun {
+    /// Begins the replica of a run, or goes on with it. Commands of viewers arrive at `given`, with the number of the robot.
+    pub(super) fn open(
+        runs: &Path,
+        about: &About,
+        (robot, given): (usize, SyncSender<Input<GivenCommand>>),
+    ) -> Result<Self, JournalError> {
+        let folder = runs.join(&about.id);
+        let options = Options {
+            size_max: about.size_max.unwrap_or(Options::default().size_max),
+            ..Options::default()
+        };
+        let replica = Replica::open(&folder, about, &options)?;
+        let safe = replica.next() - 1;
+        let shared = Arc::new(Shared::new(folder.clone(), about, safe));
+        let run = about.id.clone();
+        let give = move |envelope| {
+            let command = GivenCommand { robot, run: run.clone(), envelope };
+            given.try_send(Input::Other(command)).is_ok()
+        };
+        let viewers = Viewers::open(&folder, Arc::clone(&shared), give)?;
+        Ok(Self {
+            id: about.id.clone(),
+            replica: Some(replica),
+            safe,
+            is_over: false,
+            ahead: BTreeMap::new(),
+            shared,
+            _viewers: viewers,
+        })
+    }
+
+    pub(super) fn id(&self) -> &str {
+        &self.id
+    }
+
+    /// The number of the event that comes next.
+    pub(super) fn next(&self) -> u64 {
+        self.replica.as_ref().map_or(self.safe + 1, Replica::next)
+    }
+
+    /// Takes events; those behind a gap wait until it is filled.
+    pub(super) fn take(&mut self, items: EventItems) -> Result<(), ReplicaError> {
+        let Some(replica) = &mut self.replica else { return Ok(()) };
+        self.ahead.insert(items.first, items);
+        while let Some(first) = self.ahead.first_entry().filter(|it| *it.key() <= replica.next()) {
+            replica.append(&first.remove())?;
+        }
+        Ok(())
+    }
+
+    /// The robot says that no event will follow.
+    pub(super) fn set_over(&mut self) {
+        self.is_over = true;
+    }
+
+    /// The robot says that this is its state.
+    pub(super) fn stands(&self, snapshot: Snapshot) {
+        self.shared.stands(snapshot);
+    }
+
+    /// Whether the robot is heard.
+    pub(super) fn set_heard(&self, is_heard: bool) {
+        self.shared.set_heard(is_heard);
+    }
+
+    /// Makes all so far safe, and shows it; answers up to which event that is.
+    pub(super) fn sync(&mut self) -> Result<u64, JournalError> {
+        if let Some(replica) = &self.replica
+            && replica.next() - 1 > self.safe
+        {
+            self.safe = replica.commit()?.sequence;
+            self.shared.set_safe(self.safe);
+        }
+        Ok(self.safe)
+    }
+
+    /// Closes the replica if the run is over, the robot's last event is this one, and all are here. Answers whether it did.
+    pub(super) fn close_if_complete(&mut self, head: u64) -> bool {
+        let is_complete = self.is_over && head > 0 && self.safe >= head;
+        if is_complete && let Some(replica) = self.replica.take() {
+            // What could not be closed is like a run whose runner died: complete, and read as such.
+            drop(replica.close());
+        }
+        is_complete
+    }
+
+    /// Answers a command.
+    pub(super) fn answer(&self, envelope: &str, answer: &Answer) {
+        self.shared.answer(envelope, answer);
+    }
+}

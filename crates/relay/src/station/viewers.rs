@@ -1,0 +1,337 @@
+//! The stand-in for the runner of a replica: viewers join it over the socket in the run's folder, as they join a runner.
+
+use parking_lot::{Condvar, Mutex};
+use rafcon_protocol::{
+    Answer, Envelope, FRAME_HEAD, FrameKind, Hello, Join, Snapshot, ToRunner, ToViewer, decode,
+    encode, encode_frame, frame_head,
+};
+use rafcon_storage::journal::folder::{Doing, SOCKET_FILE};
+use rafcon_storage::journal::stream::EventBlock;
+use rafcon_storage::journal::{About, EventItems, EventSource, JournalError};
+use rafcon_supervisor::clock;
+use std::collections::BTreeMap;
+use std::fs::{self, File, Permissions};
+use std::io::{self, BufRead as _, BufReader, Read as _, Write as _};
+use std::net::Shutdown;
+use std::os::fd::AsRawFd as _;
+use std::os::unix::fs::PermissionsExt as _;
+use std::os::unix::net::{UnixListener, UnixStream};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::thread;
+use std::time::Duration;
+
+/// So many bytes of events are sent at once, about.
+const BLOCK_BYTES: usize = 64 << 10;
+/// A viewer that does not read for so long is gone.
+const WRITE_TIMEOUT: Duration = Duration::from_secs(30);
+/// So many frames besides events may wait for a viewer.
+const FRAMES_MAX: usize = 256;
+/// A line of a viewer is at most so long, in bytes.
+const LINE_MAX: u64 = 1 << 20;
+
+/// What viewers are shown.
+#[derive(Debug)]
+pub(super) struct Shared {
+    folder: PathBuf,
+    loaded: ToViewer,
+    shown: Mutex<Shown>,
+    changed: Condvar,
+}
+
+#[derive(Debug)]
+struct Outgoing {
+    stream: UnixStream,
+    frames: Vec<Vec<u8>>,
+}
+
+#[derive(Debug, Default)]
+struct Shown {
+    safe: u64,
+    snapshot: Option<Snapshot>,
+    /// How often the snapshot was replaced.
+    snapshots: u64,
+    is_heard: bool,
+    is_closed: bool,
+    /// What is to be sent to each viewer besides, by the number of the viewer.
+    viewers: BTreeMap<u64, Outgoing>,
+    next_viewer: u64,
+}
+
+impl Shared {
+    pub(super) fn new(folder: PathBuf, about: &About, safe: u64) -> Self {
+        let loaded = ToViewer::Loaded {
+            name: about.name.clone(),
+            states: about.states,
+            problems: Vec::new(),
+            run: about.id.clone(),
+        };
+        let shown = Mutex::new(Shown { safe, ..Shown::default() });
+        Self { folder, loaded, shown, changed: Condvar::new() }
+    }
+
+    pub(super) fn set_safe(&self, safe: u64) {
+        self.shown.lock().safe = safe;
+        self.changed.notify_all();
+    }
+
+    pub(super) fn stands(&self, snapshot: Snapshot) {
+        let mut shown = self.shown.lock();
+        shown.snapshot = Some(snapshot);
+        shown.snapshots += 1;
+        drop(shown);
+        self.changed.notify_all();
+    }
+
+    pub(super) fn set_heard(&self, is_heard: bool) {
+        self.shown.lock().is_heard = is_heard;
+    }
+
+    /// Sends an answer to all viewers: each knows what it has asked.
+    pub(super) fn answer(&self, envelope: &str, answer: &Answer) {
+        let message = ToViewer::Answer { id: envelope.to_owned(), answer: answer.clone() };
+        let Ok(frame) = encode_frame(&message) else { return };
+        let viewers: Vec<u64> = self.shown.lock().viewers.keys().copied().collect();
+        for viewer in viewers {
+            self.send(viewer, frame.clone());
+        }
+    }
+
+    /// The thread of the viewer sends the frame. A viewer for which too many wait is gone.
+    fn send(&self, viewer: u64, frame: Vec<u8>) {
+        if let Some(outgoing) = self.shown.lock().viewers.get_mut(&viewer) {
+            if outgoing.frames.len() >= FRAMES_MAX {
+                drop(outgoing.stream.shutdown(Shutdown::Both));
+            } else {
+                outgoing.frames.push(frame);
+            }
+        }
+        self.changed.notify_all();
+    }
+
+    fn arrive(&self, stream: UnixStream) -> u64 {
+        let mut shown = self.shown.lock();
+        let viewer = shown.next_viewer;
+        shown.next_viewer += 1;
+        shown.viewers.insert(viewer, Outgoing { stream, frames: Vec::new() });
+        viewer
+    }
+
+    fn leave(&self, viewer: u64) {
+        self.shown.lock().viewers.remove(&viewer);
+        self.changed.notify_all();
+    }
+
+    /// Waits for something that a viewer was not sent; nothing if it is gone.
+    fn wait(&self, viewer: u64, next: u64, snapshots: u64) -> Option<News> {
+        let mut shown = self.shown.lock();
+        loop {
+            let outgoing = shown.viewers.get_mut(&viewer)?;
+            let frames = std::mem::take(&mut outgoing.frames);
+            let is_news = !frames.is_empty() || shown.safe >= next || shown.snapshots > snapshots;
+            if is_news || shown.is_closed {
+                let Shown { safe, snapshots, is_closed, .. } = *shown;
+                let snapshot = shown.snapshot.clone();
+                return Some(News { frames, safe, snapshot, snapshots, is_closed });
+            }
+            self.changed.wait(&mut shown);
+        }
+    }
+
+    fn close(&self) {
+        let mut shown = self.shown.lock();
+        shown.is_closed = true;
+        drop(shown);
+        self.changed.notify_all();
+    }
+}
+
+/// What a viewer was not sent.
+struct News {
+    frames: Vec<Vec<u8>>,
+    safe: u64,
+    snapshot: Option<Snapshot>,
+    snapshots: u64,
+    is_closed: bool,
+}
+
+/// The open door of a replica; closed when this is dropped.
+pub(super) struct Viewers {
+    shared: Arc<Shared>,
+    path: PathBuf,
+}
+
+impl Viewers {
+    /// Lets viewers in; `give` sends a command of theirs, and answers whether there is room for it.
+    pub(super) fn open(
+        folder: &Path,
+        shared: Arc<Shared>,
+        give: impl Fn(Envelope) -> bool + Send + Sync + 'static,
+    ) -> Result<Self, JournalError> {
+        let path = folder.join(SOCKET_FILE);
+        let listener = bind(folder, &path).map_err(|source| JournalError::Io {
+            path: path.clone(),
+            doing: Doing::Write,
+            source,
+        })?;
+        let (here, give) = (Arc::clone(&shared), Arc::new(give));
+        let let_in = move || {
+            for stream in listener.incoming() {
+                if here.shown.lock().is_closed {
+                    return;
+                }
+                let (Ok(stream), here, give) = (stream, Arc::clone(&here), Arc::clone(&give))
+                else {
+                    continue;
+                };
+                // Whoever does not say who they are is no one: the connection ends.
+                let talk = move || drop(welcome(&stream, &here, &*give));
+                drop(thread::Builder::new().name("viewer".to_owned()).spawn(talk));
+            }
+        };
+        let begun = thread::Builder::new().name("viewers".to_owned()).spawn(let_in);
+        begun.map_err(|source| JournalError::Io {
+            path: path.clone(),
+            doing: Doing::Write,
+            source,
+        })?;
+        Ok(Self { shared, path })
+    }
+}
+
+impl Drop for Viewers {
+    fn drop(&mut self) {
+        self.shared.close();
+        // Wakes the thread at the door, which then sees that it is closed.
+        drop(UnixStream::connect(&self.path));
+        drop(fs::remove_file(&self.path));
+    }
+}
+
+/// The folder is named by its descriptor: a socket's path may be short only.
+fn bind(folder: &Path, path: &Path) -> io::Result<UnixListener> {
+    match fs::remove_file(path) {
+        Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
+        Ok(()) | Err(_) => {}
+    }
+    let open = File::open(folder)?;
+    let short = format!("/proc/self/fd/{}/{SOCKET_FILE}", open.as_raw_fd());
+    let listener = UnixListener::bind(short).or_else(|_no_proc| UnixListener::bind(path))?;
+    fs::set_permissions(path, Permissions::from_mode(0o600))?;
+    Ok(listener)
+}
+
+fn welcome(
+    stream: &UnixStream,
+    shared: &Arc<Shared>,
+    give: &(dyn Fn(Envelope) -> bool + Send + Sync),
+) -> io::Result<()> {
+    stream.set_write_timeout(Some(WRITE_TIMEOUT))?;
+    let mut out = stream.try_clone()?;
+    let mut lines = BufReader::new(stream.try_clone()?);
+    line::<Hello>(&mut lines)?.check().map_err(io::Error::other)?;
+    out.write_all(&encode(&Hello::ours()).map_err(io::Error::other)?)?;
+    let ToRunner::Join(join) = line(&mut lines)? else { return Ok(()) };
+    send(&mut out, &shared.loaded)?;
+    let viewer = shared.arrive(stream.try_clone()?);
+    let here = Arc::clone(shared);
+    let show = move || {
+        // However it ends, so does the connection.
+        drop(show(&mut out, viewer, &join, &here));
+        drop(out.shutdown(Shutdown::Both));
+    };
+    thread::Builder::new().name("showing".to_owned()).spawn(show)?;
+    let heeded = heed(&mut lines, viewer, shared, give);
+    shared.leave(viewer);
+    heeded
+}
+
+/// Takes what a viewer says until it is gone.
+fn heed(
+    lines: &mut BufReader<UnixStream>,
+    viewer: u64,
+    shared: &Shared,
+    give: &(dyn Fn(Envelope) -> bool + Send + Sync),
+) -> io::Result<()> {
+    loop {
+        let message = match line(lines)? {
+            ToRunner::Command(envelope) => {
+                let id = envelope.id.clone();
+                if give(envelope) {
+                    continue;
+                }
+                let reason = "too many commands wait for the link: try again later".to_owned();
+                ToViewer::Answer { id, answer: Answer::Refused { reason } }
+            }
+            // Whoever asks whether the robot is there is answered while it is heard.
+            ToRunner::Ping { id } if shared.shown.lock().is_heard => {
+                ToViewer::Pong { id, now_ms: clock::since_1970_ms(), engine: None }
+            }
+            ToRunner::Inspect { id, path } => ToViewer::Inspection { id, path, data: None },
+            ToRunner::Ping { .. } | ToRunner::Join(_) | ToRunner::Launch(_) => continue,
+        };
+        shared.send(viewer, encode_frame(&message).map_err(io::Error::other)?);
+    }
+}
+
+/// Shows a viewer everything from its cursor on, until it is gone or the replica is closed.
+fn show(out: &mut UnixStream, viewer: u64, join: &Join, shared: &Shared) -> io::Result<()> {
+    let mut source = EventSource::open(&shared.folder).map_err(io::Error::other)?;
+    let safe = shared.shown.lock().safe;
+    let mut next = if join.from == 0 { safe + 1 } else { join.from };
+    let mut frame = vec![0; FRAME_HEAD];
+    for (first, items) in source.places(next.saturating_sub(1)).map_err(io::Error::other)? {
+        EventBlock { first, t_before: 0, items: &items }.write(&mut frame);
+    }
+    send_events(out, &mut frame)?;
+    let mut snapshots = 0;
+    loop {
+        let Some(news) = shared.wait(viewer, next, snapshots) else { return Ok(()) };
+        for frame in news.frames {
+            out.write_all(&frame)?;
+        }
+        while next <= news.safe {
+            let read = source.read(next, news.safe, BLOCK_BYTES).map_err(io::Error::other)?;
+            let Some(EventItems { first, count, t_before, bytes }) = read else {
+                return Err(io::Error::other("the replica has lost events"));
+            };
+            next = first + count;
+            EventBlock { first, t_before, items: &bytes }.write(&mut frame);
+            send_events(out, &mut frame)?;
+        }
+        if news.snapshots > snapshots
+            && let Some(snapshot) = news.snapshot
+        {
+            let disk_safe = snapshot.disk_safe.min(news.safe);
+            send(out, &ToViewer::Snapshot(Snapshot { disk_safe, ..snapshot }))?;
+        }
+        snapshots = news.snapshots;
+        if news.is_closed {
+            return Ok(());
+        }
+    }
+}
+
+/// Sends the frame, if there is anything in it.
+fn send_events(out: &mut UnixStream, frame: &mut Vec<u8>) -> io::Result<()> {
+    let length = frame.len() - FRAME_HEAD;
+    if length > 0 {
+        frame[..FRAME_HEAD].copy_from_slice(&frame_head(FrameKind::Events, length));
+        out.write_all(frame)?;
+        frame.truncate(FRAME_HEAD);
+    }
+    Ok(())
+}
+
+fn send(out: &mut UnixStream, message: &ToViewer) -> io::Result<()> {
+    out.write_all(&encode_frame(message).map_err(io::Error::other)?)
+}
+
+fn line<T: serde::de::DeserializeOwned>(lines: &mut BufReader<UnixStream>) -> io::Result<T> {
+    let mut line = String::new();
+    let length = lines.by_ref().take(LINE_MAX).read_line(&mut line)?;
+    if length == 0 {
+        return Err(io::ErrorKind::UnexpectedEof.into());
+    }
+    decode(&line).map_err(io::Error::other)
+}
