@@ -1,10 +1,9 @@
-//! Snapshots in fewer bytes.
+//! Snapshots and machines in fewer bytes.
 
-use crate::assembly::LENGTH_MAX;
 use flate2::{Compress, Compression, Decompress, FlushCompress, FlushDecompress, Status};
 
 /// The bytes, deflated without a header (RFC 1951).
-pub(crate) fn deflate(bytes: &[u8]) -> Vec<u8> {
+pub fn deflate(bytes: &[u8]) -> Vec<u8> {
     // What cannot be shortened becomes longer by five bytes in 65,535.
     let mut out = Vec::with_capacity(bytes.len() + bytes.len() / 1_000 + 64);
     let mut compress = Compress::new(Compression::default(), false);
@@ -12,8 +11,8 @@ pub(crate) fn deflate(bytes: &[u8]) -> Vec<u8> {
     out
 }
 
-/// The bytes that were deflated; nothing if they are broken or too many.
-pub(crate) fn inflate(bytes: &[u8]) -> Option<Vec<u8>> {
+/// The bytes that were deflated; nothing if they are broken or more than `max`.
+pub fn inflate(bytes: &[u8], max: usize) -> Option<Vec<u8>> {
     let (mut decompress, mut out) =
         (Decompress::new(false), Vec::with_capacity(4 * bytes.len() + 64));
     loop {
@@ -24,7 +23,7 @@ pub(crate) fn inflate(bytes: &[u8]) -> Option<Vec<u8>> {
             Status::Ok | Status::BufError if out.len() < out.capacity() => return None,
             Status::Ok | Status::BufError => out.reserve(out.len()),
         }
-        if out.len() > LENGTH_MAX as usize {
+        if out.len() > max {
             return None;
         }
     }
@@ -42,14 +41,14 @@ mod tests {
             times in 1..20_usize,
         ) {
             let bytes = bytes.repeat(times);
-            prop_assert_eq!(inflate(&deflate(&bytes)), Some(bytes));
+            prop_assert_eq!(inflate(&deflate(&bytes), 1 << 20), Some(bytes));
         }
 
         #[test]
         fn broken_bytes_are_refused_or_give_something_else(
             bytes in prop::collection::vec(any::<u8>(), 0..300),
         ) {
-            let _anything = inflate(&bytes);
+            let _anything = inflate(&bytes, 1 << 20);
         }
     }
 
@@ -57,6 +56,6 @@ mod tests {
     fn a_bomb_is_refused() {
         let bomb = deflate(&vec![0; 64 << 20]);
         assert!(bomb.len() < 100_000);
-        assert_eq!(inflate(&bomb), None);
+        assert_eq!(inflate(&bomb, 16 << 20), None);
     }
 }

@@ -16,6 +16,7 @@ mod seal;
 mod station;
 
 pub use bytes::BrokenFrame;
+pub use deflate::{deflate, inflate};
 pub use frame::{CommandId, CommandState, Events, StreamId};
 pub use heard::ClockBounds;
 pub use profile::{CARRIER_OVERHEAD, Profile};

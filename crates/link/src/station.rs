@@ -1,6 +1,6 @@
 //! The station's side of the link: receives what happens, reports what it has, sends commands.
 
-use crate::assembly::Assembly;
+use crate::assembly::{Assembly, LENGTH_MAX};
 use crate::bytes::write_number;
 use crate::deflate::inflate;
 use crate::frame::{
@@ -150,6 +150,7 @@ impl StationSession {
     pub fn restore(&mut self, stream: StreamId, events: RangeSet) {
         let incoming = self.streams.entry(stream).or_default();
         incoming.safe = events.contiguous();
+        incoming.head = incoming.safe;
         incoming.received = events;
         incoming.reports = LAST_REPORTS;
         self.has_news = true;
@@ -246,7 +247,7 @@ impl StationSession {
                     return;
                 }
                 let whole = incoming.snapshot.add(sequence, length, offset, bytes);
-                if let Some(bytes) = whole.and_then(|whole| inflate(&whole)) {
+                if let Some(bytes) = whole.and_then(|whole| inflate(&whole, LENGTH_MAX as usize)) {
                     incoming.snapshot_sequence = sequence;
                     show(FromRobot::Snapshot { stream, sequence, bytes });
                 }
@@ -359,8 +360,8 @@ impl StationSession {
             }
             let length = payload.len();
             let events = incoming.received.clone();
-            Frame::Received(Received { stream: *stream, safe: incoming.safe, events })
-                .write(payload);
+            let Incoming { safe, is_over, .. } = *incoming;
+            Frame::Received(Received { stream: *stream, is_over, safe, events }).write(payload);
             if payload.len() > room {
                 payload.truncate(length);
                 break;

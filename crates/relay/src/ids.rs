@@ -12,11 +12,6 @@ pub(crate) fn about_of(run: &str) -> StreamId {
     StreamId(hash(run) & !1)
 }
 
-/// The stream with what is to be known about the run of a stream of events.
-pub(crate) fn about_beside(events: StreamId) -> StreamId {
-    StreamId(events.0 & !1)
-}
-
 /// The stream with the events of the run that a stream is about.
 pub(crate) fn events_beside(about: StreamId) -> StreamId {
     StreamId(about.0 | 1)

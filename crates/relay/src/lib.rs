@@ -3,6 +3,7 @@
 //!
 //! Knows sockets, threads and folders. Knows nothing of HTTP, terminals or what a datagram looks like inside (`rafcon-link`).
 
+mod about;
 mod clock;
 mod error;
 mod ids;

@@ -85,6 +85,8 @@ pub(crate) struct Command<'b> {
 pub(crate) struct Received {
     /// The run.
     pub(crate) stream: StreamId,
+    /// Whether the station knows that the run has ended.
+    pub(crate) is_over: bool,
     /// All events up to this one are on the station's disk.
     pub(crate) safe: u64,
     /// Which events it has received, the newest ranges if they are many.
@@ -224,11 +226,7 @@ impl<'b> Frame<'b> {
             EVENTS => Self::Events(read_events(reader)?),
             STATUS => {
                 let (stream, head) = (StreamId(reader.small()?), reader.number()?);
-                let is_over = match reader.number()? {
-                    0 => false,
-                    1 => true,
-                    _ => return Err(BrokenFrame("neither yes nor no")),
-                };
+                let is_over = read_flag(reader)?;
                 Self::Status { stream, head, is_over, state: reader.bytes()? }
             }
             SNAPSHOT => {
@@ -267,6 +265,14 @@ impl<'b> Frame<'b> {
     }
 }
 
+fn read_flag(reader: &mut FrameReader<'_>) -> Result<bool, BrokenFrame> {
+    match reader.number()? {
+        0 => Ok(false),
+        1 => Ok(true),
+        _ => Err(BrokenFrame("neither yes nor no")),
+    }
+}
+
 fn read_events<'b>(reader: &mut FrameReader<'b>) -> Result<Events<'b>, BrokenFrame> {
     let stream = StreamId(reader.small()?);
     let (first, count) = (reader.number()?, reader.number()?);
@@ -294,7 +300,8 @@ fn write_received(received: &Received, out: &mut Vec<u8>) {
     let ahead = received.events.ranges().filter(|range| *range.start() > 1);
     let mut ahead: Vec<_> = ahead.rev().take(RANGES_MAX).collect();
     ahead.reverse();
-    let head = [u64::from(received.stream.0), received.safe, contiguous, ahead.len() as u64];
+    let (stream, is_over) = (u64::from(received.stream.0), u64::from(received.is_over));
+    let head = [stream, is_over, received.safe, contiguous, ahead.len() as u64];
     for number in head {
         write_number(number, out);
     }
@@ -307,7 +314,8 @@ fn write_received(received: &Received, out: &mut Vec<u8>) {
 }
 
 fn read_received(reader: &mut FrameReader<'_>) -> Result<Received, BrokenFrame> {
-    let (stream, safe) = (StreamId(reader.small()?), reader.number()?);
+    let (stream, is_over) = (StreamId(reader.small()?), read_flag(reader)?);
+    let safe = reader.number()?;
     let (contiguous, count) = (reader.number()?, reader.number()?);
     if count > RANGES_MAX as u64 {
         return Err(BrokenFrame("too many ranges"));
@@ -319,7 +327,7 @@ fn read_received(reader: &mut FrameReader<'_>) -> Result<Received, BrokenFrame> 
         end = first.checked_add(reader.number()?).ok_or_else(far)?;
         events.insert(first..=end);
     }
-    Ok(Received { stream, safe, events })
+    Ok(Received { stream, is_over, safe, events })
 }
 
 /// The time of the sender in ms, and the frames of a payload up to the first broken one.

@@ -58,9 +58,11 @@ fn frame(bytes: &[u8]) -> impl Strategy<Value = Frame<'_>> {
         (any::<u32>(), any::<[u64; 3]>()).prop_map(|(start, [newest_ms, held_ms, late_ms])| {
             Frame::Heard { start: Generation(start), newest_ms, held_ms, late_ms }
         }),
-        (stream, any::<u64>(), ranges()).prop_map(|(stream, safe, events)| {
-            Frame::Received(Received { stream, safe, events: newest(&events) })
-        }),
+        (stream, any::<bool>(), any::<u64>(), ranges()).prop_map(
+            |(stream, is_over, safe, events)| {
+                Frame::Received(Received { stream, is_over, safe, events: newest(&events) })
+            }
+        ),
     ]
 }
 
@@ -149,7 +151,8 @@ fn a_broken_frame_says_what_is_wrong_with_it() {
         &[3, 1, 5, 2, 1, 2, 0, 0],
         &[4, 1, 5, 0, 9, 0, 200],
         &[&[5], [0; 16].as_slice(), &[9]].concat(),
-        &[18, 1, 5, 5, 17],
+        &[18, 1, 0, 5, 5, 17],
+        &[18, 1, 2, 5, 5, 0],
     ];
     let said: Vec<_> = cases.iter().map(|case| broken(case)).collect();
     expect![[r"
@@ -163,7 +166,8 @@ fn a_broken_frame_says_what_is_wrong_with_it() {
         a frame of the link is broken: a part reaches beyond its whole
         a frame of the link is broken: it ends too early
         a frame of the link is broken: an unknown state of a command
-        a frame of the link is broken: too many ranges"]]
+        a frame of the link is broken: too many ranges
+        a frame of the link is broken: neither yes nor no"]]
     .assert_eq(&said.join("\n"));
 }
 
@@ -174,7 +178,7 @@ fn a_report_names_the_newest_ranges() {
         events.insert(20 + nth * 10..=22 + nth * 10);
     }
     let mut out = Vec::new();
-    write_received(&Received { stream: StreamId(3), safe: 7, events }, &mut out);
-    expect!["[12 03 07 0a 10 32 02 08 02 08 02 08 02 08 02 08 02 08 02 08 02 08 02 08 02 08 02 08 02 08 02 08 02 08 02 08 02]"]
+    write_received(&Received { stream: StreamId(3), is_over: true, safe: 7, events }, &mut out);
+    expect!["[12 03 01 07 0a 10 32 02 08 02 08 02 08 02 08 02 08 02 08 02 08 02 08 02 08 02 08 02 08 02 08 02 08 02 08 02 08 02]"]
         .assert_eq(&format!("{out:02x?}").replace(", ", " "));
 }

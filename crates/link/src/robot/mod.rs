@@ -120,6 +120,13 @@ impl RobotSession {
         stream.or_insert_with(|| Outgoing::new(events.stream, 0)).append(events, room);
     }
 
+    /// The run has events up to `head` in its journal; those that are new go in their turn.
+    pub fn advance(&mut self, stream: StreamId, head: u64) {
+        if let Some(stream) = self.streams.get_mut(&stream) {
+            stream.advance(head);
+        }
+    }
+
     /// What of a run is to be known at a glance, and whether it is over.
     pub fn set_state(&mut self, stream: StreamId, state: &[u8], is_over: bool) {
         if let Some(stream) = self.streams.get_mut(&stream) {

@@ -59,6 +59,8 @@ pub(super) struct Outgoing {
     /// What the station has, by its last report.
     received: RangeSet,
     safe: u64,
+    /// The station knows that the run has ended.
+    knows_end: bool,
     /// What was sent and is not reported, in the order of the times.
     sent: VecDeque<SentEvents>,
     sent_set: RangeSet,
@@ -106,6 +108,7 @@ impl Outgoing {
             status_at: None,
             received: RangeSet::default(),
             safe: 0,
+            knows_end: false,
             sent: VecDeque::new(),
             sent_set: RangeSet::default(),
             round_due: Duration::ZERO,
@@ -119,6 +122,12 @@ impl Outgoing {
 
     pub(super) fn safe_at_station(&self) -> u64 {
         self.safe
+    }
+
+    pub(super) fn advance(&mut self, head: u64) {
+        if head > self.head {
+            (self.head, self.tail) = (head, Tail::default());
+        }
     }
 
     pub(super) fn append(&mut self, events: &Events<'_>, room: usize) {
@@ -154,7 +163,7 @@ impl Outgoing {
         profile: &Profile,
     ) {
         self.received = received.events;
-        self.safe = received.safe;
+        (self.safe, self.knows_end) = (received.safe, received.is_over);
         let Some((newest_ms, late_ms)) = echo else { return };
         // What was sent before this, and is not received, is lost; a repetition may still heal the newest of it.
         let late = Duration::from_millis(late_ms) + profile.repeat_after * u32::from(tail::SENDS);
@@ -180,7 +189,7 @@ impl Outgoing {
     }
 
     fn has_all(&self) -> bool {
-        self.is_over && self.received.contiguous() >= self.head
+        self.is_over && self.knows_end && self.received.contiguous() >= self.head
     }
 
     /// When the status or new events are due.

@@ -2,6 +2,7 @@
 
 use crate::harness::{Place, Run, ticks};
 use expect_test::expect;
+use rafcon_storage::journal::Pack;
 use std::io::{BufRead as _, BufReader, Write as _};
 use std::net::{SocketAddr, UdpSocket};
 use std::process::{Child, Stdio};
@@ -117,6 +118,14 @@ fn history(place: &Place, runs: &str) -> String {
     place.call(&format!("history last --json --values --runs {runs}")).stdout
 }
 
+/// The machines that the only run in a folder has kept.
+fn machines(place: &Place, runs: &str) -> Vec<Pack> {
+    let run = std::fs::read_dir(place.path(runs)).unwrap().next().unwrap().unwrap();
+    let machines = Pack::read_after(&run.path(), 0).unwrap();
+    assert!(!machines.is_empty());
+    machines
+}
+
 /// Waits until the newest run at the station says this of itself.
 fn wait_at_station(place: &Place, words: &str) {
     while !place.call("runs --runs ground-runs").stdout.contains(words) {
@@ -125,12 +134,12 @@ fn wait_at_station(place: &Place, words: &str) {
 }
 
 #[test]
-fn a_station_has_the_run_of_its_robot_although_the_path_is_bad_and_it_dies() {
+fn a_station_has_the_run_of_its_robot_although_the_path_is_bad_and_both_servers_die() {
     let place = Place::with(&ticks(3_000));
     pair(&place, "scout");
     let (ground, address) = station(&place, "127.0.0.1:0");
     let path = BadPath::to(address);
-    let robot = robot(&place, path.address);
+    let first = robot(&place, path.address);
     let run = Run::start(&place, "--runs robot-runs");
     wait_at_station(&place, "Ticks  running");
     drop(ground);
@@ -138,11 +147,13 @@ fn a_station_has_the_run_of_its_robot_although_the_path_is_bad_and_it_dies() {
     let resumed = place.call("resume last --runs ground-runs");
     expect!["error: this is the replica of a run of robot `scout`: resume it there"]
         .assert_eq(resumed.stderr.lines().last().unwrap());
-    let (_ground, _) = station(&place, &address.to_string());
+    drop(first);
     assert_eq!(run.end().0, Some(0));
+    let (_ground, _) = station(&place, &address.to_string());
+    let _second = robot(&place, path.address);
     wait_at_station(&place, "Ticks  ended with success");
     assert_eq!(history(&place, "ground-runs"), history(&place, "robot-runs"));
-    drop(robot);
+    assert_eq!(machines(&place, "ground-runs"), machines(&place, "robot-runs"));
 }
 
 #[test]

@@ -48,8 +48,10 @@ pub fn relay_robot(settings: &RobotSettings, stopper: &Stopper) -> Result<(), Re
     let inbox = Inbox::new();
     let socket = inbox.listen(settings.bind, stopper)?;
     let identity = start.identity(&settings.pairing);
-    let session = RobotSession::new(&identity, settings.profile.clone());
-    let runs = RobotRuns::new(&settings.runs, inbox.sender(), settings.tell);
+    let mut session = RobotSession::new(&identity, settings.profile.clone());
+    let list = settings.folder.join("runs");
+    let mut runs = RobotRuns::new(&settings.runs, list, inbox.sender(), settings.tell);
+    runs.restore(&mut session);
     let mut relay = RobotRelay { settings, clock: SessionClock::begin(), socket, session, runs };
     let (mut look_at, mut keep_at) = (Duration::ZERO, KEEP_EVERY);
     while !stopper.is_stopped() {

@@ -1,24 +1,31 @@
 //! The runs of a robot: which there are, what of them is sent, and from where.
 
 use super::follow::{Followed, FromRun};
+use crate::about::{about_parts, machine_parts};
 use crate::ids;
 use crate::inbox::Input;
 use rafcon_link::{EventBuffer, Events, RobotSession, RunSource, StreamId};
 use rafcon_protocol::{Envelope, Snapshot};
 use rafcon_storage::journal::{
-    About, EventItems, EventSource, JournalError, RunState, Summary, run_folders, writer_of,
+    About, EventItems, EventSource, JournalError, Pack, RunState, Summary, run_folders, writer_of,
 };
 use std::collections::BTreeMap;
+use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::SyncSender;
 
 /// Of so many new events each goes ahead of older ones; of more the journal has them, in their turn.
 const AHEAD_MAX: u64 = 64;
 
+/// So many of the runs that earlier starts sent are looked at again.
+const LISTED_MAX: usize = 256;
+
 /// The runs of a robot.
 #[derive(Debug)]
 pub(super) struct RobotRuns {
     folder: PathBuf,
+    /// Lists the runs that were sent, for the next start.
+    list: PathBuf,
     inbox: SyncSender<Input<FromRun>>,
     tell: fn(&str),
     all: BTreeMap<String, RobotRun>,
@@ -28,7 +35,9 @@ pub(super) struct RobotRuns {
 #[derive(Debug)]
 struct RobotRun {
     folder: PathBuf,
-    about: Vec<u8>,
+    /// What is known about it, in parts, and how many machines are among that.
+    about: Vec<Vec<u8>>,
+    machines: usize,
     source: EventSource,
     head: u64,
     runner: Option<Followed>,
@@ -36,13 +45,37 @@ struct RobotRun {
 }
 
 impl RobotRuns {
-    pub(super) fn new(folder: &Path, inbox: SyncSender<Input<FromRun>>, tell: fn(&str)) -> Self {
+    pub(super) fn new(
+        folder: &Path,
+        list: PathBuf,
+        inbox: SyncSender<Input<FromRun>>,
+        tell: fn(&str),
+    ) -> Self {
         let (all, streams) = (BTreeMap::new(), BTreeMap::new());
-        Self { folder: folder.to_owned(), inbox, tell, all, streams }
+        Self { folder: folder.to_owned(), list, inbox, tell, all, streams }
     }
 
-    /// Looks for runs that continue and are not followed.
+    /// Goes on with the runs that earlier starts sent: they may have ended since.
+    pub(super) fn restore(&mut self, session: &mut RobotSession) {
+        let list = fs::read_to_string(&self.list).unwrap_or_default();
+        let listed: Vec<_> = list.lines().rev().take(LISTED_MAX).map(str::to_owned).collect();
+        for id in listed {
+            let folder = self.folder.join(&id);
+            if folder.is_dir() && self.begin(&id, &folder, session).unwrap_or(false) {
+                self.gone(&id, session);
+            }
+        }
+    }
+
+    /// Looks for runs that continue and are not followed, and for machines that runs have kept since.
     pub(super) fn look(&mut self, session: &mut RobotSession) {
+        for (id, run) in &mut self.all {
+            if let Ok(packs) = Pack::read_after(&run.folder, run.machines) {
+                run.machines += packs.len();
+                run.about.extend(packs.iter().flat_map(machine_parts));
+                session.advance(ids::about_of(id), run.about.len() as u64);
+            }
+        }
         for folder in run_folders(&self.folder).unwrap_or_default() {
             let id = folder.file_name().unwrap_or_default().to_string_lossy().into_owned();
             let is_live = matches!(writer_of(&folder), Ok(Some(_)));
@@ -83,17 +116,28 @@ impl RobotRuns {
             return Ok(false);
         }
         let source = EventSource::open(folder)?;
-        let about = serde_json::to_vec(&about).unwrap_or_default();
+        let about = about_parts(&about);
         let head = source.last()?;
         let (events, beside) = (ids::events_of(id), ids::about_of(id));
-        session.begin(beside, 1);
+        session.begin(beside, about.len() as u64);
         session.set_state(beside, &[], true);
         session.begin(events, head);
         self.streams.extend([(events, id.to_owned()), (beside, id.to_owned())]);
         let (folder, runner) = (folder.to_owned(), None);
-        let run = RobotRun { folder, about, source, head, runner, snapshot: None };
+        let run = RobotRun { folder, about, machines: 0, source, head, runner, snapshot: None };
         self.all.insert(id.to_owned(), run);
+        self.keep_list();
         Ok(true)
+    }
+
+    fn keep_list(&self) {
+        let list: String = self.all.keys().flat_map(|id| [id, "\n"]).collect();
+        if let Err(error) = fs::write(&self.list, list) {
+            let list = self.list.display();
+            (self.tell)(&format!(
+                "{list} cannot be written: after a restart, ended runs are not sent: {error}"
+            ));
+        }
     }
 
     /// Sends what is new in the journal of a run.
@@ -101,10 +145,7 @@ impl RobotRuns {
         let Some(run) = self.all.get_mut(id) else { return };
         let Ok(last) = run.source.last() else { return };
         if last > run.head + AHEAD_MAX {
-            // They go in their turn, read from the journal.
-            let (stream, first) = (ids::events_of(id), last);
-            let items = &[];
-            session.append(&Events { stream, first, count: 1, t_before: 0, items });
+            session.advance(ids::events_of(id), last);
             run.head = last;
         }
         while run.head < last {
@@ -162,8 +203,8 @@ impl RunSource for RobotRuns {
     ) -> Option<EventBuffer> {
         let run = self.run(stream)?;
         if ids::is_about(stream) {
-            let items = run.about.clone();
-            return (first == 1).then_some(EventBuffer { first, count: 1, t_before: 0, items });
+            let part = run.about.get(usize::try_from(first - 1).ok()?)?;
+            return Some(EventBuffer { first, count: 1, t_before: 0, items: part.clone() });
         }
         let read = run.source.read(first, last, bytes_max).ok()??;
         let EventItems { first, count, t_before, bytes: items } = read;

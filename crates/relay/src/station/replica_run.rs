@@ -4,14 +4,21 @@ use super::GivenCommand;
 use super::viewers::{Shared, Viewers};
 use crate::inbox::Input;
 use rafcon_protocol::{Answer, Snapshot};
-use rafcon_storage::journal::{About, EventItems, JournalError, Options, Replica, ReplicaError};
+use rafcon_storage::journal::{
+    About, EventItems, JournalError, Options, Pack, Replica, ReplicaError,
+};
 use std::collections::BTreeMap;
-use std::path::Path;
+use std::fs;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::mpsc::SyncSender;
 
+/// In the folder of a replica: up to which part what is known about the run is here.
+const TAKEN_FILE: &str = "about-parts";
+
 pub(super) struct ReplicaRun {
     id: String,
+    folder: PathBuf,
     replica: Option<Replica>,
     safe: u64,
     is_over: bool,
@@ -45,6 +52,7 @@ impl ReplicaRun {
         let viewers = Viewers::open(&folder, Arc::clone(&shared), give)?;
         Ok(Self {
             id: about.id.clone(),
+            folder,
             replica: Some(replica),
             safe,
             is_over: false,
@@ -52,6 +60,23 @@ impl ReplicaRun {
             shared,
             _viewers: viewers,
         })
+    }
+
+    /// Keeps a machine of the run.
+    pub(super) fn keep_machine(&self, pack: &Pack) -> Result<(), JournalError> {
+        self.replica.as_ref().map_or(Ok(()), |replica| replica.keep_root(pack).map(drop))
+    }
+
+    /// Notes that what is known about the run is kept up to this part.
+    pub(super) fn keep_taken(&self, taken: u64) {
+        // What is not noted is sent again.
+        drop(fs::write(self.folder.join(TAKEN_FILE), taken.to_string()));
+    }
+
+    /// Up to which part what is known about the run in this folder is kept.
+    pub(super) fn read_taken(folder: &Path) -> u64 {
+        let text = fs::read_to_string(folder.join(TAKEN_FILE)).unwrap_or_default();
+        text.trim().parse().unwrap_or(0)
     }
 
     pub(super) fn id(&self) -> &str {

@@ -2,6 +2,7 @@
 
 use super::replica_run::ReplicaRun;
 use super::{GivenCommand, StationSettings};
+use crate::about::{AboutReader, AboutRecord, Taken};
 use crate::clock::SessionClock;
 use crate::error::RelayError;
 use crate::ids;
@@ -12,7 +13,7 @@ use rafcon_link::{
     CommandState, FromRobot, NewCommand, RangeSet, StationSession, StreamId, Unusable,
 };
 use rafcon_protocol::{Answer, Envelope};
-use rafcon_storage::journal::{About, EventItems, run_folders};
+use rafcon_storage::journal::{About, EventItems, JournalError, RunState, Summary, run_folders};
 use rafcon_supervisor::clock;
 use std::collections::BTreeMap;
 use std::net::{SocketAddr, UdpSocket};
@@ -35,10 +36,20 @@ pub(super) struct StationRobot {
     address: Option<SocketAddr>,
     inbox: SyncSender<Input<GivenCommand>>,
     replicas: BTreeMap<StreamId, ReplicaRun>,
+    abouts: BTreeMap<StreamId, IncomingAbout>,
     /// Events of runs of which nothing else is known yet.
     early: BTreeMap<StreamId, Vec<EventItems>>,
     /// The run and the envelope of commands whose fate is open.
     given: BTreeMap<rafcon_link::CommandId, (StreamId, String)>,
+}
+
+/// What is to be known about a run, on its way.
+#[derive(Default)]
+struct IncomingAbout {
+    /// Up to which part everything was taken.
+    taken: u64,
+    ahead: BTreeMap<u64, Vec<u8>>,
+    reader: AboutReader,
 }
 
 /// What a datagram had, so that nothing is done while the session is borrowed.
@@ -71,6 +82,7 @@ impl StationRobot {
             address: None,
             inbox,
             replicas: BTreeMap::new(),
+            abouts: BTreeMap::new(),
             early: BTreeMap::new(),
             given: BTreeMap::new(),
         };
@@ -85,8 +97,15 @@ impl StationRobot {
             if about.robot.as_ref() != Some(&self.name) {
                 continue;
             }
-            let stream = ids::events_of(&about.id);
-            self.session.restore(ids::about_beside(stream), RangeSet::up_to(1));
+            let (stream, beside) = (ids::events_of(&about.id), ids::about_of(&about.id));
+            let taken = ReplicaRun::read_taken(&folder);
+            self.session.restore(beside, RangeSet::up_to(taken));
+            self.abouts.insert(beside, IncomingAbout { taken, ..IncomingAbout::default() });
+            let summary = Summary::of(&folder);
+            if matches!(summary.state, RunState::Finished { .. }) {
+                self.session.restore(stream, RangeSet::up_to(summary.events));
+                continue;
+            }
             self.open(stream, about);
             if let Some(replica) = self.replicas.get(&stream) {
                 self.session.restore(stream, RangeSet::up_to(replica.next() - 1));
@@ -157,12 +176,7 @@ impl StationRobot {
     fn take(&mut self, received: Received) {
         match received {
             Received::Events(stream, items) if ids::is_about(stream) => {
-                if let Ok(about) = serde_json::from_slice::<About>(&items.bytes)
-                    && ids::about_of(&about.id) == stream
-                    && !about.id.contains(['/', '\0'])
-                {
-                    self.open(ids::events_beside(stream), about);
-                }
+                self.take_about(stream, items);
             }
             Received::Events(stream, items) => self.take_events(stream, items),
             Received::Over(stream) => {
@@ -178,6 +192,45 @@ impl StationRobot {
                 }
             }
             Received::State(id, state) => self.answered(id, state),
+        }
+    }
+
+    /// Parts of what is to be known about a run: they are put together in order.
+    fn take_about(&mut self, stream: StreamId, items: EventItems) {
+        let incoming = self.abouts.entry(stream).or_default();
+        incoming.ahead.insert(items.first, items.bytes);
+        while let Some(incoming) = self.abouts.get_mut(&stream)
+            && let Some(part) = incoming.ahead.remove(&(incoming.taken + 1))
+        {
+            incoming.taken += 1;
+            let taken = incoming.taken;
+            let kept = match incoming.reader.take(&part) {
+                Taken::Part => continue,
+                Taken::Record(Some(record)) => self.take_record(stream, record),
+                Taken::Record(None) => Ok(()),
+            };
+            if let Err(error) = kept {
+                (self.tell)(&format!("a machine of robot {} is not kept: {error}", self.name));
+            } else if let Some(replica) = self.replicas.get(&ids::events_beside(stream)) {
+                replica.keep_taken(taken);
+            }
+        }
+    }
+
+    fn take_record(&mut self, stream: StreamId, record: AboutRecord) -> Result<(), JournalError> {
+        let events = ids::events_beside(stream);
+        match record {
+            AboutRecord::About(about) => {
+                let is_plain = !about.id.contains(['/', '\0']) && !about.id.starts_with('.');
+                let is_known = self.replicas.contains_key(&events);
+                if ids::about_of(&about.id) == stream && is_plain && !is_known {
+                    self.open(events, *about);
+                }
+                Ok(())
+            }
+            AboutRecord::Machine(pack) => {
+                self.replicas.get(&events).map_or(Ok(()), |replica| replica.keep_machine(&pack))
+            }
         }
     }
 
@@ -205,7 +258,9 @@ impl StationRobot {
                 }
             }
             let head = session.progress(*stream).map_or(0, |(head, _)| head);
-            !replica.close_if_complete(head)
+            let about = session.progress(ids::about_of(replica.id()));
+            let is_known = about.is_some_and(|(head, parts)| parts.contiguous() >= head);
+            !(is_known && replica.close_if_complete(head))
         });
     }
 

@@ -3,6 +3,7 @@
 //!
 //! Knows machines and bytes. Knows nothing of a run.
 
+mod carry;
 pub(crate) mod packed;
 mod store;
 #[cfg(test)]

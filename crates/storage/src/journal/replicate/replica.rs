@@ -4,7 +4,7 @@ use super::EventItems;
 use crate::journal::record::{Batch, Broken, Stored};
 use crate::journal::stream::{EventBlock, StreamItem};
 use crate::journal::{
-    About, Committed, Definition, Full, Journal, JournalError, Options, ResumePoint,
+    About, Committed, Definition, Full, Hash, Journal, JournalError, Options, Pack, ResumePoint,
 };
 use std::path::Path;
 
@@ -96,6 +96,11 @@ impl Replica {
         }
         (self.next, self.t_ns) = (first + count, batch.t_last());
         Ok(true)
+    }
+
+    /// Keeps a machine of the run, safe from a power cut.
+    pub fn keep_root(&self, pack: &Pack) -> Result<Hash, JournalError> {
+        self.journal.keep_root(pack)
     }
 
     /// Makes everything so far safe from a power cut; answers up to which event it is.
