@@ -54,6 +54,20 @@ pub(crate) fn spacebotcamp(options: &SpacebotcampOptions) -> Result<()> {
     process::run(&mut world)
 }
 
+/// What `cargo xtask link-proxy` can be asked for.
+#[derive(clap::Args)]
+pub(crate) struct LinkProxyOptions {
+    /// What the proxy is to do; `--help` after `--` lists it.
+    #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
+    words: Vec<String>,
+}
+
+/// Carries datagrams between a robot and a station, badly, until it is ended.
+pub(crate) fn link_proxy(options: &LinkProxyOptions) -> Result<()> {
+    let proxy = ["run", "--quiet", "-p", "rafcon-testkit", "--example", "link_proxy", "--"];
+    process::run(process::cargo().args(proxy).args(&options.words))
+}
+
 /// What `cargo xtask soak` can be asked for.
 #[derive(clap::Args)]
 pub(crate) struct SoakOptions {

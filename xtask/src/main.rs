@@ -63,6 +63,8 @@ enum Task {
     Simulate(long_tests::SimulateOptions),
     /// Run robots and stations over a bad link in virtual time, and print the gate's table.
     Spacebotcamp(long_tests::SpacebotcampOptions),
+    /// Be a bad network between a robot and a station.
+    LinkProxy(long_tests::LinkProxyOptions),
     /// Do for long what the tests do briefly: random runs of the engine, saves that are killed, a server's clients.
     Soak(long_tests::SoakOptions),
     /// Damage files of runs, and check that what is read of them is true or said to be damaged.
@@ -101,6 +103,7 @@ fn run(task: Task) -> anyhow::Result<()> {
         Task::Dist => dist::run(),
         Task::Simulate(options) => long_tests::simulate(&options),
         Task::Spacebotcamp(options) => long_tests::spacebotcamp(&options),
+        Task::LinkProxy(options) => long_tests::link_proxy(&options),
         Task::Soak(options) => long_tests::soak(&options),
         Task::Corrupt(options) => long_tests::corrupt(&options),
         Task::Torture(options) => long_tests::torture(&options),

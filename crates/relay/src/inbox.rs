@@ -3,13 +3,15 @@
 use crate::error::RelayError;
 use std::net::{SocketAddr, UdpSocket};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::mpsc::{self, Receiver, SyncSender};
 use std::thread;
 use std::time::Duration;
 
-/// So much waits at most; datagrams beyond that are lost, as on any bad link.
+/// So much waits at most.
 const WAITING: usize = 4_096;
+/// So many datagrams among that; those beyond are lost, as on any bad link. So commands always find a place.
+const DATAGRAMS_MAX: usize = 1_024;
 /// No datagram is longer.
 const DATAGRAM_MAX: usize = 65_535;
 /// A thread that receives looks this often whether it is to end.
@@ -42,12 +44,14 @@ pub(crate) enum Input<T> {
 pub(crate) struct Inbox<T> {
     sender: SyncSender<Input<T>>,
     receiver: Receiver<Input<T>>,
+    /// How many datagrams wait.
+    datagrams: Arc<AtomicUsize>,
 }
 
 impl<T: Send + 'static> Inbox<T> {
     pub(crate) fn new() -> Self {
         let (sender, receiver) = mpsc::sync_channel(WAITING);
-        Self { sender, receiver }
+        Self { sender, receiver, datagrams: Arc::default() }
     }
 
     /// For the threads that send to it.
@@ -57,7 +61,11 @@ impl<T: Send + 'static> Inbox<T> {
 
     /// The next input; nothing if none comes in this time.
     pub(crate) fn wait(&self, time: Duration) -> Option<Input<T>> {
-        self.receiver.recv_timeout(time.min(LOOK)).ok()
+        let input = self.receiver.recv_timeout(time.min(LOOK)).ok()?;
+        if let Input::Datagram(..) = input {
+            self.datagrams.fetch_sub(1, Ordering::AcqRel);
+        }
+        Some(input)
     }
 
     /// Binds a socket whose datagrams arrive here until the relay is stopped.
@@ -71,7 +79,8 @@ impl<T: Send + 'static> Inbox<T> {
             let receiving = socket.try_clone()?;
             receiving.set_read_timeout(Some(LOOK))?;
             let (sender, stopper) = (self.sender(), stopper.clone());
-            let receive = move || receive(&receiving, &sender, &stopper);
+            let waiting = Arc::clone(&self.datagrams);
+            let receive = move || receive(&receiving, &sender, &waiting, &stopper);
             thread::Builder::new().name("datagrams".to_owned()).spawn(receive)?;
             Ok(socket)
         };
@@ -79,12 +88,19 @@ impl<T: Send + 'static> Inbox<T> {
     }
 }
 
-fn receive<T>(socket: &UdpSocket, sender: &SyncSender<Input<T>>, stopper: &Stopper) {
+fn receive<T>(
+    socket: &UdpSocket,
+    sender: &SyncSender<Input<T>>,
+    waiting: &AtomicUsize,
+    stopper: &Stopper,
+) {
     let mut buffer = vec![0; DATAGRAM_MAX];
     while !stopper.is_stopped() {
-        if let Ok((length, from)) = socket.recv_from(&mut buffer) {
-            // What finds no room is lost on the way.
-            drop(sender.try_send(Input::Datagram(from, buffer[..length].to_vec())));
+        if let Ok((length, from)) = socket.recv_from(&mut buffer)
+            && waiting.load(Ordering::Acquire) < DATAGRAMS_MAX
+        {
+            waiting.fetch_add(1, Ordering::AcqRel);
+            sender.send(Input::Datagram(from, buffer[..length].to_vec())).unwrap_or_default();
         }
     }
 }

@@ -540,3 +540,62 @@ barrier ROOT
     "]],
     );
 }
+
+#[test]
+fn what_an_ended_child_of_a_barrier_gave_flows_along_a_new_flow() {
+    let before = "
+barrier ROOT
+  outcome done
+  out y: int = 1
+  out z: int = 1
+  execution A
+    outcome ok
+    out y: int = 2
+  decider unique_decider_state_id
+    outcome ok
+    outcome lost
+    out y: int = 2
+  unique_decider_state_id.ok -> .done
+";
+    let after = "
+barrier ROOT
+  outcome done
+  out y: int = 1
+  out z: int = 1
+  flow A.y -> .y ; unique_decider_state_id.y -> .z
+  execution A
+    outcome ok
+    out y: int = 2
+  decider unique_decider_state_id
+    outcome ok
+    outcome lost
+    out y: int = 2
+  unique_decider_state_id.ok -> .done
+  unique_decider_state_id.lost -> .done
+";
+    check_change(
+        before,
+        after,
+        "start; A ok y=7; unique_decider_state_id lost y=8; change",
+        &expect![[r"
+            > start
+            enter ROOT
+            enter ROOT/A
+              fork 1
+              run ROOT/A on 1
+            > A ok y=7
+            leave ROOT/A ok y=7
+            enter ROOT/unique_decider_state_id
+              end 1
+              run ROOT/unique_decider_state_id [A ok]
+            > unique_decider_state_id lost y=8
+            leave ROOT/unique_decider_state_id lost y=8
+            wait ROOT: no transition from ROOT/unique_decider_state_id lost
+            > change
+            changed
+            leave ROOT done y=7 z=8
+            finished
+              end of run: done (0) y=7 z=8, 3 states
+        "]],
+    );
+}

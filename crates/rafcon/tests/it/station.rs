@@ -113,6 +113,17 @@ fn carry(socket: &UdpSocket, ends: &AtomicBool, mut send: impl FnMut(SocketAddr,
     }
 }
 
+/// What strangers send: whatever bytes, as fast as they can.
+fn make_noise(station: SocketAddr) {
+    let socket = UdpSocket::bind("127.0.0.1:0").unwrap();
+    for count in 0..50_000_u32 {
+        let [a, b, c, d] = count.to_be_bytes();
+        // The first two say that it is a datagram of this protocol, whatever key it claims.
+        let noise = [[1, d, c, b, a].as_slice(), &[d; 90]].concat();
+        socket.send_to(&noise, station).unwrap_or_default();
+    }
+}
+
 /// All events of the newest run in a folder, with their values.
 fn history(place: &Place, runs: &str) -> String {
     place.call(&format!("history last --json --values --runs {runs}")).stdout
@@ -165,6 +176,7 @@ fn commands_at_a_station_reach_the_robot() {
     let _robot = robot(&place, path.address);
     let run = Run::start(&place, "--runs robot-runs");
     wait_at_station(&place, "Ticks  running");
+    in_background(move || make_noise(address));
     let tell = |command: &str| {
         let told = place.call(&format!("tell last {command} --runs ground-runs"));
         (told.code, told.stdout)

@@ -12,6 +12,10 @@ use std::os::unix::net::UnixStream;
 use std::path::Path;
 use std::sync::mpsc::SyncSender;
 use std::thread;
+use std::time::Duration;
+
+/// A runner that does not read a command for so long does not get it.
+const WRITE_TIMEOUT: Duration = Duration::from_secs(1);
 
 /// What the runner of a run sends.
 #[derive(Debug)]
@@ -42,6 +46,7 @@ impl Followed {
     ) -> Option<Self> {
         let stream = connect(folder).ok()?;
         let mut out = stream.try_clone().ok()?;
+        out.set_write_timeout(Some(WRITE_TIMEOUT)).ok()?;
         let mut words = encode(&Hello::ours()).ok()?;
         words.extend(encode(&ToRunner::Join(Join { from, every_event: true })).ok()?);
         out.write_all(&words).ok()?;

@@ -88,12 +88,18 @@ impl ReplicaRun {
         self.replica.as_ref().map_or(self.safe + 1, Replica::next)
     }
 
-    /// Takes events; those behind a gap wait until it is filled.
-    pub(super) fn take(&mut self, items: EventItems) -> Result<(), ReplicaError> {
-        let Some(replica) = &mut self.replica else { return Ok(()) };
+    /// Takes events. Those behind a gap wait until it is filled, those that the disk refuses until it takes them.
+    pub(super) fn take(&mut self, items: EventItems) {
         self.ahead.insert(items.first, items);
+        // What is wrong with the disk is said by the next sync.
+        drop(self.append());
+    }
+
+    fn append(&mut self) -> Result<(), ReplicaError> {
+        let Some(replica) = &mut self.replica else { return Ok(()) };
         while let Some(first) = self.ahead.first_entry().filter(|it| *it.key() <= replica.next()) {
-            replica.append(&first.remove())?;
+            replica.append(first.get())?;
+            first.remove();
         }
         Ok(())
     }
@@ -114,7 +120,8 @@ impl ReplicaRun {
     }
 
     /// Makes all so far safe, and shows it; answers up to which event that is.
-    pub(super) fn sync(&mut self) -> Result<u64, JournalError> {
+    pub(super) fn sync(&mut self) -> Result<u64, ReplicaError> {
+        self.append()?;
         if let Some(replica) = &self.replica
             && replica.next() - 1 > self.safe
         {

@@ -39,6 +39,8 @@ pub(super) struct StationRobot {
     abouts: BTreeMap<StreamId, IncomingAbout>,
     /// Events of runs of which nothing else is known yet.
     early: BTreeMap<StreamId, Vec<EventItems>>,
+    /// What went wrong last, so that it is said once.
+    told: String,
     /// The run and the envelope of commands whose fate is open.
     given: BTreeMap<rafcon_link::CommandId, (StreamId, String)>,
 }
@@ -84,6 +86,7 @@ impl StationRobot {
             replicas: BTreeMap::new(),
             abouts: BTreeMap::new(),
             early: BTreeMap::new(),
+            told: String::new(),
             given: BTreeMap::new(),
         };
         robot.restore();
@@ -238,23 +241,21 @@ impl StationRobot {
         let Some(replica) = self.replicas.get_mut(&stream) else {
             return self.early.entry(stream).or_default().push(items);
         };
-        if let Err(error) = replica.take(items) {
-            let (id, name) = (replica.id(), &self.name);
-            (self.tell)(&format!("run {id} of robot {name} is not kept: {error}"));
-        }
+        replica.take(items);
     }
 
     /// Makes what arrived safe, shows it, and forgets what is complete.
     pub(super) fn sync(&mut self) {
         let is_heard =
             self.session.heard_before(self.clock.now()).is_some_and(|it| it < self.silence);
-        let (session, tell, name) = (&mut self.session, self.tell, &self.name);
+        let (session, name) = (&mut self.session, &self.name);
+        let mut problem = String::new();
         self.replicas.retain(|stream, replica| {
             replica.set_heard(is_heard);
             match replica.sync() {
                 Ok(safe) => session.set_safe(*stream, safe),
                 Err(error) => {
-                    tell(&format!("run {} of robot {name} is not safe: {error}", replica.id()));
+                    problem = format!("run {} of robot {name} is not safe: {error}", replica.id());
                 }
             }
             let head = session.progress(*stream).map_or(0, |(head, _)| head);
@@ -262,6 +263,10 @@ impl StationRobot {
             let is_known = about.is_some_and(|(head, parts)| parts.contiguous() >= head);
             !(is_known && replica.close_if_complete(head))
         });
+        if !problem.is_empty() && problem != self.told {
+            (self.tell)(&problem);
+        }
+        self.told = problem;
     }
 
     /// Keeps what was heard, for the next start.

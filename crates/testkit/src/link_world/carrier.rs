@@ -6,23 +6,26 @@ use std::time::Duration;
 
 /// What a carrier does to datagrams.
 #[derive(Debug, Clone)]
-pub(super) struct Conditions {
-    pub(super) delay: Duration,
-    pub(super) bits_per_s: u64,
-    /// Out of a hundred.
-    pub(super) lost: usize,
-    /// Out of a hundred.
-    pub(super) doubled: usize,
-    /// Out of a hundred: these are late by at most `late_max`, and others overtake them.
-    pub(super) late: usize,
-    pub(super) late_max: Duration,
+pub struct Conditions {
+    /// How long the way takes.
+    pub delay: Duration,
+    /// The rate, with the headers of IP and UDP.
+    pub bits_per_s: u64,
+    /// So many of a hundred are lost.
+    pub lost: usize,
+    /// So many of a hundred come twice.
+    pub doubled: usize,
+    /// So many of a hundred are late by at most `late_max`, and others overtake them.
+    pub late: usize,
+    /// See `late`.
+    pub late_max: Duration,
     /// What waits longer for its turn is dropped.
-    pub(super) queue_max: Duration,
+    pub queue_max: Duration,
 }
 
 /// What becomes of datagrams that are sent while the carrier is cut.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Cut {
+pub enum Cut {
     /// They are gone.
     Drops,
     /// They come when the cut is over, as if nothing had been.
@@ -31,41 +34,64 @@ pub(super) enum Cut {
 
 /// One direction.
 #[derive(Debug)]
-pub(super) struct Carrier {
+pub struct Carrier {
     conditions: Conditions,
     random: Random,
     cuts: Vec<(Duration, Duration, Cut)>,
     free_at: Duration,
     on_the_way: BTreeMap<(Duration, u64), Vec<u8>>,
     count: u64,
+    /// Until a cut ends whose end is not known.
+    held: Vec<Vec<u8>>,
     /// All that was sent, with the headers of IP and UDP.
-    pub(super) bytes: u64,
+    pub bytes: u64,
 }
 
 impl Carrier {
-    pub(super) fn new(conditions: Conditions, random: Random) -> Self {
+    /// A carrier that is whole. Chance follows the seed.
+    pub fn new(conditions: Conditions, seed: u64) -> Self {
         Self {
             conditions,
-            random,
+            random: Random::new(seed),
             cuts: Vec::new(),
             free_at: Duration::ZERO,
             on_the_way: BTreeMap::new(),
             count: 0,
+            held: Vec::new(),
             bytes: 0,
         }
     }
 
     /// Cuts it from one time to another.
-    pub(super) fn cut(&mut self, from: Duration, to: Duration, cut: Cut) {
+    pub fn cut(&mut self, from: Duration, to: Duration, cut: Cut) {
         self.cuts.push((from, to, cut));
     }
 
-    pub(super) fn send(&mut self, now: Duration, datagram: Vec<u8>) {
-        let length = (datagram.len() + rafcon_link::CARRIER_OVERHEAD) as u64;
+    /// Cuts it from now on.
+    pub fn begin_cut(&mut self, now: Duration, cut: Cut) {
+        self.end_cut(now);
+        self.cut(now, Duration::MAX, cut);
+    }
+
+    /// Ends the cut that was begun. What was held comes now, in its order and at the rate.
+    pub fn end_cut(&mut self, now: Duration) {
+        for (_, to, _) in &mut self.cuts {
+            *to = now.min(*to);
+        }
+        for datagram in std::mem::take(&mut self.held) {
+            self.bytes -= length(&datagram);
+            self.send(now, datagram);
+        }
+    }
+
+    /// Takes a datagram that is sent now.
+    pub fn send(&mut self, now: Duration, datagram: Vec<u8>) {
+        let length = length(&datagram);
         self.bytes += length;
         let cut = self.cuts.iter().find(|(from, to, _)| (*from..*to).contains(&now));
         let enters = match cut {
             Some((_, _, Cut::Drops)) => return,
+            Some((_, to, Cut::Holds)) if *to == Duration::MAX => return self.held.push(datagram),
             Some((_, to, Cut::Holds)) => *to,
             None => now,
         };
@@ -97,12 +123,18 @@ impl Carrier {
         self.on_the_way.insert((at, self.count), datagram);
     }
 
-    pub(super) fn next(&self) -> Option<Duration> {
+    /// When the next datagram arrives.
+    pub fn next(&self) -> Option<Duration> {
         self.on_the_way.keys().next().map(|(at, _)| *at)
     }
 
-    pub(super) fn arrive(&mut self, now: Duration) -> Option<Vec<u8>> {
+    /// The next datagram that has arrived by now.
+    pub fn arrive(&mut self, now: Duration) -> Option<Vec<u8>> {
         let first = self.on_the_way.first_entry().filter(|first| first.key().0 <= now)?;
         Some(first.remove())
     }
+}
+
+fn length(datagram: &[u8]) -> u64 {
+    (datagram.len() + rafcon_link::CARRIER_OVERHEAD) as u64
 }

@@ -10,6 +10,7 @@ mod robot;
 mod station;
 mod world;
 
+pub use carrier::{Carrier, Conditions, Cut};
 pub use measures::{Figure, Measures};
 pub use plan::Scenario;
 pub use world::run;

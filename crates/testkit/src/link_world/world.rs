@@ -112,9 +112,10 @@ impl LinkWorld {
             late_max: Duration::from_millis(120),
             queue_max: Duration::from_secs(2),
         };
-        let mut fork = || Random::new(random.below(usize::MAX) as u64);
-        let mission = Mission::new(fork(), plan.length, (plan.quiet.from, plan.quiet.to));
-        let carrier = |bits_per_s, random| Carrier::new(conditions(bits_per_s), random);
+        let mut fork = || random.below(usize::MAX) as u64;
+        let mission =
+            Mission::new(Random::new(fork()), plan.length, (plan.quiet.from, plan.quiet.to));
+        let carrier = |bits_per_s, seed| Carrier::new(conditions(bits_per_s), seed);
         let mut down: Vec<_> =
             (0..=STATIONS).map(|_| carrier(profile.down_bits_per_s, fork())).collect();
         let mut up: Vec<_> =

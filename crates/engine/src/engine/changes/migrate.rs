@@ -4,10 +4,10 @@ use crate::engine::state::frames::{NONE, Slot};
 use crate::engine::state::phase::Phase;
 use crate::engine::state::step::{Step, View};
 use crate::engine::state::suspended::{StopPoint, SuspendReason};
-use crate::program::{Body, Exit, Inside, Node};
+use crate::program::{Body, Concurrency, Exit, Inside, Node};
 use crate::{Datum, Event, NodeId, Program, When};
 use rafcon_model::{PortId, StateId};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Where a value in a container comes from.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
@@ -115,10 +115,36 @@ impl<'s, D: Datum> Step<'s, D> {
                 self.migrate_last(slot, before, old);
                 self.migrate_slots(slot, (before, was, old), new);
             }
-            (Body::Concurrency(_, old), Body::Concurrency(_, new)) => {
+            (Body::Concurrency(_, old), Body::Concurrency(kind, new)) => {
+                let known: BTreeSet<_> = sources(before, was, old).into_iter().collect();
                 self.migrate_slots(slot, (before, was, old), new);
+                if matches!(kind, Concurrency::Barrier(_)) {
+                    self.fill_new_outputs(slot, new, &known);
+                }
             }
             _ => {}
+        }
+    }
+
+    /// What children of a barrier gave that have ended flows along new data flows, too.
+    fn fill_new_outputs(&mut self, slot: u32, new: &Inside<D>, known: &BTreeSet<Source>) {
+        let frame = self.run.frames.get(slot);
+        let is = self.program.node(frame.node);
+        let Some(children) = frame.children.side_by_side() else { return };
+        let places = (0..).zip(sources(self.program, is, new));
+        let outputs = places.skip(is.inputs().len() + new.scoped.len()).zip(&new.sources);
+        let value = |((place, source), &(child, port)): ((usize, Source), &(u32, u32))| {
+            let ended = children.ended(child).filter(|_| !known.contains(&source))?;
+            let value = ended.outputs.get(port as usize).filter(|_| !ended.absent.contains(&port));
+            let sequence = frame.stored_at(is, new, child);
+            Some((place, Slot { sequence, value: Some(value?.clone()) }))
+        };
+        let values: Vec<_> = outputs.filter_map(value).collect();
+        let frame = self.run.frames.get_mut(slot);
+        for (place, value) in values {
+            if let Some(slot) = frame.slots.get_mut(place) {
+                *slot = value;
+            }
         }
     }
 

@@ -108,21 +108,15 @@ impl<D: Datum> Engine<D> {
                 error: ended.error.clone(),
                 order: match kind {
                     Concurrency::Preemptive => u64::from(frame.children.winner() != Some(child)),
-                    Concurrency::Barrier(_) => self.put_down(frame, inside, child),
+                    Concurrency::Barrier(_) => {
+                        frame.stored_at(self.program.node(frame.node), inside, child)
+                    }
                 },
                 ..self.end(inside, child)
             }
         };
         let children = frame.children.side_by_side().into_iter();
         children.flat_map(ChildrenSideBySide::ends).map(end).collect()
-    }
-
-    /// When the outputs of a child were put down.
-    fn put_down(&self, frame: &Frame<D>, inside: &Inside<D>, child: u32) -> u64 {
-        let first = self.program.node(frame.node).inputs().len() + inside.scoped.len();
-        let slots = inside.sources.iter().zip(frame.slots.iter().skip(first));
-        let own = slots.filter(|((source, _), slot)| *source == child && slot.value.is_some());
-        own.map(|(_, slot)| slot.sequence).min().unwrap_or_default()
     }
 }
 

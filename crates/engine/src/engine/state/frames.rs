@@ -2,7 +2,7 @@
 
 use crate::engine::state::phase::Phase;
 use crate::engine::state::undo_log::{EndedRun, UndoLog};
-use crate::program::Body;
+use crate::program::{Body, Inside, Node};
 use crate::{BranchId, FrameId, NodeId, PathId};
 use std::sync::Arc;
 
@@ -277,6 +277,19 @@ pub(in crate::engine) struct Seed<D> {
 }
 
 impl<D> Frame<D> {
+    /// When the outputs of a child were stored that flow anywhere; 0 if none do.
+    pub(in crate::engine) fn stored_at(
+        &self,
+        node: &Node<D>,
+        inside: &Inside<D>,
+        child: u32,
+    ) -> u64 {
+        let first = node.inputs().len() + inside.scoped.len();
+        let slots = inside.sources.iter().zip(self.slots.iter().skip(first));
+        let own = slots.filter(|((source, _), slot)| *source == child && slot.value.is_some());
+        own.map(|(_, slot)| slot.sequence).min().unwrap_or_default()
+    }
+
     fn unused() -> Self {
         Self {
             generation: 0,
