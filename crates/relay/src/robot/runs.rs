@@ -70,7 +70,9 @@ impl RobotRuns {
     /// Looks for runs that continue and are not followed, and for machines that runs have kept since.
     pub(super) fn look(&mut self, session: &mut RobotSession) {
         for (id, run) in &mut self.all {
-            if let Ok(packs) = Pack::read_after(&run.folder, run.machines) {
+            // A run that is over has what it had when it was looked at last.
+            let is_open = run.runner.is_some() || run.machines == 0;
+            if is_open && let Ok(packs) = Pack::read_after(&run.folder, run.machines) {
                 run.machines += packs.len();
                 run.about.extend(packs.iter().flat_map(machine_parts));
                 session.advance(ids::about_of(id), run.about.len() as u64);

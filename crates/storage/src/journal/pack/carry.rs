@@ -14,7 +14,11 @@ impl Pack {
     pub fn read_after(run: &Path, known: usize) -> Result<Vec<Self>, JournalError> {
         let mut database = Database::open_to_read(run)?;
         let (mut packs, mut sent) = (Vec::new(), BTreeSet::new());
-        for (nth, hash) in roots(&mut database)?.into_iter().enumerate() {
+        let roots = roots(&mut database)?;
+        if roots.len() <= known {
+            return Ok(packs);
+        }
+        for (nth, hash) in roots.into_iter().enumerate() {
             let manifest = database.run(|connection| manifest(connection, hash))?;
             let manifest = manifest.map_err(|what| database.damaged(&what))?.unwrap_or_default();
             let new = manifest.files().iter().map(|(_, hash)| *hash);
