@@ -305,19 +305,14 @@ impl Outgoing {
         self.write_snapshot(turn, source, payload);
         while self.read_again_at <= now && self.write_large(turn, payload) {
             let is_round_due = !is_heard && self.round_due <= now && !self.sent.is_empty();
-            if self.gap().is_none() && is_round_due {
+            if is_round_due && self.gap().is_none() {
                 self.sent.clear();
                 self.sent_set = RangeSet::default();
                 self.round_due = now + profile.report_every * 2;
             }
-            let again = self.repeated();
-            let (range, repeats) = match (self.gap(), again) {
-                (Some(gap), _) => (gap, OLD_SENDS),
-                (None, Some(again)) if is_heard => {
-                    (self.sent[again].range.clone(), self.sent[again].repeats)
-                }
-                _ => return,
-            };
+            let repeated = || self.repeated().filter(|_| is_heard);
+            let gap = self.gap().map(|gap| (gap, OLD_SENDS));
+            let Some((range, repeats)) = gap.or_else(repeated) else { return };
             let left = room.saturating_sub(payload.len());
             let items_max = Events::items_max(left, *range.end(), u64::MAX >> 8);
             if items_max < PART_MIN {
@@ -341,9 +336,10 @@ impl Outgoing {
     }
 
     /// What to repeat before anything is known of it: of the least repeated the newest, because the oldest are reported first.
-    fn repeated(&self) -> Option<usize> {
+    fn repeated(&self) -> Option<(RangeInclusive<u64>, u8)> {
         let sent = self.sent.iter().enumerate().filter(|(_, sent)| sent.repeats > 0);
-        sent.max_by_key(|(place, sent)| (sent.repeats, *place)).map(|(place, _)| place)
+        let (_, sent) = sent.max_by_key(|(place, sent)| (sent.repeats, *place))?;
+        Some((sent.range.clone(), sent.repeats))
     }
 
     /// Events are sent again: what was noted of them, from this one to that one, is void.
