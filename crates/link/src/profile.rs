@@ -76,14 +76,6 @@ impl Profile {
         repeat_after: ms(4_000),
         report_every: ms(10_000),
     };
-    /// All of them.
-    pub const ALL: [Self; 4] = [Self::LAN, Self::WIFI, Self::DELAY_2S, Self::DEEP];
-
-    /// The profile of this name.
-    pub fn named(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|profile| profile.name == name)
-    }
-
     /// The station reports this often while it receives nothing new.
     pub(crate) fn report_idle_every(&self) -> Duration {
         self.report_every * 4

@@ -58,11 +58,6 @@ pub enum CommandState {
 impl CommandState {
     const ALL: [Self; 5] =
         [Self::Received, Self::Started, Self::Done, Self::Refused, Self::Expired];
-
-    /// Whether nothing more becomes of it.
-    pub fn is_final(self) -> bool {
-        matches!(self, Self::Done | Self::Refused | Self::Expired)
-    }
 }
 
 /// A command as it travels.

@@ -158,16 +158,6 @@ impl RobotSession {
         self.opener.heard()
     }
 
-    /// How long ago the station was heard.
-    pub fn heard_before(&self, now: Duration) -> Option<Duration> {
-        self.heard.before(now)
-    }
-
-    /// The last event of a run that the station has on its disk, with all before it.
-    pub fn safe_at_station(&self, stream: StreamId) -> u64 {
-        self.streams.get(&stream).map_or(0, Outgoing::safe_at_station)
-    }
-
     /// Takes a datagram; passes on each command that is to be carried out, once in this start.
     pub fn receive(
         &mut self,

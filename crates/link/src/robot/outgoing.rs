@@ -58,7 +58,6 @@ pub(super) struct Outgoing {
     status_at: Option<Duration>,
     /// What the station has, by its last report.
     received: RangeSet,
-    safe: u64,
     /// The station knows that the run has ended.
     knows_end: bool,
     /// What was sent and is not reported, in the order of the times.
@@ -107,7 +106,6 @@ impl Outgoing {
             shown_at: None,
             status_at: None,
             received: RangeSet::default(),
-            safe: 0,
             knows_end: false,
             sent: VecDeque::new(),
             sent_set: RangeSet::default(),
@@ -118,10 +116,6 @@ impl Outgoing {
             snapshot: None,
             large: None,
         }
-    }
-
-    pub(super) fn safe_at_station(&self) -> u64 {
-        self.safe
     }
 
     pub(super) fn advance(&mut self, head: u64) {
@@ -163,7 +157,7 @@ impl Outgoing {
         profile: &Profile,
     ) {
         self.received = received.events;
-        (self.safe, self.knows_end) = (received.safe, received.is_over);
+        self.knows_end = received.is_over;
         let Some((newest_ms, late_ms)) = echo else { return };
         // What was sent before this, and is not received, is lost; a repetition may still heal the newest of it.
         let late = Duration::from_millis(late_ms) + profile.repeat_after * u32::from(tail::SENDS);
