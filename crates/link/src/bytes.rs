@@ -43,6 +43,11 @@ impl<'b> FrameReader<'b> {
         self.rest.is_empty()
     }
 
+    /// How many bytes are left.
+    pub(crate) fn left(&self) -> usize {
+        self.rest.len()
+    }
+
     pub(crate) fn byte(&mut self) -> Result<u8, BrokenFrame> {
         let (byte, rest) = self.rest.split_first().ok_or(BrokenFrame("it ends too early"))?;
         self.rest = rest;

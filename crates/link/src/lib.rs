@@ -14,6 +14,7 @@ mod replay_window;
 mod robot;
 mod seal;
 mod station;
+mod traffic;
 
 pub use bytes::BrokenFrame;
 pub use deflate::{deflate, inflate};
@@ -27,3 +28,4 @@ pub use seal::{
     SealError, Sealer,
 };
 pub use station::{FromRobot, NewCommand, NotSent, StationSession};
+pub use traffic::Traffic;

@@ -76,8 +76,8 @@ impl Profile {
         repeat_after: ms(4_000),
         report_every: ms(10_000),
     };
-    /// The station reports this often while it receives nothing new.
-    pub(crate) fn report_idle_every(&self) -> Duration {
+    /// The station reports at least this often while the link is whole.
+    pub fn report_idle_every(&self) -> Duration {
         self.report_every * 4
     }
 

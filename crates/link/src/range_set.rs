@@ -72,6 +72,11 @@ impl RangeSet {
         (*last >= number).then_some(*last)
     }
 
+    /// How many numbers are in it.
+    pub fn count(&self) -> u64 {
+        self.ranges().map(|range| range.end() - range.start() + 1).sum()
+    }
+
     /// Its ranges, in order.
     pub fn ranges(&self) -> impl DoubleEndedIterator<Item = RangeInclusive<u64>> {
         self.ranges.iter().map(|(first, last)| *first..=*last)

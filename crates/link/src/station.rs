@@ -11,6 +11,7 @@ use crate::profile::{Pacer, Profile};
 use crate::range_set::RangeSet;
 use crate::robot::{Identity, Unusable, now_ms};
 use crate::seal::{Direction, Horizon, OVERHEAD, Opener, SealError, Sealer};
+use crate::traffic::Traffic;
 use std::collections::BTreeMap;
 use std::time::Duration;
 
@@ -71,6 +72,12 @@ pub struct StationSession {
     clock: RobotClock,
     /// What it was heard of this side last, and how long the way there and back took.
     round_trip: Option<Duration>,
+    /// The newest time of this session that the robot has heard.
+    reached_ms: Option<u64>,
+    /// What the robot's calendar said when its session began, as it is set now.
+    calendar_ms: Option<u64>,
+    sent: Traffic,
+    received: Traffic,
     streams: BTreeMap<StreamId, Incoming>,
     reported_at: Option<Duration>,
     has_news: bool,
@@ -137,6 +144,10 @@ impl StationSession {
             heard: Heard::default(),
             clock: RobotClock::default(),
             round_trip: None,
+            reached_ms: None,
+            calendar_ms: None,
+            sent: Traffic::default(),
+            received: Traffic::default(),
             streams: BTreeMap::new(),
             reported_at: None,
             has_news: false,
@@ -178,6 +189,28 @@ impl StationSession {
         self.round_trip
     }
 
+    /// How long ago that was sent of which the robot said last that it heard it; nothing if it never did.
+    pub fn reached_before(&self, now: Duration) -> Option<Duration> {
+        self.reached_ms.map(|at| now.saturating_sub(Duration::from_millis(at)))
+    }
+
+    /// The robot's calendar, at least and at most, in ms since 1970, UTC.
+    pub fn robot_calendar(&self, now: Duration) -> Option<(u64, Option<u64>)> {
+        let (clock, began) = (self.robot_clock(now)?, self.calendar_ms?);
+        let at = |clock_ms: u64| began.saturating_add(clock_ms);
+        Some((at(clock.earliest_ms), clock.latest_ms.map(at)))
+    }
+
+    /// What was sent and received.
+    pub fn traffic(&self) -> (&Traffic, &Traffic) {
+        (&self.sent, &self.received)
+    }
+
+    /// How many commands are on their way.
+    pub fn commands(&self) -> usize {
+        self.commands.len()
+    }
+
     /// Between which times the robot's clock is.
     pub fn robot_clock(&self, now: Duration) -> Option<ClockBounds> {
         self.clock.bounds(now_ms(now))
@@ -198,9 +231,10 @@ impl StationSession {
         let opened = self.opener.open(datagram)?;
         let (generation, payload) = (opened.generation, opened.payload);
         let (at_ms, frames) = read_payload(payload)?;
+        self.received.count(payload);
         let silence = self.heard.before(now);
         if self.heard.hear(generation, at_ms, now) {
-            self.round_trip = None;
+            (self.round_trip, self.reached_ms, self.calendar_ms) = (None, None, None);
             show(FromRobot::Started);
         }
         if silence.is_none_or(|silence| silence > self.profile.silence()) {
@@ -261,7 +295,9 @@ impl StationSession {
                 self.clock.robot_heard(heard_at, newest_ms, now_ms(now));
                 let since = now_ms(now).saturating_sub(newest_ms).saturating_sub(held_ms);
                 self.round_trip = Some(Duration::from_millis(since));
+                self.reached_ms = self.reached_ms.max(Some(newest_ms));
             }
+            Frame::Calendar { began_ms } => self.calendar_ms = Some(began_ms),
             _ => {}
         }
     }
@@ -308,6 +344,7 @@ impl StationSession {
         }
         let mut datagram = Vec::with_capacity(payload.len() + OVERHEAD);
         self.sealer.seal(&payload, &mut datagram)?;
+        self.sent.count(&payload);
         self.pacer.spend(now, datagram.len());
         Ok(Some(datagram))
     }

@@ -140,7 +140,7 @@ mod tests {
 
     #[test]
     fn frames_are_read_as_they_were_written_and_a_cut_one_is_the_end() {
-        let message = ToViewer::Pong { id: 1, now_ms: 2, engine: None };
+        let message = ToViewer::Pong { id: 1, now_ms: 2, engine: None, link: None };
         let bytes = [encode_frame(&message).unwrap(), encode_frame(&message).unwrap()].concat();
         for length in 0..=bytes.len() {
             let (mut from, mut content, mut count) = (&bytes[..length], Vec::new(), 0);

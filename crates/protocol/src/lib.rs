@@ -17,6 +17,7 @@ pub mod form;
 pub mod frame;
 pub mod hello;
 pub mod launch;
+pub mod link;
 pub mod message;
 pub mod question;
 pub mod run;
@@ -34,6 +35,7 @@ pub use frame::{
 };
 pub use hello::{Hello, VERSION, VersionMismatch};
 pub use launch::{Beginning, Launch};
+pub use link::{ClockOffset, LinkHealth, LinkReport, LinkRun, LinkTraffic};
 pub use message::{EnginePulse, Join, StateData, ToRunner, ToViewer};
 pub use question::{Closing, Form, Question};
 pub use run::{Afterwards, Crash, Keeping, OnCrash, Resume};

@@ -1,6 +1,6 @@
 //! Everything that is said after the hello.
 
-use crate::{Answer, Envelope, Event, Launch, Snapshot, Values};
+use crate::{Answer, Envelope, Event, Launch, LinkHealth, Snapshot, Values};
 use serde::{Deserialize, Serialize};
 
 /// From a viewer (command line, server) to the runner.
@@ -97,6 +97,9 @@ pub enum ToViewer {
         /// Whether the engine takes inputs; runners of other builds may not say.
         #[serde(default)]
         engine: Option<EnginePulse>,
+        /// How the link to the robot is, if it is a station that answers for the runner.
+        #[serde(default)]
+        link: Option<Box<LinkHealth>>,
     },
 }
 

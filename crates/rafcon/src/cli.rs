@@ -8,7 +8,7 @@ mod serve;
 pub(crate) use kept::{
     Compare, Export, ExportFormat, History, KeptRun, ListRuns, Log, LogLevel, Replay,
 };
-pub(crate) use link::{Link, LinkProfile, Pair, Station};
+pub(crate) use link::{Link, LinkProfile, LinkStatus, Pair, Station};
 pub(crate) use remote::{Access, Control, KeptRemote, Login, Remote, Wanted};
 pub(crate) use serve::{Role, Serve, State, User, UserAction};
 
@@ -42,6 +42,7 @@ pub(crate) enum Command {
     Serve(Serve),
     Station(Station),
     Pair(Pair),
+    Link(LinkStatus),
     User(User),
     Login(Login),
     Control(Control),

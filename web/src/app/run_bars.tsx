@@ -46,6 +46,8 @@ function oldInWords(why: RunAge["why"], age: string, isCurrent: boolean): string
     return `The run is stuck: its program responds, but its engine has made no progress for ${age}. Stop the run. If the engine does not respond, its program is ended and the run can be resumed.`;
   if (why === "silence")
     return `No answer from the run for ${age}: its program does not respond to the server. What you see is that old; the robot may be elsewhere by now.`;
+  if (why === "blackout")
+    return `The robot has not been heard for ${age}: a blackout of the link, or its computer is down. What you see is that old; the run continues on the robot as it is programmed.`;
   if (why === "runner")
     return `The server lost the connection to the run's program and is reconnecting. What you see of the run is ${age} old; the robot may be elsewhere by now.`;
   return isCurrent

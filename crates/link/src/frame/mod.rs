@@ -139,6 +139,11 @@ pub(crate) enum Frame<'b> {
         /// What became of it.
         state: CommandState,
     },
+    /// The robot's calendar.
+    Calendar {
+        /// What it said when the robot's session began, as it is set now: ms since 1970, UTC.
+        began_ms: u64,
+    },
     /// A command.
     Command(Command<'b>),
     /// What was heard of the other side last.
@@ -161,6 +166,7 @@ const STATUS: u8 = 2;
 const SNAPSHOT: u8 = 3;
 const LARGE: u8 = 4;
 const COMMAND_STATE: u8 = 5;
+const CALENDAR: u8 = 6;
 const COMMAND: u8 = 16;
 const HEARD: u8 = 17;
 const RECEIVED: u8 = 18;
@@ -200,6 +206,7 @@ impl<'b> Frame<'b> {
                 out.extend_from_slice(&id.0);
                 out.push(*state as u8);
             }
+            Self::Calendar { began_ms } => numbers(CALENDAR, &[*began_ms]),
             Self::Command(Command { id, robot_start, not_after_ms, epoch, body }) => {
                 out.push(COMMAND);
                 out.extend_from_slice(&id.0);
@@ -241,6 +248,7 @@ impl<'b> Frame<'b> {
                 let state = *state.ok_or(BrokenFrame("an unknown state of a command"))?;
                 Self::CommandState { id, state }
             }
+            CALENDAR => Self::Calendar { began_ms: reader.number()? },
             COMMAND => Self::Command(Command {
                 id: CommandId(reader.fixed()?),
                 robot_start: Generation(reader.small()?),
@@ -339,6 +347,17 @@ pub(crate) fn read_payload(
         Some(frame)
     });
     Ok((at_ms, frames))
+}
+
+/// The frames of a payload with their lengths in bytes, up to the first broken one.
+pub(crate) fn read_frames(payload: &[u8]) -> impl Iterator<Item = (Frame<'_>, usize)> {
+    let mut reader = FrameReader::new(payload);
+    let is_read = reader.number().is_ok();
+    std::iter::from_fn(move || {
+        let before = reader.left();
+        let frame = (is_read && before > 0).then(|| Frame::read(&mut reader).ok())??;
+        Some((frame, before - reader.left()))
+    })
 }
 
 #[cfg(test)]

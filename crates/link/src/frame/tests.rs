@@ -48,6 +48,7 @@ fn frame(bytes: &[u8]) -> impl Strategy<Value = Frame<'_>> {
         part.prop_map(move |(stream, first, t_before, offset)| {
             Frame::Large { stream, first, t_before, length: offset + length, offset, bytes }
         }),
+        any::<u64>().prop_map(|began_ms| Frame::Calendar { began_ms }),
         (id.clone(), state).prop_map(|(id, state)| Frame::CommandState { id, state }),
         (id, any::<u32>(), any::<u64>(), any::<u64>()).prop_map(
             move |(id, robot_start, not_after_ms, epoch)| {

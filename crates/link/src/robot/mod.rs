@@ -18,6 +18,7 @@ use crate::seal::{
     Direction, Generation, Horizon, KeyId, OVERHEAD, Opener, PairingKey, Rejected, SealError,
     Sealer,
 };
+use crate::traffic::Traffic;
 use outgoing::{Outgoing, Turn};
 use std::collections::BTreeMap;
 use std::time::Duration;
@@ -78,6 +79,10 @@ pub struct RobotSession {
     pacer: Pacer,
     streams: BTreeMap<StreamId, Outgoing>,
     heard: Heard,
+    /// What the calendar said when this session began, as it is set now: ms since 1970, UTC.
+    calendar_ms: Option<u64>,
+    sent: Traffic,
+    received: Traffic,
     states: BTreeMap<CommandId, SentState>,
     /// The ids in `states`, oldest first.
     ids: std::collections::VecDeque<CommandId>,
@@ -100,6 +105,9 @@ impl RobotSession {
             pacer: Pacer::new(profile.down_bits_per_s),
             streams: BTreeMap::new(),
             heard: Heard::default(),
+            calendar_ms: None,
+            sent: Traffic::default(),
+            received: Traffic::default(),
             states: BTreeMap::new(),
             ids: std::collections::VecDeque::new(),
             profile,
@@ -141,6 +149,11 @@ impl RobotSession {
         }
     }
 
+    /// The robot's calendar says this now, in ms since 1970, UTC. It may jump.
+    pub fn set_calendar(&mut self, now: Duration, since_1970_ms: u64) {
+        self.calendar_ms = Some(since_1970_ms.saturating_sub(now_ms(now)));
+    }
+
     /// What became of a command.
     pub fn set_command_state(&mut self, now: Duration, id: CommandId, state: CommandState) {
         if self.states.insert(id, SentState { state, sends: 0, due: now }).is_none() {
@@ -158,6 +171,21 @@ impl RobotSession {
         self.opener.heard()
     }
 
+    /// How long ago the station was heard.
+    pub fn heard_before(&self, now: Duration) -> Option<Duration> {
+        self.heard.before(now)
+    }
+
+    /// What was sent and received.
+    pub fn traffic(&self) -> (&Traffic, &Traffic) {
+        (&self.sent, &self.received)
+    }
+
+    /// The number of the last event of a run, and how many of all the station did not report.
+    pub fn progress(&self, stream: StreamId) -> Option<(u64, u64)> {
+        self.streams.get(&stream).map(Outgoing::progress)
+    }
+
     /// Takes a datagram; passes on each command that is to be carried out, once in this start.
     pub fn receive(
         &mut self,
@@ -168,6 +196,7 @@ impl RobotSession {
         let opened = self.opener.open(datagram)?;
         let (generation, payload) = (opened.generation, opened.payload);
         let (at_ms, frames) = read_payload(payload)?;
+        self.received.count(payload);
         self.heard.hear(generation, at_ms, now);
         let (mut echo, mut reports) = (None, Vec::new());
         for frame in frames {
@@ -232,8 +261,11 @@ impl RobotSession {
         for stream in self.streams.values_mut() {
             shows_status |= stream.write_urgent(turn, &mut payload);
         }
-        if shows_status && let Some(heard) = self.heard.frame(now) {
-            heard.write(&mut payload);
+        if shows_status {
+            let calendar = self.calendar_ms.map(|began_ms| Frame::Calendar { began_ms });
+            for frame in [self.heard.frame(now), calendar].into_iter().flatten() {
+                frame.write(&mut payload);
+            }
         }
         if self.pacer.free_at() <= now {
             for stream in self.streams.values_mut() {
@@ -245,6 +277,7 @@ impl RobotSession {
         }
         let mut datagram = Vec::with_capacity(payload.len() + OVERHEAD);
         self.sealer.seal(&payload, &mut datagram)?;
+        self.sent.count(&payload);
         self.pacer.spend(now, datagram.len());
         Ok(Some(datagram))
     }

@@ -279,6 +279,11 @@ impl Outgoing {
         at + every
     }
 
+    /// The number of the last event, and how many of all the station did not report.
+    pub(super) fn progress(&self) -> (u64, u64) {
+        (self.head, self.head.saturating_sub(self.received.count()))
+    }
+
     /// When something of the lower queues is due.
     pub(super) fn bulk_at(&self, is_heard: bool, profile: &Profile) -> Duration {
         let is_repeated = is_heard && self.sent.iter().any(|sent| sent.repeats > 0);

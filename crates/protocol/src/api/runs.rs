@@ -1,7 +1,9 @@
 //! Runs: how they begin, how they stand, who commands them, what they leave.
 
 use super::{MachineFile, RunWait};
-use crate::{Afterwards, Answer, Breakpoint, Event, Keeping, OnCrash, Outcome, Snapshot};
+use crate::{
+    Afterwards, Answer, Breakpoint, Event, Keeping, LinkHealth, OnCrash, Outcome, Snapshot,
+};
 use serde::{Deserialize, Serialize};
 
 /// Starts a run.
@@ -145,6 +147,9 @@ pub struct RunNow {
     pub now_ms: u64,
     /// Who commands.
     pub control: Control,
+    /// How the link to its robot is; none if the run is not far away. Told while someone looks on.
+    #[serde(default)]
+    pub robot: Option<LinkHealth>,
 }
 
 /// The machine of a run, as its runner has read it.

@@ -59,3 +59,16 @@ pub(crate) struct Pair {
     #[command(flatten)]
     pub(crate) state: State,
 }
+
+/// Show how the links of this computer's robots or station are.
+///
+/// For each link: when the other side was heard, how long the way takes, what was sent and received, and which events the station
+/// still lacks. Works while `rafcon serve --station` or `rafcon station` runs.
+#[derive(Debug, Args)]
+pub(crate) struct LinkStatus {
+    /// Print each link as one line of JSON
+    #[arg(long)]
+    pub(crate) json: bool,
+    #[command(flatten)]
+    pub(crate) state: State,
+}

@@ -56,7 +56,7 @@ impl Relays {
     pub(super) fn robot(&mut self, raw: &cli::Link, state: &Path, runs: &Path) -> Result<()> {
         let Some(station) = &raw.station else { return Ok(()) };
         let settings = RobotSettings {
-            folder: state.join("link/robot"),
+            folder: robot_folder(state),
             runs: runs.to_owned(),
             pairing: robots_own(state, raw.robot.as_deref())?,
             station: address(station)?,
@@ -76,7 +76,7 @@ impl Relays {
         (state, runs): (&Path, &Path),
     ) -> Result<()> {
         let settings = StationSettings {
-            folder: state.join("link/station"),
+            folder: station_folder(state),
             runs: runs.to_owned(),
             pairings: pairings(state)?,
             bind: listen,
@@ -115,6 +115,16 @@ impl Relays {
             thread.join().unwrap_or_default();
         }
     }
+}
+
+/// The folder of the robot's side of the link.
+pub(super) fn robot_folder(state: &Path) -> PathBuf {
+    state.join("link/robot")
+}
+
+/// The folder of the station's side of the links.
+pub(super) fn station_folder(state: &Path) -> PathBuf {
+    state.join("link/station")
 }
 
 fn pairings_folder(state: &Path) -> PathBuf {

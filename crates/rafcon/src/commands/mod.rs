@@ -10,6 +10,7 @@ mod history;
 mod kept;
 mod kept_at_server;
 mod link;
+mod link_status;
 mod login;
 mod new;
 mod remote;
@@ -46,6 +47,7 @@ pub(crate) fn main(cli: Cli, environment: &Environment, clock: Clock) -> Result<
             serve::serve(&request.serve, Some(request.listen), environment)
         }
         Command::Pair(request) => link::pair(&request, environment),
+        Command::Link(request) => link_status::link_status(&request, environment),
         Command::Login(request) => login::login(&request, environment),
         Command::Control(request) => control::control(&request, environment),
         Command::User(request) => user::user(&request, environment),

@@ -15,7 +15,7 @@ pub(crate) use json::Json;
 pub(crate) use lines::{Lines, log_lines};
 pub(crate) use live::Live;
 pub(crate) use names::{Names, names_of};
-pub(crate) use text::{Paint, Style, TextLine, counted, harmless, time};
+pub(crate) use text::{Paint, Style, TextLine, counted, harmless, size, time};
 pub(crate) use value::shown;
 pub(crate) use words::outcome_style;
 

@@ -160,6 +160,22 @@ pub(crate) fn time(time: std::time::Duration) -> String {
     }
 }
 
+/// A number of bytes as people say it.
+#[expect(clippy::cast_precision_loss, reason = "one digit after the point is shown")]
+pub(crate) fn size(bytes: u64) -> String {
+    const UNITS: [&str; 5] = ["B", "KB", "MB", "GB", "TB"];
+    let mut size = bytes as f64;
+    let mut unit = 0;
+    while size >= 999.5 && unit + 1 < UNITS.len() {
+        (size, unit) = (size / 1000.0, unit + 1);
+    }
+    if unit == 0 || size >= 99.5 {
+        format!("{size:.0} {}", UNITS[unit])
+    } else {
+        format!("{size:.1} {}", UNITS[unit])
+    }
+}
+
 /// So many things: `no states`, `1 state`, `1,234,567 states`.
 pub(crate) fn counted(number: u64, thing: &str) -> String {
     match number {
@@ -243,5 +259,11 @@ mod tests {
         let counts = [0, 1, 7, 1_234, 1_234_567].map(|number| counted(number, "state"));
         let expected = ["no states", "1 state", "7 states", "1,234 states", "1,234,567 states"];
         assert_eq!(counts, expected);
+    }
+
+    #[test]
+    fn sizes_are_for_people() {
+        let sizes = [0, 999, 1000, 25_300_000, 999_600_000, 20 << 30].map(super::size);
+        assert_eq!(sizes, ["0 B", "999 B", "1.0 KB", "25.3 MB", "1.0 GB", "21.5 GB"]);
     }
 }

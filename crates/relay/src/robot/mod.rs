@@ -1,6 +1,7 @@
 //! The robot's side: finds its runs, follows those that continue, sends what happens, and gives commands to their runners.
 
 mod follow;
+mod health;
 mod runs;
 
 use crate::clock::SessionClock;
@@ -8,8 +9,10 @@ use crate::error::RelayError;
 use crate::ids;
 use crate::inbox::{Inbox, Input, Stopper};
 use crate::pairing::Pairing;
+use crate::report::{REPORT_EVERY, Reporter};
 use crate::start::Start;
 use follow::FromRun;
+use health::Health;
 use rafcon_link::{CommandState, Profile, ReceivedCommand, RobotSession};
 use rafcon_protocol::{Answer, Envelope, Expiry};
 use rafcon_supervisor::clock;
@@ -18,8 +21,6 @@ use std::net::{SocketAddr, UdpSocket};
 use std::path::PathBuf;
 use std::time::Duration;
 
-/// Runs are looked for this often.
-const LOOK_EVERY: Duration = Duration::from_secs(1);
 /// What was heard is kept this often.
 const KEEP_EVERY: Duration = Duration::from_secs(10);
 
@@ -52,13 +53,18 @@ pub fn relay_robot(settings: &RobotSettings, stopper: &Stopper) -> Result<(), Re
     let list = settings.folder.join("runs");
     let mut runs = RobotRuns::new(&settings.runs, list, inbox.sender(), settings.tell);
     runs.restore(&mut session);
-    let mut relay = RobotRelay { settings, clock: SessionClock::begin(), socket, session, runs };
+    let health = Health::new(settings);
+    let reporter = Reporter::open(&settings.folder)?;
+    let mut relay =
+        RobotRelay { settings, clock: SessionClock::begin(), socket, session, runs, health };
     let (mut look_at, mut keep_at) = (Duration::ZERO, KEEP_EVERY);
     while !stopper.is_stopped() {
         let now = relay.clock.now();
         if now >= look_at {
-            look_at = now + LOOK_EVERY;
+            look_at = now + REPORT_EVERY;
             relay.runs.look(&mut relay.session);
+            relay.session.set_calendar(now, clock::since_1970_ms());
+            reporter.set(&[relay.health.report(&relay.session, now, relay.runs.ids())]);
         }
         if now >= keep_at {
             keep_at = now + KEEP_EVERY;
@@ -81,6 +87,7 @@ struct RobotRelay<'s> {
     socket: UdpSocket,
     session: RobotSession,
     runs: RobotRuns,
+    health: Health,
 }
 
 impl RobotRelay<'_> {
@@ -94,8 +101,11 @@ impl RobotRelay<'_> {
 
     fn receive(&mut self, mut datagram: Vec<u8>) {
         let (now, mut commands) = (self.clock.now(), Vec::new());
-        // What cannot be used comes twice, or from strangers: there is nothing to say to them.
-        let _used = self.session.receive(now, &mut datagram, |command| commands.push(command));
+        let used = self.session.receive(now, &mut datagram, |command| commands.push(command));
+        if let Err(why) = used {
+            // It came twice, or from strangers: there is nothing to say to them.
+            self.health.note_unusable(why.to_string());
+        }
         for command in commands {
             self.command(now, command);
         }

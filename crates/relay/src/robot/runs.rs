@@ -190,6 +190,11 @@ impl RobotRuns {
         runner.is_some_and(|runner| runner.command(envelope))
     }
 
+    /// The ids of all runs.
+    pub(super) fn ids(&self) -> impl Iterator<Item = &str> {
+        self.all.keys().map(String::as_str)
+    }
+
     fn run(&mut self, stream: StreamId) -> Option<&mut RobotRun> {
         self.all.get_mut(self.streams.get(&stream)?)
     }

@@ -1,5 +1,6 @@
 //! The station's side: keeps a replica of each run of its robots, reports what it has, and sends commands.
 
+mod health;
 mod replica_run;
 mod robot;
 mod viewers;
@@ -8,6 +9,7 @@ use crate::clock::SessionClock;
 use crate::error::RelayError;
 use crate::inbox::{Inbox, Input, Stopper};
 use crate::pairing::Pairing;
+use crate::report::{REPORT_EVERY, Reporter};
 use rafcon_link::Profile;
 use rafcon_protocol::Envelope;
 use robot::StationRobot;
@@ -62,7 +64,8 @@ pub fn relay_station(
         StationRobot::begin(settings, number, pairing, inbox.sender(), clock)
     });
     let mut robots = robots.collect::<Result<Vec<_>, _>>()?;
-    let (mut sync_at, mut keep_at) = (SYNC_EVERY, KEEP_EVERY);
+    let reporter = Reporter::open(&settings.folder)?;
+    let (mut sync_at, mut keep_at, mut report_at) = (SYNC_EVERY, KEEP_EVERY, REPORT_EVERY);
     while !stopper.is_stopped() {
         let now = clock.now();
         if now >= sync_at {
@@ -73,14 +76,21 @@ pub fn relay_station(
             keep_at = now + KEEP_EVERY;
             robots.iter_mut().try_for_each(StationRobot::keep)?;
         }
-        let mut next = sync_at.min(keep_at);
+        if now >= report_at {
+            report_at = now + REPORT_EVERY;
+            reporter.set(&robots.iter_mut().map(StationRobot::report).collect::<Vec<_>>());
+        }
+        let mut next = sync_at.min(keep_at).min(report_at);
         for robot in &mut robots {
             next = next.min(robot.send(&socket)?);
         }
         match inbox.wait(next.saturating_sub(clock.now())) {
             Some(Input::Datagram(from, datagram)) => {
                 // Which robot it is of is known by the key that opens it.
-                let _opened = robots.iter_mut().any(|robot| robot.receive(from, datagram.clone()));
+                let is_opened = robots.iter_mut().any(|robot| robot.receive(from, &datagram));
+                if !is_opened {
+                    robots.iter_mut().for_each(StationRobot::note_unusable);
+                }
             }
             Some(Input::Other(GivenCommand { robot, run, envelope })) => {
                 if let Some(robot) = robots.get_mut(robot) {

@@ -3,7 +3,7 @@
 use super::GivenCommand;
 use super::viewers::{Shared, Viewers};
 use crate::inbox::Input;
-use rafcon_protocol::{Answer, Snapshot};
+use rafcon_protocol::{Answer, LinkHealth, Snapshot};
 use rafcon_storage::journal::{
     About, EventItems, JournalError, Options, Pack, Replica, ReplicaError,
 };
@@ -34,6 +34,7 @@ impl ReplicaRun {
     pub(super) fn open(
         runs: &Path,
         about: &About,
+        link: LinkHealth,
         (robot, given): (usize, SyncSender<Input<GivenCommand>>),
     ) -> Result<Self, JournalError> {
         let folder = runs.join(&about.id);
@@ -43,7 +44,7 @@ impl ReplicaRun {
         };
         let replica = Replica::open(&folder, about, &options)?;
         let safe = replica.next() - 1;
-        let shared = Arc::new(Shared::new(folder.clone(), about, safe));
+        let shared = Arc::new(Shared::new(folder.clone(), about, safe, link));
         let run = about.id.clone();
         let give = move |envelope| {
             let command = GivenCommand { robot, run: run.clone(), envelope };
@@ -114,9 +115,9 @@ impl ReplicaRun {
         self.shared.stands(snapshot);
     }
 
-    /// Whether the robot is heard.
-    pub(super) fn set_heard(&self, is_heard: bool) {
-        self.shared.set_heard(is_heard);
+    /// The link is like this.
+    pub(super) fn set_link(&self, link: LinkHealth) {
+        self.shared.set_link(link);
     }
 
     /// Makes all so far safe, and shows it; answers up to which event that is.

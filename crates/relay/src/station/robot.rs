@@ -1,5 +1,6 @@
 //! One robot as a station knows it: its session, and the replicas of its runs.
 
+use super::health::{self, Health};
 use super::replica_run::ReplicaRun;
 use super::{GivenCommand, StationSettings};
 use crate::about::{AboutReader, AboutRecord, Taken};
@@ -10,9 +11,9 @@ use crate::inbox::Input;
 use crate::pairing::Pairing;
 use crate::start::Start;
 use rafcon_link::{
-    CommandState, FromRobot, NewCommand, RangeSet, StationSession, StreamId, Unusable,
+    CommandState, FromRobot, NewCommand, RangeSet, Rejected, StationSession, StreamId, Unusable,
 };
-use rafcon_protocol::{Answer, Envelope};
+use rafcon_protocol::{Answer, Envelope, LinkHealth, LinkReport};
 use rafcon_storage::journal::{About, EventItems, JournalError, RunState, Summary, run_folders};
 use rafcon_supervisor::clock;
 use std::collections::BTreeMap;
@@ -32,7 +33,9 @@ pub(super) struct StationRobot {
     start: Start,
     session: StationSession,
     clock: SessionClock,
-    silence: Duration,
+    health: Health,
+    /// Why the last datagram is not of this robot.
+    rejected: Option<Rejected>,
     address: Option<SocketAddr>,
     inbox: SyncSender<Input<GivenCommand>>,
     replicas: BTreeMap<StreamId, ReplicaRun>,
@@ -80,7 +83,8 @@ impl StationRobot {
             start,
             session,
             clock,
-            silence: settings.profile.silence(),
+            health: Health::new(&pairing.robot, &settings.profile),
+            rejected: None,
             address: None,
             inbox,
             replicas: BTreeMap::new(),
@@ -119,7 +123,8 @@ impl StationRobot {
     fn open(&mut self, stream: StreamId, about: About) {
         let about = About { robot: Some(self.name.clone()), on_crash: None, ..about };
         let given = (self.number, self.inbox.clone());
-        match ReplicaRun::open(&self.runs, &about, given) {
+        let link = self.health.of(&self.session, self.clock.now());
+        match ReplicaRun::open(&self.runs, &about, link, given) {
             Ok(replica) => {
                 self.replicas.insert(stream, replica);
                 for items in self.early.remove(&stream).unwrap_or_default() {
@@ -145,9 +150,9 @@ impl StationRobot {
     }
 
     /// Takes a datagram; answers whether it is of this robot.
-    pub(super) fn receive(&mut self, from: SocketAddr, mut datagram: Vec<u8>) -> bool {
+    pub(super) fn receive(&mut self, from: SocketAddr, datagram: &[u8]) -> bool {
         let (now, mut received) = (self.clock.now(), Vec::new());
-        let taken = self.session.receive(now, &mut datagram, |shown| match shown {
+        let taken = self.session.receive(now, &mut datagram.to_vec(), |shown| match shown {
             FromRobot::Events(events) => {
                 let (first, count, t_before) = (events.first, events.count, events.t_before);
                 let bytes = events.items.to_vec();
@@ -165,15 +170,26 @@ impl StationRobot {
         });
         match taken {
             Ok(()) => self.address = Some(from),
-            Err(Unusable::Rejected(_)) => return false,
+            Err(Unusable::Rejected(why)) => {
+                self.rejected = Some(why);
+                return false;
+            }
             Err(Unusable::Broken(broken)) => {
                 (self.tell)(&format!("robot {}: {broken}", self.name));
+                self.health.note_unusable(broken.to_string());
             }
         }
         for received in received {
             self.take(received);
         }
         true
+    }
+
+    /// No robot has made the datagram that was received last.
+    pub(super) fn note_unusable(&mut self) {
+        if let Some(why) = self.rejected.take() {
+            self.health.note_unusable(why.to_string());
+        }
     }
 
     fn take(&mut self, received: Received) {
@@ -246,12 +262,12 @@ impl StationRobot {
 
     /// Makes what arrived safe, shows it, and forgets what is complete.
     pub(super) fn sync(&mut self) {
-        let is_heard =
-            self.session.heard_before(self.clock.now()).is_some_and(|it| it < self.silence);
+        let link = self.health.of(&self.session, self.clock.now());
         let (session, name) = (&mut self.session, &self.name);
         let mut problem = String::new();
         self.replicas.retain(|stream, replica| {
-            replica.set_heard(is_heard);
+            let missing = health::run(session, replica.id()).missing;
+            replica.set_link(LinkHealth { missing, ..link.clone() });
             match replica.sync() {
                 Ok(safe) => session.set_safe(*stream, safe),
                 Err(error) => {
@@ -267,6 +283,12 @@ impl StationRobot {
             (self.tell)(&problem);
         }
         self.told = problem;
+    }
+
+    /// How the link is.
+    pub(super) fn report(&mut self) -> LinkReport {
+        let runs = self.replicas.values().map(ReplicaRun::id);
+        self.health.report(&self.session, self.clock.now(), runs)
     }
 
     /// Keeps what was heard, for the next start.

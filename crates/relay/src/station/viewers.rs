@@ -2,20 +2,18 @@
 
 use parking_lot::{Condvar, Mutex};
 use rafcon_protocol::{
-    Answer, Envelope, FRAME_HEAD, FrameKind, Hello, Join, Snapshot, ToRunner, ToViewer, decode,
-    encode, encode_frame, frame_head,
+    Answer, Envelope, FRAME_HEAD, FrameKind, Hello, Join, LinkHealth, Snapshot, ToRunner, ToViewer,
+    decode, encode, encode_frame, frame_head,
 };
-use rafcon_storage::journal::folder::{Doing, SOCKET_FILE};
+use rafcon_storage::journal::folder::{Doing, SOCKET_FILE, bind_socket};
 use rafcon_storage::journal::stream::EventBlock;
 use rafcon_storage::journal::{About, EventItems, EventSource, JournalError};
 use rafcon_supervisor::clock;
 use std::collections::BTreeMap;
-use std::fs::{self, File, Permissions};
+use std::fs;
 use std::io::{self, BufRead as _, BufReader, Read as _, Write as _};
 use std::net::Shutdown;
-use std::os::fd::AsRawFd as _;
-use std::os::unix::fs::PermissionsExt as _;
-use std::os::unix::net::{UnixListener, UnixStream};
+use std::os::unix::net::UnixStream;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::thread;
@@ -51,7 +49,7 @@ struct Shown {
     snapshot: Option<Snapshot>,
     /// How often the snapshot was replaced.
     snapshots: u64,
-    is_heard: bool,
+    link: LinkHealth,
     is_closed: bool,
     /// What is to be sent to each viewer besides, by the number of the viewer.
     viewers: BTreeMap<u64, Outgoing>,
@@ -59,14 +57,14 @@ struct Shown {
 }
 
 impl Shared {
-    pub(super) fn new(folder: PathBuf, about: &About, safe: u64) -> Self {
+    pub(super) fn new(folder: PathBuf, about: &About, safe: u64, link: LinkHealth) -> Self {
         let loaded = ToViewer::Loaded {
             name: about.name.clone(),
             states: about.states,
             problems: Vec::new(),
             run: about.id.clone(),
         };
-        let shown = Mutex::new(Shown { safe, ..Shown::default() });
+        let shown = Mutex::new(Shown { safe, link, ..Shown::default() });
         Self { folder, loaded, shown, changed: Condvar::new() }
     }
 
@@ -83,14 +81,27 @@ impl Shared {
         self.changed.notify_all();
     }
 
-    pub(super) fn set_heard(&self, is_heard: bool) {
-        self.shown.lock().is_heard = is_heard;
+    /// The link is like this. Viewers are told at once if the robot is heard again, or no more.
+    pub(super) fn set_link(&self, link: LinkHealth) {
+        let is_heard = link.is_heard;
+        let before = std::mem::replace(&mut self.shown.lock().link, link);
+        if before.is_heard != is_heard {
+            self.send_all(&self.pong(0));
+        }
+    }
+
+    fn pong(&self, id: u64) -> ToViewer {
+        let link = Some(Box::new(self.shown.lock().link.clone()));
+        ToViewer::Pong { id, now_ms: clock::since_1970_ms(), engine: None, link }
     }
 
     /// Sends an answer to all viewers: each knows what it has asked.
     pub(super) fn answer(&self, envelope: &str, answer: &Answer) {
-        let message = ToViewer::Answer { id: envelope.to_owned(), answer: answer.clone() };
-        let Ok(frame) = encode_frame(&message) else { return };
+        self.send_all(&ToViewer::Answer { id: envelope.to_owned(), answer: answer.clone() });
+    }
+
+    fn send_all(&self, message: &ToViewer) {
+        let Ok(frame) = encode_frame(message) else { return };
         let viewers: Vec<u64> = self.shown.lock().viewers.keys().copied().collect();
         for viewer in viewers {
             self.send(viewer, frame.clone());
@@ -169,7 +180,7 @@ impl Viewers {
         give: impl Fn(Envelope) -> bool + Send + Sync + 'static,
     ) -> Result<Self, JournalError> {
         let path = folder.join(SOCKET_FILE);
-        let listener = bind(folder, &path).map_err(|source| JournalError::Io {
+        let listener = bind_socket(folder).map_err(|source| JournalError::Io {
             path: path.clone(),
             doing: Doing::Write,
             source,
@@ -208,19 +219,6 @@ impl Drop for Viewers {
     }
 }
 
-/// The folder is named by its descriptor: a socket's path may be short only.
-fn bind(folder: &Path, path: &Path) -> io::Result<UnixListener> {
-    match fs::remove_file(path) {
-        Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
-        Ok(()) | Err(_) => {}
-    }
-    let open = File::open(folder)?;
-    let short = format!("/proc/self/fd/{}/{SOCKET_FILE}", open.as_raw_fd());
-    let listener = UnixListener::bind(short).or_else(|_no_proc| UnixListener::bind(path))?;
-    fs::set_permissions(path, Permissions::from_mode(0o600))?;
-    Ok(listener)
-}
-
 fn welcome(
     stream: &UnixStream,
     shared: &Arc<Shared>,
@@ -234,6 +232,7 @@ fn welcome(
     let ToRunner::Join(join) = line(&mut lines)? else { return Ok(()) };
     send(&mut out, &shared.loaded)?;
     let viewer = shared.arrive(stream.try_clone()?);
+    shared.send(viewer, encode_frame(&shared.pong(0)).map_err(io::Error::other)?);
     let here = Arc::clone(shared);
     let show = move || {
         // However it ends, so does the connection.
@@ -263,12 +262,9 @@ fn heed(
                 let reason = "too many commands wait for the link: try again later".to_owned();
                 ToViewer::Answer { id, answer: Answer::Refused { reason } }
             }
-            // Whoever asks whether the robot is there is answered while it is heard.
-            ToRunner::Ping { id } if shared.shown.lock().is_heard => {
-                ToViewer::Pong { id, now_ms: clock::since_1970_ms(), engine: None }
-            }
+            ToRunner::Ping { id } => shared.pong(id),
             ToRunner::Inspect { id, path } => ToViewer::Inspection { id, path, data: None },
-            ToRunner::Ping { .. } | ToRunner::Join(_) | ToRunner::Launch(_) => continue,
+            ToRunner::Join(_) | ToRunner::Launch(_) => continue,
         };
         shared.send(viewer, encode_frame(&message).map_err(io::Error::other)?);
     }

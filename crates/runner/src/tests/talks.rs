@@ -270,7 +270,7 @@ fn a_runner_says_that_it_is_there_also_while_a_command_takes_its_time() {
     let (under_way, _) = listener.accept().unwrap();
     first.send(&ToRunner::Ping { id: 7 });
     let pong = first.until(|message| match message {
-        ToViewer::Pong { id, now_ms, engine } => Some((*id, *now_ms, *engine)),
+        ToViewer::Pong { id, now_ms, engine, .. } => Some((*id, *now_ms, *engine)),
         ToViewer::Answer { .. } => panic!("{message:?}"),
         _ => None,
     });

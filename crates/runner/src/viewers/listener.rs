@@ -4,13 +4,11 @@ use crate::Scripts;
 use crate::viewers::connection::{self, Socket, TalkError, TrackedDescriptor};
 use crate::viewers::viewer_set::ViewerSet;
 use rafcon_protocol::ToRunner;
-use rafcon_storage::journal::folder::SOCKET_FILE;
+use rafcon_storage::journal::folder::{SOCKET_FILE, bind_socket};
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
-use std::fs::{self, File, Permissions};
+use std::fs;
 use std::io;
 use std::net::Shutdown;
-use std::os::fd::AsRawFd as _;
-use std::os::unix::fs::PermissionsExt as _;
 use std::os::unix::net::{UnixListener, UnixStream};
 use std::path::{Path, PathBuf};
 use std::thread::{self, Scope};
@@ -48,12 +46,7 @@ impl ViewerListener {
     /// Opens the door of the run in `folder`. What lies there of an earlier runner is removed.
     pub(crate) fn open(folder: &Path) -> io::Result<(Self, ListenerCloser)> {
         let path = folder.join(SOCKET_FILE);
-        match fs::remove_file(&path) {
-            Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
-            Ok(()) | Err(_) => {}
-        }
-        let listener = TrackedDescriptor::new(bind(folder, &path)?);
-        fs::set_permissions(&path, Permissions::from_mode(0o600))?;
+        let listener = TrackedDescriptor::new(bind_socket(folder)?);
         let (open, closer) = UnixStream::pair()?;
         Ok((Self { listener, path, open }, ListenerCloser { open: closer }))
     }
@@ -107,18 +100,6 @@ impl Drop for ViewerListener {
         // The folder may be gone, and the socket with it.
         drop(fs::remove_file(&self.path));
     }
-}
-
-/// Binds through the folder's descriptor: the name of a socket holds about a hundred bytes.
-#[cfg(target_os = "linux")]
-fn bind(folder: &Path, _path: &Path) -> io::Result<UnixListener> {
-    let folder = File::open(folder)?;
-    UnixListener::bind(format!("/proc/self/fd/{}/{SOCKET_FILE}", folder.as_raw_fd()))
-}
-
-#[cfg(not(target_os = "linux"))]
-fn bind(_folder: &Path, path: &Path) -> io::Result<UnixListener> {
-    UnixListener::bind(path)
 }
 
 fn welcome<'scope, S: Scripts>(

@@ -191,7 +191,7 @@ pub(crate) fn hear(
         match ping(&words) {
             Some(id) => {
                 let engine = Some(pulse());
-                sender.send(&ToViewer::Pong { id, now_ms: Clock::epoch_ms(), engine });
+                sender.send(&ToViewer::Pong { id, now_ms: Clock::epoch_ms(), engine, link: None });
             }
             None if rest.send(words).is_err() => return,
             None => {}

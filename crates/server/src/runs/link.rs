@@ -140,6 +140,7 @@ fn said(content: &[u8], run: &Run, link: &Link) {
         Ok(ToViewer::Snapshot(snapshot)) => run.stands(snapshot),
         Ok(ToViewer::Answer { id, answer }) => link.answered(&id, &answer),
         Ok(ToViewer::Pong { engine: Some(engine), .. }) => run.engine_answers(engine),
+        Ok(ToViewer::Pong { link: Some(link), .. }) => run.robot_stands(*link),
         // What a link does not ask for, and what a newer runner may say.
         Ok(
             ToViewer::Loaded { .. }

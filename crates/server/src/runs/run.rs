@@ -10,7 +10,7 @@ use super::ring::Ring;
 use crate::state::ServerState;
 use rafcon_locks::Mutex;
 use rafcon_protocol::api::{LinkState, LoadedMachine, RunNow, RunPhase, RunSummary, RunWait};
-use rafcon_protocol::{EnginePulse, Event, Snapshot};
+use rafcon_protocol::{EnginePulse, Event, LinkHealth, Snapshot};
 use rafcon_storage::journal::{Broken, size_of};
 use rafcon_supervisor::{Exit, clock};
 use std::path::{Path, PathBuf};
@@ -70,6 +70,7 @@ impl Run {
             runner_heard_ms: None,
             now_ms,
             control: holding.told(silence),
+            robot: None,
         };
         let ring = Ring::new(folder.clone());
         ring.settle(summary.events);
@@ -241,6 +242,17 @@ impl Run {
             if link != now.link {
                 (now.link, now.runner_heard_ms) = (link, Some(reached_ms));
             }
+        });
+    }
+
+    /// A station answers for its runner: this is how the link to the robot is.
+    pub(super) fn robot_stands(&self, robot: LinkHealth) {
+        self.change(|now| {
+            now.link = if robot.is_heard { LinkState::Up } else { LinkState::Silent };
+            if robot.heard_ms.is_some() {
+                now.runner_heard_ms = robot.heard_ms;
+            }
+            now.robot = Some(robot);
         });
     }
 

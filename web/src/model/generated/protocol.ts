@@ -88,6 +88,13 @@ export type CheckScript = {
   /** The state whose script it is to be; with it, the outcomes and ports in the text are compared with those of the state. */
   state: ScriptPlace | null, };
 
+/** By how much one clock is ahead of another, in ms. */
+export type ClockOffset = {
+  /** At least so much. */
+  least_ms: number,
+  /** At most so much; none without an up-link. */
+  most_ms: number | null, };
+
 /** Closes an open machine. */
 export type CloseMachine = {
   /** Give up edits that do not lie on disk. */
@@ -938,6 +945,32 @@ export type LibraryUsages = {
   /** Whether there are more, or more files than are looked at. */
   is_cut: boolean, };
 
+/** How the link to the other side is, as the side knows it that says so. */
+export type LinkHealth = {
+  /** The name of the robot. */
+  robot: string,
+  /** Whether the other side is heard: else this is a blackout, or its program is not there. */
+  is_heard: boolean,
+  /** When the other side was heard last: ms since 1970, UTC, by the clock of whoever says so; none if it never was. */
+  heard_ms: number | null,
+  /** While the link is whole, the other side is heard at least this often, in ms. */
+  expected_every_ms: number,
+  /** When something left of which the other side said that it arrived: ms since 1970, UTC; none if it never said so. Known at a
+   * station only. */
+  reached_ms: number | null,
+  /** How long the way there and back takes, in ms; none if it is unknown. Known at a station only. */
+  round_trip_ms: number | null,
+  /** From the robot, in bytes per second, with the headers of IP and UDP. */
+  down_bytes_per_s: number,
+  /** To the robot, likewise. */
+  up_bytes_per_s: number,
+  /** Events that the robot has and the station lacks, as far as this side knows: of one run if it is told with that run. */
+  missing: number,
+  /** Commands that are on their way to the robot, or whose answer is. Known at a station only. */
+  commands: number,
+  /** By how much the robot's calendar is ahead. Known at a station only. */
+  clock: ClockOffset | null, };
+
 /** The connection between server and runner. */
 export type LinkState = "up" | "silent" | "stuck" | "down" | "over";
 
@@ -1426,7 +1459,9 @@ export type RunNow = {
   /** The server's clock when it answers, and in a status of a subscription when it changed: ms since 1970, UTC. */
   now_ms: number,
   /** Who commands. */
-  control: Control, };
+  control: Control,
+  /** How the link to its robot is; none if the run is not far away. Told while someone looks on. */
+  robot: LinkHealth | null, };
 
 /** The end of what a runner and its scripts wrote past the capture of script output. */
 export type RunOutput = {

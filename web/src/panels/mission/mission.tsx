@@ -14,6 +14,7 @@ import { Head } from "./head.tsx";
 import { NoRun } from "./no_run.tsx";
 import { Pinned } from "./pinned.tsx";
 import { Questions } from "./questions.tsx";
+import { RobotLink } from "./robot_link.tsx";
 import { SentList } from "./sent_list.tsx";
 import { Steering, WhyNot } from "./steering.tsx";
 import "./mission.css";
@@ -37,6 +38,7 @@ function Shown({ watch }: { readonly watch: Watch }) {
     <>
       <div className="mission-top">
         <Head watch={watch} />
+        <RobotLink watch={watch} />
         <Steering />
         <Attention watch={watch} />
         <div className="mission-notes">

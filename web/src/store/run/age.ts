@@ -11,9 +11,10 @@ export interface RunAge {
   /** Whether something else may be true by now; what is shown of the run is greyed then. */
   readonly isOld: boolean;
   /** `link`: the server is not heard. `runner`: the server has lost the run's program. `silence`: it does not answer the server.
+   * `blackout`: the station does not hear the robot.
    * `engine`: it answers, but its engine takes no inputs.
    * `moment`: a past moment is shown, which is what the user wants, and never old. */
-  readonly why: "link" | "runner" | "silence" | "engine" | "moment" | null;
+  readonly why: "link" | "runner" | "silence" | "blackout" | "engine" | "moment" | null;
 }
 
 const WHY: { readonly [link: string]: RunAge["why"] } = { silent: "silence", stuck: "engine" };
@@ -35,7 +36,8 @@ export function truthAge(page: Pick<Page, "server">, watch: Watch, now_ms: numbe
   const isLost = link.state !== "up" || !watch.isCurrent.value || age_ms >= (pulse?.old_ms ?? 0);
   if (isLost && pulse) return { age_ms, isOld: true, why: "link" };
   if (now.link === "up") return FRESH;
-  const why = WHY[now.link] ?? "runner";
+  const isFarAway = now.robot != null;
+  const why = isFarAway && now.link === "silent" ? "blackout" : (WHY[now.link] ?? "runner");
   return { age_ms: runnerAge(now, pulse, now_ms), isOld: true, why };
 }
 

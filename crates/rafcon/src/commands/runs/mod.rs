@@ -6,7 +6,7 @@ use super::kept::{out, paint, runs_folder};
 use super::remote;
 use crate::cli;
 use crate::environment::Environment;
-use crate::view::{Style, TextLine, counted, harmless, outcome_style, time};
+use crate::view::{Style, TextLine, counted, harmless, outcome_style, size, time};
 use anyhow::{Context as _, Result};
 use rafcon_protocol::Outcome;
 use rafcon_storage::journal::{self, Retention, RunState, Summary};
@@ -101,31 +101,4 @@ fn ended(line: TextLine, outcome: &Outcome, facts: String) -> TextLine {
     line.and(Style::Plain, "ended with ")
         .and(outcome_style(outcome), harmless(&outcome.name))
         .and(Style::Dim, facts)
-}
-
-/// A number of bytes as people say it.
-#[expect(clippy::cast_precision_loss, reason = "one digit after the point is shown")]
-fn size(bytes: u64) -> String {
-    const UNITS: [&str; 5] = ["B", "KB", "MB", "GB", "TB"];
-    let mut size = bytes as f64;
-    let mut unit = 0;
-    while size >= 999.5 && unit + 1 < UNITS.len() {
-        (size, unit) = (size / 1000.0, unit + 1);
-    }
-    if unit == 0 || size >= 99.5 {
-        format!("{size:.0} {}", UNITS[unit])
-    } else {
-        format!("{size:.1} {}", UNITS[unit])
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::size;
-
-    #[test]
-    fn sizes_are_for_people() {
-        let sizes = [0, 999, 1000, 25_300_000, 999_600_000, 20 << 30].map(size);
-        assert_eq!(sizes, ["0 B", "999 B", "1.0 KB", "25.3 MB", "1.0 GB", "21.5 GB"]);
-    }
 }

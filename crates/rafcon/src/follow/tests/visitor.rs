@@ -127,7 +127,7 @@ fn an_engine_that_takes_no_inputs_is_told_and_so_is_its_return() {
     let mut visit = visit(RunRole::Guest, None).asking_for_the_engine();
     let pong = |unreached_ms| {
         let engine = Some(EnginePulse { unreached_ms, still_ms: unreached_ms, scripts: None });
-        Cause::Messages(vec![ToViewer::Pong { id: 1, now_ms: 0, engine }])
+        Cause::Messages(vec![ToViewer::Pong { id: 1, now_ms: 0, engine, link: None }])
     };
     let causes = [Cause::Hello(Hello::ours()), pong(0), pong(2_900), pong(3_900), pong(0)];
     let mut actions = Vec::new();

@@ -3,11 +3,13 @@
 mod about;
 mod error;
 mod lock;
+mod socket;
 
 pub use about::About;
 pub use error::{Doing, Full, JournalError};
 pub(in crate::journal) use lock::RunLock;
 pub use lock::{locks, writer_of};
+pub use socket::bind_socket;
 
 use crate::calendar::Date;
 use rustix::fs::{Mode, mkdir};

@@ -1,0 +1,43 @@
+//! What a side has sent and received, by the kinds of frames.
+
+use crate::frame::{Frame, read_frames};
+use crate::profile::CARRIER_OVERHEAD;
+use crate::seal::OVERHEAD;
+use std::collections::BTreeMap;
+
+/// The datagrams of one direction since the session began.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Traffic {
+    /// How many datagrams.
+    pub datagrams: u64,
+    /// Their bytes, with the headers of IP and UDP.
+    pub bytes: u64,
+    /// The bytes of frames, by their kind. What is not among them are the headers.
+    pub by_kind: BTreeMap<&'static str, u64>,
+}
+
+impl Traffic {
+    /// Counts a datagram with this payload.
+    pub(crate) fn count(&mut self, payload: &[u8]) {
+        self.datagrams += 1;
+        self.bytes += (payload.len() + OVERHEAD + CARRIER_OVERHEAD) as u64;
+        for (kind, length) in read_frames(payload).map(|(frame, length)| (frame.kind(), length)) {
+            *self.by_kind.entry(kind).or_default() += length as u64;
+        }
+    }
+}
+
+impl Frame<'_> {
+    /// Its kind, as people call it.
+    fn kind(&self) -> &'static str {
+        match self {
+            Self::Events(_) | Self::Large { .. } => "events",
+            Self::Status { .. } => "status",
+            Self::Snapshot { .. } => "snapshots",
+            Self::CommandState { .. } => "states of commands",
+            Self::Calendar { .. } | Self::Heard { .. } => "clocks",
+            Self::Command(_) => "commands",
+            Self::Received(_) => "reports",
+        }
+    }
+}

@@ -1,0 +1,88 @@
+//! How the link between a robot and its station is.
+
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+/// How the link to the other side is, as the side knows it that says so.
+#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
+pub struct LinkHealth {
+    /// The name of the robot.
+    pub robot: String,
+    /// Whether the other side is heard: else this is a blackout, or its program is not there.
+    pub is_heard: bool,
+    /// When the other side was heard last: ms since 1970, UTC, by the clock of whoever says so; none if it never was.
+    pub heard_ms: Option<u64>,
+    /// While the link is whole, the other side is heard at least this often, in ms.
+    pub expected_every_ms: u64,
+    /// When something left of which the other side said that it arrived: ms since 1970, UTC; none if it never said so. Known at a
+    /// station only.
+    pub reached_ms: Option<u64>,
+    /// How long the way there and back takes, in ms; none if it is unknown. Known at a station only.
+    pub round_trip_ms: Option<u64>,
+    /// From the robot, in bytes per second, with the headers of IP and UDP.
+    pub down_bytes_per_s: u64,
+    /// To the robot, likewise.
+    pub up_bytes_per_s: u64,
+    /// Events that the robot has and the station lacks, as far as this side knows: of one run if it is told with that run.
+    pub missing: u64,
+    /// Commands that are on their way to the robot, or whose answer is. Known at a station only.
+    pub commands: u64,
+    /// By how much the robot's calendar is ahead. Known at a station only.
+    pub clock: Option<ClockOffset>,
+}
+
+/// By how much one clock is ahead of another, in ms.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
+pub struct ClockOffset {
+    /// At least so much.
+    pub least_ms: i64,
+    /// At most so much; none without an up-link.
+    pub most_ms: Option<i64>,
+}
+
+/// What `rafcon link` shows of one link.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct LinkReport {
+    /// Whether the station says so, or else the robot.
+    pub is_station: bool,
+    /// The profile of the link.
+    pub profile: String,
+    /// When this was so: ms since 1970, UTC.
+    pub now_ms: u64,
+    /// How the link is.
+    pub health: LinkHealth,
+    /// What was sent since the program began.
+    pub sent: LinkTraffic,
+    /// What was received since then.
+    pub received: LinkTraffic,
+    /// How many datagrams could not be used: of strangers, damaged, or received before.
+    pub unusable: u64,
+    /// Why the last one could not.
+    pub unusable_because: Option<String>,
+    /// The runs, by their ids.
+    pub runs: Vec<LinkRun>,
+}
+
+/// The datagrams of one direction.
+#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub struct LinkTraffic {
+    /// How many.
+    pub datagrams: u64,
+    /// Their bytes, with the headers of IP and UDP.
+    pub bytes: u64,
+    /// The bytes of what is in them, by its kind.
+    pub by_kind: BTreeMap<String, u64>,
+}
+
+/// One run on a link.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct LinkRun {
+    /// Its id.
+    pub id: String,
+    /// The number of its last event, as far as this side knows.
+    pub head: u64,
+    /// Events that the station lacks, as far as this side knows.
+    pub missing: u64,
+}

@@ -1,0 +1,222 @@
+//! `rafcon link`: how the links of this computer are.
+
+use super::kept::out;
+use super::link::{robot_folder, station_folder};
+use super::serve::state;
+use crate::cli;
+use crate::environment::Environment;
+use crate::failure::complain;
+use crate::view::{counted, size, time};
+use anyhow::{Context as _, Result};
+use rafcon_protocol::{ClockOffset, LinkHealth, LinkReport, LinkTraffic};
+use rafcon_relay::read_reports;
+use std::fmt::Write as _;
+use std::io::Write as _;
+use std::process::ExitCode;
+use std::time::Duration;
+
+/// Prints how each link is; 1 if no program here has one.
+pub(super) fn link_status(raw: &cli::LinkStatus, environment: &Environment) -> Result<ExitCode> {
+    let state = state(&raw.state, environment)?;
+    let mut reports = Vec::new();
+    for folder in [robot_folder(&state), station_folder(&state)] {
+        let read = read_reports(&folder).with_context(|| {
+            format!("the program of the links in {} said no sense", folder.display())
+        })?;
+        reports.extend(read.into_iter().flatten());
+    }
+    if reports.is_empty() {
+        complain(
+            "no link here: `rafcon serve --station ADDRESS` begins one on a robot, `rafcon station` at a station",
+        );
+        return Ok(ExitCode::FAILURE);
+    }
+    let mut out = out();
+    for report in &reports {
+        if raw.json {
+            writeln!(out, "{}", serde_json::to_string(report)?)?;
+        } else {
+            write!(out, "{}", in_words(report))?;
+        }
+    }
+    out.flush()?;
+    Ok(ExitCode::SUCCESS)
+}
+
+fn in_words(report: &LinkReport) -> String {
+    let LinkReport { health, profile, sent, received, runs, now_ms, .. } = report;
+    let robot = &health.robot;
+    let who = if report.is_station { "the robot" } else { "the station" };
+    let mut text = format!("{robot}: {}, profile {profile}\n", contact(health, *now_ms, who));
+    let LinkHealth { down_bytes_per_s, up_bytes_per_s, .. } = health;
+    let (down, up) = (size(*down_bytes_per_s), size(*up_bytes_per_s));
+    let mut line = |words: String| text.extend(["  ", &words, "\n"]);
+    line(format!("from the robot {down}/s, to the robot {up}/s"));
+    if report.is_station {
+        line(up_link(health, *now_ms));
+        line(format!("robot's clock {}", offset(health.clock)));
+    }
+    line(format!("received {}", traffic(received)));
+    line(format!("sent {}", traffic(sent)));
+    if let Some(why) = &report.unusable_because {
+        line(format!(
+            "{} not usable, the last one because {why}",
+            counted(report.unusable, "datagram")
+        ));
+    }
+    for run in runs {
+        let missing = match run.missing {
+            0 => "all at the station".to_owned(),
+            missing => format!("{missing} not known to be at the station"),
+        };
+        line(format!("{}  {}, {missing}", run.id, counted(run.head, "event")));
+    }
+    text
+}
+
+fn contact(health: &LinkHealth, now_ms: u64, who: &str) -> String {
+    let LinkHealth { is_heard, heard_ms, .. } = health;
+    match heard_ms.map(|heard_ms| spell(now_ms.saturating_sub(heard_ms))) {
+        None => format!("{who} was never heard"),
+        Some(ago) if *is_heard => format!("{who} was heard {ago} ago"),
+        Some(ago) => format!("{who} is not heard, for {ago} now"),
+    }
+}
+
+fn up_link(health: &LinkHealth, now_ms: u64) -> String {
+    let Some(reached_ms) = health.reached_ms else {
+        return "no up-link: the robot never said that it hears this station".to_owned();
+    };
+    let ago = spell(now_ms.saturating_sub(reached_ms));
+    let round_trip = health.round_trip_ms.map(spell).unwrap_or_default();
+    let commands = match health.commands {
+        0 => String::new(),
+        count => format!(", {} on the way", counted(count, "command")),
+    };
+    format!("the robot heard what was sent {ago} ago; there and back takes {round_trip}{commands}")
+}
+
+fn offset(clock: Option<ClockOffset>) -> String {
+    let signed = |ms: i64| {
+        let sign = if ms < 0 { '-' } else { '+' };
+        format!("{sign}{}", spell(ms.unsigned_abs()))
+    };
+    match clock {
+        None => "unknown".to_owned(),
+        Some(ClockOffset { least_ms, most_ms: None }) => {
+            format!(
+                "{} or more ahead of this one: no up-link tells how much more",
+                signed(least_ms)
+            )
+        }
+        Some(ClockOffset { least_ms, most_ms: Some(most_ms) }) => {
+            format!("between {} and {} ahead of this one", signed(least_ms), signed(most_ms))
+        }
+    }
+}
+
+fn traffic(traffic: &LinkTraffic) -> String {
+    let LinkTraffic { datagrams, bytes, by_kind } = traffic;
+    let mut text = format!("{} in {}", size(*bytes), counted(*datagrams, "datagram"));
+    let inside: u64 = by_kind.values().sum();
+    let mut kinds: Vec<_> = by_kind.iter().map(|(kind, bytes)| (*bytes, kind.as_str())).collect();
+    kinds.push((bytes.saturating_sub(inside), "headers"));
+    kinds.sort_unstable_by_key(|(bytes, kind)| (std::cmp::Reverse(*bytes), *kind));
+    for (place, (bytes, kind)) in kinds.into_iter().filter(|(bytes, _)| *bytes > 0).enumerate() {
+        let mark = if place == 0 { ':' } else { ',' };
+        // Writing to a string does not fail.
+        let _written = write!(text, "{mark} {kind} {}", size(bytes));
+    }
+    text
+}
+
+fn spell(ms: u64) -> String {
+    time(Duration::from_millis(ms))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::in_words;
+    use expect_test::expect;
+    use rafcon_protocol::{ClockOffset, LinkHealth, LinkReport, LinkRun, LinkTraffic};
+    use std::collections::BTreeMap;
+
+    fn report() -> LinkReport {
+        let by_kind = |kinds: &[(&str, u64)]| -> BTreeMap<String, u64> {
+            kinds.iter().map(|(kind, bytes)| ((*kind).to_owned(), *bytes)).collect()
+        };
+        let run = |id: &str, head, missing| LinkRun { id: id.to_owned(), head, missing };
+        LinkReport {
+            is_station: true,
+            profile: "delay-2s".to_owned(),
+            now_ms: 10_000_000,
+            health: LinkHealth {
+                robot: "scout".to_owned(),
+                is_heard: true,
+                heard_ms: Some(9_999_700),
+                expected_every_ms: 500,
+                reached_ms: Some(9_995_000),
+                round_trip_ms: Some(4_100),
+                down_bytes_per_s: 900,
+                up_bytes_per_s: 31,
+                missing: 12,
+                commands: 1,
+                clock: Some(ClockOffset { least_ms: -200, most_ms: Some(3_900) }),
+            },
+            sent: LinkTraffic { datagrams: 1, bytes: 90, by_kind: BTreeMap::new() },
+            received: LinkTraffic {
+                datagrams: 4_000,
+                bytes: 1_234_567,
+                by_kind: by_kind(&[("events", 800_000), ("status", 20_000)]),
+            },
+            unusable: 2,
+            unusable_because: Some("a datagram of 3 bytes is too short".to_owned()),
+            runs: vec![run("20261124-a", 3_120, 12), run("20261124-b", 1, 0)],
+        }
+    }
+
+    #[test]
+    fn a_link_is_told_in_words() {
+        let whole = report();
+        let mut dark = report();
+        dark.health = LinkHealth {
+            is_heard: false,
+            heard_ms: Some(9_200_000),
+            reached_ms: None,
+            clock: Some(ClockOffset { least_ms: 40, most_ms: None }),
+            ..dark.health
+        };
+        dark.unusable_because = None;
+        let mut robot = report();
+        (robot.is_station, robot.health.heard_ms) = (false, None);
+        let said: Vec<_> = [whole, dark, robot].iter().map(in_words).collect();
+        expect![[r"
+            scout: the robot was heard 0.3 s ago, profile delay-2s
+              from the robot 900 B/s, to the robot 31 B/s
+              the robot heard what was sent 5.0 s ago; there and back takes 4.1 s, 1 command on the way
+              robot's clock between -0.2 s and +3.9 s ahead of this one
+              received 1.2 MB in 4,000 datagrams: events 800 KB, headers 415 KB, status 20.0 KB
+              sent 90 B in 1 datagram: headers 90 B
+              2 datagrams not usable, the last one because a datagram of 3 bytes is too short
+              20261124-a  3,120 events, 12 not known to be at the station
+              20261124-b  1 event, all at the station
+
+            scout: the robot is not heard, for 13:20 now, profile delay-2s
+              from the robot 900 B/s, to the robot 31 B/s
+              no up-link: the robot never said that it hears this station
+              robot's clock +0.0 s or more ahead of this one: no up-link tells how much more
+              received 1.2 MB in 4,000 datagrams: events 800 KB, headers 415 KB, status 20.0 KB
+              sent 90 B in 1 datagram: headers 90 B
+              20261124-a  3,120 events, 12 not known to be at the station
+              20261124-b  1 event, all at the station
+
+            scout: the station was never heard, profile delay-2s
+              from the robot 900 B/s, to the robot 31 B/s
+              received 1.2 MB in 4,000 datagrams: events 800 KB, headers 415 KB, status 20.0 KB
+              sent 90 B in 1 datagram: headers 90 B
+              2 datagrams not usable, the last one because a datagram of 3 bytes is too short
+              20261124-a  3,120 events, 12 not known to be at the station
+              20261124-b  1 event, all at the station
+        "]].assert_eq(&said.join("\n"));
+    }
+}

@@ -1,0 +1,110 @@
+//! Tells whoever asks how a link is, over a socket in the folder of its side.
+
+use crate::error::RelayError;
+use parking_lot::Mutex;
+use rafcon_link::Traffic;
+use rafcon_protocol::{LinkReport, LinkTraffic};
+use rafcon_storage::journal::folder::{SOCKET_FILE, bind_socket};
+use rafcon_supervisor::connect;
+use std::fs;
+use std::io::{self, Read as _, Write as _};
+use std::os::unix::net::{UnixListener, UnixStream};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread;
+use std::time::Duration;
+
+/// How often a link is looked at for reports and for whoever watches its runs.
+pub(crate) const REPORT_EVERY: Duration = Duration::from_secs(1);
+/// Rates are those of so long.
+const RATE_OVER: Duration = Duration::from_secs(2);
+/// Whoever asks and does not read for so long is not answered.
+const WRITE_TIMEOUT: Duration = Duration::from_secs(1);
+
+/// The socket at which a side says how its links are, until this is dropped.
+#[derive(Debug)]
+pub(crate) struct Reporter {
+    path: PathBuf,
+    text: Arc<Mutex<String>>,
+    is_closed: Arc<AtomicBool>,
+}
+
+impl Reporter {
+    /// Opens the socket in this folder.
+    pub(crate) fn open(folder: &Path) -> Result<Self, RelayError> {
+        let failed = |source| RelayError::Folder { path: folder.to_owned(), source };
+        fs::create_dir_all(folder).map_err(failed)?;
+        let listener = bind_socket(folder).map_err(failed)?;
+        let (text, is_closed) = (Arc::new(Mutex::new("[]".to_owned())), Arc::default());
+        let reporter = Self { path: folder.join(SOCKET_FILE), text, is_closed };
+        let (text, is_closed) = (Arc::clone(&reporter.text), Arc::clone(&reporter.is_closed));
+        let answer = move || answer(&listener, &text, &is_closed);
+        thread::Builder::new().name("reports".to_owned()).spawn(answer).map_err(failed)?;
+        Ok(reporter)
+    }
+
+    /// This is how the links are.
+    pub(crate) fn set(&self, reports: &[LinkReport]) {
+        if let Ok(text) = serde_json::to_string(reports) {
+            *self.text.lock() = text;
+        }
+    }
+}
+
+impl Drop for Reporter {
+    fn drop(&mut self) {
+        self.is_closed.store(true, Ordering::Release);
+        // Wakes the thread, which then sees that it is to end.
+        drop(UnixStream::connect(&self.path));
+        drop(fs::remove_file(&self.path));
+    }
+}
+
+fn answer(listener: &UnixListener, text: &Mutex<String>, is_closed: &AtomicBool) {
+    for stream in listener.incoming() {
+        if is_closed.load(Ordering::Acquire) {
+            return;
+        }
+        let text = text.lock().clone();
+        if let Ok(mut stream) = stream {
+            drop(stream.set_write_timeout(Some(WRITE_TIMEOUT)));
+            // Whoever does not read it can ask again.
+            drop(stream.write_all(text.as_bytes()));
+        }
+    }
+}
+
+/// How the links are of the side whose files lie in this folder; nothing if its program does not run.
+pub fn read_reports(folder: &Path) -> io::Result<Option<Vec<LinkReport>>> {
+    let Ok(mut stream) = connect(folder) else { return Ok(None) };
+    let mut text = String::new();
+    stream.read_to_string(&mut text)?;
+    Ok(Some(serde_json::from_str(&text)?))
+}
+
+/// How many bytes a second.
+#[derive(Debug, Default)]
+pub(crate) struct Rate {
+    at: Duration,
+    bytes: u64,
+    pub(crate) per_s: u64,
+}
+
+impl Rate {
+    /// So many bytes were counted up to now.
+    pub(crate) fn note(&mut self, now: Duration, bytes: u64) {
+        let time = now.saturating_sub(self.at);
+        if time >= RATE_OVER {
+            let per_s = u128::from(bytes - self.bytes) * 1_000 / time.as_millis().max(1);
+            self.per_s = u64::try_from(per_s).unwrap_or(u64::MAX);
+            (self.at, self.bytes) = (now, bytes);
+        }
+    }
+}
+
+pub(crate) fn traffic(traffic: &Traffic) -> LinkTraffic {
+    let Traffic { datagrams, bytes, by_kind } = traffic;
+    let by_kind = by_kind.iter().map(|(kind, bytes)| ((*kind).to_owned(), *bytes)).collect();
+    LinkTraffic { datagrams: *datagrams, bytes: *bytes, by_kind }
+}

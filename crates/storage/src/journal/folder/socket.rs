@@ -1,0 +1,33 @@
+//! The socket in a folder at which others join.
+
+use super::SOCKET_FILE;
+use std::fs::{self, File, Permissions};
+use std::io;
+use std::os::fd::AsRawFd as _;
+use std::os::unix::fs::PermissionsExt as _;
+use std::os::unix::net::UnixListener;
+use std::path::Path;
+
+/// Listens at the socket in this folder, for this user only. A socket that an earlier program left there is removed.
+pub fn bind_socket(folder: &Path) -> io::Result<UnixListener> {
+    let path = folder.join(SOCKET_FILE);
+    match fs::remove_file(&path) {
+        Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
+        Ok(()) | Err(_) => {}
+    }
+    let listener = bind(folder, &path)?;
+    fs::set_permissions(&path, Permissions::from_mode(0o600))?;
+    Ok(listener)
+}
+
+/// Binds through the folder's descriptor: the name of a socket holds about a hundred bytes.
+#[cfg(target_os = "linux")]
+fn bind(folder: &Path, _path: &Path) -> io::Result<UnixListener> {
+    let folder = File::open(folder)?;
+    UnixListener::bind(format!("/proc/self/fd/{}/{SOCKET_FILE}", folder.as_raw_fd()))
+}
+
+#[cfg(not(target_os = "linux"))]
+fn bind(_folder: &Path, path: &Path) -> io::Result<UnixListener> {
+    UnixListener::bind(path)
+}

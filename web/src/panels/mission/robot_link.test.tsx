@@ -1,0 +1,78 @@
+// @vitest-environment happy-dom
+import { afterEach, beforeEach, expect, test, vi } from "vitest";
+import type { LinkHealth } from "../../model/generated/protocol.ts";
+import { runLine, STARTED_MS, watched } from "../../store/testing/watched.ts";
+import { settled, unmount } from "../../ui/testing/mounted.tsx";
+import { shown } from "../testing/shown.tsx";
+import { RobotLink } from "./robot_link.tsx";
+
+beforeEach(() => void vi.useFakeTimers());
+afterEach(() => {
+  unmount();
+  vi.useRealTimers();
+});
+
+const WHOLE: LinkHealth = {
+  robot: "scout",
+  is_heard: true,
+  heard_ms: STARTED_MS + 59_700,
+  expected_every_ms: 500,
+  reached_ms: STARTED_MS + 57_000,
+  round_trip_ms: 4_100,
+  down_bytes_per_s: 5_200,
+  up_bytes_per_s: 31,
+  missing: 0,
+  commands: 1,
+  clock: { least_ms: -200, most_ms: 3_900 },
+};
+
+/** What is said of a link a minute after the run began, one fact a line. */
+async function said(robot: LinkHealth | null): Promise<readonly string[]> {
+  vi.setSystemTime(STARTED_MS + 60_000);
+  const { watch } = watched(runLine("live"), { robot });
+  const place = shown(<RobotLink watch={watch} />, { watch });
+  await settled();
+  const facts = [...place.querySelectorAll("dl div")].map(
+    (fact) => `${fact.querySelector("dt")?.textContent}: ${fact.querySelector("dd")?.textContent}`,
+  );
+  const contact = place.querySelector("p")?.textContent;
+  return contact === undefined ? [] : [contact, ...facts];
+}
+
+test("nothing is said of the link of a run that is not far away", async () => {
+  expect(await said(null)).toEqual([]);
+});
+
+test("a whole link says its delay, its rates, what is on the way and how the clocks differ", async () => {
+  expect(await said(WHOLE)).toEqual([
+    "scout is heard",
+    "delay: 2.0 s",
+    "next contact: within 0.5 s",
+    "received / sent: 5.2 KB/s / 31 B/s",
+    "events to come: none",
+    "commands on the way: 1",
+    "robot's clock: +1.9 s ± 2.0 s",
+  ]);
+});
+
+test("in a blackout it is said for how long, and that the next contact is unknown", async () => {
+  const dark = { ...WHOLE, is_heard: false, heard_ms: STARTED_MS, reached_ms: STARTED_MS };
+  expect(await said({ ...dark, missing: 1_204 })).toEqual([
+    "scout has not been heard for 1:00",
+    "delay: 2.0 s, 1:00 ago",
+    "next contact: unknown",
+    "received / sent: 5.2 KB/s / 31 B/s",
+    "events to come: 1,204",
+    "commands on the way: 1",
+    "robot's clock: +1.9 s ± 2.0 s",
+  ]);
+});
+
+test("what is unknown for want of an up-link is said to be", async () => {
+  const clock = { least_ms: 40, most_ms: null };
+  const said_ = await said({ ...WHOLE, reached_ms: null, round_trip_ms: null, clock });
+  expect(said_.filter((fact) => /delay|clock/.test(fact))).toEqual([
+    "delay: unknown: no up-link",
+    "robot's clock: +40 ms or more",
+  ]);
+});

@@ -1,0 +1,111 @@
+/** How the link to a robot far away is, as large as how its run stands. What cannot be known without an up-link is said. */
+
+import { Radio, RadioTower } from "lucide-react";
+import type { ClockOffset, LinkHealth } from "../../model/generated/protocol.ts";
+import type { Watch } from "../../store/history/run.ts";
+import { clock1s } from "../../store/page/clock1s.ts";
+import { useComputed, useSignal } from "../../ui/signals.ts";
+import { useHost } from "../context.tsx";
+import { duration } from "../parts/duration.ts";
+import "./robot_link.css";
+
+export function RobotLink({ watch }: { readonly watch: Watch }) {
+  const { page } = useHost().context();
+  const robot = useComputed(() => watch.now.value?.robot ?? null, [watch]);
+  const pulse = useSignal(page.server.pulse);
+  const here_ms = useSignal(clock1s);
+  if (robot === null) return null;
+  const now_ms = here_ms + (pulse?.ahead_ms ?? 0);
+  return (
+    <section
+      className={`robot-link${robot.is_heard ? "" : " robot-link-dark"}`}
+      aria-label="Link to the robot"
+    >
+      <p className="robot-link-contact">
+        {robot.is_heard ? <Radio size={22} aria-hidden /> : <RadioTower size={22} aria-hidden />}
+        <span>{contact(robot, now_ms)}</span>
+      </p>
+      <dl className="robot-link-facts">
+        {facts(robot, now_ms).map(([name, value, why]) => (
+          <div key={name} title={why}>
+            <dt>{name}</dt>
+            <dd>{value}</dd>
+          </div>
+        ))}
+      </dl>
+    </section>
+  );
+}
+
+/** What matters most, in large. */
+function contact(robot: LinkHealth, now_ms: number): string {
+  if (robot.heard_ms === null) return `${robot.robot} was not heard yet`;
+  if (robot.is_heard) return `${robot.robot} is heard`;
+  return `${robot.robot} has not been heard for ${duration(ago(now_ms, robot.heard_ms))}`;
+}
+
+type Fact = readonly [name: string, value: string, why: string];
+
+function facts(robot: LinkHealth, now_ms: number): readonly Fact[] {
+  const { down_bytes_per_s, up_bytes_per_s, missing, commands } = robot;
+  return [
+    delay(robot, now_ms),
+    next(robot),
+    [
+      "received / sent",
+      `${size(down_bytes_per_s)}/s / ${size(up_bytes_per_s)}/s`,
+      "Bytes a second from and to the robot, over all its runs",
+    ],
+    [
+      "events to come",
+      missing === 0 ? "none" : missing.toLocaleString("en"),
+      "Events that the robot has recorded and this station does not have yet, as far as it was told",
+    ],
+    [
+      "commands on the way",
+      commands === 0 ? "none" : String(commands),
+      "Commands to this robot that it has not answered yet",
+    ],
+    [
+      "robot's clock",
+      clock(robot.clock),
+      "By how much the robot's clock is ahead of the station's",
+    ],
+  ];
+}
+
+function delay(robot: LinkHealth, now_ms: number): Fact {
+  const why = "Half of the measured way to the robot and back";
+  if (robot.reached_ms === null || robot.round_trip_ms === null)
+    return ["delay", "unknown: no up-link", "The robot never said that it hears this station"];
+  const since = ago(now_ms, robot.reached_ms);
+  const value = duration(robot.round_trip_ms / 2);
+  if (since < 3 * robot.round_trip_ms + 10_000) return ["delay", value, why];
+  return ["delay", `${value}, ${duration(since)} ago`, `${why}: the robot has not heard us since`];
+}
+
+function next(robot: LinkHealth): Fact {
+  const why = "While the link is whole, the robot says at least this often how it is";
+  if (!robot.is_heard) return ["next contact", "unknown", "Nothing was arranged with the robot"];
+  return ["next contact", `within ${duration(robot.expected_every_ms)}`, why];
+}
+
+/** The least and the most that it is ahead. */
+function clock(offset: ClockOffset | null): string {
+  if (offset === null) return "unknown";
+  const { least_ms, most_ms } = offset;
+  if (most_ms === null) return `${signed(least_ms)} or more`;
+  return `${signed((least_ms + most_ms) / 2)} ± ${duration((most_ms - least_ms) / 2)}`;
+}
+
+function signed(ms: number): string {
+  return ms < 0 ? duration(ms) : `+${duration(ms)}`;
+}
+
+function ago(now_ms: number, then_ms: number): number {
+  return Math.max(0, now_ms - then_ms);
+}
+
+function size(bytes: number): string {
+  return bytes < 1_000 ? `${bytes} B` : `${(bytes / 1_000).toFixed(1)} KB`;
+}
