@@ -1,24 +1,23 @@
 //! The station's side of the link: receives what happens, reports what it has, sends commands.
 
+mod commands;
+
+pub use commands::{NewCommand, NotSent};
+
 use crate::assembly::{Assembly, LENGTH_MAX};
 use crate::bytes::write_number;
 use crate::deflate::inflate;
-use crate::frame::{
-    Command, CommandId, CommandState, Events, Frame, Received, StreamId, read_payload,
-};
+use crate::frame::{CommandId, CommandState, Events, Frame, Received, StreamId, read_payload};
 use crate::heard::{ClockBounds, Heard, RobotClock};
 use crate::profile::{Pacer, Profile};
 use crate::range_set::RangeSet;
 use crate::robot::{Identity, Unusable, now_ms};
 use crate::seal::{Direction, Horizon, OVERHEAD, Opener, SealError, Sealer};
 use crate::traffic::Traffic;
+use commands::{ASK_AFTER, Commands};
 use std::collections::BTreeMap;
 use std::time::Duration;
 
-/// A command is sent this often at first, so that it arrives although datagrams are lost.
-const FIRST_SENDS: u32 = 4;
-/// The time between these.
-const FIRST_EVERY: Duration = Duration::from_millis(50);
 /// A report of a run that is over and complete is sent this often after the last news of it.
 const LAST_REPORTS: u8 = 8;
 
@@ -81,7 +80,7 @@ pub struct StationSession {
     streams: BTreeMap<StreamId, Incoming>,
     reported_at: Option<Duration>,
     has_news: bool,
-    commands: BTreeMap<CommandId, SentCommand>,
+    commands: Commands,
 }
 
 #[derive(Debug, Default)]
@@ -95,42 +94,6 @@ struct Incoming {
     large: Assembly,
     /// How often it is still to be reported.
     reports: u8,
-}
-
-#[derive(Debug)]
-struct SentCommand {
-    epoch: u64,
-    body: Vec<u8>,
-    robot_start: crate::seal::Generation,
-    not_after_ms: u64,
-    sends: u32,
-    due: Duration,
-}
-
-/// A command that is to be sent.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct NewCommand {
-    /// Its id.
-    pub id: CommandId,
-    /// How long it is valid from now on. What has not arrived by then is not carried out.
-    pub valid: Duration,
-    /// The epoch of authority under which it is given.
-    pub epoch: u64,
-    /// The command; at most 200 bytes.
-    pub body: Vec<u8>,
-}
-
-/// Why a command cannot be sent.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
-pub enum NotSent {
-    /// The robot's clock, by which the command would expire, is unknown.
-    #[error(
-        "the robot was never heard, so no time can be named until which the command is valid: wait until it is heard"
-    )]
-    Unheard,
-    /// It does not fit into one datagram.
-    #[error("the command has {0} bytes, and at most {1} fit: give it in a shorter form")]
-    TooLong(usize, usize),
 }
 
 impl StationSession {
@@ -151,7 +114,7 @@ impl StationSession {
             streams: BTreeMap::new(),
             reported_at: None,
             has_news: false,
-            commands: BTreeMap::new(),
+            commands: Commands::default(),
             profile,
             start,
         }
@@ -287,7 +250,8 @@ impl StationSession {
                 }
             }
             Frame::CommandState { id, state } => {
-                self.commands.remove(&id);
+                let ask_at = now + self.answer_time() * ASK_AFTER;
+                self.commands.answered(id, state, ask_at);
                 show(FromRobot::CommandState { id, state });
             }
             Frame::Heard { start, newest_ms, held_ms, .. } if start == self.start => {
@@ -316,17 +280,14 @@ impl StationSession {
 
     /// Sends a command until its fate is known or its time is over.
     pub fn command(&mut self, now: Duration, command: NewCommand) -> Result<(), NotSent> {
-        let NewCommand { id, valid, epoch, body } = command;
-        let max = self.profile.up_bytes_max - OVERHEAD - 64;
-        if body.len() > max {
-            return Err(NotSent::TooLong(body.len(), max));
+        let (max, length) = (self.profile.up_bytes_max - OVERHEAD - 64, command.body.len());
+        if length > max {
+            return Err(NotSent::TooLong(length, max));
         }
         let clock = self.robot_clock(now).ok_or(NotSent::Unheard)?;
         // The robot's clock is at least this: so the command is never carried out later than its author meant.
-        let not_after_ms = clock.earliest_ms.saturating_add(now_ms(valid));
-        let robot_start = clock.start;
-        let sent = SentCommand { epoch, body, robot_start, not_after_ms, sends: 0, due: now };
-        self.commands.insert(id, sent);
+        let not_after_ms = clock.earliest_ms.saturating_add(now_ms(command.valid));
+        self.commands.add(now, command, (clock.start, not_after_ms));
         Ok(())
     }
 
@@ -335,7 +296,8 @@ impl StationSession {
         let (room, mut payload) = (self.profile.up_bytes_max - OVERHEAD, Vec::new());
         write_number(now_ms(now), &mut payload);
         let empty = payload.len();
-        self.write_commands(now, room, &mut payload);
+        self.commands.forget(self.clock.bounds(now_ms(now)));
+        self.commands.write(now, self.answer_time(), (room, &mut payload));
         if self.report_at().max(self.pacer.free_at()) <= now {
             self.write_report(now, room, &mut payload);
         }
@@ -351,8 +313,7 @@ impl StationSession {
 
     /// When something may be due next; earlier if anything is received.
     pub fn next_transmit(&self, now: Duration) -> Duration {
-        let command = self.commands.values().map(|sent| sent.due).min().unwrap_or(Duration::MAX);
-        self.report_at().max(self.pacer.free_at()).min(command).max(now)
+        self.report_at().max(self.pacer.free_at()).min(self.commands.due_at()).max(now)
     }
 
     fn report_at(&self) -> Duration {
@@ -361,29 +322,9 @@ impl StationSession {
         self.reported_at.map_or(Duration::ZERO, |at| at + every)
     }
 
-    fn write_commands(&mut self, now: Duration, room: usize, payload: &mut Vec<u8>) {
-        let clock = self.clock.bounds(now_ms(now));
-        self.commands.retain(|_, sent| {
-            // The robot answers that it is expired, if it is heard; until then it is sent once more at least.
-            let is_over = clock.is_none_or(|clock| {
-                clock.start != sent.robot_start || clock.earliest_ms > sent.not_after_ms
-            });
-            !is_over || sent.sends < FIRST_SENDS
-        });
-        let again = self.round_trip.unwrap_or_default().max(self.profile.report_every);
-        for (id, sent) in self.commands.iter_mut().filter(|(_, sent)| sent.due <= now) {
-            let length = payload.len();
-            let SentCommand { epoch, body, robot_start, not_after_ms, .. } = &*sent;
-            let (robot_start, not_after_ms, epoch) = (*robot_start, *not_after_ms, *epoch);
-            Frame::Command(Command { id: *id, robot_start, not_after_ms, epoch, body })
-                .write(payload);
-            if payload.len() > room {
-                payload.truncate(length);
-                break;
-            }
-            sent.sends += 1;
-            sent.due = now + if sent.sends < FIRST_SENDS { FIRST_EVERY } else { again };
-        }
+    /// After so long an answer can be here.
+    fn answer_time(&self) -> Duration {
+        self.round_trip.unwrap_or_default().max(self.profile.report_every)
     }
 
     fn write_report(&mut self, now: Duration, room: usize, payload: &mut Vec<u8>) {
@@ -408,3 +349,6 @@ impl StationSession {
         (self.reported_at, self.has_news) = (Some(now), false);
     }
 }
+
+#[cfg(test)]
+mod tests;
