@@ -35,7 +35,9 @@ pub use frame::{
 };
 pub use hello::{Hello, VERSION, VersionMismatch};
 pub use launch::{Beginning, Launch};
-pub use link::{ClockOffset, LinkHealth, LinkReport, LinkRun, LinkTraffic};
+pub use link::{
+    ClockOffset, CommandStage, LinkHealth, LinkReport, LinkRun, LinkTraffic, OpenCommand,
+};
 pub use message::{EnginePulse, Join, StateData, ToRunner, ToViewer};
 pub use question::{Closing, Form, Question};
 pub use run::{Afterwards, Crash, Keeping, OnCrash, Resume};

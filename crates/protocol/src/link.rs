@@ -26,10 +26,37 @@ pub struct LinkHealth {
     pub up_bytes_per_s: u64,
     /// Events that the robot has and the station lacks, as far as this side knows: of one run if it is told with that run.
     pub missing: u64,
-    /// Commands that are on their way to the robot, or whose answer is. Known at a station only.
-    pub commands: u64,
+    /// Commands whose fate is not known yet: of one run if it is told with that run. Known at a station only.
+    pub commands: Vec<OpenCommand>,
     /// By how much the robot's calendar is ahead. Known at a station only.
     pub clock: Option<ClockOffset>,
+}
+
+/// A command on its way to a robot, or its answer on the way back.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
+pub struct OpenCommand {
+    /// Its id, with the user's name before it.
+    pub id: String,
+    /// How far it is, as far as is known here.
+    pub stage: CommandStage,
+    /// When it was sent first: ms since 1970, UTC, by the station's clock.
+    pub sent_ms: u64,
+    /// When it arrives at the robot if the link is whole, likewise; none if the delay is unknown.
+    pub arrives_ms: Option<u64>,
+}
+
+/// How far a command is that has no answer yet.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
+#[serde(rename_all = "snake_case")]
+pub enum CommandStage {
+    /// It was sent, and is sent again until the robot says that it has it.
+    Sent,
+    /// The robot has it.
+    Received,
+    /// The run has it.
+    Started,
 }
 
 /// By how much one clock is ahead of another, in ms.

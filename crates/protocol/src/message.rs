@@ -1,5 +1,6 @@
 //! Everything that is said after the hello.
 
+use crate::api::{Control, ControlMove};
 use crate::{Answer, Envelope, Event, Launch, LinkHealth, Snapshot, Values};
 use serde::{Deserialize, Serialize};
 
@@ -19,6 +20,20 @@ pub enum ToRunner {
         id: String,
         /// The state.
         path: String,
+    },
+    /// A wish about control of a run far away: its robot decides. Answered like a command; for stations only.
+    MoveControl {
+        /// Named in the answer.
+        id: String,
+        /// Who wants it.
+        author: String,
+        /// What.
+        wanted: ControlMove,
+    },
+    /// This user, who holds control of a run far away, is here. For stations only.
+    Present {
+        /// The user.
+        user: String,
     },
     /// Are you there?
     Ping {
@@ -80,6 +95,8 @@ pub enum ToViewer {
     },
     /// How things stand.
     Snapshot(Snapshot),
+    /// Who holds control of a run far away, as its robot says. Of stations only.
+    Control(Control),
     /// What became of a command.
     Answer {
         /// The command's id.

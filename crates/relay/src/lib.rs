@@ -13,10 +13,11 @@ mod report;
 mod robot;
 mod start;
 mod station;
+mod words;
 
 pub use error::RelayError;
 pub use inbox::Stopper;
 pub use pairing::{BadPairing, Pairing};
 pub use report::read_reports;
-pub use robot::{RobotSettings, relay_robot};
+pub use robot::{Authority, RobotSettings, relay_robot};
 pub use station::{StationSettings, relay_station};

@@ -31,5 +31,6 @@ pub use failure::{Failure, Reason};
 pub use listen::{AddressFile, ServeError, Server, TlsError, serve};
 pub use page_files::PageFiles;
 pub use router::{openapi, router};
+pub use runs::RunAuthority;
 pub use settings::Settings;
 pub use state::{ServerState, ServerStateError};

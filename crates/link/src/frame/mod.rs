@@ -138,6 +138,8 @@ pub(crate) enum Frame<'b> {
         id: CommandId,
         /// What became of it.
         state: CommandState,
+        /// Why it was refused, in the words of the servers.
+        reason: &'b [u8],
     },
     /// The robot's calendar.
     Calendar {
@@ -201,10 +203,11 @@ impl<'b> Frame<'b> {
                 numbers(LARGE, &[u64::from(stream.0), *first, *t_before, place[0], place[1]]);
                 write_bytes(bytes, out);
             }
-            Self::CommandState { id, state } => {
+            Self::CommandState { id, state, reason } => {
                 out.push(COMMAND_STATE);
                 out.extend_from_slice(&id.0);
                 out.push(*state as u8);
+                write_bytes(reason, out);
             }
             Self::Calendar { began_ms } => numbers(CALENDAR, &[*began_ms]),
             Self::Command(Command { id, robot_start, not_after_ms, epoch, body }) => {
@@ -246,7 +249,7 @@ impl<'b> Frame<'b> {
                 let id = CommandId(reader.fixed()?);
                 let state = CommandState::ALL.get(usize::from(reader.byte()?));
                 let state = *state.ok_or(BrokenFrame("an unknown state of a command"))?;
-                Self::CommandState { id, state }
+                Self::CommandState { id, state, reason: reader.bytes()? }
             }
             CALENDAR => Self::Calendar { began_ms: reader.number()? },
             COMMAND => Self::Command(Command {

@@ -49,7 +49,11 @@ fn frame(bytes: &[u8]) -> impl Strategy<Value = Frame<'_>> {
             Frame::Large { stream, first, t_before, length: offset + length, offset, bytes }
         }),
         any::<u64>().prop_map(|began_ms| Frame::Calendar { began_ms }),
-        (id.clone(), state).prop_map(|(id, state)| Frame::CommandState { id, state }),
+        (id.clone(), state).prop_map(move |(id, state)| Frame::CommandState {
+            id,
+            state,
+            reason: bytes
+        }),
         (id, any::<u32>(), any::<u64>(), any::<u64>()).prop_map(
             move |(id, robot_start, not_after_ms, epoch)| {
                 let robot_start = Generation(robot_start);

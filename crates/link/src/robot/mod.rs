@@ -27,6 +27,8 @@ use std::time::Duration;
 const STATE_SENDS: u8 = 3;
 /// So many bytes besides events are in a datagram at most, if it has events that are urgent.
 const URGENT_MAX: usize = 64;
+/// So many bytes of the reason of a refusal are sent.
+const REASON_MAX: usize = 240;
 /// So many commands are remembered.
 const COMMANDS_MAX: usize = 1_024;
 
@@ -91,6 +93,7 @@ pub struct RobotSession {
 #[derive(Debug)]
 struct SentState {
     state: CommandState,
+    reason: Vec<u8>,
     sends: u8,
     due: Duration,
 }
@@ -154,9 +157,17 @@ impl RobotSession {
         self.calendar_ms = Some(since_1970_ms.saturating_sub(now_ms(now)));
     }
 
-    /// What became of a command.
-    pub fn set_command_state(&mut self, now: Duration, id: CommandId, state: CommandState) {
-        if self.states.insert(id, SentState { state, sends: 0, due: now }).is_none() {
+    /// What became of a command; why, if it was refused.
+    pub fn set_command_state(
+        &mut self,
+        now: Duration,
+        id: CommandId,
+        state: CommandState,
+        reason: &str,
+    ) {
+        let end = reason.floor_char_boundary(REASON_MAX);
+        let reason = reason.as_bytes()[..end].to_vec();
+        if self.states.insert(id, SentState { state, reason, sends: 0, due: now }).is_none() {
             self.ids.push_back(id);
             if self.ids.len() > COMMANDS_MAX
                 && let Some(oldest) = self.ids.pop_front()
@@ -220,7 +231,7 @@ impl RobotSession {
                         let body = command.body.to_vec();
                         carry_out(ReceivedCommand { id, epoch, not_after_ms, body });
                     }
-                    self.set_command_state(now, id, state);
+                    self.set_command_state(now, id, state, "");
                 }
                 _ => {}
             }
@@ -309,14 +320,16 @@ impl RobotSession {
     }
 
     fn write_states(&mut self, now: Duration, room: usize, payload: &mut Vec<u8>) {
-        const LENGTH: usize = 18;
         let due =
             self.states.iter_mut().filter(|(_, sent)| sent.sends < STATE_SENDS && sent.due <= now);
         for (id, sent) in due {
-            if payload.len() + LENGTH > room {
+            let length = payload.len();
+            let SentState { state, reason, .. } = &*sent;
+            Frame::CommandState { id: *id, state: *state, reason }.write(payload);
+            if payload.len() > room {
+                payload.truncate(length);
                 break;
             }
-            Frame::CommandState { id: *id, state: sent.state }.write(payload);
             sent.sends += 1;
             sent.due = now + self.profile.repeat_after;
         }

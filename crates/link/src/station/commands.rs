@@ -58,8 +58,8 @@ struct SentCommand {
 }
 
 impl Commands {
-    pub(super) fn len(&self) -> usize {
-        self.sent.len()
+    pub(super) fn has(&self, id: CommandId) -> bool {
+        self.sent.contains_key(&id)
     }
 
     /// Adds a command that is valid until this time of the robot's clock.

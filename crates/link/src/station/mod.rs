@@ -56,6 +56,8 @@ pub enum FromRobot<'b> {
         id: CommandId,
         /// What became of it.
         state: CommandState,
+        /// Why it was refused.
+        reason: &'b [u8],
     },
 }
 
@@ -169,9 +171,9 @@ impl StationSession {
         (&self.sent, &self.received)
     }
 
-    /// How many commands are on their way.
-    pub fn commands(&self) -> usize {
-        self.commands.len()
+    /// Whether it is open what becomes of a command. Else its fate was told, or it never arrived and never will.
+    pub fn is_open(&self, id: CommandId) -> bool {
+        self.commands.has(id)
     }
 
     /// Between which times the robot's clock is.
@@ -249,10 +251,10 @@ impl StationSession {
                     show(FromRobot::Snapshot { stream, sequence, bytes });
                 }
             }
-            Frame::CommandState { id, state } => {
+            Frame::CommandState { id, state, reason } => {
                 let ask_at = now + self.answer_time() * ASK_AFTER;
                 self.commands.answered(id, state, ask_at);
-                show(FromRobot::CommandState { id, state });
+                show(FromRobot::CommandState { id, state, reason });
             }
             Frame::Heard { start, newest_ms, held_ms, .. } if start == self.start => {
                 let heard_at = at_ms.saturating_sub(held_ms);

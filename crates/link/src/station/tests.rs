@@ -53,11 +53,8 @@ impl Pair {
                 if !is_heard {
                     continue;
                 }
-                let show = |shown: FromRobot<'_>| {
-                    if let FromRobot::CommandState { state, .. } = shown {
-                        self.told.push(state);
-                    }
-                };
+                let told = &mut self.told;
+                let show = |shown: FromRobot<'_>| told.extend(state(&shown));
                 self.station.receive(self.now, &mut datagram, show).expect("a datagram");
             }
             while let Some(mut datagram) = self.station.transmit(self.now).expect("room") {
@@ -65,6 +62,13 @@ impl Pair {
                 self.robot.receive(self.now, &mut datagram, carry_out).expect("a datagram");
             }
         }
+    }
+}
+
+fn state(shown: &FromRobot<'_>) -> Option<CommandState> {
+    match shown {
+        FromRobot::CommandState { state, .. } => Some(*state),
+        _ => None,
     }
 }
 
@@ -78,10 +82,10 @@ fn the_fate_of_a_command_is_told_although_every_word_of_it_was_lost_at_first() {
     pair.station.command(pair.now, command).expect("a clock");
     pair.go_on(100, true);
     assert_eq!(pair.told.first(), Some(&CommandState::Received));
-    pair.robot.set_command_state(pair.now, id, CommandState::Done);
+    pair.robot.set_command_state(pair.now, id, CommandState::Done, "");
     pair.go_on(3_000, false);
     pair.go_on(500, true);
     assert_eq!(pair.told.last(), Some(&CommandState::Done));
     assert_eq!(pair.carried_out, [id]);
-    assert_eq!(pair.station.commands(), 0);
+    assert!(!pair.station.is_open(id));
 }

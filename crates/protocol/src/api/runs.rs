@@ -122,6 +122,10 @@ pub struct RunSummary {
     /// what it waits for, if it is in progress and none of its branches is at work.
     #[serde(default)]
     pub waits: Option<RunWait>,
+    /// The robot that it runs on, if that is far away and this is a replica.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", ts(optional))]
+    pub robot: Option<String>,
 }
 
 /// The latest truth about one run.
@@ -148,7 +152,8 @@ pub struct RunNow {
     /// Who commands.
     pub control: Control,
     /// How the link to its robot is; none if the run is not far away. Told while someone looks on.
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", ts(optional))]
     pub robot: Option<LinkHealth>,
 }
 

@@ -114,7 +114,10 @@ impl Session {
                 self.commands.push(envelope);
             }
             ToRunner::Inspect { id, path } => todo.inspect.push((id, path)),
-            ToRunner::Launch(_) | ToRunner::Ping { .. } => {}
+            ToRunner::Launch(_)
+            | ToRunner::Ping { .. }
+            | ToRunner::MoveControl { .. }
+            | ToRunner::Present { .. } => {}
         }
     }
 

@@ -6,13 +6,18 @@ use crate::environment::Environment;
 use crate::failure::complain;
 use anyhow::{Context as _, Result, bail};
 use rafcon_link::Profile;
-use rafcon_relay::{Pairing, RobotSettings, StationSettings, Stopper, relay_robot, relay_station};
+use rafcon_protocol::api::{Control, ControlMove};
+use rafcon_relay::{
+    Authority, Pairing, RobotSettings, StationSettings, Stopper, relay_robot, relay_station,
+};
+use rafcon_server::RunAuthority;
 use std::fs::{self, OpenOptions};
 use std::io::{self, Write as _};
 use std::net::{SocketAddr, ToSocketAddrs as _};
 use std::os::unix::fs::OpenOptionsExt as _;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use std::sync::{Arc, OnceLock};
 use std::thread::{self, JoinHandle};
 
 /// Makes a pairing and prints it, or reads one.
@@ -44,6 +49,42 @@ pub(super) fn pair(raw: &cli::Pair, environment: &Environment) -> Result<ExitCod
     Ok(ExitCode::SUCCESS)
 }
 
+/// Lets the robot's server decide who commands its runs, once it is there.
+#[derive(Debug, Default)]
+pub(super) struct ServerAuthority(OnceLock<RunAuthority>);
+
+impl ServerAuthority {
+    /// The server is there.
+    pub(super) fn set(&self, authority: RunAuthority) {
+        self.0.get_or_init(|| authority);
+    }
+
+    fn server(&self) -> Result<&RunAuthority, String> {
+        let starting = "the robot's server is starting: repeat the command in a moment";
+        self.0.get().ok_or_else(|| starting.to_owned())
+    }
+}
+
+impl Authority for ServerAuthority {
+    fn command(&self, run: &str, user: &str) -> Result<(), String> {
+        self.server()?.command(run, user)
+    }
+
+    fn move_control(&self, run: &str, user: &str, wanted: &ControlMove) -> Result<(), String> {
+        self.server()?.move_control(run, user, wanted)
+    }
+
+    fn present(&self, user: &str) {
+        if let Ok(server) = self.server() {
+            server.present(user);
+        }
+    }
+
+    fn control(&self, run: &str) -> Option<Control> {
+        self.server().ok()?.control(run)
+    }
+}
+
 /// The threads that carry runs over the link while a server runs.
 #[derive(Default)]
 pub(super) struct Relays {
@@ -53,7 +94,12 @@ pub(super) struct Relays {
 
 impl Relays {
     /// Sends the runs in `runs` to the station that the options name, if they name one.
-    pub(super) fn robot(&mut self, raw: &cli::Link, state: &Path, runs: &Path) -> Result<()> {
+    pub(super) fn robot(
+        &mut self,
+        raw: &cli::Link,
+        (state, runs): (&Path, &Path),
+        authority: Arc<ServerAuthority>,
+    ) -> Result<()> {
         let Some(station) = &raw.station else { return Ok(()) };
         let settings = RobotSettings {
             folder: robot_folder(state),
@@ -62,6 +108,7 @@ impl Relays {
             station: address(station)?,
             bind: any_port(address(station)?),
             profile: profile(raw.profile),
+            authority,
             tell: complain,
         };
         let stopper = self.stopper.clone();

@@ -89,7 +89,7 @@ fn up_link(health: &LinkHealth, now_ms: u64) -> String {
     };
     let ago = spell(now_ms.saturating_sub(reached_ms));
     let round_trip = health.round_trip_ms.map(spell).unwrap_or_default();
-    let commands = match health.commands {
+    let commands = match health.commands.len() as u64 {
         0 => String::new(),
         count => format!(", {} on the way", counted(count, "command")),
     };
@@ -138,7 +138,9 @@ fn spell(ms: u64) -> String {
 mod tests {
     use super::in_words;
     use expect_test::expect;
-    use rafcon_protocol::{ClockOffset, LinkHealth, LinkReport, LinkRun, LinkTraffic};
+    use rafcon_protocol::{
+        ClockOffset, CommandStage, LinkHealth, LinkReport, LinkRun, LinkTraffic, OpenCommand,
+    };
     use std::collections::BTreeMap;
 
     fn report() -> LinkReport {
@@ -160,7 +162,12 @@ mod tests {
                 down_bytes_per_s: 900,
                 up_bytes_per_s: 31,
                 missing: 12,
-                commands: 1,
+                commands: vec![OpenCommand {
+                    id: "ana/1".to_owned(),
+                    stage: CommandStage::Sent,
+                    sent_ms: 9_999_000,
+                    arrives_ms: None,
+                }],
                 clock: Some(ClockOffset { least_ms: -200, most_ms: Some(3_900) }),
             },
             sent: LinkTraffic { datagrams: 1, bytes: 90, by_kind: BTreeMap::new() },

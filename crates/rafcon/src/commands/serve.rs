@@ -1,17 +1,18 @@
 //! `rafcon serve`: from the words of the command line to a server's settings. What a server does, `rafcon-server` knows.
 
 use super::kept::runs_folder;
-use super::link::Relays;
+use super::link::{Relays, ServerAuthority};
 use crate::cli;
 use crate::environment::{self, Environment};
 use crate::failure::complain;
 use crate::machine;
 use anyhow::{Context as _, Result, bail};
-use rafcon_server::{Server, Settings};
+use rafcon_server::{RunAuthority, Server, Settings};
 use std::io::{self, Write as _};
 use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use std::sync::Arc;
 
 /// Serves until it is asked to end; a station also receives robots.
 pub(super) fn serve(
@@ -22,11 +23,15 @@ pub(super) fn serve(
     let settings = settings(raw, environment)?;
     let (state, runs) = (state(&raw.state, environment)?, settings.runs.clone());
     let mut relays = Relays::default();
-    relays.robot(&raw.link, &state, &runs)?;
+    let authority = Arc::new(ServerAuthority::default());
+    relays.robot(&raw.link, (&state, &runs), Arc::clone(&authority))?;
     if let Some(listen) = robots {
         relays.station(&raw.link, listen, (&state, &runs))?;
     }
-    let served = rafcon_server::serve(settings, |server| greet(server, raw));
+    let served = rafcon_server::serve(settings, |server| {
+        authority.set(RunAuthority::new(server.state()));
+        greet(server, raw);
+    });
     relays.stop();
     served?;
     Ok(ExitCode::SUCCESS)

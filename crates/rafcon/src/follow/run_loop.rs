@@ -103,6 +103,9 @@ fn show(view: &mut dyn View, now: Duration, message: ToViewer) -> io::Result<()>
         ToViewer::Event { t_ns, event, .. } => view.event(Duration::from_nanos(t_ns), event),
         ToViewer::Snapshot(snapshot) => view.snapshot(now, snapshot),
         ToViewer::Inspection { path, data, .. } => view.inspected(&path, data),
-        ToViewer::LoadFailed { .. } | ToViewer::Answer { .. } | ToViewer::Pong { .. } => Ok(()),
+        ToViewer::Control(_)
+        | ToViewer::LoadFailed { .. }
+        | ToViewer::Answer { .. }
+        | ToViewer::Pong { .. } => Ok(()),
     }
 }

@@ -107,6 +107,7 @@ fn said(run: &str, content: &[u8]) -> Option<FromRun> {
         | ToViewer::LoadFailed { .. }
         | ToViewer::Inspection { .. }
         | ToViewer::Event { .. }
+        | ToViewer::Control(_)
         | ToViewer::Pong { .. } => None,
     }
 }

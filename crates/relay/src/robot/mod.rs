@@ -1,8 +1,11 @@
 //! The robot's side: finds its runs, follows those that continue, sends what happens, and gives commands to their runners.
 
+mod authority;
 mod follow;
 mod health;
 mod runs;
+
+pub use authority::Authority;
 
 use crate::clock::SessionClock;
 use crate::error::RelayError;
@@ -11,14 +14,17 @@ use crate::inbox::{Inbox, Input, Stopper};
 use crate::pairing::Pairing;
 use crate::report::{REPORT_EVERY, Reporter};
 use crate::start::Start;
+use crate::words::{StationWord, at_robot};
 use follow::FromRun;
 use health::Health;
-use rafcon_link::{CommandState, Profile, ReceivedCommand, RobotSession};
-use rafcon_protocol::{Answer, Envelope, Expiry};
+use rafcon_link::{CommandState, Profile, ReceivedCommand, RobotSession, StreamId};
+use rafcon_protocol::api::ControlMove;
+use rafcon_protocol::{Answer, Command, Envelope, Expiry};
 use rafcon_supervisor::clock;
 use runs::RobotRuns;
 use std::net::{SocketAddr, UdpSocket};
 use std::path::PathBuf;
+use std::sync::Arc;
 use std::time::Duration;
 
 /// What was heard is kept this often.
@@ -39,6 +45,8 @@ pub struct RobotSettings {
     pub bind: SocketAddr,
     /// What is known of the link.
     pub profile: Profile,
+    /// Who may command.
+    pub authority: Arc<dyn Authority>,
     /// Told what goes wrong.
     pub tell: fn(&str),
 }
@@ -63,7 +71,10 @@ pub fn relay_robot(settings: &RobotSettings, stopper: &Stopper) -> Result<(), Re
         if now >= look_at {
             look_at = now + REPORT_EVERY;
             relay.runs.look(&mut relay.session);
-            relay.session.set_calendar(now, clock::since_1970_ms());
+            let today_ms = clock::since_1970_ms();
+            relay.session.set_calendar(now, today_ms);
+            let authority = &*settings.authority;
+            relay.runs.tell(&mut relay.session, |run| (authority.control(run), today_ms));
             reporter.set(&[relay.health.report(&relay.session, now, relay.runs.ids())]);
         }
         if now >= keep_at {
@@ -111,17 +122,57 @@ impl RobotRelay<'_> {
         }
     }
 
-    /// Passes a command to the runner of its run, with the time that it has left.
+    /// Does what someone at a station wants, if they may.
     fn command(&mut self, now: Duration, command: ReceivedCommand) {
         let ReceivedCommand { id, not_after_ms, body, .. } = command;
-        let left_ms = Duration::from_millis(not_after_ms).saturating_sub(now).as_millis();
-        let left_ms = u64::try_from(left_ms).unwrap_or(u64::MAX);
-        let is_sent = serde_json::from_slice::<(String, Envelope)>(&body).is_ok_and(|(run, it)| {
-            let expiry = Some(Expiry(clock::since_1970_ms().saturating_add(left_ms)));
-            self.runs.command(&run, Envelope { expiry, ..it })
-        });
-        if !is_sent {
-            self.session.set_command_state(now, id, CommandState::Refused);
+        let done = match serde_json::from_slice(&body) {
+            Ok((stream, word)) => self.heed(now, (StreamId(stream), word), not_after_ms),
+            Err(error) => Err(format!("the robot's server does not understand it: {error}")),
+        };
+        let (state, reason) = match done {
+            Ok(state) => (state, String::new()),
+            Err(reason) => (CommandState::Refused, reason),
+        };
+        self.session.set_command_state(now, id, state, &reason);
+    }
+
+    fn heed(
+        &mut self,
+        now: Duration,
+        (stream, word): (StreamId, StationWord),
+        not_after_ms: u64,
+    ) -> Result<CommandState, String> {
+        let authority = Arc::clone(&self.settings.authority);
+        let run = self.runs.name(stream).ok_or("the robot has no such run")?.to_owned();
+        match word {
+            StationWord::Command(id, author, decided_on, command) => {
+                let author = at_robot(&author);
+                if !matches!(command, Command::Stop | Command::Pause) {
+                    authority.command(&run, &author)?;
+                }
+                let left_ms = Duration::from_millis(not_after_ms).saturating_sub(now).as_millis();
+                let left_ms = u64::try_from(left_ms).unwrap_or(u64::MAX);
+                let expiry = Some(Expiry(clock::since_1970_ms().saturating_add(left_ms)));
+                let envelope = Envelope { id, author, decided_on, expiry, command };
+                if self.runs.command(&run, envelope) {
+                    return Ok(CommandState::Started);
+                }
+                Err("the run has no program on the robot that could be commanded".to_owned())
+            }
+            StationWord::MoveControl(_, author, wanted) => {
+                let wanted = match wanted {
+                    ControlMove::HandOver { to } => ControlMove::HandOver { to: at_robot(&to) },
+                    other => other,
+                };
+                authority.move_control(&run, &at_robot(&author), &wanted)?;
+                let today_ms = clock::since_1970_ms();
+                self.runs.tell(&mut self.session, |run| (authority.control(run), today_ms));
+                Ok(CommandState::Done)
+            }
+            StationWord::Present(user) => {
+                authority.present(&at_robot(&user));
+                Ok(CommandState::Done)
+            }
         }
     }
 
@@ -132,13 +183,13 @@ impl RobotRelay<'_> {
                 self.runs.stands(&run, snapshot, &mut self.session);
             }
             FromRun::Answered(envelope, answer) => {
-                let state = match answer {
-                    Answer::Applied => CommandState::Done,
-                    Answer::Refused { .. } => CommandState::Refused,
-                    Answer::Expired => CommandState::Expired,
+                let (state, reason) = match answer {
+                    Answer::Applied => (CommandState::Done, String::new()),
+                    Answer::Refused { reason } => (CommandState::Refused, reason),
+                    Answer::Expired => (CommandState::Expired, String::new()),
                 };
-                let now = self.clock.now();
-                self.session.set_command_state(now, ids::command(&envelope), state);
+                let (now, id) = (self.clock.now(), ids::command(&envelope));
+                self.session.set_command_state(now, id, state, &reason);
             }
             FromRun::Gone(run) => self.runs.gone(&run, &mut self.session),
         }

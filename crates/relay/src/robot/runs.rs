@@ -4,7 +4,9 @@ use super::follow::{Followed, FromRun};
 use crate::about::{about_parts, machine_parts};
 use crate::ids;
 use crate::inbox::Input;
+use crate::words::{RunFate, RunStands};
 use rafcon_link::{EventBuffer, Events, RobotSession, RunSource, StreamId};
+use rafcon_protocol::api::Control;
 use rafcon_protocol::{Envelope, Snapshot};
 use rafcon_storage::journal::{
     About, EventItems, EventSource, JournalError, Pack, RunState, Summary, run_folders, writer_of,
@@ -42,6 +44,9 @@ struct RobotRun {
     head: u64,
     runner: Option<Followed>,
     snapshot: Option<Box<Snapshot>>,
+    fate: RunFate,
+    /// What was told of it last.
+    stands: RunStands,
 }
 
 impl RobotRuns {
@@ -102,7 +107,8 @@ impl RobotRuns {
         let Some(run) = self.all.get_mut(id) else { return Ok(()) };
         run.source = EventSource::open(folder)?;
         run.runner = Followed::join(folder, id, run.head + 1, &self.inbox);
-        session.set_state(ids::events_of(id), b"live", false);
+        run.fate = RunFate::Live;
+        run.tell(id, session, None);
         Ok(())
     }
 
@@ -126,7 +132,17 @@ impl RobotRuns {
         session.begin(events, head);
         self.streams.extend([(events, id.to_owned()), (beside, id.to_owned())]);
         let (folder, runner) = (folder.to_owned(), None);
-        let run = RobotRun { folder, about, machines: 0, source, head, runner, snapshot: None };
+        let run = RobotRun {
+            folder,
+            about,
+            machines: 0,
+            source,
+            head,
+            runner,
+            snapshot: None,
+            fate: RunFate::default(),
+            stands: RunStands::default(),
+        };
         self.all.insert(id.to_owned(), run);
         self.keep_list();
         Ok(true)
@@ -177,11 +193,27 @@ impl RobotRuns {
             Err(error) => (self.tell)(&format!("the journal of run {id} cannot be read: {error}")),
         }
         self.happened(id, session);
-        if let Some(run) = self.all.get(id) {
+        if let Some(run) = self.all.get_mut(id) {
             let is_over = matches!(Summary::of(&run.folder).state, RunState::Finished { .. });
-            let state: &[u8] = if is_over { b"finished" } else { b"crashed" };
-            session.set_state(ids::events_of(id), state, is_over);
+            run.fate = if is_over { RunFate::Finished } else { RunFate::Crashed };
+            run.tell(id, session, None);
         }
+    }
+
+    /// Tells how the runs stand that are not over; `control` says who commands one, and when that was so.
+    pub(super) fn tell(
+        &mut self,
+        session: &mut RobotSession,
+        control: impl Fn(&str) -> (Option<Control>, u64),
+    ) {
+        for (id, run) in self.all.iter_mut().filter(|(_, run)| run.fate == RunFate::Live) {
+            run.tell(id, session, Some(control(id)));
+        }
+    }
+
+    /// The id of the run whose events these are.
+    pub(super) fn name(&self, events: StreamId) -> Option<&str> {
+        self.streams.get(&events).map(String::as_str)
     }
 
     /// Gives a command to the runner of a run; false if it has none.
@@ -197,6 +229,25 @@ impl RobotRuns {
 
     fn run(&mut self, stream: StreamId) -> Option<&mut RobotRun> {
         self.all.get_mut(self.streams.get(&stream)?)
+    }
+}
+
+impl RobotRun {
+    /// Tells how it stands, if that is news.
+    fn tell(
+        &mut self,
+        id: &str,
+        session: &mut RobotSession,
+        control: Option<(Option<Control>, u64)>,
+    ) {
+        let (control, now_ms) = control.unwrap_or_default();
+        let stands = RunStands::of(self.fate, control, now_ms);
+        if stands != self.stands {
+            let is_over = self.fate == RunFate::Finished;
+            let state = serde_json::to_vec(&stands).unwrap_or_default();
+            session.set_state(ids::events_of(id), &state, is_over);
+            self.stands = stands;
+        }
     }
 }
 

@@ -11,11 +11,11 @@ use crate::inbox::{Inbox, Input, Stopper};
 use crate::pairing::Pairing;
 use crate::report::{REPORT_EVERY, Reporter};
 use rafcon_link::Profile;
-use rafcon_protocol::Envelope;
 use robot::StationRobot;
 use std::net::SocketAddr;
 use std::path::PathBuf;
 use std::time::Duration;
+use viewers::GivenWord;
 
 /// What arrived is safe on the disk after this time at most.
 const SYNC_EVERY: Duration = Duration::from_millis(250);
@@ -46,7 +46,7 @@ pub(crate) struct GivenCommand {
     robot: usize,
     /// The id of the run.
     run: String,
-    envelope: Envelope,
+    word: GivenWord,
 }
 
 /// Keeps replicas of the runs of robots until it is stopped. `is_up` is given the address at which it receives.
@@ -92,9 +92,9 @@ pub fn relay_station(
                     robots.iter_mut().for_each(StationRobot::note_unusable);
                 }
             }
-            Some(Input::Other(GivenCommand { robot, run, envelope })) => {
+            Some(Input::Other(GivenCommand { robot, run, word })) => {
                 if let Some(robot) = robots.get_mut(robot) {
-                    robot.command(&run, envelope);
+                    robot.command(&run, word);
                 }
             }
             None => {}

@@ -3,6 +3,7 @@
 use super::GivenCommand;
 use super::viewers::{Shared, Viewers};
 use crate::inbox::Input;
+use rafcon_protocol::api::Control;
 use rafcon_protocol::{Answer, LinkHealth, Snapshot};
 use rafcon_storage::journal::{
     About, EventItems, JournalError, Options, Pack, Replica, ReplicaError,
@@ -46,8 +47,8 @@ impl ReplicaRun {
         let safe = replica.next() - 1;
         let shared = Arc::new(Shared::new(folder.clone(), about, safe, link));
         let run = about.id.clone();
-        let give = move |envelope| {
-            let command = GivenCommand { robot, run: run.clone(), envelope };
+        let give = move |word| {
+            let command = GivenCommand { robot, run: run.clone(), word };
             given.try_send(Input::Other(command)).is_ok()
         };
         let viewers = Viewers::open(&folder, Arc::clone(&shared), give)?;
@@ -113,6 +114,16 @@ impl ReplicaRun {
     /// The robot says that this is its state.
     pub(super) fn stands(&self, snapshot: Snapshot) {
         self.shared.stands(snapshot);
+    }
+
+    /// Control of the run is like this.
+    pub(super) fn set_control(&self, control: Control) {
+        self.shared.set_control(control);
+    }
+
+    /// Whether everything up to this event is safe, and nothing waits.
+    pub(super) fn is_at(&self, head: u64) -> bool {
+        self.safe >= head && self.ahead.is_empty()
     }
 
     /// The link is like this.

@@ -2,6 +2,7 @@
 
 use super::health::{self, Health};
 use super::replica_run::ReplicaRun;
+use super::viewers::GivenWord;
 use super::{GivenCommand, StationSettings};
 use crate::about::{AboutReader, AboutRecord, Taken};
 use crate::clock::SessionClock;
@@ -10,10 +11,11 @@ use crate::ids;
 use crate::inbox::Input;
 use crate::pairing::Pairing;
 use crate::start::Start;
+use crate::words::{RunFate, RunStands, StationWord};
 use rafcon_link::{
     CommandState, FromRobot, NewCommand, RangeSet, Rejected, StationSession, StreamId, Unusable,
 };
-use rafcon_protocol::{Answer, Envelope, LinkHealth, LinkReport};
+use rafcon_protocol::{Answer, CommandStage, LinkHealth, LinkReport, OpenCommand};
 use rafcon_storage::journal::{About, EventItems, JournalError, RunState, Summary, run_folders};
 use rafcon_supervisor::clock;
 use std::collections::BTreeMap;
@@ -44,8 +46,12 @@ pub(super) struct StationRobot {
     early: BTreeMap<StreamId, Vec<EventItems>>,
     /// What went wrong last, so that it is said once.
     told: String,
-    /// The run and the envelope of commands whose fate is open.
-    given: BTreeMap<rafcon_link::CommandId, (StreamId, String)>,
+    /// The commands whose fate is open.
+    given: BTreeMap<rafcon_link::CommandId, GivenToRobot>,
+    /// Wishes about control and signs of life, likewise: the run and the id of each.
+    moves: BTreeMap<rafcon_link::CommandId, (StreamId, String)>,
+    /// Runs whose runner died on the robot: closed here until the robot says that they go on.
+    crashed: BTreeMap<StreamId, About>,
 }
 
 /// What is to be known about a run, on its way.
@@ -57,12 +63,19 @@ struct IncomingAbout {
     reader: AboutReader,
 }
 
+/// A command whose fate is open.
+struct GivenToRobot {
+    stream: StreamId,
+    command: OpenCommand,
+}
+
 /// What a datagram had, so that nothing is done while the session is borrowed.
 enum Received {
     Events(StreamId, EventItems),
-    Over(StreamId),
+    Stands(StreamId, RunStands, bool),
     Snapshot(StreamId, Vec<u8>),
-    State(rafcon_link::CommandId, CommandState),
+    State(rafcon_link::CommandId, CommandState, String),
+    Started,
 }
 
 impl StationRobot {
@@ -92,6 +105,8 @@ impl StationRobot {
             early: BTreeMap::new(),
             told: String::new(),
             given: BTreeMap::new(),
+            moves: BTreeMap::new(),
+            crashed: BTreeMap::new(),
         };
         robot.restore();
         Ok(robot)
@@ -159,14 +174,18 @@ impl StationRobot {
                 let items = EventItems { first, count, t_before, bytes };
                 received.push(Received::Events(events.stream, items));
             }
-            FromRobot::Status { stream, is_over: true, .. } => {
-                received.push(Received::Over(stream));
+            FromRobot::Status { stream, is_over, state, .. } => {
+                let stands = serde_json::from_slice(state).unwrap_or_default();
+                received.push(Received::Stands(stream, stands, is_over));
             }
             FromRobot::Snapshot { stream, bytes, .. } => {
                 received.push(Received::Snapshot(stream, bytes));
             }
-            FromRobot::CommandState { id, state } => received.push(Received::State(id, state)),
-            FromRobot::Started | FromRobot::Status { .. } => {}
+            FromRobot::CommandState { id, state, reason } => {
+                let reason = String::from_utf8_lossy(reason).into_owned();
+                received.push(Received::State(id, state, reason));
+            }
+            FromRobot::Started => received.push(Received::Started),
         });
         match taken {
             Ok(()) => self.address = Some(from),
@@ -198,11 +217,7 @@ impl StationRobot {
                 self.take_about(stream, items);
             }
             Received::Events(stream, items) => self.take_events(stream, items),
-            Received::Over(stream) => {
-                if let Some(replica) = self.replicas.get_mut(&stream) {
-                    replica.set_over();
-                }
-            }
+            Received::Stands(stream, stands, is_over) => self.stands(stream, &stands, is_over),
             Received::Snapshot(stream, bytes) => {
                 if let (Some(replica), Ok(snapshot)) =
                     (self.replicas.get_mut(&stream), serde_json::from_slice(&bytes))
@@ -210,7 +225,8 @@ impl StationRobot {
                     replica.stands(snapshot);
                 }
             }
-            Received::State(id, state) => self.answered(id, state),
+            Received::State(id, state, reason) => self.answered(id, state, reason),
+            Received::Started => self.lose_commands(),
         }
     }
 
@@ -262,12 +278,15 @@ impl StationRobot {
 
     /// Makes what arrived safe, shows it, and forgets what is complete.
     pub(super) fn sync(&mut self) {
+        self.expire_commands();
         let link = self.health.of(&self.session, self.clock.now());
-        let (session, name) = (&mut self.session, &self.name);
+        let (session, name, given) = (&mut self.session, &self.name, &self.given);
         let mut problem = String::new();
         self.replicas.retain(|stream, replica| {
             let missing = health::run(session, replica.id()).missing;
-            replica.set_link(LinkHealth { missing, ..link.clone() });
+            let commands = given.values().filter(|given| given.stream == *stream);
+            let commands = commands.map(|given| given.command.clone()).collect();
+            replica.set_link(LinkHealth { missing, commands, ..link.clone() });
             match replica.sync() {
                 Ok(safe) => session.set_safe(*stream, safe),
                 Err(error) => {
@@ -288,7 +307,9 @@ impl StationRobot {
     /// How the link is.
     pub(super) fn report(&mut self) -> LinkReport {
         let runs = self.replicas.values().map(ReplicaRun::id);
-        self.health.report(&self.session, self.clock.now(), runs)
+        let mut report = self.health.report(&self.session, self.clock.now(), runs);
+        report.health.commands = self.given.values().map(|given| given.command.clone()).collect();
+        report
     }
 
     /// Keeps what was heard, for the next start.
@@ -296,41 +317,101 @@ impl StationRobot {
         self.start.keep_heard(self.session.horizon())
     }
 
-    /// Sends a command of a viewer.
-    pub(super) fn command(&mut self, run: &str, envelope: Envelope) {
-        let stream = ids::events_of(run);
-        let (id, name) = (ids::command(&envelope.id), envelope.id.clone());
-        let left = envelope.expiry.map_or(LIFETIME, |expiry| {
-            Duration::from_millis(expiry.0.saturating_sub(clock::since_1970_ms()))
-        });
-        let envelope = Envelope { expiry: None, ..envelope };
-        let body = serde_json::to_vec(&(run, envelope)).unwrap_or_default();
-        let command = NewCommand { id, valid: left, epoch: 0, body };
-        match self.session.command(self.clock.now(), command) {
-            Ok(()) => {
-                self.given.insert(id, (stream, name));
-            }
-            Err(error) => {
-                if let Some(replica) = self.replicas.get(&stream) {
-                    replica.answer(&name, &Answer::Refused { reason: error.to_string() });
-                }
+    /// A run stands like this on the robot.
+    fn stands(&mut self, stream: StreamId, stands: &RunStands, is_over: bool) {
+        if stands.fate == RunFate::Live
+            && let Some(about) = self.crashed.remove(&stream)
+        {
+            self.open(stream, about);
+        }
+        let Some(replica) = self.replicas.get_mut(&stream) else { return };
+        if is_over {
+            replica.set_over();
+        }
+        if let Some(control) = stands.control(clock::since_1970_ms()) {
+            replica.set_control(control);
+        }
+        let head = self.session.progress(stream).map_or(0, |(head, _)| head);
+        if stands.fate == RunFate::Crashed && replica.is_at(head) {
+            // Closed as its runner left it, the run is shown as what it is: crashed.
+            if let Ok(about) = About::read(&self.runs.join(replica.id())) {
+                self.crashed.insert(stream, about);
+                self.replicas.remove(&stream);
             }
         }
     }
 
-    fn answered(&mut self, id: rafcon_link::CommandId, state: CommandState) {
-        let answer = match state {
-            CommandState::Done => Answer::Applied,
-            CommandState::Refused => Answer::Refused {
-                reason: "the robot refused it; the run's history says why".to_owned(),
-            },
-            CommandState::Expired => Answer::Expired,
-            CommandState::Received | CommandState::Started => return,
+    /// Sends what a viewer has for the robot.
+    pub(super) fn command(&mut self, run: &str, given: GivenWord) {
+        let GivenWord { id: name, expiry, word } = given;
+        let (stream, id, today) =
+            (ids::events_of(run), ids::command(&name), clock::since_1970_ms());
+        let left =
+            expiry.map_or(LIFETIME, |expiry| Duration::from_millis(expiry.0.saturating_sub(today)));
+        let is_shown = matches!(word, StationWord::Command(..));
+        let body = serde_json::to_vec(&(stream.0, word)).unwrap_or_default();
+        let command = NewCommand { id, valid: left, epoch: 0, body };
+        if let Err(error) = self.session.command(self.clock.now(), command) {
+            return self.answer(stream, &name, &Answer::Refused { reason: error.to_string() });
+        }
+        let there = self.session.round_trip().map(|round_trip| health::millis(round_trip) / 2);
+        let command = OpenCommand {
+            id: name,
+            stage: CommandStage::Sent,
+            sent_ms: today,
+            arrives_ms: there.map(|there| today + there),
         };
-        if let Some((stream, envelope)) = self.given.remove(&id)
-            && let Some(replica) = self.replicas.get(&stream)
-        {
-            replica.answer(&envelope, &answer);
+        if is_shown {
+            self.given.entry(id).or_insert(GivenToRobot { stream, command });
+        } else {
+            self.moves.insert(id, (stream, command.id));
+        }
+    }
+
+    fn answered(&mut self, id: rafcon_link::CommandId, state: CommandState, reason: String) {
+        let stage = match state {
+            CommandState::Done => return self.close_command(id, &Answer::Applied),
+            CommandState::Refused => {
+                return self.close_command(id, &Answer::Refused { reason });
+            }
+            CommandState::Expired => return self.close_command(id, &Answer::Expired),
+            CommandState::Received => CommandStage::Received,
+            CommandState::Started => CommandStage::Started,
+        };
+        if let Some(given) = self.given.get_mut(&id) {
+            given.command.stage = stage;
+        }
+    }
+
+    fn close_command(&mut self, id: rafcon_link::CommandId, answer: &Answer) {
+        let given = self.given.remove(&id).map(|given| (given.stream, given.command.id));
+        if let Some((stream, name)) = given.or_else(|| self.moves.remove(&id)) {
+            self.answer(stream, &name, answer);
+        }
+    }
+
+    /// The robot's server has started again: it knows nothing of commands that were on their way to the one before.
+    fn lose_commands(&mut self) {
+        let given = std::mem::take(&mut self.given).into_values();
+        let given = given.map(|given| (given.stream, given.command.id));
+        for (stream, name) in given.chain(std::mem::take(&mut self.moves).into_values()) {
+            let reason = "the robot's server has started again: whether it still took the command is in the run's history";
+            self.answer(stream, &name, &Answer::Refused { reason: reason.to_owned() });
+        }
+    }
+
+    /// Says of commands that the robot never had that they are too late to be carried out.
+    fn expire_commands(&mut self) {
+        let given = self.given.keys().chain(self.moves.keys()).copied();
+        let late: Vec<_> = given.filter(|id| !self.session.is_open(*id)).collect();
+        for id in late {
+            self.close_command(id, &Answer::Expired);
+        }
+    }
+
+    fn answer(&self, stream: StreamId, name: &str, answer: &Answer) {
+        if let Some(replica) = self.replicas.get(&stream) {
+            replica.answer(name, answer);
         }
     }
 }

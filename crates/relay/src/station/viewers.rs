@@ -1,8 +1,10 @@
 //! The stand-in for the runner of a replica: viewers join it over the socket in the run's folder, as they join a runner.
 
+use crate::words::StationWord;
 use parking_lot::{Condvar, Mutex};
+use rafcon_protocol::api::Control;
 use rafcon_protocol::{
-    Answer, Envelope, FRAME_HEAD, FrameKind, Hello, Join, LinkHealth, Snapshot, ToRunner, ToViewer,
+    Answer, Expiry, FRAME_HEAD, FrameKind, Hello, Join, LinkHealth, Snapshot, ToRunner, ToViewer,
     decode, encode, encode_frame, frame_head,
 };
 use rafcon_storage::journal::folder::{Doing, SOCKET_FILE, bind_socket};
@@ -28,6 +30,20 @@ const FRAMES_MAX: usize = 256;
 /// A line of a viewer is at most so long, in bytes.
 const LINE_MAX: u64 = 1 << 20;
 
+/// A wish about control is valid for so long, in ms.
+const MOVE_VALID_MS: u64 = 10_000;
+
+/// What a viewer has for the robot, with its id and the end of its validity by this computer's clock.
+#[derive(Debug)]
+pub(crate) struct GivenWord {
+    pub(super) id: String,
+    pub(super) expiry: Option<Expiry>,
+    pub(super) word: StationWord,
+}
+
+/// Passes on what a viewer has for the robot, and answers whether there is room for it.
+type Give = dyn Fn(GivenWord) -> bool + Send + Sync;
+
 /// What viewers are shown.
 #[derive(Debug)]
 pub(super) struct Shared {
@@ -50,6 +66,7 @@ struct Shown {
     /// How often the snapshot was replaced.
     snapshots: u64,
     link: LinkHealth,
+    control: Option<Control>,
     is_closed: bool,
     /// What is to be sent to each viewer besides, by the number of the viewer.
     viewers: BTreeMap<u64, Outgoing>,
@@ -83,10 +100,18 @@ impl Shared {
 
     /// The link is like this. Viewers are told at once if the robot is heard again, or no more.
     pub(super) fn set_link(&self, link: LinkHealth) {
-        let is_heard = link.is_heard;
+        let (is_heard, commands) = (link.is_heard, link.commands.clone());
         let before = std::mem::replace(&mut self.shown.lock().link, link);
-        if before.is_heard != is_heard {
+        if before.is_heard != is_heard || before.commands != commands {
             self.send_all(&self.pong(0));
+        }
+    }
+
+    /// Control of the run is like this.
+    pub(super) fn set_control(&self, control: Control) {
+        let before = self.shown.lock().control.replace(control.clone());
+        if before.as_ref() != Some(&control) {
+            self.send_all(&ToViewer::Control(control));
         }
     }
 
@@ -177,7 +202,7 @@ impl Viewers {
     pub(super) fn open(
         folder: &Path,
         shared: Arc<Shared>,
-        give: impl Fn(Envelope) -> bool + Send + Sync + 'static,
+        give: impl Fn(GivenWord) -> bool + Send + Sync + 'static,
     ) -> Result<Self, JournalError> {
         let path = folder.join(SOCKET_FILE);
         let listener = bind_socket(folder).map_err(|source| JournalError::Io {
@@ -219,11 +244,7 @@ impl Drop for Viewers {
     }
 }
 
-fn welcome(
-    stream: &UnixStream,
-    shared: &Arc<Shared>,
-    give: &(dyn Fn(Envelope) -> bool + Send + Sync),
-) -> io::Result<()> {
+fn welcome(stream: &UnixStream, shared: &Arc<Shared>, give: &Give) -> io::Result<()> {
     stream.set_write_timeout(Some(WRITE_TIMEOUT))?;
     let mut out = stream.try_clone()?;
     let mut lines = BufReader::new(stream.try_clone()?);
@@ -232,7 +253,10 @@ fn welcome(
     let ToRunner::Join(join) = line(&mut lines)? else { return Ok(()) };
     send(&mut out, &shared.loaded)?;
     let viewer = shared.arrive(stream.try_clone()?);
-    shared.send(viewer, encode_frame(&shared.pong(0)).map_err(io::Error::other)?);
+    let control = shared.shown.lock().control.clone().map(ToViewer::Control);
+    for message in [Some(shared.pong(0)), control].into_iter().flatten() {
+        shared.send(viewer, encode_frame(&message).map_err(io::Error::other)?);
+    }
     let here = Arc::clone(shared);
     let show = move || {
         // However it ends, so does the connection.
@@ -250,17 +274,30 @@ fn heed(
     lines: &mut BufReader<UnixStream>,
     viewer: u64,
     shared: &Shared,
-    give: &(dyn Fn(Envelope) -> bool + Send + Sync),
+    give: &Give,
 ) -> io::Result<()> {
     loop {
         let message = match line(lines)? {
             ToRunner::Command(envelope) => {
-                let id = envelope.id.clone();
-                if give(envelope) {
-                    continue;
+                match offer(give, StationWord::of(envelope.clone()), envelope.id, envelope.expiry) {
+                    Some(refusal) => refusal,
+                    None => continue,
                 }
-                let reason = "too many commands wait for the link: try again later".to_owned();
-                ToViewer::Answer { id, answer: Answer::Refused { reason } }
+            }
+            ToRunner::MoveControl { id, author, wanted } => {
+                let word = StationWord::MoveControl(id.clone(), author, wanted);
+                let until = Expiry(clock::since_1970_ms().saturating_add(MOVE_VALID_MS));
+                match offer(give, word, id, Some(until)) {
+                    Some(refusal) => refusal,
+                    None => continue,
+                }
+            }
+            ToRunner::Present { user } => {
+                let until = Expiry(clock::since_1970_ms().saturating_add(MOVE_VALID_MS));
+                let id = format!("present-{user}-{}", until.0);
+                // Who is there says so again.
+                let _lost = offer(give, StationWord::Present(user), id, Some(until));
+                continue;
             }
             ToRunner::Ping { id } => shared.pong(id),
             ToRunner::Inspect { id, path } => ToViewer::Inspection { id, path, data: None },
@@ -268,6 +305,14 @@ fn heed(
         };
         shared.send(viewer, encode_frame(&message).map_err(io::Error::other)?);
     }
+}
+
+/// Gives a word for the robot; a refusal if there is no room for it.
+fn offer(give: &Give, word: StationWord, id: String, expiry: Option<Expiry>) -> Option<ToViewer> {
+    let word = GivenWord { id: id.clone(), expiry, word };
+    let reason = "too many commands wait for the link: try again later";
+    let answer = Answer::Refused { reason: reason.to_owned() };
+    (!give(word)).then_some(ToViewer::Answer { id, answer })
 }
 
 /// Shows a viewer everything from its cursor on, until it is gone or the replica is closed.

@@ -71,7 +71,8 @@ impl<S: Scripts> CommandDispatcher<S> {
                 sender.send(&ToViewer::Inspection { id, path, data });
             }
             // Whoever hears has answered it.
-            Ok(ToRunner::Ping { .. }) => {}
+            Ok(ToRunner::Ping { .. } | ToRunner::MoveControl { .. } | ToRunner::Present { .. }) => {
+            }
             Ok(ToRunner::Launch(_) | ToRunner::Join(_)) => {
                 self.complain("a second launch or join: it has its run");
             }

@@ -1,6 +1,7 @@
 //! Commands of runs: whether they may be given, on their way to the runner, and their answers. Knows rights, control and
 //! links, but not what a command does.
 
+use super::authority::AT_STATION;
 use super::folder_files::key;
 use super::link::{Link, NotSent};
 use super::run::Run;
@@ -25,6 +26,9 @@ const COMMAND_TIMEOUT: Duration = Duration::from_secs(30);
 /// ends itself a little before that.
 const STOP_TIMEOUT: Duration = Duration::from_secs(15);
 
+/// Users of a robot far away have this after their names at its station.
+const AT_ROBOT: &str = "@robot";
+
 /// A stop whose link was lost is sent again after this time.
 const RETRY_INTERVAL: Duration = Duration::from_millis(100);
 
@@ -47,7 +51,8 @@ pub(crate) async fn command(
     if !is_commanded(&run) {
         return answered_before(server, &run, id, known).await;
     }
-    if !is_for_everybody(&envelope.command) {
+    // Who commands a run far away, its robot decides.
+    if !is_for_everybody(&envelope.command) && !run.is_replica() {
         take(server, &run, who)?;
     }
     let envelope = Envelope { id: known, author: who.user.clone(), ..envelope };
@@ -73,7 +78,15 @@ fn is_for_everybody(command: &Command) -> bool {
 /// The first who commands takes control; all but the holder are refused.
 pub(super) fn take(server: &ServerState, run: &Arc<Run>, who: &Who) -> Result<(), Failure> {
     let now_ms = clock::since_1970_ms();
-    with_control(server, run, who, |holding| holding.command(&who.user, now_ms, run.silence()))
+    with_control(server, run, &who.user, |holding| {
+        holding.command(&who.user, now_ms, run.silence())
+    })
+}
+
+/// The same for a user of a station.
+pub(super) fn take_for(server: &ServerState, run: &Arc<Run>, user: &str) -> Result<(), Failure> {
+    let now_ms = clock::since_1970_ms();
+    with_control(server, run, user, |holding| holding.command(user, now_ms, run.silence()))
 }
 
 /// Moves control, as someone wants.
@@ -93,19 +106,49 @@ pub(crate) async fn control(
         ControlMove::Override => who.must(Right::Administer)?,
         _ => {}
     }
-    let now_ms = clock::since_1970_ms();
-    with_control(server, &run, who, |holding| {
-        holding.apply(&who.user, wanted, now_ms, run.silence())
-    })?;
-    if *wanted == ControlMove::Override {
-        server.audit().note(&who.user, "control_override", &format!("of {}", run.id()));
+    if run.is_replica() {
+        ask_robot(&run, who, wanted).await?;
+    } else {
+        move_holder(server, &run, &who.user, wanted)?;
     }
     let control = run.now().borrow().control.clone();
     Ok(control)
 }
 
+/// Moves control of a run that is here.
+pub(super) fn move_holder(
+    server: &ServerState,
+    run: &Arc<Run>,
+    user: &str,
+    wanted: &ControlMove,
+) -> Result<(), Failure> {
+    let now_ms = clock::since_1970_ms();
+    with_control(server, run, user, |holding| holding.apply(user, wanted, now_ms, run.silence()))?;
+    if *wanted == ControlMove::Override {
+        server.audit().note(user, "control_override", &format!("of {}", run.id()));
+    }
+    Ok(())
+}
+
+/// Asks the robot of a replica to move control, and waits for what it says.
+async fn ask_robot(run: &Run, who: &Who, wanted: &ControlMove) -> Result<(), Failure> {
+    let link = run.linked().await.ok_or_else(link_lost)?;
+    let id = format!("{}/control-{}-{}", who.user, clock::since_1970_ms(), run.next_note());
+    let asked = link.move_control(id, &who.user, wanted.clone()).map_err(not_sent)?;
+    match timeout(COMMAND_TIMEOUT, asked).await {
+        Ok(Ok(Answer::Applied)) => Ok(()),
+        Ok(Ok(Answer::Refused { reason })) => Err(Failure::conflict("not_in_control", reason)),
+        Ok(Ok(Answer::Expired)) | Err(_) => Err(robot_late()),
+        Ok(Err(_lost)) => Err(link_lost()),
+    }
+}
+
 /// No one is given control who could not command.
 async fn may_command(server: &Arc<ServerState>, user: &str) -> Result<(), Failure> {
+    // Of those on the other side of a link, that side knows.
+    if user.ends_with(AT_STATION) || user.ends_with(AT_ROBOT) {
+        return Ok(());
+    }
     let (here, name) = (Arc::clone(server), user.to_owned());
     if blocking(move || Ok(here.people().users().may(&name, Right::Command))).await? {
         return Ok(());
@@ -120,7 +163,7 @@ async fn may_command(server: &Arc<ServerState>, user: &str) -> Result<(), Failur
 fn with_control(
     server: &ServerState,
     run: &Arc<Run>,
-    who: &Who,
+    user: &str,
     act: impl FnOnce(&mut super::control::Holding) -> Result<(), super::control::Denied>,
 ) -> Result<(), Failure> {
     let (before, done, after) = run.with_holding(|holding| {
@@ -134,8 +177,8 @@ fn with_control(
     }
     if before.holder() != after.holder() {
         let holder = after.holder().unwrap_or("nobody");
-        server.audit().note(&who.user, "control", &format!("of {} to {holder}", run.id()));
-        note(run, who, after.holder());
+        server.audit().note(user, "control", &format!("of {} to {holder}", run.id()));
+        note(run, user, after.holder());
     }
     Ok(())
 }
@@ -147,12 +190,12 @@ fn keep_holder(run: &Arc<Run>) {
 }
 
 /// Lets the runner note down who commands from now on. Without a link there is no one who could be commanded.
-fn note(run: &Run, who: &Who, holder: Option<&str>) {
+fn note(run: &Run, user: &str, holder: Option<&str>) {
     let Some(link) = run.link() else { return };
     let (now_ms, number) = (clock::since_1970_ms(), run.next_note());
     let envelope = Envelope {
         id: format!("control-{now_ms}-{number}"),
-        author: who.user.clone(),
+        author: user.to_owned(),
         decided_on: None,
         expiry: None,
         command: Command::Control { holder: holder.map(str::to_owned) },
@@ -174,6 +217,8 @@ async fn stop(
             return Ok(Answer::Applied);
         }
         Ok(answer) => return answer,
+        // Its process is on the robot; here, the station writes the run.
+        Err(_over) if run.is_replica() => return Err(robot_late()),
         Err(_over) => {}
     }
     let (folder, ended) = (run.folder().to_path_buf(), Arc::clone(run));
@@ -227,14 +272,24 @@ async fn sent(run: &Run, link: &Link, envelope: Envelope) -> Result<Answer, Fail
         let answer = talk::command(run.folder().to_path_buf(), envelope).await;
         return answer.map_err(|error| not_spoken_with(&error));
     }
-    let answered = link.send(&envelope).map_err(|why| match why {
+    let answered = link.send(&envelope).map_err(not_sent)?;
+    answered.await.map_err(|_lost| link_lost())
+}
+
+fn not_sent(why: NotSent) -> Failure {
+    match why {
         NotSent::Gone => link_lost(),
         NotSent::Busy => {
             let message = "too many commands are on their way to this run: wait for their answers";
             Failure::too_many("too_many_commands", message)
         }
-    })?;
-    answered.await.map_err(|_lost| link_lost())
+    }
+}
+
+/// The robot far away has not answered yet.
+fn robot_late() -> Failure {
+    let message = "the robot has not answered yet: what was asked is sent to it until it answers or its time is over; ask again with the same id";
+    Failure::unavailable("no_answer", message)
 }
 
 const LINK_LOST: &str = "link_lost";

@@ -7,6 +7,7 @@ use super::pulse::{self, Liveness, RunnerPulse};
 use super::run::Run;
 use super::talk::{LinkError, RunnerConnection, frame, open};
 use rafcon_locks::Mutex;
+use rafcon_protocol::api::ControlMove;
 use rafcon_protocol::{Answer, Envelope, FrameKind, Join, ToRunner, ToViewer, encode};
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -65,8 +66,15 @@ pub(super) async fn follow(run: &Run, is_up: impl FnOnce()) -> Result<(), LinkEr
 impl Link {
     /// Sends a command; its answer comes, or the link is lost.
     pub(super) fn send(&self, envelope: &Envelope) -> Result<oneshot::Receiver<Answer>, NotSent> {
-        let message = ToRunner::Command(envelope.clone());
-        let line = encode(&message).map_err(|_never| NotSent::Gone)?;
+        self.send_message(&envelope.id, &ToRunner::Command(envelope.clone()))
+    }
+
+    fn send_message(
+        &self,
+        id: &str,
+        message: &ToRunner,
+    ) -> Result<oneshot::Receiver<Answer>, NotSent> {
+        let line = encode(message).map_err(|_never| NotSent::Gone)?;
         let (answer, answered) = oneshot::channel();
         let mut waiting = self.waiting.lock();
         if waiting.is_closed {
@@ -76,8 +84,27 @@ impl Link {
             mpsc::error::TrySendError::Full(_) => NotSent::Busy,
             mpsc::error::TrySendError::Closed(_) => NotSent::Gone,
         })?;
-        waiting.answers.entry(envelope.id.clone()).or_default().push(answer);
+        waiting.answers.entry(id.to_owned()).or_default().push(answer);
         Ok(answered)
+    }
+
+    /// Sends a wish about control to the robot of a replica; its answer comes, or the link is lost.
+    pub(super) fn move_control(
+        &self,
+        id: String,
+        author: &str,
+        wanted: ControlMove,
+    ) -> Result<oneshot::Receiver<Answer>, NotSent> {
+        let author = author.to_owned();
+        self.send_message(&id.clone(), &ToRunner::MoveControl { id, author, wanted })
+    }
+
+    /// Tells the robot of a replica that this user is here.
+    pub(super) fn tell_present(&self, user: &str) {
+        if let Ok(line) = encode(&ToRunner::Present { user: user.to_owned() }) {
+            // It is told again.
+            self.out.try_send(line).unwrap_or_default();
+        }
     }
 
     /// Whether a command has not been answered yet: the runner takes one after the other.
@@ -141,6 +168,7 @@ fn said(content: &[u8], run: &Run, link: &Link) {
         Ok(ToViewer::Answer { id, answer }) => link.answered(&id, &answer),
         Ok(ToViewer::Pong { engine: Some(engine), .. }) => run.engine_answers(engine),
         Ok(ToViewer::Pong { link: Some(link), .. }) => run.robot_stands(*link),
+        Ok(ToViewer::Control(control)) => run.robot_controls(control),
         // What a link does not ask for, and what a newer runner may say.
         Ok(
             ToViewer::Loaded { .. }

@@ -3,6 +3,7 @@
 //! Every run is a folder; one that continues is a process that lives without the server, and is spoken with over the socket in its
 //! folder. Knows nothing of HTTP beyond its own routes, nor what a runner does with what it is told.
 
+mod authority;
 mod commands;
 mod control;
 mod event_group;
@@ -21,6 +22,7 @@ mod supervise;
 mod talk;
 mod watch;
 
+pub use authority::RunAuthority;
 pub(crate) use commands::command;
 pub(crate) use event_group::EventGroup;
 pub(crate) use ring::EventsPage;
@@ -145,7 +147,7 @@ impl Runs {
         self.all.lock().values().map(|run| run.folder().to_path_buf()).collect()
     }
 
-    fn known(&self, id: &str) -> Option<Arc<Run>> {
+    pub(crate) fn known(&self, id: &str) -> Option<Arc<Run>> {
         self.all.lock().get(id).cloned()
     }
 

@@ -9,7 +9,9 @@ use super::pulse::Onlookers;
 use super::ring::Ring;
 use crate::state::ServerState;
 use rafcon_locks::Mutex;
-use rafcon_protocol::api::{LinkState, LoadedMachine, RunNow, RunPhase, RunSummary, RunWait};
+use rafcon_protocol::api::{
+    Control, LinkState, LoadedMachine, RunNow, RunPhase, RunSummary, RunWait,
+};
 use rafcon_protocol::{EnginePulse, Event, LinkHealth, Snapshot};
 use rafcon_storage::journal::{Broken, size_of};
 use rafcon_supervisor::{Exit, clock};
@@ -50,6 +52,8 @@ pub(crate) struct Run {
     is_stopped_by_force: AtomicBool,
     /// How many notes about control were sent.
     notes: AtomicU64,
+    /// When the robot of a replica was told last that the holder of control is here.
+    presence_ms: AtomicU64,
     guests: Semaphore,
     audience: Onlookers,
     /// Held while who holds control is written down.
@@ -89,6 +93,7 @@ impl Run {
             has_changed: AtomicBool::new(false),
             is_stopped_by_force: AtomicBool::new(false),
             notes: AtomicU64::new(0),
+            presence_ms: AtomicU64::new(0),
             guests: Semaphore::new(GUESTS),
             audience: Onlookers::default(),
             keeping: Mutex::default(),
@@ -345,6 +350,9 @@ impl Run {
 
     /// Someone was heard. Whoever follows the run is told now and then only.
     pub(super) fn heard(&self, user: &str, now_ms: u64) {
+        if self.is_replica() {
+            return self.tell_robot(user, now_ms);
+        }
         let mut holding = self.holding.lock();
         if !holding.heard(user, now_ms) {
             return;
@@ -356,9 +364,38 @@ impl Run {
         }
     }
 
+    /// Who holds control, and when they were heard last.
+    pub(super) fn control(&self) -> Control {
+        self.holding.lock().told(self.silence)
+    }
+
+    /// Whether it is the replica of a run on a robot far away: the robot decides who commands it.
+    pub(super) fn is_replica(&self) -> bool {
+        self.now.borrow().run.robot.is_some()
+    }
+
+    /// The robot of a replica says who holds control.
+    pub(super) fn robot_controls(&self, control: Control) {
+        self.change(|now| now.control = control);
+    }
+
     /// A number that no note of this server about this run had.
     pub(super) fn next_note(&self) -> u64 {
         self.notes.fetch_add(1, Ordering::Relaxed)
+    }
+
+    /// Tells the robot of a replica now and then that the holder of control is here.
+    fn tell_robot(&self, user: &str, now_ms: u64) {
+        let control = self.now.borrow().control.clone();
+        let told_ms = self.presence_ms.load(Ordering::Relaxed);
+        let is_due = now_ms.saturating_sub(told_ms) >= control.silence_ms / 3;
+        if control.holder.as_deref() == Some(user)
+            && is_due
+            && let Some(link) = self.link()
+        {
+            self.presence_ms.store(now_ms, Ordering::Relaxed);
+            link.tell_present(user);
+        }
     }
 
     /// Changes the truth, if it is another then; whoever follows is woken.

@@ -60,6 +60,7 @@ fn kept(folder: &Path, projects: &Projects, request: Option<&RunRequest>) -> Run
         bytes,
         keeping: about.keeping,
         waits: None,
+        robot: about.robot,
     }
 }
 
@@ -82,6 +83,7 @@ fn asked_for(folder: &Path, request: &RunRequest) -> RunSummary {
         bytes: 0,
         keeping: request.start.as_ref().map_or(Keeping::default(), |start| start.keeping),
         waits: None,
+        robot: None,
     }
 }
 

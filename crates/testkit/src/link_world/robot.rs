@@ -168,7 +168,7 @@ impl Robot {
                 self.disk.epoch = epoch;
                 done.push(CarriedOut { id, epoch });
             }
-            server.sessions[station].set_command_state(local, id, state);
+            server.sessions[station].set_command_state(local, id, state, "");
         }
         done
     }

@@ -111,7 +111,7 @@ impl Station {
                     unsynced.push(events.first..=events.last());
                 }
                 FromRobot::Snapshot { sequence, .. } => *snapshot = sequence,
-                FromRobot::CommandState { id, state } => {
+                FromRobot::CommandState { id, state, .. } => {
                     fates.insert(id, state);
                 }
                 FromRobot::Started | FromRobot::Status { .. } => {}

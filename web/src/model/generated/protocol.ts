@@ -165,6 +165,9 @@ export type CommandAnswer = {
   /** What, where, and the way out. */
   reason: string, } | { "answer": "expired" });
 
+/** How far a command is that has no answer yet. */
+export type CommandStage = "sent" | "received" | "started";
+
 /** Two runs side by side. */
 export type Comparison = {
   /** Entries and ends that are the same in both. */
@@ -966,8 +969,8 @@ export type LinkHealth = {
   up_bytes_per_s: number,
   /** Events that the robot has and the station lacks, as far as this side knows: of one run if it is told with that run. */
   missing: number,
-  /** Commands that are on their way to the robot, or whose answer is. Known at a station only. */
-  commands: number,
+  /** Commands whose fate is not known yet: of one run if it is told with that run. Known at a station only. */
+  commands: Array<OpenCommand>,
   /** By how much the robot's calendar is ahead. Known at a station only. */
   clock: ClockOffset | null, };
 
@@ -1250,6 +1253,17 @@ export type NodeKind = "folder" | "machine";
 /** What becomes of the states whose scripts were interrupted by a crash. */
 export type OnCrash = "ask" | "abort" | "restart";
 
+/** A command on its way to a robot, or its answer on the way back. */
+export type OpenCommand = {
+  /** Its id, with the user's name before it. */
+  id: string,
+  /** How far it is, as far as is known here. */
+  stage: CommandStage,
+  /** When it was sent first: ms since 1970, UTC, by the station's clock. */
+  sent_ms: number,
+  /** When it arrives at the robot if the link is whole, likewise; none if the delay is unknown. */
+  arrives_ms: number | null, };
+
 /** The outcome of a state. */
 export type Outcome = {
   /** Its id in the state. */
@@ -1461,7 +1475,7 @@ export type RunNow = {
   /** Who commands. */
   control: Control,
   /** How the link to its robot is; none if the run is not far away. Told while someone looks on. */
-  robot: LinkHealth | null, };
+  robot?: LinkHealth, };
 
 /** The end of what a runner and its scripts wrote past the capture of script output. */
 export type RunOutput = {
@@ -1507,7 +1521,9 @@ export type RunSummary = {
   /** How much of it is kept. */
   keeping: Keeping,
   /** what it waits for, if it is in progress and none of its branches is at work. */
-  waits: RunWait | null, } & ({ "phase": "starting" } | { "phase": "live" } | { "phase": "finished",
+  waits: RunWait | null,
+  /** The robot that it runs on, if that is far away and this is a replica. */
+  robot?: string, } & ({ "phase": "starting" } | { "phase": "live" } | { "phase": "finished",
   /** By this outcome. */
   outcome: Outcome,
   /** States that it ran. */

@@ -63,7 +63,7 @@ function facts(robot: LinkHealth, now_ms: number): readonly Fact[] {
     ],
     [
       "commands on the way",
-      commands === 0 ? "none" : String(commands),
+      commands.length === 0 ? "none" : String(commands.length),
       "Commands to this robot that it has not answered yet",
     ],
     [

@@ -2,6 +2,7 @@
 
 import { Check, Clock, Send, X } from "lucide-react";
 import { commandInWords } from "../../model/command_words.ts";
+import type { OpenCommand } from "../../model/generated/protocol.ts";
 import { dismiss, dismissed } from "../../store/history/dismissed.ts";
 import { answeredBy, askedQuestions } from "../../store/history/questions.ts";
 import type { Watch } from "../../store/history/run.ts";
@@ -14,16 +15,29 @@ export function SentList({ watch }: { readonly watch: Watch }) {
   const sent = useSignal(watch.sent);
   const seen = useSignal(dismissed(watch));
   useSignal(askedQuestions(watch));
+  useSignal(watch.now);
   const now_ms = useComputed(() => (watch.sent.value.length > 0 ? clock1s.value : 0), [watch]);
   return (
     <ul className="mission-sent" aria-label="Commands you sent" aria-live="polite">
-      {sentLines(sent, seen, now_ms, (question) => answeredBy(watch, question))
+      {sentLines(
+        sent,
+        seen,
+        now_ms,
+        (question) => answeredBy(watch, question),
+        (id) => openCommand(watch, id),
+      )
         .filter((line) => !isToldElsewhere(line))
         .map((line) => (
           <Line key={line.id} line={line} onClose={() => dismiss(watch, line.id)} />
         ))}
     </ul>
   );
+}
+
+/** What the station knows of a command to a robot far away; its id there has the user's name before it. */
+function openCommand(watch: Watch, id: string): OpenCommand | null {
+  const open = watch.now.value?.robot?.commands ?? [];
+  return open.find((command) => command.id.endsWith(`/${id}`)) ?? null;
 }
 
 const SIGNS = { sent: Send, applied: Check, refused: X, expired: Clock, lost: X };

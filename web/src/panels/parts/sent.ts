@@ -1,7 +1,7 @@
 /** What is said of the commands that this page sent. Those under way stand there from the beginning; of those that were carried out
  * a glance is enough; all others stay until somebody has seen them. */
 
-import type { Command } from "../../model/generated/protocol.ts";
+import type { Command, OpenCommand } from "../../model/generated/protocol.ts";
 import type { SentCommand } from "../../store/history/run.ts";
 
 export interface SentLine {
@@ -21,6 +21,7 @@ export function sentLines(
   dismissed: ReadonlySet<string>,
   now_ms: number,
   answeredBy: (question: number) => string | null = () => null,
+  onTheWay: (id: string) => OpenCommand | null = () => null,
 ): readonly SentLine[] {
   const wanted = sent.filter(({ id, answer, answered_ms, sent_ms }) =>
     answer?.answer === "applied"
@@ -31,7 +32,7 @@ export function sentLines(
     id: each.id,
     command: each.command,
     kind: each.answer?.answer ?? "sent",
-    words: lateAnswer(each, answeredBy) ?? words(each, now_ms),
+    words: lateAnswer(each, answeredBy) ?? words(each, now_ms, onTheWay(each.id)),
   }));
 }
 
@@ -45,7 +46,11 @@ function lateAnswer(
   return other === null ? null : `was no longer needed: ${other} has already answered`;
 }
 
-function words({ answer, sent_ms, expiry_ms }: SentCommand, now_ms: number): string {
+function words(
+  { answer, sent_ms, expiry_ms }: SentCommand,
+  now_ms: number,
+  open: OpenCommand | null,
+): string {
   switch (answer?.answer) {
     case "applied":
       return "was carried out";
@@ -57,8 +62,19 @@ function words({ answer, sent_ms, expiry_ms }: SentCommand, now_ms: number): str
       return `got no answer; it is unknown whether it was carried out: ${answer.reason}`;
     default: {
       const ago = `sent ${(Math.max(0, now_ms - sent_ms) / 1_000).toFixed(1)} s ago`;
+      if (open !== null) return `${ago}, ${underWay(open, now_ms - sent_ms)}`;
       if (now_ms <= expiry_ms) return `${ago}, not answered yet`;
       return `${ago}, expired without an answer: checking whether it was carried out`;
     }
   }
+}
+
+/** How far a command to a robot far away is, as far as the station knows. */
+function underWay({ stage, sent_ms, arrives_ms }: OpenCommand, since_ms: number): string {
+  if (stage === "started") return "the run has it; its answer is on the way";
+  if (stage === "received") return "the robot has it";
+  if (arrives_ms === null) return "in flight; the delay is unknown";
+  const left_ms = arrives_ms - sent_ms - since_ms;
+  if (left_ms > 0) return `in flight; at the robot in about ${(left_ms / 1_000).toFixed(1)} s`;
+  return "should be at the robot; no answer yet";
 }

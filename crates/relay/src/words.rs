@@ -1,0 +1,168 @@
+//! What a station says to a robot's server, and a robot's server to its stations, inside commands and status.
+
+use rafcon_protocol::api::{Control, ControlMove};
+use rafcon_protocol::{Command, Envelope};
+use serde::{Deserialize, Serialize};
+
+/// What a station says. Short names: it has to fit into small datagrams.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(crate) enum StationWord {
+    /// A command: id, author, the last event that the author had seen, and what is asked.
+    #[serde(rename = "c")]
+    Command(String, String, Option<u64>, Command),
+    /// A wish about control: id, author, and what is wanted.
+    #[serde(rename = "m")]
+    MoveControl(String, String, ControlMove),
+    /// A user who holds control is here.
+    #[serde(rename = "p")]
+    Present(String),
+}
+
+impl StationWord {
+    pub(crate) fn of(envelope: Envelope) -> Self {
+        let Envelope { id, author, decided_on, command, expiry: _ } = envelope;
+        Self::Command(id, author, decided_on, command)
+    }
+}
+
+/// What has become of a run, as its robot says.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub(crate) enum RunFate {
+    /// It continues.
+    #[default]
+    #[serde(rename = "l")]
+    Live,
+    /// It has ended.
+    #[serde(rename = "f")]
+    Finished,
+    /// Its runner died.
+    #[serde(rename = "c")]
+    Crashed,
+}
+
+/// How a run stands, as its robot says with each status.
+#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(default)]
+pub(crate) struct RunStands {
+    #[serde(rename = "f")]
+    pub(crate) fate: RunFate,
+    #[serde(rename = "h", skip_serializing_if = "Option::is_none")]
+    holder: Option<String>,
+    #[serde(rename = "s", skip_serializing_if = "is_zero")]
+    since_ms: u64,
+    #[serde(rename = "q", skip_serializing_if = "is_zero")]
+    silence_ms: u64,
+    /// The holder has been silent for so long that others may take over.
+    #[serde(rename = "i", skip_serializing_if = "std::ops::Not::not")]
+    is_silent: bool,
+    #[serde(rename = "r", skip_serializing_if = "Vec::is_empty")]
+    requests: Vec<String>,
+    #[serde(rename = "o", skip_serializing_if = "Option::is_none")]
+    offered_to: Option<String>,
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde asks so")]
+fn is_zero(number: &u64) -> bool {
+    *number == 0
+}
+
+impl RunStands {
+    /// At this time of the robot's calendar.
+    pub(crate) fn of(fate: RunFate, control: Option<Control>, now_ms: u64) -> Self {
+        let Some(Control { holder, since_ms, heard_ms, silence_ms, requests, offered_to }) =
+            control
+        else {
+            return Self { fate, ..Self::default() };
+        };
+        let is_silent = holder.is_some() && now_ms.saturating_sub(heard_ms) >= silence_ms;
+        Self { fate, holder, since_ms, silence_ms, is_silent, requests, offered_to }
+    }
+
+    /// The control of the run, with names as they are called at a station that heard this at `now_ms`; none if the robot says
+    /// nothing of it.
+    pub(crate) fn control(&self, now_ms: u64) -> Option<Control> {
+        let Self { holder, since_ms, silence_ms, is_silent, requests, offered_to, .. } = self;
+        let heard_ms = if *is_silent { now_ms.saturating_sub(*silence_ms) } else { now_ms };
+        (*silence_ms > 0).then(|| Control {
+            holder: holder.as_deref().map(here),
+            since_ms: *since_ms,
+            heard_ms,
+            silence_ms: *silence_ms,
+            requests: requests.iter().map(|name| here(name)).collect(),
+            offered_to: offered_to.as_deref().map(here),
+        })
+    }
+}
+
+const AT_STATION: &str = "@station";
+const AT_ROBOT: &str = "@robot";
+
+/// What a user of the station is called at the robot. No user's own name has an `@` in it.
+pub(crate) fn at_robot(user: &str) -> String {
+    user.strip_suffix(AT_ROBOT).map_or_else(|| format!("{user}{AT_STATION}"), str::to_owned)
+}
+
+/// What a user at the robot is called at the station.
+fn here(user: &str) -> String {
+    user.strip_suffix(AT_STATION).map_or_else(|| format!("{user}{AT_ROBOT}"), str::to_owned)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{RunFate, RunStands, StationWord, at_robot, here};
+    use expect_test::expect;
+    use rafcon_protocol::Command;
+    use rafcon_protocol::api::{Control, ControlMove};
+
+    #[test]
+    fn words_are_short() {
+        let run_to = Command::RunTo { path: "ROOT01/ABCDEF".to_owned() };
+        let id = "ana/0f8c2f0e-5b7e-4a3e-9e0c-5c0b7f1f7a11".to_owned();
+        let control = Control {
+            holder: Some("ana@station".to_owned()),
+            since_ms: 1_764_000_000_000,
+            heard_ms: 1_764_000_000_000,
+            silence_ms: 30_000,
+            ..Control::default()
+        };
+        let words = [
+            serde_json::to_string(&StationWord::Command(id, "ana".to_owned(), Some(7), run_to)),
+            serde_json::to_string(&StationWord::MoveControl(
+                "1".to_owned(),
+                "ana".to_owned(),
+                ControlMove::TakeOver,
+            )),
+            serde_json::to_string(&StationWord::Present("ana".to_owned())),
+            serde_json::to_string(&RunStands::of(RunFate::Live, None, 0)),
+            serde_json::to_string(&RunStands::of(RunFate::Live, Some(control), 1_764_000_001_000)),
+        ];
+        let words: Vec<_> = words.into_iter().map(Result::unwrap).collect();
+        expect![[r#"
+            {"c":["ana/0f8c2f0e-5b7e-4a3e-9e0c-5c0b7f1f7a11","ana",7,{"type":"run_to","path":"ROOT01/ABCDEF"}]}
+            {"m":["1","ana",{"move":"take_over"}]}
+            {"p":"ana"}
+            {"f":"l"}
+            {"f":"l","h":"ana@station","s":1764000000000,"q":30000}"#]]
+        .assert_eq(&words.join("\n"));
+    }
+
+    #[test]
+    fn users_of_both_sides_are_told_apart() {
+        let names = ["ana", "cy@robot"];
+        assert_eq!(names.map(at_robot), ["ana@station", "cy"]);
+        assert_eq!(names.map(|name| here(&at_robot(name))), names);
+    }
+
+    #[test]
+    fn a_holder_who_was_silent_for_long_can_be_taken_over_at_the_station_too() {
+        let holder = Some("cy".to_owned());
+        let control = Control { holder, heard_ms: 1_000, silence_ms: 500, ..Control::default() };
+        let heard = |now_ms| {
+            let stands = RunStands::of(RunFate::Live, Some(control.clone()), now_ms);
+            let control = stands.control(90_000).expect("control");
+            (control.holder.expect("a holder"), 90_000 - control.heard_ms)
+        };
+        assert_eq!(heard(1_499), ("cy@robot".to_owned(), 0));
+        assert_eq!(heard(1_500), ("cy@robot".to_owned(), 500));
+    }
+}

@@ -1,0 +1,57 @@
+//! Control of runs for those who come neither over HTTP nor over a socket: the users of a station far away.
+
+use super::commands::{move_holder, take_for};
+use super::run::Run;
+use crate::ServerState;
+use rafcon_protocol::api::{Control, ControlMove, Right};
+use std::sync::Arc;
+use tokio::runtime::Handle;
+
+/// Users of a station have this after their names; no user of this server can.
+pub(super) const AT_STATION: &str = "@station";
+
+/// Decides who commands the runs of a server, on any thread. The station vouches for what its users may do.
+#[derive(Debug, Clone)]
+pub struct RunAuthority {
+    server: Arc<ServerState>,
+    runtime: Handle,
+}
+
+impl RunAuthority {
+    /// The authority over the runs of this server. To be called within its runtime.
+    pub fn new(server: &Arc<ServerState>) -> Self {
+        Self { server: Arc::clone(server), runtime: Handle::current() }
+    }
+
+    /// Whether a user may command this run now: the first who does takes control. Else why not, and the way out.
+    pub fn command(&self, run: &str, user: &str) -> Result<(), String> {
+        let (_within, run) = (self.runtime.enter(), self.run(run)?);
+        take_for(&self.server, &run, user).map_err(|failure| failure.to_string())
+    }
+
+    /// Moves control of a run as a user wants, or says why not.
+    pub fn move_control(&self, run: &str, user: &str, wanted: &ControlMove) -> Result<(), String> {
+        let (_within, run) = (self.runtime.enter(), self.run(run)?);
+        if let ControlMove::HandOver { to } = wanted
+            && !to.ends_with(AT_STATION)
+            && !self.server.people().users().may(to, Right::Command)
+        {
+            return Err(format!("{to} is nobody who may command runs on the robot"));
+        }
+        move_holder(&self.server, &run, user, wanted).map_err(|failure| failure.to_string())
+    }
+
+    /// A user is there: who holds control is not silent.
+    pub fn present(&self, user: &str) {
+        self.server.heard(user);
+    }
+
+    /// Who holds control of a run; none if the run is not known.
+    pub fn control(&self, run: &str) -> Option<Control> {
+        Some(self.server.runs.known(run)?.control())
+    }
+
+    fn run(&self, id: &str) -> Result<Arc<Run>, String> {
+        self.server.runs.known(id).ok_or_else(|| "the robot's server has no such run".to_owned())
+    }
+}
