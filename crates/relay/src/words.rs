@@ -99,6 +99,8 @@ const AT_ROBOT: &str = "@robot";
 
 /// What a user of the station is called at the robot. No user's own name has an `@` in it.
 pub(crate) fn at_robot(user: &str) -> String {
+    // Whoever gives a command on the station's own computer, without its server, is its owner.
+    let user = if user.is_empty() { "owner" } else { user };
     user.strip_suffix(AT_ROBOT).map_or_else(|| format!("{user}{AT_STATION}"), str::to_owned)
 }
 
@@ -148,6 +150,7 @@ mod tests {
 
     #[test]
     fn users_of_both_sides_are_told_apart() {
+        assert_eq!(at_robot(""), "owner@station");
         let names = ["ana", "cy@robot"];
         assert_eq!(names.map(at_robot), ["ana@station", "cy"]);
         assert_eq!(names.map(|name| here(&at_robot(name))), names);

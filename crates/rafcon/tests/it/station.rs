@@ -189,6 +189,63 @@ fn commands_at_a_station_reach_the_robot() {
     assert_eq!(history(&place, "ground-runs"), history(&place, "robot-runs"));
 }
 
+/// A robot's server with its link, and its address for the command line.
+fn robot_with_address(place: &Place, station: SocketAddr) -> (Program, String) {
+    let words = format!(
+        "serve --state robot --runs robot-runs --bind 127.0.0.1:0 --station udp://{station} --link lan"
+    );
+    let mut robot = place.command(&words);
+    let mut child = robot.stdout(Stdio::piped()).stderr(Stdio::null()).spawn().unwrap();
+    let mut line = String::new();
+    BufReader::new(child.stdout.take().unwrap()).read_line(&mut line).unwrap();
+    let port = line.split(':').nth(2).unwrap().split(|c: char| !c.is_ascii_digit()).next();
+    (Program(child), format!("http://127.0.0.1:{}", port.unwrap()))
+}
+
+#[test]
+fn one_user_commands_a_run_over_its_robot_and_its_station() {
+    let place = Place::with(&ticks(1_000_000));
+    pair(&place, "scout");
+    let (_ground, address) = station(&place, "127.0.0.1:0");
+    let (_robot, server) = robot_with_address(&place, address);
+    let run = Run::start(&place, "--runs robot-runs");
+    wait_at_station(&place, "Ticks  running");
+    let at_station = |command: &str| {
+        let told = place.call(&format!("tell last {command} --runs ground-runs"));
+        format!("{}{}", told.stdout, told.stderr)
+    };
+    let at_robot = |wanted: &str| {
+        let asked = place.call(&format!("control last {wanted} --server {server} --state robot"));
+        format!("{}{}", asked.stdout, asked.stderr)
+    };
+    let user = at_station("step-mode");
+    let mut said = vec![user, at_robot("show"), at_robot("take-over"), at_robot("override")];
+    said.extend([at_station("resume"), at_station("pause"), at_robot("release")]);
+    said.push(at_station("resume"));
+    said.push(at_station("stop"));
+    drop(run.end());
+    let said = said.concat();
+    let firsts = said.lines().map(|line| line.split([',', ':']).take(2).collect::<Vec<_>>());
+    let words = firsts.map(|parts| match parts[..] {
+        [first @ ("error" | "refused"), second] => {
+            format!("{first}:{}\n", second.split(" was heard").next().unwrap())
+        }
+        _ => format!("{}\n", parts[0]),
+    });
+    expect![[r"
+        applied
+        owner@station is in control
+        error: owner@station
+        owner is in control
+        refused: owner holds control of this run
+        applied
+        no user is in control; the first user to give a command gets control
+        applied
+        applied
+    "]]
+    .assert_eq(&words.collect::<String>());
+}
+
 #[test]
 fn what_is_not_paired_is_not_received() {
     let place = Place::empty();

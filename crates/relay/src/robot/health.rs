@@ -10,7 +10,7 @@ use std::time::Duration;
 
 /// What is measured of the link to the station.
 #[derive(Debug)]
-pub(super) struct Health {
+pub(super) struct RobotHealth {
     robot: String,
     profile: Profile,
     down: Rate,
@@ -19,7 +19,7 @@ pub(super) struct Health {
     unusable_because: Option<String>,
 }
 
-impl Health {
+impl RobotHealth {
     pub(super) fn new(settings: &RobotSettings) -> Self {
         let (robot, profile) = (settings.pairing.robot.clone(), settings.profile.clone());
         let (down, up) = (Rate::default(), Rate::default());

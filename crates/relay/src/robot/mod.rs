@@ -16,7 +16,7 @@ use crate::report::{REPORT_EVERY, Reporter};
 use crate::start::Start;
 use crate::words::{StationWord, at_robot};
 use follow::FromRun;
-use health::Health;
+use health::RobotHealth;
 use rafcon_link::{CommandState, Profile, ReceivedCommand, RobotSession, StreamId};
 use rafcon_protocol::api::ControlMove;
 use rafcon_protocol::{Answer, Command, Envelope, Expiry};
@@ -61,7 +61,7 @@ pub fn relay_robot(settings: &RobotSettings, stopper: &Stopper) -> Result<(), Re
     let list = settings.folder.join("runs");
     let mut runs = RobotRuns::new(&settings.runs, list, inbox.sender(), settings.tell);
     runs.restore(&mut session);
-    let health = Health::new(settings);
+    let health = RobotHealth::new(settings);
     let reporter = Reporter::open(&settings.folder)?;
     let mut relay =
         RobotRelay { settings, clock: SessionClock::begin(), socket, session, runs, health };
@@ -98,7 +98,7 @@ struct RobotRelay<'s> {
     socket: UdpSocket,
     session: RobotSession,
     runs: RobotRuns,
-    health: Health,
+    health: RobotHealth,
 }
 
 impl RobotRelay<'_> {

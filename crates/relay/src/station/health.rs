@@ -9,7 +9,7 @@ use std::time::Duration;
 
 /// What is measured of the link to one robot.
 #[derive(Debug)]
-pub(super) struct Health {
+pub(super) struct StationHealth {
     robot: String,
     profile: Profile,
     down: Rate,
@@ -18,7 +18,7 @@ pub(super) struct Health {
     unusable_because: Option<String>,
 }
 
-impl Health {
+impl StationHealth {
     pub(super) fn new(robot: &str, profile: &Profile) -> Self {
         let (robot, profile) = (robot.to_owned(), profile.clone());
         let (down, up) = (Rate::default(), Rate::default());

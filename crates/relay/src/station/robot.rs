@@ -1,6 +1,6 @@
 //! One robot as a station knows it: its session, and the replicas of its runs.
 
-use super::health::{self, Health};
+use super::health::{self, StationHealth};
 use super::replica_run::ReplicaRun;
 use super::viewers::GivenWord;
 use super::{GivenCommand, StationSettings};
@@ -35,7 +35,7 @@ pub(super) struct StationRobot {
     start: Start,
     session: StationSession,
     clock: SessionClock,
-    health: Health,
+    health: StationHealth,
     /// Why the last datagram is not of this robot.
     rejected: Option<Rejected>,
     address: Option<SocketAddr>,
@@ -96,7 +96,7 @@ impl StationRobot {
             start,
             session,
             clock,
-            health: Health::new(&pairing.robot, &settings.profile),
+            health: StationHealth::new(&pairing.robot, &settings.profile),
             rejected: None,
             address: None,
             inbox,
