@@ -59,12 +59,12 @@ pub fn relay_robot(settings: &RobotSettings, stopper: &Stopper) -> Result<(), Re
     let identity = start.identity(&settings.pairing);
     let mut session = RobotSession::new(&identity, settings.profile.clone());
     let list = settings.folder.join("runs");
-    let mut runs = RobotRuns::new(&settings.runs, list, inbox.sender(), settings.tell);
+    let clock = SessionClock::begin();
+    let mut runs = RobotRuns::new(&settings.runs, list, inbox.sender(), settings.tell, clock);
     runs.restore(&mut session);
     let health = RobotHealth::new(settings);
     let reporter = Reporter::open(&settings.folder)?;
-    let mut relay =
-        RobotRelay { settings, clock: SessionClock::begin(), socket, session, runs, health };
+    let mut relay = RobotRelay { settings, clock, socket, session, runs, health };
     let (mut look_at, mut keep_at) = (Duration::ZERO, KEEP_EVERY);
     while !stopper.is_stopped() {
         let now = relay.clock.now();

@@ -2,6 +2,7 @@
 
 use super::follow::{Followed, FromRun};
 use crate::about::{about_parts, machine_parts};
+use crate::clock::SessionClock;
 use crate::ids;
 use crate::inbox::Input;
 use crate::words::{RunFate, RunStands};
@@ -15,6 +16,7 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::SyncSender;
+use std::time::Duration;
 
 /// Of so many new events each goes ahead of older ones; of more the journal has them, in their turn.
 const AHEAD_MAX: u64 = 64;
@@ -30,6 +32,7 @@ pub(super) struct RobotRuns {
     list: PathBuf,
     inbox: SyncSender<Input<FromRun>>,
     tell: fn(&str),
+    clock: SessionClock,
     all: BTreeMap<String, RobotRun>,
     streams: BTreeMap<StreamId, String>,
 }
@@ -43,7 +46,8 @@ struct RobotRun {
     source: EventSource,
     head: u64,
     runner: Option<Followed>,
-    snapshot: Option<Box<Snapshot>>,
+    /// The state that its runner told last, and when.
+    snapshot: Option<(Box<Snapshot>, Duration)>,
     fate: RunFate,
     /// What was told of it last.
     stands: RunStands,
@@ -55,9 +59,10 @@ impl RobotRuns {
         list: PathBuf,
         inbox: SyncSender<Input<FromRun>>,
         tell: fn(&str),
+        clock: SessionClock,
     ) -> Self {
         let (all, streams) = (BTreeMap::new(), BTreeMap::new());
-        Self { folder: folder.to_owned(), list, inbox, tell, all, streams }
+        Self { folder: folder.to_owned(), list, inbox, tell, clock, all, streams }
     }
 
     /// Goes on with the runs that earlier starts sent: they may have ended since.
@@ -178,7 +183,7 @@ impl RobotRuns {
     /// A run is in this state.
     pub(super) fn stands(&mut self, id: &str, snapshot: Box<Snapshot>, session: &mut RobotSession) {
         if let Some(run) = self.all.get_mut(id) {
-            run.snapshot = Some(snapshot);
+            run.snapshot = Some((snapshot, self.clock.now()));
             session.set_snapshot_changed(ids::events_of(id));
         }
     }
@@ -270,7 +275,14 @@ impl RunSource for RobotRuns {
     }
 
     fn snapshot(&mut self, stream: StreamId) -> Option<(u64, Vec<u8>)> {
-        let snapshot = self.run(stream).filter(|_| !ids::is_about(stream))?.snapshot.as_ref()?;
-        Some((snapshot.sequence, serde_json::to_vec(snapshot).ok()?))
+        let now = self.clock.now();
+        let run = self.run(stream).filter(|_| !ids::is_about(stream))?;
+        let (snapshot, told) = run.snapshot.as_ref()?;
+        // Its runner says something only when something changes: the time went on since.
+        let since_ms =
+            if run.fate == RunFate::Live { now.saturating_sub(*told).as_millis() } else { 0 };
+        let elapsed_ms = snapshot.elapsed_ms + u64::try_from(since_ms).unwrap_or(u64::MAX);
+        let snapshot = Snapshot { elapsed_ms, ..(**snapshot).clone() };
+        Some((snapshot.sequence, serde_json::to_vec(&snapshot).ok()?))
     }
 }

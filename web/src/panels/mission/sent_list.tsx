@@ -2,14 +2,13 @@
 
 import { Check, Clock, Send, X } from "lucide-react";
 import { commandInWords } from "../../model/command_words.ts";
-import type { OpenCommand } from "../../model/generated/protocol.ts";
 import { dismiss, dismissed } from "../../store/history/dismissed.ts";
 import { answeredBy, askedQuestions } from "../../store/history/questions.ts";
 import type { Watch } from "../../store/history/run.ts";
 import { clock1s } from "../../store/page/clock1s.ts";
 import { IconButton } from "../../ui/button.tsx";
 import { useComputed, useSignal } from "../../ui/signals.ts";
-import { type SentLine, sentLines } from "../parts/sent.ts";
+import { type CommandOnTheWay, type SentLine, sentLines } from "../parts/sent.ts";
 
 export function SentList({ watch }: { readonly watch: Watch }) {
   const sent = useSignal(watch.sent);
@@ -35,9 +34,10 @@ export function SentList({ watch }: { readonly watch: Watch }) {
 }
 
 /** What the station knows of a command to a robot far away; its id there has the user's name before it. */
-function openCommand(watch: Watch, id: string): OpenCommand | null {
-  const open = watch.now.value?.robot?.commands ?? [];
-  return open.find((command) => command.id.endsWith(`/${id}`)) ?? null;
+function openCommand(watch: Watch, id: string): CommandOnTheWay | null {
+  const robot = watch.now.value?.robot;
+  const open = robot?.commands.find((command) => command.id.endsWith(`/${id}`));
+  return robot && open ? { ...open, isRobotHeard: robot.is_heard } : null;
 }
 
 const SIGNS = { sent: Send, applied: Check, refused: X, expired: Clock, lost: X };

@@ -1,6 +1,6 @@
 import { expect, test } from "vitest";
 import type { SentCommand } from "../../store/history/run.ts";
-import { sentLines } from "./sent.ts";
+import { type CommandOnTheWay, sentLines } from "./sent.ts";
 
 const NOW_MS = 100_000;
 const STOP = { id: "1", command: { type: "stop" } } as const;
@@ -17,6 +17,28 @@ test("a command under way says since when, and never that it is done", () => {
   expect(line(null)).toBe("sent: sent 0.8 s ago, not answered yet");
   expect(line(null, 12_000)).toBe(
     "sent: sent 12.0 s ago, expired without an answer: checking whether it was carried out",
+  );
+});
+
+test("a command to a robot far away says how far it is, as far as the station knows", () => {
+  const times = { sent_ms: NOW_MS - 500, expiry_ms: NOW_MS + 9_500, answered_ms: null };
+  const sent: SentCommand = { ...STOP, ...times, answer: null };
+  const said = (way: Partial<CommandOnTheWay>) => {
+    const plain = { id: "ana/1", stage: "sent", sent_ms: 0, arrives_ms: null } as const;
+    const onTheWay = () => ({ ...plain, isRobotHeard: true, ...way });
+    return sentLines([sent], new Set(), NOW_MS, undefined, onTheWay)[0]?.words;
+  };
+  expect(said({})).toBe("sent 0.5 s ago, in flight; the delay is unknown");
+  expect(said({ arrives_ms: 2_000 })).toBe(
+    "sent 0.5 s ago, in flight; at the robot in about 1.5 s",
+  );
+  expect(said({ arrives_ms: 400 })).toBe("sent 0.5 s ago, should be at the robot; no answer yet");
+  expect(said({ arrives_ms: 2_000, isRobotHeard: false })).toBe(
+    "sent 0.5 s ago, sent again and again; the robot is not heard",
+  );
+  expect(said({ stage: "received" })).toBe("sent 0.5 s ago, the robot has it");
+  expect(said({ stage: "started" })).toBe(
+    "sent 0.5 s ago, the run has it; its answer is on the way",
   );
 });
 

@@ -4,6 +4,11 @@
 import type { Command, OpenCommand } from "../../model/generated/protocol.ts";
 import type { SentCommand } from "../../store/history/run.ts";
 
+/** What a station knows of a command to a robot far away. */
+export interface CommandOnTheWay extends OpenCommand {
+  readonly isRobotHeard: boolean;
+}
+
 export interface SentLine {
   readonly id: string;
   readonly command: Command;
@@ -21,7 +26,7 @@ export function sentLines(
   dismissed: ReadonlySet<string>,
   now_ms: number,
   answeredBy: (question: number) => string | null = () => null,
-  onTheWay: (id: string) => OpenCommand | null = () => null,
+  onTheWay: (id: string) => CommandOnTheWay | null = () => null,
 ): readonly SentLine[] {
   const wanted = sent.filter(({ id, answer, answered_ms, sent_ms }) =>
     answer?.answer === "applied"
@@ -49,7 +54,7 @@ function lateAnswer(
 function words(
   { answer, sent_ms, expiry_ms }: SentCommand,
   now_ms: number,
-  open: OpenCommand | null,
+  open: CommandOnTheWay | null,
 ): string {
   switch (answer?.answer) {
     case "applied":
@@ -70,9 +75,13 @@ function words(
 }
 
 /** How far a command to a robot far away is, as far as the station knows. */
-function underWay({ stage, sent_ms, arrives_ms }: OpenCommand, since_ms: number): string {
+function underWay(
+  { stage, sent_ms, arrives_ms, isRobotHeard }: CommandOnTheWay,
+  since_ms: number,
+): string {
   if (stage === "started") return "the run has it; its answer is on the way";
   if (stage === "received") return "the robot has it";
+  if (!isRobotHeard) return "sent again and again; the robot is not heard";
   if (arrives_ms === null) return "in flight; the delay is unknown";
   const left_ms = arrives_ms - sent_ms - since_ms;
   if (left_ms > 0) return `in flight; at the robot in about ${(left_ms / 1_000).toFixed(1)} s`;
