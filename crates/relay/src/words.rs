@@ -97,10 +97,15 @@ impl RunStands {
 const AT_STATION: &str = "@station";
 const AT_ROBOT: &str = "@robot";
 
-/// What a user of the station is called at the robot. No user's own name has an `@` in it.
-pub(crate) fn at_robot(user: &str) -> String {
+/// What whoever speaks at the station is called at the robot: never the name of a user of the robot, whatever the station says.
+pub(crate) fn author_at_robot(user: &str) -> String {
     // Whoever gives a command on the station's own computer, without its server, is its owner.
     let user = if user.is_empty() { "owner" } else { user };
+    format!("{}{AT_STATION}", user.replace('@', "-"))
+}
+
+/// What someone whom the station names is called at the robot. No user's own name has an `@` in it.
+pub(crate) fn at_robot(user: &str) -> String {
     user.strip_suffix(AT_ROBOT).map_or_else(|| format!("{user}{AT_STATION}"), str::to_owned)
 }
 
@@ -111,7 +116,7 @@ fn here(user: &str) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::{RunFate, RunStands, StationWord, at_robot, here};
+    use super::{RunFate, RunStands, StationWord, at_robot, author_at_robot, here};
     use expect_test::expect;
     use rafcon_protocol::Command;
     use rafcon_protocol::api::{Control, ControlMove};
@@ -150,10 +155,18 @@ mod tests {
 
     #[test]
     fn users_of_both_sides_are_told_apart() {
-        assert_eq!(at_robot(""), "owner@station");
         let names = ["ana", "cy@robot"];
         assert_eq!(names.map(at_robot), ["ana@station", "cy"]);
         assert_eq!(names.map(|name| here(&at_robot(name))), names);
+    }
+
+    #[test]
+    fn nobody_at_a_station_speaks_as_a_user_of_the_robot() {
+        let names = ["", "ana", "cy@robot", "cy@station"].map(author_at_robot);
+        assert_eq!(
+            names,
+            ["owner@station", "ana@station", "cy-robot@station", "cy-station@station"]
+        );
     }
 
     #[test]

@@ -14,7 +14,7 @@ use crate::inbox::{Inbox, Input, Stopper};
 use crate::pairing::Pairing;
 use crate::report::{REPORT_EVERY, Reporter};
 use crate::start::Start;
-use crate::words::{StationWord, at_robot};
+use crate::words::{StationWord, at_robot, author_at_robot};
 use follow::FromRun;
 use health::RobotHealth;
 use rafcon_link::{CommandState, Profile, ReceivedCommand, RobotSession, StreamId};
@@ -146,7 +146,7 @@ impl RobotRelay<'_> {
         let run = self.runs.name(stream).ok_or("the robot has no such run")?.to_owned();
         match word {
             StationWord::Command(id, author, decided_on, command) => {
-                let author = at_robot(&author);
+                let author = author_at_robot(&author);
                 if !matches!(command, Command::Stop | Command::Pause) {
                     authority.command(&run, &author)?;
                 }
@@ -164,13 +164,13 @@ impl RobotRelay<'_> {
                     ControlMove::HandOver { to } => ControlMove::HandOver { to: at_robot(&to) },
                     other => other,
                 };
-                authority.move_control(&run, &at_robot(&author), &wanted)?;
+                authority.move_control(&run, &author_at_robot(&author), &wanted)?;
                 let today_ms = clock::since_1970_ms();
                 self.runs.tell(&mut self.session, |run| (authority.control(run), today_ms));
                 Ok(CommandState::Done)
             }
             StationWord::Present(user) => {
-                authority.present(&at_robot(&user));
+                authority.present(&author_at_robot(&user));
                 Ok(CommandState::Done)
             }
         }
