@@ -47,6 +47,11 @@ impl Command {
             _ => Some(10_000),
         }
     }
+
+    /// Whether everyone who may command can give it, whoever holds control: it brings a robot to rest.
+    pub fn is_for_everybody(&self) -> bool {
+        matches!(self, Self::Stop | Self::Pause)
+    }
 }
 
 /// Everything that can be asked of a run. Paths are state ids joined by `/`.

@@ -3,6 +3,11 @@
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
+/// At a robot, users of its station have this after their names. No user's own name has an `@` in it.
+pub const AT_STATION: &str = "@station";
+/// At a station, users of a robot have this after their names.
+pub const AT_ROBOT: &str = "@robot";
+
 /// How the link to the other side is, as the side knows it that says so.
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]

@@ -1,7 +1,7 @@
 //! What a station says to a robot's server, and a robot's server to its stations, inside commands and status.
 
 use rafcon_protocol::api::{Control, ControlMove};
-use rafcon_protocol::{Command, Envelope};
+use rafcon_protocol::{AT_ROBOT, AT_STATION, Command, Envelope};
 use serde::{Deserialize, Serialize};
 
 /// What a station says. Short names: it has to fit into small datagrams.
@@ -93,9 +93,6 @@ impl RunStands {
         })
     }
 }
-
-const AT_STATION: &str = "@station";
-const AT_ROBOT: &str = "@robot";
 
 /// What whoever speaks at the station is called at the robot: never the name of a user of the robot, whatever the station says.
 pub(crate) fn author_at_robot(user: &str) -> String {

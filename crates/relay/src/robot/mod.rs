@@ -19,7 +19,7 @@ use follow::FromRun;
 use health::RobotHealth;
 use rafcon_link::{CommandState, Profile, ReceivedCommand, RobotSession, StreamId};
 use rafcon_protocol::api::ControlMove;
-use rafcon_protocol::{Answer, Command, Envelope, Expiry};
+use rafcon_protocol::{Answer, Envelope, Expiry};
 use rafcon_supervisor::clock;
 use runs::RobotRuns;
 use std::net::{SocketAddr, UdpSocket};
@@ -147,7 +147,7 @@ impl RobotRelay<'_> {
         match word {
             StationWord::Command(id, author, decided_on, command) => {
                 let author = author_at_robot(&author);
-                if !matches!(command, Command::Stop | Command::Pause) {
+                if !command.is_for_everybody() {
                     authority.command(&run, &author)?;
                 }
                 let left_ms = Duration::from_millis(not_after_ms).saturating_sub(now).as_millis();

@@ -1,14 +1,12 @@
 //! Control of runs for those who come neither over HTTP nor over a socket: the users of a station far away.
 
-use super::commands::{move_holder, take_for};
+use super::commands::{move_holder, take};
 use super::run::Run;
 use crate::ServerState;
+use rafcon_protocol::AT_STATION;
 use rafcon_protocol::api::{Control, ControlMove, Right};
 use std::sync::Arc;
 use tokio::runtime::Handle;
-
-/// Users of a station have this after their names; no user of this server can.
-pub(super) const AT_STATION: &str = "@station";
 
 /// Decides who commands the runs of a server, on any thread. The station vouches for what its users may do.
 #[derive(Debug, Clone)]
@@ -26,7 +24,7 @@ impl RunAuthority {
     /// Whether a user may command this run now: the first who does takes control. Else why not, and the way out.
     pub fn command(&self, run: &str, user: &str) -> Result<(), String> {
         let (_within, run) = (self.runtime.enter(), self.run(run)?);
-        take_for(&self.server, &run, user).map_err(|failure| failure.to_string())
+        take(&self.server, &run, user).map_err(|failure| failure.to_string())
     }
 
     /// Moves control of a run as a user wants, or says why not.

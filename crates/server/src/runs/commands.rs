@@ -1,7 +1,6 @@
 //! Commands of runs: whether they may be given, on their way to the runner, and their answers. Knows rights, control and
 //! links, but not what a command does.
 
-use super::authority::AT_STATION;
 use super::folder_files::key;
 use super::link::{Link, NotSent};
 use super::run::Run;
@@ -11,7 +10,7 @@ use crate::failure::reason;
 use crate::gate::blocking;
 use crate::{Failure, ServerState};
 use rafcon_protocol::api::{CommandAnswer, Control, ControlMove, Right, RunPhase};
-use rafcon_protocol::{Answer, Command, Envelope, StateData};
+use rafcon_protocol::{AT_ROBOT, AT_STATION, Answer, Command, Envelope, StateData};
 use rafcon_storage::journal::writer_of;
 use rafcon_supervisor::clock;
 use rustix::process::{Pid, Signal, kill_process};
@@ -25,9 +24,6 @@ const COMMAND_TIMEOUT: Duration = Duration::from_secs(30);
 /// How long an answer to a stop is waited for; then the process of the run is ended. A runner whose engine does not take a stop
 /// ends itself a little before that.
 const STOP_TIMEOUT: Duration = Duration::from_secs(15);
-
-/// Users of a robot far away have this after their names at its station.
-const AT_ROBOT: &str = "@robot";
 
 /// A stop whose link was lost is sent again after this time.
 const RETRY_INTERVAL: Duration = Duration::from_millis(100);
@@ -52,8 +48,8 @@ pub(crate) async fn command(
         return answered_before(server, &run, id, known).await;
     }
     // Who commands a run far away, its robot decides.
-    if !is_for_everybody(&envelope.command) && !run.is_replica() {
-        take(server, &run, who)?;
+    if !envelope.command.is_for_everybody() && !run.is_replica() {
+        take(server, &run, &who.user)?;
     }
     let envelope = Envelope { id: known, author: who.user.clone(), ..envelope };
     let answer = if envelope.command == Command::Stop {
@@ -70,21 +66,8 @@ fn is_commanded(run: &Run) -> bool {
     run.is_live() || (run.link().is_some() && !is_finished)
 }
 
-/// What brings a robot to rest needs no control.
-fn is_for_everybody(command: &Command) -> bool {
-    matches!(command, Command::Stop | Command::Pause)
-}
-
 /// The first who commands takes control; all but the holder are refused.
-pub(super) fn take(server: &ServerState, run: &Arc<Run>, who: &Who) -> Result<(), Failure> {
-    let now_ms = clock::since_1970_ms();
-    with_control(server, run, &who.user, |holding| {
-        holding.command(&who.user, now_ms, run.silence())
-    })
-}
-
-/// The same for a user of a station.
-pub(super) fn take_for(server: &ServerState, run: &Arc<Run>, user: &str) -> Result<(), Failure> {
+pub(super) fn take(server: &ServerState, run: &Arc<Run>, user: &str) -> Result<(), Failure> {
     let now_ms = clock::since_1970_ms();
     with_control(server, run, user, |holding| holding.command(user, now_ms, run.silence()))
 }
@@ -267,7 +250,7 @@ async fn send(run: &Run, envelope: Envelope) -> Result<Answer, Failure> {
 
 /// A command that brings the robot to rest does not wait for those before it: it takes a way of its own.
 async fn sent(run: &Run, link: &Link, envelope: Envelope) -> Result<Answer, Failure> {
-    let is_urgent = is_for_everybody(&envelope.command) || envelope.command == Command::Kill;
+    let is_urgent = envelope.command.is_for_everybody() || envelope.command == Command::Kill;
     if is_urgent && link.is_busy() {
         let answer = talk::command(run.folder().to_path_buf(), envelope).await;
         return answer.map_err(|error| not_spoken_with(&error));
