@@ -8,6 +8,7 @@ mod clock;
 mod error;
 mod ids;
 mod inbox;
+mod meter;
 mod pairing;
 mod report;
 mod robot;

@@ -2,8 +2,7 @@
 
 use crate::error::RelayError;
 use parking_lot::Mutex;
-use rafcon_link::Traffic;
-use rafcon_protocol::{LinkReport, LinkTraffic};
+use rafcon_protocol::LinkReport;
 use rafcon_storage::journal::folder::{SOCKET_FILE, bind_socket};
 use rafcon_supervisor::connect;
 use std::fs;
@@ -17,8 +16,6 @@ use std::time::Duration;
 
 /// How often a link is looked at for reports and for whoever watches its runs.
 pub(crate) const REPORT_EVERY: Duration = Duration::from_secs(1);
-/// Rates are those of so long.
-const RATE_OVER: Duration = Duration::from_secs(2);
 /// Whoever asks and does not read for so long is not answered.
 const WRITE_TIMEOUT: Duration = Duration::from_secs(1);
 
@@ -26,7 +23,7 @@ const WRITE_TIMEOUT: Duration = Duration::from_secs(1);
 #[derive(Debug)]
 pub(crate) struct Reporter {
     path: PathBuf,
-    text: Arc<Mutex<String>>,
+    reports: Arc<Mutex<Vec<LinkReport>>>,
     is_closed: Arc<AtomicBool>,
 }
 
@@ -36,19 +33,17 @@ impl Reporter {
         let failed = |source| RelayError::Folder { path: folder.to_owned(), source };
         fs::create_dir_all(folder).map_err(failed)?;
         let listener = bind_socket(folder).map_err(failed)?;
-        let (text, is_closed) = (Arc::new(Mutex::new("[]".to_owned())), Arc::default());
-        let reporter = Self { path: folder.join(SOCKET_FILE), text, is_closed };
-        let (text, is_closed) = (Arc::clone(&reporter.text), Arc::clone(&reporter.is_closed));
-        let answer = move || answer(&listener, &text, &is_closed);
+        let (reports, is_closed) = (Arc::default(), Arc::default());
+        let reporter = Self { path: folder.join(SOCKET_FILE), reports, is_closed };
+        let (reports, is_closed) = (Arc::clone(&reporter.reports), Arc::clone(&reporter.is_closed));
+        let answer = move || answer(&listener, &reports, &is_closed);
         thread::Builder::new().name("reports".to_owned()).spawn(answer).map_err(failed)?;
         Ok(reporter)
     }
 
     /// This is how the links are.
-    pub(crate) fn set(&self, reports: &[LinkReport]) {
-        if let Ok(text) = serde_json::to_string(reports) {
-            *self.text.lock() = text;
-        }
+    pub(crate) fn set(&self, reports: Vec<LinkReport>) {
+        *self.reports.lock() = reports;
     }
 }
 
@@ -61,16 +56,16 @@ impl Drop for Reporter {
     }
 }
 
-fn answer(listener: &UnixListener, text: &Mutex<String>, is_closed: &AtomicBool) {
+fn answer(listener: &UnixListener, reports: &Mutex<Vec<LinkReport>>, is_closed: &AtomicBool) {
     for stream in listener.incoming() {
         if is_closed.load(Ordering::Acquire) {
             return;
         }
-        let text = text.lock().clone();
-        if let Ok(mut stream) = stream {
+        let text = serde_json::to_vec(&*reports.lock());
+        if let (Ok(mut stream), Ok(text)) = (stream, text) {
             drop(stream.set_write_timeout(Some(WRITE_TIMEOUT)));
             // Whoever does not read it can ask again.
-            drop(stream.write_all(text.as_bytes()));
+            drop(stream.write_all(&text));
         }
     }
 }
@@ -81,30 +76,4 @@ pub fn read_reports(folder: &Path) -> io::Result<Option<Vec<LinkReport>>> {
     let mut text = String::new();
     stream.read_to_string(&mut text)?;
     Ok(Some(serde_json::from_str(&text)?))
-}
-
-/// How many bytes a second.
-#[derive(Debug, Default)]
-pub(crate) struct Rate {
-    at: Duration,
-    bytes: u64,
-    pub(crate) per_s: u64,
-}
-
-impl Rate {
-    /// So many bytes were counted up to now.
-    pub(crate) fn note(&mut self, now: Duration, bytes: u64) {
-        let time = now.saturating_sub(self.at);
-        if time >= RATE_OVER {
-            let per_s = u128::from(bytes - self.bytes) * 1_000 / time.as_millis().max(1);
-            self.per_s = u64::try_from(per_s).unwrap_or(u64::MAX);
-            (self.at, self.bytes) = (now, bytes);
-        }
-    }
-}
-
-pub(crate) fn traffic(traffic: &Traffic) -> LinkTraffic {
-    let Traffic { datagrams, bytes, by_kind } = traffic;
-    let by_kind = by_kind.iter().map(|(kind, bytes)| ((*kind).to_owned(), *bytes)).collect();
-    LinkTraffic { datagrams: *datagrams, bytes: *bytes, by_kind }
 }

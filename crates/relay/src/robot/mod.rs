@@ -2,7 +2,6 @@
 
 mod authority;
 mod follow;
-mod health;
 mod runs;
 
 pub use authority::Authority;
@@ -11,15 +10,15 @@ use crate::clock::SessionClock;
 use crate::error::RelayError;
 use crate::ids;
 use crate::inbox::{Inbox, Input, Stopper};
+use crate::meter::{LinkMeter, millis};
 use crate::pairing::Pairing;
 use crate::report::{REPORT_EVERY, Reporter};
 use crate::start::Start;
 use crate::words::{StationWord, at_robot, author_at_robot};
 use follow::FromRun;
-use health::RobotHealth;
 use rafcon_link::{CommandState, Profile, ReceivedCommand, RobotSession, StreamId};
 use rafcon_protocol::api::ControlMove;
-use rafcon_protocol::{Answer, Envelope, Expiry};
+use rafcon_protocol::{Answer, Envelope, Expiry, LinkReport};
 use rafcon_supervisor::clock;
 use runs::RobotRuns;
 use std::net::{SocketAddr, UdpSocket};
@@ -62,20 +61,18 @@ pub fn relay_robot(settings: &RobotSettings, stopper: &Stopper) -> Result<(), Re
     let clock = SessionClock::begin();
     let mut runs = RobotRuns::new(&settings.runs, list, inbox.sender(), settings.tell, clock);
     runs.restore(&mut session);
-    let health = RobotHealth::new(settings);
+    let meter = LinkMeter::new(&settings.pairing.robot, &settings.profile, false);
     let reporter = Reporter::open(&settings.folder)?;
-    let mut relay = RobotRelay { settings, clock, socket, session, runs, health };
+    let mut relay = RobotRelay { settings, clock, socket, session, runs, meter };
     let (mut look_at, mut keep_at) = (Duration::ZERO, KEEP_EVERY);
     while !stopper.is_stopped() {
         let now = relay.clock.now();
         if now >= look_at {
             look_at = now + REPORT_EVERY;
             relay.runs.look(&mut relay.session);
-            let today_ms = clock::since_1970_ms();
-            relay.session.set_calendar(now, today_ms);
-            let authority = &*settings.authority;
-            relay.runs.tell(&mut relay.session, |run| (authority.control(run), today_ms));
-            reporter.set(&[relay.health.report(&relay.session, now, relay.runs.ids())]);
+            relay.session.set_calendar(now, clock::since_1970_ms());
+            relay.tell_control();
+            reporter.set(vec![relay.report(now)]);
         }
         if now >= keep_at {
             keep_at = now + KEEP_EVERY;
@@ -98,10 +95,24 @@ struct RobotRelay<'s> {
     socket: UdpSocket,
     session: RobotSession,
     runs: RobotRuns,
-    health: RobotHealth,
+    meter: LinkMeter,
 }
 
 impl RobotRelay<'_> {
+    /// Tells who holds control of the runs that continue.
+    fn tell_control(&mut self) {
+        let authority = &*self.settings.authority;
+        let now_ms = clock::since_1970_ms();
+        self.runs.tell_control(&mut self.session, now_ms, |run| authority.control(run));
+    }
+
+    /// How the link is.
+    fn report(&mut self, now: Duration) -> LinkReport {
+        let Self { session, meter, runs, .. } = self;
+        let health = meter.health(now, session.traffic(), session.heard_before(now));
+        meter.report(health, session.traffic(), runs.progress(session))
+    }
+
     fn send(&mut self) -> Result<(), RelayError> {
         while let Some(datagram) = self.session.transmit(self.clock.now(), &mut self.runs)? {
             // A network that is not there is a link that loses everything.
@@ -115,7 +126,7 @@ impl RobotRelay<'_> {
         let used = self.session.receive(now, &mut datagram, |command| commands.push(command));
         if let Err(why) = used {
             // It came twice, or from strangers: there is nothing to say to them.
-            self.health.note_unusable(why.to_string());
+            self.meter.note_unusable(why.to_string());
         }
         for command in commands {
             self.command(now, command);
@@ -150,8 +161,7 @@ impl RobotRelay<'_> {
                 if !command.is_for_everybody() {
                     authority.command(&run, &author)?;
                 }
-                let left_ms = Duration::from_millis(not_after_ms).saturating_sub(now).as_millis();
-                let left_ms = u64::try_from(left_ms).unwrap_or(u64::MAX);
+                let left_ms = not_after_ms.saturating_sub(millis(now));
                 let expiry = Some(Expiry(clock::since_1970_ms().saturating_add(left_ms)));
                 let envelope = Envelope { id, author, decided_on, expiry, command };
                 if self.runs.command(&run, envelope) {
@@ -165,8 +175,7 @@ impl RobotRelay<'_> {
                     other => other,
                 };
                 authority.move_control(&run, &author_at_robot(&author), &wanted)?;
-                let today_ms = clock::since_1970_ms();
-                self.runs.tell(&mut self.session, |run| (authority.control(run), today_ms));
+                self.tell_control();
                 Ok(CommandState::Done)
             }
             StationWord::Present(user) => {

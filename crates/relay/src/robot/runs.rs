@@ -5,10 +5,11 @@ use crate::about::{about_parts, machine_parts};
 use crate::clock::SessionClock;
 use crate::ids;
 use crate::inbox::Input;
+use crate::meter::millis;
 use crate::words::{RunFate, RunStands};
 use rafcon_link::{EventBuffer, Events, RobotSession, RunSource, StreamId};
 use rafcon_protocol::api::Control;
-use rafcon_protocol::{Envelope, Snapshot};
+use rafcon_protocol::{Envelope, LinkRun, Snapshot};
 use rafcon_storage::journal::{
     About, EventItems, EventSource, JournalError, Pack, RunState, Summary, run_folders, writer_of,
 };
@@ -113,7 +114,6 @@ impl RobotRuns {
         run.source = EventSource::open(folder)?;
         run.runner = Followed::join(folder, id, run.head + 1, &self.inbox);
         run.fate = RunFate::Live;
-        run.tell(id, session, None);
         Ok(())
     }
 
@@ -201,18 +201,19 @@ impl RobotRuns {
         if let Some(run) = self.all.get_mut(id) {
             let is_over = matches!(Summary::of(&run.folder).state, RunState::Finished { .. });
             run.fate = if is_over { RunFate::Finished } else { RunFate::Crashed };
-            run.tell(id, session, None);
+            run.tell(id, RunStands::of(run.fate, None, 0), session);
         }
     }
 
-    /// Tells how the runs stand that are not over; `control` says who commands one, and when that was so.
-    pub(super) fn tell(
+    /// Tells who holds control of the runs that continue, as `control` says at this time of the calendar.
+    pub(super) fn tell_control(
         &mut self,
         session: &mut RobotSession,
-        control: impl Fn(&str) -> (Option<Control>, u64),
+        now_ms: u64,
+        control: impl Fn(&str) -> Option<Control>,
     ) {
         for (id, run) in self.all.iter_mut().filter(|(_, run)| run.fate == RunFate::Live) {
-            run.tell(id, session, Some(control(id)));
+            run.tell(id, RunStands::of(run.fate, control(id), now_ms), session);
         }
     }
 
@@ -227,9 +228,13 @@ impl RobotRuns {
         runner.is_some_and(|runner| runner.command(envelope))
     }
 
-    /// The ids of all runs.
-    pub(super) fn ids(&self) -> impl Iterator<Item = &str> {
-        self.all.keys().map(String::as_str)
+    /// How much of each run the station has, as far as it said so.
+    pub(super) fn progress(&self, session: &RobotSession) -> Vec<LinkRun> {
+        let run = |id: &String| {
+            let (head, missing) = session.progress(ids::events_of(id))?;
+            Some(LinkRun { id: id.clone(), head, missing })
+        };
+        self.all.keys().filter_map(run).collect()
     }
 
     fn run(&mut self, stream: StreamId) -> Option<&mut RobotRun> {
@@ -239,16 +244,9 @@ impl RobotRuns {
 
 impl RobotRun {
     /// Tells how it stands, if that is news.
-    fn tell(
-        &mut self,
-        id: &str,
-        session: &mut RobotSession,
-        control: Option<(Option<Control>, u64)>,
-    ) {
-        let (control, now_ms) = control.unwrap_or_default();
-        let stands = RunStands::of(self.fate, control, now_ms);
+    fn tell(&mut self, id: &str, stands: RunStands, session: &mut RobotSession) {
         if stands != self.stands {
-            let is_over = self.fate == RunFate::Finished;
+            let is_over = stands.fate == RunFate::Finished;
             let state = serde_json::to_vec(&stands).unwrap_or_default();
             session.set_state(ids::events_of(id), &state, is_over);
             self.stands = stands;
@@ -280,8 +278,8 @@ impl RunSource for RobotRuns {
         let (snapshot, told) = run.snapshot.as_ref()?;
         // Its runner says something only when something changes: the time went on since.
         let since_ms =
-            if run.fate == RunFate::Live { now.saturating_sub(*told).as_millis() } else { 0 };
-        let elapsed_ms = snapshot.elapsed_ms + u64::try_from(since_ms).unwrap_or(u64::MAX);
+            if run.fate == RunFate::Live { millis(now.saturating_sub(*told)) } else { 0 };
+        let elapsed_ms = snapshot.elapsed_ms.saturating_add(since_ms);
         let snapshot = Snapshot { elapsed_ms, ..(**snapshot).clone() };
         Some((snapshot.sequence, serde_json::to_vec(&snapshot).ok()?))
     }

@@ -1,6 +1,7 @@
 //! The station's side: keeps a replica of each run of its robots, reports what it has, and sends commands.
 
 mod health;
+mod open_words;
 mod replica_run;
 mod robot;
 mod viewers;
@@ -78,7 +79,7 @@ pub fn relay_station(
         }
         if now >= report_at {
             report_at = now + REPORT_EVERY;
-            reporter.set(&robots.iter_mut().map(StationRobot::report).collect::<Vec<_>>());
+            reporter.set(robots.iter_mut().map(StationRobot::report).collect());
         }
         let mut next = sync_at.min(keep_at).min(report_at);
         for robot in &mut robots {
@@ -94,7 +95,7 @@ pub fn relay_station(
             }
             Some(Input::Other(GivenCommand { robot, run, word })) => {
                 if let Some(robot) = robots.get_mut(robot) {
-                    robot.command(&run, word);
+                    robot.command(&run, &word);
                 }
             }
             None => {}

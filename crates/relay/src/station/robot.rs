@@ -1,6 +1,7 @@
 //! One robot as a station knows it: its session, and the replicas of its runs.
 
-use super::health::{self, StationHealth};
+use super::health::{health, run};
+use super::open_words::OpenWords;
 use super::replica_run::ReplicaRun;
 use super::viewers::GivenWord;
 use super::{GivenCommand, StationSettings};
@@ -9,13 +10,15 @@ use crate::clock::SessionClock;
 use crate::error::RelayError;
 use crate::ids;
 use crate::inbox::Input;
+use crate::meter::{LinkMeter, millis};
 use crate::pairing::Pairing;
 use crate::start::Start;
-use crate::words::{RunFate, RunStands, StationWord};
+use crate::words::{RunFate, RunStands};
 use rafcon_link::{
-    CommandState, FromRobot, NewCommand, RangeSet, Rejected, StationSession, StreamId, Unusable,
+    CommandId, CommandState, FromRobot, NewCommand, RangeSet, Rejected, StationSession, StreamId,
+    Unusable,
 };
-use rafcon_protocol::{Answer, CommandStage, LinkHealth, LinkReport, OpenCommand};
+use rafcon_protocol::{Answer, CommandStage, Expiry, LinkHealth, LinkReport};
 use rafcon_storage::journal::{About, EventItems, JournalError, RunState, Summary, run_folders};
 use rafcon_supervisor::clock;
 use std::collections::BTreeMap;
@@ -35,7 +38,7 @@ pub(super) struct StationRobot {
     start: Start,
     session: StationSession,
     clock: SessionClock,
-    health: StationHealth,
+    meter: LinkMeter,
     /// Why the last datagram is not of this robot.
     rejected: Option<Rejected>,
     address: Option<SocketAddr>,
@@ -46,10 +49,8 @@ pub(super) struct StationRobot {
     early: BTreeMap<StreamId, Vec<EventItems>>,
     /// What went wrong last, so that it is said once.
     told: String,
-    /// The commands whose fate is open.
-    given: BTreeMap<rafcon_link::CommandId, GivenToRobot>,
-    /// Wishes about control and signs of life, likewise: the run and the id of each.
-    moves: BTreeMap<rafcon_link::CommandId, (StreamId, String)>,
+    /// What was given for the robot and whose fate is open.
+    words: OpenWords,
     /// Runs whose runner died on the robot: closed here until the robot says that they go on.
     crashed: BTreeMap<StreamId, About>,
 }
@@ -63,18 +64,12 @@ struct IncomingAbout {
     reader: AboutReader,
 }
 
-/// A command whose fate is open.
-struct GivenToRobot {
-    stream: StreamId,
-    command: OpenCommand,
-}
-
 /// What a datagram had, so that nothing is done while the session is borrowed.
 enum Received {
     Events(StreamId, EventItems),
     Stands(StreamId, RunStands, bool),
     Snapshot(StreamId, Vec<u8>),
-    State(rafcon_link::CommandId, CommandState, String),
+    State(CommandId, CommandState, String),
     Started,
 }
 
@@ -96,7 +91,7 @@ impl StationRobot {
             start,
             session,
             clock,
-            health: StationHealth::new(&pairing.robot, &settings.profile),
+            meter: LinkMeter::new(&pairing.robot, &settings.profile, true),
             rejected: None,
             address: None,
             inbox,
@@ -104,8 +99,7 @@ impl StationRobot {
             abouts: BTreeMap::new(),
             early: BTreeMap::new(),
             told: String::new(),
-            given: BTreeMap::new(),
-            moves: BTreeMap::new(),
+            words: OpenWords::default(),
             crashed: BTreeMap::new(),
         };
         robot.restore();
@@ -138,7 +132,7 @@ impl StationRobot {
     fn open(&mut self, stream: StreamId, about: About) {
         let about = About { robot: Some(self.name.clone()), on_crash: None, ..about };
         let given = (self.number, self.inbox.clone());
-        let link = self.health.of(&self.session, self.clock.now());
+        let link = health(&mut self.meter, &self.session, self.clock.now());
         match ReplicaRun::open(&self.runs, &about, link, given) {
             Ok(replica) => {
                 self.replicas.insert(stream, replica);
@@ -195,7 +189,7 @@ impl StationRobot {
             }
             Err(Unusable::Broken(broken)) => {
                 (self.tell)(&format!("robot {}: {broken}", self.name));
-                self.health.note_unusable(broken.to_string());
+                self.meter.note_unusable(broken.to_string());
             }
         }
         for received in received {
@@ -207,7 +201,7 @@ impl StationRobot {
     /// No robot has made the datagram that was received last.
     pub(super) fn note_unusable(&mut self) {
         if let Some(why) = self.rejected.take() {
-            self.health.note_unusable(why.to_string());
+            self.meter.note_unusable(why.to_string());
         }
     }
 
@@ -226,7 +220,7 @@ impl StationRobot {
                 }
             }
             Received::State(id, state, reason) => self.answered(id, state, reason),
-            Received::Started => self.lose_commands(),
+            Received::Started => self.lose_words(),
         }
     }
 
@@ -278,14 +272,13 @@ impl StationRobot {
 
     /// Makes what arrived safe, shows it, and forgets what is complete.
     pub(super) fn sync(&mut self) {
-        self.expire_commands();
-        let link = self.health.of(&self.session, self.clock.now());
-        let (session, name, given) = (&mut self.session, &self.name, &self.given);
+        self.expire_words();
+        let link = health(&mut self.meter, &self.session, self.clock.now());
+        let (session, name, words) = (&mut self.session, &self.name, &self.words);
         let mut problem = String::new();
         self.replicas.retain(|stream, replica| {
-            let missing = health::run(session, replica.id()).missing;
-            let commands = given.values().filter(|given| given.stream == *stream);
-            let commands = commands.map(|given| given.command.clone()).collect();
+            let missing = run(session, replica.id()).missing;
+            let commands = words.commands(Some(*stream));
             replica.set_link(LinkHealth { missing, commands, ..link.clone() });
             match replica.sync() {
                 Ok(safe) => session.set_safe(*stream, safe),
@@ -294,9 +287,7 @@ impl StationRobot {
                 }
             }
             let head = session.progress(*stream).map_or(0, |(head, _)| head);
-            let about = session.progress(ids::about_of(replica.id()));
-            let is_known = about.is_some_and(|(head, parts)| parts.contiguous() >= head);
-            !(is_known && replica.close_if_complete(head))
+            !(has_machines(session, replica) && replica.close_if_complete(head))
         });
         if !problem.is_empty() && problem != self.told {
             (self.tell)(&problem);
@@ -306,10 +297,10 @@ impl StationRobot {
 
     /// How the link is.
     pub(super) fn report(&mut self) -> LinkReport {
-        let runs = self.replicas.values().map(ReplicaRun::id);
-        let mut report = self.health.report(&self.session, self.clock.now(), runs);
-        report.health.commands = self.given.values().map(|given| given.command.clone()).collect();
-        report
+        let runs = self.replicas.values().map(|replica| run(&self.session, replica.id())).collect();
+        let link = health(&mut self.meter, &self.session, self.clock.now());
+        let link = LinkHealth { commands: self.words.commands(None), ..link };
+        self.meter.report(link, self.session.traffic(), runs)
     }
 
     /// Keeps what was heard, for the next start.
@@ -332,7 +323,8 @@ impl StationRobot {
             replica.set_control(control);
         }
         let head = self.session.progress(stream).map_or(0, |(head, _)| head);
-        if stands.fate == RunFate::Crashed && replica.is_at(head) {
+        let is_here = replica.is_at(head) && has_machines(&self.session, replica);
+        if stands.fate == RunFate::Crashed && is_here {
             // Closed as its runner left it, the run is shown as what it is: crashed.
             if let Ok(about) = About::read(&self.runs.join(replica.id())) {
                 self.crashed.insert(stream, about);
@@ -342,70 +334,53 @@ impl StationRobot {
     }
 
     /// Sends what a viewer has for the robot.
-    pub(super) fn command(&mut self, run: &str, given: GivenWord) {
-        let GivenWord { id: name, expiry, word } = given;
-        let (stream, id, today) =
-            (ids::events_of(run), ids::command(&name), clock::since_1970_ms());
-        let left =
-            expiry.map_or(LIFETIME, |expiry| Duration::from_millis(expiry.0.saturating_sub(today)));
-        let is_shown = matches!(word, StationWord::Command(..));
-        let body = serde_json::to_vec(&(stream.0, word)).unwrap_or_default();
-        let command = NewCommand { id, valid: left, epoch: 0, body };
+    pub(super) fn command(&mut self, run: &str, given: &GivenWord) {
+        let (stream, today) = (ids::events_of(run), clock::since_1970_ms());
+        let left = |expiry: Expiry| Duration::from_millis(expiry.0.saturating_sub(today));
+        let command = NewCommand {
+            id: ids::command(&given.id),
+            valid: given.expiry.map_or(LIFETIME, left),
+            epoch: 0,
+            body: serde_json::to_vec(&(stream.0, &given.word)).unwrap_or_default(),
+        };
         if let Err(error) = self.session.command(self.clock.now(), command) {
-            return self.answer(stream, &name, &Answer::Refused { reason: error.to_string() });
+            return self.answer(stream, &given.id, &Answer::Refused { reason: error.to_string() });
         }
-        let there = self.session.round_trip().map(|round_trip| health::millis(round_trip) / 2);
-        let command = OpenCommand {
-            id: name,
-            stage: CommandStage::Sent,
-            sent_ms: today,
-            arrives_ms: there.map(|there| today + there),
-        };
-        if is_shown {
-            self.given.entry(id).or_insert(GivenToRobot { stream, command });
-        } else {
-            self.moves.insert(id, (stream, command.id));
+        let there_ms = self.session.round_trip().map(|round_trip| millis(round_trip) / 2);
+        self.words.add(stream, given, (today, there_ms));
+    }
+
+    fn answered(&mut self, id: CommandId, state: CommandState, reason: String) {
+        match state {
+            CommandState::Received => self.words.set_stage(id, CommandStage::Received),
+            CommandState::Started => self.words.set_stage(id, CommandStage::Started),
+            CommandState::Done => self.close_word(id, &Answer::Applied),
+            CommandState::Refused => self.close_word(id, &Answer::Refused { reason }),
+            CommandState::Expired => self.close_word(id, &Answer::Expired),
         }
     }
 
-    fn answered(&mut self, id: rafcon_link::CommandId, state: CommandState, reason: String) {
-        let stage = match state {
-            CommandState::Done => return self.close_command(id, &Answer::Applied),
-            CommandState::Refused => {
-                return self.close_command(id, &Answer::Refused { reason });
-            }
-            CommandState::Expired => return self.close_command(id, &Answer::Expired),
-            CommandState::Received => CommandStage::Received,
-            CommandState::Started => CommandStage::Started,
-        };
-        if let Some(given) = self.given.get_mut(&id) {
-            given.command.stage = stage;
-        }
-    }
-
-    fn close_command(&mut self, id: rafcon_link::CommandId, answer: &Answer) {
-        let given = self.given.remove(&id).map(|given| (given.stream, given.command.id));
-        if let Some((stream, name)) = given.or_else(|| self.moves.remove(&id)) {
+    fn close_word(&mut self, id: CommandId, answer: &Answer) {
+        if let Some((stream, name)) = self.words.close(id) {
             self.answer(stream, &name, answer);
         }
     }
 
-    /// The robot's server has started again: it knows nothing of commands that were on their way to the one before.
-    fn lose_commands(&mut self) {
-        let given = std::mem::take(&mut self.given).into_values();
-        let given = given.map(|given| (given.stream, given.command.id));
-        for (stream, name) in given.chain(std::mem::take(&mut self.moves).into_values()) {
-            let reason = "the robot's server has started again: whether it still took the command is in the run's history";
-            self.answer(stream, &name, &Answer::Refused { reason: reason.to_owned() });
+    /// The robot's server has started again: it knows nothing of what was on its way to the one before.
+    fn lose_words(&mut self) {
+        let reason = "the robot's server has started again: whether it still took the command is in the run's history";
+        let answer = Answer::Refused { reason: reason.to_owned() };
+        for id in self.words.ids() {
+            self.close_word(id, &answer);
         }
     }
 
-    /// Says of commands that the robot never had that they are too late to be carried out.
-    fn expire_commands(&mut self) {
-        let given = self.given.keys().chain(self.moves.keys()).copied();
-        let late: Vec<_> = given.filter(|id| !self.session.is_open(*id)).collect();
-        for id in late {
-            self.close_command(id, &Answer::Expired);
+    /// Says of what the robot never had that it is too late.
+    fn expire_words(&mut self) {
+        for id in self.words.ids() {
+            if !self.session.is_open(id) {
+                self.close_word(id, &Answer::Expired);
+            }
         }
     }
 
@@ -414,4 +389,10 @@ impl StationRobot {
             replica.answer(name, answer);
         }
     }
+}
+
+/// Whether all that the robot has said about a run besides its events is here.
+fn has_machines(session: &StationSession, replica: &ReplicaRun) -> bool {
+    let about = session.progress(ids::about_of(replica.id()));
+    about.is_some_and(|(head, parts)| parts.contiguous() >= head)
 }

@@ -4,8 +4,8 @@ use crate::words::StationWord;
 use parking_lot::{Condvar, Mutex};
 use rafcon_protocol::api::Control;
 use rafcon_protocol::{
-    Answer, Expiry, FRAME_HEAD, FrameKind, Hello, Join, LinkHealth, Snapshot, ToRunner, ToViewer,
-    decode, encode, encode_frame, frame_head,
+    Answer, Envelope, Expiry, FRAME_HEAD, FrameKind, Hello, Join, LinkHealth, Snapshot, ToRunner,
+    ToViewer, decode, encode, encode_frame, frame_head,
 };
 use rafcon_storage::journal::folder::{Doing, SOCKET_FILE, bind_socket};
 use rafcon_storage::journal::stream::EventBlock;
@@ -39,6 +39,19 @@ pub(crate) struct GivenWord {
     pub(super) id: String,
     pub(super) expiry: Option<Expiry>,
     pub(super) word: StationWord,
+}
+
+impl GivenWord {
+    fn command(envelope: Envelope) -> Self {
+        let (id, expiry) = (envelope.id.clone(), envelope.expiry);
+        Self { id, expiry, word: StationWord::of(envelope) }
+    }
+
+    /// A word about control, which is worth nothing later.
+    fn soon(id: String, word: StationWord) -> Self {
+        let until = clock::since_1970_ms().saturating_add(MOVE_VALID_MS);
+        Self { id, expiry: Some(Expiry(until)), word }
+    }
 }
 
 /// Passes on what a viewer has for the robot, and answers whether there is room for it.
@@ -278,41 +291,32 @@ fn heed(
 ) -> io::Result<()> {
     loop {
         let message = match line(lines)? {
-            ToRunner::Command(envelope) => {
-                match offer(give, StationWord::of(envelope.clone()), envelope.id, envelope.expiry) {
-                    Some(refusal) => refusal,
-                    None => continue,
-                }
-            }
+            ToRunner::Command(envelope) => offer(give, GivenWord::command(envelope)),
             ToRunner::MoveControl { id, author, wanted } => {
                 let word = StationWord::MoveControl(id.clone(), author, wanted);
-                let until = Expiry(clock::since_1970_ms().saturating_add(MOVE_VALID_MS));
-                match offer(give, word, id, Some(until)) {
-                    Some(refusal) => refusal,
-                    None => continue,
-                }
+                offer(give, GivenWord::soon(id, word))
             }
             ToRunner::Present { user } => {
-                let until = Expiry(clock::since_1970_ms().saturating_add(MOVE_VALID_MS));
-                let id = format!("present-{user}-{}", until.0);
+                let id = format!("present-{user}-{}", clock::since_1970_ms());
                 // Who is there says so again.
-                let _lost = offer(give, StationWord::Present(user), id, Some(until));
-                continue;
+                let _lost = offer(give, GivenWord::soon(id, StationWord::Present(user)));
+                None
             }
-            ToRunner::Ping { id } => shared.pong(id),
-            ToRunner::Inspect { id, path } => ToViewer::Inspection { id, path, data: None },
-            ToRunner::Join(_) | ToRunner::Launch(_) => continue,
+            ToRunner::Ping { id } => Some(shared.pong(id)),
+            ToRunner::Inspect { id, path } => Some(ToViewer::Inspection { id, path, data: None }),
+            ToRunner::Join(_) | ToRunner::Launch(_) => None,
         };
-        shared.send(viewer, encode_frame(&message).map_err(io::Error::other)?);
+        if let Some(message) = message {
+            shared.send(viewer, encode_frame(&message).map_err(io::Error::other)?);
+        }
     }
 }
 
 /// Gives a word for the robot; a refusal if there is no room for it.
-fn offer(give: &Give, word: StationWord, id: String, expiry: Option<Expiry>) -> Option<ToViewer> {
-    let word = GivenWord { id: id.clone(), expiry, word };
-    let reason = "too many commands wait for the link: try again later";
-    let answer = Answer::Refused { reason: reason.to_owned() };
-    (!give(word)).then_some(ToViewer::Answer { id, answer })
+fn offer(give: &Give, word: GivenWord) -> Option<ToViewer> {
+    let id = word.id.clone();
+    let reason = "too many commands wait for the link: try again later".to_owned();
+    (!give(word)).then_some(ToViewer::Answer { id, answer: Answer::Refused { reason } })
 }
 
 /// Shows a viewer everything from its cursor on, until it is gone or the replica is closed.

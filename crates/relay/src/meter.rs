@@ -1,0 +1,118 @@
+//! What a side measures of one link, and how it tells of it.
+
+use rafcon_link::{Profile, Traffic};
+use rafcon_protocol::{LinkHealth, LinkReport, LinkRun, LinkTraffic};
+use rafcon_supervisor::clock;
+use std::time::Duration;
+
+/// Rates are those of so long.
+const RATE_OVER: Duration = Duration::from_secs(2);
+
+/// What is measured of one link.
+#[derive(Debug)]
+pub(crate) struct LinkMeter {
+    robot: String,
+    profile: Profile,
+    is_station: bool,
+    down: Rate,
+    up: Rate,
+    unusable: u64,
+    unusable_because: Option<String>,
+}
+
+impl LinkMeter {
+    pub(crate) fn new(robot: &str, profile: &Profile, is_station: bool) -> Self {
+        Self {
+            robot: robot.to_owned(),
+            profile: profile.clone(),
+            is_station,
+            down: Rate::default(),
+            up: Rate::default(),
+            unusable: 0,
+            unusable_because: None,
+        }
+    }
+
+    /// A datagram could not be used.
+    pub(crate) fn note_unusable(&mut self, why: String) {
+        self.unusable += 1;
+        self.unusable_because = Some(why);
+    }
+
+    /// How the link is, as far as both sides know that of theirs: what was sent and received so far, and how long ago the other side
+    /// was heard.
+    pub(crate) fn health(
+        &mut self,
+        now: Duration,
+        (sent, received): (&Traffic, &Traffic),
+        heard_before: Option<Duration>,
+    ) -> LinkHealth {
+        let (down, up) = if self.is_station { (received, sent) } else { (sent, received) };
+        self.down.note(now, down.bytes);
+        self.up.note(now, up.bytes);
+        let Profile { status_every, .. } = self.profile;
+        let expected =
+            if self.is_station { status_every } else { self.profile.report_idle_every() };
+        LinkHealth {
+            robot: self.robot.clone(),
+            is_heard: heard_before.is_some_and(|before| before < self.profile.silence()),
+            heard_ms: heard_before
+                .map(|before| clock::since_1970_ms().saturating_sub(millis(before))),
+            expected_every_ms: millis(expected),
+            down_bytes_per_s: self.down.per_s,
+            up_bytes_per_s: self.up.per_s,
+            ..LinkHealth::default()
+        }
+    }
+
+    /// The same with what was sent and received, and the runs.
+    pub(crate) fn report(
+        &self,
+        health: LinkHealth,
+        (sent, received): (&Traffic, &Traffic),
+        runs: Vec<LinkRun>,
+    ) -> LinkReport {
+        let missing = runs.iter().map(|run| run.missing).sum();
+        LinkReport {
+            is_station: self.is_station,
+            profile: self.profile.name.to_owned(),
+            now_ms: clock::since_1970_ms(),
+            health: LinkHealth { missing, ..health },
+            sent: traffic(sent),
+            received: traffic(received),
+            unusable: self.unusable,
+            unusable_because: self.unusable_because.clone(),
+            runs,
+        }
+    }
+}
+
+/// How many bytes a second.
+#[derive(Debug, Default)]
+struct Rate {
+    at: Duration,
+    bytes: u64,
+    per_s: u64,
+}
+
+impl Rate {
+    /// So many bytes were counted up to now.
+    fn note(&mut self, now: Duration, bytes: u64) {
+        let time = now.saturating_sub(self.at);
+        if time >= RATE_OVER {
+            let per_s = u128::from(bytes - self.bytes) * 1_000 / time.as_millis().max(1);
+            self.per_s = u64::try_from(per_s).unwrap_or(u64::MAX);
+            (self.at, self.bytes) = (now, bytes);
+        }
+    }
+}
+
+fn traffic(traffic: &Traffic) -> LinkTraffic {
+    let Traffic { datagrams, bytes, by_kind } = traffic;
+    let by_kind = by_kind.iter().map(|(kind, bytes)| ((*kind).to_owned(), *bytes)).collect();
+    LinkTraffic { datagrams: *datagrams, bytes: *bytes, by_kind }
+}
+
+pub(crate) fn millis(time: Duration) -> u64 {
+    u64::try_from(time.as_millis()).unwrap_or(u64::MAX)
+}
