@@ -174,8 +174,22 @@ impl Stopped {
     fn new(process: u32) -> Self {
         let process = Pid::from_raw(i32::try_from(process).unwrap()).unwrap();
         kill_process(process, Signal::STOP).unwrap();
+        // The signal is on its way: until a thread stops, it may still answer.
+        while !are_threads_stopped(process) {
+            thread::yield_now();
+        }
         Self(process)
     }
+}
+
+/// Whether no thread of this process runs or waits.
+fn are_threads_stopped(process: Pid) -> bool {
+    let tasks = std::fs::read_dir(format!("/proc/{}/task", process.as_raw_nonzero())).unwrap();
+    tasks.flatten().all(|task| {
+        let stat = std::fs::read_to_string(task.path().join("stat")).unwrap_or_default();
+        // A thread that has ended has none; the state follows the name, which is in brackets.
+        stat.rsplit_once(") ").is_none_or(|(_, rest)| rest.starts_with('T'))
+    })
 }
 
 impl Drop for Stopped {
