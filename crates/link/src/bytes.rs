@@ -39,10 +39,6 @@ impl<'b> FrameReader<'b> {
         Self { rest: bytes }
     }
 
-    pub(crate) fn is_at_end(&self) -> bool {
-        self.rest.is_empty()
-    }
-
     /// How many bytes are left.
     pub(crate) fn left(&self) -> usize {
         self.rest.len()

@@ -6,6 +6,7 @@
 mod assembly;
 mod bytes;
 mod deflate;
+mod endpoint;
 mod frame;
 mod heard;
 mod profile;
@@ -18,11 +19,12 @@ mod traffic;
 
 pub use bytes::BrokenFrame;
 pub use deflate::{deflate, inflate};
+pub use endpoint::{Identity, Unusable};
 pub use frame::{CommandId, CommandState, Events, StreamId};
 pub use heard::ClockBounds;
 pub use profile::{CARRIER_OVERHEAD, Profile};
 pub use range_set::RangeSet;
-pub use robot::{EventBuffer, Identity, ReceivedCommand, RobotSession, RunSource, Unusable};
+pub use robot::{EventBuffer, ReceivedCommand, RobotSession, RunSource};
 pub use seal::{
     Direction, Generation, Horizon, KeyId, OVERHEAD, Opened, Opener, PairingKey, Rejected,
     SealError, Sealer,

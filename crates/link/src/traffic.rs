@@ -1,6 +1,6 @@
 //! What a side has sent and received, by the kinds of frames.
 
-use crate::frame::{Frame, read_frames};
+use crate::frame::Frame;
 use crate::profile::CARRIER_OVERHEAD;
 use crate::seal::OVERHEAD;
 use std::collections::BTreeMap;
@@ -17,13 +17,15 @@ pub struct Traffic {
 }
 
 impl Traffic {
-    /// Counts a datagram with this payload.
-    pub(crate) fn count(&mut self, payload: &[u8]) {
+    /// Counts a datagram with so many bytes of payload.
+    pub(crate) fn count_datagram(&mut self, payload: usize) {
         self.datagrams += 1;
-        self.bytes += (payload.len() + OVERHEAD + CARRIER_OVERHEAD) as u64;
-        for (kind, length) in read_frames(payload).map(|(frame, length)| (frame.kind(), length)) {
-            *self.by_kind.entry(kind).or_default() += length as u64;
-        }
+        self.bytes += (payload + OVERHEAD + CARRIER_OVERHEAD) as u64;
+    }
+
+    /// Counts a frame of that datagram.
+    pub(crate) fn count_frame(&mut self, frame: &Frame<'_>, length: usize) {
+        *self.by_kind.entry(frame.kind()).or_default() += length as u64;
     }
 }
 

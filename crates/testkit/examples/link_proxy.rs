@@ -116,16 +116,7 @@ fn receive(
 
 fn options() -> Option<Options> {
     let local = |port| SocketAddr::from(([127, 0, 0, 1], port));
-    let conditions = |bits_per_s| Conditions {
-        delay: Duration::from_secs(2),
-        bits_per_s,
-        lost: 2,
-        doubled: 5,
-        late: 5,
-        late_max: Duration::from_millis(120),
-        queue_max: Duration::from_secs(2),
-    };
-    let (down, up) = (conditions(256_000), conditions(32_000));
+    let (down, up) = (Conditions::delay_2s(256_000), Conditions::delay_2s(32_000));
     let mut found = Options { listen: local(4_750), to: local(4_748), down, up };
     let mut words = std::env::args().skip(1);
     while let Some(word) = words.next() {

@@ -336,31 +336,25 @@ fn read_received(reader: &mut FrameReader<'_>) -> Result<Received, BrokenFrame> 
     Ok(Received { stream, is_over, safe, events })
 }
 
+/// A frame with its length in bytes.
+type SizedFrame<'b> = Result<(Frame<'b>, usize), BrokenFrame>;
+
 /// The time of the sender in ms, and the frames of a payload up to the first broken one.
 pub(crate) fn read_payload(
     payload: &[u8],
-) -> Result<(u64, impl Iterator<Item = Result<Frame<'_>, BrokenFrame>>), BrokenFrame> {
+) -> Result<(u64, impl Iterator<Item = SizedFrame<'_>>), BrokenFrame> {
     let mut reader = FrameReader::new(payload);
     let at_ms = reader.number()?;
     let frames = std::iter::from_fn(move || {
-        let frame = (!reader.is_at_end()).then(|| Frame::read(&mut reader))?;
+        let before = reader.left();
+        let frame = (before > 0).then(|| Frame::read(&mut reader))?;
+        let length = before - reader.left();
         if frame.is_err() {
             reader = FrameReader::new(&[]);
         }
-        Some(frame)
+        Some(frame.map(|frame| (frame, length)))
     });
     Ok((at_ms, frames))
-}
-
-/// The frames of a payload with their lengths in bytes, up to the first broken one.
-pub(crate) fn read_frames(payload: &[u8]) -> impl Iterator<Item = (Frame<'_>, usize)> {
-    let mut reader = FrameReader::new(payload);
-    let is_read = reader.number().is_ok();
-    std::iter::from_fn(move || {
-        let before = reader.left();
-        let frame = (is_read && before > 0).then(|| Frame::read(&mut reader).ok())??;
-        Some((frame, before - reader.left()))
-    })
 }
 
 #[cfg(test)]

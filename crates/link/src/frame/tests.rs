@@ -1,7 +1,7 @@
 //! Frames as bytes and back, and whatever bytes a side may be sent.
 
+use super::write_received;
 use super::{Command, CommandId, CommandState, Events, Frame, RANGES_MAX, Received, StreamId};
-use super::{read_payload, write_received};
 use crate::bytes::{BrokenFrame, write_number};
 use crate::range_set::RangeSet;
 use crate::seal::Generation;
@@ -9,6 +9,14 @@ use expect_test::expect;
 use proptest::prelude::*;
 use proptest::strategy::ValueTree as _;
 use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
+
+/// The time and the frames of a payload.
+fn read_payload(
+    payload: &[u8],
+) -> Result<(u64, impl Iterator<Item = Result<Frame<'_>, BrokenFrame>>), BrokenFrame> {
+    let (at_ms, frames) = super::read_payload(payload)?;
+    Ok((at_ms, frames.map(|frame| frame.map(|(frame, _)| frame))))
+}
 
 fn bytes() -> impl Strategy<Value = Vec<u8>> {
     prop::collection::vec(any::<u8>(), 0..200)

@@ -10,14 +10,11 @@ mod tail;
 
 pub use source::{EventBuffer, RunSource};
 
-use crate::bytes::{BrokenFrame, write_number};
-use crate::frame::{CommandId, CommandState, Frame, Received, StreamId, read_payload};
-use crate::heard::Heard;
-use crate::profile::{Pacer, Profile};
-use crate::seal::{
-    Direction, Generation, Horizon, KeyId, OVERHEAD, Opener, PairingKey, Rejected, SealError,
-    Sealer,
-};
+use crate::bytes::write_number;
+use crate::endpoint::{Arrived, Endpoint, Identity, Unusable};
+use crate::frame::{CommandId, CommandState, Frame, Received, StreamId};
+use crate::profile::Profile;
+use crate::seal::{Direction, Horizon, OVERHEAD, SealError};
 use crate::traffic::Traffic;
 use outgoing::{Outgoing, Turn};
 use std::collections::BTreeMap;
@@ -32,21 +29,6 @@ const REASON_MAX: usize = 240;
 /// So many commands are remembered.
 const COMMANDS_MAX: usize = 1_024;
 
-/// Who a side is: the same words on both sides of one link.
-#[derive(Debug, Clone)]
-pub struct Identity<'k> {
-    /// The number of the pairing key.
-    pub key_id: KeyId,
-    /// The pairing key.
-    pub key: &'k PairingKey,
-    /// The name of the robot.
-    pub robot: &'k str,
-    /// The number of this start, which is on the disk.
-    pub start: Generation,
-    /// What the last start heard of the other side.
-    pub heard: Option<Horizon>,
-}
-
 /// A command that is to be carried out now. Its id may come again after a restart: whoever carries it out knows the ids.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ReceivedCommand {
@@ -60,31 +42,14 @@ pub struct ReceivedCommand {
     pub body: Vec<u8>,
 }
 
-/// Why a datagram had no effect, or not all of it.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
-pub enum Unusable {
-    /// It was not opened.
-    #[error(transparent)]
-    Rejected(#[from] Rejected),
-    /// The other side made it, and it cannot be read: another version made it.
-    #[error(transparent)]
-    Broken(#[from] BrokenFrame),
-}
-
 /// The robot's side.
 #[derive(Debug)]
 pub struct RobotSession {
     profile: Profile,
-    start: Generation,
-    sealer: Sealer,
-    opener: Opener,
-    pacer: Pacer,
+    end: Endpoint,
     streams: BTreeMap<StreamId, Outgoing>,
-    heard: Heard,
     /// What the calendar said when this session began, as it is set now: ms since 1970, UTC.
     calendar_ms: Option<u64>,
-    sent: Traffic,
-    received: Traffic,
     states: BTreeMap<CommandId, SentState>,
     /// The ids in `states`, oldest first.
     ids: std::collections::VecDeque<CommandId>,
@@ -101,20 +66,13 @@ struct SentState {
 impl RobotSession {
     /// A session from now on. Times are those since its begin, by a clock that never goes back.
     pub fn new(identity: &Identity<'_>, profile: Profile) -> Self {
-        let Identity { key_id, key, robot, start, heard } = identity.clone();
         Self {
-            sealer: Sealer::new((key_id, key), robot, Direction::Down, start),
-            opener: Opener::new((key_id, key), robot, Direction::Up, heard),
-            pacer: Pacer::new(profile.down_bits_per_s),
+            end: Endpoint::new(identity, Direction::Down, profile.down_bits_per_s),
             streams: BTreeMap::new(),
-            heard: Heard::default(),
             calendar_ms: None,
-            sent: Traffic::default(),
-            received: Traffic::default(),
             states: BTreeMap::new(),
             ids: std::collections::VecDeque::new(),
             profile,
-            start,
         }
     }
 
@@ -179,17 +137,17 @@ impl RobotSession {
 
     /// What was heard of the station last, for the disk.
     pub fn horizon(&self) -> Option<Horizon> {
-        self.opener.heard()
+        self.end.horizon()
     }
 
     /// How long ago the station was heard.
     pub fn heard_before(&self, now: Duration) -> Option<Duration> {
-        self.heard.before(now)
+        self.end.heard.before(now)
     }
 
     /// What was sent and received.
     pub fn traffic(&self) -> (&Traffic, &Traffic) {
-        (&self.sent, &self.received)
+        self.end.traffic()
     }
 
     /// The number of the last event of a run, and how many of all the station did not report.
@@ -204,15 +162,11 @@ impl RobotSession {
         datagram: &mut [u8],
         mut carry_out: impl FnMut(ReceivedCommand),
     ) -> Result<(), Unusable> {
-        let opened = self.opener.open(datagram)?;
-        let (generation, payload) = (opened.generation, opened.payload);
-        let (at_ms, frames) = read_payload(payload)?;
-        self.received.count(payload);
-        self.heard.hear(generation, at_ms, now);
+        let Arrived { frames, .. } = self.end.open(now, datagram)?;
         let (mut echo, mut reports) = (None, Vec::new());
         for frame in frames {
             match frame? {
-                Frame::Heard { start, newest_ms, late_ms, .. } if start == self.start => {
+                Frame::Heard { start, newest_ms, late_ms, .. } if start == self.end.start => {
                     echo = Some((newest_ms, late_ms));
                 }
                 Frame::Received(received) => reports.push(received),
@@ -221,7 +175,7 @@ impl RobotSession {
                         (state.sends, state.due) = (0, now);
                         continue;
                     }
-                    let is_late = command.robot_start != self.start
+                    let is_late = command.robot_start != self.end.start
                         || now.as_millis() > u128::from(command.not_after_ms);
                     let state =
                         if is_late { CommandState::Expired } else { CommandState::Received };
@@ -258,7 +212,7 @@ impl RobotSession {
         let is_urgent = self.urgent_at(is_heard) <= now;
         // An urgent datagram may leave somewhat before its turn, so that it does not wait behind bulk.
         let may_send =
-            self.pacer.free_at() <= now + if is_urgent { self.slack() } else { Duration::ZERO };
+            self.end.pacer.free_at() <= now + if is_urgent { self.slack() } else { Duration::ZERO };
         if !may_send {
             return Ok(None);
         }
@@ -274,11 +228,11 @@ impl RobotSession {
         }
         if shows_status {
             let calendar = self.calendar_ms.map(|began_ms| Frame::Calendar { began_ms });
-            for frame in [self.heard.frame(now), calendar].into_iter().flatten() {
+            for frame in [self.end.heard.frame(now), calendar].into_iter().flatten() {
                 frame.write(&mut payload);
             }
         }
-        if self.pacer.free_at() <= now {
+        if self.end.pacer.free_at() <= now {
             for stream in self.streams.values_mut() {
                 stream.write_bulk(turn, source, &mut payload);
             }
@@ -286,17 +240,13 @@ impl RobotSession {
         if payload.len() == empty {
             return Ok(None);
         }
-        let mut datagram = Vec::with_capacity(payload.len() + OVERHEAD);
-        self.sealer.seal(&payload, &mut datagram)?;
-        self.sent.count(&payload);
-        self.pacer.spend(now, datagram.len());
-        Ok(Some(datagram))
+        self.end.seal(now, &payload).map(Some)
     }
 
     /// When something may be due next; earlier if anything is received or appended.
     pub fn next_transmit(&self, now: Duration) -> Duration {
         let is_heard = self.is_heard(now);
-        let free_at = self.pacer.free_at();
+        let free_at = self.end.pacer.free_at();
         let urgent = self.urgent_at(is_heard).max(free_at.saturating_sub(self.slack()));
         let bulk = self.streams.values().map(|stream| stream.bulk_at(is_heard, &self.profile));
         bulk.min().map_or(urgent, |bulk| bulk.max(free_at).min(urgent)).max(now)
@@ -310,7 +260,7 @@ impl RobotSession {
     }
 
     fn is_heard(&self, now: Duration) -> bool {
-        self.heard.before(now).is_some_and(|before| before < self.profile.silence())
+        self.end.heard.before(now).is_some_and(|before| before < self.profile.silence())
     }
 
     /// How long two full datagrams take.

@@ -11,7 +11,7 @@ const FIRST_SENDS: u32 = 4;
 /// The time between these.
 const FIRST_EVERY: Duration = Duration::from_millis(50);
 /// The robot is asked what became of a command that it has after so many round trips.
-pub(super) const ASK_AFTER: u32 = 2;
+const ASK_AFTER: u32 = 2;
 
 /// A command that is to be sent.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -75,11 +75,17 @@ impl Commands {
     }
 
     /// The robot says what became of a command. One that it only has is asked for again: its fate may be lost on the way.
-    pub(super) fn answered(&mut self, id: CommandId, state: CommandState, ask_at: Duration) {
+    pub(super) fn answered(
+        &mut self,
+        now: Duration,
+        id: CommandId,
+        state: CommandState,
+        round_trip: Duration,
+    ) {
         match state {
             CommandState::Received | CommandState::Started => {
                 if let Some(sent) = self.sent.get_mut(&id) {
-                    (sent.is_received, sent.due) = (true, ask_at);
+                    (sent.is_received, sent.due) = (true, now + round_trip * ASK_AFTER);
                 }
             }
             CommandState::Done | CommandState::Refused | CommandState::Expired => {

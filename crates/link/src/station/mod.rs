@@ -7,14 +7,15 @@ pub use commands::{NewCommand, NotSent};
 use crate::assembly::{Assembly, LENGTH_MAX};
 use crate::bytes::write_number;
 use crate::deflate::inflate;
-use crate::frame::{CommandId, CommandState, Events, Frame, Received, StreamId, read_payload};
-use crate::heard::{ClockBounds, Heard, RobotClock};
-use crate::profile::{Pacer, Profile};
+use crate::endpoint::{Arrived, Endpoint, Identity, Unusable};
+use crate::frame::{CommandId, CommandState, Events, Frame, Received, StreamId};
+use crate::heard::{ClockBounds, RobotClock};
+use crate::profile::Profile;
 use crate::range_set::RangeSet;
-use crate::robot::{Identity, Unusable, now_ms};
-use crate::seal::{Direction, Horizon, OVERHEAD, Opener, SealError, Sealer};
+use crate::robot::now_ms;
+use crate::seal::{Direction, Horizon, OVERHEAD, SealError};
 use crate::traffic::Traffic;
-use commands::{ASK_AFTER, Commands};
+use commands::Commands;
 use std::collections::BTreeMap;
 use std::time::Duration;
 
@@ -65,11 +66,7 @@ pub enum FromRobot<'b> {
 #[derive(Debug)]
 pub struct StationSession {
     profile: Profile,
-    start: crate::seal::Generation,
-    sealer: Sealer,
-    opener: Opener,
-    pacer: Pacer,
-    heard: Heard,
+    end: Endpoint,
     clock: RobotClock,
     /// What it was heard of this side last, and how long the way there and back took.
     round_trip: Option<Duration>,
@@ -77,8 +74,6 @@ pub struct StationSession {
     reached_ms: Option<u64>,
     /// What the robot's calendar said when its session began, as it is set now.
     calendar_ms: Option<u64>,
-    sent: Traffic,
-    received: Traffic,
     streams: BTreeMap<StreamId, Incoming>,
     reported_at: Option<Duration>,
     has_news: bool,
@@ -101,24 +96,17 @@ struct Incoming {
 impl StationSession {
     /// A session from now on. Times are those since its begin, by a clock that never goes back.
     pub fn new(identity: &Identity<'_>, profile: Profile) -> Self {
-        let Identity { key_id, key, robot, start, heard } = identity.clone();
         Self {
-            sealer: Sealer::new((key_id, key), robot, Direction::Up, start),
-            opener: Opener::new((key_id, key), robot, Direction::Down, heard),
-            pacer: Pacer::new(profile.up_bits_per_s),
-            heard: Heard::default(),
+            end: Endpoint::new(identity, Direction::Up, profile.up_bits_per_s),
             clock: RobotClock::default(),
             round_trip: None,
             reached_ms: None,
             calendar_ms: None,
-            sent: Traffic::default(),
-            received: Traffic::default(),
             streams: BTreeMap::new(),
             reported_at: None,
             has_news: false,
             commands: Commands::default(),
             profile,
-            start,
         }
     }
 
@@ -141,12 +129,12 @@ impl StationSession {
 
     /// What was heard of the robot last, for the disk.
     pub fn horizon(&self) -> Option<Horizon> {
-        self.opener.heard()
+        self.end.horizon()
     }
 
     /// How long ago the robot was heard.
     pub fn heard_before(&self, now: Duration) -> Option<Duration> {
-        self.heard.before(now)
+        self.end.heard.before(now)
     }
 
     /// How long the way to the robot and back takes; unknown without an up-link.
@@ -168,7 +156,7 @@ impl StationSession {
 
     /// What was sent and received.
     pub fn traffic(&self) -> (&Traffic, &Traffic) {
-        (&self.sent, &self.received)
+        self.end.traffic()
     }
 
     /// Whether it is open what becomes of a command. Else its fate was told, or it never arrived and never will.
@@ -193,12 +181,9 @@ impl StationSession {
         datagram: &mut [u8],
         mut show: impl FnMut(FromRobot<'_>),
     ) -> Result<(), Unusable> {
-        let opened = self.opener.open(datagram)?;
-        let (generation, payload) = (opened.generation, opened.payload);
-        let (at_ms, frames) = read_payload(payload)?;
-        self.received.count(payload);
-        let silence = self.heard.before(now);
-        if self.heard.hear(generation, at_ms, now) {
+        let Arrived { generation, at_ms, is_new_start, silence, frames } =
+            self.end.open(now, datagram)?;
+        if is_new_start {
             (self.round_trip, self.reached_ms, self.calendar_ms) = (None, None, None);
             show(FromRobot::Started);
         }
@@ -252,11 +237,10 @@ impl StationSession {
                 }
             }
             Frame::CommandState { id, state, reason } => {
-                let ask_at = now + self.answer_time() * ASK_AFTER;
-                self.commands.answered(id, state, ask_at);
+                self.commands.answered(now, id, state, self.answer_time());
                 show(FromRobot::CommandState { id, state, reason });
             }
-            Frame::Heard { start, newest_ms, held_ms, .. } if start == self.start => {
+            Frame::Heard { start, newest_ms, held_ms, .. } if start == self.end.start => {
                 let heard_at = at_ms.saturating_sub(held_ms);
                 self.clock.robot_heard(heard_at, newest_ms, now_ms(now));
                 let since = now_ms(now).saturating_sub(newest_ms).saturating_sub(held_ms);
@@ -300,22 +284,18 @@ impl StationSession {
         let empty = payload.len();
         self.commands.forget(self.clock.bounds(now_ms(now)));
         self.commands.write(now, self.answer_time(), (room, &mut payload));
-        if self.report_at().max(self.pacer.free_at()) <= now {
+        if self.report_at().max(self.end.pacer.free_at()) <= now {
             self.write_report(now, room, &mut payload);
         }
         if payload.len() == empty {
             return Ok(None);
         }
-        let mut datagram = Vec::with_capacity(payload.len() + OVERHEAD);
-        self.sealer.seal(&payload, &mut datagram)?;
-        self.sent.count(&payload);
-        self.pacer.spend(now, datagram.len());
-        Ok(Some(datagram))
+        self.end.seal(now, &payload).map(Some)
     }
 
     /// When something may be due next; earlier if anything is received.
     pub fn next_transmit(&self, now: Duration) -> Duration {
-        self.report_at().max(self.pacer.free_at()).min(self.commands.due_at()).max(now)
+        self.report_at().max(self.end.pacer.free_at()).min(self.commands.due_at()).max(now)
     }
 
     fn report_at(&self) -> Duration {
@@ -330,7 +310,7 @@ impl StationSession {
     }
 
     fn write_report(&mut self, now: Duration, room: usize, payload: &mut Vec<u8>) {
-        if let Some(heard) = self.heard.frame(now) {
+        if let Some(heard) = self.end.heard.frame(now) {
             heard.write(payload);
         }
         for (stream, incoming) in &mut self.streams {

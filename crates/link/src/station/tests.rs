@@ -1,9 +1,10 @@
 //! A robot and a station, with a path between them that a test decides about.
 
 use super::{FromRobot, NewCommand, StationSession};
+use crate::endpoint::Identity;
 use crate::frame::{CommandId, CommandState, StreamId};
 use crate::profile::Profile;
-use crate::robot::{EventBuffer, Identity, RobotSession, RunSource};
+use crate::robot::{EventBuffer, RobotSession, RunSource};
 use crate::seal::{Generation, KeyId, PairingKey};
 use std::time::Duration;
 

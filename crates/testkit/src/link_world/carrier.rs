@@ -4,6 +4,9 @@ use crate::random::Random;
 use std::collections::BTreeMap;
 use std::time::Duration;
 
+/// How long each way takes.
+pub(super) const DELAY: Duration = Duration::from_secs(2);
+
 /// What a carrier does to datagrams.
 #[derive(Debug, Clone)]
 pub struct Conditions {
@@ -21,6 +24,21 @@ pub struct Conditions {
     pub late_max: Duration,
     /// What waits longer for its turn is dropped.
     pub queue_max: Duration,
+}
+
+impl Conditions {
+    /// A link over 2 s that loses some datagrams, doubles some and delays some more.
+    pub fn delay_2s(bits_per_s: u64) -> Self {
+        Self {
+            delay: DELAY,
+            bits_per_s,
+            lost: 2,
+            doubled: 5,
+            late: 5,
+            late_max: Duration::from_millis(120),
+            queue_max: Duration::from_secs(2),
+        }
+    }
 }
 
 /// What becomes of datagrams that are sent while the carrier is cut.

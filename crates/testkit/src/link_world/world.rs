@@ -1,6 +1,6 @@
 //! The world: who sends what when, and what has to be true after every step.
 
-use super::carrier::{Carrier, Conditions, Cut};
+use super::carrier::{Carrier, Conditions, Cut, DELAY};
 use super::clock::LocalClock;
 use super::measures::Measures;
 use super::mission::Mission;
@@ -12,7 +12,6 @@ use rafcon_link::{CommandId, NewCommand, Profile};
 use std::collections::BTreeMap;
 use std::time::Duration;
 
-const DELAY: Duration = Duration::from_secs(2);
 /// A view is live that includes all that happened up to this time ago, besides the delay.
 const LIVE: Duration = Duration::from_millis(150);
 /// After a cut, for so long what happens is not counted as on a whole link.
@@ -103,19 +102,10 @@ impl LinkWorld {
         let mut random = Random::new(seed);
         let plan = Plan::new(scenario, &mut random);
         let profile = Profile::DELAY_2S;
-        let conditions = |bits_per_s| Conditions {
-            delay: DELAY,
-            bits_per_s,
-            lost: 2,
-            doubled: 5,
-            late: 5,
-            late_max: Duration::from_millis(120),
-            queue_max: Duration::from_secs(2),
-        };
         let mut fork = || random.below(usize::MAX) as u64;
         let mission =
             Mission::new(Random::new(fork()), plan.length, (plan.quiet.from, plan.quiet.to));
-        let carrier = |bits_per_s, seed| Carrier::new(conditions(bits_per_s), seed);
+        let carrier = |bits_per_s, seed| Carrier::new(Conditions::delay_2s(bits_per_s), seed);
         let mut down: Vec<_> =
             (0..=STATIONS).map(|_| carrier(profile.down_bits_per_s, fork())).collect();
         let mut up: Vec<_> =

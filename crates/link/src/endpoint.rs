@@ -1,0 +1,129 @@
+//! What both sides of a link have in common: sealing at a rate, opening, and what was heard of the other side.
+
+use crate::bytes::BrokenFrame;
+use crate::frame::{Frame, read_payload};
+use crate::heard::Heard;
+use crate::profile::Pacer;
+use crate::seal::{
+    Direction, Generation, Horizon, KeyId, OVERHEAD, Opener, PairingKey, Rejected, SealError,
+    Sealer,
+};
+use crate::traffic::Traffic;
+use std::time::Duration;
+
+/// Who a side is: the same words on both sides of one link.
+#[derive(Debug, Clone)]
+pub struct Identity<'k> {
+    /// The number of the pairing key.
+    pub key_id: KeyId,
+    /// The pairing key.
+    pub key: &'k PairingKey,
+    /// The name of the robot.
+    pub robot: &'k str,
+    /// The number of this start, which is on the disk.
+    pub start: Generation,
+    /// What the last start heard of the other side.
+    pub heard: Option<Horizon>,
+}
+
+/// Why a datagram had no effect, or not all of it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+pub enum Unusable {
+    /// It was not opened.
+    #[error(transparent)]
+    Rejected(#[from] Rejected),
+    /// The other side made it, and it cannot be read: another version made it.
+    #[error(transparent)]
+    Broken(#[from] BrokenFrame),
+}
+
+/// One side of the link, without what it has to say.
+#[derive(Debug)]
+pub(crate) struct Endpoint {
+    pub(crate) start: Generation,
+    pub(crate) pacer: Pacer,
+    pub(crate) heard: Heard,
+    sealer: Sealer,
+    opener: Opener,
+    sent: Traffic,
+    received: Traffic,
+}
+
+/// A datagram of the other side.
+pub(crate) struct Arrived<'d> {
+    pub(crate) generation: Generation,
+    /// The time of its sender.
+    pub(crate) at_ms: u64,
+    /// Whether it is the first of a new start.
+    pub(crate) is_new_start: bool,
+    /// How long the other side was not heard before.
+    pub(crate) silence: Option<Duration>,
+    /// Its frames, up to the first broken one.
+    pub(crate) frames: Vec<Result<Frame<'d>, BrokenFrame>>,
+}
+
+impl Endpoint {
+    /// The side that sends in this direction, at this rate.
+    pub(crate) fn new(identity: &Identity<'_>, sends: Direction, bits_per_s: u64) -> Self {
+        let Identity { key_id, key, robot, start, heard } = identity.clone();
+        let receives = match sends {
+            Direction::Up => Direction::Down,
+            Direction::Down => Direction::Up,
+        };
+        Self {
+            start,
+            pacer: Pacer::new(bits_per_s),
+            heard: Heard::default(),
+            sealer: Sealer::new((key_id, key), robot, sends, start),
+            opener: Opener::new((key_id, key), robot, receives, heard),
+            sent: Traffic::default(),
+            received: Traffic::default(),
+        }
+    }
+
+    /// What was heard of the other side last, for the disk.
+    pub(crate) fn horizon(&self) -> Option<Horizon> {
+        self.opener.heard()
+    }
+
+    /// What was sent and received.
+    pub(crate) fn traffic(&self) -> (&Traffic, &Traffic) {
+        (&self.sent, &self.received)
+    }
+
+    /// The datagram with this payload, which is sent now.
+    pub(crate) fn seal(&mut self, now: Duration, payload: &[u8]) -> Result<Vec<u8>, SealError> {
+        let mut datagram = Vec::with_capacity(payload.len() + OVERHEAD);
+        self.sealer.seal(payload, &mut datagram)?;
+        self.sent.count_datagram(payload.len());
+        if let Ok((_, frames)) = read_payload(payload) {
+            for (frame, length) in frames.flatten() {
+                self.sent.count_frame(&frame, length);
+            }
+        }
+        self.pacer.spend(now, datagram.len());
+        Ok(datagram)
+    }
+
+    /// Opens a datagram of the other side.
+    pub(crate) fn open<'d>(
+        &mut self,
+        now: Duration,
+        datagram: &'d mut [u8],
+    ) -> Result<Arrived<'d>, Unusable> {
+        let opened = self.opener.open(datagram)?;
+        let (generation, payload): (_, &'d [u8]) = (opened.generation, opened.payload);
+        let (at_ms, frames) = read_payload(payload)?;
+        self.received.count_datagram(payload.len());
+        let received = &mut self.received;
+        let counted = frames.map(|frame| {
+            let (frame, length) = frame?;
+            received.count_frame(&frame, length);
+            Ok(frame)
+        });
+        let frames = counted.collect();
+        let silence = self.heard.before(now);
+        let is_new_start = self.heard.hear(generation, at_ms, now);
+        Ok(Arrived { generation, at_ms, is_new_start, silence, frames })
+    }
+}
