@@ -10,13 +10,26 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 
-/// A program that is killed when it is dropped.
-struct Program(Child);
+/// A server that is killed when it is dropped.
+struct Program {
+    child: Child,
+    /// Its address for the command line.
+    url: String,
+}
+
+impl Program {
+    fn new(mut child: Child) -> Self {
+        let mut line = String::new();
+        BufReader::new(child.stdout.take().unwrap()).read_line(&mut line).unwrap();
+        let (url, _token) = line.split_once("/?").unwrap();
+        Self { url: url.to_owned(), child }
+    }
+}
 
 impl Drop for Program {
     fn drop(&mut self) {
-        self.0.kill().unwrap_or_default();
-        self.0.wait().unwrap();
+        self.child.kill().unwrap_or_default();
+        self.child.wait().unwrap();
     }
 }
 
@@ -35,13 +48,13 @@ fn station(place: &Place, listen: &str) -> (Program, SocketAddr) {
         "station --state ground --runs ground-runs --bind 127.0.0.1:0 --listen {listen} --link lan"
     );
     let mut station = place.command(&words);
-    let mut child = station.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();
+    let mut child = station.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
     let mut lines = BufReader::new(child.stderr.take().unwrap()).lines().map(Result::unwrap);
     let said = lines.find_map(|line| Some(line.split_once("udp://")?.1.to_owned()));
     let address = said.unwrap().parse().unwrap();
     // Whoever writes to it later is read.
     in_background(move || lines.for_each(drop));
-    (Program(child), address)
+    (Program::new(child), address)
 }
 
 fn robot(place: &Place, station: SocketAddr) -> Program {
@@ -49,7 +62,7 @@ fn robot(place: &Place, station: SocketAddr) -> Program {
         "serve --state robot --runs robot-runs --bind 127.0.0.1:0 --station udp://{station} --link lan"
     );
     let mut robot = place.command(&words);
-    Program(robot.stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap())
+    Program::new(robot.stdout(Stdio::piped()).stderr(Stdio::null()).spawn().unwrap())
 }
 
 fn in_background(work: impl FnOnce() + Send + 'static) {
@@ -189,25 +202,12 @@ fn commands_at_a_station_reach_the_robot() {
     assert_eq!(history(&place, "ground-runs"), history(&place, "robot-runs"));
 }
 
-/// A robot's server with its link, and its address for the command line.
-fn robot_with_address(place: &Place, station: SocketAddr) -> (Program, String) {
-    let words = format!(
-        "serve --state robot --runs robot-runs --bind 127.0.0.1:0 --station udp://{station} --link lan"
-    );
-    let mut robot = place.command(&words);
-    let mut child = robot.stdout(Stdio::piped()).stderr(Stdio::null()).spawn().unwrap();
-    let mut line = String::new();
-    BufReader::new(child.stdout.take().unwrap()).read_line(&mut line).unwrap();
-    let port = line.split(':').nth(2).unwrap().split(|c: char| !c.is_ascii_digit()).next();
-    (Program(child), format!("http://127.0.0.1:{}", port.unwrap()))
-}
-
 #[test]
 fn one_user_commands_a_run_over_its_robot_and_its_station() {
     let place = Place::with(&ticks(1_000_000));
     pair(&place, "scout");
     let (_ground, address) = station(&place, "127.0.0.1:0");
-    let (_robot, server) = robot_with_address(&place, address);
+    let robot = robot(&place, address);
     let run = Run::start(&place, "--runs robot-runs");
     wait_at_station(&place, "Ticks  running");
     let at_station = |command: &str| {
@@ -215,7 +215,8 @@ fn one_user_commands_a_run_over_its_robot_and_its_station() {
         format!("{}{}", told.stdout, told.stderr)
     };
     let at_robot = |wanted: &str| {
-        let asked = place.call(&format!("control last {wanted} --server {server} --state robot"));
+        let asked =
+            place.call(&format!("control last {wanted} --server {} --state robot", robot.url));
         format!("{}{}", asked.stdout, asked.stderr)
     };
     let user = at_station("step-mode");
@@ -244,6 +245,26 @@ fn one_user_commands_a_run_over_its_robot_and_its_station() {
         applied
     "]]
     .assert_eq(&words.collect::<String>());
+}
+
+#[test]
+fn a_stop_that_the_robot_does_not_answer_ends_no_program_at_the_station() {
+    let place = Place::with(&ticks(1_000_000));
+    pair(&place, "scout");
+    let (ground, address) = station(&place, "127.0.0.1:0");
+    let robot = robot(&place, address);
+    let run = Run::start(&place, "--runs robot-runs");
+    wait_at_station(&place, "Ticks  running");
+    drop(robot);
+    let at_station =
+        |words: &str| place.call(&format!("{words} --server {} --state ground", ground.url)).stderr;
+    expect![[r"
+        error: the robot has not answered yet: what was asked is sent to it until it answers or its time is over; ask again with the same id
+    "]]
+    .assert_eq(&at_station("tell last stop"));
+    assert_eq!(at_station("control last show"), "");
+    drop(place.call("tell last stop --runs robot-runs"));
+    drop(run.end());
 }
 
 #[test]
