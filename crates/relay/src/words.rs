@@ -4,6 +4,9 @@ use rafcon_protocol::api::{Control, ControlMove};
 use rafcon_protocol::{AT_ROBOT, AT_STATION, Command, Envelope};
 use serde::{Deserialize, Serialize};
 
+/// So many of those who ask for control are named: the status has to fit into a datagram.
+const REQUESTS_MAX: usize = 4;
+
 /// What a station says. Short names: it has to fit into small datagrams.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(crate) enum StationWord {
@@ -74,6 +77,7 @@ impl RunStands {
         else {
             return Self { fate, ..Self::default() };
         };
+        let requests = requests.into_iter().take(REQUESTS_MAX).collect();
         let is_silent = holder.is_some() && now_ms.saturating_sub(heard_ms) >= silence_ms;
         Self { fate, holder, since_ms, silence_ms, is_silent, requests, offered_to }
     }
@@ -164,6 +168,14 @@ mod tests {
             names,
             ["owner@station", "ana@station", "cy-robot@station", "cy-station@station"]
         );
+    }
+
+    #[test]
+    fn a_status_is_short_however_many_ask_for_control() {
+        let requests = vec!["a".repeat(64); 64];
+        let control = Control { requests, silence_ms: 1, ..Control::default() };
+        let stands = RunStands::of(RunFate::Live, Some(control), 0);
+        assert!(serde_json::to_vec(&stands).expect("words").len() < 400);
     }
 
     #[test]

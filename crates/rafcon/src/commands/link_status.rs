@@ -21,7 +21,7 @@ pub(super) fn link_status(raw: &cli::LinkStatus, environment: &Environment) -> R
     let mut reports = Vec::new();
     for folder in [robot_folder(&state), station_folder(&state)] {
         let read = read_reports(&folder).with_context(|| {
-            format!("the program of the links in {} said no sense", folder.display())
+            format!("cannot read the report of the links in {}: another version of rafcon may run there", folder.display())
         })?;
         reports.extend(read.into_iter().flatten());
     }
