@@ -1,7 +1,7 @@
 //! What happened in a run.
 
 use crate::{NodeId, PathId};
-use rafcon_model::{DataType, OutcomeId, PortId};
+use rafcon_model::{DataType, Loss, OutcomeId, PortId};
 use smol_str::SmolStr;
 use std::num::NonZeroU64;
 use std::sync::Arc;
@@ -83,6 +83,13 @@ pub enum Event<D> {
         /// The outcome.
         outcome: OutcomeId,
     },
+    /// A state is preempted because nobody on the ground was heard for too long.
+    LossRecovery {
+        /// The state.
+        path: PathId,
+        /// By which measure.
+        loss: Loss,
+    },
     /// A state was active when the run was begun again; it has no outcome. Parents come before children.
     Dropped {
         /// The state.
@@ -147,6 +154,8 @@ pub enum HeldBy {
     Breakpoint(u64),
     /// It is where the run, or its branch, begins.
     Start,
+    /// Nobody on the ground was heard for too long.
+    Loss(Loss),
 }
 
 /// How bad a [`Note`] is.

@@ -1,7 +1,7 @@
 //! The inputs of the engine.
 
 use crate::{ActiveStateData, FrameId, Interrupted, Program};
-use rafcon_model::{OutcomeId, StatePath};
+use rafcon_model::{Loss, OutcomeId, StatePath};
 use smol_str::SmolStr;
 use std::sync::Arc;
 
@@ -36,6 +36,8 @@ pub enum Input<D> {
     Unbreak(u64),
     /// Whether anyone is connected. A run begins attended.
     Attended(bool),
+    /// For how long nobody on the ground was heard. A run begins with a ground that was heard just now.
+    Silence(Silence),
     /// Go by this program from now on. States keep their numbers where their paths are the same.
     Change(Change<D>),
     /// The script of a frame ended.
@@ -52,6 +54,31 @@ pub enum Input<D> {
         /// Whether it is true. The error says why it cannot be evaluated, and counts as true.
         result: Result<bool, SmolStr>,
     },
+}
+
+/// For how long a run was left alone, in ms. The driver says so when another of the times has passed that policies of states
+/// ([`rafcon_model::LossPolicy`]) and breakpoints name, and when it is over.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Silence {
+    /// Since the ground was heard.
+    pub link_ms: u64,
+    /// Since someone gave a command.
+    pub command_ms: u64,
+}
+
+impl Silence {
+    /// Whether there is none.
+    pub fn is_over(&self) -> bool {
+        *self == Self::default()
+    }
+
+    /// How long it lasts by one measure.
+    pub fn of(&self, loss: Loss) -> u64 {
+        match loss {
+            Loss::Link => self.link_ms,
+            Loss::Command => self.command_ms,
+        }
+    }
 }
 
 /// How far a step goes.
@@ -206,6 +233,8 @@ pub struct Breakpoint {
     pub scope: Scope,
     /// What happens while no viewer is connected.
     pub unattended: Unattended,
+    /// The same happens once the ground was not heard for so many ms.
+    pub lost_link_ms: Option<u64>,
     /// A disabled one does nothing.
     pub enabled: bool,
 }

@@ -20,8 +20,8 @@ pub use engine::{
 pub use event::{Event, HeldBy, Level, Note, WaitReason};
 pub use ids::{BranchId, FrameId, NodeId, PathId};
 pub use input::{
-    BegunAt, Breakpoint, Change, Counted, Input, Restore, Returned, Scope, ScriptResult, Start,
-    Stopping, Stride, Then, Unattended, When,
+    BegunAt, Breakpoint, Change, Counted, Input, Restore, Returned, Scope, ScriptResult, Silence,
+    Start, Stopping, Stride, Then, Unattended, When,
 };
 pub use program::{Node, Program, UnknownPath};
 pub use values::{Datum, Globals, Literals, ModelLiterals, NoGlobals, failed};

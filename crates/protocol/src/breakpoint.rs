@@ -26,6 +26,9 @@ pub struct Breakpoint {
     /// What happens while no one is connected.
     #[serde(default)]
     pub unattended: Unattended,
+    /// The same happens once nobody on the ground was heard for so many ms; `None`: silence makes no difference.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub lost_link_ms: Option<u64>,
     /// A disabled one does nothing and is kept.
     #[serde(default = "yes")]
     pub enabled: bool,

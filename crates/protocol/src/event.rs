@@ -24,6 +24,22 @@ pub enum HeldBy {
     },
     /// It is where the run, or its branch, begins.
     Start,
+    /// The policy of a state: nobody on the ground was heard for too long.
+    Loss {
+        /// By which measure.
+        loss: Loss,
+    },
+}
+
+/// What a run has lost when nobody commands it any more (`docs/semantics.md`, Lost link).
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
+#[serde(rename_all = "snake_case")]
+pub enum Loss {
+    /// The ground is not heard.
+    Link,
+    /// No command comes.
+    Command,
 }
 
 /// The outcome of a state.
@@ -210,6 +226,20 @@ pub enum Event {
         path: String,
         /// The deadline, in ms from its entry.
         deadline_ms: u64,
+    },
+    /// The ground is silent for as long as the policy of a state, a breakpoint or a question names; or it was heard again.
+    Silence {
+        /// For how long the ground was not heard, in ms; 0: it was heard just now.
+        link_ms: u64,
+        /// For how long no command came, in ms.
+        command_ms: u64,
+    },
+    /// A state is preempted, as its policy says: the silence has lasted too long.
+    LossRecovery {
+        /// The state.
+        path: String,
+        /// By which measure.
+        loss: Loss,
     },
     /// A script did not end within its grace period after it was asked to; the runner ends.
     CutOff {

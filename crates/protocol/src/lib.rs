@@ -27,7 +27,8 @@ pub use bare::{is_about_values, short_error, without_values};
 pub use breakpoint::{Breakpoint, Scope, Unattended, When};
 pub use command::{Answer, Command, Envelope, Expiry, Given};
 pub use event::{
-    ActiveState, Event, HeldBy, Hold, LogLevel, Outcome, Phase, RunStatus, Snapshot, Stream, Values,
+    ActiveState, Event, HeldBy, Hold, LogLevel, Loss, Outcome, Phase, RunStatus, Snapshot, Stream,
+    Values,
 };
 pub use frame::{
     FRAME_HEAD, FrameError, FrameKind, decode, encode, encode_frame, frame_head, read_frame,

@@ -35,6 +35,11 @@ pub enum ToRunner {
         /// The user.
         user: String,
     },
+    /// Whoever carries the run to the ground says when the ground was heard: policies of states count from there.
+    Ground {
+        /// How long ago, in ms; `None`: not since the sender began, which is no news.
+        heard_ms_ago: Option<u64>,
+    },
     /// Are you there?
     Ping {
         /// Named in the answer.

@@ -17,6 +17,9 @@ pub struct Question {
     /// Time to answer from the moment it is asked, in ms; `None`: as long as it takes.
     #[serde(default)]
     pub timeout_ms: Option<u64>,
+    /// Time that the ground may be silent, in ms; then the question closes as if its time were over.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub lost_link_ms: Option<u64>,
     /// The answer when the time is over: of the shape that `form` says.
     #[serde(default)]
     pub default: Option<serde_json::Value>,

@@ -74,6 +74,7 @@ fn breakpoint(id: u64, path: String) -> Breakpoint {
         hit_count: 0,
         scope: Scope::Run,
         unattended: Unattended::Hold,
+        lost_link_ms: None,
         enabled: true,
     }
 }

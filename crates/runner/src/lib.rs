@@ -14,6 +14,7 @@ mod drive {
     pub(crate) mod due;
     pub(crate) mod ending;
     pub(crate) mod error;
+    pub(crate) mod ground;
     pub(crate) mod inquiry;
     pub(crate) mod notes;
     pub(crate) mod past;

@@ -1,6 +1,7 @@
 //! Whole runs on real threads, with scripts of plain Rust: what a state does is said by the first word of its name.
 
 mod changes;
+mod ground;
 mod holding;
 mod keeping;
 mod limits;

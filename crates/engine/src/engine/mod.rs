@@ -19,6 +19,7 @@ mod commands {
     pub(super) mod control;
     pub(super) mod force;
     pub(super) mod resume;
+    pub(super) mod silence;
     pub(super) mod suspend;
 }
 /// A run as others see it: exported, inspected, restored after a crash, and what must always be true of it.
@@ -60,7 +61,8 @@ pub use state::refusal::{ChangeEffect, Command, Refusal, Status};
 pub use state::snapshot::{ActiveState, Activity, Hold};
 
 use crate::{
-    Breakpoint, Counted, Datum, Finish, Globals, Input, NodeId, Outbox, PathId, Program, Stopping,
+    Breakpoint, Counted, Datum, Finish, Globals, Input, NodeId, Outbox, PathId, Program, Silence,
+    Stopping,
 };
 use rafcon_model::StatePath;
 use smol_str::SmolStr;
@@ -158,6 +160,9 @@ impl<D: Datum> Engine<D> {
         self.step(globals, out).take(input)?;
         self.run.turn += 1;
         self.work(globals, out);
+        while self.step(globals, out).preempt_lost() {
+            self.work(globals, out);
+        }
         self.run.control.starting = false;
         Ok(())
     }
@@ -183,6 +188,11 @@ impl<D: Datum> Engine<D> {
     /// The breakpoints by rising id, and how often each was passed.
     pub fn breakpoints(&self) -> impl Iterator<Item = (&Breakpoint, u32)> {
         self.run.control.breakpoints.iter()
+    }
+
+    /// For how long nobody on the ground was heard, as the last input says.
+    pub fn silence(&self) -> Silence {
+        self.run.control.silence
     }
 
     /// What was counted so far: a run that is resumed later continues counting from there.

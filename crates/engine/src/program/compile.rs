@@ -4,14 +4,14 @@ use super::Program;
 use super::defaults::{self, ScopedVariables};
 use super::flows::{ChildWires, wires};
 use super::node::{
-    ABORTED, Body, Concurrency, Content, Exit, Fault, Initial, Inside, Node, PortMap,
+    ABORTED, Body, Concurrency, Content, Exit, Fault, Initial, Inside, LossPolicies, Node, PortMap,
 };
 use super::numbers::Numbers;
 use super::tables::{FlowRange, TablesBuilder};
 use crate::{Datum, Literals, NodeId};
 use rafcon_model::{
-    Container, Kind, Library, LibraryContent, Machine, Outcome, OutcomeId, Ports, RuntimeValues,
-    State, StateId, Target, Transition,
+    Container, Kind, Library, LibraryContent, Loss, LossPolicy, Machine, Outcome, OutcomeId, Ports,
+    RuntimeValues, State, StateId, Target, Transition,
 };
 use smol_str::SmolStr;
 use std::collections::BTreeMap;
@@ -136,6 +136,7 @@ impl<D: Datum> Compiler<'_, D> {
             input_checks: self.tables.checks(&state.inputs),
             output_checks: self.tables.checks(&state.outputs),
             error_input,
+            loss: loss_policies(&state),
             state,
         }
     }
@@ -253,6 +254,12 @@ fn runtime_values(state: &State) -> Option<(&RuntimeValues, &RuntimeValues)> {
         | Kind::Barrier(_)
         | Kind::Preemptive(_) => None,
     }
+}
+
+fn loss_policies(state: &State) -> Option<Box<LossPolicies>> {
+    let [link, command] = Loss::ALL.map(|loss| LossPolicy::of(state, loss));
+    let has_any = link.is_some() || command.is_some();
+    has_any.then(|| Box::new(LossPolicies { link, command }))
 }
 
 /// Nothing if the ports of a library state and of its root are alike.

@@ -2,7 +2,7 @@
 
 use super::tables::{Checks, Exits, FlowRange};
 use crate::NodeId;
-use rafcon_model::{Outcome, OutcomeId, Port, State, StateId};
+use rafcon_model::{Loss, LossPolicy, Outcome, OutcomeId, Port, State, StateId};
 use smol_str::SmolStr;
 use std::sync::Arc;
 
@@ -41,6 +41,15 @@ pub struct Node<D> {
     pub(crate) output_checks: Checks,
     /// The input port with the name `error`.
     pub(crate) error_input: Option<u32>,
+    /// What it does when the ground is lost, if it says so itself.
+    pub(super) loss: Option<Box<LossPolicies>>,
+}
+
+/// The policies that a state has of its own; one that is absent is that of the state around it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub(crate) struct LossPolicies {
+    pub(super) link: Option<LossPolicy>,
+    pub(super) command: Option<LossPolicy>,
 }
 
 /// What a transition leads to.
@@ -230,6 +239,15 @@ impl<D> Node<D> {
     /// Whether it runs a script: an execution state or a decider.
     pub fn is_script(&self) -> bool {
         matches!(self.body, Body::Script)
+    }
+
+    /// What it does when the ground is lost; `None` if the state around it decides.
+    pub fn loss_policy(&self, loss: Loss) -> Option<LossPolicy> {
+        let policies = self.loss.as_deref()?;
+        match loss {
+            Loss::Link => policies.link,
+            Loss::Command => policies.command,
+        }
     }
 
     /// Its input ports; lists of inputs have one entry for each, in this order.

@@ -136,5 +136,6 @@ fn remains<D>(node: &Node<D>) -> Node<D> {
         input_checks: super::Checks::default(),
         output_checks: super::Checks::default(),
         error_input: None,
+        loss: None,
     }
 }

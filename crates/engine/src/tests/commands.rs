@@ -1,6 +1,6 @@
 //! Commands of a run as text, for tests.
 
-use crate::{Breakpoint, Input, Scope, Start, Stride, Then, Unattended, When};
+use crate::{Breakpoint, Input, Scope, Silence, Start, Stride, Then, Unattended, When};
 use rafcon_model::{OutcomeId, StatePath, Value, literal};
 
 /// The command that a line means, if it is one.
@@ -20,6 +20,7 @@ pub(super) fn read(head: &str, rest: &str) -> Option<Input<Value>> {
         "break" => Input::Break(breakpoint(rest)?),
         "unbreak" => Input::Unbreak(rest.parse().ok()?),
         "attended" => Input::Attended(rest.parse().ok()?),
+        "silence" => Input::Silence(silence(rest)?),
         _ => return None,
     })
 }
@@ -62,7 +63,14 @@ fn after<'t>(text: &'t str, word: &str) -> Option<&'t str> {
     text.split(' ').skip_while(|other| *other != word).nth(1)
 }
 
-/// `1 before ROOT/A`, then any of `if x>1`, `count 2`, `run`, `continue`, `stop`, `off`.
+/// `5`: the ground was not heard for so many ms; `command 5`: no command came for so long.
+fn silence(text: &str) -> Option<Silence> {
+    let command_ms = text.strip_prefix("command ").map(str::parse).transpose().ok()?;
+    let link_ms = if command_ms.is_none() { text.parse().ok()? } else { 0 };
+    Some(Silence { link_ms, command_ms: command_ms.unwrap_or_default() })
+}
+
+/// `1 before ROOT/A`, then any of `if x>1`, `count 2`, `run`, `continue`, `stop`, `off`, `lost 5`.
 fn breakpoint(text: &str) -> Option<Breakpoint> {
     let mut words = text.split(' ');
     let id = words.next()?.parse().ok()?;
@@ -83,6 +91,7 @@ fn breakpoint(text: &str) -> Option<Breakpoint> {
         scope: if has("run") { Scope::Run } else { Scope::Branch },
         unattended,
         enabled: !has("off"),
+        lost_link_ms: after(text, "lost").map(|ms| ms.parse().ok()).unwrap_or_default(),
     })
 }
 

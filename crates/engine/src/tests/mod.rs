@@ -13,6 +13,7 @@ mod force;
 mod hierarchy;
 mod library;
 mod life;
+mod lost_link;
 mod outcomes;
 mod preemption;
 mod restore;

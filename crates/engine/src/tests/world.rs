@@ -124,7 +124,9 @@ impl World {
         if let Some(machine) = elsewhere {
             self.program = Arc::new(Program::compile(machine, &mut ModelLiterals));
         }
+        let silence = self.engine.silence();
         self.engine = Engine::new(Arc::clone(&self.program));
+        self.feed(Input::Silence(silence));
         self.running.clear();
         let (how, hold) = how.strip_suffix(" held").map_or((how, false), |how| (how, true));
         let restore = restore(root, interrupted(how), hold);
@@ -236,6 +238,9 @@ impl World {
             }
             Event::Forced { path, outcome } => {
                 format!("force {} {}", self.path(*path), self.outcome(*path, *outcome))
+            }
+            Event::LossRecovery { path, loss } => {
+                format!("{} preempts {}", loss.key(), self.path(*path))
             }
             Event::Dropped { path } => format!("drop {}", self.path(*path)),
             Event::Changed => {

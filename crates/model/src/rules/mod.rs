@@ -85,6 +85,10 @@ rules! {
     Nesting: Error, "put the inner part into a library or remove levels";
     /// Semantic data is a dictionary.
     SemanticData: Error, "put the data under a key";
+    /// A lost-link policy says what happens after how many seconds.
+    LostLink: Note, "write the text continue, or seconds under finish_s, hold_s or recover_s; it is ignored until then";
+    /// What a lost-link policy preempts has a way to go on.
+    LostLinkRecovery: Note, "lead the outcome preempted to the state that recovers";
     /// An execution state has a script; without one it aborts.
     ScriptMissing: Note, "write a script";
     /// A barrier has a decider.

@@ -340,3 +340,28 @@ fn states_that_nothing_reaches_are_noted() {
         "]],
     );
 }
+
+#[test]
+fn lost_link_policies_are_understood_and_lead_on() {
+    check(
+        r#"hierarchy ROOT
+           outcome success
+           start -> AAAAAA
+           AAAAAA.success -> .success ; AAAAAA.preempted -> BBBBBB
+           BBBBBB.success -> .success
+           semantic {"lost_link": {"recover_s": 30}}
+           execution AAAAAA
+             outcome success
+             script ""
+             semantic {"lost_command": {"recover_s": 30}}
+           execution BBBBBB
+             outcome success
+             script ""
+             semantic {"lost_command": {"recover_s": 30}, "lost_link": "go home"}"#,
+        &expect![[r#"
+            Note LostLinkRecovery: ROOT, state: `lost_link` preempts the state, and no transition begins at `preempted`; lead the outcome preempted to the state that recovers
+            Note LostLink: ROOT/BBBBBB, state: the semantic data `lost_link` is not understood; write the text continue, or seconds under finish_s, hold_s or recover_s; it is ignored until then
+            Note LostLinkRecovery: ROOT/BBBBBB, state: `lost_command` preempts the state, and no transition begins at `preempted`; lead the outcome preempted to the state that recovers
+        "#]],
+    );
+}

@@ -7,7 +7,8 @@
         return "success" if answer.label == "yes" else "retry"
 
 Each function asks, waits for the end of the question, and returns what was answered. ``timeout`` is in seconds. When
-the time is over the ``default`` counts; without one, ``TimeoutError`` is raised. If the state is preempted, or the run
+the time is over the ``default`` counts; without one, ``TimeoutError`` is raised. ``lost_link`` is a time in seconds,
+too: the question also ends so once the ground was not heard for that long. If the state is preempted, or the run
 stopped, :class:`~rafcon.core.custom_exceptions.StatePreempted` is raised and the state leaves by *preempted*; a state
 that is preempted already cannot ask.
 
@@ -62,25 +63,25 @@ class Checks(Pressed):
     checked: tuple
 
 
-def ask(message, buttons=("OK",), timeout=None, default=None):
+def ask(message, buttons=("OK",), timeout=None, default=None, lost_link=None):
     """Asks for one of some buttons; returns :class:`Pressed`. ``default`` is the label or the index of a button."""
     buttons = _labels(buttons)
     form = {"type": "buttons", "buttons": buttons}
     answer = None if default is None else {"button": _index(buttons, default)}
-    button, label, timed_out, _answer = _asked(message, form, timeout, answer)
+    button, label, timed_out, _answer = _asked(message, form, (timeout, lost_link), answer)
     return Pressed(button, label, timed_out)
 
 
-def text(message, initial="", buttons=_OK_CANCEL, timeout=None, default=None):
+def text(message, initial="", buttons=_OK_CANCEL, timeout=None, default=None, lost_link=None):
     """Asks for a line of text; returns :class:`Text`. ``default`` is a text, with the first button."""
     form = {"type": "text", "buttons": _labels(buttons), "initial": str(initial)}
     answer = None if default is None else {"button": 0, "text": str(default)}
-    button, label, timed_out, answer = _asked(message, form, timeout, answer)
+    button, label, timed_out, answer = _asked(message, form, (timeout, lost_link), answer)
     return Text(button, label, timed_out, answer["text"])
 
 
 def number(
-    message, minimum=None, maximum=None, initial=None, whole=False, buttons=_OK_CANCEL, timeout=None, default=None
+    message, minimum=None, maximum=None, initial=None, whole=False, buttons=_OK_CANCEL, timeout=None, default=None, lost_link=None
 ):
     """Asks for a number from ``minimum`` to ``maximum``; returns :class:`Number`.
 
@@ -95,11 +96,11 @@ def number(
         "whole": bool(whole),
     }
     answer = None if default is None else {"button": 0, "number": default}
-    button, label, timed_out, answer = _asked(message, form, timeout, answer)
+    button, label, timed_out, answer = _asked(message, form, (timeout, lost_link), answer)
     return Number(button, label, timed_out, int(answer["number"]) if whole else float(answer["number"]))
 
 
-def checks(message, boxes, initial=(), buttons=_OK_CANCEL, timeout=None, default=None):
+def checks(message, boxes, initial=(), buttons=_OK_CANCEL, timeout=None, default=None, lost_link=None):
     """Asks which boxes to tick; returns :class:`Checks`.
 
     ``initial`` and ``default`` are truths, one for each box; ``default`` counts with the first button.
@@ -107,20 +108,23 @@ def checks(message, boxes, initial=(), buttons=_OK_CANCEL, timeout=None, default
     boxes = _labels(boxes)
     form = {"type": "checks", "buttons": _labels(buttons), "boxes": boxes, "initial": _truths(initial)}
     answer = None if default is None else {"button": 0, "checked": _truths(default)}
-    button, label, timed_out, answer = _asked(message, form, timeout, answer)
+    button, label, timed_out, answer = _asked(message, form, (timeout, lost_link), answer)
     return Checks(button, label, timed_out, tuple(answer["checked"]))
 
 
-def _asked(message, form, timeout, default):
+def _asked(message, form, times, default):
     """(index of the button, its label, whether the time was over, the answer)."""
     flush_capture()
-    timeout_ms = None if timeout is None else max(round(float(timeout) * 1000), 0)
+    timeout, lost_link = times
+    timeout_ms, lost_link_ms = (None if time is None else max(round(float(time) * 1000), 0) for time in times)
     default = None if default is None else json.dumps(default)
-    how, answer = native.ask(str(message), json.dumps(form), timeout_ms, default)
+    how, answer = native.ask(str(message), json.dumps(form), timeout_ms, lost_link_ms, default)
     if how == "withdrawn":
         raise StatePreempted("preempted while a question was open")
     if answer is None:
-        raise TimeoutError(f"nobody answered within {timeout} s: {message}")
+        limits = [f"within {timeout} s"] if timeout is not None else []
+        limits += [f"before the ground was silent for {lost_link} s"] if lost_link is not None else []
+        raise TimeoutError(f"nobody answered {' or '.join(limits)}: {message}")
     answer = json.loads(answer)
     return answer["button"], form["buttons"][answer["button"]], how == "timed_out", answer
 

@@ -22,9 +22,9 @@ class Number(Pressed):
 class Checks(Pressed):
     checked: tuple[bool, ...]
 
-def ask(message: str, buttons: Sequence[str] = ("OK",), timeout: float | None = None, default: Any = None) -> Pressed: ...
+def ask(message: str, buttons: Sequence[str] = ("OK",), timeout: float | None = None, default: Any = None, lost_link: float | None = None) -> Pressed: ...
 def text(
-    message: str, initial: str = "", buttons: Sequence[str] = ..., timeout: float | None = None, default: Any = None
+    message: str, initial: str = "", buttons: Sequence[str] = ..., timeout: float | None = None, default: Any = None, lost_link: float | None = None
 ) -> Text: ...
 def number(
     message: str,
@@ -35,6 +35,7 @@ def number(
     buttons: Sequence[str] = ...,
     timeout: float | None = None,
     default: Any = None,
+    lost_link: float | None = None,
 ) -> Number: ...
 def checks(
     message: str,
@@ -43,4 +44,5 @@ def checks(
     buttons: Sequence[str] = ...,
     timeout: float | None = None,
     default: Any = None,
+    lost_link: float | None = None,
 ) -> Checks: ...

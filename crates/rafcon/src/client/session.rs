@@ -116,6 +116,7 @@ impl Session {
             ToRunner::Inspect { id, path } => todo.inspect.push((id, path)),
             ToRunner::Launch(_)
             | ToRunner::Ping { .. }
+            | ToRunner::Ground { .. }
             | ToRunner::MoveControl { .. }
             | ToRunner::Present { .. } => {}
         }

@@ -108,6 +108,7 @@ pub(crate) fn breakpoint(id: u64, text: &str) -> Result<Breakpoint, String> {
         hit_count: 0,
         scope: Scope::Branch,
         unattended: Unattended::Hold,
+        lost_link_ms: None,
         enabled: true,
     })
 }

@@ -25,6 +25,7 @@ fn snapshot(form: Option<Form>) -> Snapshot {
         message: "Is the arm free?".to_owned(),
         form,
         timeout_ms: None,
+        lost_link_ms: None,
         default: None,
     };
     Snapshot {

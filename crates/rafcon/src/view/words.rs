@@ -52,6 +52,12 @@ pub(super) fn notable(event: &Event) -> Option<(&str, LogLevel, String)> {
             LogLevel::Warning,
             format!("missed its deadline of {deadline_ms} ms and is preempted"),
         ),
+        Event::LossRecovery { path, .. } => {
+            (path, LogLevel::Warning, "is preempted: the ground is silent".to_owned())
+        }
+        Event::Held { path, by: HeldBy::Loss { .. }, .. } => {
+            (path, LogLevel::Warning, "paused: the ground is silent".to_owned())
+        }
         Event::CutOff { path, grace_ms } => (
             path,
             LogLevel::Error,

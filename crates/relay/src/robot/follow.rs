@@ -1,6 +1,7 @@
 //! The connection to the runner of a run that continues.
 
 use crate::inbox::Input;
+use crate::meter::millis;
 use rafcon_protocol::{
     Answer, Envelope, FrameKind, Hello, Join, Snapshot, ToRunner, ToViewer, decode, encode,
     read_frame,
@@ -34,6 +35,8 @@ pub(super) enum FromRun {
 #[derive(Debug)]
 pub(super) struct Followed {
     out: UnixStream,
+    /// When the ground was heard last, as the runner knows it; none if it was told nothing yet.
+    ground: Option<Option<Duration>>,
 }
 
 impl Followed {
@@ -57,7 +60,19 @@ impl Followed {
             inbox.send(Input::Other(FromRun::Gone(run))).unwrap_or_default();
         };
         thread::Builder::new().name("run".to_owned()).spawn(follow).ok()?;
-        Some(Self { out })
+        Some(Self { out, ground: None })
+    }
+
+    /// Tells at `now` when the ground was heard last, if that is news.
+    pub(super) fn tell_ground(&mut self, now: Duration, heard: Option<Duration>) {
+        if self.ground == Some(heard) {
+            return;
+        }
+        let heard_ms_ago = heard.map(|heard| millis(now.saturating_sub(heard)));
+        let line = encode(&ToRunner::Ground { heard_ms_ago });
+        if line.is_ok_and(|line| self.out.write_all(&line).is_ok()) {
+            self.ground = Some(heard);
+        }
     }
 
     /// Gives a command; false if the runner is gone.

@@ -72,6 +72,8 @@ pub fn relay_robot(settings: &RobotSettings, stopper: &Stopper) -> Result<(), Re
             relay.runs.look(&mut relay.session);
             relay.session.set_calendar(now, clock::since_1970_ms());
             relay.tell_control();
+            let heard = relay.session.heard_before(now).map(|ago| now.saturating_sub(ago));
+            relay.runs.tell_ground(now, heard);
             reporter.set(vec![relay.report(now)]);
         }
         if now >= keep_at {

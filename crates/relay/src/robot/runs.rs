@@ -217,6 +217,13 @@ impl RobotRuns {
         }
     }
 
+    /// Tells the runners when the ground was heard last: machines say what happens without it.
+    pub(super) fn tell_ground(&mut self, now: Duration, heard: Option<Duration>) {
+        for runner in self.all.values_mut().filter_map(|run| run.runner.as_mut()) {
+            runner.tell_ground(now, heard);
+        }
+    }
+
     /// The id of the run whose events these are.
     pub(super) fn name(&self, events: StreamId) -> Option<&str> {
         self.streams.get(&events).map(String::as_str)

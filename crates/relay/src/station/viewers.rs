@@ -304,7 +304,7 @@ fn heed(
             }
             ToRunner::Ping { id } => Some(shared.pong(id)),
             ToRunner::Inspect { id, path } => Some(ToViewer::Inspection { id, path, data: None }),
-            ToRunner::Join(_) | ToRunner::Launch(_) => None,
+            ToRunner::Join(_) | ToRunner::Launch(_) | ToRunner::Ground { .. } => None,
         };
         if let Some(message) = message {
             shared.send(viewer, encode_frame(&message).map_err(io::Error::other)?);

@@ -78,6 +78,11 @@ impl<S: Scripts> Driver<S> {
             return Err(CommandError::Late);
         }
         match &envelope.command {
+            Command::Control { .. } => {}
+            Command::Stop | Command::Pause | Command::Kill => self.ground_commands_urgently(),
+            _ => self.ground_commands(),
+        }
+        match &envelope.command {
             Command::Kill => self.kill(envelope),
             Command::SetBreakpoint { breakpoint } => self.set_breakpoint(breakpoint)?,
             Command::RemoveBreakpoint { id } => self.remove_breakpoint(*id)?,

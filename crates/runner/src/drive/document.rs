@@ -228,6 +228,7 @@ impl<S: Scripts> Driver<S> {
     pub(crate) fn adopt(&self, core: &Core<S::Value>) {
         let Some(root) = self.document().adopt(core.engine.program()) else { return };
         self.timers().adopt(&root.program);
+        self.look_at_ground_later();
         self.roots().keep(self.record(), &root.machine, &root.what);
         self.scripts().changed(&root.machine, &root.program);
     }

@@ -6,6 +6,7 @@ use crate::drive::core::{Core, InputOutcome, Next};
 use crate::drive::document::Document;
 use crate::drive::ending::{Ending, RunEnd};
 use crate::drive::error::CommandError;
+use crate::drive::ground::Ground;
 use crate::drive::points::Points;
 use crate::drive::pulse::Pulse;
 use crate::drive::questions::Questions;
@@ -36,6 +37,7 @@ pub struct Driver<S: Scripts> {
     points: Points,
     timers: Timers,
     pulse: Pulse,
+    ground: Ground,
     /// Who has paused the run: true if its journal did, and not a command.
     journal_pauses: Mutex<bool>,
     /// Whether there are stand-ins among the values, for which scripts must be looked through.
@@ -68,6 +70,7 @@ impl<S: Scripts> Driver<S> {
             points: Points::default(),
             timers,
             pulse: Pulse::default(),
+            ground: Ground::default(),
             journal_pauses: Mutex::new(false),
             any_lost: AtomicBool::new(false),
             roots: Roots::default(),
@@ -112,6 +115,10 @@ impl<S: Scripts> Driver<S> {
 
     pub(crate) fn points(&self) -> &Points {
         &self.points
+    }
+
+    pub(crate) fn ground(&self) -> &Ground {
+        &self.ground
     }
 
     pub(crate) fn pulse(&self) -> &Pulse {

@@ -3,7 +3,7 @@
 
 use crate::drive::core::Core;
 use crate::drive::ending::RunEnd;
-use crate::places::timers::{Due, TimerAction};
+use crate::places::timers::{Alarm, Due, TimerAction};
 use crate::record::tell;
 use crate::{Driver, Scripts};
 use rafcon_engine::{Input, Refusal};
@@ -16,10 +16,11 @@ pub(crate) const CUT_OFF: i32 = 86;
 
 /// Sees to what comes to its time, until the run is over.
 pub(crate) fn serve<S: Scripts>(driver: &Arc<Driver<S>>) {
-    while let Some(due) = driver.timers().next(driver.clock()) {
-        match due.what {
-            TimerAction::Deadline => driver.deadline_passed(&due),
-            TimerAction::Grace => driver.cut_off(&due),
+    while let Some(alarm) = driver.timers().next(driver.clock()) {
+        match alarm {
+            Alarm::Due(due) if due.what == TimerAction::Deadline => driver.deadline_passed(&due),
+            Alarm::Due(due) => driver.cut_off(&due),
+            Alarm::Silence => driver.look_at_ground(),
         }
     }
 }

@@ -36,7 +36,11 @@ impl<S: Scripts> Driver<S> {
             self.points().list.lock().insert(breakpoint.id, breakpoint.clone());
             tell::told(Event::BreakpointSet { breakpoint: breakpoint.clone() })
         };
-        self.change_points(Input::Break(for_engine(breakpoint)), set)
+        self.change_points(Input::Break(for_engine(breakpoint)), set)?;
+        if breakpoint.lost_link_ms.is_some() {
+            self.look_at_ground_later();
+        }
+        Ok(())
     }
 
     /// Removes a breakpoint.
@@ -78,6 +82,7 @@ fn for_engine(breakpoint: &Breakpoint) -> engine::Breakpoint {
             Unattended::Continue => engine::Unattended::Continue,
             Unattended::Stop => engine::Unattended::Stop,
         },
+        lost_link_ms: breakpoint.lost_link_ms,
         enabled: breakpoint.enabled,
     }
 }

@@ -22,6 +22,8 @@ pub struct Asked {
     pub form: Form,
     /// Time to answer, in ms; `None`: as long as it takes.
     pub timeout_ms: Option<u64>,
+    /// Time that the ground may be silent, in ms; then the question closes as if its time were over.
+    pub lost_link_ms: Option<u64>,
     /// The answer when the time is over.
     pub default: Option<Value>,
 }
@@ -78,7 +80,11 @@ impl<S: Scripts> Driver<S> {
         let timeout = asked.timeout_ms.map(Duration::from_millis);
         let question = self.questions().open(place, asked);
         let id = question.id;
+        let waits_for_ground = question.lost_link_ms.is_some();
         self.record().tell(Event::Asked { question: Box::new(question) });
+        if waits_for_ground {
+            self.look_at_ground_later();
+        }
         let mut end = None;
         let deadline = timeout.and_then(Clock::moment);
         self.scripts().park(&mut || end = Some(self.questions().wait(id, deadline)));
@@ -139,6 +145,27 @@ impl Questions {
         self.withdraw_if(|place| !place.is_active());
     }
 
+    /// The times of silence that open questions name, in ms.
+    pub(crate) fn silences(&self) -> Vec<u64> {
+        if self.count.load(Ordering::Relaxed) == 0 {
+            return Vec::new();
+        }
+        let list = self.list.lock();
+        list.open.values().filter_map(|open| open.question.lost_link_ms).collect()
+    }
+
+    /// The ground was not heard for so many ms: closes what waits for it no longer.
+    pub(crate) fn give_up(&self, silent_ms: u64) {
+        let mut list = self.list.lock();
+        let unanswered = list.open.values_mut().filter(|open| open.end.is_none());
+        for open in unanswered.filter(|open| {
+            open.question.lost_link_ms.is_some_and(|ms| silent_ms > 0 && silent_ms >= ms)
+        }) {
+            open.end = Some(timed_out(&open.question));
+            self.closed.notify_all();
+        }
+    }
+
     /// The run is over.
     pub(crate) fn end(&self) {
         self.list.lock().over = true;
@@ -155,11 +182,11 @@ impl Questions {
     }
 
     fn open(&self, place: &Arc<Place>, asked: Asked) -> Question {
-        let Asked { message, form, timeout_ms, default } = asked;
+        let Asked { message, form, timeout_ms, lost_link_ms, default } = asked;
         let mut list = self.list.lock();
         list.last += 1;
         let (id, path) = (list.last, place.text.to_string());
-        let question = Question { id, path, message, form, timeout_ms, default };
+        let question = Question { id, path, message, form, timeout_ms, lost_link_ms, default };
         let end = (list.over || place.signals.any(PREEMPTED)).then(withdrawn);
         self.count.fetch_add(1, Ordering::Relaxed);
         list.open.insert(id, Open { question: question.clone(), place: Arc::clone(place), end });
@@ -178,13 +205,15 @@ impl Questions {
             }
         }
         self.count.fetch_sub(1, Ordering::Relaxed);
-        list.open.remove(&id).map_or_else(withdrawn, |open| {
-            open.end.unwrap_or_else(|| QuestionEnd {
-                closed: Closed { how: Closing::TimedOut, answer: open.question.default },
-                author: String::new(),
-            })
-        })
+        list.open
+            .remove(&id)
+            .map_or_else(withdrawn, |open| open.end.unwrap_or_else(|| timed_out(&open.question)))
     }
+}
+
+fn timed_out(question: &Question) -> QuestionEnd {
+    let closed = Closed { how: Closing::TimedOut, answer: question.default.clone() };
+    QuestionEnd { closed, author: String::new() }
 }
 
 fn withdrawn() -> QuestionEnd {

@@ -18,8 +18,8 @@ use rafcon_protocol::{
     Answer, Beginning, Command, Crash, Event, Launch, LogLevel, OnCrash, Resume, RunStatus, active,
 };
 use rafcon_storage::journal::{
-    About, Entry, Hash, Journal, JournalError, Kept, Moment, Packed, Place, Reader, Record,
-    ResumePoint,
+    About, Entry, GroundSilence, Hash, Journal, JournalError, Kept, Moment, Packed, Place, Reader,
+    Record, ResumePoint,
 };
 use smol_str::SmolStr;
 use std::fs;
@@ -175,6 +175,9 @@ impl ResumedPast {
         first
             .chain(whole.breakpoints.values())
             .try_for_each(|point| driver.set_breakpoint(point))?;
+        if let Some(GroundSilence { link_ms, command_ms }) = whole.silence {
+            driver.ground_was(rafcon_engine::Silence { link_ms, command_ms });
+        }
         if let Some(from) = &self.from {
             return driver.go_back(&self.reader, from, counted(&self.last), &Order::ours());
         }

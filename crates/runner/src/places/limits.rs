@@ -2,7 +2,7 @@
 //! say; knows nothing of a clock.
 
 use rafcon_engine::{Node, NodeId, Program};
-use rafcon_model::{Json, Kind, LibraryContent, Machine, State};
+use rafcon_model::{Json, Kind, LibraryContent, Loss, LossPolicy, Machine, State, seconds_as_ms};
 use rafcon_protocol::Keeping;
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -11,14 +11,14 @@ use std::sync::Arc;
 const DEADLINE: &str = "deadline_s";
 /// How long a script may continue after it was asked to end, in seconds; that of the root counts for all states.
 const GRACE: &str = "grace_s";
-/// A year is as good as for ever, and fits every clock.
-const SECONDS_MAX: f64 = 365.0 * 86_400.0;
 
 /// What the states of one program say.
 #[derive(Debug, Default)]
 pub(crate) struct Limits {
     /// By node; empty if no state says anything.
     nodes: Vec<Limit>,
+    /// The times of silence that policies name, in ms: of the link, then of commands. Each list rises.
+    silences: [Vec<u64>; 2],
 }
 
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -37,12 +37,18 @@ impl Limits {
         };
         let nodes: Vec<Limit> = program.nodes().map(|(_, node)| limit(node)).collect();
         let any = nodes.iter().any(|limit| *limit != Limit::default());
-        Self { nodes: if any { nodes } else { Vec::new() } }
+        let silences = Loss::ALL.map(|loss| silences(program, loss));
+        Self { nodes: if any { nodes } else { Vec::new() }, silences }
     }
 
-    /// Whether there are none.
+    /// Whether no state has any.
     pub(crate) fn is_empty(&self) -> bool {
         self.nodes.is_empty()
+    }
+
+    /// The times of silence that policies name, in ms: of the link, then of commands. Each list rises.
+    pub(crate) fn silences(&self) -> &[Vec<u64>; 2] {
+        &self.silences
     }
 
     /// The deadline of a state.
@@ -56,31 +62,22 @@ impl Limits {
     }
 }
 
+fn silences<D>(program: &Program<D>, loss: Loss) -> Vec<u64> {
+    let policies = program.nodes().filter_map(|(_, node)| node.loss_policy(loss));
+    let times: BTreeSet<u64> = policies.flat_map(LossPolicy::times).collect();
+    times.into_iter().collect()
+}
+
 fn deadline(state: &State) -> Option<u64> {
-    seconds(entry(state, DEADLINE)?)
+    seconds_as_ms(entry(state, DEADLINE)?)
 }
 
 fn grace(state: &State) -> Option<u64> {
-    seconds(entry(state, GRACE)?)
+    seconds_as_ms(entry(state, GRACE)?)
 }
 
 fn entry<'s>(state: &'s State, key: &str) -> Option<&'s Json> {
     state.semantic_data.as_ref()?.get(key)
-}
-
-/// Seconds as ms: a number, or a text that is one, as the reference's editor writes it.
-fn seconds(json: &Json) -> Option<u64> {
-    let number = match json {
-        Json::Str(text) => text.trim().parse().ok()?,
-        other => other.as_number()?,
-    };
-    let sensible = (0.0..=SECONDS_MAX).contains(&number);
-    #[expect(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "it is between nothing and a year"
-    )]
-    sensible.then_some((number * 1000.0).round() as u64)
 }
 
 /// What cannot be understood, one line each.
@@ -90,7 +87,7 @@ pub(crate) fn faults(machine: &Machine) -> Vec<String> {
     let mut open = vec![(machine.root.id.to_string(), Arc::clone(&machine.root))];
     while let Some((path, state)) = open.pop() {
         for key in [DEADLINE, GRACE] {
-            if entry(&state, key).is_some_and(|json| seconds(json).is_none()) {
+            if entry(&state, key).is_some_and(|json| seconds_as_ms(json).is_none()) {
                 faults.push(format!(
                     "{path}, semantic data \"{key}\": not a number of seconds between 0 and a year; it is ignored"
                 ));

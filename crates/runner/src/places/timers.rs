@@ -10,6 +10,15 @@ use std::collections::{BTreeMap, BinaryHeap};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
+/// What rings.
+#[derive(Debug)]
+pub(crate) enum Alarm {
+    /// Something of a state.
+    Due(Due),
+    /// The ground may be silent for as long as something names.
+    Silence,
+}
+
 /// What has come to its time.
 #[derive(Debug, Clone)]
 pub(crate) struct Due {
@@ -45,6 +54,8 @@ struct Queue {
     /// An entry no later than each alarm; it may be early, as the alarm may have been set anew since.
     times: BinaryHeap<Reverse<(u64, PathId, TimerAction)>>,
     alarms: BTreeMap<(PathId, TimerAction), (u64, Due)>,
+    /// When someone looks how long the ground is silent.
+    silence_at_ns: Option<u64>,
     closed: bool,
 }
 
@@ -89,17 +100,32 @@ impl Timers {
         }
     }
 
+    /// The times of silence that policies name: [`Limits::silences`].
+    pub(crate) fn silences(&self) -> [Vec<u64>; 2] {
+        self.limits.read().silences().clone()
+    }
+
+    /// Someone looks at this time how long the ground is silent; `None`: no one does.
+    pub(crate) fn look_at_silence(&self, at_ns: Option<u64>) {
+        self.queue.lock().silence_at_ns = at_ns;
+        self.changed.notify_all();
+    }
+
     /// Waits for the next thing to come to its time; `None` when nothing more will.
-    pub(crate) fn next(&self, clock: Clock) -> Option<Due> {
+    pub(crate) fn next(&self, clock: Clock) -> Option<Alarm> {
         let mut queue = self.queue.lock();
         loop {
             if queue.closed {
                 return None;
             }
-            if let Some(due) = queue.ring(clock.now_ns()) {
-                return Some(due);
+            let now_ns = clock.now_ns();
+            if let Some(due) = queue.ring(now_ns) {
+                return Some(Alarm::Due(due));
             }
-            match queue.times.peek().and_then(|Reverse((at_ns, ..))| clock.instant(*at_ns)) {
+            if queue.silence_at_ns.take_if(|at_ns| *at_ns <= now_ns).is_some() {
+                return Some(Alarm::Silence);
+            }
+            match queue.next_ns().and_then(|at_ns| clock.instant(at_ns)) {
                 Some(moment) => drop(self.changed.wait_until(&mut queue, moment)),
                 None => self.changed.wait(&mut queue),
             }
@@ -114,6 +140,11 @@ impl Timers {
 }
 
 impl Queue {
+    fn next_ns(&self) -> Option<u64> {
+        let first = self.times.peek().map(|Reverse((at_ns, ..))| *at_ns);
+        [first, self.silence_at_ns].into_iter().flatten().min()
+    }
+
     /// Takes out what is due and still there.
     fn ring(&mut self, now_ns: u64) -> Option<Due> {
         while let Some(&Reverse((at_ns, path, what))) = self.times.peek() {

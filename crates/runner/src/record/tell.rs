@@ -1,7 +1,7 @@
 //! What the engine says, in the words of the protocol. Knows both vocabularies, but not who listens.
 
 use rafcon_engine::{Datum, Engine, Event, HeldBy, Level, Note, PathId, WaitReason};
-use rafcon_model::OutcomeId;
+use rafcon_model::{Loss, OutcomeId};
 use rafcon_protocol as protocol;
 use rafcon_protocol::{LogLevel, Stream};
 use rafcon_storage::journal::{PlaceNumber, Record};
@@ -63,6 +63,10 @@ pub(crate) fn rare<D: Datum>(event: &Event<D>, engine: &Engine<D>) -> Option<Rec
                 id: outcome.0,
                 name: outcome_name(*path, *outcome, engine).unwrap_or_default(),
             },
+        }),
+        Event::LossRecovery { path, loss } => told(protocol::Event::LossRecovery {
+            path: engine.path_text(*path).to_string(),
+            loss: loss_in_protocol(*loss),
         }),
         Event::Dropped { path } => {
             told(protocol::Event::Dropped { path: engine.path_text(*path).to_string() })
@@ -150,6 +154,14 @@ pub(crate) fn held_by(by: HeldBy) -> protocol::HeldBy {
         HeldBy::RunTo => protocol::HeldBy::RunTo,
         HeldBy::Breakpoint(id) => protocol::HeldBy::Breakpoint { id },
         HeldBy::Start => protocol::HeldBy::Start,
+        HeldBy::Loss(loss) => protocol::HeldBy::Loss { loss: loss_in_protocol(loss) },
+    }
+}
+
+fn loss_in_protocol(loss: Loss) -> protocol::Loss {
+    match loss {
+        Loss::Link => protocol::Loss::Link,
+        Loss::Command => protocol::Loss::Command,
     }
 }
 

@@ -29,6 +29,7 @@ fn breakpoint(path: &str, condition: Option<&str>) -> Breakpoint {
         hit_count: 0,
         scope: Scope::Branch,
         unattended: Unattended::Hold,
+        lost_link_ms: None,
         enabled: true,
     }
 }
@@ -122,7 +123,7 @@ fn a_breakpoint_holds_if_its_condition_is_true() {
         |launch| launch.breakpoints = vec![breakpoint("ROOT/B", Some("true"))],
         &[(held, resume())],
         &expect![[r#"
-            BreakpointSet { breakpoint: Breakpoint { id: 1, path: "ROOT/B", when: Before, condition: Some("true"), hit_count: 0, scope: Branch, unattended: Hold, enabled: true } }
+            BreakpointSet { breakpoint: Breakpoint { id: 1, path: "ROOT/B", when: Before, condition: Some("true"), hit_count: 0, scope: Branch, unattended: Hold, lost_link_ms: None, enabled: true } }
             +ROOT
             +ROOT/A
             -ROOT/A=ok
@@ -140,7 +141,7 @@ fn a_breakpoint_holds_if_its_condition_is_true() {
         |launch| launch.breakpoints = vec![breakpoint("ROOT/B", Some("false"))],
         &[],
         &expect![[r#"
-            BreakpointSet { breakpoint: Breakpoint { id: 1, path: "ROOT/B", when: Before, condition: Some("false"), hit_count: 0, scope: Branch, unattended: Hold, enabled: true } }
+            BreakpointSet { breakpoint: Breakpoint { id: 1, path: "ROOT/B", when: Before, condition: Some("false"), hit_count: 0, scope: Branch, unattended: Hold, lost_link_ms: None, enabled: true } }
             +ROOT
             +ROOT/A
             -ROOT/A=ok
@@ -161,7 +162,7 @@ fn a_condition_that_cannot_be_told_holds_and_says_why() {
         |launch| launch.breakpoints = vec![breakpoint("ROOT/B", Some("1 +"))],
         &[(held, resume())],
         &expect![[r#"
-            BreakpointSet { breakpoint: Breakpoint { id: 1, path: "ROOT/B", when: Before, condition: Some("1 +"), hit_count: 0, scope: Branch, unattended: Hold, enabled: true } }
+            BreakpointSet { breakpoint: Breakpoint { id: 1, path: "ROOT/B", when: Before, condition: Some("1 +"), hit_count: 0, scope: Branch, unattended: Hold, lost_link_ms: None, enabled: true } }
             +ROOT
             +ROOT/A
             -ROOT/A=ok

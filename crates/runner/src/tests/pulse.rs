@@ -103,6 +103,7 @@ fn a_breakpoint_is_there_for_the_engine_if_and_only_if_it_is_there_for_viewers()
         hit_count: 1,
         scope: Scope::Branch,
         unattended: Unattended::Hold,
+        lost_link_ms: None,
         enabled: true,
     };
     for _ in 0..500 {

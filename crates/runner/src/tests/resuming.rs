@@ -211,7 +211,7 @@ fn a_run_that_died_before_anything_had_happened_begins_as_it_was_asked_to() {
         held,
         &expect![[r#"
             life 2 after a crash of ROOT/B: Ask
-            BreakpointSet { breakpoint: Breakpoint { id: 1, path: "ROOT/C", when: Before, condition: None, hit_count: 0, scope: Branch, unattended: Hold, enabled: true } }
+            BreakpointSet { breakpoint: Breakpoint { id: 1, path: "ROOT/C", when: Before, condition: None, hit_count: 0, scope: Branch, unattended: Hold, lost_link_ms: None, enabled: true } }
             +ROOT
             +ROOT/A
             -ROOT/A=ok

@@ -87,7 +87,8 @@ impl Cast {
                 place.signals.wait(0, None);
                 plain(Returned::Id(0), Vec::new())
             }
-            "ask" => self.ask(place),
+            "ask" => self.ask(place, None),
+            "consult" => self.ask(place, Some(20)),
             "add" => {
                 let Some(Value::Int(number)) = job.inputs.first() else {
                     return self.failure("there is no number");
@@ -96,6 +97,10 @@ impl Cast {
             }
             "fail" => self.failure(&"no way ".repeat(100)),
             "die" if std::env::var_os(MORTAL).is_some() => std::process::abort(),
+            "alone" if std::env::var_os(MORTAL).is_some() => {
+                self.ask(place, Some(20));
+                std::process::abort()
+            }
             "say" => {
                 self.print(place, LogLevel::Info, "hello".to_owned());
                 self.print(place, LogLevel::Error, "help".to_owned());
@@ -163,12 +168,13 @@ impl Cast {
         ScriptResult { returned: Returned::Id(0), outputs: Vec::new(), error: None }
     }
 
-    fn ask(&self, place: &Arc<Place>) -> ScriptResult<Value> {
+    fn ask(&self, place: &Arc<Place>, lost_link_ms: Option<u64>) -> ScriptResult<Value> {
         let asked = Asked {
             message: "Go on?".to_owned(),
             form: Form::Buttons { buttons: vec!["Yes".to_owned(), "No".to_owned()] },
             timeout_ms: None,
-            default: None,
+            lost_link_ms,
+            default: lost_link_ms.map(|_| serde_json::json!({ "button": 0 })),
         };
         let closed = self.driver().ask(place, asked).unwrap();
         let button = closed.answer.and_then(|answer| answer["button"].as_i64());
@@ -372,10 +378,19 @@ impl RunFixture {
         self.die_after(test, "", &[]);
     }
 
+    /// The same for a run that someone carries to the ground, which is silent.
+    pub(super) fn die_alone(&self, test: &str) {
+        self.die_of(test, &[ToRunner::Ground { heard_ms_ago: None }], ("", &[]));
+    }
+
     /// The same, but what it dies of is that it was given these commands, after an event.
     pub(super) fn die_after(&self, test: &str, after: &str, commands: &[(&str, Command)]) {
+        self.die_of(test, &[], (after, commands));
+    }
+
+    fn die_of(&self, test: &str, first: &[ToRunner], last: (&str, &[(&str, Command)])) {
         if let Some(home) = std::env::var_os(MORTAL) {
-            return Self::die_here(Path::new(&home), after, commands);
+            return Self::die_here(Path::new(&home), first, last);
         }
         let child = std::process::Command::new(std::env::current_exe().unwrap())
             .args(["--exact", test, "--nocapture"])
@@ -385,12 +400,16 @@ impl RunFixture {
         assert_eq!(child.status.code(), None, "{}", String::from_utf8_lossy(&child.stdout));
     }
 
-    fn die_here(home: &Path, after: &str, commands: &[(&str, Command)]) {
+    fn die_here(home: &Path, first: &[ToRunner], last: (&str, &[(&str, Command)])) {
         let launch = launch(home);
         let (ours, theirs) = UnixStream::pair().unwrap();
         let runner = std::thread::Builder::new().spawn(move || serve(theirs, Actors).unwrap());
         let mut viewer = Viewer::new(ours);
         viewer.send(&ToRunner::Launch(launch));
+        for message in first {
+            viewer.send(message);
+        }
+        let (after, commands) = last;
         if !commands.is_empty() {
             viewer.until_text(after);
             for (id, command) in commands {
@@ -575,6 +594,10 @@ fn text(event: &Event) -> String {
             format!("closed {id} {how:?} {answer} by {author}").replace("  ", " ")
         }
         Event::DeadlinePassed { path, deadline_ms } => format!("deadline {path} {deadline_ms} ms"),
+        Event::Silence { link_ms, command_ms } => {
+            format!("silence: link {link_ms} ms, command {command_ms} ms")
+        }
+        Event::LossRecovery { path, loss } => format!("{path} recovers: {loss:?}"),
         Event::CutOff { path, grace_ms } => format!("cut off {path} {grace_ms} ms"),
         Event::Paused { paused } => format!("paused {paused}"),
         Event::Stopping => "stopping".to_owned(),

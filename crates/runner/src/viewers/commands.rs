@@ -70,6 +70,7 @@ impl<S: Scripts> CommandDispatcher<S> {
                 let data = inquiry::state_data(&self.driver, &path);
                 sender.send(&ToViewer::Inspection { id, path, data });
             }
+            Ok(ToRunner::Ground { heard_ms_ago }) => self.driver.ground_heard(heard_ms_ago),
             // Whoever hears has answered it.
             Ok(ToRunner::Ping { .. } | ToRunner::MoveControl { .. } | ToRunner::Present { .. }) => {
             }

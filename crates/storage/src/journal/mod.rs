@@ -20,7 +20,8 @@ pub use compare::compare;
 pub use export::{ExportError, export_csv, export_jsonl, export_mcap, export_mcap_forwards};
 pub use folder::{About, Doing, Full, JournalError, locks, make_folder, run_id, writer_of};
 pub use moment::{
-    ANSWERS_MAX, ActiveStateData, BadMoment, ChildEnd, Moment, ScopedValue, StopRequest, Whole,
+    ANSWERS_MAX, ActiveStateData, BadMoment, ChildEnd, GroundSilence, Moment, ScopedValue,
+    StopRequest, Whole,
 };
 pub use pack::{Hash, Manifest, Pack, Packed};
 pub use read::{

@@ -3,7 +3,7 @@
 use super::places::paths;
 use crate::random::Random;
 use rafcon_engine::{
-    Activity, Breakpoint, Engine, Input, Interrupted, Scope, Start, Status, Stride, Then,
+    Activity, Breakpoint, Engine, Input, Interrupted, Scope, Silence, Start, Status, Stride, Then,
     Unattended, WaitReason, When,
 };
 use rafcon_model::{KindName, Machine, OutcomeId, StateId, StatePath, Value};
@@ -17,6 +17,8 @@ pub(crate) enum Like {
     WaitingChanges,
     Force,
     BeginningAgain,
+    /// The ground is not heard for a while.
+    Silence,
     /// The engine is lost, and another one resumes the run.
     Losses,
     /// States are asked to end.
@@ -40,6 +42,7 @@ impl Mood {
             (Like::WaitingChanges, 70),
             (Like::Force, 50),
             (Like::BeginningAgain, 25),
+            (Like::Silence, 40),
         ];
         Self::among(&chances, random)
     }
@@ -169,6 +172,7 @@ fn while_held(moment: &Moment<'_>, mood: &Mood, random: &mut Random) -> Input<Va
         6 if mood.likes(Like::Breakpoints) => breakpoints(moment, random),
         7 if mood.likes(Like::Force) => force(moment, random),
         8 if mood.likes(Like::BeginningAgain) => Input::Start(start(moment, random)),
+        9 if mood.likes(Like::Silence) => Input::Silence(silence(random)),
         _ => Input::Resume(moment.branch(random)),
     }
 }
@@ -179,6 +183,7 @@ fn while_free(moment: &Moment<'_>, mood: &Mood, random: &mut Random) -> Input<Va
         3 | 4 if mood.likes(Like::Steps) => Input::RunTo(moment.path(random)),
         5..=7 if mood.likes(Like::Breakpoints) => breakpoints(moment, random),
         8 if mood.likes(Like::Force) => Input::Preempt(moment.path(random)),
+        9 if mood.likes(Like::Silence) => Input::Silence(silence(random)),
         _ => Input::Pause,
     }
 }
@@ -237,7 +242,14 @@ fn breakpoints(moment: &Moment<'_>, random: &mut Random) -> Input<Value> {
         scope: if random.percent(70) { Scope::Branch } else { Scope::Run },
         unattended: random.pick(&alone).unwrap_or(Unattended::Hold),
         enabled: random.percent(90),
+        lost_link_ms: random.pick(&[None, Some(10), Some(30)]).flatten(),
     })
+}
+
+/// As long as policies and breakpoints name, or over.
+fn silence(random: &mut Random) -> Silence {
+    let mut ms = || random.pick(&[0, 10, 20, 30]).unwrap_or_default();
+    Silence { link_ms: ms(), command_ms: ms() }
 }
 
 /// A random beginning.

@@ -48,6 +48,10 @@ counts! {
     backward_scripts,
     /// Runs to a state that were held there.
     held_at_targets,
+    /// Branches that policies for a lost link held.
+    held_by_policies,
+    /// States that policies for a lost link preempted.
+    recovered_states,
     /// Breakpoints that held something.
     held_breakpoints,
     /// Breakpoints that were passed and held nothing.

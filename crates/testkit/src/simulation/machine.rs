@@ -11,6 +11,15 @@ pub(crate) const INPUT: &str = "x";
 /// Every state has this output, with the id 1.
 pub(crate) const OUTPUT: &str = "y";
 
+const LOSSES: [&str; 2] = ["lost_link", "lost_command"];
+/// What states do when the ground is lost.
+const POLICIES: [&str; 4] = [
+    "\"continue\"",
+    "{\"finish_s\": 0.01}",
+    "{\"hold_s\": 0.02}",
+    "{\"finish_s\": 0.01, \"recover_s\": 0.02}",
+];
+
 /// What a machine is made of.
 #[derive(Debug)]
 pub(crate) struct Generator<'r> {
@@ -70,6 +79,11 @@ impl Generator<'_> {
         self.line(indent, &format!("out {OUTPUT}: int = 2"));
         if self.random.percent(10) {
             self.line(indent, "in error: object");
+        }
+        if self.random.percent(15) {
+            let key = LOSSES[self.random.below(LOSSES.len())];
+            let policy = POLICIES[self.random.below(POLICIES.len())];
+            self.line(indent, &format!("semantic {{\"{key}\": {policy}}}"));
         }
     }
 

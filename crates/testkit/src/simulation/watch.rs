@@ -161,11 +161,16 @@ impl Watch {
             }
             Event::Held { by, .. } => {
                 self.counts.held_at_targets += u64::from(*by == HeldBy::RunTo);
+                self.counts.held_by_policies += u64::from(matches!(by, HeldBy::Loss(_)));
                 Ok(())
             }
             Event::Forced { .. } => {
                 self.counts.forced_outcomes += 1;
                 Ok(())
+            }
+            Event::LossRecovery { path, .. } => {
+                self.counts.recovered_states += 1;
+                promise(self.active.contains(path), "a state is to recover that is not active")
             }
             Event::Changed => {
                 self.changed = true;

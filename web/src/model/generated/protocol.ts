@@ -43,6 +43,8 @@ export type Breakpoint = {
   scope: Scope,
   /** What happens while no one is connected. */
   unattended: Unattended,
+  /** The same happens once nobody on the ground was heard for so many ms; `None`: silence makes no difference. */
+  lost_link_ms?: number | null,
   /** A disabled one does nothing and is kept. */
   enabled: boolean, };
 
@@ -612,7 +614,15 @@ export type Event = { "type": "entered",
   /** The state. */
   path: string,
   /** The deadline, in ms from its entry. */
-  deadline_ms: number, } | { "type": "cut_off",
+  deadline_ms: number, } | { "type": "silence",
+  /** For how long the ground was not heard, in ms; 0: it was heard just now. */
+  link_ms: number,
+  /** For how long no command came, in ms. */
+  command_ms: number, } | { "type": "loss_recovery",
+  /** The state. */
+  path: string,
+  /** By which measure. */
+  loss: Loss, } | { "type": "cut_off",
   /** The state. */
   path: string,
   /** The grace period, in ms. */
@@ -814,7 +824,9 @@ export type Health = {
 /** What holds a branch. */
 export type HeldBy = { "type": "pause" } | { "type": "step" } | { "type": "run_to" } | { "type": "breakpoint",
   /** Its id. */
-  id: number, } | { "type": "start" };
+  id: number, } | { "type": "start" } | { "type": "loss",
+  /** By which measure. */
+  loss: Loss, };
 
 /** One event of a run's history. */
 export type HistoryEntry = {
@@ -1032,6 +1044,9 @@ export type Login = {
   user: string,
   /** The password. */
   password: string, };
+
+/** What a run has lost when nobody commands it any more (`docs/semantics.md`, Lost link). */
+export type Loss = "link" | "command";
 
 /** Opens the machine in a folder. */
 export type MachineAt = {
@@ -1373,6 +1388,8 @@ export type Question = {
   form: Form,
   /** Time to answer from the moment it is asked, in ms; `None`: as long as it takes. */
   timeout_ms: number | null,
+  /** Time that the ground may be silent, in ms; then the question closes as if its time were over. */
+  lost_link_ms?: number | null,
   /** The answer when the time is over: of the shape that `form` says. */
   default: JsonValue | null, };
 

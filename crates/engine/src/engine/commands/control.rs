@@ -8,7 +8,7 @@ use crate::{Datum, Effect, Event, Input, Stride, When};
 /// Whether a command is legal in a status. The same rows stand in `docs/semantics.md`.
 fn is_legal(status: Status, command: Command) -> bool {
     match command {
-        Command::Attended => true,
+        Command::Attended | Command::Silence => true,
         Command::Break | Command::Unbreak | Command::Change => status != Status::Finished,
         Command::Start | Command::Restore => match status {
             Status::Idle | Status::Running | Status::Paused | Status::Stepping => true,
@@ -53,6 +53,7 @@ impl<D: Datum> Step<'_, D> {
             Input::StepMode => self.step_mode(),
             Input::Break(breakpoint) => self.run.control.breakpoints.set(breakpoint),
             Input::Attended(attended) => self.attend(attended),
+            Input::Silence(silence) => self.set_silence(silence),
         }
         Ok(())
     }
@@ -115,6 +116,7 @@ fn command<D>(input: &Input<D>) -> Option<Command> {
         Input::Break(_) => Command::Break,
         Input::Unbreak(_) => Command::Unbreak,
         Input::Attended(_) => Command::Attended,
+        Input::Silence(_) => Command::Silence,
         Input::Change(_) => Command::Change,
     })
 }
@@ -149,6 +151,7 @@ mod tests {
             Command::Break,
             Command::Unbreak,
             Command::Attended,
+            Command::Silence,
             Command::Change,
         ];
         let mark = |legal: bool| if legal { " taken |" } else { " – |" };
@@ -171,6 +174,7 @@ mod tests {
             | set a breakpoint | taken | taken | taken | taken | taken | – |
             | remove a breakpoint | taken | taken | taken | taken | taken | – |
             | note whether a viewer is connected | taken | taken | taken | taken | taken | taken |
+            | note how long the ground is silent | taken | taken | taken | taken | taken | taken |
             | change the machine | taken | taken | taken | taken | taken | – |
         "]]
         .assert_eq(&rows.concat());

@@ -150,20 +150,27 @@ impl<D: Datum> Step<'_, D> {
         }
     }
 
-    /// The last viewer has gone: what breakpoints hold continues or stops, as each breakpoint says.
+    /// Someone is connected, or no one any more.
     pub(in crate::engine) fn attend(&mut self, attended: bool) {
-        use crate::Unattended::{Continue, Stop};
         self.run.control.attended = attended;
-        let running = matches!(self.run.status, Status::Running | Status::Paused);
-        if attended || !running {
+        if !attended {
+            self.leave_alone();
+        }
+    }
+
+    /// What breakpoints hold that no one attends to continues or stops, as each breakpoint says.
+    pub(in crate::engine) fn leave_alone(&mut self) {
+        use crate::Unattended::{Continue, Stop};
+        if !matches!(self.run.status, Status::Running | Status::Paused) {
             return;
         }
-        let alone = |id| self.run.control.breakpoints.get(id).map(|found| found.unattended);
+        let control = &self.run.control;
+        let alone = |id| control.breakpoints.get(id).map(|found| control.unattended(found));
         let of = |hold: &SuspendedBranch<D>| match hold.why {
             SuspendReason::Held { by: crate::HeldBy::Breakpoint(id), .. } => alone(id),
             SuspendReason::Held { .. } | SuspendReason::Checking { .. } => None,
         };
-        let paused_by = self.run.control.paused_by.and_then(alone);
+        let paused_by = control.paused_by.and_then(alone);
         let held = self.view().held(None);
         if paused_by == Some(Stop) || held.iter().any(|hold| of(hold) == Some(Stop)) {
             return self.stop();

@@ -28,6 +28,18 @@ impl<D: Datum> Step<'_, D> {
         self.run.is_free() || self.passes_gates(spot, branch, false)
     }
 
+    /// The same behind what had ended when the run was lost: breakpoints counted there already.
+    pub(in crate::engine) fn passes_again(&mut self, spot: StopPoint, branch: BranchId) -> bool {
+        if self.run.is_free()
+            || self.run.status == Status::Stopping
+            || self.view().ends_anyway(spot)
+        {
+            return true;
+        }
+        let (rest, held) = (Vec::new(), None);
+        self.ask(BreakpointScan { spot, branch, modes: true, rest, held, stops: false, was: None })
+    }
+
     fn passes_gates(&mut self, spot: StopPoint, branch: BranchId, modes: bool) -> bool {
         if self.run.status == Status::Stopping || self.view().ends_anyway(spot) {
             return true;
@@ -78,15 +90,16 @@ impl<D: Datum> Step<'_, D> {
             return false;
         }
         let by = inquiry.held.or_else(|| self.held_otherwise(inquiry));
+        let by = by.or_else(|| self.held_by_loss(inquiry));
         by.inspect(|by| self.hold(spot, branch, *by)).is_none()
     }
 
     /// A breakpoint is passed.
     fn hit(&mut self, inquiry: &mut BreakpointScan<D>, id: u64) {
-        let attended = self.run.control.attended;
+        let found = self.run.control.breakpoints.get(id);
+        let Some(alone) = found.map(|found| self.run.control.unattended(found)) else { return };
         let Some((hits, breakpoint)) = self.run.control.breakpoints.hit(id) else { return };
         let (scope, counts) = (breakpoint.scope, hits >= breakpoint.hit_count);
-        let alone = if attended { Unattended::Hold } else { breakpoint.unattended };
         let held = counts && alone == Unattended::Hold;
         let path = self.spot_path(inquiry.spot);
         self.out.events.push(Event::Hit { breakpoint: id, path, hits, held });
@@ -107,6 +120,13 @@ impl<D: Datum> Step<'_, D> {
             }
             Scope::Run => {}
         }
+    }
+
+    /// A policy holds its branch, or does not.
+    fn held_by_loss(&mut self, inquiry: &BreakpointScan<D>) -> Option<HeldBy> {
+        let loss = self.view().loss_at(inquiry.spot).filter(|_| inquiry.modes)?;
+        self.step_from(inquiry.spot.parent, inquiry.branch);
+        Some(HeldBy::Loss(loss))
     }
 
     /// From now on this branch goes step by step, also where a step over or out of a frame was under way.

@@ -4,7 +4,9 @@
 use crate::engine::state::frames::{Children, Ended, NONE, Seed, Slot};
 use crate::engine::state::phase::Phase;
 use crate::engine::state::step::{Step, View, Work};
+use crate::engine::state::suspended::StopPoint;
 use crate::engine::state::undo_log::EndedRun;
+use crate::engine::stepping::concurrency::all_but_decider;
 use crate::engine::{Command, Refusal, Status};
 use crate::program::{ABORTED, Body, Concurrency, Content, Inside};
 use crate::{
@@ -259,7 +261,11 @@ impl<'s, D: Datum> Step<'s, D> {
     fn resume_hierarchy(&mut self, slot: u32) {
         let frame = self.run.frames.get_mut(slot);
         frame.phase = Phase::Child;
-        if !frame.children.any_active() {
+        if frame.children.any_active() {
+            return;
+        }
+        let (branch, last) = (frame.branch, frame.last);
+        if last.is_none_or(|(child, _)| self.passes_again(StopPoint::after(slot, child), branch)) {
             self.advance_later(slot);
         }
     }
@@ -288,6 +294,11 @@ impl<'s, D: Datum> Step<'s, D> {
         let decides = kind.decider().is_some_and(|decider| children.active(decider).is_some());
         frame.phase =
             if decides || frame.last.is_some() { Phase::Deciding } else { Phase::Branches };
+        if frame.phase == Phase::Branches && matches!(kind, Concurrency::Barrier(_)) {
+            self.hold_ended_again(slot, kind, inside);
+        }
+        let frame = self.run.frames.get(slot);
+        let Some(children) = frame.children.side_by_side() else { return };
         if children.open == 0 && !decides {
             return match kind {
                 Concurrency::Preemptive if inside.children.is_empty() && !frame.preempted => {
@@ -305,6 +316,25 @@ impl<'s, D: Datum> Step<'s, D> {
         let begin: Vec<_> = begin.filter(waits).collect();
         let enter = begin.into_iter().map(|child| Work::Enter { parent: slot, child });
         self.run.work.extend(enter);
+    }
+
+    /// Branches of a barrier that had ended: one that is held behind its end counts once it is let go.
+    fn hold_ended_again(&mut self, slot: u32, kind: Concurrency, inside: &'s Inside<D>) {
+        for child in all_but_decider(kind, inside) {
+            let children = self.run.frames.get(slot).children.side_by_side();
+            let has_ended = children.is_some_and(|children| children.ended(child).is_some());
+            let spot = StopPoint::after(slot, child);
+            if !has_ended || self.view().loss_at(spot).is_none() {
+                continue;
+            }
+            let branch = self.fork(slot);
+            if let Some(children) = self.run.frames.get_mut(slot).children.side_by_side_mut() {
+                children.open += 1;
+            }
+            if self.passes_again(spot, branch) {
+                self.branch_done(slot, child, branch);
+            }
+        }
     }
 }
 

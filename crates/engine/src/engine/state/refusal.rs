@@ -51,6 +51,8 @@ pub enum Command {
     Unbreak,
     /// [`crate::Input::Attended`]
     Attended,
+    /// [`crate::Input::Silence`]
+    Silence,
     /// [`crate::Input::Restore`]
     Restore,
     /// [`crate::Input::Recover`]
@@ -257,6 +259,7 @@ impl fmt::Display for Command {
             Self::Break => "set a breakpoint",
             Self::Unbreak => "remove a breakpoint",
             Self::Attended => "note whether a viewer is connected",
+            Self::Silence => "note how long the ground is silent",
             Self::Restore => "restore the run",
             Self::Recover => "recover",
             Self::Change => "change the machine",

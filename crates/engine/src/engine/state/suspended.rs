@@ -2,8 +2,7 @@
 
 use crate::engine::state::breakpoints::Breakpoints;
 use crate::engine::state::frames::NONE;
-use crate::{BranchId, Datum, HeldBy, PathId, Then, When};
-
+use crate::{BranchId, Breakpoint, Datum, HeldBy, PathId, Silence, Then, Unattended, When};
 use rafcon_model::{OutcomeId, StatePath};
 use std::sync::Arc;
 
@@ -105,6 +104,8 @@ pub(in crate::engine) struct Control<D> {
     /// The state that the run is to come to.
     pub(in crate::engine) run_to: Option<StatePath>,
     pub(in crate::engine) attended: bool,
+    /// For how long nobody on the ground was heard.
+    pub(in crate::engine) silence: Silence,
     /// The run was begun in this answer, and is held where it begins.
     pub(in crate::engine) starting: bool,
     /// The place that the run was begun at, and what happens once it was left.
@@ -126,6 +127,7 @@ impl<D: Datum> Control<D> {
             breakpoints: Breakpoints::default(),
             run_to: None,
             attended: true,
+            silence: Silence::default(),
             starting: false,
             then: None,
             stop_next: false,
@@ -144,6 +146,14 @@ impl<D: Datum> Control<D> {
             && self.then.is_none()
             && !self.starting
             && !self.stop_next
+            && self.silence.is_over()
+    }
+
+    /// What a breakpoint does now: it holds while someone attends to it.
+    pub(in crate::engine) fn unattended(&self, breakpoint: &Breakpoint) -> Unattended {
+        let silent_ms = self.silence.link_ms;
+        let is_lost = breakpoint.lost_link_ms.is_some_and(|ms| silent_ms > 0 && silent_ms >= ms);
+        if self.attended && !is_lost { Unattended::Hold } else { breakpoint.unattended }
     }
 
     /// The run begins again: nothing is left of where it was to go.

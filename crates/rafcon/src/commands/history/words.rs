@@ -3,7 +3,8 @@
 use crate::commands::kept::span;
 use crate::view::{Style, TextLine, harmless, outcome_style, shown};
 use rafcon_protocol::{
-    Answer, Breakpoint, Closing, Command, Event, HeldBy, LogLevel, OnCrash, Outcome, Values, When,
+    Answer, Breakpoint, Closing, Command, Event, HeldBy, LogLevel, Loss, OnCrash, Outcome, Values,
+    When,
 };
 use rafcon_storage::journal::Found;
 use serde_json::Value;
@@ -99,6 +100,9 @@ fn rest(event: &Event) -> TextLine {
         Event::DeadlinePassed { deadline_ms, .. } => {
             (Style::Bad, format!("missed its deadline of {deadline_ms} ms"))
         }
+        Event::LossRecovery { loss, .. } => {
+            (Style::Bad, format!("preempted, {}", reason_of_loss(*loss)))
+        }
         Event::CutOff { grace_ms, .. } => {
             (Style::Bad, format!("did not end within {grace_ms} ms; the script was cut off"))
         }
@@ -143,6 +147,15 @@ fn of_the_run(event: &Event) -> (Style, String) {
             let text = format!("resumed by runner {life}: {reason}; interrupted scripts {policy}");
             (Style::Warning, text)
         }
+        Event::Silence { link_ms: 0, command_ms: 0 } => {
+            (Style::Plain, "the ground is heard".to_owned())
+        }
+        Event::Silence { link_ms, command_ms } => {
+            let text = format!(
+                "the ground is silent: not heard for {link_ms} ms, no command for {command_ms} ms"
+            );
+            (Style::Warning, text)
+        }
         Event::Damaged { what, .. } => (Style::Bad, format!("damaged: {what}")),
         Event::Thinned { before } => {
             (Style::Dim, format!("details before event {before} were deleted"))
@@ -169,6 +182,14 @@ fn reason_of_hold(by: HeldBy) -> String {
         HeldBy::RunTo => ", target state reached".to_owned(),
         HeldBy::Breakpoint { id } => format!(", breakpoint {id}"),
         HeldBy::Start => ", start of the run".to_owned(),
+        HeldBy::Loss { loss } => format!(", {}", reason_of_loss(loss)),
+    }
+}
+
+fn reason_of_loss(loss: Loss) -> &'static str {
+    match loss {
+        Loss::Link => "the ground is not heard",
+        Loss::Command => "no command comes",
     }
 }
 

@@ -320,6 +320,7 @@ impl<'s, 'p> Client<'s, 'p> {
             hit_count: u32::try_from(self.dice.roll(20)).unwrap(),
             scope: Scope::default(),
             unattended: Unattended::default(),
+            lost_link_ms: None,
             enabled: true,
         }
     }

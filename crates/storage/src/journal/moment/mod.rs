@@ -12,7 +12,7 @@ pub use active_state::{ActiveStateData, ChildEnd, ScopedValue};
 pub use bytes::BadMoment;
 pub(super) use bytes::{values_in, without_values};
 pub(in crate::journal) use tracker::{Keyframe, Tracker};
-pub use whole::{ANSWERS_MAX, StopRequest, Whole};
+pub use whole::{ANSWERS_MAX, GroundSilence, StopRequest, Whole};
 
 use crate::journal::record::{Definition, Kept, PlaceNumber, Places, Record};
 use inside::{End, Inside};

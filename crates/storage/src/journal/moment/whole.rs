@@ -37,9 +37,21 @@ pub struct Whole {
     /// The request to stop, if there was one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub stop: Option<StopRequest>,
+    /// For how long the ground is silent; none if the run has no ground.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub silence: Option<GroundSilence>,
     /// The latest commands by id, with their answers: a runner executes none of them again.
     #[serde(default, skip_serializing_if = "VecDeque::is_empty")]
     pub answers: VecDeque<(String, Answer)>,
+}
+
+/// For how long the ground is silent, as policies, breakpoints and questions name it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub struct GroundSilence {
+    /// Since it was heard, in ms.
+    pub link_ms: u64,
+    /// Since the last command, in ms.
+    pub command_ms: u64,
 }
 
 /// A request to stop the run.
@@ -67,6 +79,7 @@ impl Default for Whole {
             held: Vec::new(),
             waiting: BTreeMap::new(),
             stop: None,
+            silence: None,
             answers: VecDeque::new(),
         }
     }
@@ -103,7 +116,7 @@ impl Whole {
     fn hold(&mut self, holding: Holding) {
         match holding.by {
             HeldBy::Step | HeldBy::RunTo | HeldBy::Start => self.steps(),
-            HeldBy::Pause | HeldBy::Breakpoint { .. } => {}
+            HeldBy::Pause | HeldBy::Breakpoint { .. } | HeldBy::Loss { .. } => {}
         }
         self.held.retain(|held| (&held.path, &held.next) != (&holding.path, &holding.next));
         self.held.push(holding);
@@ -176,7 +189,13 @@ impl Moment {
                     self.preempt(path);
                 }
             }
-            Event::DeadlinePassed { path, .. } => self.preempt(path),
+            Event::DeadlinePassed { path, .. } | Event::LossRecovery { path, .. } => {
+                self.preempt(path);
+            }
+            Event::Silence { link_ms, command_ms } => {
+                let (link_ms, command_ms) = (*link_ms, *command_ms);
+                whole.silence = Some(GroundSilence { link_ms, command_ms });
+            }
             Event::Asked { question } => {
                 whole.questions.insert(question.id, (**question).clone());
             }

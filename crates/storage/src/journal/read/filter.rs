@@ -145,6 +145,7 @@ pub fn path_of(event: &Event) -> &str {
         | Event::Dropped { path }
         | Event::ChangeWaits { path, .. }
         | Event::DeadlinePassed { path, .. }
+        | Event::LossRecovery { path, .. }
         | Event::CutOff { path, .. }
         | Event::Log { path, .. }
         | Event::Waiting { path, .. } => path,
@@ -169,7 +170,7 @@ pub fn kind(record: &Record) -> &'static str {
 }
 
 /// All kinds of events.
-pub const KINDS: [&str; 27] = [
+pub const KINDS: [&str; 29] = [
     "entered",
     "left",
     "scoped",
@@ -187,6 +188,8 @@ pub const KINDS: [&str; 27] = [
     "asked",
     "closed",
     "deadline_passed",
+    "silence",
+    "loss_recovery",
     "cut_off",
     "resumed",
     "went_back",
@@ -219,6 +222,8 @@ pub fn kind_of(event: &Event) -> &'static str {
         Event::Asked { .. } => "asked",
         Event::Closed { .. } => "closed",
         Event::DeadlinePassed { .. } => "deadline_passed",
+        Event::Silence { .. } => "silence",
+        Event::LossRecovery { .. } => "loss_recovery",
         Event::CutOff { .. } => "cut_off",
         Event::Resumed { .. } => "resumed",
         Event::WentBack { .. } => "went_back",

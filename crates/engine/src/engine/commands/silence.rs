@@ -1,0 +1,117 @@
+//! What happens when nobody on the ground is heard any more: policies of states hold branches and preempt states
+//! (`docs/semantics.md`, Lost link). Knows how long the silence lasts, but no clock.
+
+use crate::engine::Status;
+use crate::engine::state::frames::NONE;
+use crate::engine::state::step::{Step, View};
+use crate::engine::state::suspended::StopPoint;
+use crate::program::{Body, Concurrency};
+use crate::{Datum, Event, HeldBy, Program, Silence, When};
+use rafcon_model::{Loss, LossPolicy};
+
+impl<D: Datum> Step<'_, D> {
+    /// Goes by this silence from now on. What is held stays held when it is over, until someone commands otherwise.
+    pub(in crate::engine) fn set_silence(&mut self, silence: Silence) {
+        self.run.control.silence = silence;
+        if !silence.is_over() {
+            self.leave_alone();
+        }
+    }
+
+    /// Preempts a state that the silence has lasted too long for; false if there is none.
+    pub(in crate::engine) fn preempt_lost(&mut self) -> bool {
+        if self.run.control.silence.is_over() {
+            return false;
+        }
+        let Some((slot, loss)) = self.view().lost() else { return false };
+        let path = self.run.frames.get(slot).path;
+        self.out.events.push(Event::LossRecovery { path, loss });
+        let frames = self.run.frames.below(slot);
+        self.free_lost(&frames);
+        self.preempt(&frames);
+        true
+    }
+
+    /// Branches that policies hold in these frames go step by step no longer: what recovers is not held.
+    fn free_lost(&mut self, frames: &[u32]) {
+        let holds = self.run.control.holds.iter();
+        let lost = holds.filter(|hold| matches!(hold.by(), Some(HeldBy::Loss(_))));
+        for hold in lost.filter(|hold| frames.contains(&hold.spot.parent)) {
+            self.run.branches.set(hold.branch, false);
+        }
+    }
+}
+
+impl<D: Datum> View<'_, '_, D> {
+    /// By which loss a branch is held at a spot: before a state that may not begin, or after one that was to end first.
+    pub(in crate::engine) fn loss_at(&self, spot: StopPoint) -> Option<Loss> {
+        if self.run.control.silence.is_over() || !spot.is_root() && self.is_decider(spot) {
+            return None;
+        }
+        Loss::ALL.into_iter().find(|loss| match spot.when {
+            When::Before => {
+                let policy = self.own_policy_at(spot, *loss);
+                let policy = policy.or_else(|| self.policy_around(spot.parent, *loss));
+                policy.is_some_and(|policy| {
+                    self.is_over(policy.hold_ms, *loss) || self.is_over(policy.recover_ms, *loss)
+                })
+            }
+            When::After => {
+                let may_hold = !spot.is_root() && !self.is_racer(spot);
+                let policy = self.own_policy_at(spot, *loss).filter(|_| may_hold);
+                policy.is_some_and(|policy| self.is_over(policy.finish_ms, *loss))
+            }
+        })
+    }
+
+    /// Whether a branch of a race ends here: held, it would win later, and the others would continue.
+    fn is_racer(&self, spot: StopPoint) -> bool {
+        matches!(self.body(spot.parent), Body::Concurrency(Concurrency::Preemptive, _))
+    }
+
+    /// The outermost state that the silence has lasted too long for, unless a state in it has a policy of its own.
+    fn lost(&self) -> Option<(u32, Loss)> {
+        if !matches!(self.run.status, Status::Running | Status::Paused) {
+            return None;
+        }
+        let lost = |slot| Loss::ALL.into_iter().find(|loss| self.is_lost(slot, *loss));
+        self.active().into_iter().find_map(|slot| Some((slot, lost(slot)?)))
+    }
+
+    fn is_lost(&self, slot: u32, loss: Loss) -> bool {
+        let own = |slot: u32| self.program.node(self.run.frames.get(slot).node).loss_policy(loss);
+        let recover_ms = own(slot).and_then(|policy| policy.recover_ms);
+        self.is_over(recover_ms, loss)
+            && !self.run.frames.get(slot).preempted
+            && !self.run.frames.below(slot).into_iter().skip(1).any(|inner| own(inner).is_some())
+    }
+
+    fn is_over(&self, time_ms: Option<u64>, loss: Loss) -> bool {
+        let silent_ms = self.run.control.silence.of(loss);
+        time_ms.is_some_and(|time_ms| silent_ms > 0 && silent_ms >= time_ms)
+    }
+
+    /// The policy that the state of a spot has of its own.
+    fn own_policy_at(&self, spot: StopPoint, loss: Loss) -> Option<LossPolicy> {
+        if spot.is_root() {
+            return self.program.node(Program::<D>::ROOT).loss_policy(loss);
+        }
+        let around = self.program.node(self.run.frames.get(spot.parent).node);
+        let child = around.child(usize::try_from(spot.child).ok()?)?;
+        self.program.node(child).loss_policy(loss)
+    }
+
+    /// The policy of an active state: its own, or that of the next state around it that has one.
+    fn policy_around(&self, slot: u32, loss: Loss) -> Option<LossPolicy> {
+        let mut next = slot;
+        while next != NONE {
+            let frame = self.run.frames.get(next);
+            let policy = self.program.node(frame.node).loss_policy(loss);
+            if policy.is_some() {
+                return policy;
+            }
+            next = frame.parent;
+        }
+        None
+    }
+}

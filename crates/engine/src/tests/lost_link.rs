@@ -1,0 +1,557 @@
+//! Lost link: what policies of states hold and preempt, and what they leave alone.
+
+use super::{check, check_change};
+use expect_test::expect;
+
+const DRIVE: &str = r#"
+hierarchy ROOT
+  outcome done
+  start -> DRIVE ; DRIVE.ok -> SAMPLE ; SAMPLE.ok -> .done
+  semantic {"lost_link": {"hold_s": 0.03}}
+  execution DRIVE
+    outcome ok
+  hierarchy SAMPLE
+    outcome ok
+    start -> A ; A.ok -> B ; B.ok -> .ok
+    semantic {"instrument": "drill"}
+    execution A
+      outcome ok
+    execution B
+      outcome ok
+"#;
+
+/// The machine with this policy of the state SAMPLE.
+fn sample(policy: &str) -> String {
+    DRIVE.replace(r#""instrument": "drill""#, &format!("\"lost_link\": {policy}"))
+}
+
+#[test]
+fn no_state_begins_that_is_to_be_held() {
+    check(
+        DRIVE,
+        "start; silence 29; silence 30; DRIVE ok; active; silence 0; resume; A ok",
+        &expect![[r"
+        > start
+        enter ROOT
+        enter ROOT/DRIVE
+          run ROOT/DRIVE
+        > silence 29
+        > silence 30
+        > DRIVE ok
+        leave ROOT/DRIVE ok
+        hold ROOT before ROOT/SAMPLE (Loss(Link))
+        > active
+        ROOT Held (Loss(Link) before ROOT/SAMPLE)
+        Stepping, 2 states run
+        > silence 0
+        > resume
+        enter ROOT/SAMPLE
+        enter ROOT/SAMPLE/A
+          run ROOT/SAMPLE/A
+        > A ok
+        leave ROOT/SAMPLE/A ok
+        enter ROOT/SAMPLE/B
+          run ROOT/SAMPLE/B
+    "]],
+    );
+}
+
+#[test]
+fn a_state_that_is_to_continue_does() {
+    let machine = &sample(r#""continue""#);
+    check(
+        machine,
+        "start; DRIVE ok; silence 30; A ok; B ok",
+        &expect![[r"
+        > start
+        enter ROOT
+        enter ROOT/DRIVE
+          run ROOT/DRIVE
+        > DRIVE ok
+        leave ROOT/DRIVE ok
+        enter ROOT/SAMPLE
+        enter ROOT/SAMPLE/A
+          run ROOT/SAMPLE/A
+        > silence 30
+        > A ok
+        leave ROOT/SAMPLE/A ok
+        enter ROOT/SAMPLE/B
+          run ROOT/SAMPLE/B
+        > B ok
+        leave ROOT/SAMPLE/B ok
+        leave ROOT/SAMPLE ok
+        leave ROOT done
+        finished
+          end of run: done (0), 5 states
+    "]],
+    );
+}
+
+#[test]
+fn what_is_held_waits_for_a_command() {
+    check(
+        DRIVE,
+        "start; silence 60; DRIVE ok; silence 0; active; step into",
+        &expect![[r"
+        > start
+        enter ROOT
+        enter ROOT/DRIVE
+          run ROOT/DRIVE
+        > silence 60
+        > DRIVE ok
+        leave ROOT/DRIVE ok
+        hold ROOT before ROOT/SAMPLE (Loss(Link))
+        > silence 0
+        > active
+        ROOT Held (Loss(Link) before ROOT/SAMPLE)
+        Stepping, 2 states run
+        > step into
+        enter ROOT/SAMPLE
+        hold ROOT/SAMPLE before ROOT/SAMPLE/A (Step)
+    "]],
+    );
+}
+
+#[test]
+fn a_state_ends_before_its_branch_is_held() {
+    let machine = &sample(r#"{"finish_s": 0.03}"#);
+    check(
+        machine,
+        "start; DRIVE ok; silence 60; A ok; B ok; active; resume",
+        &expect![[r"
+        > start
+        enter ROOT
+        enter ROOT/DRIVE
+          run ROOT/DRIVE
+        > DRIVE ok
+        leave ROOT/DRIVE ok
+        enter ROOT/SAMPLE
+        enter ROOT/SAMPLE/A
+          run ROOT/SAMPLE/A
+        > silence 60
+        > A ok
+        leave ROOT/SAMPLE/A ok
+        enter ROOT/SAMPLE/B
+          run ROOT/SAMPLE/B
+        > B ok
+        leave ROOT/SAMPLE/B ok
+        leave ROOT/SAMPLE ok
+        hold ROOT (Loss(Link))
+        > active
+        ROOT Held (Loss(Link))
+        Stepping, 5 states run
+        > resume
+        leave ROOT done
+        finished
+          end of run: done (0), 5 states
+    "]],
+    );
+}
+
+#[test]
+fn the_time_since_the_last_command_counts_by_itself() {
+    let machine = &DRIVE.replace("lost_link", "lost_command");
+    check(
+        machine,
+        "start; silence 60; silence command 60; DRIVE ok",
+        &expect![[r"
+        > start
+        enter ROOT
+        enter ROOT/DRIVE
+          run ROOT/DRIVE
+        > silence 60
+        > silence command 60
+        > DRIVE ok
+        leave ROOT/DRIVE ok
+        hold ROOT before ROOT/SAMPLE (Loss(Command))
+    "]],
+    );
+}
+
+const RECOVER: &str = r#"
+hierarchy ROOT
+  outcome done
+  start -> DRIVE ; DRIVE.preempted -> HOME ; HOME.ok -> DRIVE ; DRIVE.ok -> .done
+  barrier DRIVE
+    outcome ok
+    semantic {"lost_link": {"recover_s": 0.03}}
+    unique_decider_state_id.ok -> .ok
+    hierarchy ARM
+      outcome ok
+      start -> A ; A.ok -> B ; B.ok -> .ok
+      execution A
+        outcome ok
+        semantic {"lost_link": "continue"}
+      execution B
+        outcome ok
+    hierarchy WHEELS
+      outcome ok
+      start -> C ; C.ok -> D ; D.ok -> .ok
+      execution C
+        outcome ok
+      execution D
+        outcome ok
+    decider unique_decider_state_id
+      outcome ok
+  execution HOME
+    outcome ok
+"#;
+
+#[test]
+fn a_state_is_preempted_and_its_outcome_leads_home() {
+    check(
+        RECOVER,
+        "start; A ok; silence 30; B preempted; C preempted; HOME ok; active",
+        &expect![[r"
+        > start
+        enter ROOT
+        enter ROOT/DRIVE
+        enter ROOT/DRIVE/ARM
+        enter ROOT/DRIVE/ARM/A
+        enter ROOT/DRIVE/WHEELS
+        enter ROOT/DRIVE/WHEELS/C
+          fork 1
+          run ROOT/DRIVE/ARM/A on 1
+          fork 2
+          run ROOT/DRIVE/WHEELS/C on 2
+        > A ok
+        leave ROOT/DRIVE/ARM/A ok
+        enter ROOT/DRIVE/ARM/B
+          run ROOT/DRIVE/ARM/B on 1
+        > silence 30
+        lost_link preempts ROOT/DRIVE
+          preempt ROOT/DRIVE
+          preempt ROOT/DRIVE/ARM
+          preempt ROOT/DRIVE/ARM/B
+          preempt ROOT/DRIVE/WHEELS
+          preempt ROOT/DRIVE/WHEELS/C
+        > B preempted
+        leave ROOT/DRIVE/ARM/B preempted
+        leave ROOT/DRIVE/ARM preempted
+          end 1
+        > C preempted
+        leave ROOT/DRIVE/WHEELS/C preempted
+        leave ROOT/DRIVE/WHEELS preempted
+        leave ROOT/DRIVE preempted
+        enter ROOT/HOME
+          end 2
+          run ROOT/HOME
+        > HOME ok
+        leave ROOT/HOME ok
+        hold ROOT before ROOT/DRIVE (Loss(Link))
+        > active
+        ROOT Held (Loss(Link) before ROOT/DRIVE)
+        Stepping, 8 states run
+    "]],
+    );
+}
+
+#[test]
+fn a_state_inside_with_a_policy_of_its_own_ends_first() {
+    check(
+        RECOVER,
+        "start; silence 30; C ok; active; A ok; HOME ok",
+        &expect![[r"
+        > start
+        enter ROOT
+        enter ROOT/DRIVE
+        enter ROOT/DRIVE/ARM
+        enter ROOT/DRIVE/ARM/A
+        enter ROOT/DRIVE/WHEELS
+        enter ROOT/DRIVE/WHEELS/C
+          fork 1
+          run ROOT/DRIVE/ARM/A on 1
+          fork 2
+          run ROOT/DRIVE/WHEELS/C on 2
+        > silence 30
+        > C ok
+        leave ROOT/DRIVE/WHEELS/C ok
+        hold ROOT/DRIVE/WHEELS before ROOT/DRIVE/WHEELS/D (Loss(Link))
+        > active
+        ROOT Inside
+        ROOT/DRIVE Inside
+        ROOT/DRIVE/ARM Inside
+        ROOT/DRIVE/ARM/A Script
+        ROOT/DRIVE/WHEELS Held (Loss(Link) before ROOT/DRIVE/WHEELS/D)
+        Stepping, 6 states run
+        > A ok
+        leave ROOT/DRIVE/ARM/A ok
+        hold ROOT/DRIVE/ARM before ROOT/DRIVE/ARM/B (Loss(Link))
+        lost_link preempts ROOT/DRIVE
+        leave ROOT/DRIVE/ARM preempted
+        leave ROOT/DRIVE/WHEELS preempted
+        leave ROOT/DRIVE preempted
+        enter ROOT/HOME
+          preempt ROOT/DRIVE
+          preempt ROOT/DRIVE/ARM
+          preempt ROOT/DRIVE/WHEELS
+          end 1
+          end 2
+          run ROOT/HOME
+        > HOME ok
+        leave ROOT/HOME ok
+        hold ROOT before ROOT/DRIVE (Loss(Link))
+    "]],
+    );
+}
+
+#[test]
+fn what_was_held_first_goes_home_all_the_same() {
+    let machine = "
+hierarchy ROOT
+  outcome done
+  start -> DRIVE ; DRIVE.preempted -> HOME ; HOME.ok -> .done
+  hierarchy DRIVE
+    outcome ok
+    semantic {\"lost_link\": {\"hold_s\": 0.01, \"recover_s\": 0.03}}
+    start -> A ; A.ok -> B ; B.ok -> .ok
+    execution A
+      outcome ok
+    execution B
+      outcome ok
+  execution HOME
+    outcome ok
+";
+    check(
+        machine,
+        "start; silence 10; A ok; silence 30; HOME ok",
+        &expect![[r"
+        > start
+        enter ROOT
+        enter ROOT/DRIVE
+        enter ROOT/DRIVE/A
+          run ROOT/DRIVE/A
+        > silence 10
+        > A ok
+        leave ROOT/DRIVE/A ok
+        hold ROOT/DRIVE before ROOT/DRIVE/B (Loss(Link))
+        > silence 30
+        lost_link preempts ROOT/DRIVE
+        leave ROOT/DRIVE preempted
+        enter ROOT/HOME
+          preempt ROOT/DRIVE
+          run ROOT/HOME
+        > HOME ok
+        leave ROOT/HOME ok
+        leave ROOT done
+        finished
+          end of run: done (0), 4 states
+    "]],
+    );
+}
+
+#[test]
+fn a_stop_ends_what_is_held_for_want_of_a_link() {
+    check(
+        DRIVE,
+        "start; silence 60; DRIVE ok; stop",
+        &expect![[r"
+        > start
+        enter ROOT
+        enter ROOT/DRIVE
+          run ROOT/DRIVE
+        > silence 60
+        > DRIVE ok
+        leave ROOT/DRIVE ok
+        hold ROOT before ROOT/SAMPLE (Loss(Link))
+        > stop
+        stopping
+        leave ROOT preempted
+        finished
+          preempt ROOT
+          end of run: preempted (-2), 2 states
+    "]],
+    );
+}
+
+#[test]
+fn a_run_that_is_resumed_in_the_silence_is_held_again() {
+    check(
+        DRIVE,
+        "start; silence 60; DRIVE ok; cut again",
+        &expect![[r"
+        > start
+        enter ROOT
+        enter ROOT/DRIVE
+          run ROOT/DRIVE
+        > silence 60
+        > DRIVE ok
+        leave ROOT/DRIVE ok
+        hold ROOT before ROOT/SAMPLE (Loss(Link))
+        > cut again
+        enter ROOT
+        hold ROOT before ROOT/SAMPLE (Loss(Link))
+    "]],
+    );
+}
+
+#[test]
+fn a_run_that_is_resumed_is_held_again_after_the_state_that_was_to_end() {
+    let machine = &sample(r#"{"finish_s": 0.03}"#);
+    check(
+        machine,
+        "start; DRIVE ok; silence 60; A ok; B ok; cut again; resume",
+        &expect![[r#"
+        > start
+        enter ROOT
+        enter ROOT/DRIVE
+          run ROOT/DRIVE
+        > DRIVE ok
+        leave ROOT/DRIVE ok
+        enter ROOT/SAMPLE
+        enter ROOT/SAMPLE/A
+          run ROOT/SAMPLE/A
+        > silence 60
+        > A ok
+        leave ROOT/SAMPLE/A ok
+        enter ROOT/SAMPLE/B
+          run ROOT/SAMPLE/B
+        > B ok
+        leave ROOT/SAMPLE/B ok
+        leave ROOT/SAMPLE ok
+        hold ROOT (Loss(Link))
+        > cut again
+        enter ROOT
+        hold ROOT (Loss(Link))
+        > resume
+        leave ROOT done
+        finished
+          end of run: done (0), 5 states
+    "#]],
+    );
+}
+
+#[test]
+fn branches_that_had_ended_are_held_again_before_they_count() {
+    let wheels = "    hierarchy WHEELS\n      outcome ok\n";
+    let ends_first = format!("{wheels}      semantic {{\"lost_link\": {{\"finish_s\": 0.03}}}}\n");
+    let machine = &RECOVER.replace("recover_s", "hold_s").replace(wheels, &ends_first);
+    check(
+        machine,
+        "start; A ok; B ok; silence 29; C ok; silence 60; D ok; active; cut again; active; resume",
+        &expect![[r#"
+            > start
+            enter ROOT
+            enter ROOT/DRIVE
+            enter ROOT/DRIVE/ARM
+            enter ROOT/DRIVE/ARM/A
+            enter ROOT/DRIVE/WHEELS
+            enter ROOT/DRIVE/WHEELS/C
+              fork 1
+              run ROOT/DRIVE/ARM/A on 1
+              fork 2
+              run ROOT/DRIVE/WHEELS/C on 2
+            > A ok
+            leave ROOT/DRIVE/ARM/A ok
+            enter ROOT/DRIVE/ARM/B
+              run ROOT/DRIVE/ARM/B on 1
+            > B ok
+            leave ROOT/DRIVE/ARM/B ok
+            leave ROOT/DRIVE/ARM ok
+              end 1
+            > silence 29
+            > C ok
+            leave ROOT/DRIVE/WHEELS/C ok
+            enter ROOT/DRIVE/WHEELS/D
+              run ROOT/DRIVE/WHEELS/D on 2
+            > silence 60
+            > D ok
+            leave ROOT/DRIVE/WHEELS/D ok
+            leave ROOT/DRIVE/WHEELS ok
+            hold ROOT/DRIVE (Loss(Link))
+            > active
+            ROOT Inside
+            ROOT/DRIVE Inside (Loss(Link))
+            Stepping, 8 states run
+            > cut again
+            enter ROOT
+            enter ROOT/DRIVE
+            hold ROOT/DRIVE (Loss(Link))
+              fork 1
+            > active
+            ROOT Inside
+            ROOT/DRIVE Inside (Loss(Link))
+            Stepping, 8 states run
+            > resume
+            enter ROOT/DRIVE/unique_decider_state_id
+              end 1
+              run ROOT/DRIVE/unique_decider_state_id [ARM ok] [WHEELS ok]
+        "#]],
+    );
+}
+
+#[test]
+fn a_changed_policy_counts_at_once() {
+    let next = &DRIVE.replace("0.03", "3600");
+    check_change(
+        DRIVE,
+        next,
+        "start; silence 60; change; DRIVE ok",
+        &expect![[r"
+        > start
+        enter ROOT
+        enter ROOT/DRIVE
+          run ROOT/DRIVE
+        > silence 60
+        > change
+        changed
+        > DRIVE ok
+        leave ROOT/DRIVE ok
+        enter ROOT/SAMPLE
+        enter ROOT/SAMPLE/A
+          run ROOT/SAMPLE/A
+    "]],
+    );
+}
+
+#[test]
+fn a_breakpoint_goes_on_without_the_ground() {
+    let machine = &DRIVE.replace("hold_s", "finish_s");
+    let script =
+        "break 1 before ROOT/SAMPLE continue lost 50; start; DRIVE ok; silence 49; silence 50";
+    check(
+        machine,
+        script,
+        &expect![[r"
+        > break 1 before ROOT/SAMPLE continue lost 50
+        > start
+        enter ROOT
+        enter ROOT/DRIVE
+          run ROOT/DRIVE
+        > DRIVE ok
+        leave ROOT/DRIVE ok
+        hit 1 at ROOT/SAMPLE for the 1. time
+        hold ROOT before ROOT/SAMPLE (Breakpoint(1))
+        > silence 49
+        > silence 50
+        enter ROOT/SAMPLE
+        enter ROOT/SAMPLE/A
+          run ROOT/SAMPLE/A
+    "]],
+    );
+}
+
+#[test]
+fn a_breakpoint_stops_the_run_without_the_ground() {
+    let machine = &DRIVE.replace("hold_s", "finish_s");
+    check(
+        machine,
+        "break 1 after ROOT/DRIVE stop lost 50; start; silence 60; DRIVE ok",
+        &expect![[r"
+        > break 1 after ROOT/DRIVE stop lost 50
+        > start
+        enter ROOT
+        enter ROOT/DRIVE
+          run ROOT/DRIVE
+        > silence 60
+        > DRIVE ok
+        leave ROOT/DRIVE ok
+        hit 1 at ROOT/DRIVE for the 1. time, goes on
+        stopping
+        leave ROOT preempted
+        finished
+          preempt ROOT
+          end of run: preempted (-2), 2 states
+    "]],
+    );
+}
