@@ -99,3 +99,22 @@ journey(
     expect(complaints).toEqual([]);
   },
 );
+
+journey("a state says what it does once the ground is silent", HERE, async ({ app }) => {
+  await app.select("PACKER");
+  await app.sheet.getByRole("button", { name: /^Lost link/ }).click();
+  const policy = () => app.sheet.getByLabel("Policy").first();
+  await policy().selectOption({ label: "Act after a time" });
+  await app.settled();
+  const recover = app.sheet.getByLabel("Recover after (s)");
+  await recover.fill("600");
+  await recover.press("Enter");
+  await app.settled();
+  expect((await app.state("PACKER")).semantic_data).toEqual({
+    lost_link: { hold_s: 30, recover_s: 600 },
+  });
+  await app.select(LABEL);
+  await policy()
+    .locator("option", { hasText: /^As .*: pause after 30 s, recover after 600 s$/ })
+    .waitFor({ state: "attached" });
+});

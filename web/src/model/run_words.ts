@@ -1,6 +1,13 @@
 /** How a run stands, in words that people read: one word, and what belongs to it. */
 
-import type { ActiveState, HeldBy, RunNow, RunSummary, Snapshot } from "./generated/protocol.ts";
+import type {
+  ActiveState,
+  HeldBy,
+  Loss,
+  RunNow,
+  RunSummary,
+  Snapshot,
+} from "./generated/protocol.ts";
 import { ABORTED, PREEMPTED } from "./machine.ts";
 
 export type RunWord =
@@ -135,8 +142,16 @@ export function reasonOfHold(by: HeldBy): string {
       return `breakpoint ${by.id}`;
     case "start":
       return "start of the run";
+    case "loss":
+      return LOSS_WORDS[by.loss];
   }
 }
+
+/** What a policy for a lost link acts on. */
+export const LOSS_WORDS: Readonly<Record<Loss, string>> = {
+  link: "the ground is not heard",
+  command: "nobody commands",
+};
 
 /** What something is held by: `paused by breakpoint 3`. */
 export function holdInWords(by: HeldBy): string {
@@ -151,6 +166,8 @@ export function holdInWords(by: HeldBy): string {
       return `paused by breakpoint ${by.id}`;
     case "start":
       return "paused at the start";
+    case "loss":
+      return `paused: ${LOSS_WORDS[by.loss]}`;
   }
 }
 

@@ -54,6 +54,12 @@ export function valueOfText(text: string): JsonValue {
 
 export type Changed = { readonly data: JsonValue } | { readonly refused: string };
 
+/** The value under these keys; undefined if there is none. */
+export function valueAt(data: Semantic, keys: KeyPath): JsonValue | undefined {
+  const key = keys.at(-1);
+  return pairsAt(data, keys.slice(0, -1)).find(([name]) => name === key)?.[1];
+}
+
 /** The data with another value there. */
 export function withValue(data: Semantic, keys: KeyPath, value: JsonValue): JsonValue {
   const [key, ...inner] = keys;

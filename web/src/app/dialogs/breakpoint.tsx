@@ -3,6 +3,7 @@
 import { useState } from "react";
 import { cannotSetConditions } from "../../commands/run_points.ts";
 import type { Breakpoint } from "../../model/generated/protocol.ts";
+import { secondsOf } from "../../model/lost_link.ts";
 import { namesTo } from "../../model/machine.ts";
 import { Button } from "../../ui/button.tsx";
 import { Dialog } from "../../ui/dialog.tsx";
@@ -15,11 +16,17 @@ export function BreakpointDialog({ asks, answer }: AskedDialogProps<Breakpoint>)
   const now = context();
   const [wanted, setWanted] = useState(asks);
   const [count, setCount] = useState(String(Math.max(1, asks.hit_count)));
+  const [silence, setSilence] = useState(
+    asks.lost_link_ms == null ? "" : String(asks.lost_link_ms / 1000),
+  );
   const put = (change: Partial<Breakpoint>) => setWanted({ ...wanted, ...change });
   const machine = now.tab?.session.machine;
   const isCount = /^[1-9]\d*$/.test(count.trim());
+  const silence_s = silence.trim() === "" ? null : secondsOf(silence);
+  const isFit = isCount && (silence_s !== null || silence.trim() === "");
   const done = () => {
-    if (isCount) answer({ ...wanted, hit_count: Number(count) });
+    const lost_link_ms = silence_s === null ? null : Math.round(silence_s * 1000);
+    if (isFit) answer({ ...wanted, hit_count: Number(count), lost_link_ms });
   };
   return (
     <Dialog
@@ -29,7 +36,7 @@ export function BreakpointDialog({ asks, answer }: AskedDialogProps<Breakpoint>)
       footer={
         <>
           <Button onClick={() => answer(null)}>Cancel</Button>
-          <Button kind="primary" disabled={!isCount} onClick={done}>
+          <Button kind="primary" disabled={!isFit} onClick={done}>
             Set
           </Button>
         </>
@@ -44,6 +51,21 @@ export function BreakpointDialog({ asks, answer }: AskedDialogProps<Breakpoint>)
       >
         <p className="form-note">{machine ? namesTo(machine, asks.path).join(" › ") : asks.path}</p>
         <Parts wanted={wanted} put={put} count={count} isCount={isCount} onCount={setCount} />
+        <TextField
+          label="Also once the ground is silent for (s)"
+          value={silence}
+          placeholder="never"
+          disabled={wanted.unattended === "hold"}
+          hint={
+            wanted.unattended === "hold"
+              ? "A breakpoint that pauses anyway waits for the ground."
+              : "Of a robot with a station: the same happens when its ground is not heard."
+          }
+          refusal={
+            isFit || !isCount ? null : "a number of seconds between 0 and a year, or nothing"
+          }
+          onInput={setSilence}
+        />
         <button type="submit" hidden aria-hidden />
       </form>
     </Dialog>

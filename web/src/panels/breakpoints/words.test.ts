@@ -11,4 +11,7 @@ test("a breakpoint says what is not as ever", () => {
   expect(breakpointInWords({ ...plain, hit_count: 12, unattended: "continue" })).toBe(
     "before, from the 12th time on, continues while nobody is connected",
   );
+  expect(breakpointInWords({ ...plain, unattended: "stop", lost_link_ms: 90_000 })).toBe(
+    "before, stops the run while nobody is connected or the ground is silent for 90 s",
+  );
 });

@@ -8,13 +8,19 @@ const ALONE: Readonly<Record<Unattended, string>> = {
   stop: "stops the run while nobody is connected",
 };
 
+function alone({ unattended, lost_link_ms }: Breakpoint): string {
+  if (unattended === "hold" || lost_link_ms == null) return ALONE[unattended];
+  return `${ALONE[unattended]} or the ground is silent for ${lost_link_ms / 1000} s`;
+}
+
 /** `before, from the 3rd time on, pauses the whole run`. */
-export function breakpointInWords({ when, hit_count, scope, unattended }: Breakpoint): string {
+export function breakpointInWords(breakpoint: Breakpoint): string {
+  const { when, hit_count, scope } = breakpoint;
   const parts = [
     when,
     hit_count > 1 ? `from the ${ordinal(hit_count)} time on` : "",
     scope === "run" ? "pauses the whole run" : "",
-    ALONE[unattended],
+    alone(breakpoint),
   ];
   return parts.filter((part) => part !== "").join(", ");
 }

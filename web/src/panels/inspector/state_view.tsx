@@ -6,6 +6,7 @@ import { Description } from "./description.tsx";
 import { General } from "./general.tsx";
 import { InRun } from "./in_run.tsx";
 import type { InspectedState } from "./inspector_context.ts";
+import { LostLink } from "./lost_link.tsx";
 import { Outcomes } from "./outcomes.tsx";
 import { Place } from "./place.tsx";
 import { Ports } from "./ports.tsx";
@@ -29,6 +30,7 @@ export function StateView({ inspected }: { inspected: InspectedState }) {
       <Outcomes key={`outcomes ${path}`} inspected={inspected} />
       <Connections key={`transitions ${path}`} inspected={inspected} kind="transition" />
       <Connections key={`flows ${path}`} inspected={inspected} kind="data_flow" />
+      <LostLink key={`lost link ${path}`} inspected={inspected} />
       <Semantic key={`semantic ${path}`} inspected={inspected} />
       <Place key={`place ${path}`} inspected={inspected} />
     </>

@@ -3,6 +3,7 @@
 import type { Event } from "../../model/generated/protocol.ts";
 import { idOf, lineage } from "../../model/path.ts";
 import { perOwner } from "../../model/per_owner.ts";
+import { LOSS_WORDS } from "../../model/run_words.ts";
 import type { MachineSession } from "../../store/document/machine_session.ts";
 import type { Happening } from "../../store/history/journal.ts";
 
@@ -67,6 +68,10 @@ function eventInWords(event: Event, nameOf: NameOf): string {
       return `${nameOf(event.path)} was forced to end with ${event.outcome.name}`;
     case "deadline_passed":
       return `${nameOf(event.path)} missed its deadline`;
+    case "loss_recovery":
+      return `${nameOf(event.path)} gives way to its recovery: ${LOSS_WORDS[event.loss]}`;
+    case "silence":
+      return silenceInWords(event);
     case "finished":
       return `The run ended with ${event.outcome.name}`;
     case "paused":
@@ -98,4 +103,12 @@ function commandInWords(type: string, author: string, answer: string): string {
   const what = type.replaceAll("_", " ");
   const who = author === "" ? "" : ` by ${author}`;
   return `Command ${what}${who}${answer === "applied" ? "" : ` (${answer})`}`;
+}
+
+/** How long the ground is silent, as far as anything in the machine names it. */
+function silenceInWords({ link_ms, command_ms }: { link_ms: number; command_ms: number }): string {
+  const link = `The ground has not been heard for ${link_ms / 1000} s`;
+  const command = `nobody has given a command for ${command_ms / 1000} s`;
+  if (link_ms > 0) return command_ms > 0 ? `${link}, ${command}` : link;
+  return command_ms > 0 ? `The ground is heard, ${command}` : "The ground is heard";
 }

@@ -53,6 +53,9 @@ export function QuestionForm({ watch, question, asker, isUnmoved }: QuestionForm
         <CircleHelp size={16} aria-hidden />
         <span>
           {asker} asks{question.timeout_ms === null ? ", without a timeout" : ""}
+          {question.lost_link_ms == null
+            ? ""
+            : `, until the ground is silent for ${question.lost_link_ms / 1000} s`}
         </span>
       </p>
       <TimeLeft watch={watch} question={question} />

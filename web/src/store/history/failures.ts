@@ -4,6 +4,7 @@
 import type { Event } from "../../model/generated/protocol.ts";
 import { ABORTED } from "../../model/machine.ts";
 import { parentOf } from "../../model/path.ts";
+import { LOSS_WORDS } from "../../model/run_words.ts";
 import { shortValue } from "../../model/short_value.ts";
 import { readTraceback, withoutModule } from "../../model/traceback.ts";
 import { read } from "../../model/wire.ts";
@@ -16,7 +17,7 @@ export interface RunFailure {
   readonly first: number;
   readonly t_ns: number;
   /** `error`: it left an error with another outcome than *aborted*. */
-  readonly kind: "aborted" | "error" | "log" | "deadline" | "cut-off" | "crash";
+  readonly kind: "aborted" | "error" | "log" | "deadline" | "lost-link" | "cut-off" | "crash";
   readonly level: "warning" | "error";
   /** The state; empty if it is about none. */
   readonly path: string;
@@ -172,6 +173,10 @@ function ofEvent(event: Event): FailureCause | null {
     case "deadline_passed": {
       const text = `has run longer than its deadline of ${seconds(event.deadline_ms)}`;
       return { kind: "deadline", level: "warning", path: event.path, text };
+    }
+    case "loss_recovery": {
+      const text = `gave way to its recovery: ${LOSS_WORDS[event.loss]}`;
+      return { kind: "lost-link", level: "warning", path: event.path, text };
     }
     case "cut_off": {
       const text = `ignored its preemption and was cut off after ${seconds(event.grace_ms)}`;

@@ -68,6 +68,7 @@ function kindOf(event: Event): NoteKind | null {
     case "damaged":
       return "error";
     case "deadline_passed":
+    case "loss_recovery":
       return "warning";
     case "went_back":
       return "back";
