@@ -45,8 +45,22 @@ pub(crate) struct Endpoint {
     pub(crate) heard: Heard,
     sealer: Sealer,
     opener: Opener,
+    key_id: KeyId,
+    /// What was opened last, was sealed with this key.
+    heard_key: Option<KeyId>,
+    /// What is sealed with other keys is opened, too: with the one that will be used next, and with the one before.
+    others: Vec<OtherKey>,
+    /// The robot's name, and which way this side sends.
+    way: (String, Direction),
     sent: Traffic,
     received: Traffic,
+}
+
+#[derive(Debug)]
+struct OtherKey {
+    id: KeyId,
+    sealer: Sealer,
+    opener: Opener,
 }
 
 /// A datagram of the other side.
@@ -66,11 +80,12 @@ impl Endpoint {
     /// The side that sends in this direction, at this rate.
     pub(crate) fn new(identity: &Identity<'_>, sends: Direction, bits_per_s: u64) -> Self {
         let Identity { key_id, key, robot, start, heard } = identity.clone();
-        let receives = match sends {
-            Direction::Up => Direction::Down,
-            Direction::Down => Direction::Up,
-        };
+        let receives = sends.back();
         Self {
+            key_id,
+            heard_key: None,
+            others: Vec::new(),
+            way: (robot.to_owned(), sends),
             start,
             pacer: Pacer::new(bits_per_s),
             heard: Heard::default(),
@@ -79,6 +94,48 @@ impl Endpoint {
             sent: Traffic::default(),
             received: Traffic::default(),
         }
+    }
+
+    /// The key with which this side seals.
+    pub(crate) fn key_id(&self) -> KeyId {
+        self.key_id
+    }
+
+    /// The key with which the other side sealed what was opened last.
+    pub(crate) fn heard_key(&self) -> Option<KeyId> {
+        self.heard_key
+    }
+
+    /// From now on, what is sealed with this key is opened, too.
+    pub(crate) fn add_key(&mut self, id: KeyId, key: &PairingKey) {
+        let (robot, sends) = &self.way;
+        let sealer = Sealer::new((id, key), robot, *sends, self.start);
+        let opener = Opener::new((id, key), robot, sends.back(), None);
+        self.others.retain(|other| other.id != id);
+        self.others.push(OtherKey { id, sealer, opener });
+    }
+
+    /// From now on, this side seals with a key that was added.
+    pub(crate) fn use_key(&mut self, id: KeyId) {
+        if let Some(other) = self.others.iter_mut().find(|other| other.id == id) {
+            std::mem::swap(&mut self.sealer, &mut other.sealer);
+            std::mem::swap(&mut self.opener, &mut other.opener);
+            std::mem::swap(&mut self.key_id, &mut other.id);
+        }
+    }
+
+    /// Opens what is sealed with another key: its start, and how long the payload is, which is at the front of the datagram then.
+    fn open_with_another(&mut self, datagram: &mut [u8]) -> Option<(Generation, usize)> {
+        for other in &mut self.others {
+            let mut copy = datagram.to_vec();
+            if let Ok(opened) = other.opener.open(&mut copy) {
+                self.heard_key = Some(other.id);
+                let length = opened.payload.len();
+                datagram.get_mut(..length)?.copy_from_slice(opened.payload);
+                return Some((opened.generation, length));
+            }
+        }
+        None
     }
 
     /// What was heard of the other side last, for the disk.
@@ -111,8 +168,14 @@ impl Endpoint {
         now: Duration,
         datagram: &'d mut [u8],
     ) -> Result<Arrived<'d>, Unusable> {
-        let opened = self.opener.open(datagram)?;
-        let (generation, payload): (_, &'d [u8]) = (opened.generation, opened.payload);
+        let (generation, payload): (_, &'d [u8]) = match self.open_with_another(datagram) {
+            Some((generation, length)) => (generation, &datagram[..length]),
+            None => {
+                let opened = self.opener.open(datagram)?;
+                self.heard_key = Some(self.key_id);
+                (opened.generation, opened.payload)
+            }
+        };
         let (at_ms, frames) = read_payload(payload)?;
         self.received.count_datagram(payload.len());
         let received = &mut self.received;

@@ -68,7 +68,12 @@ pub struct ClockBounds {
 }
 
 /// Two clocks part by at most one millisecond in so many, or come together.
-const DRIFT: i64 = 5_000;
+const DRIFT: i32 = 5_000;
+
+/// By how much two clocks part in this time at most, or come together.
+pub(crate) fn drift(time: Duration) -> Duration {
+    time / DRIFT.unsigned_abs() + Duration::from_millis(1)
+}
 
 /// The bounds of the robot's clock from datagrams in both directions: no message arrives before it was sent. A bound that is not
 /// renewed widens, because no two clocks are equally fast.
@@ -89,7 +94,7 @@ struct Bound {
 impl Bound {
     /// How far the clocks may have parted since.
     fn drift(self, now_ms: i64) -> i64 {
-        now_ms.saturating_sub(self.found_ms).max(0) / DRIFT + 1
+        now_ms.saturating_sub(self.found_ms).max(0) / i64::from(DRIFT) + 1
     }
 }
 

@@ -20,7 +20,7 @@ mod traffic;
 pub use bytes::BrokenFrame;
 pub use deflate::{deflate, inflate};
 pub use endpoint::{Identity, Unusable};
-pub use frame::{CommandId, CommandState, Events, StreamId};
+pub use frame::{CommandId, CommandState, EventHash, Events, StreamId};
 pub use heard::ClockBounds;
 pub use profile::{CARRIER_OVERHEAD, Profile};
 pub use range_set::RangeSet;

@@ -41,6 +41,27 @@ impl RangeSet {
         self.ranges.insert(first, last);
     }
 
+    /// Takes a range out.
+    pub fn remove(&mut self, range: RangeInclusive<u64>) {
+        let (first, last) = range.into_inner();
+        while let Some((start, end)) = self.ranges.range(..=last).next_back()
+            && first <= last
+            && *end >= first
+        {
+            let (start, end) = (*start, *end);
+            self.ranges.remove(&start);
+            if start < first {
+                self.ranges.insert(start, first - 1);
+            }
+            if end > last {
+                self.ranges.insert(last + 1, end);
+            }
+            if start <= first {
+                return;
+            }
+        }
+    }
+
     /// Whether it has every number of the range.
     pub fn contains(&self, range: &RangeInclusive<u64>) -> bool {
         let before = self.ranges.range(..=*range.start()).next_back();
@@ -94,6 +115,7 @@ mod tests {
         fn a_set_of_ranges_is_the_set_of_their_numbers(
             ranges in prop::collection::vec((1..40_u64, 0..12_u64), 0..20),
             others in prop::collection::vec((1..40_u64, 0..12_u64), 0..6),
+            (taken, length) in (1..40_u64, 0..12_u64),
         ) {
             let build = |ranges: &[(u64, u64)]| {
                 let (mut set, mut numbers) = (RangeSet::default(), BTreeSet::new());
@@ -109,6 +131,10 @@ mod tests {
             let ends: Vec<_> = set.ranges().collect();
             prop_assert!(ends.windows(2).all(|pair| pair[0].end() + 1 < *pair[1].start()));
             prop_assert_eq!(set.contiguous(), (1..60).take_while(|n| numbers.contains(n)).last().unwrap_or(0));
+            let (mut rest, mut rest_numbers) = (set.clone(), numbers.clone());
+            rest.remove(taken..=taken + length - 1);
+            rest_numbers.retain(|number| !(taken..taken + length).contains(number));
+            prop_assert_eq!(rest.ranges().flatten().collect::<BTreeSet<u64>>(), rest_numbers);
             for first in 1..45 {
                 let missing = |n: &u64| !numbers.contains(n) && !other_numbers.contains(n);
                 let start = (first..=50).find(missing);

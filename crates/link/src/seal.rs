@@ -31,6 +31,14 @@ pub enum Direction {
 }
 
 impl Direction {
+    /// The other way.
+    pub(crate) fn back(self) -> Self {
+        match self {
+            Self::Down => Self::Up,
+            Self::Up => Self::Down,
+        }
+    }
+
     fn byte(self) -> u8 {
         match self {
             Self::Down => b'D',

@@ -38,6 +38,7 @@ impl Frame<'_> {
             Self::Snapshot { .. } => "snapshots",
             Self::CommandState { .. } => "states of commands",
             Self::Calendar { .. } | Self::Heard { .. } => "clocks",
+            Self::NewKey { .. } => "keys",
             Self::Command(_) => "commands",
             Self::Received(_) => "reports",
         }

@@ -19,14 +19,30 @@ pub struct Envelope {
     /// When the command is no longer wanted.
     #[serde(default)]
     pub expiry: Option<Expiry>,
+    /// Before which moment it is not carried out: ms since 1970 UTC by the clock of whoever is asked. Only a robot behind a link keeps
+    /// a command for later.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", ts(optional))]
+    pub not_before: Option<u64>,
+    /// The epoch of authority under which the sender decided: the command is refused if control has passed since.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", ts(optional))]
+    pub epoch: Option<u64>,
     /// What is asked.
     pub command: Command,
 }
 
 impl Envelope {
+    /// A command with nothing but what each has.
+    pub fn new(id: impl Into<String>, author: impl Into<String>, command: Command) -> Self {
+        let (id, author) = (id.into(), author.into());
+        Self { id, author, decided_on: None, expiry: None, not_before: None, epoch: None, command }
+    }
+
     /// With the expiry that a command of a person has, unless it has one; `now_ms` is the runner's clock.
     #[must_use]
     pub fn dated(self, now_ms: u64) -> Self {
+        let now_ms = self.not_before.map_or(now_ms, |not_before| not_before.max(now_ms));
         let until = |lifetime_ms| Expiry(now_ms.saturating_add(lifetime_ms));
         let expiry = self.expiry.or_else(|| self.command.lifetime_ms().map(until));
         Self { expiry, ..self }

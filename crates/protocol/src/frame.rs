@@ -123,13 +123,8 @@ mod tests {
 
     #[test]
     fn a_command_is_one_line() {
-        let envelope = Envelope {
-            id: "7".to_owned(),
-            author: "ana".to_owned(),
-            decided_on: Some(3),
-            expiry: None,
-            command: Command::StepInto { branch: None },
-        };
+        let command = Command::StepInto { branch: None };
+        let envelope = Envelope { decided_on: Some(3), ..Envelope::new("7", "ana", command) };
         check(
             &ToRunner::Command(envelope),
             &expect![[r#"

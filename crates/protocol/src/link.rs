@@ -49,6 +49,10 @@ pub struct OpenCommand {
     pub sent_ms: u64,
     /// When it arrives at the robot if the link is whole, likewise; none if the delay is unknown.
     pub arrives_ms: Option<u64>,
+    /// Before which time it is not carried out, likewise.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", ts(optional))]
+    pub not_before_ms: Option<u64>,
 }
 
 /// How far a command is that has no answer yet.
@@ -79,6 +83,12 @@ pub struct ClockOffset {
 pub struct LinkReport {
     /// Whether the station says so, or else the robot.
     pub is_station: bool,
+    /// The name of the station, if the robot gave it one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub station: Option<String>,
+    /// What keeps the station from keeping what arrives.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub problems: Vec<String>,
     /// The profile of the link.
     pub profile: String,
     /// When this was so: ms since 1970, UTC.

@@ -18,13 +18,9 @@ pub(crate) fn command(
     number: u64,
 ) -> PyResult<()> {
     static COUNT: AtomicU64 = AtomicU64::new(1);
-    let envelope = Envelope {
-        id: format!("script {}", COUNT.fetch_add(1, Ordering::Relaxed)),
-        author: author(),
-        decided_on: None,
-        expiry: None,
-        command: named(name, path.unwrap_or_default(), number)?,
-    };
+    let id = format!("script {}", COUNT.fetch_add(1, Ordering::Relaxed));
+    let command = named(name, path.unwrap_or_default(), number)?;
+    let envelope = Envelope::new(id, author(), command);
     let driver = current::driver()?;
     match thread::leave(py, || driver.obey(&envelope)) {
         Answer::Applied => Ok(()),

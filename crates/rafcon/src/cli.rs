@@ -200,6 +200,9 @@ pub(crate) struct Tell {
     /// Fields of the command
     #[arg(value_name = "NAME=JSON")]
     pub(crate) fields: Vec<String>,
+    /// Carry it out so many seconds from now, not earlier; for runs of robots behind a link only
+    #[arg(long = "in", value_name = "SECONDS")]
+    pub(crate) wait_s: Option<u64>,
     #[command(flatten)]
     pub(crate) runs: Runs,
     #[command(flatten)]

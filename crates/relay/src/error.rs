@@ -1,6 +1,7 @@
 //! What ends a relay.
 
 use rafcon_link::SealError;
+use rafcon_storage::journal::JournalError;
 use std::io;
 use std::net::SocketAddr;
 use std::path::PathBuf;
@@ -31,6 +32,17 @@ pub enum RelayError {
     Damaged {
         /// The file.
         path: PathBuf,
+    },
+    /// A file in its folder cannot be replaced.
+    #[error("cannot keep what the link needs after a restart")]
+    Kept(#[from] JournalError),
+    /// A thread cannot be started.
+    #[error(
+        "cannot start a thread for the link: end other programs, or raise the limit of threads"
+    )]
+    Thread {
+        /// Why not.
+        source: io::Error,
     },
     /// The session has sealed as many datagrams as one start may.
     #[error(transparent)]

@@ -18,7 +18,7 @@ mod words;
 
 pub use error::RelayError;
 pub use inbox::Stopper;
-pub use pairing::{BadPairing, Pairing};
+pub use pairing::{BadPairing, Paired, Pairing};
 pub use report::read_reports;
 pub use robot::{Authority, RobotSettings, relay_robot};
 pub use station::{StationSettings, relay_station};

@@ -1,5 +1,6 @@
 //! What a side measures of one link, and how it tells of it.
 
+use crate::pairing::Pairing;
 use rafcon_link::{Profile, Traffic};
 use rafcon_protocol::{LinkHealth, LinkReport, LinkRun, LinkTraffic};
 use rafcon_supervisor::clock;
@@ -12,6 +13,7 @@ const RATE_OVER: Duration = Duration::from_secs(2);
 #[derive(Debug)]
 pub(crate) struct LinkMeter {
     robot: String,
+    station: Option<String>,
     profile: Profile,
     is_station: bool,
     down: Rate,
@@ -21,9 +23,10 @@ pub(crate) struct LinkMeter {
 }
 
 impl LinkMeter {
-    pub(crate) fn new(robot: &str, profile: &Profile, is_station: bool) -> Self {
+    pub(crate) fn new(pairing: &Pairing, profile: &Profile, is_station: bool) -> Self {
         Self {
-            robot: robot.to_owned(),
+            robot: pairing.robot.clone(),
+            station: pairing.station.clone(),
             profile: profile.clone(),
             is_station,
             down: Rate::default(),
@@ -75,6 +78,8 @@ impl LinkMeter {
         let missing = runs.iter().map(|run| run.missing).sum();
         LinkReport {
             is_station: self.is_station,
+            station: self.station.clone(),
+            problems: Vec::new(),
             profile: self.profile.name.to_owned(),
             now_ms: clock::since_1970_ms(),
             health: LinkHealth { missing, ..health },

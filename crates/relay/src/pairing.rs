@@ -1,7 +1,11 @@
 //! What a robot and a station know of each other: a line that is pasted from one to the other.
 
 use rafcon_link::{KeyId, PairingKey};
+use rafcon_protocol::{AT_ROBOT, AT_STATION};
+use rafcon_storage::journal::{JournalError, folder::replace_file, make_folder};
 use std::fmt;
+use std::fs;
+use std::path::PathBuf;
 use std::str::FromStr;
 
 const WORD: &str = "rafcon-pairing-1";
@@ -11,6 +15,8 @@ const WORD: &str = "rafcon-pairing-1";
 pub struct Pairing {
     /// The name of the robot.
     pub robot: String,
+    /// The name of the station, if the robot has several.
+    pub station: Option<String>,
     /// The number of the key.
     pub key_id: KeyId,
     /// The key.
@@ -25,11 +31,69 @@ pub struct Pairing {
 pub struct BadPairing(&'static str);
 
 impl Pairing {
-    /// A new one; nothing if the system gives no randomness or the name is not usable: 1 to 64 letters, digits, `-`, `_` and `.`.
-    pub fn generate(robot: &str) -> Option<Self> {
-        let key = is_name(robot).then(PairingKey::generate)??;
-        Some(Self { robot: robot.to_owned(), key_id: KeyId(key.bytes()[0]), key })
+    /// A new one; nothing if the system gives no randomness or a name is not usable: 1 to 64 letters, digits, `-`, `_` and `.`.
+    pub fn generate(robot: &str, station: Option<&str>) -> Option<Self> {
+        let is_usable = is_name(robot) && station.is_none_or(is_station);
+        let key = is_usable.then(PairingKey::generate)??;
+        let station = station.map(str::to_owned);
+        Some(Self { robot: robot.to_owned(), station, key_id: KeyId(key.bytes()[0]), key })
     }
+
+    /// Another key for the same two; nothing if the system gives no randomness.
+    pub fn renewed(&self) -> Option<Self> {
+        loop {
+            let next = Self::generate(&self.robot, self.station.as_deref())?;
+            // Its number tells it from the one before, also by its last bits.
+            if next.key_id.0 % 4 != self.key_id.0 % 4 {
+                return Some(next);
+            }
+        }
+    }
+
+    /// What comes after the names of the station's users at the robot.
+    pub(crate) fn station_name(&self) -> &str {
+        self.station.as_deref().unwrap_or(AT_STATION.trim_start_matches('@'))
+    }
+}
+
+/// A pairing with the files that keep it.
+#[derive(Debug, Clone)]
+pub struct Paired {
+    /// The pairing.
+    pub pairing: Pairing,
+    /// Its file.
+    pub file: PathBuf,
+    /// Where the one lies that is to replace it: offered by the robot, or taken by the station.
+    pub next: PathBuf,
+}
+
+impl Paired {
+    /// The pairing that is to replace this one.
+    pub(crate) fn read_next(&self) -> Option<Pairing> {
+        let next: Pairing = fs::read_to_string(&self.next).ok()?.parse().ok()?;
+        (next.robot == self.pairing.robot).then_some(next)
+    }
+
+    /// Keeps the pairing that is to replace this one.
+    pub(crate) fn keep_next(&self, next: &Pairing) -> Result<(), JournalError> {
+        if let Some(folder) = self.next.parent() {
+            make_folder(folder)?;
+        }
+        replace_file(&self.next, format!("{next}\n").as_bytes())
+    }
+
+    /// Replaces the pairing.
+    pub(crate) fn replace(&self, next: &Pairing) -> Result<(), JournalError> {
+        replace_file(&self.file, format!("{next}\n").as_bytes())?;
+        // One that is left is the same as the pairing, and counts no more.
+        drop(fs::remove_file(&self.next));
+        Ok(())
+    }
+}
+
+/// Whether a station can have this name: users of the robot are told apart from its own by it.
+fn is_station(name: &str) -> bool {
+    is_name(name) && name != AT_ROBOT.trim_start_matches('@')
 }
 
 fn is_name(name: &str) -> bool {
@@ -41,7 +105,8 @@ impl fmt::Display for Pairing {
     /// The line to paste. It holds the key.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{WORD} {} {} ", self.robot, self.key_id.0)?;
-        self.key.bytes().iter().try_for_each(|byte| write!(f, "{byte:02x}"))
+        self.key.bytes().iter().try_for_each(|byte| write!(f, "{byte:02x}"))?;
+        self.station.iter().try_for_each(|station| write!(f, " {station}"))
     }
 }
 
@@ -50,8 +115,10 @@ impl FromStr for Pairing {
 
     fn from_str(text: &str) -> Result<Self, BadPairing> {
         let words: Vec<_> = text.split_whitespace().collect();
-        let [word, robot, key_id, key] = words[..] else {
-            return Err(BadPairing("it has not four words"));
+        let ([word, robot, key_id, key], station) = match words[..] {
+            [word, robot, key_id, key] => ([word, robot, key_id, key], None),
+            [word, robot, key_id, key, station] => ([word, robot, key_id, key], Some(station)),
+            _ => return Err(BadPairing("it has neither four nor five words")),
         };
         if word != WORD {
             return Err(BadPairing("it begins otherwise"));
@@ -59,10 +126,14 @@ impl FromStr for Pairing {
         if !is_name(robot) {
             return Err(BadPairing("the robot's name is none"));
         }
+        if !station.is_none_or(is_station) {
+            return Err(BadPairing("the station's name is none"));
+        }
         let key_id = key_id.parse().map_err(|_number| BadPairing("the key has no number"))?;
         let key = hex(key).ok_or(BadPairing("the key is cut or changed"))?;
         Ok(Self {
             robot: robot.to_owned(),
+            station: station.map(str::to_owned),
             key_id: KeyId(key_id),
             key: PairingKey::from_bytes(key),
         })
@@ -86,33 +157,42 @@ mod tests {
     #[test]
     fn a_pairing_is_a_line_that_is_pasted() {
         let key = PairingKey::from_bytes([0xa5; 32]);
-        let pairing = Pairing { robot: "scout-1".to_owned(), key_id: KeyId(7), key };
+        let (robot, key_id) = ("scout-1".to_owned(), KeyId(7));
+        let pairing = Pairing { robot, station: None, key_id, key };
         let line = pairing.to_string();
         expect!["rafcon-pairing-1 scout-1 7 a5a5a5a5a5a5a5a5a5a5a5a5a5a5a5a5a5a5a5a5a5a5a5a5a5a5a5a5a5a5a5a5"]
             .assert_eq(&line);
         let pasted: Pairing = format!("  {line}\n").parse().unwrap();
         assert_eq!(pasted.to_string(), line);
         assert!(!format!("{pairing:?}").contains("a5a5"));
+        let named = Pairing { station: Some("base".to_owned()), ..pairing };
+        assert_eq!(named.to_string(), format!("{line} base"));
+        assert_eq!(named.to_string().parse::<Pairing>().unwrap().to_string(), named.to_string());
     }
 
     #[test]
     fn a_damaged_line_says_what_is_wrong_with_it() {
-        let line = Pairing::generate("scout").unwrap().to_string();
+        let line = Pairing::generate("scout", None).unwrap().to_string();
         let cases = [
             String::new(),
             line.replace("rafcon", "raf"),
             line.replace("scout", "../scout"),
             line[..line.len() - 2].to_owned(),
             line.replace(' ', "  x"),
+            format!("{line} robot"),
+            format!("{line} base 2"),
         ];
         let said: Vec<_> =
             cases.iter().map(|case| case.parse::<Pairing>().unwrap_err().to_string()).collect();
         expect![[r"
-            this is no pairing (it has not four words): paste the whole line that the robot printed, which begins with `rafcon-pairing-1`
+            this is no pairing (it has neither four nor five words): paste the whole line that the robot printed, which begins with `rafcon-pairing-1`
             this is no pairing (it begins otherwise): paste the whole line that the robot printed, which begins with `rafcon-pairing-1`
             this is no pairing (the robot's name is none): paste the whole line that the robot printed, which begins with `rafcon-pairing-1`
             this is no pairing (the key is cut or changed): paste the whole line that the robot printed, which begins with `rafcon-pairing-1`
-            this is no pairing (the key has no number): paste the whole line that the robot printed, which begins with `rafcon-pairing-1`"]].assert_eq(&said.join("\n"));
-        assert!(Pairing::generate("no spaces").is_none());
+            this is no pairing (the key has no number): paste the whole line that the robot printed, which begins with `rafcon-pairing-1`
+            this is no pairing (the station's name is none): paste the whole line that the robot printed, which begins with `rafcon-pairing-1`
+            this is no pairing (it has neither four nor five words): paste the whole line that the robot printed, which begins with `rafcon-pairing-1`"]].assert_eq(&said.join("\n"));
+        assert!(Pairing::generate("no spaces", None).is_none());
+        assert!(Pairing::generate("scout", Some("robot")).is_none());
     }
 }

@@ -2,9 +2,10 @@
 
 use crate::error::RelayError;
 use crate::pairing::Pairing;
-use rafcon_link::{Generation, Horizon, Identity};
-use std::fs::{self, File};
-use std::io::{self, Write as _};
+use rafcon_link::{Generation, Horizon, Identity, KeyId};
+use rafcon_storage::journal::folder::replace_file;
+use std::fs;
+use std::io;
 use std::path::{Path, PathBuf};
 
 const START_FILE: &str = "start";
@@ -15,7 +16,8 @@ const HEARD_FILE: &str = "heard";
 pub(crate) struct Start {
     folder: PathBuf,
     pub(crate) generation: Generation,
-    heard: Option<Horizon>,
+    /// With which key, and what.
+    heard: Option<(KeyId, Horizon)>,
 }
 
 impl Start {
@@ -27,10 +29,16 @@ impl Start {
         let next = u32::try_from(before + 1)
             .map_err(|_many| RelayError::Damaged { path: folder.join(START_FILE) })?;
         write(&folder.join(START_FILE), &[u64::from(next)])?;
-        let heard = numbers(&folder.join(HEARD_FILE))?.and_then(|[generation, number]| {
-            Some(Horizon { generation: Generation(u32::try_from(generation).ok()?), number })
+        let heard = numbers(&folder.join(HEARD_FILE))?.and_then(|[generation, number, key]| {
+            let generation = Generation(u32::try_from(generation).ok()?);
+            Some((KeyId(u8::try_from(key).ok()?), Horizon { generation, number }))
         });
         Ok(Self { folder: folder.to_owned(), generation: Generation(next), heard })
+    }
+
+    /// Where its files lie.
+    pub(crate) fn folder(&self) -> &Path {
+        &self.folder
     }
 
     pub(crate) fn identity<'k>(&self, pairing: &'k Pairing) -> Identity<'k> {
@@ -39,16 +47,24 @@ impl Start {
             key: &pairing.key,
             robot: &pairing.robot,
             start: self.generation,
-            heard: self.heard,
+            heard: self.heard.filter(|(key, _)| *key == pairing.key_id).map(|(_, heard)| heard),
         }
     }
 
     /// Keeps what was heard last, for the next start.
-    pub(crate) fn keep_heard(&mut self, heard: Option<Horizon>) -> Result<(), RelayError> {
-        let Some(heard) = heard.filter(|_| heard != self.heard) else { return Ok(()) };
-        let numbers = [u64::from(heard.generation.0), heard.number];
+    pub(crate) fn keep_heard(
+        &mut self,
+        key: KeyId,
+        heard: Option<Horizon>,
+    ) -> Result<(), RelayError> {
+        let heard = heard.map(|heard| (key, heard));
+        let Some((_, Horizon { generation, number })) = heard.filter(|_| heard != self.heard)
+        else {
+            return Ok(());
+        };
+        let numbers = [u64::from(generation.0), number, u64::from(key.0)];
         write(&self.folder.join(HEARD_FILE), &numbers)?;
-        self.heard = Some(heard);
+        self.heard = heard;
         Ok(())
     }
 }
@@ -65,16 +81,7 @@ fn numbers<const N: usize>(path: &Path) -> Result<Option<[u64; N]>, RelayError> 
     numbers.map(Some).ok_or_else(|| RelayError::Damaged { path: path.to_owned() })
 }
 
-/// Replaces the file, synced with its folder.
 fn write(path: &Path, numbers: &[u64]) -> Result<(), RelayError> {
     let text = numbers.iter().map(u64::to_string).collect::<Vec<_>>().join(" ");
-    let new = path.with_extension("new");
-    let replace = || {
-        let mut file = File::create(&new)?;
-        file.write_all(text.as_bytes())?;
-        file.sync_all()?;
-        fs::rename(&new, path)?;
-        File::open(path.parent().unwrap_or(Path::new(".")))?.sync_all()
-    };
-    replace().map_err(|source| RelayError::Folder { path: path.to_owned(), source })
+    replace_file(path, text.as_bytes()).map_err(RelayError::from)
 }

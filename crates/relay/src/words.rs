@@ -1,7 +1,7 @@
 //! What a station says to a robot's server, and a robot's server to its stations, inside commands and status.
 
 use rafcon_protocol::api::{Control, ControlMove};
-use rafcon_protocol::{AT_ROBOT, AT_STATION, Command, Envelope};
+use rafcon_protocol::{AT_ROBOT, Command, Envelope};
 use serde::{Deserialize, Serialize};
 
 /// So many of those who ask for control are named: the status has to fit into a datagram.
@@ -23,7 +23,7 @@ pub(crate) enum StationWord {
 
 impl StationWord {
     pub(crate) fn of(envelope: Envelope) -> Self {
-        let Envelope { id, author, decided_on, command, expiry: _ } = envelope;
+        let Envelope { id, author, decided_on, command, .. } = envelope;
         Self::Command(id, author, decided_on, command)
     }
 }
@@ -41,6 +41,9 @@ pub(crate) enum RunFate {
     /// Its runner died.
     #[serde(rename = "c")]
     Crashed,
+    /// It was deleted on the robot: what the station has of it stays.
+    #[serde(rename = "r")]
+    Removed,
 }
 
 /// How a run stands, as its robot says with each status.
@@ -62,6 +65,8 @@ pub(crate) struct RunStands {
     requests: Vec<String>,
     #[serde(rename = "o", skip_serializing_if = "Option::is_none")]
     offered_to: Option<String>,
+    #[serde(rename = "e", skip_serializing_if = "is_zero")]
+    epoch: u64,
 }
 
 #[expect(clippy::trivially_copy_pass_by_ref, reason = "serde asks so")]
@@ -72,47 +77,55 @@ fn is_zero(number: &u64) -> bool {
 impl RunStands {
     /// At this time of the robot's calendar.
     pub(crate) fn of(fate: RunFate, control: Option<Control>, now_ms: u64) -> Self {
-        let Some(Control { holder, since_ms, heard_ms, silence_ms, requests, offered_to }) =
-            control
-        else {
-            return Self { fate, ..Self::default() };
-        };
+        let Some(control) = control else { return Self { fate, ..Self::default() } };
+        let Control { holder, since_ms, heard_ms, silence_ms, requests, offered_to, epoch } =
+            control;
         let requests = requests.into_iter().take(REQUESTS_MAX).collect();
         let is_silent = holder.is_some() && now_ms.saturating_sub(heard_ms) >= silence_ms;
-        Self { fate, holder, since_ms, silence_ms, is_silent, requests, offered_to }
+        Self { fate, holder, since_ms, silence_ms, is_silent, requests, offered_to, epoch }
     }
 
-    /// The control of the run, with names as they are called at a station that heard this at `now_ms`; none if the robot says
-    /// nothing of it.
-    pub(crate) fn control(&self, now_ms: u64) -> Option<Control> {
+    /// The control of the run, with names as they are called at the station of this name, which heard this at `now_ms`; none if
+    /// the robot says nothing of it.
+    pub(crate) fn control(&self, station: &str, now_ms: u64) -> Option<Control> {
         let Self { holder, since_ms, silence_ms, is_silent, requests, offered_to, .. } = self;
         let heard_ms = if *is_silent { now_ms.saturating_sub(*silence_ms) } else { now_ms };
         (*silence_ms > 0).then(|| Control {
-            holder: holder.as_deref().map(here),
+            holder: holder.as_deref().map(|name| here(name, station)),
             since_ms: *since_ms,
             heard_ms,
             silence_ms: *silence_ms,
-            requests: requests.iter().map(|name| here(name)).collect(),
-            offered_to: offered_to.as_deref().map(here),
+            requests: requests.iter().map(|name| here(name, station)).collect(),
+            offered_to: offered_to.as_deref().map(|name| here(name, station)),
+            epoch: self.epoch,
         })
     }
 }
 
-/// What whoever speaks at the station is called at the robot: never the name of a user of the robot, whatever the station says.
-pub(crate) fn author_at_robot(user: &str) -> String {
+/// What whoever speaks at the station of this name is called at the robot: never the name of a user of the robot or of another
+/// station, whatever the station says.
+pub(crate) fn author_at_robot(user: &str, station: &str) -> String {
     // Whoever gives a command on the station's own computer, without its server, is its owner.
     let user = if user.is_empty() { "owner" } else { user };
-    format!("{}{AT_STATION}", user.replace('@', "-"))
+    format!("{}@{station}", user.replace('@', "-"))
 }
 
-/// What someone whom the station names is called at the robot. No user's own name has an `@` in it.
-pub(crate) fn at_robot(user: &str) -> String {
-    user.strip_suffix(AT_ROBOT).map_or_else(|| format!("{user}{AT_STATION}"), str::to_owned)
+/// What someone whom the station of this name names is called at the robot. No user's own name has an `@` in it.
+pub(crate) fn at_robot(user: &str, station: &str) -> String {
+    match user.strip_suffix(AT_ROBOT) {
+        Some(user) => user.to_owned(),
+        None if user.contains('@') => user.to_owned(),
+        None => format!("{user}@{station}"),
+    }
 }
 
-/// What a user at the robot is called at the station.
-fn here(user: &str) -> String {
-    user.strip_suffix(AT_STATION).map_or_else(|| format!("{user}{AT_ROBOT}"), str::to_owned)
+/// What a user at the robot is called at the station of this name.
+fn here(user: &str, station: &str) -> String {
+    match user.split_once('@') {
+        Some((name, at)) if at == station => name.to_owned(),
+        Some(_) => user.to_owned(),
+        None => format!("{user}{AT_ROBOT}"),
+    }
 }
 
 #[cfg(test)]
@@ -131,6 +144,7 @@ mod tests {
             since_ms: 1_764_000_000_000,
             heard_ms: 1_764_000_000_000,
             silence_ms: 30_000,
+            epoch: 3,
             ..Control::default()
         };
         let words = [
@@ -150,24 +164,22 @@ mod tests {
             {"m":["1","ana",{"move":"take_over"}]}
             {"p":"ana"}
             {"f":"l"}
-            {"f":"l","h":"ana@station","s":1764000000000,"q":30000}"#]]
+            {"f":"l","h":"ana@station","s":1764000000000,"q":30000,"e":3}"#]]
         .assert_eq(&words.join("\n"));
     }
 
     #[test]
-    fn users_of_both_sides_are_told_apart() {
-        let names = ["ana", "cy@robot"];
-        assert_eq!(names.map(at_robot), ["ana@station", "cy"]);
-        assert_eq!(names.map(|name| here(&at_robot(name))), names);
+    fn users_of_all_sides_are_told_apart() {
+        let names = ["ana", "cy@robot", "bo@base"];
+        let at_robot = names.map(|name| at_robot(name, "field"));
+        assert_eq!(at_robot, ["ana@field", "cy", "bo@base"]);
+        assert_eq!(at_robot.map(|name| here(&name, "field")), names);
     }
 
     #[test]
-    fn nobody_at_a_station_speaks_as_a_user_of_the_robot() {
-        let names = ["", "ana", "cy@robot", "cy@station"].map(author_at_robot);
-        assert_eq!(
-            names,
-            ["owner@station", "ana@station", "cy-robot@station", "cy-station@station"]
-        );
+    fn nobody_at_a_station_speaks_as_a_user_of_the_robot_or_of_another_station() {
+        let names = ["", "ana", "cy@robot", "cy@base"].map(|name| author_at_robot(name, "field"));
+        assert_eq!(names, ["owner@field", "ana@field", "cy-robot@field", "cy-base@field"]);
     }
 
     #[test]
@@ -184,7 +196,7 @@ mod tests {
         let control = Control { holder, heard_ms: 1_000, silence_ms: 500, ..Control::default() };
         let heard = |now_ms| {
             let stands = RunStands::of(RunFate::Live, Some(control.clone()), now_ms);
-            let control = stands.control(90_000).expect("control");
+            let control = stands.control("station", 90_000).expect("control");
             (control.holder.expect("a holder"), 90_000 - control.heard_ms)
         };
         assert_eq!(heard(1_499), ("cy@robot".to_owned(), 0));

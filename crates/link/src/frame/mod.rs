@@ -2,7 +2,7 @@
 
 use crate::bytes::{BrokenFrame, FrameReader, number_length, write_bytes, write_number};
 use crate::range_set::RangeSet;
-use crate::seal::Generation;
+use crate::seal::{Generation, KeyId, PairingKey};
 
 /// Which run of a robot: the same number for the same run as long as the robot keeps it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -40,6 +40,15 @@ impl Events<'_> {
     }
 }
 
+/// The hash of all events of a run up to one of them.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct EventHash {
+    /// The number of that event, from 1.
+    pub last: u64,
+    /// The hash.
+    pub hash: u64,
+}
+
 /// What became of a command.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum CommandState {
@@ -69,6 +78,8 @@ pub(crate) struct Command<'b> {
     pub(crate) robot_start: Generation,
     /// The last moment at which it may be carried out, in ms of that clock.
     pub(crate) not_after_ms: u64,
+    /// The first moment at which it may be carried out; 0 for at once.
+    pub(crate) not_before_ms: u64,
     /// The epoch of authority under which it was given.
     pub(crate) epoch: u64,
     /// The command, as both servers understand it.
@@ -103,6 +114,8 @@ pub(crate) enum Frame<'b> {
         is_over: bool,
         /// What else is known at a glance, in the words of the servers.
         state: &'b [u8],
+        /// The hash of all events up to one of them.
+        chain: Option<EventHash>,
     },
     /// A part of the state of a run after one of its events.
     Snapshot {
@@ -146,6 +159,13 @@ pub(crate) enum Frame<'b> {
         /// What it said when the robot's session began, as it is set now: ms since 1970, UTC.
         began_ms: u64,
     },
+    /// The key that is to be used from now on.
+    NewKey {
+        /// Its number.
+        id: KeyId,
+        /// The key.
+        key: PairingKey,
+    },
     /// A command.
     Command(Command<'b>),
     /// What was heard of the other side last.
@@ -169,6 +189,7 @@ const SNAPSHOT: u8 = 3;
 const LARGE: u8 = 4;
 const COMMAND_STATE: u8 = 5;
 const CALENDAR: u8 = 6;
+const NEW_KEY: u8 = 11;
 const COMMAND: u8 = 16;
 const HEARD: u8 = 17;
 const RECEIVED: u8 = 18;
@@ -189,9 +210,13 @@ impl<'b> Frame<'b> {
                 numbers(EVENTS, &[u64::from(stream.0), *first, *count, *t_before]);
                 write_bytes(items, out);
             }
-            Self::Status { stream, head, is_over, state } => {
+            Self::Status { stream, head, is_over, state, chain } => {
                 numbers(STATUS, &[u64::from(stream.0), *head, u64::from(*is_over)]);
                 write_bytes(state, out);
+                write_number(chain.map_or(0, |chain| chain.last), out);
+                if let Some(EventHash { hash, .. }) = chain {
+                    out.extend_from_slice(&hash.to_be_bytes());
+                }
             }
             Self::Snapshot { stream, sequence, length, offset, bytes } => {
                 let place = [*length, *offset].map(u64::from);
@@ -210,10 +235,21 @@ impl<'b> Frame<'b> {
                 write_bytes(reason, out);
             }
             Self::Calendar { began_ms } => numbers(CALENDAR, &[*began_ms]),
-            Self::Command(Command { id, robot_start, not_after_ms, epoch, body }) => {
+            Self::NewKey { id, key } => {
+                out.extend_from_slice(&[NEW_KEY, id.0]);
+                out.extend_from_slice(key.bytes());
+            }
+            Self::Command(Command {
+                id,
+                robot_start,
+                not_after_ms,
+                not_before_ms,
+                epoch,
+                body,
+            }) => {
                 out.push(COMMAND);
                 out.extend_from_slice(&id.0);
-                for number in [u64::from(robot_start.0), *not_after_ms, *epoch] {
+                for number in [u64::from(robot_start.0), *not_after_ms, *not_before_ms, *epoch] {
                     write_number(number, out);
                 }
                 write_bytes(body, out);
@@ -232,7 +268,11 @@ impl<'b> Frame<'b> {
             STATUS => {
                 let (stream, head) = (StreamId(reader.small()?), reader.number()?);
                 let is_over = read_flag(reader)?;
-                Self::Status { stream, head, is_over, state: reader.bytes()? }
+                let (state, last) = (reader.bytes()?, reader.number()?);
+                let hash =
+                    (last > 0).then(|| reader.fixed().map(u64::from_be_bytes)).transpose()?;
+                let chain = hash.map(|hash| EventHash { last, hash });
+                Self::Status { stream, head, is_over, state, chain }
             }
             SNAPSHOT => {
                 let (stream, sequence) = (StreamId(reader.small()?), reader.number()?);
@@ -252,10 +292,15 @@ impl<'b> Frame<'b> {
                 Self::CommandState { id, state, reason: reader.bytes()? }
             }
             CALENDAR => Self::Calendar { began_ms: reader.number()? },
+            NEW_KEY => {
+                let id = KeyId(reader.byte()?);
+                Self::NewKey { id, key: PairingKey::from_bytes(reader.fixed()?) }
+            }
             COMMAND => Self::Command(Command {
                 id: CommandId(reader.fixed()?),
                 robot_start: Generation(reader.small()?),
                 not_after_ms: reader.number()?,
+                not_before_ms: reader.number()?,
                 epoch: reader.number()?,
                 body: reader.bytes()?,
             }),

@@ -1,10 +1,12 @@
 //! Frames as bytes and back, and whatever bytes a side may be sent.
 
 use super::write_received;
-use super::{Command, CommandId, CommandState, Events, Frame, RANGES_MAX, Received, StreamId};
+use super::{
+    Command, CommandId, CommandState, EventHash, Events, Frame, RANGES_MAX, Received, StreamId,
+};
 use crate::bytes::{BrokenFrame, write_number};
 use crate::range_set::RangeSet;
-use crate::seal::Generation;
+use crate::seal::{Generation, KeyId, PairingKey};
 use expect_test::expect;
 use proptest::prelude::*;
 use proptest::strategy::ValueTree as _;
@@ -47,9 +49,12 @@ fn frame(bytes: &[u8]) -> impl Strategy<Value = Frame<'_>> {
                 Frame::Events(Events { stream, first, count, t_before, items: bytes })
             }
         ),
-        (stream.clone(), any::<u64>(), any::<bool>()).prop_map(move |(stream, head, is_over)| {
-            Frame::Status { stream, head, is_over, state: bytes }
-        }),
+        (stream.clone(), any::<u64>(), any::<bool>(), any::<[u64; 2]>()).prop_map(
+            move |(stream, head, is_over, [last, hash])| {
+                let chain = (last % 2 == 1).then_some(EventHash { last, hash });
+                Frame::Status { stream, head, is_over, state: bytes, chain }
+            }
+        ),
         part.clone().prop_map(move |(stream, sequence, _, offset)| {
             Frame::Snapshot { stream, sequence, length: offset + length, offset, bytes }
         }),
@@ -57,15 +62,26 @@ fn frame(bytes: &[u8]) -> impl Strategy<Value = Frame<'_>> {
             Frame::Large { stream, first, t_before, length: offset + length, offset, bytes }
         }),
         any::<u64>().prop_map(|began_ms| Frame::Calendar { began_ms }),
+        any::<(u8, [u8; 32])>().prop_map(|(id, key)| Frame::NewKey {
+            id: KeyId(id),
+            key: PairingKey::from_bytes(key)
+        }),
         (id.clone(), state).prop_map(move |(id, state)| Frame::CommandState {
             id,
             state,
             reason: bytes
         }),
-        (id, any::<u32>(), any::<u64>(), any::<u64>()).prop_map(
-            move |(id, robot_start, not_after_ms, epoch)| {
-                let robot_start = Generation(robot_start);
-                Frame::Command(Command { id, robot_start, not_after_ms, epoch, body: bytes })
+        (id, any::<u32>(), any::<[u64; 3]>()).prop_map(
+            move |(id, start, [not_after_ms, not_before_ms, epoch])| {
+                let robot_start = Generation(start);
+                Frame::Command(Command {
+                    id,
+                    robot_start,
+                    not_after_ms,
+                    not_before_ms,
+                    epoch,
+                    body: bytes,
+                })
             }
         ),
         (any::<u32>(), any::<[u64; 3]>()).prop_map(|(start, [newest_ms, held_ms, late_ms])| {

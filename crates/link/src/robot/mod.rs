@@ -4,6 +4,7 @@
 //! first. Without reports from the station it sends the unreported events round and round, so that a station without an up-link has
 //! everything in the end. Events wait, but are never given up: what left the memory is read again from the journal.
 
+mod later;
 mod outgoing;
 mod source;
 mod tail;
@@ -12,12 +13,13 @@ pub use source::{EventBuffer, RunSource};
 
 use crate::bytes::write_number;
 use crate::endpoint::{Arrived, Endpoint, Identity, Unusable};
-use crate::frame::{CommandId, CommandState, Frame, Received, StreamId};
+use crate::frame::{self, CommandId, CommandState, EventHash, Frame, Received, StreamId};
 use crate::profile::Profile;
-use crate::seal::{Direction, Horizon, OVERHEAD, SealError};
+use crate::seal::{Direction, Horizon, KeyId, OVERHEAD, PairingKey, SealError};
 use crate::traffic::Traffic;
+use later::Later;
 use outgoing::{Outgoing, Turn};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::time::Duration;
 
 /// What became of a command is sent this often, unless the command comes again.
@@ -38,6 +40,8 @@ pub struct ReceivedCommand {
     pub epoch: u64,
     /// The last moment at which it may be carried out, in ms of this session.
     pub not_after_ms: u64,
+    /// The first moment, likewise; 0 for at once.
+    pub not_before_ms: u64,
     /// The command.
     pub body: Vec<u8>,
 }
@@ -47,10 +51,17 @@ pub struct ReceivedCommand {
 pub struct RobotSession {
     profile: Profile,
     end: Endpoint,
+    sent_at: Option<Duration>,
     streams: BTreeMap<StreamId, Outgoing>,
+    /// Those whose events come after all others.
+    last: BTreeSet<StreamId>,
     /// What the calendar said when this session began, as it is set now: ms since 1970, UTC.
     calendar_ms: Option<u64>,
     states: BTreeMap<CommandId, SentState>,
+    /// The key that the station is to use next, and when it is told so again.
+    offered: Option<(KeyId, PairingKey, Duration)>,
+    /// Commands whose time has not come.
+    later: Later,
     /// The ids in `states`, oldest first.
     ids: std::collections::VecDeque<CommandId>,
 }
@@ -68,9 +79,13 @@ impl RobotSession {
     pub fn new(identity: &Identity<'_>, profile: Profile) -> Self {
         Self {
             end: Endpoint::new(identity, Direction::Down, profile.down_bits_per_s),
+            sent_at: None,
             streams: BTreeMap::new(),
+            last: BTreeSet::new(),
             calendar_ms: None,
             states: BTreeMap::new(),
+            offered: None,
+            later: Later::default(),
             ids: std::collections::VecDeque::new(),
             profile,
         }
@@ -81,9 +96,14 @@ impl RobotSession {
         self.streams.entry(stream).or_insert_with(|| Outgoing::new(stream, head));
     }
 
+    /// The events of this run come after those of all others: it was over long ago.
+    pub fn set_last(&mut self, stream: StreamId) {
+        self.last.insert(stream);
+    }
+
     /// New events of a run, which are on the disk. Best one at a time: those that are together too long for one datagram do not go
     /// ahead of the older ones.
-    pub fn append(&mut self, events: &crate::frame::Events<'_>) {
+    pub fn append(&mut self, events: &frame::Events<'_>) {
         let room = self.profile.down_bytes_max - OVERHEAD - URGENT_MAX;
         let stream = self.streams.entry(events.stream);
         stream.or_insert_with(|| Outgoing::new(events.stream, 0)).append(events, room);
@@ -100,6 +120,13 @@ impl RobotSession {
     pub fn set_state(&mut self, stream: StreamId, state: &[u8], is_over: bool) {
         if let Some(stream) = self.streams.get_mut(&stream) {
             stream.set_state(state, is_over);
+        }
+    }
+
+    /// All events of a run up to one of the newest have this hash.
+    pub fn set_chain(&mut self, stream: StreamId, chain: EventHash) {
+        if let Some(stream) = self.streams.get_mut(&stream) {
+            stream.set_chain(chain);
         }
     }
 
@@ -127,12 +154,40 @@ impl RobotSession {
         let reason = reason.as_bytes()[..end].to_vec();
         if self.states.insert(id, SentState { state, reason, sends: 0, due: now }).is_none() {
             self.ids.push_back(id);
-            if self.ids.len() > COMMANDS_MAX
+            while self.ids.len() > COMMANDS_MAX
                 && let Some(oldest) = self.ids.pop_front()
             {
-                self.states.remove(&oldest);
+                if self.later.has(oldest) {
+                    self.ids.push_back(oldest);
+                } else {
+                    self.states.remove(&oldest);
+                }
             }
         }
+    }
+
+    /// Offers the station a key, which is on the disk: until it uses it, both sides go on with the one before.
+    pub fn offer_key(&mut self, id: KeyId, key: &PairingKey) {
+        self.end.add_key(id, key);
+        self.offered = Some((id, key.clone(), Duration::ZERO));
+    }
+
+    /// Whether the station uses the key that it was offered.
+    pub fn is_offer_taken(&self) -> bool {
+        let offered = self.offered.as_ref().map(|(id, ..)| *id);
+        offered.is_some() && offered == self.end.heard_key()
+    }
+
+    /// Uses the key that was offered, which is this side's own on the disk now.
+    pub fn use_offered(&mut self) {
+        if let Some((id, ..)) = self.offered.take() {
+            self.end.use_key(id);
+        }
+    }
+
+    /// The key with which this side seals.
+    pub fn key_id(&self) -> KeyId {
+        self.end.key_id()
     }
 
     /// What was heard of the station last, for the disk.
@@ -162,7 +217,10 @@ impl RobotSession {
         datagram: &mut [u8],
         mut carry_out: impl FnMut(ReceivedCommand),
     ) -> Result<(), Unusable> {
-        let Arrived { frames, .. } = self.end.open(now, datagram)?;
+        let Arrived { frames, is_new_start, .. } = self.end.open(now, datagram)?;
+        if is_new_start {
+            self.streams.values_mut().for_each(Outgoing::station_started);
+        }
         let (mut echo, mut reports) = (None, Vec::new());
         for frame in frames {
             match frame? {
@@ -175,23 +233,36 @@ impl RobotSession {
                         (state.sends, state.due) = (0, now);
                         continue;
                     }
-                    let is_late = command.robot_start != self.end.start
-                        || now.as_millis() > u128::from(command.not_after_ms);
-                    let state =
-                        if is_late { CommandState::Expired } else { CommandState::Received };
-                    let (id, epoch, not_after_ms) =
-                        (command.id, command.epoch, command.not_after_ms);
-                    if !is_late {
-                        let body = command.body.to_vec();
-                        carry_out(ReceivedCommand { id, epoch, not_after_ms, body });
+                    let frame::Command { robot_start, not_after_ms, not_before_ms, .. } = command;
+                    let (id, epoch, body) = (command.id, command.epoch, command.body.to_vec());
+                    let new = ReceivedCommand { id, epoch, not_after_ms, not_before_ms, body };
+                    let is_late = robot_start != self.end.start || now_ms(now) > not_after_ms;
+                    let (mut state, mut why) = (CommandState::Received, "");
+                    if is_late {
+                        state = CommandState::Expired;
+                    } else if now_ms(now) >= not_before_ms {
+                        carry_out(new);
+                    } else if !self.later.add(new) {
+                        (state, why) = (CommandState::Refused, later::TOO_MANY);
                     }
-                    self.set_command_state(now, id, state, "");
+                    self.set_command_state(now, id, state, why);
                 }
                 _ => {}
             }
         }
         self.report(now, echo, reports);
         Ok(())
+    }
+
+    /// Passes on each command whose time has come, once.
+    pub fn take_due(&mut self, now: Duration, mut carry_out: impl FnMut(ReceivedCommand)) {
+        while let Some(command) = self.later.take(now_ms(now)) {
+            if now_ms(now) > command.not_after_ms {
+                self.set_command_state(now, command.id, CommandState::Expired, "");
+            } else {
+                carry_out(command);
+            }
+        }
     }
 
     fn report(&mut self, now: Duration, echo: Option<(u64, u64)>, reports: Vec<Received>) {
@@ -221,8 +292,10 @@ impl RobotSession {
         write_number(now_ms(now), &mut payload);
         let empty = payload.len();
         self.write_states(now, room, &mut payload);
+        self.write_offer(now, &mut payload);
         let turn = Turn { now, profile: &self.profile, is_heard, room };
-        let mut shows_status = false;
+        let was_silent = self.alive_at() <= now;
+        let mut shows_status = was_silent;
         for stream in self.streams.values_mut() {
             shows_status |= stream.write_urgent(turn, &mut payload);
         }
@@ -233,13 +306,18 @@ impl RobotSession {
             }
         }
         if self.end.pacer.free_at() <= now {
-            for stream in self.streams.values_mut() {
-                stream.write_bulk(turn, source, &mut payload);
+            for is_last in [false, true] {
+                let last = &self.last;
+                let those = self.streams.iter_mut().filter(|(id, _)| last.contains(id) == is_last);
+                for (_, stream) in those {
+                    stream.write_bulk(turn, source, &mut payload);
+                }
             }
         }
-        if payload.len() == empty {
+        if payload.len() == empty && !was_silent {
             return Ok(None);
         }
+        self.sent_at = Some(now);
         self.end.seal(now, &payload).map(Some)
     }
 
@@ -249,17 +327,27 @@ impl RobotSession {
         let free_at = self.end.pacer.free_at();
         let urgent = self.urgent_at(is_heard).max(free_at.saturating_sub(self.slack()));
         let bulk = self.streams.values().map(|stream| stream.bulk_at(is_heard, &self.profile));
-        bulk.min().map_or(urgent, |bulk| bulk.max(free_at).min(urgent)).max(now)
+        bulk.min()
+            .map_or(urgent, |bulk| bulk.max(free_at).min(urgent))
+            .min(self.later.due_at())
+            .max(now)
+    }
+
+    /// When it says that it is there, if there is nothing else to say: so a station that starts again knows where it is.
+    fn alive_at(&self) -> Duration {
+        self.sent_at.map_or(Duration::ZERO, |at| at + self.profile.status_every * 4)
     }
 
     fn urgent_at(&self, is_heard: bool) -> Duration {
         let states = self.states.values().filter(|state| state.sends < STATE_SENDS);
         let states = states.map(|state| state.due).min().unwrap_or(Duration::MAX);
         let streams = self.streams.values().map(|stream| stream.urgent_at(&self.profile, is_heard));
-        streams.min().unwrap_or(Duration::MAX).min(states)
+        let offer = self.offered.as_ref().map_or(Duration::MAX, |(.., due)| *due);
+        streams.min().unwrap_or(Duration::MAX).min(states).min(self.alive_at()).min(offer)
     }
 
-    fn is_heard(&self, now: Duration) -> bool {
+    /// Whether the station reports what it has.
+    pub fn is_heard(&self, now: Duration) -> bool {
         self.end.heard.before(now).is_some_and(|before| before < self.profile.silence())
     }
 
@@ -267,6 +355,13 @@ impl RobotSession {
     fn slack(&self) -> Duration {
         let bits = self.profile.down_bytes_max as u64 * 2 * 8;
         Duration::from_nanos(bits * 1_000_000_000 / self.profile.down_bits_per_s)
+    }
+
+    fn write_offer(&mut self, now: Duration, payload: &mut Vec<u8>) {
+        if let Some((id, key, due)) = self.offered.as_mut().filter(|(.., due)| *due <= now) {
+            Frame::NewKey { id: *id, key: key.clone() }.write(payload);
+            *due = now + self.profile.status_every * 4;
+        }
     }
 
     fn write_states(&mut self, now: Duration, room: usize, payload: &mut Vec<u8>) {

@@ -4,7 +4,7 @@ use super::source::{EventBuffer, RunSource};
 use super::tail::{self, Tail};
 use crate::assembly::LENGTH_MAX;
 use crate::deflate::deflate;
-use crate::frame::{Events, Frame, Received, StreamId};
+use crate::frame::{EventHash, Events, Frame, Received, StreamId};
 use crate::profile::Profile;
 use crate::range_set::RangeSet;
 use std::collections::VecDeque;
@@ -52,6 +52,8 @@ pub(super) struct Outgoing {
     is_over: bool,
     state: Vec<u8>,
     is_state_new: bool,
+    /// The hash of the events so far, or nearly.
+    chain: Option<EventHash>,
     tail: Tail,
     /// When anything was sent from which the station knows the head.
     shown_at: Option<Duration>,
@@ -102,6 +104,7 @@ impl Outgoing {
             is_over: false,
             state: Vec::new(),
             is_state_new: false,
+            chain: None,
             tail: Tail::default(),
             shown_at: None,
             status_at: None,
@@ -146,6 +149,16 @@ impl Outgoing {
             (self.state, self.is_over) = (state.to_vec(), is_over);
             self.is_state_new = true;
         }
+    }
+
+    /// The events so far have this hash: it goes with the next status.
+    pub(super) fn set_chain(&mut self, chain: EventHash) {
+        self.chain = Some(chain);
+    }
+
+    /// The station has started again: it may have less than it reported, and is asked by the status.
+    pub(super) fn station_started(&mut self) {
+        (self.knows_end, self.is_state_new) = (false, true);
     }
 
     /// The station has these events. `echo` is the newest time that it heard, and how late overtaken datagrams were.
@@ -217,6 +230,7 @@ impl Outgoing {
             head: self.head,
             is_over: self.is_over,
             state: &self.state,
+            chain: self.chain,
         };
         let length = payload.len();
         frame.write(payload);

@@ -8,15 +8,16 @@ use crate::assembly::{Assembly, LENGTH_MAX};
 use crate::bytes::write_number;
 use crate::deflate::inflate;
 use crate::endpoint::{Arrived, Endpoint, Identity, Unusable};
-use crate::frame::{CommandId, CommandState, Events, Frame, Received, StreamId};
+use crate::frame::{CommandId, CommandState, EventHash, Events, Frame, Received, StreamId};
 use crate::heard::{ClockBounds, RobotClock};
 use crate::profile::Profile;
 use crate::range_set::RangeSet;
 use crate::robot::now_ms;
-use crate::seal::{Direction, Horizon, OVERHEAD, SealError};
+use crate::seal::{Direction, Horizon, KeyId, OVERHEAD, PairingKey, SealError};
 use crate::traffic::Traffic;
-use commands::Commands;
+use commands::{Commands, RobotTimes};
 use std::collections::BTreeMap;
+use std::ops::RangeInclusive;
 use std::time::Duration;
 
 /// A report of a run that is over and complete is sent this often after the last news of it.
@@ -39,6 +40,8 @@ pub enum FromRobot<'b> {
         is_over: bool,
         /// What else is known at a glance.
         state: &'b [u8],
+        /// The hash of all events up to one of the newest.
+        chain: Option<EventHash>,
         /// When it was so, in ms of the robot's session.
         at_ms: u64,
     },
@@ -50,6 +53,13 @@ pub enum FromRobot<'b> {
         sequence: u64,
         /// The state.
         bytes: Vec<u8>,
+    },
+    /// The robot offers this key.
+    NewKey {
+        /// Its number.
+        id: KeyId,
+        /// The key.
+        key: PairingKey,
     },
     /// What became of a command.
     CommandState {
@@ -125,6 +135,31 @@ impl StationSession {
         if let Some(incoming) = self.streams.get_mut(&stream) {
             incoming.safe = incoming.safe.max(safe);
         }
+    }
+
+    /// These events of a run, which had arrived, were not kept: they are reported as missing, so that the robot sends them again.
+    pub fn lose(&mut self, stream: StreamId, events: RangeInclusive<u64>) {
+        if let Some(incoming) = self.streams.get_mut(&stream) {
+            incoming.received.remove(events);
+            self.has_news = true;
+        }
+    }
+
+    /// Uses a key that the robot offers, which is on the disk. What is sealed with the one before is still opened.
+    pub fn use_key(&mut self, id: KeyId, key: &PairingKey) {
+        self.end.add_key(id, key);
+        self.end.use_key(id);
+        (self.has_news, self.reported_at) = (true, None);
+    }
+
+    /// The key with which this side seals.
+    pub fn key_id(&self) -> KeyId {
+        self.end.key_id()
+    }
+
+    /// Whether the robot seals with the same key as this side.
+    pub fn is_key_confirmed(&self) -> bool {
+        self.end.heard_key() == Some(self.end.key_id())
     }
 
     /// What was heard of the robot last, for the disk.
@@ -217,13 +252,13 @@ impl StationSession {
                     show,
                 );
             }
-            Frame::Status { stream, head, is_over, state } => {
+            Frame::Status { stream, head, is_over, state, chain } => {
                 let incoming = self.streams.entry(stream).or_default();
                 incoming.reports = LAST_REPORTS;
                 incoming.head = incoming.head.max(head);
                 incoming.is_over |= is_over;
                 self.has_news = true;
-                show(FromRobot::Status { stream, head, is_over, state, at_ms });
+                show(FromRobot::Status { stream, head, is_over, state, chain, at_ms });
             }
             Frame::Snapshot { stream, sequence, length, offset, bytes } => {
                 let incoming = self.streams.entry(stream).or_default();
@@ -246,6 +281,9 @@ impl StationSession {
                 let since = now_ms(now).saturating_sub(newest_ms).saturating_sub(held_ms);
                 self.round_trip = Some(Duration::from_millis(since));
                 self.reached_ms = self.reached_ms.max(Some(newest_ms));
+            }
+            Frame::NewKey { id, ref key } if id != self.end.key_id() => {
+                show(FromRobot::NewKey { id, key: key.clone() });
             }
             Frame::Calendar { began_ms } => self.calendar_ms = Some(began_ms),
             _ => {}
@@ -271,9 +309,8 @@ impl StationSession {
             return Err(NotSent::TooLong(length, max));
         }
         let clock = self.robot_clock(now).ok_or(NotSent::Unheard)?;
-        // The robot's clock is at least this: so the command is never carried out later than its author meant.
-        let not_after_ms = clock.earliest_ms.saturating_add(now_ms(command.valid));
-        self.commands.add(now, command, (clock.start, not_after_ms));
+        let times = RobotTimes::new(clock, command.wait, command.valid)?;
+        self.commands.add(now, command, times);
         Ok(())
     }
 

@@ -1,9 +1,10 @@
 //! A robot and a station, with a path between them that a test decides about.
 
-use super::{FromRobot, NewCommand, StationSession};
+use super::{FromRobot, NewCommand, NotSent, StationSession};
 use crate::endpoint::Identity;
 use crate::frame::{CommandId, CommandState, StreamId};
 use crate::profile::Profile;
+use crate::range_set::RangeSet;
 use crate::robot::{EventBuffer, RobotSession, RunSource};
 use crate::seal::{Generation, KeyId, PairingKey};
 use std::time::Duration;
@@ -22,6 +23,7 @@ impl RunSource for NoRuns {
 }
 
 struct Pair {
+    offered: Option<KeyId>,
     now: Duration,
     robot: RobotSession,
     station: StationSession,
@@ -42,7 +44,14 @@ impl Pair {
         let mut robot = RobotSession::new(&identity, Profile::LAN);
         robot.begin(StreamId(1), 0);
         let station = StationSession::new(&identity, Profile::LAN);
-        Self { now: Duration::ZERO, robot, station, carried_out: Vec::new(), told: Vec::new() }
+        Self {
+            offered: None,
+            now: Duration::ZERO,
+            robot,
+            station,
+            carried_out: Vec::new(),
+            told: Vec::new(),
+        }
     }
 
     /// Carries datagrams for this time, those from the robot only if `is_heard`.
@@ -54,14 +63,19 @@ impl Pair {
                 if !is_heard {
                     continue;
                 }
-                let told = &mut self.told;
-                let show = |shown: FromRobot<'_>| told.extend(state(&shown));
+                let (told, offered) = (&mut self.told, &mut self.offered);
+                let show = |shown: FromRobot<'_>| match shown {
+                    FromRobot::NewKey { id, .. } => *offered = Some(id),
+                    shown => told.extend(state(&shown)),
+                };
                 self.station.receive(self.now, &mut datagram, show).expect("a datagram");
             }
             while let Some(mut datagram) = self.station.transmit(self.now).expect("room") {
                 let carry_out = |command: crate::ReceivedCommand| self.carried_out.push(command.id);
                 self.robot.receive(self.now, &mut datagram, carry_out).expect("a datagram");
             }
+            let (now, all) = (self.now, &mut self.carried_out);
+            self.robot.take_due(now, |command| all.push(command.id));
         }
     }
 }
@@ -79,7 +93,7 @@ fn the_fate_of_a_command_is_told_although_every_word_of_it_was_lost_at_first() {
     pair.go_on(500, true);
     let id = CommandId([3; 16]);
     let valid = Duration::from_secs(1);
-    let command = NewCommand { id, valid, epoch: 0, body: b"stop".to_vec() };
+    let command = NewCommand { id, valid, wait: None, epoch: 0, body: b"stop".to_vec() };
     pair.station.command(pair.now, command).expect("a clock");
     pair.go_on(100, true);
     assert_eq!(pair.told.first(), Some(&CommandState::Received));
@@ -89,4 +103,66 @@ fn the_fate_of_a_command_is_told_although_every_word_of_it_was_lost_at_first() {
     assert_eq!(pair.told.last(), Some(&CommandState::Done));
     assert_eq!(pair.carried_out, [id]);
     assert!(!pair.station.is_open(id));
+}
+
+#[test]
+fn a_command_for_later_waits_at_the_robot_and_is_carried_out_once() {
+    let mut pair = Pair::new();
+    let (first, second) = (CommandId([4; 16]), CommandId([5; 16]));
+    let command = |id, wait, valid| {
+        let (wait, valid) = (Some(Duration::from_millis(wait)), Duration::from_millis(valid));
+        NewCommand { id, valid, wait, epoch: 0, body: b"resume".to_vec() }
+    };
+    pair.go_on(1, true);
+    assert_eq!(pair.station.command(pair.now, command(first, 10, 20)), Err(NotSent::OneWay));
+    pair.go_on(500, true);
+    assert_eq!(pair.station.command(pair.now, command(first, 10, 5)), Err(NotSent::Uncertain));
+    pair.station.command(pair.now, command(first, 2_000, 2_100)).expect("both bounds");
+    pair.station.command(pair.now, command(second, 1_000, 9_000)).expect("both bounds");
+    pair.go_on(1_000, true);
+    assert_eq!((pair.told.last(), pair.carried_out.len()), (Some(&CommandState::Received), 0));
+    pair.go_on(900, false);
+    assert_eq!(pair.carried_out, [second]);
+    pair.go_on(200, true);
+    assert_eq!(pair.carried_out, [second, first]);
+    // What a robot does not look at in time is too late.
+    pair.station.command(pair.now, command(CommandId([6; 16]), 200, 300)).expect("both bounds");
+    pair.go_on(100, true);
+    pair.now += Duration::from_secs(1);
+    pair.go_on(500, true);
+    assert!(pair.told.contains(&CommandState::Expired) && pair.carried_out.len() == 2);
+}
+
+#[test]
+fn a_new_key_is_used_once_both_sides_have_it_and_the_one_before_until_then() {
+    let mut pair = Pair::new();
+    let (id, key) = (KeyId(2), PairingKey::from_bytes([9; 32]));
+    pair.go_on(300, true);
+    pair.robot.offer_key(id, &key);
+    // One way, the robot stays with what it has.
+    pair.go_on(3_000, false);
+    assert_eq!((pair.offered, pair.robot.is_offer_taken()), (None, false));
+    pair.go_on(2_000, true);
+    assert_eq!((pair.offered, pair.robot.is_offer_taken()), (Some(id), false));
+    pair.station.use_key(id, &key);
+    assert!(!pair.station.is_key_confirmed());
+    pair.go_on(100, true);
+    assert!(pair.robot.is_offer_taken() && !pair.station.is_key_confirmed());
+    assert!(pair.robot.heard_before(pair.now) < Some(Duration::from_millis(100)));
+    pair.robot.use_offered();
+    pair.go_on(500, true);
+    assert!(pair.station.is_key_confirmed());
+    assert_eq!([pair.robot.key_id(), pair.station.key_id()], [id; 2]);
+    // What a stranger replays under the key before is rejected as ever.
+    let before = Identity {
+        key_id: KeyId(1),
+        key: &PairingKey::from_bytes([7; 32]),
+        robot: "scout",
+        start: Generation(1),
+        heard: None,
+    };
+    let mut replayed = StationSession::new(&before, Profile::LAN);
+    replayed.restore(StreamId(1), RangeSet::default());
+    let mut datagram = replayed.transmit(pair.now).expect("room").expect("a report");
+    assert!(pair.robot.receive(pair.now, &mut datagram, |_| ()).is_err());
 }

@@ -204,6 +204,9 @@ pub struct Control {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[cfg_attr(feature = "schema", ts(optional))]
     pub offered_to: Option<String>,
+    /// The epoch of authority: it rises each time control passes.
+    #[serde(default)]
+    pub epoch: u64,
 }
 
 /// What someone wants about control.

@@ -54,13 +54,8 @@ pub(crate) fn measure(server: &BenchServer) -> Result<()> {
 }
 
 fn preempt(server: &BenchServer, run: &str, line: &mut Line, number: usize) -> Result<()> {
-    let envelope = Envelope {
-        id: number.to_string(),
-        author: String::new(),
-        decided_on: None,
-        expiry: None,
-        command: Command::Preempt { path: STATE.to_owned() },
-    };
+    let command = Command::Preempt { path: STATE.to_owned() };
+    let envelope = Envelope::new(number.to_string(), "", command);
     if number.is_multiple_of(2) {
         return line.say(&ToServer::Command { run: run.to_owned(), envelope });
     }

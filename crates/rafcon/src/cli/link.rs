@@ -21,10 +21,12 @@ pub(crate) struct Station {
 #[derive(Debug, Args)]
 pub(crate) struct Link {
     /// Send the runs to the station at this address, such as `udp://ground.example:4748`
-    #[arg(long, value_name = "ADDRESS")]
-    pub(crate) station: Option<String>,
+    ///
+    /// Repeat it for several stations, with the name of each in its pairing: `--station base=udp://ground.example:4748`.
+    #[arg(long = "station", value_name = "[NAME=]ADDRESS")]
+    pub(crate) stations: Vec<String>,
     /// Name of this robot in its pairing; needed only if there are several
-    #[arg(long, value_name = "NAME", requires = "station")]
+    #[arg(long, value_name = "NAME", requires = "stations")]
     pub(crate) robot: Option<String>,
     /// Properties of the link
     #[arg(long = "link", value_enum, default_value = "wifi", value_name = "PROFILE")]
@@ -47,12 +49,21 @@ pub(crate) enum LinkProfile {
 
 /// Pair a robot with a station: both get the key with which they talk.
 ///
-/// On the robot, `rafcon pair NAME` makes the key and prints a line. On the station, `rafcon pair --paste` reads that line.
+/// On the robot, `rafcon pair NAME` makes the key and prints a line. On the station, `rafcon pair --paste` reads that line. Each
+/// station of a robot needs a pairing of its own, with its name: `rafcon pair NAME --station STATION`.
 #[derive(Debug, Args)]
 pub(crate) struct Pair {
     /// Name of the robot: letters, digits, `.`, `-`, `_`
     #[arg(value_name = "NAME", required_unless_present = "paste", conflicts_with = "paste")]
     pub(crate) robot: Option<String>,
+    /// Name of the station, for a robot with several
+    #[arg(long, value_name = "STATION", requires = "robot")]
+    pub(crate) station: Option<String>,
+    /// On the robot: make another key and offer it to the station over the link
+    ///
+    /// Both sides use the key they have until the station was heard with the new one. `rafcon link` says whether it was.
+    #[arg(long, requires = "robot")]
+    pub(crate) renew: bool,
     /// Read the line that the robot printed
     #[arg(long)]
     pub(crate) paste: bool,

@@ -8,7 +8,7 @@ use anyhow::{Context as _, Result, bail};
 use rafcon_link::Profile;
 use rafcon_protocol::api::{Control, ControlMove};
 use rafcon_relay::{
-    Authority, Pairing, RobotSettings, StationSettings, Stopper, relay_robot, relay_station,
+    Authority, Paired, Pairing, RobotSettings, StationSettings, Stopper, relay_robot, relay_station,
 };
 use rafcon_server::RunAuthority;
 use std::fs::{self, OpenOptions};
@@ -22,17 +22,35 @@ use std::thread::{self, JoinHandle};
 
 /// Makes a pairing and prints it, or reads one.
 pub(super) fn pair(raw: &cli::Pair, environment: &Environment) -> Result<ExitCode> {
-    let folder = pairings_folder(&state(&raw.state, environment)?);
+    let state = state(&raw.state, environment)?;
+    let folder = pairings_folder(&state);
+    if raw.renew {
+        return renew(raw, &state);
+    }
     let pairing = match &raw.robot {
-        Some(robot) => Pairing::generate(robot).with_context(|| {
-            format!("`{robot}` cannot name a robot: use 1 to 64 letters, digits, `.`, `-` and `_`")
+        Some(robot) => Pairing::generate(robot, raw.station.as_deref()).with_context(|| {
+            let what = match &raw.station {
+                Some(station) => format!("`{robot}` and `{station}` cannot name a robot and a station"),
+                None => format!("`{robot}` cannot name a robot"),
+            };
+            format!("{what}: use 1 to 64 letters, digits, `.`, `-` and `_`; no station is called `robot`")
         })?,
         None => io::read_to_string(io::stdin())?.parse()?,
     };
     fs::create_dir_all(&folder)
         .with_context(|| format!("cannot make the folder {}", folder.display()))?;
-    let file = folder.join(&pairing.robot);
+    let file = match &pairing.station {
+        // At a station, a robot has one name.
+        Some(station) if !raw.paste => folder.join(format!("{}@{station}", pairing.robot)),
+        _ => folder.join(&pairing.robot),
+    };
     let written = OpenOptions::new().write(true).create_new(true).mode(0o600).open(&file);
+    if let (Ok(_), Some(name)) = (&written, file.file_name()) {
+        // What was offered or taken under a pairing before is void.
+        for new in ["offered", "taken"] {
+            drop(fs::remove_file(state.join("link/new-keys").join(new).join(name)));
+        }
+    }
     let written = written.and_then(|mut file| writeln!(file, "{pairing}"));
     written.with_context(|| {
         let file = file.display();
@@ -46,6 +64,40 @@ pub(super) fn pair(raw: &cli::Pair, environment: &Environment) -> Result<ExitCod
             "paste this line at the station after `rafcon pair --paste`; who has it can command the robot",
         );
     }
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Makes another key, which the robot's server offers to the station.
+fn renew(raw: &cli::Pair, state: &Path) -> Result<ExitCode> {
+    let paired = robots_own(state, raw.robot.as_deref(), raw.station.as_deref())?;
+    if !robot_folder(state, paired.pairing.station.as_deref()).is_dir() {
+        bail!("the server of this robot has never run here: keys are renewed on the robot");
+    }
+    if paired.next.exists() {
+        bail!(
+            "a new key is offered already: `rafcon link` says whether the station uses it; to take the offer back, end the server \
+             and remove {}",
+            paired.next.display()
+        );
+    }
+    let next = paired.pairing.renewed().context("the system gives no random numbers")?;
+    let folder = paired.next.parent().unwrap_or(Path::new("."));
+    fs::create_dir_all(folder)
+        .with_context(|| format!("cannot make the folder {}", folder.display()))?;
+    // The server reads it as soon as it is there: it has to be whole then.
+    let draft = paired.next.with_extension("draft");
+    drop(fs::remove_file(&draft));
+    let file = OpenOptions::new().write(true).create_new(true).mode(0o600).open(&draft);
+    let written = file.and_then(|mut file| {
+        writeln!(file, "{next}")?;
+        file.sync_all()?;
+        fs::rename(&draft, &paired.next)
+    });
+    written.with_context(|| format!("cannot write {}", paired.next.display()))?;
+    writeln!(
+        io::stdout(),
+        "a new key is offered to the station; both sides use the one they have until the station uses the new one"
+    )?;
     Ok(ExitCode::SUCCESS)
 }
 
@@ -66,8 +118,8 @@ impl ServerAuthority {
 }
 
 impl Authority for ServerAuthority {
-    fn command(&self, run: &str, user: &str) -> Result<(), String> {
-        self.server()?.command(run, user)
+    fn command(&self, run: &str, user: &str, epoch: u64) -> Result<(), String> {
+        self.server()?.command(run, user, epoch)
     }
 
     fn move_control(&self, run: &str, user: &str, wanted: &ControlMove) -> Result<(), String> {
@@ -93,26 +145,46 @@ pub(super) struct Relays {
 }
 
 impl Relays {
-    /// Sends the runs in `runs` to the station that the options name, if they name one.
+    /// Sends the runs in `runs` to the stations that the options name, to each over a link of its own.
     pub(super) fn robot(
         &mut self,
         raw: &cli::Link,
         (state, runs): (&Path, &Path),
-        authority: Arc<ServerAuthority>,
+        authority: &Arc<ServerAuthority>,
     ) -> Result<()> {
-        let Some(station) = &raw.station else { return Ok(()) };
-        let settings = RobotSettings {
-            folder: robot_folder(state),
-            runs: runs.to_owned(),
-            pairing: robots_own(state, raw.robot.as_deref())?,
-            station: address(station)?,
-            bind: any_port(address(station)?),
-            profile: profile(raw.profile),
-            authority,
-            tell: complain,
-        };
-        let stopper = self.stopper.clone();
-        self.begin("link", move || relay_robot(&settings, &stopper))
+        let mut all: Vec<RobotSettings> = Vec::new();
+        for spoken in &raw.stations {
+            let (name, station) = spoken
+                .split_once('=')
+                .map_or((None, spoken.as_str()), |(name, station)| (Some(name), station));
+            let paired = robots_own(state, raw.robot.as_deref(), name)?;
+            let pairing = &paired.pairing;
+            if let Some(other) = all.iter().find(|other| other.paired.pairing.key == pairing.key) {
+                bail!(
+                    "two stations would share the pairing of `{}`: make another one with `rafcon pair {} --station NAME`, and name \
+                     it with `--station NAME=ADDRESS`",
+                    other.paired.pairing.robot,
+                    pairing.robot
+                );
+            }
+            all.push(RobotSettings {
+                folder: robot_folder(state, pairing.station.as_deref()),
+                runs: runs.to_owned(),
+                paired,
+                station: address(station)?,
+                bind: any_port(address(station)?),
+                profile: profile(raw.profile),
+                authority: Arc::clone(authority) as Arc<dyn Authority>,
+                tell: complain,
+            });
+        }
+        for settings in all {
+            let stopper = self.stopper.clone();
+            let name = settings.paired.pairing.station.clone();
+            let name = name.map_or_else(|| "link".to_owned(), |name| format!("link to {name}"));
+            self.begin(&name, move || relay_robot(&settings, &stopper))?;
+        }
+        Ok(())
     }
 
     /// Keeps replicas in `runs` of what robots send to this address.
@@ -125,7 +197,7 @@ impl Relays {
         let settings = StationSettings {
             folder: station_folder(state),
             runs: runs.to_owned(),
-            pairings: pairings(state)?,
+            pairings: pairings(state, "taken")?,
             bind: listen,
             profile: profile(raw.profile),
             tell: complain,
@@ -145,9 +217,10 @@ impl Relays {
         name: &str,
         relay: impl FnOnce() -> Result<(), rafcon_relay::RelayError> + Send + 'static,
     ) -> Result<()> {
-        let run = || {
+        let link = name.to_owned();
+        let run = move || {
             if let Err(error) = relay() {
-                complain(&format!("the link has ended: {:#}", anyhow::Error::from(error)));
+                complain(&format!("the {link} has ended: {:#}", anyhow::Error::from(error)));
             }
         };
         self.threads.push(thread::Builder::new().name(name.to_owned()).spawn(run)?);
@@ -164,9 +237,20 @@ impl Relays {
     }
 }
 
-/// The folder of the robot's side of the link.
-pub(super) fn robot_folder(state: &Path) -> PathBuf {
-    state.join("link/robot")
+/// The folder of the robot's side of the link to this station.
+fn robot_folder(state: &Path, station: Option<&str>) -> PathBuf {
+    let link = state.join("link");
+    station.map_or_else(|| link.join("robot"), |station| link.join(format!("robot@{station}")))
+}
+
+/// The folders of the robot's side of all its links.
+pub(super) fn robot_folders(state: &Path) -> Vec<PathBuf> {
+    let all = fs::read_dir(state.join("link")).into_iter().flatten().flatten();
+    let is_robots = |name: &str| name == "robot" || name.starts_with("robot@");
+    let robots = all.filter(|entry| entry.file_name().to_str().is_some_and(is_robots));
+    let mut folders: Vec<_> = robots.map(|entry| entry.path()).collect();
+    folders.sort();
+    folders
 }
 
 /// The folder of the station's side of the links.
@@ -178,7 +262,8 @@ fn pairings_folder(state: &Path) -> PathBuf {
     state.join("link/pairings")
 }
 
-fn pairings(state: &Path) -> Result<Vec<Pairing>> {
+/// All pairings, with the files for new keys that a robot has `offered`, or a station `taken`.
+fn pairings(state: &Path, new: &str) -> Result<Vec<Paired>> {
     let folder = pairings_folder(state);
     let files = match fs::read_dir(&folder) {
         Ok(files) => files,
@@ -189,23 +274,35 @@ fn pairings(state: &Path) -> Result<Vec<Pairing>> {
     };
     let mut files = files.map(|file| Ok(file?.path())).collect::<io::Result<Vec<_>>>()?;
     files.sort();
-    let read = |file: &PathBuf| {
-        let text = fs::read_to_string(file)?;
-        text.parse().with_context(|| format!("cannot use {}", file.display()))
+    let next = state.join("link/new-keys").join(new);
+    let read = |file: PathBuf| {
+        let text = fs::read_to_string(&file)?;
+        let pairing = text.parse().with_context(|| format!("cannot use {}", file.display()))?;
+        let next = next.join(file.file_name().unwrap_or_default());
+        Ok(Paired { pairing, file, next })
     };
-    files.iter().map(read).collect()
+    files.into_iter().map(read).collect()
 }
 
-/// The pairing with the station of this robot.
-fn robots_own(state: &Path, name: Option<&str>) -> Result<Pairing> {
-    let mut pairings = pairings(state)?;
-    pairings.retain(|pairing| name.is_none_or(|name| pairing.robot == name));
-    match (pairings.pop(), pairings.is_empty()) {
-        (Some(pairing), true) => Ok(pairing),
-        (None, _) => bail!(
+/// The pairing of this robot with the station of this name, or with its only one.
+fn robots_own(state: &Path, robot: Option<&str>, station: Option<&str>) -> Result<Paired> {
+    let mut all = pairings(state, "offered")?;
+    all.retain(|it| robot.is_none_or(|name| it.pairing.robot == name));
+    if station.is_some() || all.iter().any(|it| it.pairing.station.is_none()) {
+        all.retain(|it| it.pairing.station.as_deref() == station);
+    }
+    match (all.pop(), all.is_empty(), station) {
+        (Some(paired), true, _) => Ok(paired),
+        (None, _, None) => bail!(
             "this robot is not paired: run `rafcon pair NAME` here, and `rafcon pair --paste` at the station"
         ),
-        (Some(_), false) => bail!("there are several pairings: choose one with `--robot NAME`"),
+        (None, _, Some(station)) => bail!(
+            "this robot is not paired with a station `{station}`: run `rafcon pair NAME --station {station}` here, and `rafcon \
+             pair --paste` there"
+        ),
+        (Some(_), false, _) => bail!(
+            "there are several pairings: choose one with `--robot NAME`, or name the station with `--station NAME=ADDRESS`"
+        ),
     }
 }
 

@@ -1,7 +1,7 @@
 //! `rafcon link`: how the links of this computer are.
 
 use super::kept::out;
-use super::link::{robot_folder, station_folder};
+use super::link::{robot_folders, station_folder};
 use super::serve::state;
 use crate::cli;
 use crate::environment::Environment;
@@ -19,7 +19,7 @@ use std::time::Duration;
 pub(super) fn link_status(raw: &cli::LinkStatus, environment: &Environment) -> Result<ExitCode> {
     let state = state(&raw.state, environment)?;
     let mut reports = Vec::new();
-    for folder in [robot_folder(&state), station_folder(&state)] {
+    for folder in robot_folders(&state).into_iter().chain([station_folder(&state)]) {
         let read = read_reports(&folder).with_context(|| {
             format!("cannot read the report of the links in {}: another version of rafcon may run there", folder.display())
         })?;
@@ -44,10 +44,14 @@ pub(super) fn link_status(raw: &cli::LinkStatus, environment: &Environment) -> R
 }
 
 fn in_words(report: &LinkReport) -> String {
-    let LinkReport { health, profile, sent, received, runs, now_ms, .. } = report;
+    let LinkReport { health, profile, sent, received, runs, now_ms, station, .. } = report;
     let robot = &health.robot;
-    let who = if report.is_station { "the robot" } else { "the station" };
-    let mut text = format!("{robot}: {}, profile {profile}\n", contact(health, *now_ms, who));
+    let who = match station {
+        _ if report.is_station => "the robot".to_owned(),
+        Some(station) => format!("station {station}"),
+        None => "the station".to_owned(),
+    };
+    let mut text = format!("{robot}: {}, profile {profile}\n", contact(health, *now_ms, &who));
     let LinkHealth { down_bytes_per_s, up_bytes_per_s, .. } = health;
     let (down, up) = (size(*down_bytes_per_s), size(*up_bytes_per_s));
     let mut line = |words: String| text.extend(["  ", &words, "\n"]);
@@ -63,6 +67,9 @@ fn in_words(report: &LinkReport) -> String {
             "{} not usable, the last one because {why}",
             counted(report.unusable, "datagram")
         ));
+    }
+    for problem in &report.problems {
+        line(problem.clone());
     }
     for run in runs {
         let missing = match run.missing {
@@ -150,6 +157,8 @@ mod tests {
         let run = |id: &str, head, missing| LinkRun { id: id.to_owned(), head, missing };
         LinkReport {
             is_station: true,
+            station: None,
+            problems: Vec::new(),
             profile: "delay-2s".to_owned(),
             now_ms: 10_000_000,
             health: LinkHealth {
@@ -166,6 +175,7 @@ mod tests {
                     id: "ana/1".to_owned(),
                     stage: CommandStage::Sent,
                     sent_ms: 9_999_000,
+                    not_before_ms: None,
                     arrives_ms: None,
                 }],
                 clock: Some(ClockOffset { least_ms: -200, most_ms: Some(3_900) }),

@@ -24,7 +24,7 @@ pub(super) fn serve(
     let (state, runs) = (state(&raw.state, environment)?, settings.runs.clone());
     let mut relays = Relays::default();
     let authority = Arc::new(ServerAuthority::default());
-    relays.robot(&raw.link, (&state, &runs), Arc::clone(&authority))?;
+    relays.robot(&raw.link, (&state, &runs), &authority)?;
     if let Some(listen) = robots {
         relays.station(&raw.link, listen, (&state, &runs))?;
     }

@@ -10,7 +10,8 @@ use crate::failure::{Usage, complain};
 use crate::follow::envelope;
 use anyhow::{Result, bail};
 use rafcon_protocol::{
-    Answer, Command, FrameKind, Hello, Join, ToRunner, ToViewer, decode, encode, read_frame,
+    Answer, Command, Envelope, FrameKind, Hello, Join, ToRunner, ToViewer, decode, encode,
+    read_frame,
 };
 use rafcon_supervisor::{clock, connect};
 use serde_json::{Map, Value};
@@ -27,6 +28,7 @@ pub(super) fn tell(raw: &cli::Tell, environment: &Environment) -> Result<ExitCod
         let waiting = Clock::start();
         let now_ms = server.now(&run)?.now_ms;
         let waited_ms = u64::try_from(waiting.now().as_millis()).unwrap_or(u64::MAX);
+        let envelope = later(envelope, raw.wait_s, now_ms);
         let envelope = envelope.dated(now_ms.saturating_sub(waited_ms));
         return said(server.command(&run, &envelope)?.answer);
     }
@@ -39,7 +41,8 @@ pub(super) fn tell(raw: &cli::Tell, environment: &Environment) -> Result<ExitCod
     decode::<Hello>(&hello)?.check()?;
     let id = format!("tell-{}-{}", std::process::id(), clock::salt(0));
     control.say(&ToRunner::Join(Join::default()))?;
-    control.say(&ToRunner::Command(envelope(id.clone(), &environment.user, command)))?;
+    let told = envelope(id.clone(), &environment.user, command);
+    control.say(&ToRunner::Command(later(told, raw.wait_s, clock::since_1970_ms())))?;
     let mut content = Vec::new();
     while let Some(kind) = read_frame(&mut runner, &mut content)? {
         if kind != FrameKind::Message {
@@ -52,6 +55,13 @@ pub(super) fn tell(raw: &cli::Tell, environment: &Environment) -> Result<ExitCod
         }
     }
     bail!("the runner ended before it answered")
+}
+
+/// For so many seconds later, by a clock that says `now_ms`.
+fn later(envelope: Envelope, wait_s: Option<u64>, now_ms: u64) -> Envelope {
+    let Some(wait_s) = wait_s else { return envelope };
+    let not_before = Some(now_ms.saturating_add(wait_s.saturating_mul(1_000)));
+    Envelope { not_before, ..envelope }.dated(now_ms)
 }
 
 fn said(answer: Answer) -> Result<ExitCode> {

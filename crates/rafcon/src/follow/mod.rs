@@ -391,7 +391,7 @@ fn log(t_ns: u64, level: LogLevel, stream: Stream, message: String) -> Action {
 
 /// A command of the person at this terminal.
 pub(crate) fn envelope(id: String, author: &str, command: Command) -> Envelope {
-    Envelope { id, author: author.to_owned(), decided_on: None, expiry: None, command }
+    Envelope::new(id, author, command)
 }
 
 #[cfg(test)]

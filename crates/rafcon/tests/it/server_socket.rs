@@ -59,9 +59,7 @@ impl Site {
     }
 
     fn command(&self, id: &str, command: Command) -> ToServer {
-        let id = id.to_owned();
-        let envelope =
-            Envelope { id, author: String::new(), decided_on: None, expiry: None, command };
+        let envelope = Envelope::new(id, "", command);
         ToServer::Command { run: self.run.clone(), envelope }
     }
 }

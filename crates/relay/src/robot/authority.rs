@@ -3,10 +3,11 @@
 use rafcon_protocol::api::{Control, ControlMove};
 use std::fmt;
 
-/// Decides who commands. Users of a station have `@station` after their names.
+/// Decides who commands. Users of a station have `@` and its name after theirs.
 pub trait Authority: fmt::Debug + Send + Sync {
-    /// Whether a user may command this run now; else why not, and the way out. Who brings a robot to rest is not asked.
-    fn command(&self, run: &str, user: &str) -> Result<(), String>;
+    /// Whether a user may command this run now, having decided under this epoch of authority; else why not, and the way out. Who
+    /// brings a robot to rest is not asked.
+    fn command(&self, run: &str, user: &str, epoch: u64) -> Result<(), String>;
 
     /// Moves control of a run as a user wants, or says why not.
     fn move_control(&self, run: &str, user: &str, wanted: &ControlMove) -> Result<(), String>;

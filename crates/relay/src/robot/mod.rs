@@ -11,7 +11,7 @@ use crate::error::RelayError;
 use crate::ids;
 use crate::inbox::{Inbox, Input, Stopper};
 use crate::meter::{LinkMeter, millis};
-use crate::pairing::Pairing;
+use crate::pairing::{Paired, Pairing};
 use crate::report::{REPORT_EVERY, Reporter};
 use crate::start::Start;
 use crate::words::{StationWord, at_robot, author_at_robot};
@@ -29,6 +29,11 @@ use std::time::Duration;
 /// What was heard is kept this often.
 const KEEP_EVERY: Duration = Duration::from_secs(10);
 
+/// So many datagrams are sent before the robot listens again: a computer that cannot send as fast as its link may hears commands, too.
+const SENDS_AT_ONCE: usize = 32;
+/// So much is heard before the robot sends again.
+const INPUTS_AT_ONCE: usize = 256;
+
 /// What a robot's relay needs.
 #[derive(Debug, Clone)]
 pub struct RobotSettings {
@@ -37,7 +42,7 @@ pub struct RobotSettings {
     /// The folder with the runs.
     pub runs: PathBuf,
     /// What it shares with the station.
-    pub pairing: Pairing,
+    pub paired: Paired,
     /// Where the station receives.
     pub station: SocketAddr,
     /// The address that datagrams come from; port 0 for any.
@@ -55,40 +60,48 @@ pub fn relay_robot(settings: &RobotSettings, stopper: &Stopper) -> Result<(), Re
     let mut start = Start::begin(&settings.folder)?;
     let inbox = Inbox::new();
     let socket = inbox.listen(settings.bind, stopper)?;
-    let identity = start.identity(&settings.pairing);
+    let identity = start.identity(&settings.paired.pairing);
     let mut session = RobotSession::new(&identity, settings.profile.clone());
     let list = settings.folder.join("runs");
     let clock = SessionClock::begin();
     let mut runs = RobotRuns::new(&settings.runs, list, inbox.sender(), settings.tell, clock);
     runs.restore(&mut session);
-    let meter = LinkMeter::new(&settings.pairing.robot, &settings.profile, false);
+    let meter = LinkMeter::new(&settings.paired.pairing, &settings.profile, false);
     let reporter = Reporter::open(&settings.folder)?;
-    let mut relay = RobotRelay { settings, clock, socket, session, runs, meter };
+    let mut relay = RobotRelay { settings, clock, socket, session, runs, meter, offered: None };
     let (mut look_at, mut keep_at) = (Duration::ZERO, KEEP_EVERY);
     while !stopper.is_stopped() {
         let now = relay.clock.now();
         if now >= look_at {
             look_at = now + REPORT_EVERY;
-            relay.runs.look(&mut relay.session);
+            let is_heard = relay.session.is_heard(now);
+            relay.runs.look(&mut relay.session, is_heard);
             relay.session.set_calendar(now, clock::since_1970_ms());
             relay.tell_control();
             let heard = relay.session.heard_before(now).map(|ago| now.saturating_sub(ago));
             relay.runs.tell_ground(now, heard);
+            relay.renew_key();
             reporter.set(vec![relay.report(now)]);
         }
         if now >= keep_at {
             keep_at = now + KEEP_EVERY;
-            start.keep_heard(relay.session.horizon())?;
+            relay.keep_heard(&mut start);
         }
+        relay.carry_out_due();
         relay.send()?;
         let next = relay.session.next_transmit(now).min(look_at).min(keep_at);
-        match inbox.wait(next.saturating_sub(relay.clock.now())) {
-            Some(Input::Datagram(_, datagram)) => relay.receive(datagram),
-            Some(Input::Other(from_run)) => relay.happened(from_run),
-            None => {}
+        let mut time = next.saturating_sub(relay.clock.now());
+        for _ in 0..INPUTS_AT_ONCE {
+            match inbox.wait(time) {
+                Some(Input::Datagram(_, datagram)) => relay.receive(datagram),
+                Some(Input::Other(from_run)) => relay.happened(from_run),
+                None => break,
+            }
+            time = Duration::ZERO;
         }
     }
-    start.keep_heard(relay.session.horizon())
+    relay.keep_heard(&mut start);
+    Ok(())
 }
 
 struct RobotRelay<'s> {
@@ -98,9 +111,42 @@ struct RobotRelay<'s> {
     session: RobotSession,
     runs: RobotRuns,
     meter: LinkMeter,
+    /// The pairing that the station is offered.
+    offered: Option<Pairing>,
 }
 
 impl RobotRelay<'_> {
+    /// Keeps what was heard, for the next start.
+    fn keep_heard(&self, start: &mut Start) {
+        if let Err(error) = start.keep_heard(self.session.key_id(), self.session.horizon()) {
+            (self.settings.tell)(&format!("what was heard of the station is not kept: {error}"));
+        }
+    }
+
+    /// Offers the station the key that lies ready, and uses it once the station does.
+    fn renew_key(&mut self) {
+        let paired = &self.settings.paired;
+        match &self.offered {
+            None => {
+                self.offered = paired.read_next().filter(|it| it.key_id != self.session.key_id());
+                if let Some(next) = &self.offered {
+                    self.session.offer_key(next.key_id, &next.key);
+                }
+            }
+            Some(next) if self.session.is_offer_taken() => match paired.replace(next) {
+                Ok(()) => {
+                    self.session.use_offered();
+                    self.offered = None;
+                    (self.settings.tell)("the station uses the new key, and so does this robot");
+                }
+                Err(error) => {
+                    (self.settings.tell)(&format!("the new key is not used yet: {error}"));
+                }
+            },
+            Some(_) => {}
+        }
+    }
+
     /// Tells who holds control of the runs that continue.
     fn tell_control(&mut self) {
         let authority = &*self.settings.authority;
@@ -112,11 +158,19 @@ impl RobotRelay<'_> {
     fn report(&mut self, now: Duration) -> LinkReport {
         let Self { session, meter, runs, .. } = self;
         let health = meter.health(now, session.traffic(), session.heard_before(now));
-        meter.report(health, session.traffic(), runs.progress(session))
+        let report = meter.report(health, session.traffic(), runs.progress(session));
+        let waits = self
+            .offered
+            .as_ref()
+            .map(|_| "a new key is offered, and the station does not use it yet");
+        LinkReport { problems: waits.into_iter().map(str::to_owned).collect(), ..report }
     }
 
     fn send(&mut self) -> Result<(), RelayError> {
-        while let Some(datagram) = self.session.transmit(self.clock.now(), &mut self.runs)? {
+        for _ in 0..SENDS_AT_ONCE {
+            let Some(datagram) = self.session.transmit(self.clock.now(), &mut self.runs)? else {
+                break;
+            };
             // A network that is not there is a link that loses everything.
             drop(self.socket.send_to(&datagram, self.settings.station));
         }
@@ -135,11 +189,20 @@ impl RobotRelay<'_> {
         }
     }
 
+    /// Carries out the commands whose time has come.
+    fn carry_out_due(&mut self) {
+        let (now, mut commands) = (self.clock.now(), Vec::new());
+        self.session.take_due(now, |command| commands.push(command));
+        for command in commands {
+            self.command(now, command);
+        }
+    }
+
     /// Does what someone at a station wants, if they may.
     fn command(&mut self, now: Duration, command: ReceivedCommand) {
-        let ReceivedCommand { id, not_after_ms, body, .. } = command;
+        let ReceivedCommand { id, not_after_ms, epoch, body, .. } = command;
         let done = match serde_json::from_slice(&body) {
-            Ok((stream, word)) => self.heed(now, (StreamId(stream), word), not_after_ms),
+            Ok((stream, word)) => self.heed(now, (StreamId(stream), word), (epoch, not_after_ms)),
             Err(error) => Err(format!("the robot's server does not understand it: {error}")),
         };
         let (state, reason) = match done {
@@ -153,19 +216,22 @@ impl RobotRelay<'_> {
         &mut self,
         now: Duration,
         (stream, word): (StreamId, StationWord),
-        not_after_ms: u64,
+        (epoch, not_after_ms): (u64, u64),
     ) -> Result<CommandState, String> {
         let authority = Arc::clone(&self.settings.authority);
+        let station = self.settings.paired.pairing.station_name();
         let run = self.runs.name(stream).ok_or("the robot has no such run")?.to_owned();
         match word {
             StationWord::Command(id, author, decided_on, command) => {
-                let author = author_at_robot(&author);
+                let author = author_at_robot(&author, station);
                 if !command.is_for_everybody() {
-                    authority.command(&run, &author)?;
+                    authority.command(&run, &author, epoch)?;
                 }
                 let left_ms = not_after_ms.saturating_sub(millis(now));
                 let expiry = Some(Expiry(clock::since_1970_ms().saturating_add(left_ms)));
-                let envelope = Envelope { id, author, decided_on, expiry, command };
+                let epoch = Some(epoch);
+                let new = Envelope::new(id, author, command);
+                let envelope = Envelope { decided_on, expiry, epoch, ..new };
                 if self.runs.command(&run, envelope) {
                     return Ok(CommandState::Started);
                 }
@@ -173,15 +239,17 @@ impl RobotRelay<'_> {
             }
             StationWord::MoveControl(_, author, wanted) => {
                 let wanted = match wanted {
-                    ControlMove::HandOver { to } => ControlMove::HandOver { to: at_robot(&to) },
+                    ControlMove::HandOver { to } => {
+                        ControlMove::HandOver { to: at_robot(&to, station) }
+                    }
                     other => other,
                 };
-                authority.move_control(&run, &author_at_robot(&author), &wanted)?;
+                authority.move_control(&run, &author_at_robot(&author, station), &wanted)?;
                 self.tell_control();
                 Ok(CommandState::Done)
             }
             StationWord::Present(user) => {
-                authority.present(&author_at_robot(&user));
+                authority.present(&author_at_robot(&user, station));
                 Ok(CommandState::Done)
             }
         }

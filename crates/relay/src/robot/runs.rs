@@ -7,11 +7,12 @@ use crate::ids;
 use crate::inbox::Input;
 use crate::meter::millis;
 use crate::words::{RunFate, RunStands};
-use rafcon_link::{EventBuffer, Events, RobotSession, RunSource, StreamId};
+use rafcon_link::{EventBuffer, EventHash, Events, RobotSession, RunSource, StreamId};
 use rafcon_protocol::api::Control;
 use rafcon_protocol::{Envelope, LinkRun, Snapshot};
 use rafcon_storage::journal::{
-    About, EventItems, EventSource, JournalError, Pack, RunState, Summary, run_folders, writer_of,
+    About, Chain, EventItems, EventSource, JournalError, Pack, RunState, Summary, run_folders,
+    writer_of,
 };
 use std::collections::BTreeMap;
 use std::fs;
@@ -21,6 +22,12 @@ use std::time::Duration;
 
 /// Of so many new events each goes ahead of older ones; of more the journal has them, in their turn.
 const AHEAD_MAX: u64 = 64;
+
+/// So many of the older runs are sent at a time.
+const OLDER_AT_ONCE: usize = 2;
+
+/// So many bytes of events are hashed at a time.
+const HASH_BYTES: usize = 256 << 10;
 
 /// So many of the runs that earlier starts sent are looked at again.
 const LISTED_MAX: usize = 256;
@@ -36,6 +43,8 @@ pub(super) struct RobotRuns {
     clock: SessionClock,
     all: BTreeMap<String, RobotRun>,
     streams: BTreeMap<StreamId, String>,
+    /// The runs that were over before the robot had this station: they are sent last, the newest first.
+    older: Vec<String>,
 }
 
 #[derive(Debug)]
@@ -44,14 +53,20 @@ struct RobotRun {
     /// What is known about it, in parts, and how many machines are among that.
     about: Vec<Vec<u8>>,
     machines: usize,
-    source: EventSource,
+    /// Its journal, while it is read.
+    source: Option<EventSource>,
+    was_read: bool,
     head: u64,
     runner: Option<Followed>,
     /// The state that its runner told last, and when.
     snapshot: Option<(Box<Snapshot>, Duration)>,
     fate: RunFate,
+    /// It was over before the robot had this station.
+    is_older: bool,
     /// What was told of it last.
     stands: RunStands,
+    /// The hash of its events; none if the journal does not have them all.
+    chain: Option<Chain>,
 }
 
 impl RobotRuns {
@@ -62,8 +77,8 @@ impl RobotRuns {
         tell: fn(&str),
         clock: SessionClock,
     ) -> Self {
-        let (all, streams) = (BTreeMap::new(), BTreeMap::new());
-        Self { folder: folder.to_owned(), list, inbox, tell, clock, all, streams }
+        let (all, streams, folder) = (BTreeMap::new(), BTreeMap::new(), folder.to_owned());
+        Self { folder, list, inbox, tell, clock, all, streams, older: Vec::new() }
     }
 
     /// Goes on with the runs that earlier starts sent: they may have ended since.
@@ -76,19 +91,50 @@ impl RobotRuns {
                 self.gone(&id, session);
             }
         }
+        let folders = run_folders(&self.folder).unwrap_or_default();
+        let ids = folders.iter().filter_map(|folder| folder.file_name()?.to_str());
+        self.older = ids.filter(|id| !self.all.contains_key(*id)).map(str::to_owned).collect();
+        // The newest is taken first.
+        self.older.sort();
+    }
+
+    /// Goes on to the next of the older runs when the station has those before.
+    fn look_at_older(&mut self, session: &mut RobotSession, is_heard: bool) {
+        let is_open = |(id, run): (&String, &RobotRun)| run.is_older && !has_all(session, id);
+        let open = self.all.iter().filter(|run| is_open(*run)).count();
+        if !is_heard || open >= OLDER_AT_ONCE {
+            return;
+        }
+        while let Some(id) = self.older.pop() {
+            let folder = self.folder.join(&id);
+            let is_over = matches!(writer_of(&folder), Ok(None)) && !self.all.contains_key(&id);
+            // What cannot be read is not sent, as if it were not there.
+            if is_over && self.begin(&id, &folder, session).unwrap_or(false) {
+                session.set_last(ids::events_of(&id));
+                session.set_last(ids::about_of(&id));
+                if let Some(run) = self.all.get_mut(&id) {
+                    run.is_older = true;
+                }
+                self.gone(&id, session);
+                return;
+            }
+        }
     }
 
     /// Looks for runs that continue and are not followed, and for machines that runs have kept since.
-    pub(super) fn look(&mut self, session: &mut RobotSession) {
+    pub(super) fn look(&mut self, session: &mut RobotSession, is_heard: bool) {
         for (id, run) in &mut self.all {
             // A run that is over has what it had when it was looked at last.
-            let is_open = run.runner.is_some() || run.machines == 0;
-            if is_open && let Ok(packs) = Pack::read_after(&run.folder, run.machines) {
-                run.machines += packs.len();
-                run.about.extend(packs.iter().flat_map(machine_parts));
-                session.advance(ids::about_of(id), run.about.len() as u64);
+            if run.runner.is_some() {
+                run.look_for_machines(id, session);
+            } else if run.fate != RunFate::Removed && !run.folder.is_dir() {
+                run.fate = RunFate::Removed;
+                run.tell(id, RunStands::of(run.fate, None, 0), session);
             }
+            run.rest();
         }
+        self.hash(session);
+        self.look_at_older(session, is_heard);
         for folder in run_folders(&self.folder).unwrap_or_default() {
             let id = folder.file_name().unwrap_or_default().to_string_lossy().into_owned();
             let is_live = matches!(writer_of(&folder), Ok(Some(_)));
@@ -97,6 +143,36 @@ impl RobotRuns {
             }
             if let Err(error) = self.find(&id, &folder, session) {
                 (self.tell)(&format!("run {id} is not sent to the station: {error}"));
+            }
+        }
+    }
+
+    /// Goes on with the hashes of the events of all runs, so far at a time that nothing else waits for it.
+    fn hash(&mut self, session: &mut RobotSession) {
+        let mut left = HASH_BYTES;
+        let (live, ended): (Vec<_>, Vec<_>) =
+            self.all.iter_mut().partition(|(_, run)| run.runner.is_some());
+        for (id, run) in live.into_iter().chain(ended) {
+            let head = run.head;
+            if run.chain.is_none_or(|chain| chain.last() >= head) || run.open().is_none() {
+                continue;
+            }
+            let (Some(chain), Some(source)) = (&mut run.chain, &mut run.source) else { continue };
+            // Of a journal that has dropped something there is none.
+            if chain.advance(source.reader(), run.head, left).is_err() {
+                run.chain = None;
+                continue;
+            }
+            if chain.last() == run.head {
+                let (last, hash) = (chain.last(), chain.hash());
+                session.set_chain(ids::events_of(id), EventHash { last, hash });
+            }
+            // Of those that are over, one at a time.
+            if chain.last() < run.head || run.runner.is_none() {
+                left = 0;
+            }
+            if left == 0 {
+                break;
             }
         }
     }
@@ -111,7 +187,7 @@ impl RobotRuns {
             return Ok(());
         }
         let Some(run) = self.all.get_mut(id) else { return Ok(()) };
-        run.source = EventSource::open(folder)?;
+        run.source = Some(EventSource::open(folder)?);
         run.runner = Followed::join(folder, id, run.head + 1, &self.inbox);
         run.fate = RunFate::Live;
         Ok(())
@@ -128,9 +204,8 @@ impl RobotRuns {
         if about.robot.is_some() {
             return Ok(false);
         }
-        let source = EventSource::open(folder)?;
         let about = about_parts(&about);
-        let head = source.last()?;
+        let head = EventSource::open(folder)?.last()?;
         let (events, beside) = (ids::events_of(id), ids::about_of(id));
         session.begin(beside, about.len() as u64);
         session.set_state(beside, &[], true);
@@ -141,12 +216,15 @@ impl RobotRuns {
             folder,
             about,
             machines: 0,
-            source,
+            source: None,
+            was_read: false,
+            is_older: false,
             head,
             runner,
             snapshot: None,
             fate: RunFate::default(),
             stands: RunStands::default(),
+            chain: Some(Chain::default()),
         };
         self.all.insert(id.to_owned(), run);
         self.keep_list();
@@ -154,7 +232,8 @@ impl RobotRuns {
     }
 
     fn keep_list(&self) {
-        let list: String = self.all.keys().flat_map(|id| [id, "\n"]).collect();
+        let sent = self.all.iter().filter(|(_, run)| !run.is_older);
+        let list: String = sent.flat_map(|(id, _)| [id, "\n"]).collect();
         if let Err(error) = fs::write(&self.list, list) {
             let list = self.list.display();
             (self.tell)(&format!(
@@ -166,13 +245,15 @@ impl RobotRuns {
     /// Sends what is new in the journal of a run.
     pub(super) fn happened(&mut self, id: &str, session: &mut RobotSession) {
         let Some(run) = self.all.get_mut(id) else { return };
-        let Ok(last) = run.source.last() else { return };
+        let Some(Ok(last)) = run.open().map(|source| source.last()) else { return };
         if last > run.head + AHEAD_MAX {
             session.advance(ids::events_of(id), last);
             run.head = last;
         }
         while run.head < last {
-            let Ok(Some(read)) = run.source.read(run.head + 1, last, 0) else { return };
+            let next = run.head + 1;
+            let read = run.open().map(|source| source.read(next, last, 0));
+            let Some(Ok(Some(read))) = read else { return };
             let EventItems { first, count, t_before, bytes } = &read;
             let (stream, first, count, t_before) = (ids::events_of(id), *first, *count, *t_before);
             session.append(&Events { stream, first, count, t_before, items: bytes });
@@ -194,11 +275,12 @@ impl RobotRuns {
         run.runner = None;
         // What is beside the database of a dead runner counts, too.
         match EventSource::open(&run.folder) {
-            Ok(source) => run.source = source,
+            Ok(source) => run.source = Some(source),
             Err(error) => (self.tell)(&format!("the journal of run {id} cannot be read: {error}")),
         }
         self.happened(id, session);
         if let Some(run) = self.all.get_mut(id) {
+            run.look_for_machines(id, session);
             let is_over = matches!(Summary::of(&run.folder).state, RunState::Finished { .. });
             run.fate = if is_over { RunFate::Finished } else { RunFate::Crashed };
             run.tell(id, RunStands::of(run.fate, None, 0), session);
@@ -249,11 +331,43 @@ impl RobotRuns {
     }
 }
 
+/// Whether the station reports that it has everything of a run.
+fn has_all(session: &RobotSession, id: &str) -> bool {
+    let streams = [ids::events_of(id), ids::about_of(id)];
+    streams.iter().all(|stream| session.progress(*stream).is_none_or(|(_, missing)| missing == 0))
+}
+
 impl RobotRun {
+    /// Its journal.
+    fn open(&mut self) -> Option<&mut EventSource> {
+        self.was_read = true;
+        if self.source.is_none() {
+            self.source = EventSource::open(&self.folder).ok();
+        }
+        self.source.as_mut()
+    }
+
+    /// Lets go of the journal of a run that is over and was not read for a while.
+    fn rest(&mut self) {
+        if self.runner.is_none() && !self.was_read {
+            self.source = None;
+        }
+        self.was_read = false;
+    }
+
+    /// Adds the machines that the run has kept since.
+    fn look_for_machines(&mut self, id: &str, session: &mut RobotSession) {
+        if let Ok(packs) = Pack::read_after(&self.folder, self.machines) {
+            self.machines += packs.len();
+            self.about.extend(packs.iter().flat_map(machine_parts));
+            session.advance(ids::about_of(id), self.about.len() as u64);
+        }
+    }
+
     /// Tells how it stands, if that is news.
     fn tell(&mut self, id: &str, stands: RunStands, session: &mut RobotSession) {
         if stands != self.stands {
-            let is_over = stands.fate == RunFate::Finished;
+            let is_over = matches!(stands.fate, RunFate::Finished | RunFate::Removed);
             let state = serde_json::to_vec(&stands).unwrap_or_default();
             session.set_state(ids::events_of(id), &state, is_over);
             self.stands = stands;
@@ -274,7 +388,7 @@ impl RunSource for RobotRuns {
             let part = run.about.get(usize::try_from(first - 1).ok()?)?;
             return Some(EventBuffer { first, count: 1, t_before: 0, items: part.clone() });
         }
-        let read = run.source.read(first, last, bytes_max).ok()??;
+        let read = run.open()?.read(first, last, bytes_max).ok()??;
         let EventItems { first, count, t_before, bytes: items } = read;
         Some(EventBuffer { first, count, t_before, items })
     }

@@ -24,7 +24,7 @@ pub(super) fn health(meter: &mut LinkMeter, session: &StationSession, now: Durat
 }
 
 /// What the station knows of a run.
-pub(super) fn run(session: &StationSession, id: &str) -> LinkRun {
+pub(super) fn run_of(session: &StationSession, id: &str) -> LinkRun {
     let progress = session.progress(ids::events_of(id));
     let (head, missing) =
         progress.map_or((0, 0), |(head, here)| (head, head.saturating_sub(here.count())));

@@ -1,7 +1,13 @@
 //! The station's side: keeps a replica of each run of its robots, reports what it has, and sends commands.
 
+mod checking;
+mod disk;
+mod had;
 mod health;
+mod in_order;
+mod kept_runs;
 mod open_words;
+mod received;
 mod replica_run;
 mod robot;
 mod viewers;
@@ -9,8 +15,9 @@ mod viewers;
 use crate::clock::SessionClock;
 use crate::error::RelayError;
 use crate::inbox::{Inbox, Input, Stopper};
-use crate::pairing::Pairing;
+use crate::pairing::Paired;
 use crate::report::{REPORT_EVERY, Reporter};
+use disk::FromDisk;
 use rafcon_link::Profile;
 use robot::StationRobot;
 use std::net::SocketAddr;
@@ -18,8 +25,8 @@ use std::path::PathBuf;
 use std::time::Duration;
 use viewers::GivenWord;
 
-/// What arrived is safe on the disk after this time at most.
-const SYNC_EVERY: Duration = Duration::from_millis(250);
+/// The runs are looked at this often: what is complete is closed, and viewers are shown how the link is.
+const LOOK_EVERY: Duration = Duration::from_millis(250);
 /// What was heard is kept this often.
 const KEEP_EVERY: Duration = Duration::from_secs(10);
 
@@ -31,7 +38,7 @@ pub struct StationSettings {
     /// The folder for the replicas.
     pub runs: PathBuf,
     /// What it shares with its robots.
-    pub pairings: Vec<Pairing>,
+    pub pairings: Vec<Paired>,
     /// Where it receives.
     pub bind: SocketAddr,
     /// What is known of the link.
@@ -50,6 +57,15 @@ pub(crate) struct GivenCommand {
     word: GivenWord,
 }
 
+/// What the station's own threads say to it.
+#[derive(Debug)]
+pub(crate) enum ToStation {
+    /// Of a viewer.
+    Given(GivenCommand),
+    /// Of the disk, about the robot of this number.
+    Disk(usize, FromDisk),
+}
+
 /// Keeps replicas of the runs of robots until it is stopped. `is_up` is given the address at which it receives.
 pub fn relay_station(
     settings: &StationSettings,
@@ -66,22 +82,22 @@ pub fn relay_station(
     });
     let mut robots = robots.collect::<Result<Vec<_>, _>>()?;
     let reporter = Reporter::open(&settings.folder)?;
-    let (mut sync_at, mut keep_at, mut report_at) = (SYNC_EVERY, KEEP_EVERY, REPORT_EVERY);
+    let (mut look_at, mut keep_at, mut report_at) = (LOOK_EVERY, KEEP_EVERY, REPORT_EVERY);
     while !stopper.is_stopped() {
         let now = clock.now();
-        if now >= sync_at {
-            sync_at = now + SYNC_EVERY;
-            robots.iter_mut().for_each(StationRobot::sync);
+        if now >= look_at {
+            look_at = now + LOOK_EVERY;
+            robots.iter_mut().for_each(StationRobot::look);
         }
         if now >= keep_at {
             keep_at = now + KEEP_EVERY;
-            robots.iter_mut().try_for_each(StationRobot::keep)?;
+            robots.iter_mut().for_each(StationRobot::keep);
         }
         if now >= report_at {
             report_at = now + REPORT_EVERY;
             reporter.set(robots.iter_mut().map(StationRobot::report).collect());
         }
-        let mut next = sync_at.min(keep_at).min(report_at);
+        let mut next = look_at.min(keep_at).min(report_at);
         for robot in &mut robots {
             next = next.min(robot.send(&socket)?);
         }
@@ -93,14 +109,19 @@ pub fn relay_station(
                     robots.iter_mut().for_each(StationRobot::note_unusable);
                 }
             }
-            Some(Input::Other(GivenCommand { robot, run, word })) => {
+            Some(Input::Other(ToStation::Given(GivenCommand { robot, run, word }))) => {
                 if let Some(robot) = robots.get_mut(robot) {
                     robot.command(&run, &word);
+                }
+            }
+            Some(Input::Other(ToStation::Disk(robot, said))) => {
+                if let Some(robot) = robots.get_mut(robot) {
+                    robot.from_disk(said);
                 }
             }
             None => {}
         }
     }
-    robots.iter_mut().for_each(StationRobot::sync);
-    robots.iter_mut().try_for_each(StationRobot::keep)
+    robots.iter_mut().for_each(StationRobot::end);
+    Ok(())
 }

@@ -31,7 +31,8 @@ impl OpenWords {
     ) {
         let arrives_ms = there_ms.map(|there_ms| sent_ms + there_ms);
         let (id, stage) = (given.id.clone(), CommandStage::Sent);
-        let command = OpenCommand { id, stage, sent_ms, arrives_ms };
+        let not_before_ms = given.not_before;
+        let command = OpenCommand { id, stage, sent_ms, arrives_ms, not_before_ms };
         let is_command = matches!(given.word, StationWord::Command(..));
         let word = OpenWord { stream, command, is_command };
         self.open.entry(ids::command(&given.id)).or_insert(word);

@@ -1,29 +1,30 @@
 //! One robot as a station knows it: its session, and the replicas of its runs.
 
-use super::health::{health, run};
+use super::disk::{Disk, FromDisk, KeyWork, OpenRun, Work};
+use super::health::{health, run_of};
+use super::in_order::InOrder;
+use super::kept_runs::{KeptRuns, Place, Restored};
 use super::open_words::OpenWords;
-use super::replica_run::ReplicaRun;
+use super::received::{Early, Received, StationRun};
 use super::viewers::GivenWord;
-use super::{GivenCommand, StationSettings};
-use crate::about::{AboutReader, AboutRecord, Taken};
+use super::{StationSettings, ToStation};
 use crate::clock::SessionClock;
 use crate::error::RelayError;
 use crate::ids;
 use crate::inbox::Input;
 use crate::meter::{LinkMeter, millis};
-use crate::pairing::Pairing;
+use crate::pairing::{Paired, Pairing};
 use crate::start::Start;
 use crate::words::{RunFate, RunStands};
 use rafcon_link::{
-    CommandId, CommandState, FromRobot, NewCommand, RangeSet, Rejected, StationSession, StreamId,
+    CommandId, CommandState, EventHash, NewCommand, RangeSet, Rejected, StationSession, StreamId,
     Unusable,
 };
 use rafcon_protocol::{Answer, CommandStage, Expiry, LinkHealth, LinkReport};
-use rafcon_storage::journal::{About, EventItems, JournalError, RunState, Summary, run_folders};
+use rafcon_storage::journal::EventItems;
 use rafcon_supervisor::clock;
 use std::collections::BTreeMap;
 use std::net::{SocketAddr, UdpSocket};
-use std::path::PathBuf;
 use std::sync::mpsc::SyncSender;
 use std::time::Duration;
 
@@ -31,119 +32,145 @@ use std::time::Duration;
 const LIFETIME: Duration = Duration::from_hours(1);
 
 pub(super) struct StationRobot {
-    number: usize,
     name: String,
-    runs: PathBuf,
+    /// What this station is called at the robot.
+    station: String,
     tell: fn(&str),
-    start: Start,
     session: StationSession,
     clock: SessionClock,
     meter: LinkMeter,
     /// Why the last datagram is not of this robot.
     rejected: Option<Rejected>,
     address: Option<SocketAddr>,
-    inbox: SyncSender<Input<GivenCommand>>,
-    replicas: BTreeMap<StreamId, ReplicaRun>,
-    abouts: BTreeMap<StreamId, IncomingAbout>,
-    /// Events of runs of which nothing else is known yet.
-    early: BTreeMap<StreamId, Vec<EventItems>>,
-    /// What went wrong last, so that it is said once.
-    told: String,
+    disk: Disk,
+    /// What is wrong with the disk.
+    problem: Option<String>,
+    /// The runs that are open to viewers.
+    runs: BTreeMap<StreamId, StationRun>,
+    /// The streams of which nothing more is kept, and why.
+    refused: BTreeMap<StreamId, String>,
+    /// Which hashes were compared last, and when the robot told them.
+    checked: BTreeMap<StreamId, (u64, u64)>,
+    in_order: InOrder,
+    early: Early,
+    /// The pairing that is used and does not replace the one before yet.
+    new: Option<Pairing>,
+    /// This station's pairing with the robot.
+    pairing: Pairing,
     /// What was given for the robot and whose fate is open.
     words: OpenWords,
-    /// Runs whose runner died on the robot: closed here until the robot says that they go on.
-    crashed: BTreeMap<StreamId, About>,
-}
-
-/// What is to be known about a run, on its way.
-#[derive(Default)]
-struct IncomingAbout {
-    /// Up to which part everything was taken.
-    taken: u64,
-    ahead: BTreeMap<u64, Vec<u8>>,
-    reader: AboutReader,
-}
-
-/// What a datagram had, so that nothing is done while the session is borrowed.
-enum Received {
-    Events(StreamId, EventItems),
-    Stands(StreamId, RunStands, bool),
-    Snapshot(StreamId, Vec<u8>),
-    State(CommandId, CommandState, String),
-    Started,
 }
 
 impl StationRobot {
     pub(super) fn begin(
         settings: &StationSettings,
         number: usize,
-        pairing: &Pairing,
-        inbox: SyncSender<Input<GivenCommand>>,
+        paired: &Paired,
+        inbox: SyncSender<Input<ToStation>>,
         clock: SessionClock,
     ) -> Result<Self, RelayError> {
+        let pairing = &paired.pairing;
         let start = Start::begin(&settings.folder.join(&pairing.robot))?;
-        let session = StationSession::new(&start.identity(pairing), settings.profile.clone());
-        let mut robot = Self {
-            number,
-            name: pairing.robot.clone(),
-            runs: settings.runs.clone(),
-            tell: settings.tell,
+        let mut session = StationSession::new(&start.identity(pairing), settings.profile.clone());
+        let new = paired.read_next().filter(|new| new.key_id != pairing.key_id);
+        if let Some(Pairing { key_id, key, .. }) = &new {
+            session.use_key(*key_id, key);
+        }
+        let (robot, runs) = (pairing.robot.clone(), settings.runs.clone());
+        let mut kept = KeptRuns::new(
+            Place { number, robot, runs, clock, inbox, paired: paired.clone() },
             start,
+        );
+        let restored = kept.restore();
+        let disk = Disk::begin(kept).map_err(|source| RelayError::Thread { source })?;
+        let mut robot = Self {
+            name: pairing.robot.clone(),
+            station: pairing.station_name().to_owned(),
+            tell: settings.tell,
             session,
             clock,
-            meter: LinkMeter::new(&pairing.robot, &settings.profile, true),
+            meter: LinkMeter::new(pairing, &settings.profile, true),
             rejected: None,
             address: None,
-            inbox,
-            replicas: BTreeMap::new(),
-            abouts: BTreeMap::new(),
-            early: BTreeMap::new(),
-            told: String::new(),
+            disk,
+            problem: None,
+            runs: BTreeMap::new(),
+            refused: BTreeMap::new(),
+            checked: BTreeMap::new(),
+            in_order: InOrder::default(),
+            early: Early::default(),
+            new,
+            pairing: pairing.clone(),
             words: OpenWords::default(),
-            crashed: BTreeMap::new(),
         };
-        robot.restore();
+        robot.restore(restored);
         Ok(robot)
     }
 
-    /// Goes on with the replicas that are here and not complete.
-    fn restore(&mut self) {
-        for folder in run_folders(&self.runs).unwrap_or_default() {
-            let Ok(about) = About::read(&folder) else { continue };
-            if about.robot.as_ref() != Some(&self.name) {
-                continue;
+    /// Goes on with the replicas that are here.
+    fn restore(&mut self, restored: Vec<Restored>) {
+        for Restored { events, last, beside, taken, open, refused } in restored {
+            for (stream, last) in [(events, last), (beside, taken)] {
+                self.session.restore(stream, RangeSet::up_to(last));
+                self.in_order.restore(stream, last);
             }
-            let (stream, beside) = (ids::events_of(&about.id), ids::about_of(&about.id));
-            let taken = ReplicaRun::read_taken(&folder);
-            self.session.restore(beside, RangeSet::up_to(taken));
-            self.abouts.insert(beside, IncomingAbout { taken, ..IncomingAbout::default() });
-            let summary = Summary::of(&folder);
-            if matches!(summary.state, RunState::Finished { .. }) {
-                self.session.restore(stream, RangeSet::up_to(summary.events));
-                continue;
+            match open {
+                Some(open) => self.opened(events, open),
+                None => self.early.close(events),
             }
-            self.open(stream, about);
-            if let Some(replica) = self.replicas.get(&stream) {
-                self.session.restore(stream, RangeSet::up_to(replica.next() - 1));
+            if let Some(why) = refused {
+                self.from_disk(FromDisk::Refused(events, why));
             }
         }
     }
 
-    fn open(&mut self, stream: StreamId, about: About) {
-        let about = About { robot: Some(self.name.clone()), on_crash: None, ..about };
-        let given = (self.number, self.inbox.clone());
-        let link = health(&mut self.meter, &self.session, self.clock.now());
-        match ReplicaRun::open(&self.runs, &about, link, given) {
-            Ok(replica) => {
-                self.replicas.insert(stream, replica);
-                for items in self.early.remove(&stream).unwrap_or_default() {
-                    self.take_events(stream, items);
+    /// The disk's thread says something.
+    pub(super) fn from_disk(&mut self, said: FromDisk) {
+        match said {
+            FromDisk::Opened(stream, open) => self.opened(stream, open),
+            FromDisk::Safe(stream, safe) => {
+                self.session.set_safe(stream, safe);
+                if let Some(run) = self.runs.get_mut(&stream) {
+                    run.safe = safe;
                 }
             }
-            Err(error) => {
-                let (id, name) = (&about.id, &self.name);
-                (self.tell)(&format!("run {id} of robot {name} is not kept: {error}"));
+            FromDisk::Closed(stream) => {
+                self.runs.remove(&stream);
+                self.early.close(stream);
             }
+            FromDisk::Refused(stream, why) => {
+                self.runs.remove(&stream);
+                self.early.close(stream);
+                self.in_order.clear(stream);
+                let why = format!("robot {}: {why}", self.name);
+                (self.tell)(&why);
+                self.refused.insert(stream, why);
+            }
+            FromDisk::KeyKept(new) => {
+                self.session.use_key(new.key_id, &new.key);
+                self.new = Some(new);
+            }
+            FromDisk::Problem(problem) => {
+                if let Some(problem) = &problem {
+                    let name = &self.name;
+                    (self.tell)(&format!("what robot {name} sends is not safe: {problem}"));
+                }
+                self.problem = problem;
+            }
+        }
+    }
+
+    fn opened(&mut self, stream: StreamId, open: OpenRun) {
+        let link = health(&mut self.meter, &self.session, self.clock.now());
+        open.shared.set_link(link);
+        self.session.set_safe(stream, open.safe);
+        let (stands, snapshot) = self.early.take(stream);
+        if let Some(snapshot) = snapshot {
+            open.shared.stands(snapshot);
+        }
+        self.runs.insert(stream, StationRun::new(open));
+        if let Some(stands) = stands {
+            self.stands(stream, stands);
         }
     }
 
@@ -161,25 +188,8 @@ impl StationRobot {
     /// Takes a datagram; answers whether it is of this robot.
     pub(super) fn receive(&mut self, from: SocketAddr, datagram: &[u8]) -> bool {
         let (now, mut received) = (self.clock.now(), Vec::new());
-        let taken = self.session.receive(now, &mut datagram.to_vec(), |shown| match shown {
-            FromRobot::Events(events) => {
-                let (first, count, t_before) = (events.first, events.count, events.t_before);
-                let bytes = events.items.to_vec();
-                let items = EventItems { first, count, t_before, bytes };
-                received.push(Received::Events(events.stream, items));
-            }
-            FromRobot::Status { stream, is_over, state, .. } => {
-                let stands = serde_json::from_slice(state).unwrap_or_default();
-                received.push(Received::Stands(stream, stands, is_over));
-            }
-            FromRobot::Snapshot { stream, bytes, .. } => {
-                received.push(Received::Snapshot(stream, bytes));
-            }
-            FromRobot::CommandState { id, state, reason } => {
-                let reason = String::from_utf8_lossy(reason).into_owned();
-                received.push(Received::State(id, state, reason));
-            }
-            FromRobot::Started => received.push(Received::Started),
+        let taken = self.session.receive(now, &mut datagram.to_vec(), |shown| {
+            received.extend(Received::of(shown));
         });
         match taken {
             Ok(()) => self.address = Some(from),
@@ -207,140 +217,140 @@ impl StationRobot {
 
     fn take(&mut self, received: Received) {
         match received {
-            Received::Events(stream, items) if ids::is_about(stream) => {
-                self.take_about(stream, items);
-            }
-            Received::Events(stream, items) => self.take_events(stream, items),
-            Received::Stands(stream, stands, is_over) => self.stands(stream, &stands, is_over),
-            Received::Snapshot(stream, bytes) => {
-                if let (Some(replica), Ok(snapshot)) =
-                    (self.replicas.get_mut(&stream), serde_json::from_slice(&bytes))
-                {
-                    replica.stands(snapshot);
+            Received::Events(stream, items) => self.take_items(stream, items),
+            Received::Stands(stream, stands, chain) => {
+                if let Some((at_ms, chain)) = chain {
+                    self.check(stream, at_ms, chain);
                 }
+                self.stands(stream, stands);
+            }
+            Received::Snapshot(stream, snapshot) => match self.runs.get(&stream) {
+                Some(run) => run.shared.stands(*snapshot),
+                None => self.early.snapshot(stream, *snapshot),
+            },
+            Received::NewKey(key_id, key) => {
+                self.disk.keep_key(KeyWork::Next(Pairing { key_id, key, ..self.pairing.clone() }));
             }
             Received::State(id, state, reason) => self.answered(id, state, reason),
-            Received::Started => self.lose_words(),
-        }
-    }
-
-    /// Parts of what is to be known about a run: they are put together in order.
-    fn take_about(&mut self, stream: StreamId, items: EventItems) {
-        let incoming = self.abouts.entry(stream).or_default();
-        incoming.ahead.insert(items.first, items.bytes);
-        while let Some(incoming) = self.abouts.get_mut(&stream)
-            && let Some(part) = incoming.ahead.remove(&(incoming.taken + 1))
-        {
-            incoming.taken += 1;
-            let taken = incoming.taken;
-            let kept = match incoming.reader.take(&part) {
-                Taken::Part => continue,
-                Taken::Record(Some(record)) => self.take_record(stream, record),
-                Taken::Record(None) => Ok(()),
-            };
-            if let Err(error) = kept {
-                (self.tell)(&format!("a machine of robot {} is not kept: {error}", self.name));
-            } else if let Some(replica) = self.replicas.get(&ids::events_beside(stream)) {
-                replica.keep_taken(taken);
+            Received::Started => {
+                self.checked.clear();
+                self.lose_words();
             }
         }
     }
 
-    fn take_record(&mut self, stream: StreamId, record: AboutRecord) -> Result<(), JournalError> {
-        let events = ids::events_beside(stream);
-        match record {
-            AboutRecord::About(about) => {
-                let is_plain = !about.id.contains(['/', '\0']) && !about.id.starts_with('.');
-                let is_known = self.replicas.contains_key(&events);
-                if ids::about_of(&about.id) == stream && is_plain && !is_known {
-                    self.open(events, *about);
+    /// Events or parts: they are given to the disk in order.
+    fn take_items(&mut self, stream: StreamId, items: EventItems) {
+        if self.refused.contains_key(&ids::events_beside(stream)) {
+            return;
+        }
+        if let Some(lost) = self.in_order.add(stream, items) {
+            self.session.lose(stream, lost);
+        }
+        self.pass(stream);
+    }
+
+    fn pass(&mut self, stream: StreamId) {
+        let (disk, is_about) = (&self.disk, ids::is_about(stream));
+        self.in_order.pass(stream, |items| {
+            let work = if is_about { Work::Part(items) } else { Work::Events(items) };
+            disk.give(ids::events_beside(stream), work).map_err(|work| match work {
+                Work::Part(items) | Work::Events(items) => items,
+                Work::Check(_) | Work::Close | Work::Leave => {
+                    unreachable!("it was not given")
                 }
-                Ok(())
-            }
-            AboutRecord::Machine(pack) => {
-                self.replicas.get(&events).map_or(Ok(()), |replica| replica.keep_machine(&pack))
-            }
-        }
-    }
-
-    fn take_events(&mut self, stream: StreamId, items: EventItems) {
-        let Some(replica) = self.replicas.get_mut(&stream) else {
-            return self.early.entry(stream).or_default().push(items);
-        };
-        replica.take(items);
-    }
-
-    /// Makes what arrived safe, shows it, and forgets what is complete.
-    pub(super) fn sync(&mut self) {
-        self.expire_words();
-        let link = health(&mut self.meter, &self.session, self.clock.now());
-        let (session, name, words) = (&mut self.session, &self.name, &self.words);
-        let mut problem = String::new();
-        self.replicas.retain(|stream, replica| {
-            let missing = run(session, replica.id()).missing;
-            let commands = words.commands(Some(*stream));
-            replica.set_link(LinkHealth { missing, commands, ..link.clone() });
-            match replica.sync() {
-                Ok(safe) => session.set_safe(*stream, safe),
-                Err(error) => {
-                    problem = format!("run {} of robot {name} is not safe: {error}", replica.id());
-                }
-            }
-            let head = session.progress(*stream).map_or(0, |(head, _)| head);
-            !(has_machines(session, replica) && replica.close_if_complete(head))
+            })
         });
-        if !problem.is_empty() && problem != self.told {
-            (self.tell)(&problem);
+    }
+
+    /// Shows how the link is, and what became of words; has runs closed that are complete.
+    pub(super) fn look(&mut self) {
+        self.expire_words();
+        if let Some(new) = self.new.take_if(|_| self.session.is_key_confirmed()) {
+            self.disk.keep_key(KeyWork::Replace(new));
         }
-        self.told = problem;
+        for stream in self.in_order.waiting() {
+            self.pass(stream);
+        }
+        let link = health(&mut self.meter, &self.session, self.clock.now());
+        let (session, words) = (&self.session, &self.words);
+        for (stream, run) in &mut self.runs {
+            let missing = run_of(session, &run.id).missing;
+            let commands = words.commands(Some(*stream));
+            run.shared.set_link(LinkHealth { missing, commands, ..link.clone() });
+            let head = session.progress(*stream).map_or(0, |(head, _)| head);
+            let is_complete = run.is_over && head > 0 && run.safe >= head;
+            if is_complete && !run.is_closing && has_machines(session, &run.id) {
+                run.is_closing = self.disk.give(*stream, Work::Close).is_ok();
+            }
+        }
     }
 
     /// How the link is.
     pub(super) fn report(&mut self) -> LinkReport {
-        let runs = self.replicas.values().map(|replica| run(&self.session, replica.id())).collect();
+        let runs = self.runs.values().map(|run| run_of(&self.session, &run.id)).collect();
         let link = health(&mut self.meter, &self.session, self.clock.now());
         let link = LinkHealth { commands: self.words.commands(None), ..link };
-        self.meter.report(link, self.session.traffic(), runs)
+        let report = self.meter.report(link, self.session.traffic(), runs);
+        let problems = self.problem.iter().chain(self.refused.values());
+        let problems = problems.map(|problem| format!("not everything is kept: {problem}"));
+        LinkReport { problems: problems.collect(), ..report }
     }
 
     /// Keeps what was heard, for the next start.
-    pub(super) fn keep(&mut self) -> Result<(), RelayError> {
-        self.start.keep_heard(self.session.horizon())
+    pub(super) fn keep(&mut self) {
+        self.disk.keep_heard(self.session.key_id(), self.session.horizon());
+    }
+
+    /// Writes what waits for the disk, as far as it takes it.
+    pub(super) fn end(&mut self) {
+        self.keep();
+        self.disk.end();
+    }
+
+    /// The robot's events have this hash: the disk compares it with that of the replica.
+    fn check(&mut self, stream: StreamId, at_ms: u64, chain: EventHash) {
+        let before = self.checked.get(&stream);
+        let is_news = before.is_none_or(|(then_ms, last)| at_ms > *then_ms && chain.last != *last);
+        if is_news
+            && !self.refused.contains_key(&stream)
+            && self.disk.give(stream, Work::Check(chain)).is_ok()
+        {
+            self.checked.insert(stream, (at_ms, chain.last));
+        }
     }
 
     /// A run stands like this on the robot.
-    fn stands(&mut self, stream: StreamId, stands: &RunStands, is_over: bool) {
-        if stands.fate == RunFate::Live
-            && let Some(about) = self.crashed.remove(&stream)
-        {
-            self.open(stream, about);
-        }
-        let Some(replica) = self.replicas.get_mut(&stream) else { return };
-        if is_over {
-            replica.set_over();
-        }
-        if let Some(control) = stands.control(clock::since_1970_ms()) {
-            replica.set_control(control);
-        }
+    fn stands(&mut self, stream: StreamId, stands: RunStands) {
         let head = self.session.progress(stream).map_or(0, |(head, _)| head);
-        let is_here = replica.is_at(head) && has_machines(&self.session, replica);
-        if stands.fate == RunFate::Crashed && is_here {
+        let is_waiting = !self.in_order.is_empty(stream);
+        let Some(run) = self.runs.get_mut(&stream) else {
+            return self.early.stands(stream, stands);
+        };
+        run.is_over |= matches!(stands.fate, RunFate::Finished | RunFate::Removed);
+        if let Some(control) = stands.control(&self.station, clock::since_1970_ms()) {
+            run.epoch = control.epoch;
+            run.shared.set_control(control);
+        }
+        let is_here = run.safe >= head && !is_waiting && has_machines(&self.session, &run.id);
+        let has_ended = stands.fate == RunFate::Crashed && is_here
+            || stands.fate == RunFate::Removed && !is_waiting;
+        if has_ended && !run.is_closing {
             // Closed as its runner left it, the run is shown as what it is: crashed.
-            if let Ok(about) = About::read(&self.runs.join(replica.id())) {
-                self.crashed.insert(stream, about);
-                self.replicas.remove(&stream);
-            }
+            run.is_closing = self.disk.give(stream, Work::Leave).is_ok();
         }
     }
 
     /// Sends what a viewer has for the robot.
     pub(super) fn command(&mut self, run: &str, given: &GivenWord) {
         let (stream, today) = (ids::events_of(run), clock::since_1970_ms());
-        let left = |expiry: Expiry| Duration::from_millis(expiry.0.saturating_sub(today));
+        let left = |ms: u64| Duration::from_millis(ms.saturating_sub(today));
+        let known = self.runs.get(&stream).map_or(0, |run| run.epoch);
         let command = NewCommand {
             id: ids::command(&given.id),
-            valid: given.expiry.map_or(LIFETIME, left),
-            epoch: 0,
+            valid: given.expiry.map_or(LIFETIME, |Expiry(until)| left(until)),
+            wait: given.not_before.map(left),
+            epoch: given.epoch.unwrap_or(known),
             body: serde_json::to_vec(&(stream.0, &given.word)).unwrap_or_default(),
         };
         if let Err(error) = self.session.command(self.clock.now(), command) {
@@ -385,14 +395,14 @@ impl StationRobot {
     }
 
     fn answer(&self, stream: StreamId, name: &str, answer: &Answer) {
-        if let Some(replica) = self.replicas.get(&stream) {
-            replica.answer(name, answer);
+        if let Some(run) = self.runs.get(&stream) {
+            run.shared.answer(name, answer);
         }
     }
 }
 
 /// Whether all that the robot has said about a run besides its events is here.
-fn has_machines(session: &StationSession, replica: &ReplicaRun) -> bool {
-    let about = session.progress(ids::about_of(replica.id()));
+fn has_machines(session: &StationSession, id: &str) -> bool {
+    let about = session.progress(ids::about_of(id));
     about.is_some_and(|(head, parts)| parts.contiguous() >= head)
 }

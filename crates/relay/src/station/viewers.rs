@@ -38,19 +38,23 @@ const MOVE_VALID_MS: u64 = 10_000;
 pub(crate) struct GivenWord {
     pub(super) id: String,
     pub(super) expiry: Option<Expiry>,
+    /// It is not carried out before this time, likewise.
+    pub(super) not_before: Option<u64>,
+    /// The epoch of authority under which it was decided, if its author says so.
+    pub(super) epoch: Option<u64>,
     pub(super) word: StationWord,
 }
 
 impl GivenWord {
     fn command(envelope: Envelope) -> Self {
-        let (id, expiry) = (envelope.id.clone(), envelope.expiry);
-        Self { id, expiry, word: StationWord::of(envelope) }
+        let Envelope { expiry, not_before, epoch, .. } = envelope;
+        Self { id: envelope.id.clone(), expiry, not_before, epoch, word: StationWord::of(envelope) }
     }
 
     /// A word about control, which is worth nothing later.
     fn soon(id: String, word: StationWord) -> Self {
         let until = clock::since_1970_ms().saturating_add(MOVE_VALID_MS);
-        Self { id, expiry: Some(Expiry(until)), word }
+        Self { id, expiry: Some(Expiry(until)), not_before: None, epoch: None, word }
     }
 }
 

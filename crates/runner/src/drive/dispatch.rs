@@ -77,6 +77,9 @@ impl<S: Scripts> Driver<S> {
         if order.is_late() {
             return Err(CommandError::Late);
         }
+        if envelope.not_before.is_some_and(|not_before| not_before > Clock::epoch_ms()) {
+            return Err(CommandError::Early);
+        }
         match &envelope.command {
             Command::Control { .. } => {}
             Command::Stop | Command::Pause | Command::Kill => self.ground_commands_urgently(),

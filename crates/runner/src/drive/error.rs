@@ -76,6 +76,11 @@ pub enum CommandError {
     /// It came after its expiry.
     #[error("it came too late")]
     Late,
+    /// It came before its time.
+    #[error(
+        "it is for later, and only a robot behind a link keeps commands for later: give it when its time has come"
+    )]
+    Early,
     /// The host did not leave the interpreter.
     #[error("the run cannot be reached")]
     Unreachable,

@@ -309,8 +309,7 @@ fn a_run_that_somebody_holds_while_the_disk_refuses_stays_held_when_there_is_roo
 }
 
 fn pause() -> Envelope {
-    let (id, author, command) = ("1".to_owned(), "test".to_owned(), Command::Pause);
-    Envelope { id, author, decided_on: None, expiry: None, command }
+    Envelope::new("1", "test", Command::Pause)
 }
 
 /// A line that is too large for the recorder; a file lies where it would be written instead.

@@ -21,13 +21,7 @@ fn waiting() -> Run {
 }
 
 fn command(command: Command) -> Envelope {
-    Envelope {
-        id: "1".to_owned(),
-        author: "test".to_owned(),
-        decided_on: None,
-        expiry: None,
-        command,
-    }
+    Envelope::new("1", "test", command)
 }
 
 #[test]

@@ -548,13 +548,7 @@ impl Viewer {
 
     /// Sends a command.
     pub(super) fn order(&mut self, id: &str, command: Command) {
-        self.send(&ToRunner::Command(Envelope {
-            id: id.to_owned(),
-            author: "test".to_owned(),
-            decided_on: None,
-            expiry: None,
-            command,
-        }));
+        self.send(&ToRunner::Command(Envelope::new(id, "test", command)));
     }
 
     /// Waits for the answer to a command.

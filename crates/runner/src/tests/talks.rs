@@ -239,11 +239,9 @@ fn a_command_that_nobody_wants_any_more_is_not_carried_out() {
     first.until_text("+ROOT/A");
     let mut asked = |id: &str, expiry| {
         first.send(&ToRunner::Command(Envelope {
-            id: id.to_owned(),
-            author: "test".to_owned(),
             decided_on: Some(1),
             expiry: Some(Expiry(expiry)),
-            command: Command::Stop,
+            ..Envelope::new(id, "test", Command::Stop)
         }));
         first.until(|message| match message {
             ToViewer::Answer { id: answered, answer } if answered == id => Some(answer.clone()),
@@ -253,6 +251,30 @@ fn a_command_that_nobody_wants_any_more_is_not_carried_out() {
     assert_eq!(asked("late", 1), Answer::Expired);
     assert_eq!(asked("late", u64::MAX), Answer::Expired);
     assert_eq!(asked("in time", u64::MAX), Answer::Applied);
+    drop(first);
+    runner.join().unwrap();
+}
+
+#[test]
+fn a_command_that_comes_before_its_time_is_refused() {
+    let fixture = RunFixture::new(WAITS);
+    let (mut first, runner) = fixture.begin(fixture.launch());
+    first.until_text("+ROOT/A");
+    let mut asked = |id: &str, not_before| {
+        first.send(&ToRunner::Command(Envelope {
+            not_before: Some(not_before),
+            ..Envelope::new(id, "test", Command::Stop)
+        }));
+        first.until(|message| match message {
+            ToViewer::Answer { id: answered, answer } if answered == id => Some(answer.clone()),
+            _ => None,
+        })
+    };
+    let refused = asked("early", u64::MAX);
+    assert!(
+        matches!(&refused, Answer::Refused { reason } if reason.starts_with("it is for later"))
+    );
+    assert_eq!(asked("in time", 1), Answer::Applied);
     drop(first);
     runner.join().unwrap();
 }

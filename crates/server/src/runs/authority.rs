@@ -3,7 +3,6 @@
 use super::commands::{move_holder, take};
 use super::run::Run;
 use crate::ServerState;
-use rafcon_protocol::AT_STATION;
 use rafcon_protocol::api::{Control, ControlMove, Right};
 use std::sync::Arc;
 use tokio::runtime::Handle;
@@ -21,17 +20,18 @@ impl RunAuthority {
         Self { server: Arc::clone(server), runtime: Handle::current() }
     }
 
-    /// Whether a user may command this run now: the first who does takes control. Else why not, and the way out.
-    pub fn command(&self, run: &str, user: &str) -> Result<(), String> {
+    /// Whether a user may command this run now, having decided under this epoch of authority: the first who does takes control. Else
+    /// why not, and the way out.
+    pub fn command(&self, run: &str, user: &str, epoch: u64) -> Result<(), String> {
         let (_within, run) = (self.runtime.enter(), self.run(run)?);
-        take(&self.server, &run, user).map_err(|failure| failure.to_string())
+        take(&self.server, &run, user, Some(epoch)).map_err(|failure| failure.to_string())
     }
 
     /// Moves control of a run as a user wants, or says why not.
     pub fn move_control(&self, run: &str, user: &str, wanted: &ControlMove) -> Result<(), String> {
         let (_within, run) = (self.runtime.enter(), self.run(run)?);
         if let ControlMove::HandOver { to } = wanted
-            && !to.ends_with(AT_STATION)
+            && !to.contains('@')
             && !self.server.people().users().may(to, Right::Command)
         {
             return Err(format!("{to} is nobody who may command runs on the robot"));

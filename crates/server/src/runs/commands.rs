@@ -10,7 +10,7 @@ use crate::failure::reason;
 use crate::gate::blocking;
 use crate::{Failure, ServerState};
 use rafcon_protocol::api::{CommandAnswer, Control, ControlMove, Right, RunPhase};
-use rafcon_protocol::{AT_ROBOT, AT_STATION, Answer, Command, Envelope, StateData};
+use rafcon_protocol::{Answer, Command, Envelope, StateData};
 use rafcon_storage::journal::writer_of;
 use rafcon_supervisor::clock;
 use rustix::process::{Pid, Signal, kill_process};
@@ -49,7 +49,7 @@ pub(crate) async fn command(
     }
     // Who commands a run far away, its robot decides.
     if !envelope.command.is_for_everybody() && !run.is_replica() {
-        take(server, &run, &who.user)?;
+        take(server, &run, &who.user, envelope.epoch)?;
     }
     let envelope = Envelope { id: known, author: who.user.clone(), ..envelope };
     let answer = if envelope.command == Command::Stop {
@@ -67,9 +67,14 @@ fn is_commanded(run: &Run) -> bool {
 }
 
 /// The first who commands takes control; all but the holder are refused.
-pub(super) fn take(server: &ServerState, run: &Arc<Run>, user: &str) -> Result<(), Failure> {
+pub(super) fn take(
+    server: &ServerState,
+    run: &Arc<Run>,
+    user: &str,
+    epoch: Option<u64>,
+) -> Result<(), Failure> {
     let now_ms = clock::since_1970_ms();
-    with_control(server, run, user, |holding| holding.command(user, now_ms, run.silence()))
+    with_control(server, run, user, |holding| holding.command((user, epoch), now_ms, run.silence()))
 }
 
 /// Moves control, as someone wants.
@@ -129,7 +134,7 @@ async fn ask_robot(run: &Run, who: &Who, wanted: &ControlMove) -> Result<(), Fai
 /// No one is given control who could not command.
 async fn may_command(server: &Arc<ServerState>, user: &str) -> Result<(), Failure> {
     // Of those on the other side of a link, that side knows.
-    if user.ends_with(AT_STATION) || user.ends_with(AT_ROBOT) {
+    if user.contains('@') {
         return Ok(());
     }
     let (here, name) = (Arc::clone(server), user.to_owned());
@@ -160,8 +165,13 @@ fn with_control(
     }
     if before.holder() != after.holder() {
         let holder = after.holder().unwrap_or("nobody");
-        server.audit().note(user, "control", &format!("of {} to {holder}", run.id()));
-        note(run, user, after.holder());
+        let epoch = after.epoch();
+        server.audit().note(
+            user,
+            "control",
+            &format!("of {} to {holder}, epoch {epoch}", run.id()),
+        );
+        note(run, user, (after.holder(), epoch));
     }
     Ok(())
 }
@@ -173,16 +183,12 @@ fn keep_holder(run: &Arc<Run>) {
 }
 
 /// Lets the runner note down who commands from now on. Without a link there is no one who could be commanded.
-fn note(run: &Run, user: &str, holder: Option<&str>) {
+fn note(run: &Run, user: &str, (holder, epoch): (Option<&str>, u64)) {
     let Some(link) = run.link() else { return };
     let (now_ms, number) = (clock::since_1970_ms(), run.next_note());
-    let envelope = Envelope {
-        id: format!("control-{now_ms}-{number}"),
-        author: user.to_owned(),
-        decided_on: None,
-        expiry: None,
-        command: Command::Control { holder: holder.map(str::to_owned) },
-    };
+    let command = Command::Control { holder: holder.map(str::to_owned) };
+    let id = format!("control-{now_ms}-{number}");
+    let envelope = Envelope { epoch: Some(epoch), ..Envelope::new(id, user, command) };
     // Its answer says nothing that is not known.
     drop(link.send(&envelope));
 }

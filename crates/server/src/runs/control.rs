@@ -16,6 +16,12 @@ pub(super) struct Holding {
     /// To whom the holder offers it.
     #[serde(default)]
     offered_to: Option<String>,
+    /// It rises each time control passes.
+    #[serde(default)]
+    epoch: u64,
+    /// What was decided before this epoch is void.
+    #[serde(default)]
+    valid_from: u64,
 }
 
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -64,6 +70,17 @@ pub(super) enum Denied {
     /// There is nothing to accept or to decline.
     #[error("nobody offers you control of this run: request it (\"move\": \"request\")")]
     NotOffered,
+    /// Control has passed since the command was decided on.
+    #[error(
+        "this was decided under epoch {decided} of authority, and control has passed since: epoch {epoch} is in force; look at the run \
+         and decide again"
+    )]
+    Epoch {
+        /// The epoch of the command.
+        decided: u64,
+        /// The epoch in force.
+        epoch: u64,
+    },
     /// There is a limit.
     #[error(
         "{REQUESTS_MAX} users ask for control of this run already: wait until some of them have withdrawn"
@@ -85,6 +102,20 @@ impl Holding {
         self.holder.as_ref().map(|holder| holder.user.as_str())
     }
 
+    /// The epoch of authority.
+    pub(super) fn epoch(&self) -> u64 {
+        self.epoch
+    }
+
+    /// Whether what was decided under this epoch still counts.
+    fn check_epoch(&self, decided: Option<u64>) -> Result<(), Denied> {
+        let is_valid = |decided: &u64| (self.valid_from..=self.epoch).contains(decided);
+        match decided.filter(|decided| !is_valid(decided)) {
+            Some(decided) => Err(Denied::Epoch { decided, epoch: self.epoch }),
+            None => Ok(()),
+        }
+    }
+
     /// How it is told.
     pub(super) fn told(&self, silence: Duration) -> Control {
         let holder = self.holder.as_ref();
@@ -95,6 +126,7 @@ impl Holding {
             silence_ms: millis(silence),
             requests: self.requests.clone(),
             offered_to: self.offered_to.clone(),
+            epoch: self.epoch,
         }
     }
 
@@ -110,18 +142,19 @@ impl Holding {
     }
 
     /// Someone commands: the first takes control, all but the holder are denied. Who commands what everyone may is not asked.
+    /// They decided under this epoch, if they say so.
     pub(super) fn command(
         &mut self,
-        user: &str,
+        (user, epoch): (&str, Option<u64>),
         now_ms: u64,
         silence: Duration,
     ) -> Result<(), Denied> {
-        if self.heard(user, now_ms) {
-            return Ok(());
+        if let Some(holder) = self.holder.as_ref().filter(|holder| holder.user != user) {
+            return Err(holder.denies(silence));
         }
-        match &self.holder {
-            None => self.give(user, now_ms),
-            Some(holder) => return Err(holder.denies(silence)),
+        self.check_epoch(epoch)?;
+        if !self.heard(user, now_ms) {
+            self.give(user, now_ms);
         }
         Ok(())
     }
@@ -232,6 +265,7 @@ impl Holding {
     fn let_go(&mut self, now_ms: u64) {
         self.holder = None;
         self.offered_to = None;
+        self.pass();
         if !self.requests.is_empty() {
             let first = self.requests.remove(0);
             self.give(&first, now_ms);
@@ -242,9 +276,21 @@ impl Holding {
         self.requests.retain(|other| other != user);
         self.offered_to = None;
         if self.holder() != Some(user) {
+            // Who takes it from nobody has not seen yet that it has passed.
+            let (was_free, before) = (self.holder.is_none(), self.epoch);
+            self.pass();
+            if was_free {
+                self.valid_from = before;
+            }
             self.holder =
                 Some(ControlHolder { user: user.to_owned(), since_ms: now_ms, heard_ms: now_ms });
         }
+    }
+
+    /// Control passes: what was decided before is void.
+    fn pass(&mut self) {
+        self.epoch += 1;
+        self.valid_from = self.epoch;
     }
 }
 

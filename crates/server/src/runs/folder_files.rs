@@ -186,7 +186,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         assert_eq!(read_holding(folder.path()), Holding::default());
         let mut holding = Holding::default();
-        holding.command("ana", 5, Duration::ZERO).unwrap();
+        holding.command(("ana", None), 5, Duration::ZERO).unwrap();
         write_holding(folder.path(), &holding).unwrap();
         let told = read_holding(folder.path()).go_on(70).told(Duration::ZERO);
         assert_eq!((told.holder.as_deref(), told.since_ms, told.heard_ms), (Some("ana"), 5, 70));

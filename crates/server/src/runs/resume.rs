@@ -52,7 +52,7 @@ async fn once(
         return Ok(run.summary());
     }
     may_be_resumed(&run.summary(), &asked)?;
-    commands::take(server, run, &who.user)?;
+    commands::take(server, run, &who.user, None)?;
     let turn = server.runs.turn().await?;
     if !run.try_claim() {
         return Err(still_live());

@@ -32,7 +32,7 @@ pub use record::{
     Batch, Broken, DAMAGED, Definition, Glossary, Item, Kept, Left, Place, PlaceNumber, Places,
     Record, Stored, ValueNumber, tell,
 };
-pub use replicate::{EventItems, EventSource, Replica, ReplicaError};
+pub use replicate::{Chain, EventItems, EventSource, Replica, ReplicaError};
 pub use write::{
     Committed, Journal, Options, Pruned, RECORDER_BYTES, ResumePoint, Retention, SIZE_MAX,
     has_begun, remove,

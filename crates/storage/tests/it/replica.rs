@@ -3,7 +3,8 @@
 use expect_test::expect;
 use proptest::prelude::*;
 use rafcon_storage::journal::{
-    About, Entry, EventSource, Journal, Options, Reader, Replica, ReplicaError, Stored, ValueNumber,
+    About, Chain, Entry, EventSource, Journal, Options, Reader, Replica, ReplicaError, Stored,
+    ValueNumber,
 };
 use rafcon_testkit::journal_notation;
 use std::path::Path;
@@ -76,6 +77,45 @@ proptest! {
         prop_assert_eq!(replica.next(), head + 1);
         replica.close().unwrap();
         prop_assert_eq!(whole(station.path()), whole(robot.path()));
+        let hash = |folder: &Path, bytes_max| {
+            let (mut reader, mut chain) = (Reader::open(folder).unwrap(), Chain::default());
+            while chain.last() < head {
+                chain.advance(&mut reader, head, bytes_max).unwrap();
+            }
+            chain
+        };
+        prop_assert_eq!(hash(station.path(), 0), hash(robot.path(), 1_000));
+    }
+
+    #[test]
+    fn a_journal_with_another_history_is_not_continued(
+        rounds in prop::collection::vec(0..ROUNDS.len(), 2..9), other in 0..ROUNDS.len(), changed in any::<prop::sample::Index>(),
+    ) {
+        let folders = [(); 3].map(|()| tempfile::tempdir().unwrap());
+        let [robot, put_back, station] = folders.each_ref().map(tempfile::TempDir::path);
+        write(robot, &rounds);
+        let mut others = rounds.clone();
+        others[changed.index(rounds.len())] = other;
+        write(put_back, &others);
+        let [mut before, mut after] = [robot, put_back].map(|folder| EventSource::open(folder).unwrap());
+        let head = before.last().unwrap().min(after.last().unwrap());
+        let hash = |source: &mut EventSource| {
+            let mut chain = Chain::default();
+            chain.advance(source.reader(), head, usize::MAX).unwrap();
+            chain.hash()
+        };
+        let is_equal = before.reader().page(1, usize::MAX).unwrap() == after.reader().page(1, usize::MAX).unwrap();
+        prop_assert!(!is_equal || hash(&mut before) == hash(&mut after));
+        let entries = [&mut before, &mut after].map(|source| source.reader().page(1, head as usize).unwrap());
+        prop_assert_eq!(entries[0] == entries[1], hash(&mut before) == hash(&mut after));
+        let mut replica = Replica::open(station, &About::default(), &SMALL).unwrap();
+        replica.append(&before.read(1, head - 1, usize::MAX).unwrap().unwrap()).unwrap();
+        let mut items = after.read(head, head, usize::MAX).unwrap().unwrap();
+        items.t_before += 1;
+        let refused = replica.append(&items).unwrap_err();
+        let is_diverged = matches!(refused, ReplicaError::Diverged { .. });
+        prop_assert!(is_diverged, "{}", refused);
+        prop_assert_eq!(replica.next(), head);
     }
 
     #[test]

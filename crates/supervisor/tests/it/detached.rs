@@ -88,13 +88,7 @@ fn a_run_outlives_whoever_started_it() {
     say(&control, &encode(&Hello::ours()).unwrap());
     let join = Join { from: 1, every_event: true };
     say(&control, &encode(&ToRunner::Join(join)).unwrap());
-    let resume = Envelope {
-        id: "1".to_owned(),
-        author: "ana".to_owned(),
-        decided_on: None,
-        expiry: None,
-        command: Command::Resume { branch: None },
-    };
+    let resume = Envelope::new("1", "ana", Command::Resume { branch: None });
     say(&control, &encode(&ToRunner::Command(resume)).unwrap());
     let told: Vec<_> = messages(control).collect();
     let is_applied = |message: &ToViewer| matches!(message, ToViewer::Answer { id, answer: Answer::Applied } if id == "1");

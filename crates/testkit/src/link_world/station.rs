@@ -114,7 +114,7 @@ impl Station {
                 FromRobot::CommandState { id, state, .. } => {
                     fates.insert(id, state);
                 }
-                FromRobot::Started | FromRobot::Status { .. } => {}
+                FromRobot::Started | FromRobot::Status { .. } | FromRobot::NewKey { .. } => {}
             });
         let Some((_, received)) = session.progress(STREAM) else { return };
         let after_snapshot = received.end_at(*snapshot + 1).unwrap_or(*snapshot);

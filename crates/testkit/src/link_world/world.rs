@@ -249,7 +249,8 @@ impl LinkWorld {
         id[..8].copy_from_slice(&(self.given.len() as u64).to_be_bytes());
         let id = CommandId(id);
         let valid = Duration::from_secs([3, 8, 30, 120][self.random.below(4)]);
-        let command = NewCommand { id, valid, epoch: self.epoch, body: b"hold".to_vec() };
+        let command =
+            NewCommand { id, valid, wait: None, epoch: self.epoch, body: b"hold".to_vec() };
         if self.stations[station].command(self.now, command) {
             let until = self.now + valid;
             let given = Given { at: self.now, until, epoch: self.epoch, carried_out: false };

@@ -196,7 +196,9 @@ export type Control = {
   /** Who asks for it, the first first. */
   requests: Array<string>,
   /** The user to whom the holder offers it, and who has not accepted yet. */
-  offered_to?: string, };
+  offered_to?: string,
+  /** The epoch of authority: it rises each time control passes. */
+  epoch: number, };
 
 /** What someone wants about control. */
 export type ControlMove = { "move": "request" } | { "move": "withdraw" } | { "move": "hand_over",
@@ -530,6 +532,11 @@ export type Envelope = {
   decided_on: number | null,
   /** When the command is no longer wanted. */
   expiry: Expiry | null,
+  /** Before which moment it is not carried out: ms since 1970 UTC by the clock of whoever is asked. Only a robot behind a link keeps
+   * a command for later. */
+  not_before?: number,
+  /** The epoch of authority under which the sender decided: the command is refused if control has passed since. */
+  epoch?: number,
   /** What is asked. */
   command: Command, };
 
@@ -1277,7 +1284,9 @@ export type OpenCommand = {
   /** When it was sent first: ms since 1970, UTC, by the station's clock. */
   sent_ms: number,
   /** When it arrives at the robot if the link is whole, likewise; none if the delay is unknown. */
-  arrives_ms: number | null, };
+  arrives_ms: number | null,
+  /** Before which time it is not carried out, likewise. */
+  not_before_ms?: number, };
 
 /** The outcome of a state. */
 export type Outcome = {

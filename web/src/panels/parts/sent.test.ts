@@ -37,6 +37,9 @@ test("a command to a robot far away says how far it is, as far as the station kn
     "sent 0.5 s ago, sent again and again; the robot is not heard",
   );
   expect(said({ stage: "received" })).toBe("sent 0.5 s ago, the robot has it");
+  expect(said({ stage: "received", not_before_ms: 2_000 })).toBe(
+    "sent 0.5 s ago, the robot has it and waits 1.5 s until its time",
+  );
   expect(said({ stage: "started" })).toBe(
     "sent 0.5 s ago, the run has it; its answer is on the way",
   );

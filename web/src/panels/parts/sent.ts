@@ -76,10 +76,14 @@ function words(
 
 /** How far a command to a robot far away is, as far as the station knows. */
 function underWay(
-  { stage, sent_ms, arrives_ms, isRobotHeard }: CommandOnTheWay,
+  { stage, sent_ms, arrives_ms, not_before_ms, isRobotHeard }: CommandOnTheWay,
   since_ms: number,
 ): string {
   if (stage === "started") return "the run has it; its answer is on the way";
+  const wait_ms = (not_before_ms ?? 0) - sent_ms - since_ms;
+  if (stage === "received" && wait_ms > 0) {
+    return `the robot has it and waits ${(wait_ms / 1_000).toFixed(1)} s until its time`;
+  }
   if (stage === "received") return "the robot has it";
   if (!isRobotHeard) return "sent again and again; the robot is not heard";
   if (arrives_ms === null) return "in flight; the delay is unknown";

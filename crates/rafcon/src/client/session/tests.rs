@@ -87,14 +87,7 @@ fn paused(sequences: &[u64], next: u64) -> Value {
 }
 
 fn command(id: &str, command: Command) -> Turn {
-    let (id, author) = (id.to_owned(), "ana".to_owned());
-    Say(Box::new(ToRunner::Command(Envelope {
-        id,
-        author,
-        decided_on: None,
-        expiry: None,
-        command,
-    })))
+    Say(Box::new(ToRunner::Command(Envelope::new(id, "ana", command))))
 }
 
 fn refused(id: &str, code: &str) -> Turn {

@@ -126,7 +126,9 @@ fn of_the_run(event: &Event) -> (Style, String) {
                 Answer::Refused { reason } => (Style::Warning, format!(", refused: {reason}")),
                 Answer::Expired => (Style::Warning, ", too late".to_owned()),
             };
-            (style, format!("{author} gave the command {command}{answer}"))
+            let epoch =
+                envelope.epoch.map_or_else(String::new, |epoch| format!(" (epoch {epoch})"));
+            (style, format!("{author} gave the command {command}{epoch}{answer}"))
         }
         Event::Closed { id, how, answer, author } => {
             let answer = answer.as_ref().map(value).unwrap_or_default();

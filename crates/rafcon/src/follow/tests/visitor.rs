@@ -68,7 +68,7 @@ fn a_visitor_joins_commands_and_leaves() {
         ],
         &expect![[r#"
             Send(Join(Join { from: 0, every_event: false }))
-            Send(Command(Envelope { id: "attach-1", author: "ana", decided_on: None, expiry: None, command: Pause }))
+            Send(Command(Envelope { id: "attach-1", author: "ana", decided_on: None, expiry: None, not_before: None, epoch: None, command: Pause }))
             Note("refused: the run is running")
             Send(Inspect { id: "attach-2", path: "A" })
             Left, exit code 0"#]],
@@ -102,9 +102,9 @@ fn a_run_that_was_asked_for_is_stopped_and_killed() {
             Send(Join(Join { from: 0, every_event: false }))
             Show(Event { sequence: 1, t_ns: 0, event: Entered { path: "A", inputs: None, undoes: None } })
             Note("stopping; press Ctrl-C again to kill")
-            Send(Command(Envelope { id: "attach-1", author: "ana", decided_on: None, expiry: None, command: Stop }))
+            Send(Command(Envelope { id: "attach-1", author: "ana", decided_on: None, expiry: None, not_before: None, epoch: None, command: Stop }))
             Note("killing; press Ctrl-C again to leave the run as it is")
-            Send(Command(Envelope { id: "attach-2", author: "ana", decided_on: None, expiry: None, command: Kill }))
+            Send(Command(Envelope { id: "attach-2", author: "ana", decided_on: None, expiry: None, not_before: None, epoch: None, command: Kill }))
             Killed { timed_out: false, active: ["A"] }, exit code 5"#]],
     );
 }

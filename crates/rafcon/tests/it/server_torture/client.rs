@@ -248,8 +248,7 @@ impl<'s, 'p> Client<'s, 'p> {
     ) -> anyhow::Result<()> {
         let id = format!("{}-{}", self.name, self.seen.sent.len());
         let decided_on = Some(self.next - 1);
-        let envelope =
-            Envelope { id: id.clone(), author: String::new(), decided_on, expiry, command };
+        let envelope = Envelope { decided_on, expiry, ..Envelope::new(id.clone(), "", command) };
         self.seen.sent.insert(id.clone(), envelope.clone());
         self.under_way.insert(id, envelope.clone());
         line.say(&ToServer::Command { run: self.site.run.clone(), envelope })

@@ -24,14 +24,17 @@ fn wanted(word: &str) -> Option<ControlMove> {
     })
 }
 
-/// Lines of `second user what`; `commands` is a command.
+/// Lines of `second user what`; `commands` is a command, `decides-3` one that was decided on under epoch 3.
 fn play(holding: &mut Holding, line: &str) -> Result<(), super::Denied> {
     let words: Vec<&str> = line.split_whitespace().collect();
     let [second, user, what] = words[..] else { panic!("{line}") };
     let now_ms = second.parse::<u64>().unwrap() * 1000;
+    if let Some(epoch) = what.strip_prefix("decides-") {
+        return holding.command((user, epoch.parse().ok()), now_ms, SILENCE);
+    }
     match wanted(what) {
         Some(wanted) => holding.apply(user, &wanted, now_ms, SILENCE),
-        None if what == "commands" => holding.command(user, now_ms, SILENCE),
+        None if what == "commands" => holding.command((user, None), now_ms, SILENCE),
         None => {
             holding.heard(user, now_ms);
             Ok(())
@@ -228,7 +231,48 @@ fn denied_as(denied: &super::Denied) -> &'static str {
         super::Denied::NoName => ", denied: no name",
         super::Denied::NotOffered => ", denied: not offered",
         super::Denied::TooMany => ", denied: too many",
+        super::Denied::Epoch { .. } => ", denied: decided before control passed",
     }
+}
+
+#[test]
+fn what_was_decided_before_control_passed_is_void() {
+    let mut holding = Holding::default();
+    let lines = [
+        "0 ana decides-0",
+        "1 ana decides-0",
+        "2 ana decides-1",
+        "3 ana decides-2",
+        "40 bob takes-over",
+        "41 bob decides-1",
+        "42 bob decides-2",
+        "80 ana takes-over",
+        "81 ana decides-1",
+        "82 ana decides-3",
+        "83 ana releases",
+        "84 ana decides-3",
+        "85 ana decides-4",
+    ];
+    let seen = lines.map(|line| {
+        let answer = play(&mut holding, line).map_or_else(|denied| denied_as(&denied), |()| "");
+        format!("{line} -> epoch {}{answer}\n", holding.epoch())
+    });
+    expect![[r"
+        0 ana decides-0 -> epoch 1
+        1 ana decides-0 -> epoch 1
+        2 ana decides-1 -> epoch 1
+        3 ana decides-2 -> epoch 1, denied: decided before control passed
+        40 bob takes-over -> epoch 2
+        41 bob decides-1 -> epoch 2, denied: decided before control passed
+        42 bob decides-2 -> epoch 2
+        80 ana takes-over -> epoch 3
+        81 ana decides-1 -> epoch 3, denied: decided before control passed
+        82 ana decides-3 -> epoch 3
+        83 ana releases -> epoch 4
+        84 ana decides-3 -> epoch 4, denied: decided before control passed
+        85 ana decides-4 -> epoch 5
+    "]]
+    .assert_eq(&seen.concat());
 }
 
 #[test]

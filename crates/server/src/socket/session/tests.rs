@@ -132,7 +132,7 @@ fn commands_and_edits_need_their_rights() {
         Role::Operator,
         frames,
         &expect![[r#"
-        Command { run: "r", envelope: Envelope { id: "c1", author: "", decided_on: None, expiry: None, command: Pause } }
+        Command { run: "r", envelope: Envelope { id: "c1", author: "", decided_on: None, expiry: None, not_before: None, epoch: None, command: Pause } }
         {"frame":"refused","id":"c2","refusal":{"code":"not_your_right","message":"ana is operator here, and this needs the right to edit: ask an admin for another role"}}
         {"frame":"refused","id":"u1","refusal":{"code":"not_your_right","message":"ana is operator here, and this needs the right to edit: ask an admin for another role"}}
         Look { machine: "m", selection: ["a/b"] }
@@ -142,8 +142,8 @@ fn commands_and_edits_need_their_rights() {
         Role::Engineer,
         frames,
         &expect![[r#"
-            Command { run: "r", envelope: Envelope { id: "c1", author: "", decided_on: None, expiry: None, command: Pause } }
-            Command { run: "r", envelope: Envelope { id: "c2", author: "", decided_on: None, expiry: None, command: EditScript { path: "a", script: "" } } }
+            Command { run: "r", envelope: Envelope { id: "c1", author: "", decided_on: None, expiry: None, not_before: None, epoch: None, command: Pause } }
+            Command { run: "r", envelope: Envelope { id: "c2", author: "", decided_on: None, expiry: None, not_before: None, epoch: None, command: EditScript { path: "a", script: "" } } }
             Change { machine: "m", id: "u1", operation: Undo }
             Look { machine: "m", selection: ["a/b"] }
         "#]],

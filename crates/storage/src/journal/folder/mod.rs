@@ -73,7 +73,7 @@ pub(in crate::journal) fn sync_folder(folder: &Path) -> Result<(), JournalError>
 }
 
 /// Replaces a file atomically: a crash leaves the old one or the new one.
-pub(in crate::journal) fn replace_file(path: &Path, bytes: &[u8]) -> Result<(), JournalError> {
+pub fn replace_file(path: &Path, bytes: &[u8]) -> Result<(), JournalError> {
     use std::io::Write as _;
     let fresh = fresh_name(path);
     let write = || {

@@ -195,6 +195,16 @@ impl Reader {
         })
     }
 
+    /// The first event with full detail, if detail was dropped.
+    pub(in crate::journal) fn thinned_before(&self) -> Result<Option<u64>, JournalError> {
+        Ok(self.source.thinned()?)
+    }
+
+    /// That events were dropped.
+    pub(in crate::journal) fn given_up(&self) -> JournalError {
+        JournalError::GivenUp { path: self.folder().join(DATABASE_FILE) }
+    }
+
     /// The places of all events read so far, by their latest definitions.
     pub fn known_places(&self) -> &Places {
         &self.places

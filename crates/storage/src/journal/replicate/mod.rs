@@ -1,8 +1,10 @@
 //! A run that is written a second time, elsewhere: from its journal to items that need no other, and from those to an ordinary
 //! journal. Knows journals and items. Does not know how the items travel, nor when.
 
+mod chain;
 mod replica;
 mod source;
 
+pub use chain::Chain;
 pub use replica::{Replica, ReplicaError};
 pub use source::{EventItems, EventSource};

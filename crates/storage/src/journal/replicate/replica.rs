@@ -34,6 +34,14 @@ pub enum ReplicaError {
         /// What was found.
         found: u64,
     },
+    /// They follow on another event than the last one here.
+    #[error(
+        "event {next} at the robot does not follow on event {} here: one of the two has another history", next - 1
+    )]
+    Diverged {
+        /// The number of the event that comes next.
+        next: u64,
+    },
     /// The disk refuses them.
     #[error(transparent)]
     Full(#[from] Full),
@@ -68,7 +76,7 @@ impl Replica {
             return Ok(false);
         }
         let mut batch = Batch::new(self.t_ns);
-        let mut found = 0;
+        let (mut found, mut t_before_next) = (0, (*first == self.next).then_some(*t_before));
         let block = EventBlock { first: *first, t_before: *t_before, items: bytes };
         for item in block.items() {
             match item? {
@@ -80,6 +88,9 @@ impl Replica {
                 }
                 StreamItem::Event { sequence, t_ns, record, .. } => {
                     found += 1;
+                    if sequence + 1 == self.next {
+                        t_before_next = Some(t_ns);
+                    }
                     if sequence >= self.next {
                         batch.record(t_ns, &record);
                     }
@@ -89,6 +100,9 @@ impl Replica {
         }
         if found != *count {
             return Err(ReplicaError::Count { said: *count, found });
+        }
+        if t_before_next != Some(self.t_ns) {
+            return Err(ReplicaError::Diverged { next: self.next });
         }
         if let Err(Full::Recorder) = self.journal.append(&batch) {
             self.journal.commit()?;

@@ -1,0 +1,196 @@
+//! The disk of a station has a thread for each robot, so that commands and status pass while it is slow, stuck or full. What waits
+//! for it is bounded; what does not fit is not taken, and has to come again.
+
+use super::in_order;
+use super::kept_runs::{KeptRuns, SYNC_EVERY};
+use super::viewers::Shared;
+use crate::pairing::Pairing;
+use parking_lot::{Condvar, Mutex};
+use rafcon_link::{EventHash, Horizon, KeyId, StreamId};
+use rafcon_storage::journal::EventItems;
+use std::collections::VecDeque;
+use std::io;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::thread;
+use std::time::Duration;
+
+/// So many bytes of events wait for the disk at most.
+const EVENTS_MAX: usize = 16 << 20;
+/// So many with what is to be known about runs: without it, the disk cannot take their events.
+const ALL_MAX: usize = 32 << 20;
+/// A station that ends waits for its disk so long.
+const END_WITHIN: Duration = Duration::from_secs(5);
+
+/// What the disk is to do, in the order of its run.
+#[derive(Debug)]
+pub(super) enum Work {
+    /// Keep the next part of what is to be known about a run.
+    Part(EventItems),
+    /// Keep the next events of a run.
+    Events(EventItems),
+    /// Compare the hash of the events with the robot's.
+    Check(EventHash),
+    /// Close the run, which is over and complete.
+    Close,
+    /// Close the run as the runner left it that died on the robot.
+    Leave,
+}
+
+impl Work {
+    pub(super) fn cost(&self) -> usize {
+        match self {
+            Self::Part(items) | Self::Events(items) => in_order::cost(items),
+            Self::Check(_) | Self::Close | Self::Leave => 0,
+        }
+    }
+}
+
+/// What is to be done with a pairing.
+#[derive(Debug)]
+pub(super) enum KeyWork {
+    /// It is used from now on, and does not replace the one before yet.
+    Next(Pairing),
+    /// It replaces the one before.
+    Replace(Pairing),
+}
+
+/// What the disk's thread says, about a run or all.
+#[derive(Debug)]
+pub(crate) enum FromDisk {
+    /// A run is open to viewers.
+    Opened(StreamId, OpenRun),
+    /// The events of a run are safe up to this one.
+    Safe(StreamId, u64),
+    /// A run is closed.
+    Closed(StreamId),
+    /// Nothing more of a run is kept: why.
+    Refused(StreamId, String),
+    /// A pairing is kept, and can be used.
+    KeyKept(Pairing),
+    /// What is wrong with the disk; nothing if it is well again.
+    Problem(Option<String>),
+}
+
+/// A run that is open to viewers.
+#[derive(Debug)]
+pub(crate) struct OpenRun {
+    pub(super) id: String,
+    pub(super) safe: u64,
+    pub(super) shared: Arc<Shared>,
+}
+
+/// The disk as the rest of the station sees it.
+#[derive(Debug)]
+pub(super) struct Disk {
+    queue: Arc<Queue>,
+}
+
+#[derive(Debug, Default)]
+struct Queue {
+    todo: Mutex<Todo>,
+    changed: Condvar,
+    /// The bytes of what is not written.
+    bytes: Arc<AtomicUsize>,
+}
+
+#[derive(Debug, Default)]
+struct Todo {
+    works: VecDeque<(StreamId, Work)>,
+    heard: Option<(KeyId, Horizon)>,
+    key: Option<KeyWork>,
+    ends: bool,
+    has_ended: bool,
+}
+
+impl Disk {
+    /// Begins the thread that keeps these runs; `tell` takes what it says.
+    pub(super) fn begin(mut runs: KeptRuns) -> io::Result<Self> {
+        let queue = Arc::<Queue>::default();
+        let theirs = Arc::clone(&queue);
+        let work = move || {
+            keep(&theirs, &mut runs);
+            drop(runs);
+            theirs.todo.lock().has_ended = true;
+            theirs.changed.notify_all();
+        };
+        thread::Builder::new().name("disk".to_owned()).spawn(work)?;
+        Ok(Self { queue })
+    }
+
+    /// Gives work for a run, by the stream of its events; gives it back if too much waits.
+    pub(super) fn give(&self, run: StreamId, work: Work) -> Result<(), Work> {
+        let max = if matches!(work, Work::Events(_)) { EVENTS_MAX } else { ALL_MAX };
+        let cost = work.cost();
+        if cost > 0 && self.queue.bytes.load(Ordering::Acquire) + cost > max {
+            return Err(work);
+        }
+        self.queue.bytes.fetch_add(cost, Ordering::AcqRel);
+        self.queue.todo.lock().works.push_back((run, work));
+        self.queue.changed.notify_all();
+        Ok(())
+    }
+
+    /// Keeps what was heard of the robot, for the next start.
+    pub(super) fn keep_heard(&self, key: KeyId, heard: Option<Horizon>) {
+        self.queue.todo.lock().heard = heard.map(|heard| (key, heard));
+        self.queue.changed.notify_all();
+    }
+
+    /// Keeps a pairing.
+    pub(super) fn keep_key(&self, work: KeyWork) {
+        self.queue.todo.lock().key = Some(work);
+        self.queue.changed.notify_all();
+    }
+
+    /// Writes what waits and ends; does not wait for long for a disk that is stuck.
+    pub(super) fn end(&self) {
+        let mut todo = self.queue.todo.lock();
+        todo.ends = true;
+        self.queue.changed.notify_all();
+        let is_busy = |todo: &mut Todo| !todo.has_ended;
+        // What is not written is not reported as safe: it comes again.
+        let _stuck = self.queue.changed.wait_while_for(&mut todo, is_busy, END_WITHIN);
+    }
+}
+
+impl Drop for Disk {
+    fn drop(&mut self) {
+        self.queue.todo.lock().ends = true;
+        self.queue.changed.notify_all();
+    }
+}
+
+/// Does what is given until the end.
+fn keep(queue: &Queue, runs: &mut KeptRuns) {
+    let mut is_unsafe = false;
+    loop {
+        let mut todo = queue.todo.lock();
+        let is_idle = |todo: &mut Todo| {
+            todo.works.is_empty() && todo.heard.is_none() && todo.key.is_none() && !todo.ends
+        };
+        if is_unsafe {
+            let _synced = queue.changed.wait_while_for(&mut todo, is_idle, SYNC_EVERY);
+        } else {
+            queue.changed.wait_while(&mut todo, is_idle);
+        }
+        let (works, heard) = (std::mem::take(&mut todo.works), todo.heard.take());
+        let (key, ends) = (todo.key.take(), todo.ends);
+        drop(todo);
+        for (run, work) in works {
+            runs.add(run, work);
+        }
+        let written = runs.go_on(ends);
+        queue.bytes.fetch_sub(written, Ordering::AcqRel);
+        if let Some((key, heard)) = heard {
+            runs.keep_heard(key, heard);
+        }
+        if let Some(key) = key {
+            runs.keep_key(key);
+        }
+        if ends {
+            return;
+        }
+        is_unsafe = runs.is_unsafe();
+    }
+}

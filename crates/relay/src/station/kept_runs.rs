@@ -1,0 +1,417 @@
+//! The runs of one robot as its station's disk has them. Whoever calls this may wait for the disk.
+
+use super::checking::Checking;
+use super::disk::{FromDisk, KeyWork, OpenRun, Work};
+use super::had::Had;
+use super::replica_run::ReplicaRun;
+use super::{GivenCommand, ToStation};
+use crate::about::{AboutReader, AboutRecord, Taken};
+use crate::clock::SessionClock;
+use crate::ids;
+use crate::inbox::Input;
+use crate::pairing::Paired;
+use crate::start::Start;
+use rafcon_link::{Horizon, KeyId, StreamId};
+use rafcon_protocol::LinkHealth;
+use rafcon_storage::journal::{
+    About, EventItems, Full, JournalError, ReplicaError, RunState, Summary, run_folders,
+};
+use std::collections::{BTreeMap, VecDeque};
+use std::fs;
+use std::path::PathBuf;
+use std::sync::mpsc::SyncSender;
+use std::time::Duration;
+
+/// What arrived is safe on the disk after this time at most; what failed is tried again.
+pub(super) const SYNC_EVERY: Duration = Duration::from_millis(250);
+
+/// In the folder of a replica that has another history than its robot: why.
+const DIVERGED_FILE: &str = "diverged";
+
+/// Where the runs of a robot are kept, and who is told.
+pub(super) struct Place {
+    /// The number of the robot.
+    pub(super) number: usize,
+    pub(super) robot: String,
+    pub(super) runs: PathBuf,
+    pub(super) clock: SessionClock,
+    pub(super) inbox: SyncSender<Input<ToStation>>,
+    pub(super) paired: Paired,
+}
+
+/// The runs of one robot.
+pub(super) struct KeptRuns {
+    place: Place,
+    start: Start,
+    had: Had,
+    all: BTreeMap<StreamId, KeptRun>,
+    sync_at: Duration,
+    problem: Option<String>,
+}
+
+#[derive(Default)]
+struct KeptRun {
+    about: Option<About>,
+    replica: Option<ReplicaRun>,
+    /// Up to which part what is to be known about the run was taken.
+    taken: u64,
+    reader: AboutReader,
+    /// The record that the next part completed, and that the disk did not take.
+    record: Option<AboutRecord>,
+    parts: VecDeque<EventItems>,
+    todo: VecDeque<Work>,
+    /// The disk refused something: it is asked again with the next sync.
+    is_stuck: bool,
+    is_refused: bool,
+    checking: Checking,
+    /// It was just closed as a whole: its id, its events and parts.
+    whole: Option<(String, (u64, u64))>,
+}
+
+/// A run that was kept by an earlier start.
+pub(super) struct Restored {
+    pub(super) events: StreamId,
+    pub(super) last: u64,
+    pub(super) beside: StreamId,
+    pub(super) taken: u64,
+    pub(super) open: Option<OpenRun>,
+    /// Why nothing more of it is kept, if so.
+    pub(super) refused: Option<String>,
+}
+
+/// Why something is not kept.
+pub(super) enum Trouble {
+    /// It may be later.
+    Now(String),
+    /// It never will.
+    Ever(String),
+    /// The robot has another history than the replica.
+    Diverged(String),
+}
+
+impl From<JournalError> for Trouble {
+    fn from(error: JournalError) -> Self {
+        let said = error.to_string();
+        match error {
+            JournalError::DiskFull { .. }
+            | JournalError::ReadOnly { .. }
+            | JournalError::Io { .. }
+            | JournalError::Going { .. }
+            | JournalError::Database { .. } => Self::Now(said),
+            _ => Self::Ever(said),
+        }
+    }
+}
+
+impl From<ReplicaError> for Trouble {
+    fn from(error: ReplicaError) -> Self {
+        match error {
+            ReplicaError::Journal(error) | ReplicaError::Full(Full::Disk(error)) => error.into(),
+            ReplicaError::Full(Full::Recorder) => Self::Now(error.to_string()),
+            ReplicaError::Diverged { .. } => Self::Diverged(error.to_string()),
+            ReplicaError::Broken(_) | ReplicaError::Count { .. } => Self::Ever(error.to_string()),
+        }
+    }
+}
+
+impl KeptRuns {
+    pub(super) fn new(place: Place, start: Start) -> Self {
+        let (all, sync_at) = (BTreeMap::new(), Duration::ZERO);
+        let had = Had::read(start.folder());
+        Self { place, start, had, all, sync_at, problem: None }
+    }
+
+    /// Goes on with the replicas that are here.
+    pub(super) fn restore(&mut self) -> Vec<Restored> {
+        let mut restored = Vec::new();
+        for folder in run_folders(&self.place.runs).unwrap_or_default() {
+            let Ok(about) = About::read(&folder) else { continue };
+            if about.robot.as_ref() != Some(&self.place.robot) {
+                continue;
+            }
+            let (events, beside) = (ids::events_of(&about.id), ids::about_of(&about.id));
+            let taken = ReplicaRun::read_taken(&folder);
+            let summary = Summary::of(&folder);
+            let refused = fs::read_to_string(folder.join(DIVERGED_FILE)).ok();
+            let is_finished = matches!(summary.state, RunState::Finished { .. });
+            let is_refused = refused.is_some();
+            let mut run = KeptRun { about: Some(about), taken, is_refused, ..KeptRun::default() };
+            let opened = (!is_finished && !is_refused).then(|| run.open(&self.place)).transpose();
+            let (open, last) = match opened {
+                Ok(open) => (open, run.replica.as_ref().map_or(summary.events, |it| it.next() - 1)),
+                // It is opened with the first news of it.
+                Err(_) => (None, summary.events),
+            };
+            self.all.insert(events, run);
+            restored.push(Restored { events, last, beside, taken, open, refused });
+        }
+        for (id, (last, taken)) in self.had.runs() {
+            let (events, beside) = (ids::events_of(id), ids::about_of(id));
+            if last > 0 && !self.all.contains_key(&events) {
+                let (open, refused) = (None, None);
+                restored.push(Restored { events, last, beside, taken, open, refused });
+            }
+        }
+        restored
+    }
+
+    /// Adds work for a run.
+    pub(super) fn add(&mut self, run: StreamId, work: Work) {
+        let run = self.all.entry(run).or_default();
+        match work {
+            Work::Part(part) => run.parts.push_back(part),
+            work => run.todo.push_back(work),
+        }
+    }
+
+    /// Does what can be done, and makes safe what is due, or everything now. Answers how many bytes of work are done with.
+    pub(super) fn go_on(&mut self, now: bool) -> usize {
+        let is_due = now || self.place.clock.now() >= self.sync_at;
+        let (mut written, mut problem) = (0, None);
+        for (stream, run) in &mut self.all {
+            run.is_stuck &= !is_due;
+            let mut trouble = run.work(*stream, &self.place, &mut written);
+            if let Some((id, counts)) = run.whole.take() {
+                self.had.add(&id, counts);
+            }
+            if is_due && trouble.is_none() {
+                trouble = run
+                    .sync(*stream, &self.place)
+                    .or_else(|| run.checking.check(run.folder(&self.place)));
+            }
+            match trouble {
+                None => {}
+                Some(Trouble::Now(why)) => {
+                    run.is_stuck = true;
+                    problem = Some(why);
+                }
+                Some(Trouble::Ever(why)) => {
+                    run.refuse();
+                    self.place.say(FromDisk::Refused(*stream, format!("{}: {why}", run.name())));
+                }
+                Some(Trouble::Diverged(why)) => {
+                    run.refuse();
+                    let said = run.note_diverged(&self.place, &why);
+                    // It can be fetched again once its folder is moved away.
+                    self.had.add(run.name(), (0, 0));
+                    self.place.say(FromDisk::Refused(*stream, said));
+                }
+            }
+            if run.is_refused {
+                written += run.drop_work();
+            }
+        }
+        if is_due {
+            self.sync_at = self.place.clock.now() + SYNC_EVERY;
+            self.tell(problem);
+        }
+        written
+    }
+
+    fn tell(&mut self, problem: Option<String>) {
+        if problem != self.problem {
+            self.place.say(FromDisk::Problem(problem.clone()));
+            self.problem = problem;
+        }
+    }
+
+    /// Whether anything is still to be made safe, or to be tried again.
+    pub(super) fn is_unsafe(&self) -> bool {
+        let is_unsafe = |run: &KeptRun| {
+            run.is_stuck
+                || run.checking.goes_on()
+                || run.replica.as_ref().is_some_and(ReplicaRun::is_unsafe)
+        };
+        self.all.values().any(is_unsafe)
+    }
+
+    pub(super) fn keep_heard(&mut self, key: KeyId, heard: Horizon) {
+        if let Err(error) = self.start.keep_heard(key, Some(heard)) {
+            self.tell(Some(error.to_string()));
+        }
+    }
+
+    pub(super) fn keep_key(&mut self, work: KeyWork) {
+        let kept = match work {
+            KeyWork::Next(new) => self.place.paired.keep_next(&new).map(|()| Some(new)),
+            KeyWork::Replace(new) => self.place.paired.replace(&new).map(|()| None),
+        };
+        match kept {
+            Ok(Some(new)) => self.place.say(FromDisk::KeyKept(new)),
+            Ok(None) => {}
+            // The robot offers it again.
+            Err(error) => self.tell(Some(error.to_string())),
+        }
+    }
+}
+
+impl Place {
+    fn say(&self, said: FromDisk) {
+        // A station that has ended needs to know nothing.
+        self.inbox.send(Input::Other(ToStation::Disk(self.number, said))).unwrap_or_default();
+    }
+}
+
+impl KeptRun {
+    fn open(&mut self, place: &Place) -> Result<OpenRun, Trouble> {
+        let about = self.about.clone().unwrap_or_default();
+        if let Ok(there) = About::read(&place.runs.join(&about.id))
+            && there.robot != about.robot
+        {
+            let whose = there.robot.map_or("this computer".to_owned(), |it| format!("robot {it}"));
+            let why = format!(
+                "there is a run of {whose} with the same id here: move its folder away, and start the station again"
+            );
+            return Err(Trouble::Ever(why));
+        }
+        let link = LinkHealth { robot: place.robot.clone(), ..LinkHealth::default() };
+        let (robot, run, inbox) = (place.number, about.id.clone(), place.inbox.clone());
+        let give = move |word| {
+            let given = ToStation::Given(GivenCommand { robot, run: run.clone(), word });
+            inbox.try_send(Input::Other(given)).is_ok()
+        };
+        let replica = ReplicaRun::open(&place.runs, &about, link, give)?;
+        let open = OpenRun { id: about.id, safe: replica.next() - 1, shared: replica.shared() };
+        self.replica = Some(replica);
+        Ok(open)
+    }
+
+    /// Does what is to be done, as far as the disk takes it.
+    fn work(&mut self, stream: StreamId, place: &Place, written: &mut usize) -> Option<Trouble> {
+        while !self.is_stuck
+            && let Some(part) = self.parts.front().cloned()
+        {
+            if let Err(trouble) = self.take_part(stream, &part, place) {
+                return Some(trouble);
+            }
+            *written += self.parts.pop_front().map_or(0, |part| Work::Part(part).cost());
+        }
+        while !self.is_stuck
+            && self.about.is_some()
+            && let Some(work) = self.todo.pop_front()
+        {
+            if let Err(trouble) = self.perform(stream, &work, place) {
+                self.todo.push_front(work);
+                return Some(trouble);
+            }
+            *written += work.cost();
+        }
+        None
+    }
+
+    fn take_part(
+        &mut self,
+        stream: StreamId,
+        part: &EventItems,
+        place: &Place,
+    ) -> Result<(), Trouble> {
+        if part.first <= self.taken {
+            return Ok(());
+        }
+        let is_whole = self.record.is_some()
+            || match self.reader.take(&part.bytes) {
+                Taken::Part => false,
+                Taken::Record(record) => {
+                    self.record = record;
+                    true
+                }
+            };
+        if let Some(record) = &self.record {
+            match record {
+                AboutRecord::Machine(pack) => {
+                    self.replica.as_ref().map_or(Ok(()), |replica| replica.keep_machine(pack))?;
+                }
+                AboutRecord::About(about) if self.about.is_none() => {
+                    let is_plain = !about.id.contains(['/', '\0']) && !about.id.starts_with('.');
+                    if ids::events_of(&about.id) != stream || !is_plain {
+                        let why = "the robot describes another run in its place: both sides need the same version of rafcon";
+                        return Err(Trouble::Ever(why.to_owned()));
+                    }
+                    let robot = Some(place.robot.clone());
+                    self.about = Some(About { robot, on_crash: None, ..(**about).clone() });
+                    let opened = self.open(place).inspect_err(|_error| self.about = None)?;
+                    place.say(FromDisk::Opened(stream, opened));
+                }
+                AboutRecord::About(_) => {}
+            }
+            self.record = None;
+        }
+        self.taken = part.first;
+        if is_whole && let Some(replica) = &self.replica {
+            replica.keep_taken(self.taken);
+        }
+        Ok(())
+    }
+
+    fn perform(&mut self, stream: StreamId, work: &Work, place: &Place) -> Result<(), Trouble> {
+        match work {
+            Work::Part(_) => {}
+            Work::Check(hash) => self.checking.set(*hash),
+            Work::Events(items) => {
+                if self.replica.is_none() {
+                    // A run goes on whose runner had died.
+                    let opened = self.open(place)?;
+                    place.say(FromDisk::Opened(stream, opened));
+                }
+                self.replica.as_mut().map_or(Ok(()), |replica| replica.append(items))?;
+            }
+            Work::Close | Work::Leave => {
+                if let Some(trouble) = self.sync(stream, place) {
+                    return Err(trouble);
+                }
+                if let Some(replica) = self.replica.take()
+                    && matches!(work, Work::Close)
+                {
+                    self.whole = Some((self.name().to_owned(), (replica.next() - 1, self.taken)));
+                    replica.close();
+                }
+                place.say(FromDisk::Closed(stream));
+            }
+        }
+        Ok(())
+    }
+
+    fn sync(&mut self, stream: StreamId, place: &Place) -> Option<Trouble> {
+        let replica = self.replica.as_mut().filter(|replica| replica.is_unsafe())?;
+        match replica.commit() {
+            Ok(safe) => {
+                place.say(FromDisk::Safe(stream, safe));
+                None
+            }
+            Err(error) => Some(error.into()),
+        }
+    }
+
+    fn name(&self) -> &str {
+        self.about.as_ref().map_or("a run", |about| &about.id)
+    }
+
+    /// Its folder, once it is known.
+    fn folder(&self, place: &Place) -> Option<PathBuf> {
+        self.about.as_ref().map(|about| place.runs.join(&about.id))
+    }
+
+    /// The replica stays as it is, also after a restart; answers how that is said.
+    fn note_diverged(&self, place: &Place, why: &str) -> String {
+        let folder = place.runs.join(self.name());
+        let said = format!(
+            "{why}: its disk was put back to an earlier day, or the replica was changed. The replica stays as it is and takes nothing \
+             more; to receive the run anew, move {} away and start the station again",
+            folder.display()
+        );
+        // Without it, the next start finds out again.
+        drop(fs::write(folder.join(DIVERGED_FILE), &said));
+        said
+    }
+
+    fn refuse(&mut self) {
+        self.is_refused = true;
+        self.replica = None;
+    }
+
+    fn drop_work(&mut self) -> usize {
+        let parts = self.parts.drain(..).map(|part| Work::Part(part).cost());
+        let written: usize = parts.sum();
+        written + self.todo.drain(..).map(|work| work.cost()).sum::<usize>()
+    }
+}

@@ -1,0 +1,104 @@
+//! What a datagram of a robot had, in the words of the station, and what of it comes before its run is open.
+
+use super::disk::OpenRun;
+use super::viewers::Shared;
+use crate::words::RunStands;
+use rafcon_link::{CommandId, CommandState, EventHash, FromRobot, KeyId, PairingKey, StreamId};
+use rafcon_protocol::Snapshot;
+use rafcon_storage::journal::EventItems;
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
+
+/// So many runs may have news before they are open.
+const EARLY_MAX: usize = 64;
+
+/// What a datagram had, so that nothing is done while the session is borrowed.
+pub(super) enum Received {
+    Events(StreamId, EventItems),
+    /// How a run stands, and the hash of its events with the time of the robot's session.
+    Stands(StreamId, RunStands, Option<(u64, EventHash)>),
+    Snapshot(StreamId, Box<Snapshot>),
+    NewKey(KeyId, PairingKey),
+    State(CommandId, CommandState, String),
+    Started,
+}
+
+impl Received {
+    /// Nothing if it makes no sense here.
+    pub(super) fn of(shown: FromRobot<'_>) -> Option<Self> {
+        Some(match shown {
+            FromRobot::Events(events) => {
+                let (first, count, t_before) = (events.first, events.count, events.t_before);
+                let bytes = events.items.to_vec();
+                Self::Events(events.stream, EventItems { first, count, t_before, bytes })
+            }
+            FromRobot::Status { stream, state, chain, at_ms, .. } => {
+                let stands = serde_json::from_slice(state).unwrap_or_default();
+                Self::Stands(stream, stands, chain.map(|chain| (at_ms, chain)))
+            }
+            FromRobot::Snapshot { stream, bytes, .. } => {
+                Self::Snapshot(stream, serde_json::from_slice(&bytes).ok()?)
+            }
+            FromRobot::CommandState { id, state, reason } => {
+                Self::State(id, state, String::from_utf8_lossy(reason).into_owned())
+            }
+            FromRobot::NewKey { id, key } => Self::NewKey(id, key),
+            FromRobot::Started => Self::Started,
+        })
+    }
+}
+
+/// A run that is open to viewers.
+pub(super) struct StationRun {
+    pub(super) id: String,
+    pub(super) shared: Arc<Shared>,
+    pub(super) safe: u64,
+    /// The epoch of authority, as the robot said last.
+    pub(super) epoch: u64,
+    pub(super) is_over: bool,
+    /// The disk was asked to close it.
+    pub(super) is_closing: bool,
+}
+
+impl StationRun {
+    pub(super) fn new(OpenRun { id, safe, shared }: OpenRun) -> Self {
+        Self { id, shared, safe, epoch: 0, is_over: false, is_closing: false }
+    }
+}
+
+/// What came last of runs that are not open yet: it is not said again soon.
+#[derive(Default)]
+pub(super) struct Early {
+    runs: BTreeMap<StreamId, (Option<RunStands>, Option<Snapshot>)>,
+    /// The runs that were open before: only their events open them again.
+    closed: BTreeSet<StreamId>,
+}
+
+impl Early {
+    pub(super) fn stands(&mut self, run: StreamId, stands: RunStands) {
+        self.of(run, |early| early.0 = Some(stands));
+    }
+
+    pub(super) fn snapshot(&mut self, run: StreamId, snapshot: Snapshot) {
+        self.of(run, |early| early.1 = Some(snapshot));
+    }
+
+    /// A run is not open any more.
+    pub(super) fn close(&mut self, run: StreamId) {
+        self.runs.remove(&run);
+        self.closed.insert(run);
+    }
+
+    /// A run is open now.
+    pub(super) fn take(&mut self, run: StreamId) -> (Option<RunStands>, Option<Snapshot>) {
+        self.closed.remove(&run);
+        self.runs.remove(&run).unwrap_or_default()
+    }
+
+    fn of(&mut self, run: StreamId, keep: impl FnOnce(&mut (Option<RunStands>, Option<Snapshot>))) {
+        let has_room = self.runs.len() < EARLY_MAX || self.runs.contains_key(&run);
+        if has_room && !self.closed.contains(&run) {
+            keep(self.runs.entry(run).or_default());
+        }
+    }
+}

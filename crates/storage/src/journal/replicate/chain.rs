@@ -1,0 +1,63 @@
+//! The hash of all events of a journal up to one of them: two journals with the same hash have the same events, whatever they were
+//! written from.
+
+use crate::journal::read::{Reader, damaged};
+use crate::journal::record::Item;
+use crate::journal::{Entry, JournalError};
+use std::ops::ControlFlow;
+
+/// A hash that goes on with each event.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Chain {
+    last: u64,
+    t_ns: u64,
+    hash: [u8; 32],
+}
+
+impl Chain {
+    /// The last event that is in it.
+    pub fn last(&self) -> u64 {
+        self.last
+    }
+
+    /// The hash, as far as it is told.
+    pub fn hash(&self) -> u64 {
+        let [a, b, c, d, e, f, g, h, ..] = self.hash;
+        u64::from_be_bytes([a, b, c, d, e, f, g, h])
+    }
+
+    /// Goes on up to event `to`, or for about so many bytes. An error if the journal does not have what was: it is damaged, or has
+    /// dropped detail.
+    pub fn advance(
+        &mut self,
+        reader: &mut Reader,
+        to: u64,
+        bytes_max: usize,
+    ) -> Result<(), JournalError> {
+        if self.last >= to {
+            return Ok(());
+        }
+        if reader.thinned_before()?.is_some_and(|before| self.last + 1 < before) {
+            return Err(reader.given_up());
+        }
+        let (mut bytes, mut read, mut lost) = (Vec::new(), 0, None);
+        reader.each(self.last + 1, |_, entry| {
+            lost = damaged(&entry.record);
+            if entry.sequence > to || read > bytes_max || lost.is_some() {
+                return ControlFlow::Break(());
+            }
+            bytes.clear();
+            self.add(entry, &mut bytes);
+            read += bytes.len();
+            ControlFlow::Continue(())
+        })?;
+        lost.map_or(Ok(()), |(first, last)| Err(reader.lost_events(first, last)))
+    }
+
+    fn add(&mut self, entry: Entry, bytes: &mut Vec<u8>) {
+        self.last = entry.sequence;
+        bytes.extend_from_slice(&self.hash);
+        Item::Record(entry.t_ns, entry.record).write(&mut self.t_ns, bytes);
+        self.hash = *blake3::hash(bytes).as_bytes();
+    }
+}
