@@ -27,6 +27,7 @@ mod server_twice;
 mod signals;
 mod starts;
 mod station;
+mod station_trouble;
 mod strangers;
 mod terminal;
 mod torture;

@@ -5,20 +5,20 @@ use expect_test::expect;
 use rafcon_storage::journal::Pack;
 use std::io::{BufRead as _, BufReader, Write as _};
 use std::net::{SocketAddr, UdpSocket};
-use std::process::{Child, Stdio};
+use std::process::{Child, Command, Stdio};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 
 /// A server that is killed when it is dropped.
-struct Program {
+pub(crate) struct Program {
     child: Child,
     /// Its address for the command line.
-    url: String,
+    pub(crate) url: String,
 }
 
 impl Program {
-    fn new(mut child: Child) -> Self {
+    pub(crate) fn new(mut child: Child) -> Self {
         let mut line = String::new();
         BufReader::new(child.stdout.take().unwrap()).read_line(&mut line).unwrap();
         let (url, _token) = line.split_once("/?").unwrap();
@@ -33,21 +33,34 @@ impl Drop for Program {
     }
 }
 
-fn pair(place: &Place, name: &str) {
-    let made = place.call(&format!("pair {name} --state robot"));
+pub(crate) fn pair(place: &Place, name: &str) {
+    pair_with(place, name, "ground");
+}
+
+/// Makes a pairing at the robot, with these words, and pastes it at the station with this state.
+pub(crate) fn pair_with(place: &Place, words: &str, station: &str) {
+    let made = place.call(&format!("pair {words} --state robot"));
     assert_eq!(made.code, Some(0), "{}", made.stderr);
-    let mut paste = place.command("pair --paste --state ground");
+    let mut paste = place.command(&format!("pair --paste --state {station}"));
     let mut paste = paste.stdin(Stdio::piped()).stdout(Stdio::null()).spawn().unwrap();
     paste.stdin.take().unwrap().write_all(made.stdout.as_bytes()).unwrap();
     assert!(paste.wait().unwrap().success());
 }
 
 /// A station that receives at this address, and where that is.
-fn station(place: &Place, listen: &str) -> (Program, SocketAddr) {
+pub(crate) fn station(place: &Place, listen: &str) -> (Program, SocketAddr) {
+    station_of(place, "ground", listen)
+}
+
+/// The same with this state, and runs beside it.
+pub(crate) fn station_of(place: &Place, state: &str, listen: &str) -> (Program, SocketAddr) {
     let words = format!(
-        "station --state ground --runs ground-runs --bind 127.0.0.1:0 --listen {listen} --link lan"
+        "station --state {state} --runs {state}-runs --bind 127.0.0.1:0 --listen {listen} --link lan"
     );
-    let mut station = place.command(&words);
+    begin_station(place.command(&words))
+}
+
+pub(crate) fn begin_station(mut station: Command) -> (Program, SocketAddr) {
     let mut child = station.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
     let mut lines = BufReader::new(child.stderr.take().unwrap()).lines().map(Result::unwrap);
     let said = lines.find_map(|line| Some(line.split_once("udp://")?.1.to_owned()));
@@ -57,15 +70,18 @@ fn station(place: &Place, listen: &str) -> (Program, SocketAddr) {
     (Program::new(child), address)
 }
 
-fn robot(place: &Place, station: SocketAddr) -> Program {
-    let words = format!(
-        "serve --state robot --runs robot-runs --bind 127.0.0.1:0 --station udp://{station} --link lan"
-    );
+pub(crate) fn robot(place: &Place, station: SocketAddr) -> Program {
+    robot_with(place, &format!("--station udp://{station}"))
+}
+
+pub(crate) fn robot_with(place: &Place, stations: &str) -> Program {
+    let words =
+        format!("serve --state robot --runs robot-runs --bind 127.0.0.1:0 --link lan {stations}");
     let mut robot = place.command(&words);
     Program::new(robot.stdout(Stdio::piped()).stderr(Stdio::null()).spawn().unwrap())
 }
 
-fn in_background(work: impl FnOnce() + Send + 'static) {
+pub(crate) fn in_background(work: impl FnOnce() + Send + 'static) {
     thread::Builder::new().spawn(work).unwrap();
 }
 
@@ -127,7 +143,7 @@ fn carry(socket: &UdpSocket, ends: &AtomicBool, mut send: impl FnMut(SocketAddr,
 }
 
 /// What strangers send: whatever bytes, as fast as they can.
-fn make_noise(station: SocketAddr) {
+pub(crate) fn make_noise(station: SocketAddr) {
     let socket = UdpSocket::bind("127.0.0.1:0").unwrap();
     for count in 0..50_000_u32 {
         let [a, b, c, d] = count.to_be_bytes();
@@ -138,12 +154,12 @@ fn make_noise(station: SocketAddr) {
 }
 
 /// All events of the newest run in a folder, with their values.
-fn history(place: &Place, runs: &str) -> String {
+pub(crate) fn history(place: &Place, runs: &str) -> String {
     place.call(&format!("history last --json --values --runs {runs}")).stdout
 }
 
 /// The machines that the only run in a folder has kept.
-fn machines(place: &Place, runs: &str) -> Vec<Pack> {
+pub(crate) fn machines(place: &Place, runs: &str) -> Vec<Pack> {
     let run = std::fs::read_dir(place.path(runs)).unwrap().next().unwrap().unwrap();
     let machines = Pack::read_after(&run.path(), 0).unwrap();
     assert!(!machines.is_empty());
@@ -151,8 +167,20 @@ fn machines(place: &Place, runs: &str) -> Vec<Pack> {
 }
 
 /// Waits until the newest run at the station says this of itself.
-fn wait_at_station(place: &Place, words: &str) {
-    while !place.call("runs --runs ground-runs").stdout.contains(words) {
+pub(crate) fn wait_at_station(place: &Place, words: &str) {
+    wait_at(place, "ground", words);
+}
+
+pub(crate) fn wait_at(place: &Place, station: &str, words: &str) {
+    while !place.call(&format!("runs --runs {station}-runs")).stdout.contains(words) {
+        thread::yield_now();
+    }
+}
+
+/// Waits until a station knows that control of the newest run is like this: before that, its users decide under an old epoch.
+pub(crate) fn wait_for_control(place: &Place, (state, url): (&str, &str), words: &str) {
+    let show = format!("control last show --server {url} --state {state}");
+    while !place.call(&show).stdout.contains(words) {
         thread::yield_now();
     }
 }
@@ -206,7 +234,7 @@ fn commands_at_a_station_reach_the_robot() {
 fn one_user_commands_a_run_over_its_robot_and_its_station() {
     let place = Place::with(&ticks(1_000_000));
     pair(&place, "scout");
-    let (_ground, address) = station(&place, "127.0.0.1:0");
+    let (ground, address) = station(&place, "127.0.0.1:0");
     let robot = robot(&place, address);
     let run = Run::start(&place, "--runs robot-runs");
     wait_at_station(&place, "Ticks  running");
@@ -222,6 +250,7 @@ fn one_user_commands_a_run_over_its_robot_and_its_station() {
     let user = at_station("step-mode");
     let mut said = vec![user, at_robot("show"), at_robot("take-over"), at_robot("override")];
     said.extend([at_station("resume"), at_station("pause"), at_robot("release")]);
+    wait_for_control(&place, ("ground", &ground.url), "no user");
     said.push(at_station("resume"));
     said.push(at_station("stop"));
     drop(run.end());
@@ -272,18 +301,28 @@ fn what_is_not_paired_is_not_received() {
     let place = Place::empty();
     let station = place.call("station --state ground --listen 127.0.0.1:0 --bind 127.0.0.1:0");
     let robot = place.call("serve --state robot --station udp://127.0.0.1:9 --bind 127.0.0.1:0");
-    let again =
-        ["pair scout --state robot", "pair scout --state robot", "pair bad/name --state robot"];
     let mut said = vec![station.stderr, robot.stderr];
-    said.extend(again.into_iter().skip(1).map(|words| {
-        let _first = place.call(again[0]);
-        place.call(words).stderr
-    }));
+    drop(place.call("pair scout --state robot"));
+    let serve = "serve --state robot --bind 127.0.0.1:0";
+    let one = "--station udp://127.0.0.1:9";
+    said.extend(
+        [
+            "pair scout --state robot".to_owned(),
+            "pair bad/name --state robot".to_owned(),
+            "pair scout --station robot --state robot".to_owned(),
+            format!("{serve} {one} {one}"),
+            format!("{serve} {one} --station base=udp://127.0.0.1:9"),
+        ]
+        .map(|words| place.call(&words).stderr),
+    );
     expect![[r"
         error: this station is paired with no robot: run `rafcon pair NAME` on the robot and `rafcon pair --paste` here
         error: this robot is not paired: run `rafcon pair NAME` here, and `rafcon pair --paste` at the station
         error: cannot write PLACE/robot/link/pairings/scout: to pair `scout` again, remove that file first
           because: File exists (os error 17)
-        error: `bad/name` cannot name a robot: use 1 to 64 letters, digits, `.`, `-` and `_`
+        error: `bad/name` cannot name a robot: use 1 to 64 letters, digits, `.`, `-` and `_`; no station is called `robot`
+        error: `scout` and `robot` cannot name a robot and a station: use 1 to 64 letters, digits, `.`, `-` and `_`; no station is called `robot`
+        error: two stations would share the pairing of `scout`: make another one with `rafcon pair scout --station NAME`, and name it with `--station NAME=ADDRESS`
+        error: this robot is not paired with a station `base`: run `rafcon pair NAME --station base` here, and `rafcon pair --paste` there
     "]].assert_eq(&said.concat());
 }
