@@ -72,12 +72,12 @@ fn released(name: &str) -> Result<Command> {
 }
 
 /// One of the programs in `web/bench`, ready to be started.
-fn program(name: &str, product: &Product) -> Result<Command> {
+pub(crate) fn program(name: &str, product: &Product) -> Result<Command> {
     // Beside the packages that it needs.
     let bundle = workspace::path(format!("web/node_modules/.rafcon-{name}.mjs"));
     let source = format!("bench/{name}.ts");
     let mut bundler = web::program("rolldown")?;
-    bundler.args([&source, "--platform", "node", "--external", "playwright-core", "--file"]);
+    bundler.args([&source, "--platform", "node", "--external", "playwright-core,ws", "--file"]);
     process::quiet(bundler.arg(&bundle))?;
     let mut node = process::command("node");
     node.current_dir(workspace::path("web")).arg(&bundle).env("RAFCON_BINARY", &product.binary);

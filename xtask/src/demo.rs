@@ -7,7 +7,7 @@ use std::process::Stdio;
 use anyhow::{Context as _, Result, bail};
 
 use crate::product::{Product, Profile};
-use crate::{process, web, workspace};
+use crate::{link_demo, process, web, workspace};
 
 /// What `cargo xtask demo` can be asked for.
 #[derive(clap::Args)]
@@ -18,6 +18,9 @@ pub(crate) struct DemoOptions {
     /// Run the mission live in this terminal instead of showing it in a browser.
     #[arg(long)]
     terminal: bool,
+    /// Show the mission from a station over a bad link, with a page that makes the link better and worse.
+    #[arg(long, conflicts_with = "terminal")]
+    link: bool,
     /// Print the page's address only, and leave the browser alone.
     #[arg(long)]
     quiet: bool,
@@ -25,6 +28,9 @@ pub(crate) struct DemoOptions {
 
 /// Builds everything, generates the mission afresh and shows it.
 pub(crate) fn run(options: &DemoOptions) -> Result<()> {
+    if options.link {
+        return link_demo::run(options.states, options.quiet);
+    }
     if !options.terminal {
         web::build()?;
     }
@@ -82,7 +88,7 @@ fn examples(missions: &Path) -> Result<PathBuf> {
 }
 
 /// Shows an address in the browser, where there is one. Who has none copies the address.
-fn open(link: &str) {
+pub(crate) fn open(link: &str) {
     let mut opener = process::command("xdg-open");
     let opener = opener.arg(link).stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
     let has_screen =

@@ -31,43 +31,6 @@ fn seeds(from: u64, count: u64) -> Result<()> {
     process::run(process::cargo().args(simulate).args(["--seeds", &count, "--from", &from]))
 }
 
-/// What `cargo xtask spacebotcamp` can be asked for.
-#[derive(clap::Args)]
-pub(crate) struct SpacebotcampOptions {
-    /// How many worlds are simulated.
-    #[arg(long, default_value_t = 100)]
-    seeds: u64,
-    /// The first seed.
-    #[arg(long, default_value_t = 0)]
-    from: u64,
-    /// Print each figure as a line of JSON.
-    #[arg(long)]
-    json: bool,
-}
-
-/// Prints the table of the link, or the first seed that broke a promise; fails if a bar is missed.
-pub(crate) fn spacebotcamp(options: &SpacebotcampOptions) -> Result<()> {
-    let mut world = process::cargo();
-    world.args(["run", "--release", "-p", "rafcon-testkit", "--example", "link_world", "--"]);
-    let (seeds, from) = (options.seeds.to_string(), options.from.to_string());
-    world.args(["--seeds", &seeds, "--from", &from]).args(options.json.then_some("--json"));
-    process::run(&mut world)
-}
-
-/// What `cargo xtask link-proxy` can be asked for.
-#[derive(clap::Args)]
-pub(crate) struct LinkProxyOptions {
-    /// What the proxy is to do; `--help` after `--` lists it.
-    #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
-    words: Vec<String>,
-}
-
-/// Carries datagrams between a robot and a station, badly, until it is ended.
-pub(crate) fn link_proxy(options: &LinkProxyOptions) -> Result<()> {
-    let proxy = ["run", "--quiet", "-p", "rafcon-testkit", "--example", "link_proxy", "--"];
-    process::run(process::cargo().args(proxy).args(&options.words))
-}
-
 /// What `cargo xtask soak` can be asked for.
 #[derive(clap::Args)]
 pub(crate) struct SoakOptions {
@@ -154,6 +117,9 @@ pub(crate) struct TortureOptions {
     /// Kill the server as well as the runner, while two clients follow and command.
     #[arg(long)]
     server: bool,
+    /// Kill robots' servers, stations and runners, while commands are on their way over a bad link.
+    #[arg(long, conflicts_with = "server")]
+    link: bool,
     /// The first seed; one that failed, to repeat it. Another one each day if none is named.
     #[arg(long)]
     from: Option<u64>,
@@ -164,6 +130,8 @@ pub(crate) fn torture(options: &TortureOptions) -> Result<()> {
     Product::build(Profile::Release)?;
     let test = if options.server {
         "server_torture::killed_servers_and_runners_lose_nothing_and_repeat_nothing"
+    } else if options.link {
+        "link_torture::killed_robots_and_stations_carry_out_each_command_once_or_never"
     } else {
         "torture::a_killed_runner_loses_nothing_that_was_told"
     };

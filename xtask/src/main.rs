@@ -14,6 +14,8 @@ mod ci;
 mod conformance;
 mod demo;
 mod dist;
+mod link;
+mod link_demo;
 mod long_tests;
 mod process;
 mod product;
@@ -61,10 +63,10 @@ enum Task {
     Dist,
     /// Run random machines through random orders, and watch that the engine keeps its promises.
     Simulate(long_tests::SimulateOptions),
-    /// Run robots and stations over a bad link in virtual time, and print the gate's table.
-    Spacebotcamp(long_tests::SpacebotcampOptions),
+    /// Run robots and stations over a bad link, in virtual time or in real time, and print the gate's table.
+    Spacebotcamp(link::SpacebotcampOptions),
     /// Be a bad network between a robot and a station.
-    LinkProxy(long_tests::LinkProxyOptions),
+    LinkProxy(link::LinkProxyOptions),
     /// Do for long what the tests do briefly: random runs of the engine, saves that are killed, a server's clients.
     Soak(long_tests::SoakOptions),
     /// Damage files of runs, and check that what is read of them is true or said to be damaged.
@@ -102,8 +104,8 @@ fn run(task: Task) -> anyhow::Result<()> {
         Task::Demo(options) => demo::run(&options),
         Task::Dist => dist::run(),
         Task::Simulate(options) => long_tests::simulate(&options),
-        Task::Spacebotcamp(options) => long_tests::spacebotcamp(&options),
-        Task::LinkProxy(options) => long_tests::link_proxy(&options),
+        Task::Spacebotcamp(options) => link::spacebotcamp(&options),
+        Task::LinkProxy(options) => link::link_proxy(&options),
         Task::Soak(options) => long_tests::soak(&options),
         Task::Corrupt(options) => long_tests::corrupt(&options),
         Task::Torture(options) => long_tests::torture(&options),

@@ -31,7 +31,7 @@ const fn most(name: &'static str, unit: &'static str, bar: f64, meaning: &'stati
 }
 
 /// All of them.
-pub(crate) const ALL: [Figure; 26] = [
+pub(crate) const ALL: [Figure; 27] = [
     least(
         "python_flat_states_per_s",
         "states/s",
@@ -67,6 +67,12 @@ pub(crate) const ALL: [Figure; 26] = [
         "the Python states with everything kept in the journal",
     ),
     least("journal_over_off", "ratio", 0.7, "the same, against a run that is not kept"),
+    least(
+        "no_link_cost_ratio",
+        "ratio",
+        0.95,
+        "the same on a robot that sends it to a station, against one that does not",
+    ),
     most(
         "journal_bytes_per_state",
         "bytes",

@@ -3,6 +3,7 @@
 mod figures;
 mod journal;
 mod library;
+mod link;
 mod whole_process;
 
 use anyhow::{Context as _, Result, bail};

@@ -8,7 +8,7 @@ use std::process::{Command, Stdio};
 use anyhow::{Context as _, Result};
 use serde_json::Value;
 
-use super::{Measured, journal, middle};
+use super::{Measured, journal, link, middle};
 use crate::product::{Product, Profile};
 use crate::reference::Reference;
 use crate::{process, python, workspace};
@@ -43,10 +43,16 @@ pub(crate) fn measure() -> Result<Vec<Measured>> {
     measured.push(middle("barrier_64_ms", bench.times("gathering")?)?);
     measured.push(bench.first_state()?);
     measured.extend(journal::measure(&bench)?);
+    measured.extend(link::measure(&bench)?);
     Ok(measured)
 }
 
 impl Bench {
+    /// The program.
+    pub(super) fn binary(&self) -> &Path {
+        &self.product.binary
+    }
+
     fn write_machines(&self) -> Result<()> {
         let mut writer = python::command(&self.reference.python);
         writer.arg("tests/bench/write_machines.py").arg(&self.machines);

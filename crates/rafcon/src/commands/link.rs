@@ -12,7 +12,7 @@ use rafcon_relay::{
 };
 use rafcon_server::RunAuthority;
 use std::fs::{self, OpenOptions};
-use std::io::{self, Write as _};
+use std::io::{self, IsTerminal as _, Write as _};
 use std::net::{SocketAddr, ToSocketAddrs as _};
 use std::os::unix::fs::OpenOptionsExt as _;
 use std::path::{Path, PathBuf};
@@ -35,7 +35,7 @@ pub(super) fn pair(raw: &cli::Pair, environment: &Environment) -> Result<ExitCod
             };
             format!("{what}: use 1 to 64 letters, digits, `.`, `-` and `_`; no station is called `robot`")
         })?,
-        None => io::read_to_string(io::stdin())?.parse()?,
+        None => pasted()?.parse()?,
     };
     fs::create_dir_all(&folder)
         .with_context(|| format!("cannot make the folder {}", folder.display()))?;
@@ -99,6 +99,16 @@ fn renew(raw: &cli::Pair, state: &Path) -> Result<ExitCode> {
         "a new key is offered to the station; both sides use the one they have until the station uses the new one"
     )?;
     Ok(ExitCode::SUCCESS)
+}
+
+/// The line that is pasted, or comes through a pipe.
+fn pasted() -> Result<String> {
+    if io::stdin().is_terminal() {
+        complain("paste the line that `rafcon pair NAME` printed on the robot, and press Enter:");
+    }
+    let mut lines =
+        io::stdin().lines().skip_while(|line| line.as_ref().is_ok_and(String::is_empty));
+    Ok(lines.next().transpose()?.unwrap_or_default())
 }
 
 /// Lets the robot's server decide who commands its runs, once it is there.

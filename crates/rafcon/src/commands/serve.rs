@@ -30,7 +30,13 @@ pub(super) fn serve(
     }
     let served = rafcon_server::serve(settings, |server| {
         authority.set(RunAuthority::new(server.state()));
-        greet(server, raw);
+        // A station needs no machines: it has those of its robots.
+        if raw.projects.is_empty() && robots.is_none() {
+            complain(
+                "warning: the command names no folder with machines; the server offers only runs",
+            );
+        }
+        greet(server);
     });
     relays.stop();
     served?;
@@ -77,10 +83,7 @@ fn project(folder: &Path) -> Result<PathBuf> {
 }
 
 /// Tells how the server is reached. A reader that is gone stops no server.
-fn greet(server: &Server, raw: &cli::Serve) {
-    if raw.projects.is_empty() {
-        complain("warning: the command names no folder with machines; the server offers only runs");
-    }
+fn greet(server: &Server) {
     let fingerprint = server.fingerprint().map(|fingerprint| {
         let port = server.address().port();
         format!("Other users log in at port {port}. The certificate's SHA-256 fingerprint is\n{fingerprint}\n")

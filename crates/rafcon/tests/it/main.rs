@@ -14,6 +14,7 @@ mod examples;
 mod harness;
 mod hostile_values;
 mod kept_runs;
+mod link_torture;
 mod readme;
 mod script_check;
 mod served;

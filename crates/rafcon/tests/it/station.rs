@@ -86,13 +86,13 @@ pub(crate) fn in_background(work: impl FnOnce() + Send + 'static) {
 }
 
 /// A path that loses, doubles and damages datagrams in both directions, until dropped. It says where it begins.
-struct BadPath {
-    address: SocketAddr,
+pub(crate) struct BadPath {
+    pub(crate) address: SocketAddr,
     ends: Arc<AtomicBool>,
 }
 
 impl BadPath {
-    fn to(station: SocketAddr) -> Self {
+    pub(crate) fn to(station: SocketAddr) -> Self {
         let (near, far) = [(); 2].map(|()| UdpSocket::bind("127.0.0.1:0").unwrap()).into();
         let (address, ends) = (near.local_addr().unwrap(), Arc::new(AtomicBool::new(false)));
         let (there, back) = (near.try_clone().unwrap(), far.try_clone().unwrap());

@@ -24,6 +24,10 @@ pub struct Conditions {
     pub late_max: Duration,
     /// What waits longer for its turn is dropped.
     pub queue_max: Duration,
+    /// Of so many of a hundred, one bit is another when they arrive.
+    pub flipped: usize,
+    /// So many bytes are added to the length of what is sent: headers that are not part of it.
+    pub overhead: usize,
 }
 
 impl Conditions {
@@ -37,6 +41,8 @@ impl Conditions {
             late: 5,
             late_max: Duration::from_millis(120),
             queue_max: Duration::from_secs(2),
+            flipped: 0,
+            overhead: rafcon_link::CARRIER_OVERHEAD,
         }
     }
 }
@@ -80,6 +86,22 @@ impl Carrier {
         }
     }
 
+    /// What it does to datagrams.
+    pub fn conditions(&self) -> &Conditions {
+        &self.conditions
+    }
+
+    /// From now on it does this to what is sent.
+    pub fn set_conditions(&mut self, conditions: Conditions) {
+        self.conditions = conditions;
+    }
+
+    /// What becomes of what is sent now, if it is cut.
+    pub fn cut_at(&self, now: Duration) -> Option<Cut> {
+        let cut = self.cuts.iter().find(|(from, to, _)| (*from..*to).contains(&now));
+        cut.map(|(_, _, cut)| *cut)
+    }
+
     /// Cuts it from one time to another.
     pub fn cut(&mut self, from: Duration, to: Duration, cut: Cut) {
         self.cuts.push((from, to, cut));
@@ -97,14 +119,14 @@ impl Carrier {
             *to = now.min(*to);
         }
         for datagram in std::mem::take(&mut self.held) {
-            self.bytes -= length(&datagram);
+            self.bytes -= self.length(&datagram);
             self.send(now, datagram);
         }
     }
 
     /// Takes a datagram that is sent now.
-    pub fn send(&mut self, now: Duration, datagram: Vec<u8>) {
-        let length = length(&datagram);
+    pub fn send(&mut self, now: Duration, mut datagram: Vec<u8>) {
+        let length = self.length(&datagram);
         self.bytes += length;
         let cut = self.cuts.iter().find(|(from, to, _)| (*from..*to).contains(&now));
         let enters = match cut {
@@ -113,7 +135,7 @@ impl Carrier {
             Some((_, to, Cut::Holds)) => *to,
             None => now,
         };
-        let Conditions { delay, bits_per_s, lost, doubled, late, late_max, queue_max } =
+        let Conditions { delay, bits_per_s, lost, doubled, late, late_max, queue_max, .. } =
             self.conditions;
         let free_at = self.free_at.max(enters);
         if free_at > enters + queue_max {
@@ -128,6 +150,13 @@ impl Carrier {
         let first = self.free_at + delay + lateness(&mut self.random);
         let second = self.free_at + delay + lateness(&mut self.random);
         let (is_lost, is_doubled) = (self.random.percent(lost), self.random.percent(doubled));
+        // Worlds without flipped bits have the same chance as ever.
+        if self.conditions.flipped > 0 && self.random.percent(self.conditions.flipped) {
+            let place = self.random.below(datagram.len().max(1));
+            if let Some(byte) = datagram.get_mut(place) {
+                *byte ^= 1 << self.random.below(8);
+            }
+        }
         if is_doubled {
             self.carry(second, datagram.clone());
         }
@@ -151,8 +180,8 @@ impl Carrier {
         let first = self.on_the_way.first_entry().filter(|first| first.key().0 <= now)?;
         Some(first.remove())
     }
-}
 
-fn length(datagram: &[u8]) -> u64 {
-    (datagram.len() + rafcon_link::CARRIER_OVERHEAD) as u64
+    fn length(&self, datagram: &[u8]) -> u64 {
+        (datagram.len() + self.conditions.overhead) as u64
+    }
 }

@@ -13,6 +13,7 @@ use rafcon_protocol::{Answer, Event};
 use rafcon_storage::journal::{Entry, Reader};
 use rafcon_storage::{Naming, save};
 use rafcon_testkit::notation;
+pub(crate) use site::now_ms;
 use site::{Early, Site, Victim};
 use std::collections::BTreeMap;
 use std::io::Write as _;
@@ -114,13 +115,13 @@ fn victim(dice: &mut Dice) -> Victim {
 }
 
 /// What the run's journal says.
-struct Journal {
+pub(crate) struct Journal {
     started_ms: u64,
     events: Vec<(HistoryEntry, HistoryEntry)>,
 }
 
 impl Journal {
-    fn read(folder: &Path) -> Self {
+    pub(crate) fn read(folder: &Path) -> Self {
         let mut reader = Reader::open(folder).unwrap();
         let entries = reader.page(1, usize::MAX).unwrap();
         let entry = |entry: &Entry, values| HistoryEntry {
@@ -142,7 +143,7 @@ impl Journal {
     }
 
     /// How often each command was carried out.
-    fn applied(&self) -> BTreeMap<&str, usize> {
+    pub(crate) fn applied(&self) -> BTreeMap<&str, usize> {
         let mut applied = BTreeMap::new();
         for (entry, _) in &self.events {
             if let Event::Commanded { envelope, answer: Answer::Applied } = &entry.event {
@@ -172,7 +173,7 @@ fn assert_once(journal: &Journal, clients: &[&Seen]) {
 
 /// Nothing was carried out after its expiry. Times of a later life count from its runner's beginning, which was not before the
 /// death of the runner before it.
-fn assert_in_time(journal: &Journal, deaths: &[u64]) {
+pub(crate) fn assert_in_time(journal: &Journal, deaths: &[u64]) {
     let (mut born_ms, mut life) = (journal.started_ms, 0);
     let mut born_ns = 0;
     for (entry, _) in &journal.events {

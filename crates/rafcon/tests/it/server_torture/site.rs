@@ -250,7 +250,7 @@ fn serve(place: &Place) -> Served {
 
 /// Time of day, in ms since 1970 UTC.
 #[expect(clippy::disallowed_methods, reason = "an expiry is a time of day")]
-pub(super) fn now_ms() -> u64 {
+pub(crate) fn now_ms() -> u64 {
     let since = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap();
     u64::try_from(since.as_millis()).unwrap()
 }

@@ -1,0 +1,37 @@
+/** The gate of the link with real programs in real time: `cargo xtask spacebotcamp --real`. Prints a table, or with `--json` one JSON
+ * object a line; fails if a bar is missed. */
+
+import { parseArgs } from "node:util";
+import { Camp } from "./link/camp.ts";
+import { figures, printed } from "./link/measures.ts";
+import { beOperator } from "./link/operator.ts";
+import { Scenario } from "./link/scenario.ts";
+
+/** So many entries and ends of states in a second; with what comes beside them, about ten events. */
+const RATE = 9;
+
+async function main(): Promise<void> {
+  const { values } = parseArgs({
+    options: {
+      minutes: { type: "string", default: "60" },
+      stations: { type: "string", default: "1" },
+      json: { type: "boolean", default: false },
+    },
+  });
+  const minutes = Number(values.minutes);
+  if (!(minutes >= 5)) throw new Error("--minutes: a number of at least 5");
+  const camp = await Camp.pitch(values.stations === "2" ? 2 : 1, RATE);
+  try {
+    const hour = await new Scenario(camp, { minutes }).play();
+    if (!printed(figures(hour), values.json)) process.exitCode = 1;
+  } catch (error) {
+    process.exitCode = 1;
+    throw error;
+  } finally {
+    await camp.strike();
+  }
+}
+
+const [, , first, second] = process.argv;
+if (first === "operator" && second) beOperator(second);
+else await main();

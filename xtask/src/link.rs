@@ -1,0 +1,74 @@
+//! Robots and stations over a bad link: the gate in virtual time and in real time, and the bad link itself as a program.
+
+use std::path::PathBuf;
+
+use anyhow::Result;
+
+use crate::product::{Product, Profile};
+use crate::{bench_web, process, web, workspace};
+
+/// What `cargo xtask spacebotcamp` can be asked for.
+#[derive(clap::Args)]
+pub(crate) struct SpacebotcampOptions {
+    /// How many worlds are simulated.
+    #[arg(long, default_value_t = 100)]
+    seeds: u64,
+    /// The first seed.
+    #[arg(long, default_value_t = 0)]
+    from: u64,
+    /// Instead of that: once, in real time, with real programs, operators and a browser.
+    #[arg(long)]
+    real: bool,
+    /// How long that takes; what happens in the hour is scaled.
+    #[arg(long, default_value_t = 60.0, requires = "real")]
+    minutes: f64,
+    /// How many stations the robot has then.
+    #[arg(long, default_value_t = 2, requires = "real", value_parser = clap::value_parser!(u8).range(1..=2))]
+    stations: u8,
+    /// Print each figure as a line of JSON.
+    #[arg(long)]
+    json: bool,
+}
+
+/// Prints the table of the link, or the first seed that broke a promise; fails if a bar is missed.
+pub(crate) fn spacebotcamp(options: &SpacebotcampOptions) -> Result<()> {
+    if options.real {
+        return really(options);
+    }
+    let mut world = process::cargo();
+    world.args(["run", "--release", "-p", "rafcon-testkit", "--example", "link_world", "--"]);
+    let (seeds, from) = (options.seeds.to_string(), options.from.to_string());
+    world.args(["--seeds", &seeds, "--from", &from]).args(options.json.then_some("--json"));
+    process::run(&mut world)
+}
+
+fn really(options: &SpacebotcampOptions) -> Result<()> {
+    web::build()?;
+    let product = Product::build(Profile::Release)?;
+    let proxy = proxy()?;
+    let mut camp = bench_web::program("spacebotcamp", &product)?;
+    camp.env("RAFCON_LINK_PROXY", proxy).args(["--minutes", &options.minutes.to_string()]);
+    camp.args(["--stations", &options.stations.to_string()]);
+    process::run(camp.args(options.json.then_some("--json")))
+}
+
+/// What `cargo xtask link-proxy` can be asked for.
+#[derive(clap::Args)]
+pub(crate) struct LinkProxyOptions {
+    /// What the proxy is to do; `--help` after `--` lists it.
+    #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
+    words: Vec<String>,
+}
+
+/// Carries datagrams between a robot and a station, badly, until it is ended.
+pub(crate) fn link_proxy(options: &LinkProxyOptions) -> Result<()> {
+    process::run(process::command(proxy()?).args(&options.words))
+}
+
+/// The bad link, built.
+pub(crate) fn proxy() -> Result<PathBuf> {
+    let build =
+        ["build", "--release", "--quiet", "-p", "rafcon-testkit", "--example", "link_proxy"];
+    process::run(process::cargo().args(build))?;
+    Ok(workspace::target()?.join("release/examples/link_proxy"))
+}
