@@ -14,13 +14,13 @@ async function main(): Promise<void> {
   const { values } = parseArgs({
     options: {
       minutes: { type: "string", default: "60" },
-      stations: { type: "string", default: "1" },
+      stations: { type: "string", default: "3" },
       json: { type: "boolean", default: false },
     },
   });
   const minutes = Number(values.minutes);
   if (!(minutes >= 5)) throw new Error("--minutes: a number of at least 5");
-  const camp = await Camp.pitch(values.stations === "2" ? 2 : 1, RATE);
+  const camp = await Camp.pitch(values.stations !== "1", RATE);
   try {
     const hour = await new Scenario(camp, { minutes }).play();
     if (!printed(figures(hour), values.json)) process.exitCode = 1;

@@ -22,8 +22,8 @@ pub(crate) struct SpacebotcampOptions {
     /// How long that takes; what happens in the hour is scaled.
     #[arg(long, default_value_t = 60.0, requires = "real")]
     minutes: f64,
-    /// How many stations the robot has then.
-    #[arg(long, default_value_t = 2, requires = "real", value_parser = clap::value_parser!(u8).range(1..=2))]
+    /// How many stations the robot has then: 1, or 3, of which one comes late.
+    #[arg(long, default_value_t = 3, requires = "real")]
     stations: u8,
     /// Print each figure as a line of JSON.
     #[arg(long)]

@@ -8,7 +8,7 @@ import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { setTimeout as pass } from "node:timers/promises";
 import { binary } from "../../e2e/support/places.ts";
-import type { ControlMove, RunNow } from "../../src/model/generated/protocol.ts";
+import type { RunNow } from "../../src/model/generated/protocol.ts";
 import { makeEndless } from "../endless.ts";
 import { BadLink } from "./bad_link.ts";
 import { Host } from "./host.ts";
@@ -16,13 +16,13 @@ import type { Kept } from "./measures.ts";
 import { Operator } from "./operator.ts";
 
 const STATES = "800";
-/** The command line takes so many `--station`s; with an older program there is one station. */
-export type Stations = 1 | 2;
+/** The stations of a robot with several; the last one comes late. */
+const NAMES = ["near", "far", "late"] as const;
 
 /** A station, and the way to it. */
 export interface Ground {
   readonly host: Host;
-  readonly proxy: BadLink;
+  readonly link: BadLink;
 }
 
 export class Camp {
@@ -35,19 +35,25 @@ export class Camp {
     [this.folder, this.robot, this.grounds, this.run] = [folder, robot, grounds, run];
   }
 
-  /** Builds it up; so many events happen in a second. */
-  static async pitch(stations: Stations, rate: number): Promise<Camp> {
+  /** Builds it up, with three stations, of which one is not there yet, or with one; so many events happen in a second. */
+  static async pitch(hasSeveral: boolean, rate: number): Promise<Camp> {
     const folder = mkdtempSync(join(tmpdir(), "rafcon-camp-"));
     const missions = join(folder, "missions");
     newMission(join(missions, "mission"), rate);
     const grounds: Ground[] = [];
-    for (let number = 1; number <= stations; number += 1)
-      grounds.push(await ground(folder, number));
-    const links = grounds.flatMap(({ proxy }) => ["--station", proxy.address]);
+    for (const name of hasSeveral ? NAMES : NAMES.slice(0, 1)) {
+      grounds.push(await ground(folder, name));
+    }
+    const links = grounds.flatMap(({ host, link }) => {
+      return ["--station", hasSeveral ? `${host.name}=${link.address}` : link.address];
+    });
     const words = ["serve", missions, ...links, "--link", "delay-2s"];
     const robot = new Host("robot", join(folder, "robot"), words);
-    for (const { host } of grounds) pair(robot, host);
-    for (const { host } of grounds) await host.begin();
+    for (const { host } of grounds) {
+      const line = robot.say(["pair", "scout", ...(hasSeveral ? ["--station", host.name] : [])]);
+      host.say(["pair", "--paste"], line);
+    }
+    for (const { host } of grounds.slice(0, 2)) await host.begin();
     await robot.begin();
     const [project] = await robot.ask<{ id: string }[]>("GET", "/projects");
     const machine = { project: project?.id, path: "mission" };
@@ -68,25 +74,32 @@ export class Camp {
 
   /** Somebody who looks on at a computer. */
   operator(name: string, host: Host): Operator {
-    return new Operator({ name, url: host.url, token: host.user(name), run: this.run });
+    const post = { name, url: host.url, token: host.user(name), run: this.run };
+    return new Operator(post, host);
   }
 
-  /** From one operator to another at a station, by an offer that is accepted. */
-  async passControl(from: Operator, to: Operator, at: Host): Promise<void> {
-    const move = (token: string, wanted: ControlMove) =>
-      at.ask("POST", `/runs/${this.run}/control`, wanted, token);
-    await move(from.token, { move: "hand_over", to: to.name });
-    await move(to.token, { move: "accept" });
+  /** From one operator to another, at their stations: the offer is accepted once it is known there. */
+  async passControl(from: Operator, to: Operator): Promise<void> {
+    const path = `/runs/${this.run}/control`;
+    const name = to.host === from.host ? to.name : `${to.name}@${to.host.name}`;
+    await from.host.ask("POST", path, { move: "hand_over", to: name }, from.token);
+    const isOffered = await this.until(
+      to.host,
+      ({ control }) => control.offered_to !== undefined,
+      15_000,
+    );
+    if (!isOffered) process.stderr.write(`${to.name} was offered nothing\n`);
+    await to.host.ask("POST", path, { move: "accept" }, to.token);
   }
 
   /** Changes the link to all stations. */
   async link(words: string): Promise<void> {
-    await Promise.all(this.grounds.map(({ proxy }) => proxy.say(words)));
+    await Promise.all(this.grounds.map(({ link }) => link.say(words)));
   }
 
   /** What the robot has sent to the first station so far, in bytes. */
   async sent(): Promise<number> {
-    return (await this.ground.proxy.say("say")).down.bytes;
+    return (await this.ground.link.say("say")).down.bytes;
   }
 
   /** Waits until a server says of the run what is wanted. */
@@ -121,11 +134,11 @@ function newMission(folder: string, rate: number): void {
   makeEndless(folder, rate);
 }
 
-async function ground(folder: string, number: number): Promise<Ground> {
+async function ground(folder: string, name: string): Promise<Ground> {
   const address = `127.0.0.1:${await freePort()}`;
   const words = ["station", "--listen", address, "--link", "delay-2s"];
-  const host = new Host(`station ${number}`, join(folder, `station-${number}`), words);
-  return { host, proxy: await BadLink.to(address) };
+  const host = new Host(name, join(folder, name), words);
+  return { host, link: await BadLink.to(address) };
 }
 
 async function freePort(): Promise<number> {
@@ -134,9 +147,4 @@ async function freePort(): Promise<number> {
   const { port } = socket.address();
   socket.close();
   return port;
-}
-
-function pair(robot: Host, station: Host): void {
-  const line = robot.say(["pair", "scout"]);
-  station.say(["pair", "--paste"], line);
 }

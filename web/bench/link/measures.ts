@@ -34,7 +34,7 @@ export interface Hour {
   /** Without an up-link: when a station without a replica began, and when it was live first; null if there was none. */
   readonly late: Span | null;
   readonly robotJournal: readonly Kept[];
-  readonly replica: readonly Kept[];
+  readonly replicas: readonly (readonly Kept[])[];
   /** Who looked on beside the robot. */
   readonly observer: Notes;
   /** Who looked on at stations; the first was awake all the time. */
@@ -74,7 +74,7 @@ export function figures(hour: Hour): readonly Figure[] {
   const [live, fill] = [liveAfter(hour, happened, seen), backfill(hour, happened, first)];
   const hold = holds(hour, happened);
   return [
-    ...differences(robotJournal, hour.replica),
+    ...differences(robotJournal, hour.replicas),
     figure("link_bytes_per_event", hour.wholeBytes / Math.max(1, wholeEvents), "B", 50),
     seconds("live_after_return_s", Math.max(...live), 0.5),
     seconds("latency_p50_s", quantile(whole, 0.5), 0.05),
@@ -222,21 +222,28 @@ function lateOrTwice(
   return wrong;
 }
 
-function differences(robot: readonly Kept[], replica: readonly Kept[]): readonly Figure[] {
-  const [here, there] = [robot, replica].map(
-    (all) => new Map(all.map((kept) => [kept.sequence, JSON.stringify(kept)])),
-  );
-  const [missing, different] = [new Set<number>(), new Set<number>()];
-  for (const [sequence, text] of here ?? []) {
-    if (!there?.has(sequence)) missing.add(sequence);
-    else if (there.get(sequence) !== text) different.add(sequence);
+/** Of all replicas together. */
+function differences(
+  robot: readonly Kept[],
+  replicas: readonly (readonly Kept[])[],
+): readonly Figure[] {
+  const bySequence = (all: readonly Kept[]) =>
+    new Map(all.map((kept) => [kept.sequence, JSON.stringify(kept)]));
+  const here = bySequence(robot);
+  let [missing, extra, different] = [0, 0, 0];
+  for (const replica of replicas) {
+    const there = bySequence(replica);
+    for (const [sequence, text] of here) {
+      if (!there.has(sequence)) missing += 1;
+      else if (there.get(sequence) !== text) different += 1;
+    }
+    extra += [...there.keys()].filter((sequence) => !here.has(sequence)).length;
   }
-  const extra = [...(there?.keys() ?? [])].filter((sequence) => !here?.has(sequence));
   const count = (name: string, value: number) => ({ name, value, unit: "", bar: 0 });
   return [
-    count("replica_missing", missing.size),
-    count("replica_extra", extra.length),
-    count("replica_different", different.size),
+    count("replica_missing", missing),
+    count("replica_extra", extra),
+    count("replica_different", different),
   ];
 }
 

@@ -5,7 +5,7 @@ import { type ChildProcess, fork } from "node:child_process";
 import { once } from "node:events";
 import WebSocket from "ws";
 import type { Answer, Command, Envelope, ToClient } from "../../src/model/generated/protocol.ts";
-import { owned } from "./host.ts";
+import { type Host, owned } from "./host.ts";
 
 /** Whom it stands for and where it looks. */
 interface Post {
@@ -50,10 +50,12 @@ const STATUS = 2;
 export class Operator {
   readonly name: string;
   readonly token: string;
+  /** Where it sits. */
+  readonly host: Host;
   readonly #process: ChildProcess;
 
-  constructor(post: Post) {
-    [this.name, this.token] = [post.name, post.token];
+  constructor(post: Post, host: Host) {
+    [this.name, this.token, this.host] = [post.name, post.token, host];
     const words = ["operator", JSON.stringify(post)];
     this.#process = owned(
       fork(process.argv[1] ?? "", words, { stdio: ["ignore", "inherit", "inherit", "ipc"] }),

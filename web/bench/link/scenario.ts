@@ -3,6 +3,7 @@
 import { setTimeout as pass } from "node:timers/promises";
 import type { Browser } from "playwright-core";
 import { launch } from "../../e2e/support/chromium.ts";
+import type { RunNow } from "../../src/model/generated/protocol.ts";
 import type { Camp, Ground } from "./camp.ts";
 import type { Hour, Span } from "./measures.ts";
 import type { Operator } from "./operator.ts";
@@ -94,7 +95,7 @@ export class Scenario {
 
   async play(): Promise<Hour> {
     const { robot, ground, grounds } = this.#camp;
-    const far = grounds.at(-1) ?? ground;
+    const far = grounds[1] ?? ground;
     const observer = this.#camp.operator("observer", robot);
     const anna = this.#camp.operator("anna", ground.host);
     const bert = this.#camp.operator("bert", far.host);
@@ -109,7 +110,7 @@ export class Scenario {
     await this.#passAuthority(anna, bert);
     const carl = await this.#secondCut(ground);
     await this.#sleep(bert);
-    await this.#withoutUpLink(40, 55);
+    const late = await this.#withoutUpLink(40, 55, grounds[2]);
     const quiet = await this.#quiet(bert);
     over.abort();
     await commanding;
@@ -126,9 +127,9 @@ export class Scenario {
       quiet,
       wholeBytes: this.#wholeBytes,
       page_live_ms,
-      late: null,
+      late,
       robotJournal: this.#camp.history(robot),
-      replica: this.#camp.history(ground.host),
+      replicas: grounds.map(({ host }) => this.#camp.history(host)),
       observer: noted,
       operators,
       memory: this.#memory,
@@ -166,22 +167,35 @@ export class Scenario {
     await this.#isWhole();
   }
 
-  async #withoutUpLink(from: number, to: number): Promise<void> {
+  /** Only the robot is heard. A station without a replica may come in that time: from when it was there to when it was live. */
+  async #withoutUpLink(from: number, to: number, late?: Ground): Promise<Span | null> {
     await this.#at(from, "no up-link");
     await this.#isNotWhole();
     await this.#camp.link("cut up");
     await pass(SETTLE_MS);
     const begun = Date.now();
+    const joined = late ? await this.#joinLate((from + to) / 2, late) : null;
     await this.#at(to, "the up-link is back");
     this.#oneWay.push({ from: begun, to: Date.now() });
     await this.#camp.link("mend up");
     await this.#isWhole();
+    return joined;
+  }
+
+  async #joinLate(minute: number, { host }: Ground): Promise<Span> {
+    await this.#at(minute, "a station comes that has nothing");
+    await host.begin();
+    const from = Date.now();
+    const { snapshot } = await this.#camp.robot.ask<RunNow>("GET", `/runs/${this.#camp.run}`);
+    const head = snapshot?.sequence ?? 0;
+    await this.#camp.until(host, (now) => (now.snapshot?.sequence ?? 0) >= head, 120_000);
+    return { from, to: Date.now() };
   }
 
   /** From one operator to another, by consent. */
   async #passAuthority(from: Operator, to: Operator): Promise<void> {
     await this.#at(22.5, `${from.name} hands over to ${to.name}`);
-    await this.#camp.passControl(from, to, this.#camp.ground.host);
+    await this.#camp.passControl(from, to);
     this.#commander = to;
   }
 

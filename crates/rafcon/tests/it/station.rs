@@ -6,8 +6,8 @@ use rafcon_storage::journal::Pack;
 use std::io::{BufRead as _, BufReader, Write as _};
 use std::net::{SocketAddr, UdpSocket};
 use std::process::{Child, Command, Stdio};
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex};
 use std::thread;
 
 /// A server that is killed when it is dropped.
@@ -85,34 +85,69 @@ pub(crate) fn in_background(work: impl FnOnce() + Send + 'static) {
     thread::Builder::new().spawn(work).unwrap();
 }
 
-/// A path that loses, doubles and damages datagrams in both directions, until dropped. It says where it begins.
+/// A path that loses, doubles and damages datagrams in both directions, until dropped. It says where it begins, and knows all that
+/// was sent.
 pub(crate) struct BadPath {
     pub(crate) address: SocketAddr,
+    station: SocketAddr,
+    near: UdpSocket,
+    far: UdpSocket,
+    known: Arc<Mutex<Known>>,
     ends: Arc<AtomicBool>,
+}
+
+/// What passed a path.
+#[derive(Default)]
+struct Known {
+    robot: Option<SocketAddr>,
+    from_robot: Vec<Vec<u8>>,
+    from_station: Vec<Vec<u8>>,
 }
 
 impl BadPath {
     pub(crate) fn to(station: SocketAddr) -> Self {
-        let (near, far) = [(); 2].map(|()| UdpSocket::bind("127.0.0.1:0").unwrap()).into();
-        let (address, ends) = (near.local_addr().unwrap(), Arc::new(AtomicBool::new(false)));
-        let (there, back) = (near.try_clone().unwrap(), far.try_clone().unwrap());
+        let [near, far] = [(); 2].map(|()| UdpSocket::bind("127.0.0.1:0").unwrap());
+        let (known, ends) = (Arc::<Mutex<Known>>::default(), Arc::new(AtomicBool::new(false)));
+        let both = || (near.try_clone().unwrap(), far.try_clone().unwrap());
+        let (down, up) = ((both(), Arc::clone(&known)), (both(), Arc::clone(&known)));
         let (first, second) = (Arc::clone(&ends), Arc::clone(&ends));
-        let robot = Arc::new(std::sync::Mutex::new(None));
-        let known = Arc::clone(&robot);
         in_background(move || {
-            carry(&there, &first, |from, datagram| {
-                *known.lock().unwrap() = Some(from);
+            let ((near, far), known) = down;
+            carry(&near, &first, |from, datagram| {
+                let mut known = known.lock().unwrap();
+                known.robot = Some(from);
+                known.from_robot.push(datagram.to_vec());
                 far.send_to(datagram, station).unwrap_or_default();
             });
         });
         in_background(move || {
-            carry(&back, &second, |_, datagram| {
-                if let Some(robot) = *robot.lock().unwrap() {
+            let ((near, far), known) = up;
+            carry(&far, &second, |_, datagram| {
+                let mut known = known.lock().unwrap();
+                known.from_station.push(datagram.to_vec());
+                if let Some(robot) = known.robot {
                     near.send_to(datagram, robot).unwrap_or_default();
                 }
             });
         });
-        Self { address, ends }
+        Self { address: near.local_addr().unwrap(), station, near, far, known, ends }
+    }
+
+    /// Sends all that passed so far once more to whom it was sent, as someone does who has recorded it; answers how much it is.
+    fn replay(&self) -> usize {
+        let known = self.known.lock().unwrap();
+        for datagram in &known.from_robot {
+            self.far.send_to(datagram, self.station).unwrap();
+        }
+        for datagram in &known.from_station {
+            self.near.send_to(datagram, known.robot.unwrap()).unwrap();
+        }
+        known.from_robot.len() + known.from_station.len()
+    }
+
+    /// Where the robot receives.
+    fn robot(&self) -> SocketAddr {
+        self.known.lock().unwrap().robot.unwrap()
     }
 }
 
@@ -143,13 +178,13 @@ fn carry(socket: &UdpSocket, ends: &AtomicBool, mut send: impl FnMut(SocketAddr,
 }
 
 /// What strangers send: whatever bytes, as fast as they can.
-pub(crate) fn make_noise(station: SocketAddr) {
+pub(crate) fn make_noise(victim: SocketAddr) {
     let socket = UdpSocket::bind("127.0.0.1:0").unwrap();
     for count in 0..50_000_u32 {
         let [a, b, c, d] = count.to_be_bytes();
         // The first two say that it is a datagram of this protocol, whatever key it claims.
         let noise = [[1, d, c, b, a].as_slice(), &[d; 90]].concat();
-        socket.send_to(&noise, station).unwrap_or_default();
+        socket.send_to(&noise, victim).unwrap_or_default();
     }
 }
 
@@ -217,7 +252,9 @@ fn commands_at_a_station_reach_the_robot() {
     let _robot = robot(&place, path.address);
     let run = Run::start(&place, "--runs robot-runs");
     wait_at_station(&place, "Ticks  running");
+    let robots_port = path.robot();
     in_background(move || make_noise(address));
+    in_background(move || make_noise(robots_port));
     let tell = |command: &str| {
         let told = place.call(&format!("tell last {command} --runs ground-runs"));
         (told.code, told.stdout)
@@ -225,6 +262,32 @@ fn commands_at_a_station_reach_the_robot() {
     assert_eq!(tell("pause"), (Some(0), "applied\n".to_owned()));
     assert_eq!(tell("resume"), (Some(0), "applied\n".to_owned()));
     assert_eq!(tell("stop"), (Some(0), "applied\n".to_owned()));
+    drop(run.end());
+    wait_at_station(&place, "Ticks  ended with");
+    assert_eq!(history(&place, "ground-runs"), history(&place, "robot-runs"));
+}
+
+#[test]
+fn a_session_that_was_recorded_and_is_sent_again_changes_nothing() {
+    let place = Place::with(&ticks(1_000_000));
+    pair(&place, "scout");
+    let (_ground, address) = station(&place, "127.0.0.1:0");
+    let path = BadPath::to(address);
+    let _robot = robot(&place, path.address);
+    let run = Run::start(&place, "--runs robot-runs");
+    wait_at_station(&place, "Ticks  running");
+    let tell = |command: &str| {
+        let told = place.call(&format!("tell last {command} --runs ground-runs"));
+        assert_eq!((told.code, told.stdout.as_str()), (Some(0), "applied\n"), "{}", told.stderr);
+    };
+    let commanded = || history(&place, "robot-runs").matches("\"commanded\"").count();
+    ["pause", "step-mode", "resume"].map(tell);
+    let before = commanded();
+    assert!(path.replay() > 20, "too little was recorded");
+    // What comes now is heeded after what was sent again.
+    tell("pause");
+    assert_eq!(commanded(), before + 1);
+    tell("stop");
     drop(run.end());
     wait_at_station(&place, "Ticks  ended with");
     assert_eq!(history(&place, "ground-runs"), history(&place, "robot-runs"));
