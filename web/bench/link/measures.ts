@@ -56,9 +56,10 @@ export function figures(hour: Hour): readonly Figure[] {
   if (!first) throw new Error("nobody looked on");
   const happened = times(hour);
   const seen = firstSeen(first, robotJournal.length);
-  const late = (spans: readonly Span[]) =>
+  const inStatus = firstSeen({ ...first, events: [] }, robotJournal.length);
+  const late = (spans: readonly Span[], shown = seen) =>
     within(happened, spans).map(
-      (sequence) => (seen[sequence] ?? 0) - (happened[sequence] ?? 0) - delay_ms,
+      (sequence) => (shown[sequence] ?? 0) - (happened[sequence] ?? 0) - delay_ms,
     );
   const whole = late(hour.whole);
   const figure = (name: string, value: number, unit: string, bar: number | null) => ({
@@ -103,6 +104,8 @@ export function figures(hour: Hour): readonly Figure[] {
     ...Object.entries(hour.memory).map(([name, mb]) =>
       figure(`${name}_memory_growth`, growth(mb), "MB", null),
     ),
+    seconds("status_latency_p50_s", quantile(late(hour.whole, inStatus), 0.5), null),
+    seconds("status_latency_p99_s", quantile(late(hour.whole, inStatus), 0.99), null),
     figure("events", robotJournal.length, "", null),
     figure(
       "commands",
@@ -127,7 +130,10 @@ function times({ robotJournal, observer }: Hour): readonly number[] {
 }
 
 /** When each event was in what the operator was shown: told itself, or in a later state. */
-function firstSeen({ events, statuses }: Notes, last: number): readonly number[] {
+function firstSeen(
+  { events, statuses }: Pick<Notes, "events" | "statuses">,
+  last: number,
+): readonly number[] {
   const seen = new Array<number>(last + 1).fill(Number.POSITIVE_INFINITY);
   for (const [sequence, at] of [
     ...events,

@@ -43,8 +43,11 @@ pub(crate) fn pair_with(place: &Place, words: &str, station: &str) {
     assert_eq!(made.code, Some(0), "{}", made.stderr);
     let mut paste = place.command(&format!("pair --paste --state {station}"));
     let mut paste = paste.stdin(Stdio::piped()).stdout(Stdio::null()).spawn().unwrap();
-    paste.stdin.take().unwrap().write_all(made.stdout.as_bytes()).unwrap();
+    // A terminal stays open after the line.
+    let mut terminal = paste.stdin.take().unwrap();
+    terminal.write_all(made.stdout.as_bytes()).unwrap();
     assert!(paste.wait().unwrap().success());
+    drop(terminal);
 }
 
 /// A station that receives at this address, and where that is.
