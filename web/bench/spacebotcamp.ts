@@ -3,6 +3,7 @@
 
 import { parseArgs } from "node:util";
 import { Camp } from "./link/camp.ts";
+import { farPageLive } from "./link/far.ts";
 import { figures, printed } from "./link/measures.ts";
 import { beOperator } from "./link/operator.ts";
 import { Scenario } from "./link/scenario.ts";
@@ -10,14 +11,24 @@ import { Scenario } from "./link/scenario.ts";
 /** So many entries and ends of states in a second; with what comes beside them, about ten events. */
 const RATE = 9;
 
+/** The rate at which a page far away is opened. */
+const SLOW_BITS = 64_000;
+
 async function main(): Promise<void> {
   const { values } = parseArgs({
     options: {
       minutes: { type: "string", default: "60" },
       stations: { type: "string", default: "3" },
+      far: { type: "boolean", default: false },
       json: { type: "boolean", default: false },
     },
   });
+  if (values.far) {
+    const took = await farPageLive(SLOW_BITS, RATE);
+    const value = took === null ? Number.POSITIVE_INFINITY : took / 1_000;
+    printed([{ name: "page_live_far_s", value, unit: "s", bar: null }], values.json);
+    return;
+  }
   const minutes = Number(values.minutes);
   if (!(minutes >= 5)) throw new Error("--minutes: a number of at least 5");
   const camp = await Camp.pitch(values.stations !== "1", RATE);

@@ -25,6 +25,9 @@ pub(crate) struct SpacebotcampOptions {
     /// How many stations the robot has then: 1, or 3, of which one comes late.
     #[arg(long, default_value_t = 3, requires = "real")]
     stations: u8,
+    /// Only how long a page takes that is opened on the far side of a link of 64 kbit/s, through two real kernels; needs root.
+    #[arg(long, requires = "real")]
+    far: bool,
     /// Print each figure as a line of JSON.
     #[arg(long)]
     json: bool,
@@ -49,6 +52,7 @@ fn really(options: &SpacebotcampOptions) -> Result<()> {
     let mut camp = bench_web::program("spacebotcamp", &product)?;
     camp.env("RAFCON_LINK_PROXY", proxy).args(["--minutes", &options.minutes.to_string()]);
     camp.args(["--stations", &options.stations.to_string()]);
+    camp.args(options.far.then_some("--far"));
     process::run(camp.args(options.json.then_some("--json")))
 }
 

@@ -1,7 +1,7 @@
 /** The bad network between a robot and a station: the repository's own program, told by lines what to be. */
 
 import { type ChildProcess, spawn } from "node:child_process";
-import { once } from "node:events";
+import { on, once } from "node:events";
 import { existsSync } from "node:fs";
 import { join } from "node:path";
 import { createInterface, type Interface } from "node:readline";
@@ -27,6 +27,11 @@ export class BadLink {
   /** Where robots send. */
   readonly address: string;
 
+  /** A network of two hosts with real kernels; the names of their namespaces begin with `name`. */
+  static async ofHosts(name: string, words: readonly string[]): Promise<BadLink> {
+    return BadLink.#begin(["--tun", name, ...words], /^the station is \S+/);
+  }
+
   private constructor(child: ChildProcess, lines: Interface, address: string) {
     [this.#process, this.address] = [child, address];
     lines.on("line", (line) => this.#answers.shift()?.(line));
@@ -34,20 +39,30 @@ export class BadLink {
 
   /** One that leads to a station's address. */
   static async to(station: string, words: readonly string[] = []): Promise<BadLink> {
+    const listen = ["--listen", "127.0.0.1:0", "--to", station];
+    return BadLink.#begin([...listen, ...words], /udp:\/\/\S+/);
+  }
+
+  /** Begins one, and waits until it says where it is. */
+  static async #begin(words: readonly string[], where: RegExp): Promise<BadLink> {
     const program =
       process.env["RAFCON_LINK_PROXY"] ?? join(REPOSITORY, "target/debug/examples/link_proxy");
-    if (!existsSync(program)) throw new Error(`there is no ${program}: run \`cargo xtask\``);
-    const child = owned(
-      spawn(program, ["--listen", "127.0.0.1:0", "--to", station, ...words], {
-        stdio: ["pipe", "pipe", "inherit"],
-      }),
-    );
-    if (!child.stdout) throw new Error("the proxy says nothing");
+    if (!existsSync(program)) throw new Error(`there is no ${program}: run it by \`cargo xtask\``);
+    const child = owned(spawn(program, words, { stdio: ["pipe", "pipe", "inherit"] }));
+    if (!child.stdout) throw new Error("the bad link says nothing");
     const lines = createInterface({ input: child.stdout });
-    const [line] = await once(lines, "line");
-    const address = /udp:\/\/\S+/.exec(String(line))?.[0];
-    if (!address) throw new Error(`the proxy said ${line}`);
-    return new BadLink(child, lines, address);
+    for await (const line of on(lines, "line", { close: ["close"] })) {
+      const address = where.exec(String(line))?.[0];
+      if (address) return new BadLink(child, lines, address);
+    }
+    throw new Error("the bad link ended at once");
+  }
+
+  /** Ends it, and what it has made. */
+  async end(): Promise<void> {
+    const gone = once(this.#process, "exit");
+    this.#process.stdin?.write("end\n");
+    await gone;
   }
 
   /** Says a line; how the path is then. */

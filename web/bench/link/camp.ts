@@ -127,7 +127,8 @@ export class Camp {
   }
 }
 
-function newMission(folder: string, rate: number): void {
+/** A mission without an end, in which so many states change in a second. */
+export function newMission(folder: string, rate: number): void {
   const words = ["new", "--template", "mission", "--states", STATES, folder];
   const made = spawnSync(binary(), words);
   if (made.status !== 0) throw new Error(`no mission was made: ${made.stderr}`);

@@ -19,16 +19,26 @@ export function owned(child: ChildProcess): ChildProcess {
   return child;
 }
 
+/** Where its programs run. */
+export interface Where {
+  /** The program and its words that begin programs there. */
+  readonly inside: readonly string[];
+  readonly address: string;
+}
+
+const HERE: Where = { inside: [], address: "127.0.0.1" };
+
 export class Host {
   readonly name: string;
   readonly folder: string;
   readonly #words: readonly string[];
+  readonly #where: Where;
   #process: ChildProcess | null = null;
   #link = "";
 
   /** The words begin its server, all but its address. */
-  constructor(name: string, folder: string, words: readonly string[]) {
-    [this.name, this.folder, this.#words] = [name, folder, words];
+  constructor(name: string, folder: string, words: readonly string[], where: Where = HERE) {
+    [this.name, this.folder, this.#words, this.#where] = [name, folder, words, where];
     mkdirSync(folder, { recursive: true });
   }
 
@@ -58,9 +68,11 @@ export class Host {
   async begin(): Promise<void> {
     const port = this.#link === "" ? "0" : new URL(this.#link).port;
     const said = openSync(join(this.folder, "stderr.log"), "a");
-    const words = [...this.#words, "--bind", `127.0.0.1:${port}`, "--keep-token"];
+    const { inside, address } = this.#where;
+    const bind = ["--bind", `${address}:${port}`, "--keep-token"];
+    const [program = "", ...words] = [...inside, binary(), ...this.#words, ...bind];
     const stdio = ["ignore", "pipe", said] as ["ignore", "pipe", number];
-    const child = owned(spawn(binary(), words, { env: this.#env, stdio }));
+    const child = owned(spawn(program, words, { env: this.#env, stdio }));
     closeSync(said);
     this.#process = child;
     if (!child.stdout) throw new Error(`${this.name} says nothing`);
