@@ -1,6 +1,8 @@
 /** The gate of the link with real programs in real time: `cargo xtask spacebotcamp --real`. Prints a table, or with `--json` one JSON
  * object a line; fails if a bar is missed. */
 
+import { writeFileSync } from "node:fs";
+import { join } from "node:path";
 import { parseArgs } from "node:util";
 import { Camp } from "./link/camp.ts";
 import { farPageLive } from "./link/far.ts";
@@ -8,8 +10,8 @@ import { figures, printed } from "./link/measures.ts";
 import { beOperator } from "./link/operator.ts";
 import { Scenario } from "./link/scenario.ts";
 
-/** So many entries and ends of states in a second; with what comes beside them, about ten events. */
-const RATE = 9;
+/** With this pace of entries and ends of states, about ten events happen in a second, with all that comes beside them. */
+const RATE = 18;
 
 /** The rate at which a page far away is opened. */
 const SLOW_BITS = 64_000;
@@ -34,6 +36,7 @@ async function main(): Promise<void> {
   const camp = await Camp.pitch(values.stations !== "1", RATE);
   try {
     const hour = await new Scenario(camp, { minutes }).play();
+    writeFileSync(join(camp.folder, "hour.json"), JSON.stringify(hour));
     if (!printed(figures(hour), values.json)) process.exitCode = 1;
   } catch (error) {
     process.exitCode = 1;

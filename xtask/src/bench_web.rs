@@ -77,7 +77,16 @@ pub(crate) fn program(name: &str, product: &Product) -> Result<Command> {
     let bundle = workspace::path(format!("web/node_modules/.rafcon-{name}.mjs"));
     let source = format!("bench/{name}.ts");
     let mut bundler = web::program("rolldown")?;
-    bundler.args([&source, "--platform", "node", "--external", "playwright-core,ws", "--file"]);
+    bundler.args([
+        &source,
+        "--platform",
+        "node",
+        "--external",
+        "playwright-core",
+        "--external",
+        "ws",
+        "--file",
+    ]);
     process::quiet(bundler.arg(&bundle))?;
     let mut node = process::command("node");
     node.current_dir(workspace::path("web")).arg(&bundle).env("RAFCON_BINARY", &product.binary);

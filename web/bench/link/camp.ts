@@ -120,8 +120,7 @@ export class Camp {
   }
 
   async strike(): Promise<void> {
-    for (const host of [this.robot, ...this.grounds.map((ground) => ground.host)])
-      await host.kill();
+    for (const host of [this.robot, ...this.grounds.map((ground) => ground.host)]) await host.end();
     if (process.exitCode) process.stderr.write(`what was left is in ${this.folder}\n`);
     else rmSync(this.folder, { recursive: true, force: true, maxRetries: 5 });
   }

@@ -29,7 +29,8 @@ export async function farPageLive(bitsPerSecond: number, rate: number): Promise<
   try {
     robot.say(["user", "add", USER, "--role", "operator"], `${PASSWORD}\n`);
     await robot.begin();
-    const env = { ...process.env, RAFCON_RUNS: robot.runs };
+    const state = join(folder, "state");
+    const env = { ...process.env, RAFCON_STATE: state, RAFCON_RUNS: robot.runs };
     const words = ["run", mission, "--input", "time_scale=0"];
     const runner = owned(spawn(binary(), words, { env, stdio: "ignore" }));
     const run = await firstRun(robot.runs);
@@ -37,7 +38,7 @@ export async function farPageLive(bitsPerSecond: number, rate: number): Promise<
     runner.kill("SIGKILL");
     return took;
   } finally {
-    await robot.kill();
+    await robot.end();
     await link.end();
     rmSync(folder, { recursive: true, force: true, maxRetries: 5 });
   }

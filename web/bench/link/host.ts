@@ -6,11 +6,13 @@ import { closeSync, mkdirSync, openSync, readFileSync } from "node:fs";
 import { join } from "node:path";
 import { createInterface } from "node:readline";
 import { binary } from "../../e2e/support/places.ts";
+import { endBegunBy } from "../../e2e/support/server.ts";
 
 const running = new Set<ChildProcess>();
 process.once("exit", () => {
   for (const child of running) child.kill("SIGKILL");
 });
+for (const signal of ["SIGINT", "SIGTERM"] as const) process.once(signal, () => process.exit(1));
 
 /** Ends with this program. */
 export function owned(child: ChildProcess): ChildProcess {
@@ -95,6 +97,12 @@ export class Host {
     await gone;
   }
 
+  /** Ends the server and what it has begun. */
+  async end(): Promise<void> {
+    await this.kill();
+    endBegunBy(join(this.folder, "state"));
+  }
+
   /** What a command says on this computer. */
   say(words: readonly string[], input = ""): string {
     const options = { env: this.#env, input, maxBuffer: 1 << 30 };
@@ -106,7 +114,9 @@ export class Host {
   /** A user, and a token for a program of theirs. */
   user(name: string): string {
     this.say(["user", "add", name, "--role", "admin"], `a password of ${name}\n`);
-    return this.say(["user", "token", name]).trim().split("\n").at(-1) ?? "";
+    return (
+      this.say(["user", "token", "--for", "the scenario", name]).trim().split("\n").at(-1) ?? ""
+    );
   }
 
   /** Asks the interface below `/api/v1` as the owner, or with another token. */

@@ -168,6 +168,9 @@ class Desk {
     } else if (frame.frame === "run_status") {
       const { snapshot } = frame.status;
       if (snapshot) this.#statuses.push([snapshot.sequence, now, snapshot.status === "paused"]);
+    } else if (frame.frame === "ended" && frame.refusal) {
+      // The station does not know the run yet.
+      setTimeout(() => this.#socket?.close(), 200);
     } else if (frame.frame === "answer") {
       this.#answered(frame.id, frame.answer, now);
     } else if (frame.frame === "refused" && frame.id) {

@@ -16,6 +16,11 @@ const SETTLE_MS = 10_000;
 /** A hold is taken back after so long. */
 const HELD_MS = 5_000;
 const COMMAND_MS = 10_000;
+/** So long before the link changes nobody holds the mission: it would stay held. */
+const NO_HOLD_MS = 16_000;
+/** The minutes at which the link changes, or who commands. */
+const CHANGES = [4, 7, 22, 24, 36, 37.5, 40, 55, 56];
+const QUIET_MS = 15_000;
 
 export interface Wanted {
   readonly minutes: number;
@@ -77,7 +82,7 @@ export class Scenario {
       const operator = this.#commander;
       this.#commands += 1;
       if (!operator || over.aborted) continue;
-      if (this.#commands % 3 === 0 && this.#wholeSince !== null) {
+      if (this.#commands % 2 === 0 && this.#isCalm()) {
         operator.command({ type: "pause" });
         await pass(HELD_MS);
         operator.command({ type: "resume", branch: null });
@@ -85,6 +90,13 @@ export class Scenario {
         this.#decide(operator);
       }
     }
+  }
+
+  /** Whether the link is whole, and stays so long enough for a hold. */
+  #isCalm(): boolean {
+    const minute = (Date.now() - this.#begun) / 60_000 / this.#scale;
+    const next = CHANGES.find((change) => change > minute) ?? minute;
+    return this.#wholeSince !== null && (next - minute) * 60_000 * this.#scale > NO_HOLD_MS;
   }
 
   /** A command without consequences. */
@@ -238,6 +250,8 @@ export class Scenario {
     operator.command({ type: "pause" });
     await pass(SETTLE_MS);
     const [from, before] = [Date.now(), await this.#camp.sent()];
+    // However short the hour is.
+    await pass(QUIET_MS);
     await this.#at(58, "and goes on");
     const quiet = { from, to: Date.now(), bytes: (await this.#camp.sent()) - before };
     operator.command({ type: "resume", branch: null });
@@ -246,6 +260,7 @@ export class Scenario {
 
   async #end(operator: Operator): Promise<void> {
     await this.#at(59, "the mission is stopped");
+    for (const { host } of this.#camp.grounds) process.stderr.write(host.say(["link"]));
     operator.command({ type: "stop" }, null);
     for (const { host } of this.#camp.grounds) {
       const isOver = await this.#camp.until(host, ({ run }) => run.phase === "finished", 120_000);

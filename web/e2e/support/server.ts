@@ -93,7 +93,7 @@ export class Server {
   /** Ends it with the runs that go on without it, as they do, and forgets its folders. */
   async dispose(): Promise<void> {
     await this.end("SIGKILL");
-    for (const pid of begunBy(this.#state)) kill(pid);
+    endBegunBy(this.#state);
     rmSync(this.place.folder, { recursive: true, force: true });
   }
 
@@ -115,6 +115,11 @@ export class Server {
     child.once("exit", () => running.delete(child));
     this.#link = await firstLine(child);
   }
+}
+
+/** Ends what was begun by a server with this folder for its state, runs above all. */
+export function endBegunBy(state: string): void {
+  for (const pid of begunBy(state)) kill(pid);
 }
 
 /** The processes that were begun by a server with this folder for its state, and whatever they began. */

@@ -60,7 +60,11 @@ proptest! {
         for (first, more, bytes_max, dies) in parts {
             // Now and then from anywhere, else what comes next.
             let first = if more == 0 { first } else { replica.next().saturating_sub(more / 3).max(1) };
-            if let Some(items) = source.read(first, head, bytes_max).unwrap() {
+            let read = source.read(first, head, bytes_max).unwrap();
+            // Whatever was read before, it is the same.
+            let mut fresh = EventSource::open(robot.path()).unwrap();
+            prop_assert_eq!(&read, &fresh.read(first, head, bytes_max).unwrap());
+            if let Some(items) = read {
                 let continues = (items.first..items.first + items.count).contains(&replica.next());
                 prop_assert_eq!(replica.append(&items).unwrap(), continues);
             }

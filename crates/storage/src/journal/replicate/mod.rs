@@ -1,6 +1,7 @@
 //! A run that is written a second time, elsewhere: from its journal to items that need no other, and from those to an ordinary
 //! journal. Knows journals and items. Does not know how the items travel, nor when.
 
+mod ahead;
 mod chain;
 mod replica;
 mod source;

@@ -1,5 +1,6 @@
 //! The events of a journal as items, each with the definitions that it is the first to need.
 
+use super::ahead::{AHEAD_BYTES, Ahead};
 use crate::journal::read::{Reader, damaged};
 use crate::journal::record::{
     Content, Definition, Item, Kept, PlaceNumber, Record, Stored, ValueNumber,
@@ -33,6 +34,8 @@ pub struct EventSource {
     marks: Vec<Before>,
     /// The same before the event that is probably read next.
     next: Before,
+    /// What was read last.
+    ahead: Option<Ahead>,
 }
 
 /// What is known before an event.
@@ -62,7 +65,7 @@ impl Before {
 impl EventSource {
     /// The journal of the run in `folder`.
     pub fn open(folder: &Path) -> Result<Self, JournalError> {
-        Ok(Self { reader: Reader::open(folder)?, marks: vec![START], next: START })
+        Ok(Self { reader: Reader::open(folder)?, marks: vec![START], next: START, ahead: None })
     }
 
     /// The number of the last event that is safe on the disk.
@@ -95,6 +98,30 @@ impl EventSource {
         last: u64,
         bytes_max: usize,
     ) -> Result<Option<EventItems>, JournalError> {
+        let part = |ahead: &Ahead| ahead.part(first, last, bytes_max);
+        if let Some(items) = self.ahead.as_ref().and_then(part) {
+            return Ok(Some(items));
+        }
+        let mut ends = Vec::new();
+        let read = self.read_ahead(first, last, bytes_max.max(AHEAD_BYTES), &mut ends)?;
+        let Some(read) = read else { return Ok(None) };
+        // All of it is given, if it fits. A single event may be long: it is not kept.
+        if ends.len() == 1 || ends.iter().all(|(end, _)| *end <= bytes_max) {
+            self.ahead = None;
+            return Ok(Some(read));
+        }
+        let ahead = self.ahead.insert(Ahead::new(read, ends));
+        Ok(ahead.part(first, last, bytes_max))
+    }
+
+    /// The same, with the end of each event: where its items end, and its time.
+    fn read_ahead(
+        &mut self,
+        first: u64,
+        last: u64,
+        bytes_max: usize,
+        ends: &mut Vec<(usize, u64)>,
+    ) -> Result<Option<EventItems>, JournalError> {
         let mut before = self.known_before(first)?;
         let mut items = EventItems { first, count: 0, t_before: before.t_ns, bytes: Vec::new() };
         let places = self.reader.definitions(first..=last)?;
@@ -121,13 +148,14 @@ impl EventSource {
                 return ControlFlow::Break(());
             }
             let behind = before.behind(&entry);
-            let mut t_before = before.t_ns;
-            Item::Record(entry.t_ns, entry.record).write(&mut t_before, &mut items.bytes);
+            let (mut t_before, t_ns) = (before.t_ns, entry.t_ns);
+            Item::Record(t_ns, entry.record).write(&mut t_before, &mut items.bytes);
             if items.count > 0 && items.bytes.len() > bytes_max {
                 items.bytes.truncate(length);
                 return ControlFlow::Break(());
             }
             (before, items.count) = (behind, items.count + 1);
+            ends.push((items.bytes.len(), t_ns));
             ControlFlow::Continue(())
         })?;
         if items.count > 0 {

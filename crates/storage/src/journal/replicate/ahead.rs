@@ -1,0 +1,38 @@
+//! Events that were read together, and are given in parts: a journal costs more to open at a place than to read on.
+
+use super::source::EventItems;
+
+/// So many bytes are read at once, about.
+pub(super) const AHEAD_BYTES: usize = 32 << 10;
+
+/// Consecutive events, and where each of them ends.
+#[derive(Debug)]
+pub(super) struct Ahead {
+    items: EventItems,
+    /// Of each event: where its items end, and its time in ns since the start of the run.
+    ends: Vec<(usize, u64)>,
+}
+
+impl Ahead {
+    pub(super) fn new(items: EventItems, ends: Vec<(usize, u64)>) -> Self {
+        Self { items, ends }
+    }
+
+    /// Events from `first` on, at most to `last`, and not more than `bytes_max` unless a single event is longer. Nothing if `first`
+    /// is not here, or if more would fit than is here.
+    pub(super) fn part(&self, first: u64, last: u64, bytes_max: usize) -> Option<EventItems> {
+        let skip = usize::try_from(first.checked_sub(self.items.first)?).ok()?;
+        let before = |index: usize| self.ends.get(index.checked_sub(1)?).copied();
+        let (begin, t_before) = before(skip).unwrap_or((0, self.items.t_before));
+        let wanted = usize::try_from(last.checked_sub(first)?).ok()?.saturating_add(1);
+        let rest = self.ends.get(skip..)?;
+        let fit = rest.iter().take_while(|(end, _)| end - begin <= bytes_max).count();
+        if rest.is_empty() || fit == rest.len() && wanted > fit {
+            return None;
+        }
+        let count = fit.min(wanted).max(1);
+        let (end, _) = before(skip + count)?;
+        let bytes = self.items.bytes.get(begin..end)?.to_vec();
+        Some(EventItems { first, count: count as u64, t_before, bytes })
+    }
+}
