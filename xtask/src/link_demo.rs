@@ -34,7 +34,7 @@ pub(crate) fn run(states: u32, quiet: bool) -> Result<()> {
     let mut proxy = Program::begin(proxy.args(["--at", &page]).stdin(Stdio::piped()))?;
     let [slider, path] = [proxy.address("http://")?, proxy.address("udp://")?];
     let mut robot = hosts.command("robot");
-    robot.arg("serve").arg(&hosts.folder.join("missions")).args(["--station", &path]).args(SERVER);
+    robot.arg("serve").arg(hosts.folder.join("missions")).args(["--station", &path]).args(SERVER);
     let mut robot = Program::begin(&mut robot)?;
     let at_robot = robot.line()?;
     let mut mission = Program::begin(hosts.command("robot").arg("run").arg(&mission))?;
