@@ -11,7 +11,7 @@ import { beOperator } from "./link/operator.ts";
 import { Scenario } from "./link/scenario.ts";
 
 /** With this pace of entries and ends of states, about ten events happen in a second, with all that comes beside them. */
-const RATE = 18;
+const RATE = 9;
 
 /** The rate at which a page far away is opened. */
 const SLOW_BITS = 64_000;

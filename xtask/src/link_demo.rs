@@ -37,7 +37,7 @@ pub(crate) fn run(states: u32, quiet: bool) -> Result<()> {
     robot.arg("serve").arg(hosts.folder.join("missions")).args(["--station", &path]).args(SERVER);
     let mut robot = Program::begin(&mut robot)?;
     let at_robot = robot.line()?;
-    let mut mission = Program::begin(hosts.command("robot").arg("run").arg(&mission))?;
+    let mut running = hosts.run(&mission)?;
     let run = hosts.run_at_station()?;
     let page = format!("{page}&run={run}");
     println!(
@@ -49,10 +49,8 @@ pub(crate) fn run(states: u32, quiet: bool) -> Result<()> {
     }
     // The robot's mission begins anew whenever it is over.
     loop {
-        mission.wait()?;
-        mission = Program::begin(
-            hosts.command("robot").arg("run").arg(hosts.folder.join("missions/mission")),
-        )?;
+        running.wait()?;
+        running = hosts.run(&mission)?;
     }
 }
 
@@ -132,6 +130,12 @@ impl Hosts {
         new.arg("new").arg(&mission).args(["--template", "mission", "--states"]);
         process::quiet(new.arg(states.to_string()))?;
         Ok(mission)
+    }
+
+    /// Begins the mission, at the pace of a real one.
+    fn run(&self, mission: &Path) -> Result<Program> {
+        let mut run = self.command("robot");
+        Program::begin(run.arg("run").arg(mission).args(["--input", "time_scale=1"]))
     }
 
     fn pair(&self) -> Result<()> {

@@ -39,6 +39,7 @@ export class Scenario {
   #bytesSince = 0;
   #wholeBytes = 0;
   #commander: Operator | null = null;
+  #root = "";
   #commands = 0;
 
   constructor(camp: Camp, { minutes }: Wanted) {
@@ -99,10 +100,19 @@ export class Scenario {
     return this.#wholeSince !== null && (next - minute) * 60_000 * this.#scale > NO_HOLD_MS;
   }
 
-  /** A command without consequences. */
+  /** A command without consequences: a breakpoint that is never reached. */
   #decide(operator: Operator): void {
-    const id = this.#commands % 100;
-    operator.command({ type: "remove_breakpoint", id });
+    const breakpoint = {
+      id: this.#commands % 100,
+      path: this.#root,
+      when: "before",
+      condition: null,
+      hit_count: 1_000_000,
+      scope: "branch",
+      unattended: "hold",
+      enabled: true,
+    } as const;
+    operator.command({ type: "set_breakpoint", breakpoint });
   }
 
   async play(): Promise<Hour> {
@@ -112,6 +122,8 @@ export class Scenario {
     const anna = this.#camp.operator("anna", ground.host);
     const bert = this.#camp.operator("bert", far.host);
     await this.#camp.until(ground.host, ({ snapshot }) => snapshot !== null, 120_000);
+    const { snapshot } = await robot.ask<RunNow>("GET", `/runs/${this.#camp.run}`);
+    this.#root = snapshot?.active[0]?.path ?? "";
     const over = new AbortController();
     const commanding = this.#command(over.signal);
     this.#commander = anna;

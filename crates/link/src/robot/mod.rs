@@ -8,6 +8,8 @@ mod later;
 mod outgoing;
 mod source;
 mod tail;
+#[cfg(test)]
+mod tests;
 
 pub use source::{EventBuffer, RunSource};
 
@@ -306,6 +308,10 @@ impl RobotSession {
             }
         }
         if self.end.pacer.free_at() <= now {
+            // The present state of no run waits for the history of another.
+            for stream in self.streams.values_mut() {
+                stream.write_snapshot(turn, source, &mut payload);
+            }
             for is_last in [false, true] {
                 let last = &self.last;
                 let those = self.streams.iter_mut().filter(|(id, _)| last.contains(id) == is_last);

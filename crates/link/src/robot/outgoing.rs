@@ -307,7 +307,7 @@ impl Outgoing {
         round.max(self.read_again_at).min(events).min(self.snapshot_due_at(is_heard, profile))
     }
 
-    /// Fills the rest of the datagram with parts of a snapshot, then with events that the station lacks.
+    /// Fills the rest of the datagram with events that the station lacks.
     pub(super) fn write_bulk(
         &mut self,
         turn: Turn<'_>,
@@ -315,7 +315,6 @@ impl Outgoing {
         payload: &mut Vec<u8>,
     ) {
         let Turn { now, profile, is_heard, room } = turn;
-        self.write_snapshot(turn, source, payload);
         while self.read_again_at <= now && self.write_large(turn, payload) {
             let is_round_due = !is_heard && self.round_due <= now && !self.sent.is_empty();
             if is_round_due && self.gap().is_none() {
@@ -366,7 +365,8 @@ impl Outgoing {
         }
     }
 
-    fn write_snapshot(
+    /// Writes the next part of a snapshot, if one is due.
+    pub(super) fn write_snapshot(
         &mut self,
         turn: Turn<'_>,
         source: &mut impl RunSource,

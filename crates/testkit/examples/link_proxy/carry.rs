@@ -5,6 +5,7 @@ use crate::options::Options;
 use crate::page;
 use crate::path::BadPath;
 use crate::recording::{Recorded, Recording, read};
+use crate::tcp::Connections;
 use crate::tun::Network;
 use std::io::{self, BufRead as _};
 use std::path::Path;
@@ -24,6 +25,11 @@ pub(crate) fn carry(options: &Options) -> io::Result<()> {
         println!("the link is changed at http://{at}/");
     }
     listen_to_lines(sender.clone())?;
+    if options.tcp {
+        let connections = Connections::open(options.listen, options.to, &sender)?;
+        println!("robots connect to tcp://{}", connections.address());
+        return Proxy::new(options, &connections)?.run(&arrivals);
+    }
     let Some(name) = &options.tun else {
         let sockets = Sockets::open(options.listen, options.to, &sender)?;
         println!("robots send to udp://{}", sockets.address()?);
@@ -60,6 +66,7 @@ impl<'e, E: Ends> Proxy<'e, E> {
         if options.tun.is_some() {
             (down.overhead, up.overhead) = (0, 0);
         }
+        (down.in_order, up.in_order) = (options.tcp, options.tcp);
         let mut path = BadPath::new(down, up);
         for change in &options.changes {
             path.obey(Duration::ZERO, change).map_err(io::Error::other)?;

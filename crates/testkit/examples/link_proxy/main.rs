@@ -1,6 +1,7 @@
 //! A bad network between a robot and a station: `cargo xtask link-proxy`.
 //!
-//! On loopback it carries datagrams: robots send to `--listen`, the station listens at `--to`. With `--tun` it is a network of two
+//! On loopback it carries datagrams: robots send to `--listen`, the station listens at `--to`; with `--tcp`
+//! connections of TCP. With `--tun` it is a network of two
 //! hosts, each in a namespace of its own with a real kernel, and carries whatever packets they send. Lines on standard input change
 //! it while it carries ([`path`]); `--page` shows a page that does the same.
 
@@ -10,6 +11,7 @@ mod options;
 mod page;
 mod path;
 mod recording;
+mod tcp;
 mod tun;
 
 use options::{Options, USAGE};

@@ -5,7 +5,8 @@ use std::net::SocketAddr;
 use std::path::PathBuf;
 
 pub(crate) const USAGE: &str = "\
-usage: link_proxy [--listen ADDRESS:PORT] [--to ADDRESS:PORT] | --tun [NAME]
+usage: link_proxy [--listen ADDRESS:PORT] [--to ADDRESS:PORT] [--tcp] | --tun [NAME]
+  --tcp             carry connections of TCP instead of datagrams
   --tun NAME        be a network of two hosts instead: the namespaces NAME-robot and NAME-station (needs root)
   --page ADDRESS    show a page there that changes the link
   --at URL          the station's page, to which that page leads
@@ -20,6 +21,8 @@ pub(crate) struct Options {
     pub(crate) to: SocketAddr,
     /// The name of a network of two hosts, which is made instead of carrying datagrams on loopback.
     pub(crate) tun: Option<String>,
+    /// Whether connections of TCP are carried.
+    pub(crate) tcp: bool,
     pub(crate) page: Option<SocketAddr>,
     pub(crate) station_page: Option<String>,
     pub(crate) record: Option<PathBuf>,
@@ -37,6 +40,7 @@ impl Options {
             listen: local(4_750),
             to: local(4_748),
             tun: None,
+            tcp: false,
             page: None,
             station_page: None,
             record: None,
@@ -49,6 +53,10 @@ impl Options {
             if word == "--tun" {
                 let name = words.next_if(|next| !next.starts_with('-'));
                 found.tun = Some(name.unwrap_or_else(|| "rafcon".to_owned()));
+                continue;
+            }
+            if word == "--tcp" {
+                found.tcp = true;
                 continue;
             }
             let value = words.next().ok_or_else(|| format!("`{word}` needs a value"))?;

@@ -28,6 +28,8 @@ pub struct Conditions {
     pub flipped: usize,
     /// So many bytes are added to the length of what is sent: headers that are not part of it.
     pub overhead: usize,
+    /// Whether all of it arrives once and in its order, as what TCP has repaired: late at worst, also after a cut.
+    pub in_order: bool,
 }
 
 impl Conditions {
@@ -43,6 +45,7 @@ impl Conditions {
             queue_max: Duration::from_secs(2),
             flipped: 0,
             overhead: rafcon_link::CARRIER_OVERHEAD,
+            in_order: false,
         }
     }
 }
@@ -65,6 +68,8 @@ pub struct Carrier {
     free_at: Duration,
     on_the_way: BTreeMap<(Duration, u64), Vec<u8>>,
     count: u64,
+    /// When the last of it arrives, if it arrives in order.
+    last_at: Duration,
     /// Until a cut ends whose end is not known.
     held: Vec<Vec<u8>>,
     /// All that was sent, with the headers of IP and UDP.
@@ -81,6 +86,7 @@ impl Carrier {
             free_at: Duration::ZERO,
             on_the_way: BTreeMap::new(),
             count: 0,
+            last_at: Duration::ZERO,
             held: Vec::new(),
             bytes: 0,
         }
@@ -130,18 +136,22 @@ impl Carrier {
         self.bytes += length;
         let cut = self.cuts.iter().find(|(from, to, _)| (*from..*to).contains(&now));
         let enters = match cut {
-            Some((_, _, Cut::Drops)) => return,
-            Some((_, to, Cut::Holds)) if *to == Duration::MAX => return self.held.push(datagram),
-            Some((_, to, Cut::Holds)) => *to,
+            Some((_, _, Cut::Drops)) if !self.conditions.in_order => return,
+            Some((_, to, _)) if *to == Duration::MAX => return self.held.push(datagram),
+            Some((_, to, _)) => *to,
             None => now,
         };
         let Conditions { delay, bits_per_s, lost, doubled, late, late_max, queue_max, .. } =
             self.conditions;
         let free_at = self.free_at.max(enters);
-        if free_at > enters + queue_max {
+        if free_at > enters + queue_max && !self.conditions.in_order {
             return;
         }
         self.free_at = free_at + Duration::from_nanos(length * 8_000_000_000 / bits_per_s);
+        if self.conditions.in_order {
+            self.last_at = self.last_at.max(self.free_at + delay);
+            return self.carry(self.last_at, datagram);
+        }
         let lateness = |random: &mut Random| {
             let is_late = random.percent(late);
             let part = u32::try_from(random.below(1_000)).unwrap_or_default();
