@@ -1,6 +1,7 @@
 /** How the connection is, and how old what is shown may be. */
 
 import { History, Unplug, Wifi } from "lucide-react";
+import type { LinkHealth } from "../../model/generated/protocol.ts";
 import type { Watch } from "../../store/history/run.ts";
 import type { RunAge } from "../../store/run/age.ts";
 import { Button } from "../../ui/button.tsx";
@@ -39,8 +40,13 @@ function IsHeard({ watch }: { readonly watch: Watch }) {
   const { page } = useHost().context();
   const pulse = useSignal(page.server.pulse);
   const phase = useComputed(() => watch.now.value?.run.phase, [watch]);
+  const robot = useComputed(() => watch.now.value?.robot, [watch]);
   if (phase !== "live" && phase !== "starting") return null;
-  const delay = pulse?.delay_ms == null ? "" : ` (${Math.max(1, Math.round(pulse.delay_ms))} ms)`;
+  const delay = robot
+    ? ` (${farAway(robot)})`
+    : pulse?.delay_ms == null
+      ? ""
+      : ` (${Math.max(1, Math.round(pulse.delay_ms))} ms)`;
   return (
     <p className="mission-link">
       <Wifi size={16} aria-hidden />
@@ -50,6 +56,11 @@ function IsHeard({ watch }: { readonly watch: Watch }) {
       </span>
     </p>
   );
+}
+
+/** What is newest of a robot that is far away is as old as the way is long. */
+function farAway({ round_trip_ms }: LinkHealth): string {
+  return round_trip_ms === null ? "delay unknown" : `${duration(round_trip_ms / 2)} ago`;
 }
 
 function oldInWords({ why, age_ms }: RunAge): string {

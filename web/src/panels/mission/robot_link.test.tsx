@@ -62,10 +62,15 @@ test("in a blackout it is said for how long, and that the next contact is unknow
     "delay: 2.0 s, 1:00 ago",
     "next contact: unknown",
     "received / sent: 5.2 KB/s / 31 B/s",
-    "events to come: 1,204",
+    "events to come: 1,204 or more",
     "commands on the way: 1",
     "robot's clock: +1.9 s ± 2.0 s",
   ]);
+});
+
+test("in a blackout nobody knows what has happened since", async () => {
+  const dark = { ...WHOLE, is_heard: false, heard_ms: STARTED_MS };
+  expect(await said(dark)).toContain("events to come: unknown");
 });
 
 test("what is unknown for want of an up-link is said to be", async () => {

@@ -47,7 +47,7 @@ function contact(robot: LinkHealth, now_ms: number): string {
 type Fact = readonly [name: string, value: string, why: string];
 
 function facts(robot: LinkHealth, now_ms: number): readonly Fact[] {
-  const { down_bytes_per_s, up_bytes_per_s, missing, commands } = robot;
+  const { down_bytes_per_s, up_bytes_per_s, commands } = robot;
   return [
     delay(robot, now_ms),
     next(robot),
@@ -58,7 +58,7 @@ function facts(robot: LinkHealth, now_ms: number): readonly Fact[] {
     ],
     [
       "events to come",
-      missing === 0 ? "none" : missing.toLocaleString("en"),
+      toCome(robot),
       "Events that the robot has recorded and this station does not have yet, as far as it was told",
     ],
     [
@@ -72,6 +72,13 @@ function facts(robot: LinkHealth, now_ms: number): readonly Fact[] {
       "By how much the robot's clock is ahead of the station's",
     ],
   ];
+}
+
+/** While the robot is not heard, it goes on, and nobody knows how far. */
+function toCome({ is_heard, missing }: LinkHealth): string {
+  const known = missing.toLocaleString("en");
+  if (!is_heard) return missing === 0 ? "unknown" : `${known} or more`;
+  return missing === 0 ? "none" : known;
 }
 
 function delay(robot: LinkHealth, now_ms: number): Fact {
