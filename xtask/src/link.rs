@@ -1,8 +1,11 @@
 //! Robots and stations over a bad link: the gate in virtual time and in real time, and the bad link itself as a program.
 
+use std::io::Write as _;
+use std::net::UdpSocket;
 use std::path::PathBuf;
+use std::process::{Command, Stdio};
 
-use anyhow::Result;
+use anyhow::{Context as _, Result, ensure};
 
 use crate::product::{Product, Profile};
 use crate::{bench_web, process, web, workspace};
@@ -75,4 +78,19 @@ pub(crate) fn proxy() -> Result<PathBuf> {
         ["build", "--release", "--quiet", "-p", "rafcon-testkit", "--example", "link_proxy"];
     process::run(process::cargo().args(build))?;
     Ok(workspace::target()?.join("release/examples/link_proxy"))
+}
+
+/// Pairs a robot with a station; each program is the one of its computer.
+pub(crate) fn pair(mut robot: Command, mut station: Command) -> Result<()> {
+    let line = process::quiet(robot.args(["pair", "scout"]))?;
+    let paste = station.args(["pair", "--paste"]).stdin(Stdio::piped()).stdout(Stdio::null());
+    let mut paste = paste.spawn().context("cannot pair the station")?;
+    paste.stdin.take().context("no input")?.write_all(line.as_bytes())?;
+    ensure!(paste.wait()?.success(), "the station is not paired");
+    Ok(())
+}
+
+/// An address of this computer for datagrams that no one uses.
+pub(crate) fn free_address() -> Result<String> {
+    Ok(UdpSocket::bind("127.0.0.1:0")?.local_addr()?.to_string())
 }

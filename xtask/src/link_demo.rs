@@ -1,14 +1,13 @@
 //! The demonstration of the link: a robot with a mission, its station, and a page with a slider for the link between them.
 
 use std::fs;
-use std::io::{BufRead as _, BufReader, Write as _};
-use std::net::UdpSocket;
+use std::io::{BufRead as _, BufReader};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::time::Duration;
 use std::{iter, thread};
 
-use anyhow::{Context as _, Result, ensure};
+use anyhow::{Context as _, Result};
 
 use crate::product::{Product, Profile};
 use crate::{demo, link, process, web, workspace};
@@ -19,11 +18,11 @@ const PATIENCE: Duration = Duration::from_secs(30);
 /// Builds everything, starts robot, bad link and station, and shows the station's page and that of the link, until it is ended.
 pub(crate) fn run(states: u32, quiet: bool) -> Result<()> {
     web::build()?;
-    let hosts = Hosts::new(Product::build(Profile::Release)?)?;
+    let hosts = DemoHosts::new(Product::build(Profile::Release)?)?;
     let proxy = link::proxy()?;
     let mission = hosts.mission(states)?;
-    hosts.pair()?;
-    let address = UdpSocket::bind("127.0.0.1:0")?.local_addr()?.to_string();
+    link::pair(hosts.command("robot"), hosts.command("station"))?;
+    let address = link::free_address()?;
     let mut station = hosts.command("station");
     let mut station = Program::begin(station.args(["station", "--listen", &address]).args(SERVER))?;
     let at_station = station.line()?;
@@ -101,12 +100,12 @@ impl Drop for Program {
 }
 
 /// Robot and station, each with a folder of its own for everything.
-struct Hosts {
+struct DemoHosts {
     product: Product,
     folder: PathBuf,
 }
 
-impl Hosts {
+impl DemoHosts {
     /// In an empty folder.
     fn new(product: Product) -> Result<Self> {
         let folder = workspace::target()?.join("demo-link");
@@ -136,16 +135,6 @@ impl Hosts {
     fn run(&self, mission: &Path) -> Result<Program> {
         let mut run = self.command("robot");
         Program::begin(run.arg("run").arg(mission).args(["--input", "time_scale=1"]))
-    }
-
-    fn pair(&self) -> Result<()> {
-        let line = process::quiet(self.command("robot").args(["pair", "scout"]))?;
-        let mut paste = self.command("station");
-        let paste = paste.args(["pair", "--paste"]).stdin(Stdio::piped()).stdout(Stdio::null());
-        let mut paste = paste.spawn().context("cannot pair the station")?;
-        paste.stdin.take().context("no input")?.write_all(line.as_bytes())?;
-        ensure!(paste.wait()?.success(), "the station is not paired");
-        Ok(())
     }
 
     /// The run, once the station knows it.

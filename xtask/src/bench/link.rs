@@ -1,8 +1,7 @@
 //! What the link costs the robot: the speed of a run that is kept and sent to a station, over the speed of one that is only kept.
 
 use std::fs;
-use std::io::{BufRead as _, BufReader, Write as _};
-use std::net::UdpSocket;
+use std::io::{BufRead as _, BufReader};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 
@@ -10,7 +9,7 @@ use anyhow::{Context as _, Result, ensure};
 
 use super::whole_process::{Bench, RUNS};
 use super::{Measured, middle};
-use crate::process;
+use crate::{link, process};
 
 /// Measures it: both in turns, the ratio within each round, then the median.
 pub(super) fn measure(bench: &Bench) -> Result<Vec<Measured>> {
@@ -28,15 +27,15 @@ fn speed(bench: &Bench, has_station: bool) -> Result<f64> {
     if place.exists() {
         fs::remove_dir_all(&place).with_context(|| format!("cannot empty {}", place.display()))?;
     }
-    let hosts = Hosts { binary: bench.binary(), place };
+    let hosts = MeasuredLink { binary: bench.binary(), place };
     let station = has_station.then(|| hosts.station()).transpose()?;
     let address = station.as_ref().map(|(_, address)| address.as_str());
     let _robot = hosts.robot(runs, address)?;
     bench.speed(&mut bench.run_kept("flat", "full", runs))
 }
 
-/// A robot and a station on this computer.
-struct Hosts<'b> {
+/// A robot and a station on this computer, with what they need.
+struct MeasuredLink<'b> {
     binary: &'b Path,
     place: PathBuf,
 }
@@ -52,7 +51,7 @@ impl Drop for Server {
     }
 }
 
-impl Hosts<'_> {
+impl MeasuredLink<'_> {
     fn command(&self, host: &str) -> Command {
         let mut command = process::command(self.binary);
         command.env("HOME", self.place.join(host)).env("RAFCON_STATE", self.place.join(host));
@@ -61,13 +60,8 @@ impl Hosts<'_> {
 
     /// A station that is paired with the robot, and where it receives.
     fn station(&self) -> Result<(Server, String)> {
-        let line = process::quiet(self.command("robot").args(["pair", "bench"]))?;
-        let mut paste = self.command("station");
-        let paste = paste.args(["pair", "--paste"]).stdin(Stdio::piped()).stdout(Stdio::null());
-        let mut paste = paste.spawn().context("cannot pair the station")?;
-        paste.stdin.take().context("no input")?.write_all(line.as_bytes())?;
-        ensure!(paste.wait()?.success(), "the station is not paired");
-        let address = UdpSocket::bind("127.0.0.1:0")?.local_addr()?.to_string();
+        link::pair(self.command("robot"), self.command("station"))?;
+        let address = link::free_address()?;
         let mut station = self.command("station");
         station.args(["station", "--listen", &address, "--runs"]).arg(self.place.join("replicas"));
         Ok((begin(station)?, address))

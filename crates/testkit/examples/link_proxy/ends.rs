@@ -15,6 +15,9 @@ pub(crate) enum Arrival {
     Line(String, Option<SyncSender<String>>),
 }
 
+/// What is made of a datagram.
+pub(crate) type Arrives = fn(Vec<u8>) -> Arrival;
+
 /// Where datagrams go.
 pub(crate) trait Ends {
     fn to_robot(&self, datagram: &[u8]);
@@ -97,22 +100,21 @@ pub(crate) struct Devices {
 impl Devices {
     /// Passes on what the hosts send.
     pub(crate) fn receive(&self, arrivals: &SyncSender<Arrival>) -> io::Result<()> {
-        let both: [(&Arc<File>, fn(Vec<u8>) -> Arrival); 2] =
-            [(&self.robot, Arrival::FromRobot), (&self.station, Arrival::FromStation)];
-        for (device, arrival) in both {
-            let (device, arrivals) = (Arc::clone(device), arrivals.clone());
-            let receive = move || {
-                let mut buffer = vec![0; 65_535];
-                while let Ok(length) = (&*device).read(&mut buffer) {
-                    if arrivals.send(arrival(buffer[..length].to_vec())).is_err() {
-                        return;
-                    }
-                }
-            };
-            thread::Builder::new().spawn(receive)?;
-        }
-        Ok(())
+        pass_on(&self.robot, arrivals, Arrival::FromRobot)?;
+        pass_on(&self.station, arrivals, Arrival::FromStation)
     }
+}
+
+/// Passes on each packet of a device.
+fn pass_on(device: &Arc<File>, arrivals: &SyncSender<Arrival>, arrival: Arrives) -> io::Result<()> {
+    let (device, arrivals) = (Arc::clone(device), arrivals.clone());
+    let receive = move || {
+        let mut buffer = vec![0; 65_535];
+        while let Ok(length) = (&*device).read(&mut buffer)
+            && arrivals.send(arrival(buffer[..length].to_vec())).is_ok()
+        {}
+    };
+    thread::Builder::new().spawn(receive).map(drop)
 }
 
 impl Ends for Devices {

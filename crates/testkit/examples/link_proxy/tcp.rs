@@ -2,7 +2,7 @@
 //! rate, never lost or out of order, as TCP repairs that; a cut stalls them, and nobody is told. How a kernel behaves on a lossy
 //! path only `--tun` shows.
 
-use crate::ends::{Arrival, Ends};
+use crate::ends::{Arrival, Arrives, Ends};
 use std::collections::BTreeMap;
 use std::io::{self, Read as _, Write as _};
 use std::net::{Shutdown, SocketAddr, TcpListener, TcpStream};
@@ -78,8 +78,10 @@ fn join(
     arrivals: &SyncSender<Arrival>,
 ) -> io::Result<()> {
     let station = TcpStream::connect(station)?;
-    let directions: [(&TcpStream, &TcpStream, &Ways, fn(Vec<u8>) -> Arrival); 2] =
-        [(robot, &station, down, Arrival::FromRobot), (&station, robot, up, Arrival::FromStation)];
+    let directions = [
+        (robot, &station, down, Arrival::FromRobot as Arrives),
+        (&station, robot, up, Arrival::FromStation),
+    ];
     for (from, to, ways, arrival) in directions {
         to.set_nodelay(true)?;
         let (out, chunks) = sync_channel(WINDOW);
