@@ -82,6 +82,8 @@ export class Camp {
   async passControl(from: Operator, to: Operator): Promise<void> {
     const path = `/runs/${this.run}/control`;
     const name = to.host === from.host ? to.name : `${to.name}@${to.host.name}`;
+    // A robot's server that has begun again knows nobody who is in control.
+    await from.host.ask("POST", path, { move: "request" }, from.token).catch(() => undefined);
     await from.host.ask("POST", path, { move: "hand_over", to: name }, from.token);
     const isOffered = await this.until(
       to.host,

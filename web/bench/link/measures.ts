@@ -40,6 +40,8 @@ export interface Hour {
   /** Who looked on at stations; the first was awake all the time. */
   readonly operators: readonly Notes[];
   readonly memory: Readonly<Record<string, readonly number[]>>;
+  /** What of the scenario could not be done. */
+  readonly failures: number;
 }
 
 /** A line of the table; without a bar it is only told. */
@@ -106,6 +108,7 @@ export function figures(hour: Hour): readonly Figure[] {
     ),
     seconds("status_latency_p50_s", quantile(late(hour.whole, inStatus), 0.5), null),
     seconds("status_latency_p99_s", quantile(late(hour.whole, inStatus), 0.99), null),
+    figure("steps_failed", hour.failures, "", 0),
     figure("events", robotJournal.length, "", null),
     figure(
       "commands",

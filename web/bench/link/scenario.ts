@@ -40,6 +40,7 @@ export class Scenario {
   #wholeBytes = 0;
   #commander: Operator | null = null;
   #root = "";
+  #failures = 0;
   #commands = 0;
 
   constructor(camp: Camp, { minutes }: Wanted) {
@@ -157,6 +158,7 @@ export class Scenario {
       observer: noted,
       operators,
       memory: this.#memory,
+      failures: this.#failures,
     };
   }
 
@@ -219,8 +221,14 @@ export class Scenario {
   /** From one operator to another, by consent. */
   async #passAuthority(from: Operator, to: Operator): Promise<void> {
     await this.#at(22.5, `${from.name} hands over to ${to.name}`);
-    await this.#camp.passControl(from, to);
-    this.#commander = to;
+    try {
+      await this.#camp.passControl(from, to);
+      this.#commander = to;
+    } catch (error) {
+      // The hour goes on; who reads the figures is told.
+      process.stderr.write(`control was not passed: ${error}\n`);
+      this.#failures += 1;
+    }
   }
 
   /** The long blackout: what is sent up meanwhile comes afterwards. The station dies in it, and an operator comes. */
