@@ -97,19 +97,24 @@ fn in_requests(words: &mut Words) {
 fn in_queries(words: &mut Words) {
     words.visit::<api::EventQuery>();
     words.visit::<api::ExportQuery>();
+    words.visit::<api::HitQuery>();
     words.visit::<api::KeptMachineQuery>();
     words.visit::<api::LogQuery>();
     words.visit::<api::MomentQuery>();
     words.visit::<api::OutputEnd>();
+    words.visit::<api::OverviewQuery>();
     words.visit::<api::RevisionsFrom>();
     words.visit::<api::StateAt>();
+    words.visit::<api::StatisticsQuery>();
     words.visit::<api::TreeFrom>();
     words.visit::<api::UsagesOf>();
+    words.visit::<api::WindowQuery>();
 }
 
 fn in_answers(words: &mut Words) {
     words.visit::<Document>();
     words.visit::<api::Comparison>();
+    words.visit::<api::EarlierHistory>();
     words.visit::<api::EventDetail>();
     words.visit::<api::Done>();
     words.visit::<api::EventPage>();
@@ -125,6 +130,7 @@ fn in_answers(words: &mut Words) {
     words.visit::<api::MachineSteps>();
     words.visit::<api::MachineVersions>();
     words.visit::<api::Moment>();
+    words.visit::<api::Overview>();
     words.visit::<api::Project>();
     words.visit::<api::Pruned>();
     words.visit::<api::RevisionPage>();
@@ -137,4 +143,5 @@ fn in_answers(words: &mut Words) {
     words.visit::<api::TokenAbout>();
     words.visit::<api::TokenMade>();
     words.visit::<api::User>();
+    words.visit::<api::Window>();
 }

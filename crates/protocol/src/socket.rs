@@ -5,7 +5,7 @@
 
 use crate::Envelope;
 use crate::api::{
-    CommandAnswer, EditMachine, HistoryEntry, MachineStatus, Refusal, Revision, RunNow,
+    Before, CommandAnswer, EditMachine, HistoryEntry, MachineStatus, Refusal, Revision, RunNow,
     ServerStatus, Session, Undo,
 };
 use serde::{Deserialize, Serialize};
@@ -88,6 +88,17 @@ pub enum Topic {
         #[serde(default)]
         values: bool,
     },
+    /// Every event of a run from one on, without values; if they are very many, only the newest, after a frame `skipped`.
+    RunNewest {
+        /// The run's id.
+        run: String,
+        /// The first event that the client has not seen; counts from 1.
+        from: u64,
+        /// So many events are told from there on.
+        most: u64,
+        /// If there are more, so many of the newest.
+        newest: u64,
+    },
     /// How a run stands.
     RunStatus {
         /// The run's id.
@@ -133,6 +144,13 @@ pub enum ToClient {
         next: u64,
         /// In order. Empty once: everything that there is so far has been told.
         events: Vec<HistoryEntry>,
+    },
+    /// Earlier events of a run are not told: the next that comes is the one behind.
+    Skipped {
+        /// Of this subscription.
+        subscription: u32,
+        /// What was active by then.
+        before: Before,
     },
     /// Revisions of a machine, without gap.
     Revisions {

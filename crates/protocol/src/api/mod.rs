@@ -10,6 +10,7 @@ mod run_wait;
 mod runs;
 mod server;
 mod steps;
+mod window;
 
 pub use files::{
     FileNode, LibraryName, LibraryNode, LibraryNodeKind, LibraryRoot, LibraryUsage, LibraryUsages,
@@ -41,3 +42,7 @@ pub use runs::{
 };
 pub use server::{Health, Refusal, ServerStatus};
 pub use steps::{JumpMachine, MachineStep, MachineSteps, RevisionKind};
+pub use window::{
+    ActiveSince, Before, CallEnd, EarlierHistory, EarlierState, EndTime, EventTime, HitQuery,
+    Overview, OverviewBar, OverviewQuery, OverviewRow, StatisticsQuery, Window, WindowQuery,
+};

@@ -3,11 +3,11 @@
 //! Knows figures. Does not know how they are shown.
 
 use super::{History, Json, folder};
-use crate::extract::Path;
+use crate::extract::{Path, Query};
 use crate::{Failure, ServerState};
 use axum::extract::State;
 use rafcon_locks::Mutex;
-use rafcon_protocol::api::{Comparison, Refusal, Statistics};
+use rafcon_protocol::api::{Comparison, Refusal, Statistics, StatisticsQuery};
 use rafcon_storage::journal::{Reader, Tally, compare};
 use std::collections::VecDeque;
 use std::path::{Path as FilePath, PathBuf};
@@ -41,12 +41,12 @@ pub(super) fn routes() -> OpenApiRouter<Arc<ServerState>> {
     OpenApiRouter::new().routes(routes!(statistics)).routes(routes!(comparison))
 }
 
-/// Figures of the states of a run: visits, outcomes, times.
+/// Figures of the states of a run, or of its part up to an event: visits, outcomes, times.
 #[utoipa::path(get, path = "/api/v1/runs/{run}/statistics", tag = "history",
-    params(("run" = String, Path, description = "The run's id")),
+    params(("run" = String, Path, description = "The run's id"), StatisticsQuery),
     responses(
         (status = 200, description = "Every state that ended", body = Statistics),
-        (status = 400, description = "The address makes no sense", body = Refusal),
+        (status = 400, description = "The query makes no sense", body = Refusal),
         (status = 404, description = "There is no such run, or it has not begun", body = Refusal),
         (status = 422, description = "The journal is damaged, or of a newer version", body = Refusal),
         (status = 503, description = "The journal cannot be read now", body = Refusal),
@@ -55,11 +55,16 @@ pub(super) fn routes() -> OpenApiRouter<Arc<ServerState>> {
 async fn statistics(
     State(server): State<Arc<ServerState>>,
     Path(run): Path<String>,
+    Query(query): Query<StatisticsQuery>,
 ) -> Result<Json, Failure> {
     let folder = folder(&server, &run).await?;
     let History { readers, figures, .. } = &server.history;
     let figures = Arc::clone(figures);
-    readers.read_slowly(folder, move |reader| Json::of(&figures.counted(reader)?)).await
+    let counted = move |reader: &mut Reader| match query.until {
+        Some(until) => Json::of(&counted_to(reader, until)?),
+        None => Json::of(&figures.counted(reader)?),
+    };
+    readers.read_slowly(folder, counted).await
 }
 
 /// Where two runs part, which data differed before, and where they took their time.
@@ -105,6 +110,12 @@ fn short_enough(reader: &Reader) -> Result<(), Failure> {
         "{id} has {events} events, and up to {COMPARED_MAX} are compared here: use `rafcon compare` beside the runs"
     );
     Err(Failure::unprocessable("too_long_to_compare", message))
+}
+
+fn counted_to(reader: &mut Reader, until: u64) -> Result<Statistics, Failure> {
+    let mut tally = Tally::default();
+    tally.go_on_to(reader, until)?;
+    Ok(tally.statistics(reader.known_places()))
 }
 
 impl Figures {

@@ -14,9 +14,11 @@ mod readers;
 mod refusal;
 mod removal;
 mod sending;
+mod window;
 
 pub(crate) use follow::HistoryReader;
 pub(crate) use readers::Readers;
+pub(crate) use window::before;
 
 use crate::{Failure, ServerState};
 use axum::body::Bytes;
@@ -29,6 +31,7 @@ use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use utoipa_axum::router::OpenApiRouter;
+use window::Outlines;
 
 /// What all requests about history share.
 #[derive(Debug, Default)]
@@ -39,6 +42,8 @@ pub(crate) struct History {
     machines: Arc<Machines>,
     /// What was counted.
     figures: Arc<Figures>,
+    /// Runs in outline.
+    outlines: Arc<Outlines>,
     /// Exports in progress.
     exports: export::Exports,
 }
@@ -51,6 +56,7 @@ pub(crate) fn routes() -> OpenApiRouter<Arc<ServerState>> {
         .merge(moments::routes())
         .merge(machine::routes())
         .merge(figures::routes())
+        .merge(window::routes())
         .merge(export::routes())
         .merge(removal::routes())
 }
@@ -66,6 +72,7 @@ impl History {
         self.readers.forget(folder);
         self.machines.forget(folder);
         self.figures.forget(folder);
+        self.outlines.forget(folder);
     }
 }
 

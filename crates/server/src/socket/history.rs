@@ -4,10 +4,12 @@
 use super::feed::{Feed, NextMessage};
 use super::outbox::Lane;
 use super::words;
-use crate::history::HistoryReader;
+use crate::history::{HistoryReader, Readers, before};
 use crate::runs::{EventGroup, EventsPage, Run};
 use crate::{Failure, ServerState};
-use rafcon_protocol::api::{RunNow, RunPhase};
+use rafcon_protocol::api::{Before, RunNow, RunPhase};
+use rafcon_protocol::socket::ToClient;
+use rafcon_storage::journal::Reader;
 use std::sync::Arc;
 use std::time::Duration;
 use tokio::select;
@@ -86,13 +88,45 @@ pub(super) struct RunHistory {
     cursor: Cursor,
     /// The journal had not what it should have: it is about to be resumed.
     is_stalled: bool,
+    readers: Arc<Readers>,
+    /// How much is told of what there is already; none: all of it, or it was decided.
+    most: Option<Most>,
+}
+
+/// How many events are told, and how many of the newest if there are more.
+#[derive(Debug, Clone, Copy)]
+struct Most {
+    most: u64,
+    newest: u64,
 }
 
 impl RunHistory {
     pub(super) fn new(server: &ServerState, run: Arc<Run>, cursor: Cursor) -> Self {
         let (now, last) = (run.now(), run.ring().last());
         let journal = HistoryReader::new(&server.history, run.folder(), cursor.values);
-        Self { run, now, last, journal, cursor, is_stalled: false }
+        let readers = Arc::clone(server.history.readers());
+        Self { run, now, last, journal, cursor, is_stalled: false, readers, most: None }
+    }
+
+    /// The same; of more than `most` events only so many of the newest.
+    pub(super) fn newest(self, most: u64, newest: u64) -> Self {
+        Self { most: Some(Most { most, newest: newest.min(most) }), ..self }
+    }
+
+    /// Goes on to the newest events if there are too many; says so. A journal that cannot be read says so when it is read.
+    async fn skip(&mut self, Most { most, newest }: Most) -> Option<NextMessage> {
+        let (from, told) = (self.cursor.next, *self.last.borrow());
+        let skipped = move |reader: &mut Reader| -> Result<Option<Before>, Failure> {
+            let last = reader.last_sequence()?.max(told);
+            if (last + 1).saturating_sub(from) <= most {
+                return Ok(None);
+            }
+            before(reader, last + 1 - newest).map(Some)
+        };
+        let before = self.readers.read(self.run.folder().to_owned(), skipped).await.ok()??;
+        self.cursor.next = before.sequence + 1;
+        let subscription = self.cursor.subscription;
+        Some(NextMessage::Part(words::text(&ToClient::Skipped { subscription, before })))
     }
 
     fn due(&self) -> NextEvents {
@@ -175,6 +209,11 @@ impl Feed for RunHistory {
     }
 
     async fn take(&mut self) -> NextMessage {
+        if let Some(most) = self.most.take()
+            && let Some(skipped) = self.skip(most).await
+        {
+            return skipped;
+        }
         match self.due() {
             NextEvents::Events => self.events().await,
             NextEvents::CaughtUp => NextMessage::Part(self.cursor.catch_up()),

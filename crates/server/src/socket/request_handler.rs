@@ -152,6 +152,12 @@ impl RequestHandler {
                 let cursor = Cursor::new(subscription, from, values);
                 tell(RunHistory::new(&self.server, run, cursor), outbox).await;
             }
+            Topic::RunNewest { run, from, most, newest } => {
+                let run = self.server.runs.get(&run).await?;
+                let cursor = Cursor::new(subscription, from, false);
+                let history = RunHistory::new(&self.server, run, cursor);
+                tell(history.newest(most, newest), outbox).await;
+            }
             Topic::RunStatus { run } => {
                 let run = self.server.runs.get(&run).await?;
                 let (now, _onlooker) = (run.now(), run.audience().join());

@@ -33,6 +33,39 @@ fn states_are_counted_and_two_runs_compared() {
     assert_eq!(get(&server, "one/compare/one")["parted"], json!([]));
 }
 
+#[test]
+fn a_long_run_is_asked_for_by_the_part_that_is_looked_at() {
+    let server = server(&[("one", &format!("{RUN}{END}"))]);
+    let whole = get(&server, "one/events");
+    let window = get(&server, "one/window?from=4&count=3");
+    let events = whole["events"].as_array().unwrap();
+    let wanted = |event: &&Value| (4..7).contains(&event["sequence"].as_u64().unwrap());
+    assert_eq!(
+        *window["events"].as_array().unwrap(),
+        events.iter().filter(wanted).cloned().collect::<Vec<_>>()
+    );
+    let path = |state: &Value| state["path"].as_str().unwrap().to_owned();
+    let before: Vec<String> =
+        window["before"]["active"].as_array().unwrap().iter().map(path).collect();
+    let moment = get(&server, "one/moments/3");
+    assert_eq!(before, moment["active"].as_array().unwrap().iter().map(path).collect::<Vec<_>>());
+    assert_eq!(window["next"], 7);
+    let counted = get(&server, "one/statistics");
+    let last = counted["sequence"].as_u64().unwrap();
+    assert_eq!(get(&server, &format!("one/statistics?until={last}")), counted);
+    assert_eq!(get(&server, "one/statistics?until=1")["states"], json!([]));
+    let earlier = get(&server, &format!("one/earlier/{last}"));
+    for state in counted["states"].as_array().unwrap() {
+        let states = earlier["states"].as_array().unwrap();
+        let known = states.iter().find(|it| it["path"] == state["path"]).unwrap();
+        assert_eq!((&known["ends"], &known["total_ns"]), (&state["count"], &state["total_ns"]));
+    }
+    let overview = get(&server, "one/overview?pixels=1000");
+    assert_eq!(overview["sequence"], last);
+    let found = get(&server, "one/hits?text=SCAN");
+    assert_eq!(found["events"][0]["event"]["path"], "R/A", "{found}");
+}
+
 /// A run with machines: one that uses a library, and a small one that came later.
 fn with_machines(run: &Path) -> Vec<String> {
     let examples = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples");

@@ -51,6 +51,29 @@ fn a_reader_that_breaks_off_again_and_again_loses_nothing() {
 }
 
 #[test]
+fn a_client_that_keeps_little_is_told_the_newest_and_what_was_active() {
+    let server = server(3);
+    let mut client = Client::connect(&server, Role::Viewer);
+    let last = 3 + 3 * PER_ROUND as u64;
+    for (from, most, newest) in [(1, last, 1), (1, last - 1, 4), (3, 5, 9), (last + 1, 1, 1)] {
+        let topic = json!({ "topic": "run_newest", "run": "r", "from": from, "most": most, "newest": newest });
+        client.subscribe(7, &topic);
+        let frames = client.hear_until(|frame| frame["frame"] == "ended");
+        let skipped = frames.iter().find(|frame| frame["frame"] == "skipped");
+        let next = skipped.map_or(from, |it| it["before"]["sequence"].as_u64().unwrap() + 1);
+        let is_much = (last + 1).saturating_sub(from) > most;
+        assert_eq!(next, if is_much { last + 1 - newest.min(most) } else { from });
+        if let Some(skipped) = skipped {
+            assert_eq!(skipped["before"]["active"][0]["path"], "R", "{skipped}");
+        }
+        let told = frames.iter().filter(|frame| frame["frame"] == "events");
+        let told: Vec<_> =
+            told.flat_map(|frame| frame["events"].as_array().unwrap().clone()).collect();
+        assert_eq!(told, socket_runs::history(&server.runs(), "r", next, false));
+    }
+}
+
+#[test]
 fn once_all_is_told_the_reader_knows() {
     let server = server(1);
     let mut client = Client::connect(&server, Role::Viewer);

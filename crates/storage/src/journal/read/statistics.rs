@@ -31,8 +31,16 @@ struct StateTally {
 impl Tally {
     /// Adds the events since the last call.
     pub fn go_on(&mut self, reader: &mut Reader) -> Result<(), JournalError> {
+        self.go_on_to(reader, u64::MAX)
+    }
+
+    /// Adds the events since the last call, up to number `until`.
+    pub fn go_on_to(&mut self, reader: &mut Reader, until: u64) -> Result<(), JournalError> {
         let mut lost = None;
         reader.each(self.sequence + 1, |reader, entry| {
+            if entry.sequence > until {
+                return ControlFlow::Break(());
+            }
             lost = damaged(&entry.record);
             if lost.is_some() {
                 return ControlFlow::Break(());

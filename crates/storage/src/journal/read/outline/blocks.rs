@@ -1,0 +1,130 @@
+//! A run in at most so many blocks of events: of each, what ran in it by row, and the calls that reach into it from before. Where a run
+//! grows, two blocks become one. Knows calls; not why they are drawn.
+
+use super::calls::{Call, Row};
+use crate::journal::record::PlaceNumber;
+use rafcon_protocol::api::CallEnd;
+use std::collections::BTreeMap;
+
+/// At most so many blocks.
+const BLOCKS_MAX: usize = 4096;
+/// A block begins with so many events.
+const EVENTS: u64 = 1024;
+
+/// The blocks of a run.
+#[derive(Debug, Clone)]
+pub(super) struct Blocks {
+    done: Vec<Block>,
+    current: Block,
+    /// So many events are a block.
+    every: u64,
+}
+
+/// Events that follow one another.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Block {
+    /// The first event; 0: there is none.
+    pub(super) first: u64,
+    pub(super) last: u64,
+    pub(super) from_ns: u64,
+    pub(super) to_ns: u64,
+    /// The calls that began and ended in it, together by row.
+    rows: BTreeMap<Row, RowSum>,
+    /// The calls that ended in it and began before it.
+    crossing: Vec<Call>,
+}
+
+/// Calls of a row that follow one another.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct RowSum {
+    pub(super) row: Row,
+    /// The place of the first, its entry and its end.
+    pub(super) place: PlaceNumber,
+    pub(super) first: u64,
+    pub(super) from_ns: u64,
+    pub(super) to_ns: u64,
+    pub(super) many: u64,
+    pub(super) failed: u64,
+    pub(super) end: CallEnd,
+}
+
+impl Default for Blocks {
+    fn default() -> Self {
+        Self { done: Vec::new(), current: Block::default(), every: EVENTS }
+    }
+}
+
+impl Blocks {
+    /// An event happened.
+    pub(super) fn event(&mut self, sequence: u64, t_ns: u64) {
+        if self.current.first != 0 && sequence >= self.current.first + self.every {
+            self.done.push(std::mem::take(&mut self.current));
+            if self.done.len() >= BLOCKS_MAX {
+                self.halve();
+            }
+        }
+        let block = &mut self.current;
+        if block.first == 0 {
+            (block.first, block.from_ns) = (sequence, t_ns);
+        }
+        (block.last, block.to_ns) = (sequence, t_ns);
+    }
+
+    /// The event ended a call.
+    pub(super) fn ended(&mut self, call: Call) {
+        self.current.add(call);
+    }
+
+    pub(super) fn all(&self) -> impl Iterator<Item = &Block> {
+        self.done.iter().chain((self.current.first != 0).then_some(&self.current))
+    }
+
+    fn halve(&mut self) {
+        let mut joined: Vec<Block> = Vec::with_capacity(BLOCKS_MAX / 2);
+        for block in std::mem::take(&mut self.done) {
+            match joined.last_mut() {
+                Some(last) if last.last - last.first < self.every => last.join(block),
+                _ => joined.push(block),
+            }
+        }
+        self.done = joined;
+        self.every *= 2;
+    }
+}
+
+impl Block {
+    pub(super) fn rows(&self) -> impl Iterator<Item = &RowSum> {
+        self.rows.values()
+    }
+
+    pub(super) fn crossing(&self) -> impl Iterator<Item = &Call> {
+        self.crossing.iter()
+    }
+
+    fn add(&mut self, call: Call) {
+        if call.first < self.first {
+            self.crossing.push(call);
+            return;
+        }
+        let Call { place, row, first, from_ns, to_ns, end } = call;
+        let to_ns = to_ns.unwrap_or(from_ns);
+        let failed = u64::from(end == CallEnd::Aborted);
+        self.sum(&RowSum { row, place, first, from_ns, to_ns, many: 1, failed, end });
+    }
+
+    fn sum(&mut self, more: &RowSum) {
+        let sum = self.rows.entry(more.row).or_insert(RowSum { many: 0, failed: 0, ..*more });
+        if more.first < sum.first {
+            *sum = RowSum { many: sum.many, failed: sum.failed, to_ns: sum.to_ns, ..*more };
+        }
+        sum.to_ns = sum.to_ns.max(more.to_ns);
+        sum.many += more.many;
+        sum.failed += more.failed;
+    }
+
+    fn join(&mut self, later: Self) {
+        (self.last, self.to_ns) = (later.last, later.to_ns);
+        later.rows.values().for_each(|sum| self.sum(sum));
+        later.crossing.into_iter().for_each(|call| self.add(call));
+    }
+}

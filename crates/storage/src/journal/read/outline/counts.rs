@@ -1,0 +1,85 @@
+//! What states did so far: how often and how long, and their last entries and ends. Knows records; each is counted once.
+
+use super::super::{Entry, outcome_of};
+use crate::journal::record::{PlaceNumber, Places, Record};
+use rafcon_protocol::api::{EarlierState, EndTime, EventTime};
+
+/// What each state did, by the number of its place.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Counts(Vec<StateCount>);
+
+#[derive(Debug, Clone, Default)]
+struct StateCount {
+    entries: u64,
+    ends: u64,
+    total_ns: u64,
+    min_ns: u64,
+    max_ns: u64,
+    entered: Option<EventTime>,
+    left: Option<(EventTime, i64)>,
+}
+
+impl Counts {
+    pub(super) fn take(&mut self, entry: &Entry) {
+        let turn = EventTime { sequence: entry.sequence, t_ns: entry.t_ns };
+        match &entry.record {
+            Record::Entered { place, undoes, .. } => {
+                let Some(state) = self.of(*place) else { return };
+                state.entries += u64::from(undoes.is_none());
+                state.entered = Some(turn);
+            }
+            Record::Left { place, outcome, undoes, .. } => {
+                let Some(state) = self.of(*place) else { return };
+                state.left(turn, *outcome, undoes.is_some());
+            }
+            _ => {}
+        }
+    }
+
+    /// None of a number that no journal has.
+    fn of(&mut self, place: PlaceNumber) -> Option<&mut StateCount> {
+        const PLACES_MAX: usize = 1 << 22;
+        let index = usize::try_from(place.0).ok().filter(|index| *index < PLACES_MAX)?;
+        if self.0.len() <= index {
+            self.0.resize_with(index + 1, StateCount::default);
+        }
+        self.0.get_mut(index)
+    }
+
+    pub(super) fn told(&self, places: &Places) -> Vec<EarlierState> {
+        let named = places.iter().filter_map(|(number, place)| {
+            let state = self.0.get(usize::try_from(number.0).ok()?)?;
+            let end = |(turn, outcome): &(EventTime, i64)| EndTime {
+                sequence: turn.sequence,
+                t_ns: turn.t_ns,
+                outcome: outcome_of(Some(place), *outcome),
+            };
+            state.entered.map(|entered| EarlierState {
+                path: place.path.clone(),
+                entries: state.entries,
+                ends: state.ends,
+                total_ns: state.total_ns,
+                min_ns: state.min_ns,
+                max_ns: state.max_ns,
+                entered: Some(entered),
+                left: state.left.as_ref().map(end),
+            })
+        });
+        named.collect()
+    }
+}
+
+impl StateCount {
+    fn left(&mut self, turn: EventTime, outcome: i64, is_back: bool) {
+        if is_back {
+            return;
+        }
+        self.left = Some((turn, outcome));
+        let since = self.entered.map_or(turn.t_ns, |entered| entered.t_ns);
+        let length = turn.t_ns.saturating_sub(since);
+        self.min_ns = if self.ends == 0 { length } else { self.min_ns.min(length) };
+        self.max_ns = self.max_ns.max(length);
+        self.total_ns = self.total_ns.saturating_add(length);
+        self.ends += 1;
+    }
+}

@@ -1,0 +1,229 @@
+//! The outline of a run: bounded, however long the run is, and gone on with as it grows. From it any part of the run can be drawn as wide
+//! as it is looked at, and what had been before any event is known after reading little.
+//!
+//! Knows records; knows nothing of clients.
+
+mod bars;
+mod blocks;
+mod calls;
+mod counts;
+
+pub use bars::Span;
+
+use super::{Entry, Reader};
+use crate::journal::folder::JournalError;
+use crate::journal::record::{PlaceNumber, Record};
+use bars::Bars;
+use blocks::{Block, Blocks};
+use calls::OpenCalls;
+use counts::Counts;
+use rafcon_model::ids::OutcomeId;
+use rafcon_protocol::api::{EarlierHistory, HistoryEntry, Overview};
+use rafcon_protocol::{Event, LogLevel};
+use std::collections::VecDeque;
+use std::ops::ControlFlow;
+
+/// At most so many events that are worth a mark, the newest.
+const NOTABLE_MAX: usize = 5000;
+/// At most so many places from which to go on.
+const STARTS_MAX: usize = 128;
+/// They lie so many events apart at first.
+const START_EVERY: u64 = 8192;
+
+/// The outline of a run so far.
+#[derive(Debug)]
+pub struct Outline {
+    sequence: u64,
+    t_ns: u64,
+    open: OpenCalls,
+    counts: Counts,
+    blocks: Blocks,
+    notable: VecDeque<HistoryEntry>,
+    starts: Vec<Start>,
+    start_every: u64,
+}
+
+/// How it was after an event: from there the rest is read.
+#[derive(Debug, Clone, Default)]
+struct Start {
+    sequence: u64,
+    open: OpenCalls,
+    counts: Counts,
+}
+
+impl Default for Outline {
+    fn default() -> Self {
+        Self {
+            sequence: 0,
+            t_ns: 0,
+            open: OpenCalls::default(),
+            counts: Counts::default(),
+            blocks: Blocks::default(),
+            notable: VecDeque::new(),
+            starts: vec![Start::default()],
+            start_every: START_EVERY,
+        }
+    }
+}
+
+impl Outline {
+    /// When the last event happened that it knows, in ns since the start of the run.
+    pub fn t_ns(&self) -> u64 {
+        self.t_ns
+    }
+
+    /// Goes on to the last event that there is so far.
+    pub fn go_on(&mut self, reader: &mut Reader) -> Result<(), JournalError> {
+        let mut failed = None;
+        reader.each(self.sequence + 1, |reader, entry| match self.take(reader, &entry) {
+            Ok(()) => ControlFlow::Continue(()),
+            Err(error) => {
+                failed = Some(error);
+                ControlFlow::Break(())
+            }
+        })?;
+        failed.map_or(Ok(()), Err)
+    }
+
+    /// The calls of a part of the run's time, as wide as they are drawn.
+    pub fn overview(&self, reader: &mut Reader, span: Span) -> Result<Overview, JournalError> {
+        let mut bars = Bars::new(span);
+        let overlaps = |block: &&Block| block.to_ns >= span.from_ns && block.from_ns <= span.to_ns;
+        let (many, last) = self
+            .blocks
+            .all()
+            .filter(overlaps)
+            .fold((0, 0), |(many, _), block| (many + 1, block.last));
+        let first = self.blocks.all().find(overlaps).map_or(1, |block| block.first);
+        let is_wide = many >= u64::from(span.pixels / 2);
+        if is_wide {
+            let rows = self.blocks.all().filter(overlaps).flat_map(Block::rows);
+            rows.for_each(|sum| bars.sum(sum));
+        } else if many > 0 {
+            self.calls(reader, first, last, &mut bars)?;
+        }
+        // What was read event by event has told of the calls that end in it.
+        let untold = self.blocks.all().filter(|block| block.to_ns >= span.from_ns);
+        let untold = untold.filter(|block| is_wide || many == 0 || block.first > last);
+        let crossing = untold.flat_map(Block::crossing).copied();
+        let is_told = |first_of: u64| is_wide || many == 0 || first_of <= last;
+        crossing.filter(|call| is_told(call.first)).for_each(|call| bars.call(call));
+        self.open.calls().for_each(|call| bars.call(call));
+        let places = reader.known_places();
+        let path = |place: &PlaceNumber| places.path(*place).to_owned();
+        let concurrent = self.open.concurrent().iter().map(path).collect();
+        let (rows, paths) = bars.finish(places);
+        Ok(Overview { sequence: self.sequence, t_ns: self.t_ns, concurrent, paths, rows })
+    }
+
+    /// What states did up to an event, and what is worth a mark up to there.
+    pub fn earlier(
+        &self,
+        reader: &mut Reader,
+        sequence: u64,
+    ) -> Result<EarlierHistory, JournalError> {
+        let Start { sequence: from, mut counts, .. } = self.start(sequence).clone();
+        if from < sequence {
+            reader.each(from + 1, |_, entry| {
+                if entry.sequence > sequence {
+                    return ControlFlow::Break(());
+                }
+                counts.take(&entry);
+                ControlFlow::Continue(())
+            })?;
+        }
+        let notable = self.notable.iter().filter(|entry| entry.sequence <= sequence);
+        let states = counts.told(reader.known_places());
+        Ok(EarlierHistory { sequence, states, notable: notable.cloned().collect() })
+    }
+
+    /// Passes on the calls that end between two events, each once.
+    fn calls(
+        &self,
+        reader: &mut Reader,
+        first: u64,
+        last: u64,
+        bars: &mut Bars,
+    ) -> Result<(), JournalError> {
+        let Start { sequence, mut open, .. } = self.start(first.saturating_sub(1)).clone();
+        reader.each(sequence + 1, |reader, entry| {
+            if entry.sequence > last {
+                return ControlFlow::Break(());
+            }
+            open.take(&entry, reader.known_places(), |call| bars.call(call));
+            ControlFlow::Continue(())
+        })
+    }
+
+    /// The last place from which to go on up to an event.
+    fn start(&self, sequence: u64) -> &Start {
+        let behind = self.starts.partition_point(|start| start.sequence <= sequence);
+        &self.starts[behind.saturating_sub(1)]
+    }
+
+    fn take(&mut self, reader: &Reader, entry: &Entry) -> Result<(), JournalError> {
+        (self.sequence, self.t_ns) = (entry.sequence, entry.t_ns);
+        let blocks = &mut self.blocks;
+        blocks.event(entry.sequence, entry.t_ns);
+        self.open.take(entry, reader.known_places(), |call| blocks.ended(call));
+        self.counts.take(entry);
+        if is_notable(&entry.record) {
+            self.note(reader, entry)?;
+        }
+        let before = self.starts.last().map_or(0, |start| start.sequence);
+        if entry.sequence >= before + self.start_every {
+            self.begin_here();
+        }
+        Ok(())
+    }
+
+    fn note(&mut self, reader: &Reader, entry: &Entry) -> Result<(), JournalError> {
+        if self.notable.len() >= NOTABLE_MAX {
+            self.notable.pop_front();
+        }
+        let event = reader.event(entry, false)?;
+        self.notable.push_back(HistoryEntry { sequence: entry.sequence, t_ns: entry.t_ns, event });
+        Ok(())
+    }
+
+    fn begin_here(&mut self) {
+        if self.starts.len() >= STARTS_MAX {
+            self.start_every *= 2;
+            let mut index = 0;
+            self.starts.retain(|_| {
+                index += 1;
+                index % 2 == 1
+            });
+        }
+        let (open, counts) = (self.open.clone(), self.counts.clone());
+        self.starts.push(Start { sequence: self.sequence, open, counts });
+    }
+}
+
+/// Whether an event is worth a mark.
+fn is_notable(record: &Record) -> bool {
+    match record {
+        Record::Left { outcome, error, undoes, .. } => {
+            undoes.is_none() && (error.is_some() || OutcomeId(*outcome) == OutcomeId::ABORTED)
+        }
+        Record::Log { level, .. } => *level >= LogLevel::Warning,
+        Record::WentBack { .. } => true,
+        Record::Told(event) => matches!(
+            **event,
+            Event::Hit { .. }
+                | Event::BreakpointSet { .. }
+                | Event::BreakpointRemoved { .. }
+                | Event::Forced { .. }
+                | Event::Root { .. }
+                | Event::Commanded { .. }
+                | Event::Asked { .. }
+                | Event::Closed { .. }
+                | Event::DeadlinePassed { .. }
+                | Event::CutOff { .. }
+                | Event::Resumed { .. }
+                | Event::WentBack { .. }
+                | Event::Damaged { .. }
+        ),
+        _ => false,
+    }
+}
