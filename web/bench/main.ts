@@ -6,6 +6,7 @@ import { asLines, asTable, type Figures } from "./figures.ts";
 import { lookAround } from "./gestures.ts";
 import { notedAges, whileShown } from "./live.ts";
 import { type BenchSetup, begin, end, forget, freshPage, open, type Size } from "./support.ts";
+import { tenMillion } from "./ten_million.ts";
 import { median, presentedIntervals, quantile, scriptingPerFrame, traced } from "./trace.ts";
 
 /** How often a machine is opened; the middle one counts. */
@@ -34,6 +35,7 @@ async function measured(setup: BenchSetup): Promise<Figures> {
   const edits = await edited(setup);
   const back = await takenBack(setup);
   const shown = await live(setup);
+  const long = await tenMillion(setup);
   return {
     frame_750_median_ms: median(small.scripting),
     frame_750_p95_ms: quantile(small.scripting, 0.95),
@@ -51,6 +53,8 @@ async function measured(setup: BenchSetup): Promise<Figures> {
     live_1000_frame_p95_ms: quantile(shown.scripting, 0.95),
     live_1000_presented_median_ms: median(shown.presented),
     live_1000_age_ms: median(shown.ages),
+    ten_million_open_s: long.open_s,
+    ten_million_page_mb: long.page_mb,
   };
 }
 

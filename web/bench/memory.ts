@@ -8,6 +8,8 @@ export interface Sample {
   readonly at_ms: number;
   /** What the page's scripts hold, in bytes. */
   readonly page: number;
+  /** The same with array buffers. */
+  readonly whole: number;
   /** What all processes of the browser have of the computer's memory, in bytes. */
   readonly browser: number;
 }
@@ -16,9 +18,10 @@ export async function sampled(browser: Browser, sheet: Sheet, at_ms: number): Pr
   const session = await sheet.context().newCDPSession(sheet);
   await session.send("HeapProfiler.enable");
   await session.send("HeapProfiler.collectGarbage");
-  const { usedSize } = await session.send("Runtime.getHeapUsage");
+  const { usedSize, backingStorageSize } = await session.send("Runtime.getHeapUsage");
   await session.detach();
-  return { at_ms, page: usedSize, browser: await ofProcesses(browser) };
+  const whole = usedSize + backingStorageSize;
+  return { at_ms, page: usedSize, whole, browser: await ofProcesses(browser) };
 }
 
 async function ofProcesses(browser: Browser): Promise<number> {

@@ -46,8 +46,9 @@ function OfMoment({ tab, watch, playhead }: MomentBarProps & { readonly playhead
         <strong className="moment-when">{when}</strong>
         <span className="moment-what">{what}</span>
         <span className="moment-soft">
-          event {playhead} of {watch.journal.sequence(watch.journal.length - 1)}
-          <Ago watch={watch} index={index} />
+          event {playhead.toLocaleString("en")} of{" "}
+          {watch.journal.sequence(watch.journal.length - 1).toLocaleString("en")}
+          {when !== "" && <Ago watch={watch} index={index} />}
           {!isHere && ", loading its values"}
         </span>
       </span>
@@ -69,7 +70,7 @@ function OfMoment({ tab, watch, playhead }: MomentBarProps & { readonly playhead
 function Ago({ watch, index }: { readonly watch: Watch; readonly index: number }) {
   const { page } = useSession();
   const now = useSignal(watch.now);
-  const t_ms = watch.journal.t_ns(index) / 1e6;
+  const t_ms = watch.window.t_ns(index) / 1e6;
   const come_ms = useComputed(() => timelineOf(watch, page).end_ns / 1e6, [page, watch]);
   const before = duration(Math.max(0, come_ms - t_ms));
   return `, ${before} ${now?.link === "over" ? "before the end" : "ago"}`;

@@ -71,11 +71,13 @@ export function heatNow({ run, view }: OpenTab) {
 }
 
 /** What states did until the moment that is shown; while live, all that they did. */
-function countsShown({ journal, journalVersion, playhead }: Watch): Iterable<CountUntil> {
-  const until = playhead.value;
-  if (until !== null) return countsUntil(journal, journal.indexOf(until + 1)).all();
-  journalVersion.value;
-  return journal.counts.all();
+function countsShown(watch: Watch): Iterable<CountUntil> {
+  const until = watch.playhead.value;
+  watch.journalVersion.value;
+  if (until === null) return watch.journal.counts.all();
+  // The part around the moment may be on its way.
+  if (!watch.window.covers(until)) return [];
+  return countsUntil(watch.window, watch.window.indexOf(until + 1)).all();
 }
 
 function valuesOf({ run, view, session }: OpenTab): ReadonlySignal<ReadonlyMap<string, ValueChip>> {

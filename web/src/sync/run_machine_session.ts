@@ -11,7 +11,7 @@ import type {
 import { type LibraryKey, libraryKey } from "../store/document/graft.ts";
 import type { MachineSession, PendingEdit } from "../store/document/machine_session.ts";
 import { OptimisticDocument, type TouchedPaths } from "../store/document/optimistic_document.ts";
-import { OTHER } from "../store/history/journal.ts";
+import { type Journal, OTHER } from "../store/history/journal.ts";
 import type { Runs, Watch } from "../store/history/run.ts";
 import { RefusalError, type Server } from "../store/page/server.ts";
 import type { Clock } from "./clock.ts";
@@ -54,6 +54,7 @@ export class RunMachineSession implements MachineSession {
   /** The machine that the run went by last, as its history says, and how far that was read. */
   #last: string | null = null;
   #read = 0;
+  #journal: Journal | null = null;
   #isOver = false;
 
   /** Gets the machine that the run began with. Throws a `RefusalError`. */
@@ -111,6 +112,8 @@ export class RunMachineSession implements MachineSession {
     journalVersion.value;
     const picture = snapshot.value?.picture ?? null;
     if (playhead.value !== null) return picture?.root ?? null;
+    if (journal !== this.#journal) this.#read = 0;
+    this.#journal = journal;
     for (; this.#read < journal.length; this.#read += 1) {
       const event = journal.kind(this.#read) === OTHER ? journal.other(this.#read) : undefined;
       if (event?.type === "root") this.#last = event.hash;

@@ -1,6 +1,13 @@
 import fc from "fast-check";
 import { describe, expect, it } from "vitest";
-import type { Answer, Moment, RunNow, RunSummary } from "../model/generated/protocol.ts";
+import type {
+  Answer,
+  EarlierState,
+  HistoryEntry,
+  Moment,
+  RunNow,
+  RunSummary,
+} from "../model/generated/protocol.ts";
 import { FakeClock } from "./testing/fake_clock.ts";
 import { FakeRun } from "./testing/fake_run.ts";
 import { RunWatch } from "./watch.ts";
@@ -14,6 +21,11 @@ function setUp() {
   };
   const watch = new RunWatch("r", { server, clock, newId });
   return { server, clock, watch };
+}
+
+function count(path: string, entries: number): EarlierState {
+  const entered = { sequence: 1, t_ns: 1 };
+  return { path, entries, ends: 0, total_ns: 0, min_ns: 0, max_ns: 0, entered, left: null };
 }
 
 async function settle(): Promise<void> {
@@ -32,6 +44,74 @@ function now(phase: "live" | "crashed" | "finished", disk_safe: number): RunNow 
 function sequences({ journal }: RunWatch): readonly number[] {
   return Array.from({ length: journal.length }, (_, index) => journal.sequence(index));
 }
+
+describe("a long run", () => {
+  const COUNT = 1_000_000;
+  const TURNS = [
+    { type: "entered", path: "R/A" },
+    { type: "left", path: "R/A", outcome: { id: 0, name: "ok" } },
+  ] as const;
+
+  /** Its window that is asked for. */
+  function windowFrom(from: number, count: number) {
+    const entry = (sequence: number): HistoryEntry => {
+      return { sequence, t_ns: sequence * 1e6, event: { type: "entered", path: "R/A" } };
+    };
+    const events = Array.from({ length: count }, (_, at) => entry(from + at));
+    const before = { sequence: from - 1, t_ns: 0, active: [] };
+    return { before, events, next: from + count, last: COUNT };
+  }
+
+  it("is told from its newest events on, and what had been before is learnt", async () => {
+    const { server, clock, watch } = setUp();
+    server.skipped(COUNT, [{ path: "R", sequence: 1, t_ns: 5 }]);
+    expect([watch.journal.from, watch.journal.first]).toEqual([COUNT + 1, 1]);
+    const states = [count("R", 1), count("R/A", 7)];
+    expect(server.asked.at(-1)).toBe(`GET /runs/r/earlier/${COUNT}`);
+    server.first().answer({ sequence: COUNT, states, notable: [] });
+    await settle();
+    clock.pass(100);
+    expect(watch.journal.counts.get("R/A")?.entries).toBe(7);
+    expect(watch.window).toBe(watch.journal);
+  });
+
+  it("shows an earlier moment from the part around it, however one comes and goes", async () => {
+    const { server, clock, watch } = setUp();
+    server.skipped(COUNT, []);
+    server.first().answer({ sequence: COUNT, states: [], notable: [] });
+    await settle();
+    watch.playhead.value = 600_000;
+    const asked = server.waiting.find(({ path }) => path.includes("window"));
+    expect(asked?.path).toBe("/runs/r/window?from=595000&count=10000");
+    watch.playhead.value = 20_000;
+    asked?.answer(windowFrom(595_000, 10_000));
+    await settle();
+    const next = server.waiting.find(({ path }) => path.includes("window"));
+    expect(next?.path).toBe("/runs/r/window?from=15000&count=10000");
+    next?.answer(windowFrom(15_000, 10_000));
+    await settle();
+    clock.pass(100);
+    expect([watch.window.from, watch.window.covers(20_000)]).toEqual([15_000, true]);
+    watch.playhead.value = 600_001;
+    expect(watch.window.from).toBe(595_000);
+    watch.playhead.value = null;
+    expect(watch.window).toBe(watch.journal);
+  });
+
+  it("stays bounded while it grows, and what is shown stays though it is long ago", () => {
+    const { server, watch } = setUp();
+    happen(server, 10);
+    server.tell(10);
+    watch.playhead.value = 5;
+    const shown = watch.window;
+    for (let each = 0; each < 250_000; each += 1) server.happen(TURNS[each % 2] ?? TURNS[0]);
+    for (let part = 0; part < 50; part += 1) server.tell(5_000);
+    expect(watch.journal.length).toBeLessThan(200_001);
+    expect(watch.journal.next).toBe(250_011);
+    expect(watch.window.sequence(4)).toBe(5);
+    expect(watch.window).toBe(shown);
+  });
+});
 
 describe("the history of a run", () => {
   const deeds = fc.array(

@@ -1,20 +1,25 @@
 /** One run in the page: follows its truth and its history over every break. Commands and moments have their own files. */
 
-import { batch, type Signal, signal } from "@preact/signals-core";
+import { batch, effect, type Signal, signal, untracked } from "@preact/signals-core";
 import type {
+  Before,
   Command,
   Control,
   ControlMove,
+  EarlierHistory,
+  HistoryEntry,
   OnCrash,
   Refusal,
   RunNow,
   ToClient,
 } from "../model/generated/protocol.ts";
 import { Journal } from "../store/history/journal.ts";
+import { rolled, withBase } from "../store/history/rolled.ts";
 import type { RunSnapshot, SentCommand, Watch } from "../store/history/run.ts";
-import { REPEATED, type Server } from "../store/page/server.ts";
+import { REPEATED, RefusalError, type Server } from "../store/page/server.ts";
 import type { Clock } from "./clock.ts";
 import { CommandOutbox } from "./command_outbox.ts";
+import { PastWindows } from "./past_windows.ts";
 import { requestUntilAnswered } from "./request_until_answered.ts";
 import { SnapshotLoader } from "./snapshot_loader.ts";
 
@@ -26,6 +31,11 @@ export interface WatchPorts {
 
 /** The journal's growth is told so often at most. */
 const GROWN_MS = 100;
+/** So many events are here at most, whatever the length of the run; then so many of the newest stay. */
+const EVENTS_MAX = 200_000;
+const EVENTS_KEPT = 100_000;
+/** Of a run that is longer when the page comes to it, so many of the newest are told at first. */
+const NEWEST = 10_000;
 /** What could not be followed is tried again after so long. */
 const AGAIN_MS = 1_000;
 /** Refusals that stay: no such run, or no such history. */
@@ -35,7 +45,9 @@ export class RunWatch implements Watch {
   readonly now = signal<RunNow | null>(null);
   readonly proven_ms = signal<number | null>(null);
   readonly isCurrent = signal(false);
-  readonly journal = new Journal();
+  #journal = new Journal();
+  readonly #windows: PastWindows;
+  readonly #unwatch: () => void;
   readonly journalVersion = signal(0);
   readonly isCaughtUp = signal(false);
   readonly lack = signal<string | null>(null);
@@ -48,6 +60,9 @@ export class RunWatch implements Watch {
   readonly #snapshots: SnapshotLoader;
   #unfollowHistory: () => void = () => {};
   #unfollowStatus: () => void = () => {};
+  /** How many events were told, and how often a journal was another one. */
+  #version = 0;
+  #isLearning = false;
   /** Whether nothing more of the history will come by itself. */
   #isTold = false;
   #isSoon = false;
@@ -71,12 +86,31 @@ export class RunWatch implements Watch {
       },
       newest: () => Math.max(this.journal.next - 1, this.#written()),
     });
+    this.#windows = new PastWindows({
+      clock,
+      ask: (what) => server.request("GET", this.#path(what), undefined, REPEATED),
+      changed: () => this.#changed(),
+    });
     this.sent = this.#outbox.sent;
     this.playhead = this.#snapshots.playhead;
     this.playheadSnapshot = this.#snapshots.snapshot;
+    this.#unwatch = effect(() => {
+      const playhead = this.playhead.value;
+      untracked(() => this.#look(playhead));
+    });
     // In this order: how it stands comes before all that happened.
     this.#followStatus();
     this.#followHistory();
+  }
+
+  get journal(): Journal {
+    return this.#journal;
+  }
+
+  get window(): Journal {
+    const playhead = this.playhead.peek();
+    if (playhead === null || this.#isHere(playhead)) return this.#journal;
+    return this.#windows.at(playhead) ?? this.#windows.last ?? this.#journal;
   }
 
   wantValues(): () => void {
@@ -98,6 +132,8 @@ export class RunWatch implements Watch {
 
   close(): void {
     this.#isOver = true;
+    this.#unwatch();
+    this.#windows.close();
     this.#unfollowHistory();
     this.#unfollowStatus();
     this.#outbox.close();
@@ -130,7 +166,8 @@ export class RunWatch implements Watch {
       topic: () => {
         // What happened during a break is told first.
         this.isCaughtUp.value = false;
-        return { topic: "run_history", run: this.id, from: this.journal.next, values: false };
+        const from = this.journal.next;
+        return { topic: "run_newest", run: this.id, from, most: EVENTS_MAX, newest: NEWEST };
       },
       frame: (frame) => this.#hear(frame),
     });
@@ -153,10 +190,12 @@ export class RunWatch implements Watch {
   #hear(frame: ToClient): void {
     if (frame.frame === "events") {
       this.lack.value = null;
-      this.journal.add(frame.events, frame.next);
+      this.#add(frame.events, frame.next);
       for (const { event } of frame.events) this.#outbox.received(event);
       if (frame.events.length === 0) this.isCaughtUp.value = true;
       this.#soonTold();
+    } else if (frame.frame === "skipped") {
+      this.#become(new Journal({ before: frame.before, earlier: null }));
     } else if (frame.frame === "ended") {
       this.#isTold = true;
       this.lack.value = frame.refusal?.message ?? null;
@@ -183,12 +222,73 @@ export class RunWatch implements Watch {
     if (this.#isTold && (isLive || this.#written() >= this.journal.next)) this.#followHistory();
   }
 
+  #add(events: readonly HistoryEntry[], next: number): void {
+    const before = this.#journal.length;
+    this.#journal.add(events, next);
+    this.#version += this.#journal.length - before;
+    if (this.#journal.length > EVENTS_MAX) this.#become(rolled(this.#journal, EVENTS_KEPT));
+  }
+
+  /** Goes on as another journal. The one before stays if the moment that is shown is in it. */
+  #become(journal: Journal): void {
+    const playhead = this.playhead.peek();
+    const isShown = playhead !== null && this.#isHere(playhead);
+    if (isShown && !journal.covers(playhead)) this.#windows.keep(this.#journal);
+    this.#journal = journal;
+    this.#changed();
+    void this.#learn();
+  }
+
+  #isHere(playhead: number): boolean {
+    return this.#journal.base === null || this.#journal.covers(playhead);
+  }
+
+  #look(playhead: number | null): void {
+    const isPast = playhead !== null && !this.#isHere(playhead);
+    this.#windows.want(isPast && playhead < this.#journal.from ? playhead : null);
+  }
+
+  /** Asks what had been before the journal begins, until it knows. */
+  async #learn(): Promise<void> {
+    if (this.#isLearning) return;
+    this.#isLearning = true;
+    while (!this.#isOver && this.#journal.base && !this.#journal.base.earlier) {
+      const { before } = this.#journal.base;
+      const earlier = await this.#earlier(before);
+      const isSame = this.#journal.base?.before === before;
+      if (earlier && isSame) this.#journal = withBase(this.#journal, { before, earlier });
+      else if (isSame) break;
+    }
+    this.#isLearning = false;
+    if (!this.#isOver) this.#changed();
+  }
+
+  /** Null if it cannot be had. */
+  async #earlier({ sequence }: Before): Promise<EarlierHistory | null> {
+    const { server, clock } = this.#ports;
+    for (;;) {
+      try {
+        return await server.request("GET", this.#path(`earlier/${sequence}`), undefined, REPEATED);
+      } catch (error) {
+        if (!(error instanceof RefusalError)) throw error;
+        if (this.#isOver || !error.isForNow) return null;
+        await new Promise<void>((again) => clock.after(AGAIN_MS, again));
+      }
+    }
+  }
+
+  /** A journal is another one than before. */
+  #changed(): void {
+    this.#version += 1;
+    this.#soonTold();
+  }
+
   #soonTold(): void {
     if (this.#isSoon) return;
     this.#isSoon = true;
     this.#ports.clock.after(GROWN_MS, () => {
       this.#isSoon = false;
-      if (!this.#isOver) this.journalVersion.value = this.journal.length;
+      if (!this.#isOver) this.journalVersion.value = this.#version;
     });
   }
 }

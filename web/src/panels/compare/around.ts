@@ -16,7 +16,11 @@ export function entriesAround(
 ): readonly number[] {
   const at = sequence === null ? journal.length : journal.indexOf(sequence);
   const before: number[] = [];
-  for (let index = at - 1; index >= Math.max(0, at - FAR) && before.length < BEFORE; index--) {
+  for (
+    let index = at - 1;
+    index >= Math.max(journal.first, at - FAR) && before.length < BEFORE;
+    index--
+  ) {
     if (isOn(journal, branch, index)) before.unshift(index);
   }
   const from: number[] = [];

@@ -44,13 +44,15 @@ function Column({ tab, branch, side, title, watch, at, show }: ColumnProps) {
   useSignal(watch.journalVersion);
   useSignal(tab.session.version);
   const nameOf = namesOf(tab.session);
-  const { journal } = watch;
+  useSignal(watch.playhead);
+  const sequence = at?.sequence ?? watch.journal.next - 1;
+  const journal = [watch.journal, watch.window].find((each) => each.covers(sequence));
   return (
     <div className="compare-column">
       <h4 className={`compare-side compare-side-${side}`}>{title}</h4>
       <ol aria-label={`${title}, around the difference`}>
-        {entriesAround(journal, branch, at?.sequence ?? null).map((index) => {
-          const happening = journal.at(index);
+        {(journal ? entriesAround(journal, branch, at?.sequence ?? null) : []).map((index) => {
+          const happening = journal?.at(index);
           if (!happening) return null;
           const isIt = happening.sequence === at?.sequence;
           return (
@@ -70,7 +72,15 @@ function Column({ tab, branch, side, title, watch, at, show }: ColumnProps) {
             </li>
           );
         })}
-        {journal.length === 0 && <li className="compare-soft">Loading events…</li>}
+        {watch.journal.length === 0 && <li className="compare-soft">Loading events…</li>}
+        {watch.journal.length > 0 && at && !journal && (
+          <li>
+            <button type="button" className="compare-event" onClick={() => show(side, sequence)}>
+              <span className="compare-what">Show the events around this place</span>
+              <span className="compare-when">{missionTime(at.t_ns)}</span>
+            </button>
+          </li>
+        )}
         {at === null && (
           <li className="compare-event compare-parted">
             <span className="compare-mark" aria-hidden>

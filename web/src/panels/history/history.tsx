@@ -1,19 +1,29 @@
 /** The history of the run in front: its calls as a tree, each with when, how long and how it ended; what is chosen is shown on the
  * canvas, at its moment. */
 
-import { CornerDownRight, ListEnd, Repeat, Undo2 } from "lucide-react";
+import {
+  ArrowDown,
+  ArrowUp,
+  ArrowUpToLine,
+  CornerDownRight,
+  ListEnd,
+  Repeat,
+  Undo2,
+} from "lucide-react";
 import { useEffect, useMemo, useState } from "react";
 import { entryOf as entryOfCommand } from "../../commands/menus.ts";
 import { callAbout } from "../../store/history/about.ts";
 import { type Calls, callsOf, NONE } from "../../store/history/calls.ts";
 import { errorInWords } from "../../store/history/failures.ts";
-import { JournalHits } from "../../store/history/journal_hits.ts";
+import type { Happening } from "../../store/history/journal.ts";
 import { hasFailed, lookOf } from "../../store/history/lanes.ts";
-import { showIndex, shownIndex } from "../../store/history/moments.ts";
+import { shownIndex, toEnd } from "../../store/history/moments.ts";
 import type { Watch } from "../../store/history/run.ts";
 import type { OpenTab } from "../../store/page/page.ts";
 import { runTime, runTimes, timeScale } from "../../store/page/times.ts";
 import { select } from "../../store/page/view.ts";
+import { RunSearch } from "../../store/run/search.ts";
+import { IconButton } from "../../ui/button.tsx";
 import { Empty } from "../../ui/empty.tsx";
 import { TextField } from "../../ui/field.tsx";
 import { ContextMenu } from "../../ui/menu.tsx";
@@ -51,9 +61,10 @@ function OfRun({ tab, watch }: HistoryProps) {
   const [query, setQuery] = useState("");
   const [menu, setMenu] = useState<HistoryMenu | null>(null);
   useSignal(watch.journalVersion);
+  useSignal(watch.playhead);
   useSignal(tab.session.version);
   const show = useShow(tab, watch);
-  const open = (index: number, at: HistoryMenu["at"]) => setMenu({ index, at });
+  const open = (sequence: number, at: HistoryMenu["at"]) => setMenu({ sequence, at });
   return (
     <section className="history" aria-label="Run history">
       <div className="history-bar">
@@ -65,11 +76,11 @@ function OfRun({ tab, watch }: HistoryProps) {
           value={query}
           onInput={setQuery}
         />
-        <span className="history-soft">{watch.journal.length.toLocaleString("en")} events</span>
+        <Part watch={watch} />
       </div>
       <div className="history-rows">
         {query.trim() === "" ? (
-          <CallTree tab={tab} watch={watch} show={show} onMenu={open} />
+          <CallTree key={watch.window.from} tab={tab} watch={watch} show={show} onMenu={open} />
         ) : (
           <Hits tab={tab} watch={watch} query={query} show={show} onMenu={open} />
         )}
@@ -79,46 +90,86 @@ function OfRun({ tab, watch }: HistoryProps) {
   );
 }
 
-/** Shows the moment of an event, and selects its state; `far` brings that into sight as well. */
-type ShowEntry = (index: number, far?: boolean) => void;
+/** How much of the run is here, and the ways to the rest of a long one. */
+function Part({ watch }: Pick<HistoryProps, "watch">) {
+  const { window, journal, playhead } = watch;
+  const last = (journal.next - 1).toLocaleString("en");
+  if (journal.base === null) {
+    return <span className="history-soft">{journal.length.toLocaleString("en")} events</span>;
+  }
+  const [from, to] = [window.from.toLocaleString("en"), (window.next - 1).toLocaleString("en")];
+  return (
+    <>
+      <span className="history-soft" role="status">
+        Events {from} to {to} of {last}
+      </span>
+      <span className="history-ways">
+        <IconButton
+          label="Show the first events"
+          icon={<ArrowUpToLine size={14} />}
+          disabled={window.base === null}
+          onClick={() => toEnd(watch, "first")}
+        />
+        <IconButton
+          label="Show earlier events"
+          icon={<ArrowUp size={14} />}
+          disabled={window.base === null}
+          onClick={() => {
+            playhead.value = Math.max(1, window.from - 1);
+          }}
+        />
+        <IconButton
+          label="Show later events"
+          icon={<ArrowDown size={14} />}
+          disabled={window === journal}
+          onClick={() => {
+            playhead.value = window.next < journal.next ? window.next : null;
+          }}
+        />
+      </span>
+    </>
+  );
+}
+
+/** Shows the moment of an event by its number, and selects its state; `far` brings that into sight as well. */
+type ShowEntry = (sequence: number, path: string, far?: boolean) => void;
 
 function useShow(tab: OpenTab, watch: Watch): ShowEntry {
   const host = useHost();
-  return (index, far = false) => {
-    showIndex(watch, index);
-    const path = pathAt(watch, index);
+  return (sequence, path, far = false) => {
+    watch.playhead.value = sequence;
     if (path === "" || !tab.session.machine.state(path)) return;
     if (far) reveal(host, { kind: "state", path });
     else select(tab.view, [{ kind: "state", path }]);
   };
 }
 
-function pathAt({ journal }: Watch, index: number): string {
-  const happening = journal.at(index);
+function pathIn(happening: Happening | undefined): string {
   if (!happening) return "";
   if (happening.kind !== "other") return happening.path;
   return "path" in happening.event ? happening.event.path : "";
 }
 
 interface HistoryMenu {
-  /** The event that it is about. */
-  readonly index: number;
+  /** The number of the event that it is about. */
+  readonly sequence: number;
   readonly at: { readonly x: number; readonly y: number };
 }
 
 interface HistoryListProps extends HistoryProps {
   readonly show: ShowEntry;
-  readonly onMenu: (index: number, at: HistoryMenu["at"]) => void;
+  readonly onMenu: (sequence: number, at: HistoryMenu["at"]) => void;
 }
 
 function CallTree({ tab, watch, show, onMenu }: HistoryListProps) {
-  const calls = callsOf(watch.journal);
+  const calls = callsOf(watch.window);
   const nodes = useMemo(() => new Nodes(calls), [calls]);
   const [expanded, setExpanded] = useState<ReadonlySet<string>>(() => new Set(["c0"]));
   const [chosen, setChosen] = useState<HistoryNode | null>(null);
   const playhead = useSignal(watch.playhead);
   const journalVersion = calls.read;
-  const shown = playhead === null ? NONE : callAbout(calls, shownIndex(watch));
+  const isLoading = playhead === null || !watch.window.covers(playhead);
+  const shown = isLoading ? NONE : callAbout(calls, shownIndex(watch));
   // What was chosen here shows already: a loop is not opened because its first call is shown.
   const isHere = chosen !== null && ends(chosen).first === shown;
   useEffect(() => {
@@ -134,7 +185,8 @@ function CallTree({ tab, watch, show, onMenu }: HistoryListProps) {
   );
   const nameOf = namesOf(tab.session);
   const at = shown === NONE ? null : isHere ? chosen.id : `c${shown}`;
-  const begin = (node: HistoryNode) => calls.begin(ends(node).first);
+  const begin = (node: HistoryNode) => watch.window.sequence(calls.begin(ends(node).first));
+  const pathOf = (node: HistoryNode) => calls.path(ends(node).first);
   return (
     <>
       <Head />
@@ -151,9 +203,9 @@ function CallTree({ tab, watch, show, onMenu }: HistoryListProps) {
         reveal={at}
         onSelect={(node) => {
           setChosen(node);
-          show(begin(node));
+          show(begin(node), pathOf(node));
         }}
-        onOpen={(node) => show(begin(node), true)}
+        onOpen={(node) => show(begin(node), pathOf(node), true)}
         onMenu={(node, at) => onMenu(begin(node), at)}
       />
     </>
@@ -261,22 +313,25 @@ function End({ call, calls }: { readonly call: number; readonly calls: Calls }) 
 
 function Hits({ tab, watch, query, show, onMenu }: HistoryListProps & { readonly query: string }) {
   const nameOf = namesOf(tab.session);
+  const { page } = useHost().context();
   // biome-ignore lint/correctness/useExhaustiveDependencies: names change with the machine only
   const found = useMemo(
-    () => new JournalHits(watch.journal, query, namesOf(tab.session)),
-    [watch, query, tab.session.version.peek()],
+    () => new RunSearch(watch, page.runs, query, namesOf(tab.session)),
+    [watch, page, query, tab.session.version.peek()],
   );
+  useEffect(() => () => found.end(), [found]);
+  useSignal(found.changed);
   found.follow();
-  const { hits } = found;
-  const many = hits.length;
-  // biome-ignore lint/correctness/useExhaustiveDependencies: the list grows in place
-  const roots = useMemo(() => [...hits], [hits, many]);
-  if (many === 0) {
+  const { count } = found;
+  const roots = useMemo(() => Array.from({ length: count }, (_, place) => place), [count]);
+  if (count === 0) {
+    if (found.refusal !== null) return <Empty title="The search failed" text={found.refusal} />;
+    if (found.isAsking) return <Empty title="Searching…" text="The whole run is searched." />;
     return <Empty title="Nothing found" text="The search covers states, outcomes and log lines." />;
   }
-  const shown = shownIndex(watch);
-  const words = (index: number) => {
-    const happening = watch.journal.at(index);
+  const shown = shownPlace(watch, found);
+  const words = (place: number) => {
+    const happening = found.at(place);
     return happening ? happenedInWords(happening, nameOf) : "no longer loaded";
   };
   return (
@@ -288,24 +343,32 @@ function Hits({ tab, watch, query, show, onMenu }: HistoryListProps & { readonly
       expanded={NOTHING}
       onExpand={() => undefined}
       text={words}
-      row={(index) => (
+      row={(place) => (
         <span className="history-row">
-          <span className="history-name">{words(index)}</span>
-          <span className="history-when">{runTime(watch, watch.journal.t_ns(index))}</span>
+          <span className="history-name">{words(place)}</span>
+          <span className="history-when">{runTime(watch, found.t_ns(place))}</span>
         </span>
       )}
       selected={new Set([String(shown)])}
-      onSelect={(index) => show(index)}
-      onOpen={(index) => show(index, true)}
-      onMenu={onMenu}
+      onSelect={(place) => show(found.sequence(place), pathIn(found.at(place)))}
+      onOpen={(place) => show(found.sequence(place), pathIn(found.at(place)), true)}
+      onMenu={(place, at) => onMenu(found.sequence(place), at)}
     />
   );
 }
 
 const NOTHING: ReadonlySet<string> = new Set();
 
+/** The place of the hit whose moment is shown; NONE if none is. */
+function shownPlace(watch: Watch, found: RunSearch): number {
+  const playhead = watch.playhead.peek();
+  if (playhead === null) return NONE;
+  const place = found.after(playhead - 1);
+  return found.sequence(place) === playhead ? place : NONE;
+}
+
 function Menu({
-  index,
+  sequence: of,
   at,
   tab,
   watch,
@@ -313,11 +376,16 @@ function Menu({
 }: HistoryMenu & HistoryProps & { onClose: () => void }) {
   const host = useHost();
   const context = host.context();
-  const calls = callsOf(watch.journal);
-  const call = callAbout(calls, index);
+  const { window } = watch;
+  const calls = callsOf(window);
+  const index = window.timeOf(of) === null ? NONE : window.indexOf(of);
+  const call = index === NONE ? NONE : callAbout(calls, index);
   const end = call === NONE ? NONE : calls.end(call);
-  const sequence = watch.journal.sequence(calls.begin(call));
-  const path = pathAt(watch, index);
+  const sequence = window.sequence(calls.begin(call));
+  const path = index === NONE ? "" : pathIn(window.at(index));
+  const show = (event: number) => {
+    watch.playhead.value = event;
+  };
   const start = host.commands.get("run.start-from-history");
   const refusal = start?.refusal?.(context) ?? null;
   const compare = host.commands.get("run.compare");
@@ -327,12 +395,12 @@ function Menu({
       at={at}
       onClose={onClose}
       items={[
-        { id: "show", title: "Show this moment", run: () => showIndex(watch, index) },
+        { id: "show", title: "Show this moment", run: () => show(of) },
         {
           id: "end",
           title: "Show the moment it ended",
           disabled: end === NONE,
-          run: () => showIndex(watch, end),
+          run: () => show(window.sequence(end)),
         },
         {
           id: "reveal",

@@ -45,7 +45,7 @@ function failureOf(watch: Watch, path: string, left: number): ScriptFailure | nu
   const visits = visitsOf(watch);
   const entered = visits.lastIndex("entered", path, left) ?? 0;
   const end = visits.lastIndex("left", path, left);
-  return end === null ? null : failureAt(watch.journal, path, entered, end);
+  return end === null ? null : failureAt(watch.window, path, entered, end);
 }
 
 /** The script's own frame first; the others when asked. */

@@ -176,15 +176,15 @@ interface FromProps extends Pick<ValueLineProps, "inspected" | "watch"> {
 
 /** The event by which something came there, when that was, and which state gave it. */
 function From({ inspected, watch, what, origin }: FromProps) {
-  const { journal } = watch;
   useSignal(timeScale);
-  const t_ns = journal.t_ns(journal.indexOf(origin.sequence));
+  const t_ns = watch.window.timeOf(origin.sequence);
   const name = inspected.machine.state(origin.path)?.name ?? origin.path;
   const isOwn = origin.path === inspected.path;
   return (
     <>
       <span className="in-run-when">
-        #{origin.sequence} at {runTime(watch, t_ns)}
+        #{origin.sequence}
+        {t_ns === null ? "" : ` at ${runTime(watch, t_ns)}`}
         {isOwn ? "" : " by "}
         {!isOwn && (
           <button

@@ -22,6 +22,7 @@ import { Sieve } from "./sieve.ts";
 const PACE_MS = 250;
 
 const NEVER = signal(0);
+const LIVE = signal<number | null>(null);
 const NONE: readonly LogEntry[] = [];
 
 export interface Rows {
@@ -49,10 +50,12 @@ export function useRows(
     return kept.map(entryOf).filter((entry) => isWanted(entry, selection, nameOf));
   }, [notices, source, selection, nameOf]);
   const began_ms = useBegan(page, watch);
+  useSignal(watch?.playhead ?? LIVE);
+  const log = watch && runLog(watch);
   const sieve = useMemo(() => {
-    if (!watch || source === "page" || began_ms === null) return null;
-    return new Sieve(runLog(watch), selection, began_ms, nameOf);
-  }, [watch, source, selection, began_ms, nameOf]);
+    if (!log || source === "page" || began_ms === null) return null;
+    return new Sieve(log, selection, began_ms, nameOf);
+  }, [log, source, selection, began_ms, nameOf]);
   const ofRun = sieve?.rows() ?? NONE;
   const rows = useMemo(() => merged(ofRun, ofPage), [ofRun, ofPage]);
   return { rows, nameOf };

@@ -55,7 +55,7 @@ function Value({ tab, watch, watched }: ValueProps) {
 
 /** When the value came: in the past that is shown, how long after the start. */
 function Came({ watch, sequence }: { readonly watch: Watch; readonly sequence: number }) {
-  const t_ms = watch.journal.t_ns(watch.journal.indexOf(sequence)) / 1e6;
+  const t_ms = watch.window.t_ns(watch.window.indexOf(sequence)) / 1e6;
   const isPast = useComputed(() => watch.playhead.value !== null, [watch]);
   const when = useWhen(watch, t_ms);
   return <dd className="mission-pinned-when">{isPast ? `after ${growing(t_ms)}` : when}</dd>;

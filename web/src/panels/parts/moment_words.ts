@@ -22,7 +22,12 @@ export function useMoment(tab: OpenTab, watch: Watch): MomentWords {
   useSignal(timeScale);
   useSignal(tab.session.version);
   const index = shownIndex(watch);
-  const happening = watch.journal.at(index);
+  const { window } = watch;
+  const playhead = watch.playhead.peek();
+  if (playhead !== null && window.base !== null && !window.covers(playhead)) {
+    return { index, when: "", what: "Loading the events around this moment" };
+  }
+  const happening = window.at(index);
   if (!happening) return { index, when: "", what: "Nothing has happened yet" };
   const when = runTime(watch, happening.t_ns);
   return { index, when, what: happenedInWords(happening, namesOf(tab.session)) };

@@ -42,7 +42,7 @@ function OfRun({ tab, watch }: { tab: OpenTab; watch: Watch }) {
   const place = useRef<HTMLDivElement>(null);
   const { page } = host.context();
   const whole = useStatistics(page.runs, watch, place);
-  const past = useStatisticsUntil(tab, watch);
+  const past = useStatisticsUntil(tab, watch, page.runs);
   const statistics = past ?? whole.statistics;
   const refusal = past ? null : whole.refusal;
   const [query, setQuery] = useState("");

@@ -60,17 +60,45 @@ export function useStatistics(
   return { ...found, refresh };
 }
 
-/** What had happened until the moment that is shown; null while live. */
-export function useStatisticsUntil(tab: OpenTab, { journal, playhead }: Watch): Counted | null {
+/** So long a moment is shown before the server counts up to it. */
+const SETTLED_MS = 300;
+
+/** What had happened until the moment that is shown; null while live. Of a long run the server counts. */
+export function useStatisticsUntil(tab: OpenTab, watch: Watch, runs: Runs): Counted | null {
+  const { journal, playhead } = watch;
   const sequence = useSignal(playhead);
+  const isLong = journal.base !== null;
+  const there = useAsked(runs, watch, isLong ? sequence : null);
   const version = useSignal(tab.session.version);
   // biome-ignore lint/correctness/useExhaustiveDependencies: names change with the machine only
   const nameOf = useMemo(() => namesOf(tab.session), [tab.session, version]);
   const states = useMemo(() => {
-    if (sequence === null) return null;
+    if (sequence === null || isLong) return null;
     const names = (path: string) => lineage(path).map(nameOf).join("/");
     const found = statisticsUntil(journal, journal.indexOf(sequence + 1));
     return found.map((row) => ({ ...row, names: names(row.path) }));
-  }, [journal, sequence, nameOf]);
-  return sequence === null || !states ? null : { states, sequence };
+  }, [journal, sequence, isLong, nameOf]);
+  if (sequence === null) return null;
+  if (isLong) return there ?? { states: [], sequence };
+  return states && { states, sequence };
+}
+
+/** What the server counted up to an event; of another one while that is on its way. */
+function useAsked(runs: Runs, { id }: Watch, sequence: number | null): Counted | null {
+  const [found, setFound] = useState<Counted | null>(null);
+  useEffect(() => {
+    if (sequence === null) return;
+    let isGone = false;
+    const timer = setTimeout(() => {
+      runs.get<Statistics>(id, `statistics?until=${sequence}`).then(
+        (statistics) => isGone || setFound({ states: statistics.states, sequence }),
+        () => isGone || setFound(null),
+      );
+    }, SETTLED_MS);
+    return () => {
+      isGone = true;
+      clearTimeout(timer);
+    };
+  }, [runs, id, sequence]);
+  return found;
 }

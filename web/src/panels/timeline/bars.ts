@@ -3,9 +3,11 @@
 
 import { type Calls, NONE } from "../../store/history/calls.ts";
 import { type CallLook, type CallRow, hasFailed, lookOf } from "../../store/history/lanes.ts";
+import { type SeenBar, SeenRow } from "../../store/history/seen.ts";
 import type { TimeSpan } from "./span.ts";
 
 export type Bar =
+  | { readonly x: number; readonly width: number; readonly seen: SeenBar }
   | { readonly x: number; readonly width: number; readonly call: number; readonly look: CallLook }
   | {
       readonly x: number;
@@ -18,7 +20,7 @@ export type Bar =
     };
 
 /** Below this width in CSS pixels calls are drawn together. */
-const NARROW_PX = 2;
+export const NARROW_PX = 2;
 
 export interface Scale {
   readonly span: TimeSpan;
@@ -36,7 +38,19 @@ export function timeAt({ span, width }: Scale, x: number): number {
 }
 
 /** From left to right. */
-export function barsOf(calls: Calls, row: CallRow, scale: Scale): readonly Bar[] {
+export function barsOf(calls: Calls, row: CallRow | SeenRow, scale: Scale): readonly Bar[] {
+  return row instanceof SeenRow ? seenBars(row, scale) : hereBars(calls, row, scale);
+}
+
+function seenBars(row: SeenRow, scale: Scale): readonly Bar[] {
+  return row.between(scale.span.from_ns, scale.span.to_ns).map((seen) => {
+    const x = xOf(scale, seen.from_ns);
+    const width = xOf(scale, seen.to_ns ?? Math.max(scale.end_ns, seen.from_ns)) - x;
+    return { x, width: Math.max(NARROW_PX, width), seen };
+  });
+}
+
+function hereBars(calls: Calls, row: CallRow, scale: Scale): readonly Bar[] {
   const { journal } = calls;
   const bars: Bar[] = [];
   const first = journal.indexAt(scale.span.from_ns);

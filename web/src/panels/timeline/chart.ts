@@ -3,7 +3,7 @@
 import { effect } from "@preact/signals-core";
 import { inksOf, onTheme, scaledContext } from "../../store/canvas_element.ts";
 import { NONE } from "../../store/history/calls.ts";
-import { showIndex, showTime } from "../../store/history/moments.ts";
+import { showIndex } from "../../store/history/moments.ts";
 import { notesOf } from "../../store/history/notes.ts";
 import type { OpenTab } from "../../store/page/page.ts";
 import { runTime, timeScale } from "../../store/page/times.ts";
@@ -88,6 +88,9 @@ class Chart {
     model.found.value;
     model.hit.value;
     model.pointed.value;
+    model.overviews.seen.value;
+    model.shown_ns;
+    model.found.value?.changed.value;
     tab.view.selection.value;
     tab.session.version.value;
     timeScale.value;
@@ -114,15 +117,17 @@ class Chart {
     const { calls } = model;
     const found = model.found.peek();
     found?.follow();
+    const { span, width: wide } = this.#scale;
+    if (!model.isHere) model.overviews.want(span, wide, model.watch.journal.next - 1);
     const scene: Scene = {
       calls,
-      notes: notesOf(calls.journal),
+      notes: notesOf(model.watch.journal),
       found,
       layout: model.layout,
       scale: this.#scale,
       top: scroller.scrollTop,
       height: scroller.clientHeight,
-      playhead: model.shown,
+      shown_ns: model.shown_ns,
       hit: model.hit.peek(),
       selected: new Set(selectedStates(tab.view)),
       hovered: model.pointed.peek()?.call ?? null,
@@ -135,6 +140,9 @@ class Chart {
     const { width } = scene.scale;
     const above = scaledContext(ruler, { width, height: RULER_PX }, OPAQUE);
     if (above) paintRuler(above, scene);
+    // For those who wait until all of the time that shows is drawn.
+    const isDrawn = model.isHere || model.overviews.seen.peek() !== null;
+    if (rows.parentElement) rows.parentElement.dataset["drawn"] = isDrawn ? "whole" : "part";
     const below = scaledContext(rows, { width, height: scene.height }, OPAQUE);
     if (below) paintRows(below, scene);
   }
@@ -183,28 +191,28 @@ class Chart {
     else if (!ruler.hasPointerCapture(event.pointerId)) return;
     const note = isBegin ? this.#noteAt(event) : null;
     if (note === null) this.#showAt(event.offsetX);
-    else showIndex(model.watch, note);
+    else model.show(note);
   }
 
-  /** The event of the mark of the ruler that is pressed. */
+  /** The number of the event whose mark on the ruler is pressed. */
   #noteAt(event: PointerEvent): number | null {
     if (event.offsetY < RULER_PX / 2) return null;
-    const { calls } = this.#options.model;
+    const { journal } = this.#options.model.watch;
     const scale = this.#scale;
-    const notes = notesOf(calls.journal);
+    const notes = notesOf(journal);
     const t_ns = timeAt(scale, event.offsetX - CLICK_PX - 2);
-    const note = notes.all[notes.firstFrom(calls.journal.indexAt(t_ns))];
+    const note = notes.all[notes.firstFrom(journal.indexAt(t_ns))];
     if (!note) return null;
-    const away = xOf(scale, calls.journal.t_ns(note.index)) - event.offsetX;
-    return Math.abs(away) <= CLICK_PX + 2 ? note.index : null;
+    const away = xOf(scale, journal.t_ns(note.index)) - event.offsetX;
+    return Math.abs(away) <= CLICK_PX + 2 ? journal.sequence(note.index) : null;
   }
 
   /** The moment at this place; right of the end live. */
   #showAt(x: number): void {
     const { model } = this.#options;
     const t_ns = timeAt(this.#scale, x);
-    if (t_ns >= model.told_ns) model.watch.playhead.value = null;
-    else showTime(model.watch, t_ns);
+    if (t_ns >= model.told_ns) model.show(null);
+    else model.showTime(t_ns);
   }
 
   #press(event: PointerEvent): void {
@@ -235,13 +243,13 @@ class Chart {
   #click(event: PointerEvent): void {
     const { tab, model } = this.#options;
     const { calls } = model;
-    const { call } = this.#pointedAt(event);
+    const { call, seen } = this.#pointedAt(event);
     const isNow = timeAt(this.#scale, event.offsetX) >= model.told_ns;
     if (call === null || (isNow && calls.end(call) === NONE)) this.#showAt(event.offsetX);
     else this.#showIn(call, event.offsetX);
-    if (call === null) return;
-    const path = calls.path(call);
-    if (tab.session.machine.state(path)) select(tab.view, [{ kind: "state", path }]);
+    const path = call === null ? seen?.path : calls.path(call);
+    if (path !== undefined && tab.session.machine.state(path))
+      select(tab.view, [{ kind: "state", path }]);
   }
 
   /** Shows a moment within a call, however narrow its bar is. */
@@ -261,13 +269,17 @@ class Chart {
     const { model } = this.#options;
     const scale = this.#scale;
     const t_ns = timeAt(scale, x);
-    const nothing = { x, y, t_ns, call: null, many: 0, failed: 0 };
+    const nothing = { x, y, t_ns, call: null, seen: null, many: 0, failed: 0 };
     const found = rowAt(model.layout, y + this.#places.scroller.scrollTop);
     if (!found) return nothing;
     const bar = barsOf(model.calls, found.row, scale).find(
       (each) => x >= each.x - 1 && x <= each.x + each.width + 1,
     );
     if (!bar) return nothing;
+    if ("seen" in bar) {
+      const { many, failed } = bar.seen;
+      return { ...nothing, seen: bar.seen, many, failed };
+    }
     return "many" in bar
       ? { ...nothing, call: bar.first, many: bar.many, failed: bar.failed }
       : { ...nothing, call: bar.call, many: 1 };

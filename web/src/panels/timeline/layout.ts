@@ -1,19 +1,20 @@
 /** Where lanes and their rows stand on the time line: a folded lane shows one row, what worked in it. */
 
 import type { Calls } from "../../store/history/calls.ts";
-import type { CallRow, Lane } from "../../store/history/lanes.ts";
+import { CallRow, type Lane } from "../../store/history/lanes.ts";
+import type { SeenLane, SeenRow } from "../../store/history/seen.ts";
 import type { TimeSpan } from "./span.ts";
 
 export const ROW_PX = 18;
 const GAP_PX = 6;
 
 interface LaneRow {
-  readonly row: CallRow;
+  readonly row: CallRow | SeenRow;
   readonly y: number;
 }
 
 interface LaneBox {
-  readonly lane: Lane;
+  readonly lane: Lane | SeenLane;
   readonly y: number;
   readonly height: number;
   readonly isFolded: boolean;
@@ -26,7 +27,10 @@ export interface TimelineLayout {
 }
 
 /** Lanes from the top; those inside a folded lane stay. */
-export function layoutOf(lanes: readonly Lane[], folded: ReadonlySet<string>): TimelineLayout {
+export function layoutOf(
+  lanes: readonly (Lane | SeenLane)[],
+  folded: ReadonlySet<string>,
+): TimelineLayout {
   let y = GAP_PX / 2;
   const boxes = lanes.map((lane) => {
     const isFolded = folded.has(lane.path);
@@ -40,11 +44,17 @@ export function layoutOf(lanes: readonly Lane[], folded: ReadonlySet<string>): T
 }
 
 /** Lanes in which something ran in a part of the run's time. Those around them did, too. */
-export function lanesIn(calls: Calls, lanes: readonly Lane[], span: TimeSpan): readonly Lane[] {
+export function lanesIn<L extends Lane | SeenLane>(
+  calls: Calls,
+  lanes: readonly L[],
+  span: TimeSpan,
+): readonly L[] {
   const from = calls.journal.indexAt(span.from_ns);
   const until = calls.journal.indexAt(span.to_ns + 1);
-  return lanes.filter(
-    ({ rows: [row] }) => row && row.firstOpenAfter(from - 1) < row.firstFrom(until),
+  return lanes.filter(({ rows: [row] }) =>
+    row instanceof CallRow
+      ? row.firstOpenAfter(from - 1) < row.firstFrom(until)
+      : (row?.between(span.from_ns, span.to_ns).length ?? 0) > 0,
   );
 }
 

@@ -2,17 +2,21 @@
  * is at. Belongs to the run as this page watches it. */
 
 import { type Signal, signal } from "@preact/signals-core";
+import type { Moment } from "../../model/generated/protocol.ts";
 import { perOwner } from "../../model/per_owner.ts";
 import { type Calls, callsOf, NONE } from "../../store/history/calls.ts";
-import { JournalHits } from "../../store/history/journal_hits.ts";
-import { lanesOf } from "../../store/history/lanes.ts";
-import { showIndex, shownIndex } from "../../store/history/moments.ts";
+import { type Lane, lanesOf } from "../../store/history/lanes.ts";
+import { hasTime, shownIndex, showTime } from "../../store/history/moments.ts";
 import type { Watch } from "../../store/history/run.ts";
+import type { SeenBar, SeenLane } from "../../store/history/seen.ts";
 import { clock1s } from "../../store/page/clock1s.ts";
 import type { Page } from "../../store/page/page.ts";
+import { RefusalError } from "../../store/page/server.ts";
 import { progressAt } from "../../store/run/progress.ts";
+import { RunSearch } from "../../store/run/search.ts";
 import type { NameOf } from "../parts/happened.ts";
 import { lanesIn, layoutOf, type TimelineLayout } from "./layout.ts";
+import { Overviews } from "./overviews.ts";
 import { fitted, type SpanRequest, spanOf, type TimeSpan, withTime, zoomed } from "./span.ts";
 
 /** What the pointer is at. */
@@ -23,6 +27,8 @@ export interface Pointed {
   readonly t_ns: number;
   /** The call there; null between calls. */
   readonly call: number | null;
+  /** What the server says of it, where the call is not here. */
+  readonly seen: SeenBar | null;
   /** How many calls lie together there, and how many of them failed. */
   readonly many: number;
   readonly failed: number;
@@ -34,21 +40,82 @@ export class TimelineModel {
   readonly folded: Signal<ReadonlySet<string>> = signal<ReadonlySet<string>>(new Set());
   /** Whether only branches show that ran in the part of time that shows. */
   readonly isOnlyInSight = signal(false);
-  readonly found: Signal<JournalHits | null> = signal<JournalHits | null>(null);
+  readonly found: Signal<RunSearch | null> = signal<RunSearch | null>(null);
   readonly query = signal("");
-  /** The event of the journal that the search stands at. */
+  /** The number of the event that the search stands at. */
   readonly hit: Signal<number | null> = signal<number | null>(null);
   readonly pointed: Signal<Pointed | null> = signal<Pointed | null>(null);
 
-  readonly #page: Pick<Page, "server">;
+  readonly overviews: Overviews;
+  readonly #page: Pick<Page, "server" | "runs">;
+  /** A time whose moment is asked for. */
+  readonly #asked_ns: Signal<number | null> = signal<number | null>(null);
+  #isAsking = false;
 
-  constructor(page: Pick<Page, "server">, watch: Watch) {
+  constructor(page: Pick<Page, "server" | "runs">, watch: Watch) {
     this.#page = page;
     this.watch = watch;
+    this.overviews = new Overviews((what) => page.runs.get(watch.id, what));
   }
 
+  /** The calls around the moment that is shown. */
   get calls(): Calls {
-    return callsOf(this.watch.journal);
+    return callsOf(this.watch.window);
+  }
+
+  /** Whether all that happened in the part of time that shows is here; else the server draws it. A signal's reader. */
+  get isHere(): boolean {
+    this.watch.journalVersion.value;
+    const { watch, span, told_ns } = this;
+    const { journal, window } = watch;
+    if (window === journal && journal.base === null) return true;
+    const isBegun = hasTime(watch, window, span.from_ns);
+    const isWhole = window === journal || hasTime(watch, window, Math.min(span.to_ns, told_ns));
+    return isBegun && isWhole;
+  }
+
+  /** The time of the moment that is shown; null: live. */
+  get shown_ns(): number | null {
+    const playhead = this.watch.playhead.value;
+    if (this.#asked_ns.value !== null) return this.#asked_ns.value;
+    if (playhead === null) return null;
+    const { window, playheadSnapshot } = this.watch;
+    if (window.base === null || window.covers(playhead)) return window.t_ns(shownIndex(this.watch));
+    return playheadSnapshot.value?.picture.t_ns ?? null;
+  }
+
+  /** Shows the moment at a time; where that is not here it is asked for. */
+  showTime(t_ns: number): void {
+    if (showTime(this.watch, t_ns)) {
+      this.#asked_ns.value = null;
+      return;
+    }
+    this.#asked_ns.value = t_ns;
+    void this.#askTime();
+  }
+
+  async #askTime(): Promise<void> {
+    if (this.#isAsking) return;
+    this.#isAsking = true;
+    for (let at = this.#asked_ns.peek(); at !== null; at = this.#asked_ns.peek()) {
+      try {
+        const what = `moments?t_ns=${Math.max(0, Math.round(at))}`;
+        const { sequence } = await this.#page.runs.get<Moment>(this.watch.id, what);
+        if (this.#asked_ns.peek() === null) break;
+        this.watch.playhead.value = Math.max(1, sequence);
+        if (this.#asked_ns.peek() === at) this.#asked_ns.value = null;
+      } catch (error) {
+        if (!(error instanceof RefusalError)) throw error;
+        this.#asked_ns.value = null;
+      }
+    }
+    this.#isAsking = false;
+  }
+
+  /** Shows the moment after an event, or what is now. */
+  show(sequence: number | null): void {
+    this.#asked_ns.value = null;
+    this.watch.playhead.value = sequence;
   }
 
   /** How far the run has come. While it goes on, another number once a second. A signal's reader. */
@@ -67,15 +134,11 @@ export class TimelineModel {
     return spanOf(this.spanRequest.value, this.end_ns);
   }
 
-  /** The index of the event that is shown; null: live. */
-  get shown(): number | null {
-    return this.watch.playhead.value === null ? null : shownIndex(this.watch);
-  }
-
   /** Where lanes and rows stand. */
   get layout(): TimelineLayout {
     const { calls } = this;
-    const all = lanesOf(calls).all();
+    const seen = this.isHere ? null : this.overviews.seen.value;
+    const all: readonly (Lane | SeenLane)[] = seen?.lanes ?? lanesOf(calls).all();
     const lanes = this.isOnlyInSight.value ? lanesIn(calls, all, this.span) : all;
     return layoutOf(lanes, this.folded.value);
   }
@@ -83,8 +146,7 @@ export class TimelineModel {
   /** Around the moment that is shown; live, at the end. */
   zoom(factor: number): void {
     const { span, end_ns } = this;
-    const shown = this.shown;
-    const at = shown === null ? end_ns : this.watch.journal.t_ns(shown);
+    const at = this.shown_ns ?? end_ns;
     const isInSight = at >= span.from_ns && at <= span.to_ns;
     const middle = (span.from_ns + span.to_ns) / 2;
     this.spanRequest.value = zoomed(span, factor, isInSight ? at : middle, end_ns);
@@ -98,7 +160,7 @@ export class TimelineModel {
   fitState(path: string): boolean {
     const { calls, end_ns } = this;
     const all = calls.of(path);
-    const shown = this.shown ?? calls.read;
+    const shown = this.watch.playhead.value === null ? calls.read : shownIndex(this.watch);
     const call = all.findLast((each) => calls.begin(each) <= shown) ?? all.at(-1) ?? NONE;
     if (call === NONE) return false;
     const part = { from_ns: calls.began_ns(call), to_ns: calls.ended_ns(call, end_ns) };
@@ -108,9 +170,8 @@ export class TimelineModel {
 
   /** Brings the moment that is shown into sight. */
   reveal(): void {
-    const shown = this.shown;
-    if (shown === null) return;
-    const t_ns = this.watch.journal.t_ns(shown);
+    const t_ns = this.shown_ns;
+    if (t_ns === null) return;
     this.spanRequest.value = withTime(this.spanRequest.value, t_ns, this.end_ns);
   }
 
@@ -123,29 +184,28 @@ export class TimelineModel {
   search(query: string, nameOf: NameOf): void {
     this.query.value = query;
     this.hit.value = null;
+    this.found.value?.end();
     if (query.trim() === "") {
       this.found.value = null;
       return;
     }
-    const found = new JournalHits(this.watch.journal, query, nameOf);
-    found.follow();
-    this.found.value = found;
+    this.found.value = new RunSearch(this.watch, this.#page.runs, query, nameOf);
   }
 
   /** Goes to the next hit after the moment that is shown, or the one before, around the ends. */
   toHit(direction: "before" | "after"): void {
     const found = this.found.value;
-    if (!found || found.hits.length === 0) return;
-    const from = this.hit.value ?? (this.shown === null ? -1 : this.shown - 1);
+    if (!found || found.count === 0) return;
+    const playhead = this.watch.playhead.value;
+    const from = this.hit.value ?? (playhead === null ? 0 : playhead - 1);
     const place = direction === "after" ? found.after(from) : found.before(from);
-    const hit = found.hits[place];
-    if (hit === undefined) return;
+    const hit = found.sequence(place);
     this.hit.value = hit;
-    showIndex(this.watch, hit);
-    this.reveal();
+    this.show(hit);
+    this.spanRequest.value = withTime(this.spanRequest.value, found.t_ns(place), this.end_ns);
   }
 }
 
 export const timelineOf = perOwner(
-  (watch: Watch, page: Pick<Page, "server">) => new TimelineModel(page, watch),
+  (watch: Watch, page: Pick<Page, "server" | "runs">) => new TimelineModel(page, watch),
 );

@@ -2,27 +2,27 @@
 
 import type { Inks } from "../../store/canvas_element.ts";
 import type { Calls } from "../../store/history/calls.ts";
-import type { JournalHits } from "../../store/history/journal_hits.ts";
 import type { CallLook } from "../../store/history/lanes.ts";
 import { NOTE_KINDS, type NoteKind, type Notes } from "../../store/history/notes.ts";
 import type { Gap } from "../../store/run/gaps.ts";
+import type { RunSearch } from "../../store/run/search.ts";
 import type { NameOf } from "../parts/happened.ts";
-import { type Bar, barsOf, type Scale, xOf } from "./bars.ts";
+import { type Bar, barsOf, NARROW_PX, type Scale, xOf } from "./bars.ts";
 import { ROW_PX, type TimelineLayout } from "./layout.ts";
 import { ticks } from "./span.ts";
 
 export interface Scene {
   readonly calls: Calls;
   readonly notes: Notes;
-  readonly found: JournalHits | null;
+  readonly found: RunSearch | null;
   readonly layout: TimelineLayout;
   readonly scale: Scale;
   /** How far the rows are scrolled. */
   readonly top: number;
   readonly height: number;
-  /** The index of the event that is shown; null: live. */
-  readonly playhead: number | null;
-  /** The hit that one stands at. */
+  /** The time of the moment that is shown; null: live. */
+  readonly shown_ns: number | null;
+  /** The number of the hit that one stands at. */
   readonly hit: number | null;
   readonly selected: ReadonlySet<string>;
   readonly hovered: number | null;
@@ -112,37 +112,53 @@ function paintBar(context: CanvasRenderingContext2D, scene: Scene, bar: Bar, y: 
   const { inks } = scene;
   const top = y + 1;
   const height = ROW_PX - 3;
-  if ("many" in bar) {
-    context.fillStyle = inks(bar.failed > 0 ? "--aborted" : "--canvas-trail");
-    context.globalAlpha = bar.many > 1 ? 0.85 : 0.65;
-    context.fillRect(
-      bar.x,
-      bar.failed > 0 ? top : top + 3,
-      bar.width,
-      height - (bar.failed > 0 ? 0 : 3),
-    );
+  const together = togetherIn(bar);
+  if (together) {
+    const { many, failed } = together;
+    context.fillStyle = inks(failed > 0 ? "--aborted" : "--canvas-trail");
+    context.globalAlpha = many > 1 ? 0.85 : 0.65;
+    context.fillRect(bar.x, failed > 0 ? top : top + 3, bar.width, height - (failed > 0 ? 0 : 3));
     context.globalAlpha = 1;
     return;
   }
+  const { path, look, isHovered } = aloneIn(scene, bar);
   const left = Math.max(-4, bar.x);
   const right = Math.min(scene.scale.width + 4, bar.x + bar.width);
   const width = Math.max(1, right - left - (bar.width > 4 ? 1 : 0));
-  const { ink, sign } = LOOKS[bar.look];
+  const { ink, sign } = LOOKS[look];
   context.fillStyle = inks(ink);
-  context.globalAlpha = bar.look === "open" ? 0.38 : 0.24;
+  context.globalAlpha = look === "open" ? 0.38 : 0.24;
   context.fillRect(left, top, width, height);
   context.globalAlpha = 1;
-  paintEdge(context, bar.look, { left, top, width, height });
-  if (scene.selected.has(scene.calls.path(bar.call)) || scene.hovered === bar.call) {
-    context.strokeStyle = inks(scene.hovered === bar.call ? "--text-soft" : "--canvas-selection");
+  paintEdge(context, look, { left, top, width, height });
+  if (scene.selected.has(path) || isHovered) {
+    context.strokeStyle = inks(isHovered ? "--text-soft" : "--canvas-selection");
     context.lineWidth = 1.5;
     context.strokeRect(left + 0.75, top + 0.75, Math.max(1, width - 1.5), height - 1.5);
   }
-  paintName(context, scene, `${sign}${scene.nameOf(scene.calls.path(bar.call))}`, {
+  paintName(context, scene, `${sign}${scene.nameOf(path)}`, {
     left: Math.max(0, left),
     width: right - Math.max(0, left),
     y: top + height / 2 - 0.5,
   });
+}
+
+/** How many calls are drawn together, and how many of them failed; null of one that is drawn alone. */
+function togetherIn(bar: Bar): { readonly many: number; readonly failed: number } | null {
+  if (!("seen" in bar)) return "many" in bar ? bar : null;
+  return bar.seen.many > 1 || bar.width <= NARROW_PX ? bar.seen : null;
+}
+
+interface AloneBar {
+  readonly path: string;
+  readonly look: CallLook;
+  readonly isHovered: boolean;
+}
+
+function aloneIn({ calls, hovered }: Scene, bar: Bar): AloneBar {
+  if ("seen" in bar) return { path: bar.seen.path, look: bar.seen.look, isHovered: false };
+  if ("many" in bar) return { path: calls.path(bar.first), look: "ended", isHovered: false };
+  return { path: calls.path(bar.call), look: bar.look, isHovered: hovered === bar.call };
 }
 
 interface Rect {
@@ -193,19 +209,19 @@ function cut(context: CanvasRenderingContext2D, text: string, room: number): str
 
 /** What is later than the moment that is shown is drawn back; a line stands at the moment. */
 function paintPlayhead(context: CanvasRenderingContext2D, scene: Scene, height: number): void {
-  const { calls, scale, playhead, inks, parted_ns } = scene;
+  const { scale, shown_ns, inks, parted_ns } = scene;
   if (parted_ns !== null) {
     context.fillStyle = inks("--changed");
     for (let y = 0; y < height; y += 7) {
       context.fillRect(Math.round(xOf(scale, parted_ns)) - 1, y, 2, 4);
     }
   }
-  if (playhead === null) {
+  if (shown_ns === null) {
     context.fillStyle = inks("--running");
     context.fillRect(Math.round(xOf(scale, scale.end_ns)), 0, 1, height);
     return;
   }
-  const x = Math.round(xOf(scale, calls.journal.t_ns(playhead)));
+  const x = Math.round(xOf(scale, shown_ns));
   context.fillStyle = inks("--sunken");
   context.globalAlpha = 0.4;
   context.fillRect(x, 0, Math.max(0, scale.width - x), height);
@@ -238,21 +254,18 @@ export function paintRuler(context: CanvasRenderingContext2D, scene: Scene): voi
   paintFlag(context, scene);
 }
 
-function paintHits(
-  context: CanvasRenderingContext2D,
-  { calls, found, scale, hit, inks }: Scene,
-): void {
+function paintHits(context: CanvasRenderingContext2D, { found, scale, hit, inks }: Scene): void {
   if (!found) return;
   context.fillStyle = inks("--canvas-hit");
   let last = Number.NEGATIVE_INFINITY;
-  for (const index of found.hits) {
-    const x = xOf(scale, calls.journal.t_ns(index));
+  for (let place = 0; place < found.count; place += 1) {
+    const x = xOf(scale, found.t_ns(place));
     if (x < 0 || x > scale.width || x - last < 2) continue;
     last = x;
     context.fillRect(Math.round(x) - 1, 20, 2, 4);
   }
   if (hit === null) return;
-  const x = xOf(scale, calls.journal.t_ns(hit));
+  const x = xOf(scale, found.t_ns(found.after(hit - 1)));
   triangle(context, x, 16, 6);
 }
 
@@ -281,8 +294,8 @@ const NOTE_SIGNS: Readonly<Record<NoteKind, string>> = {
 
 const NOTE_PX = 10;
 
-function paintNotes(context: CanvasRenderingContext2D, { calls, notes, scale, inks }: Scene): void {
-  const { journal } = calls;
+function paintNotes(context: CanvasRenderingContext2D, { notes, scale, inks }: Scene): void {
+  const { journal } = notes;
   const shown = new Map<number, NoteKind>();
   const until = notes.firstFrom(journal.indexAt(scale.span.to_ns + 1));
   for (let at = notes.firstFrom(journal.indexAt(scale.span.from_ns)); at < until; at++) {
@@ -301,12 +314,9 @@ function paintNotes(context: CanvasRenderingContext2D, { calls, notes, scale, in
   context.textAlign = "start";
 }
 
-function paintFlag(
-  context: CanvasRenderingContext2D,
-  { calls, scale, playhead, inks }: Scene,
-): void {
-  const t_ns = playhead === null ? scale.end_ns : calls.journal.t_ns(playhead);
-  context.fillStyle = inks(playhead === null ? "--running" : "--accent");
+function paintFlag(context: CanvasRenderingContext2D, { scale, shown_ns, inks }: Scene): void {
+  const t_ns = shown_ns ?? scale.end_ns;
+  context.fillStyle = inks(shown_ns === null ? "--running" : "--accent");
   triangle(context, xOf(scale, t_ns), RULER_PX - 2, 7);
 }
 

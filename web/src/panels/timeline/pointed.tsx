@@ -8,7 +8,7 @@ import { runTime } from "../../store/page/times.ts";
 import { useSignal } from "../../ui/signals.ts";
 import { measured } from "../parts/duration.ts";
 import { namesOf } from "../parts/happened.ts";
-import type { TimelineModel } from "./model.ts";
+import type { Pointed as PointedPlace, TimelineModel } from "./model.ts";
 
 interface PointedProps {
   readonly tab: OpenTab;
@@ -19,25 +19,41 @@ const WIDTH_PX = 240;
 
 export function Pointed({ tab, model }: PointedProps) {
   const pointed = useSignal(model.pointed);
-  if (!pointed || pointed.call === null) return null;
-  const { calls, end_ns } = model;
-  const { call, many, failed } = pointed;
+  if (!pointed || (pointed.call === null && pointed.seen === null)) return null;
+  const { many, failed } = pointed;
   const isLeft = pointed.x < WIDTH_PX;
   const side = isLeft ? { left: pointed.x + 14 } : { left: pointed.x - WIDTH_PX - 6 };
-  const began = calls.began_ns(call);
-  const length = calls.ended_ns(call, end_ns) - began;
   return (
     <div
       className="timeline-pointed"
       style={{ top: pointed.y + 14, width: WIDTH_PX, ...side }}
       aria-hidden
     >
-      <strong>{namesOf(tab.session)(calls.path(call))}</strong>
+      <strong>{namesOf(tab.session)(pathOf(model, pointed))}</strong>
       {many > 1 && (
         <span>
           and {many - 1} more here{failed > 0 ? `, ${failed} of them failed` : ""}: zoom in
         </span>
       )}
+      {pointed.call === null ? (
+        <SeenThere model={model} pointed={pointed} />
+      ) : (
+        <CallThere model={model} call={pointed.call} />
+      )}
+    </div>
+  );
+}
+
+function pathOf({ calls }: TimelineModel, { call, seen }: PointedPlace): string {
+  return call === null ? (seen?.path ?? "") : calls.path(call);
+}
+
+function CallThere({ model, call }: Pick<PointedProps, "model"> & { readonly call: number }) {
+  const { calls, end_ns } = model;
+  const began = calls.began_ns(call);
+  const length = calls.ended_ns(call, end_ns) - began;
+  return (
+    <>
       <span>
         from {runTime(model.watch, began)} for {measured(length / 1e6)}
       </span>
@@ -45,8 +61,35 @@ export function Pointed({ tab, model }: PointedProps) {
       {hasFailed(calls, call) && (
         <span className="timeline-error">{errorAt(calls.journal, calls.end(call))}</span>
       )}
-    </div>
+    </>
   );
+}
+
+/** What the server says: of several calls only when they were. */
+function SeenThere({ model, pointed: { seen } }: Pick<PointedProps, "model"> & Here) {
+  if (!seen) return null;
+  const length = (seen.to_ns ?? model.end_ns) - seen.from_ns;
+  return (
+    <>
+      <span>
+        from {runTime(model.watch, seen.from_ns)} for {measured(length / 1e6)}
+      </span>
+      {seen.many === 1 && <span>{SEEN_ENDS[seen.look]}</span>}
+    </>
+  );
+}
+
+const SEEN_ENDS: Readonly<Record<CallLook, string>> = {
+  open: "active",
+  ended: "ended",
+  aborted: "aborted, or ended with an error",
+  preempted: "preempted",
+  back: "undone by a step back",
+  dropped: "interrupted: the run went back, or its program died",
+};
+
+interface Here {
+  readonly pointed: PointedPlace;
 }
 
 const ERROR_MAX = 120;

@@ -1,6 +1,7 @@
 /** The time line of the run in front: a lane for each branch, its states as bars, and the moment that the page shows, moved by
  * pointer and keys. */
 
+import { signal } from "@preact/signals-core";
 import {
   ChevronDown,
   ChevronRight,
@@ -18,6 +19,7 @@ import type { Watch } from "../../store/history/run.ts";
 import type { OpenTab } from "../../store/page/page.ts";
 import { selectedStates } from "../../store/page/view.ts";
 import { gapsOf } from "../../store/run/gaps.ts";
+import type { RunSearch } from "../../store/run/search.ts";
 import { Button, IconButton } from "../../ui/button.tsx";
 import { Empty } from "../../ui/empty.tsx";
 import { TextField } from "../../ui/field.tsx";
@@ -155,9 +157,10 @@ function SearchField({ tab, model }: Pick<TimelineProps, "tab" | "model">) {
   const found = useSignal(model.found);
   const hit = useSignal(model.hit);
   useSignal(model.watch.journalVersion);
+  useSignal(found?.changed ?? NEVER);
   found?.follow();
-  const many = found?.hits.length ?? 0;
-  const place = hit === null || !found ? 0 : found.hits.indexOf(hit) + 1;
+  const many = found?.count ?? 0;
+  const place = hit === null || !found ? 0 : found.after(hit - 1) + 1;
   return (
     <span className="timeline-group">
       <TextField
@@ -172,10 +175,7 @@ function SearchField({ tab, model }: Pick<TimelineProps, "tab" | "model">) {
         }}
       />
       <span className="timeline-hits" role="status">
-        {found &&
-          (many === 0
-            ? "No hits"
-            : `${place === 0 ? "–" : inWords(place)} of ${inWords(many)}${found.isFull ? "+" : ""}`)}
+        {found && hitsInWords(found, place)}
       </span>
       <IconButton
         label="Previous hit"
@@ -193,6 +193,17 @@ function SearchField({ tab, model }: Pick<TimelineProps, "tab" | "model">) {
       />
     </span>
   );
+}
+
+const NEVER = signal(0);
+
+/** The place is 0 before one was gone to. */
+function hitsInWords(found: RunSearch, place: number): string {
+  const { count, isFull, isAsking, refusal } = found;
+  if (count === 0 && refusal !== null) return refusal;
+  if (count === 0) return isAsking ? "Searching…" : "No hits";
+  const more = isFull ? "+" : isAsking ? "…" : "";
+  return `${place === 0 ? "–" : inWords(place)} of ${inWords(count)}${more}`;
 }
 
 function inWords(count: number): string {
@@ -234,7 +245,7 @@ function Chart({ tab, watch, model }: TimelineProps) {
             aria-label="Moment of the run"
             aria-valuemin={0}
             aria-valuemax={watch.journal.sequence(watch.journal.length - 1)}
-            aria-valuenow={watch.journal.sequence(shownIndex(watch))}
+            aria-valuenow={watch.window.sequence(shownIndex(watch))}
             aria-valuetext={`${when} ${what}`}
             onKeyDown={(event) => {
               if (!timelineKey(event, model, selectedStates(tab.view)[0])) return;
@@ -255,6 +266,8 @@ function Labels({ tab, watch, model }: TimelineProps) {
   useSignal(model.isOnlyInSight);
   useSignal(model.spanRequest);
   useSignal(watch.journalVersion);
+  useSignal(watch.playhead);
+  useSignal(model.overviews.seen);
   useSignal(tab.session.version);
   const { layout } = model;
   const nameOf = namesOf(tab.session);

@@ -151,7 +151,7 @@ function dataOf({ history, watch }: WatchedValue): uPlot.AlignedData {
 
 function drawPlayhead(plot: uPlot, { watched, playhead }: Latest, colour: string): void {
   if (playhead === null) return;
-  const { journal } = watched.watch;
+  const { window: journal } = watched.watch;
   const x = plot.valToPos(journal.t_ns(journal.indexOf(playhead)) / 1e9, "x", true);
   const { left, top, width, height } = plot.bbox;
   if (x < left || x > left + width) return;

@@ -71,6 +71,8 @@ export class Calls {
     for (; this.#read < journal.length; this.#read++) {
       const kind = journal.kind(this.#read);
       if (kind === ENTERED) this.#entered(this.#read);
+      // Of what was earlier only those calls are here that go on.
+      else if (this.#read < journal.first) continue;
       else if (kind === LEFT) this.#left(this.#read);
       else this.#other(this.#read);
     }

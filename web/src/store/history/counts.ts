@@ -1,6 +1,6 @@
 /** How often and how long states ran, counted while a run is told. */
 
-import type { Outcome } from "../../model/generated/protocol.ts";
+import type { EarlierState, Outcome } from "../../model/generated/protocol.ts";
 
 export interface Count {
   readonly path: string;
@@ -37,6 +37,22 @@ export class Counts {
     return this.#all.values();
   }
 
+  /** What a state had done before the first event that is told. */
+  begin(number: number, state: EarlierState): void {
+    const { path, entries, ends, total_ns, max_ns, entered, left } = state;
+    const count = this.#of(number, path);
+    Object.assign(count, { entries, ends, total_ns, max_ns });
+    if (ends > 0) count.min_ns = state.min_ns;
+    count.entered_ns = entered?.t_ns ?? 0;
+    count.left_ns = left?.t_ns ?? null;
+    count.last = left?.outcome ?? null;
+  }
+
+  /** A state is active since before the first event that is told. */
+  active(number: number, path: string, t_ns: number): void {
+    this.#of(number, path).entered_ns = t_ns;
+  }
+
   entered(number: number, path: string, t_ns: number, isBack: boolean): void {
     const count = this.#of(number, path);
     if (!isBack) count.entries += 1;
@@ -49,7 +65,8 @@ export class Counts {
     if (isBack) return;
     const length = t_ns - count.entered_ns;
     count.last = outcome;
-    count.lengths_ns[count.ends % LENGTHS_MAX] = length;
+    if (count.lengths_ns.length < LENGTHS_MAX) count.lengths_ns.push(length);
+    else count.lengths_ns[count.ends % LENGTHS_MAX] = length;
     count.ends += 1;
     count.total_ns += length;
     count.min_ns = Math.min(count.min_ns, length);

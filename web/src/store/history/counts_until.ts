@@ -26,17 +26,22 @@ class CountsUntil {
   /** By the number of the path. */
   readonly #all: (CountUntilDraft | undefined)[] = [];
   readonly #byPath = new Map<string, CountUntilDraft>();
-  #at = 0;
+  #at: number;
 
   constructor(journal: Journal) {
     this.#journal = journal;
     this.#lengths = lengthsOf(journal);
+    this.#at = journal.first;
+    for (const { path, entries, total_ns } of journal.base?.earlier?.states ?? []) {
+      this.#byPath.set(path, { path, entries, total_ns });
+    }
   }
 
   /** Goes to the place before the event with this index. */
   to(index: number): void {
-    for (; this.#at < index; this.#at++) this.#add(this.#at, 1);
-    for (; this.#at > index; this.#at--) this.#add(this.#at - 1, -1);
+    const until = Math.max(index, this.#journal.first);
+    for (; this.#at < until; this.#at++) this.#add(this.#at, 1);
+    for (; this.#at > until; this.#at--) this.#add(this.#at - 1, -1);
   }
 
   entries(path: string): number {
@@ -59,7 +64,8 @@ class CountsUntil {
   #of(number: number): CountUntilDraft {
     let count = this.#all[number];
     if (!count) {
-      count = { path: this.#journal.pathOf(number), entries: 0, total_ns: 0 };
+      const path = this.#journal.pathOf(number);
+      count = this.#byPath.get(path) ?? { path, entries: 0, total_ns: 0 };
       this.#all[number] = count;
       this.#byPath.set(count.path, count);
     }

@@ -3,6 +3,7 @@
 import { computed, type ReadonlySignal } from "@preact/signals-core";
 import type { Event } from "../../model/generated/protocol.ts";
 import { perOwner } from "../../model/per_owner.ts";
+import type { Journal } from "./journal.ts";
 import type { Watch } from "./run.ts";
 
 interface Tally {
@@ -12,13 +13,15 @@ interface Tally {
 }
 
 const hitsSignal = perOwner((watch: Watch): ReadonlySignal<ReadonlyMap<number, number>> => {
-  const tally: Tally = { at: 0, hits: new Map() };
   return computed(() => {
     watch.journalVersion.value;
+    const tally = tallyOf(watch.journal);
     readOn(watch, tally);
     return new Map(tally.hits);
   });
 });
+
+const tallyOf = perOwner((_journal: Journal): Tally => ({ at: 0, hits: new Map() }));
 
 /** Hits by the breakpoint's id. A signal's reader. */
 export function hitsOf(watch: Watch): ReadonlyMap<number, number> {

@@ -1,7 +1,15 @@
-/** All that happened in a run, in columns: a long mission fits, and grows by a few bytes an event. Knows events; never who tells
- * them, nor how they are shown. */
+/** What happened in a run, in columns of a few bytes an event: all of it, or a part with what is known from before it. Knows events;
+ * never who tells them, nor how they are shown. */
 
-import type { Event, HistoryEntry, JsonValue, Outcome } from "../../model/generated/protocol.ts";
+import type {
+  Before,
+  EarlierHistory,
+  Event,
+  HistoryEntry,
+  JsonValue,
+  Outcome,
+} from "../../model/generated/protocol.ts";
+import { parentOf } from "../../model/path.ts";
 import { NumberColumn } from "./column.ts";
 import { Counts } from "./counts.ts";
 
@@ -43,7 +51,19 @@ const STRUCTURAL: ReadonlySet<Event["type"]> = new Set(["resumed", "dropped", "r
 /** So many whole events are kept, the newest, and so many errors; older ones are asked for at the server. */
 const OTHERS_MAX = 20_000;
 
+/** What is known from before the first event of a part of a run. */
+export interface JournalBase {
+  /** What was active. */
+  readonly before: Before;
+  /** What states had done, and what was worth a mark; null while that is not known. */
+  readonly earlier: EarlierHistory | null;
+}
+
 export class Journal {
+  /** Null if it begins with the run. */
+  readonly base: JournalBase | null;
+  /** The index of its first event. Before it stand single events from earlier: entries of what was active, and what was worth a mark. */
+  readonly first: number;
   readonly #sequence = new NumberColumn(Float64Array);
   readonly #t_ns = new NumberColumn(Float64Array);
   readonly #kind = new NumberColumn(Uint8Array);
@@ -64,9 +84,25 @@ export class Journal {
   /** How often and how long states ran. */
   readonly counts = new Counts();
 
-  /** How many events are here. */
+  constructor(base: JournalBase | null = null) {
+    this.base = base;
+    if (base) this.#begin(base);
+    this.first = this.#sequence.length;
+  }
+
+  /** How many events are here, with those from earlier. */
   get length(): number {
     return this.#sequence.length;
+  }
+
+  /** Every event from this number on was told. */
+  get from(): number {
+    return (this.base?.before.sequence ?? 0) + 1;
+  }
+
+  /** Whether what happened around this event is here. */
+  covers(sequence: number): boolean {
+    return sequence >= this.from && sequence < this.#next;
   }
 
   /** The cursor: everything before was told. */
@@ -165,12 +201,49 @@ export class Journal {
     return this.#t_ns.firstFrom(t_ns);
   }
 
+  /** When an event happened; null if it is not here. */
+  timeOf(sequence: number): number | null {
+    const index = this.indexOf(sequence);
+    return this.sequence(index) === sequence ? this.t_ns(index) : null;
+  }
+
   /** Whether no crash stopped the run's clock before this time: then the time of the day is known, too. */
   hasClockAt(t_ns: number): boolean {
     return t_ns < this.#resumed_ns;
   }
 
-  #add({ sequence, t_ns, event }: HistoryEntry): void {
+  /** Begins with what is known from before. */
+  #begin({ before, earlier }: JournalBase): void {
+    const entries = before.active.map(
+      ({ path, sequence, t_ns }): HistoryEntry => ({
+        sequence,
+        t_ns,
+        event: { type: "entered", path },
+      }),
+    );
+    const all = [...entries, ...(earlier?.notable ?? [])];
+    for (const entry of all.sort((one, other) => one.sequence - other.sequence)) this.#put(entry);
+    for (const state of earlier?.states ?? []) {
+      this.counts.begin(this.#numberOf(state.path), state);
+    }
+    for (const { path, t_ns } of before.active) {
+      this.counts.active(this.#numberOf(path), path, t_ns);
+    }
+    this.#next = before.sequence + 1;
+  }
+
+  #add(entry: HistoryEntry): void {
+    const { t_ns, event } = entry;
+    this.#put(entry);
+    if (event.type === "entered") {
+      this.counts.entered(this.#numberOf(event.path), event.path, t_ns, event.undoes != null);
+    } else if (event.type === "left") {
+      const { path, outcome, undoes } = event;
+      this.counts.left(this.#numberOf(path), path, t_ns, outcome, undoes != null);
+    }
+  }
+
+  #put({ sequence, t_ns, event }: HistoryEntry): void {
     this.#sequence.push(sequence);
     this.#t_ns.push(t_ns);
     if (event.type === "resumed") this.#resumed_ns = Math.min(this.#resumed_ns, t_ns);
@@ -184,13 +257,11 @@ export class Journal {
     const path = this.#numberOf(event.path);
     if (event.type === "entered") {
       this.#push(ENTERED, path, NO_OUTCOME, isBack ? BACK : 0);
-      this.counts.entered(path, event.path, t_ns, isBack);
       return;
     }
     const flags = (isBack ? BACK : 0) | (event.error != null ? ERROR : 0);
     if (event.error != null) keep(this.#errors, sequence, event.error as JsonValue);
     this.#push(LEFT, path, this.#outcomeNumber(event.outcome), flags);
-    this.counts.left(path, event.path, t_ns, event.outcome, isBack);
   }
 
   #push(kind: number, path: number, outcome: number, flags: number): void {
@@ -203,6 +274,9 @@ export class Journal {
   #numberOf(path: string): number {
     let number = this.#numbers.get(path);
     if (number === undefined) {
+      // Those around it first: what is told from earlier may begin anywhere.
+      const around = this.base === null ? null : parentOf(path);
+      if (around !== null) this.#numberOf(around);
       number = this.#paths.push(path) - 1;
       this.#numbers.set(path, number);
     }

@@ -4,12 +4,12 @@
 import { ENTERED, type Journal, LEFT } from "./journal.ts";
 
 /** So many are found at most. */
-const HITS_MAX = 20_000;
+export const HITS_MAX = 20_000;
 
 export class JournalHits {
   /** Indices in the journal. */
   readonly hits: number[] = [];
-  readonly #journal: Journal;
+  readonly journal: Journal;
   readonly #wanted: string;
   readonly #name: (path: string) => string;
   /** Whether a state's name is wanted, by the number of its path. */
@@ -17,7 +17,7 @@ export class JournalHits {
   #read = 0;
 
   constructor(journal: Journal, wanted: string, name: (path: string) => string) {
-    this.#journal = journal;
+    this.journal = journal;
     this.#wanted = wanted.trim().toLowerCase();
     this.#name = name;
   }
@@ -29,25 +29,13 @@ export class JournalHits {
 
   follow(): void {
     if (this.#wanted === "") return;
-    for (; this.#read < this.#journal.length && !this.isFull; this.#read++) {
+    for (; this.#read < this.journal.length && !this.isFull; this.#read++) {
       if (this.#is(this.#read)) this.hits.push(this.#read);
     }
   }
 
-  /** The place of the first hit after this event of the journal; the first of all if there is none. */
-  after(index: number): number {
-    const at = this.hits.findIndex((hit) => hit > index);
-    return Math.max(0, at);
-  }
-
-  /** The place of the last hit before this event; the last of all if there is none. */
-  before(index: number): number {
-    const at = this.hits.findLastIndex((hit) => hit < index);
-    return at < 0 ? this.hits.length - 1 : at;
-  }
-
   #is(index: number): boolean {
-    const journal = this.#journal;
+    const journal = this.journal;
     switch (journal.kind(index)) {
       case ENTERED:
         return this.#isNamed(journal.pathNumber(index));
@@ -63,7 +51,7 @@ export class JournalHits {
   #isNamed(path: number): boolean {
     let is = this.#named[path];
     if (is === undefined) {
-      is = this.#has(this.#name(this.#journal.pathOf(path)));
+      is = this.#has(this.#name(this.journal.pathOf(path)));
       this.#named[path] = is;
     }
     return is;

@@ -128,7 +128,7 @@ export class RunLanes {
     if (calls.concurrent.size !== this.#split) this.#again();
     const before = this.#lanes.size;
     for (; this.#put < calls.length; this.#put++) this.#add(this.#put);
-    if (this.#lanes.size !== before) this.#ordered = ordered([...this.#lanes.values()]);
+    if (this.#lanes.size !== before) this.#ordered = inOrder([...this.#lanes.values()]);
   }
 
   #again(): void {
@@ -176,14 +176,20 @@ export class RunLanes {
   }
 }
 
-function ordered(lanes: readonly Lane[]): readonly Lane[] {
-  const inside = new Map<string | null, Lane[]>();
+interface Nested {
+  readonly path: string;
+  readonly parent: string | null;
+}
+
+/** Each after the one around it. */
+export function inOrder<L extends Nested>(lanes: readonly L[]): readonly L[] {
+  const inside = new Map<string | null, L[]>();
   for (const lane of lanes) {
     const list = inside.get(lane.parent);
     if (list) list.push(lane);
     else inside.set(lane.parent, [lane]);
   }
-  const below = (path: string | null): readonly Lane[] =>
+  const below = (path: string | null): readonly L[] =>
     (inside.get(path) ?? []).flatMap((lane) => [lane, ...below(lane.path)]);
   return below(null);
 }

@@ -15,16 +15,16 @@ const LOOKED_AT = 500;
 
 /** The last end of a child of the container that a state is in, at the moment that is shown; null if none was lately. */
 export function lastEndBeside(
-  watch: Pick<Watch, "journal" | "journalVersion" | "playhead">,
+  watch: Pick<Watch, "window" | "journalVersion" | "playhead">,
   path: string,
 ): LastEnd | null {
-  const { journal } = watch;
   watch.journalVersion.value;
+  const playhead = watch.playhead.value;
+  const { window: journal } = watch;
   const around = parentOf(path);
   if (around === null) return null;
-  const playhead = watch.playhead.value;
   const end = playhead === null ? journal.length : journal.indexOf(playhead + 1);
-  for (let index = end - 1; index >= Math.max(0, end - LOOKED_AT); index -= 1) {
+  for (let index = end - 1; index >= Math.max(journal.first, end - LOOKED_AT); index -= 1) {
     if (journal.kind(index) !== LEFT) continue;
     const other = journal.pathOf(journal.pathNumber(index));
     const outcome = journal.outcome(index);

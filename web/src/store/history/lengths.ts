@@ -27,7 +27,8 @@ export class CallLengths {
     const number = this.#journal.pathNumber(index);
     const t_ns = this.#journal.t_ns(index);
     if (kind === ENTERED) this.#entered[number] = t_ns;
-    this.#lengths.push(kind === LEFT ? t_ns - (this.#entered[number] ?? 0) : 0);
+    const isWhole = kind === LEFT && index >= this.#journal.first;
+    this.#lengths.push(isWhole ? t_ns - (this.#entered[number] ?? 0) : 0);
   }
 }
 

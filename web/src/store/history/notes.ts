@@ -28,17 +28,17 @@ interface Note {
 
 export class Notes {
   readonly all: Note[] = [];
-  readonly #journal: Journal;
+  readonly journal: Journal;
   #read = 0;
 
   constructor(journal: Journal) {
-    this.#journal = journal;
+    this.journal = journal;
   }
 
   follow(): void {
-    for (; this.#read < this.#journal.length; this.#read++) {
-      if (this.#journal.kind(this.#read) !== OTHER) continue;
-      const event = this.#journal.other(this.#read);
+    for (; this.#read < this.journal.length; this.#read++) {
+      if (this.journal.kind(this.#read) !== OTHER) continue;
+      const event = this.journal.other(this.#read);
       const kind = event && kindOf(event);
       if (kind) this.all.push({ index: this.#read, kind });
     }

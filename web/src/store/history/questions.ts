@@ -3,7 +3,7 @@
 import { computed, type ReadonlySignal } from "@preact/signals-core";
 import type { Closing, JsonValue, Question } from "../../model/generated/protocol.ts";
 import { perOwner } from "../../model/per_owner.ts";
-import { OTHER } from "./journal.ts";
+import { type Journal, OTHER } from "./journal.ts";
 import type { Watch } from "./run.ts";
 
 /** A question that came to its end. */
@@ -37,12 +37,13 @@ export function openQuestions(watch: Pick<Watch, "now">): readonly Question[] {
 
 /** When questions were asked and how they ended, found while the journal grows. */
 export const askedQuestions = perOwner((watch: QuestionsWatch): ReadonlySignal<AskedQuestions> => {
-  const walker = new Walker();
   return computed(() => {
     watch.journalVersion.value;
-    return walker.found(watch.journal);
+    return walkerOf(watch.journal).found(watch.journal);
   });
 });
+
+const walkerOf = perOwner((_journal: Journal) => new Walker());
 
 /** Who else answered a question; null while nobody is known to. A signal's reader. */
 export function answeredBy(watch: QuestionsWatch, question: number): string | null {

@@ -70,7 +70,7 @@ export class RecentPath {
 
   /** Goes on up to an event by its index, that one left out. */
   follow(journal: Journal, until: number): void {
-    if (until - this.#at > LOOK_BACK) this.#at = until - LOOK_BACK;
+    this.#at = Math.max(this.#at, journal.first, until - LOOK_BACK);
     for (; this.#at < until; this.#at++) {
       const kind = journal.kind(this.#at);
       if (kind === ENTERED) this.#entered(journal, this.#at);

@@ -44,9 +44,13 @@ export interface Watch {
   readonly proven_ms: ReadonlySignal<number | null>;
   /** Whether it came over the connection that there is now: not yet in the first moments after a break. */
   readonly isCurrent: ReadonlySignal<boolean>;
-  /** All that happened, as far as it was told. The object stays. */
+  /** What happened lately, as far as it was told: of a run that is not long, all that happened. Bounded: a longer one goes on as another
+   * object. */
   readonly journal: Journal;
-  /** Another number whenever the journal has grown: ten times a second at most. */
+  /** What happened around the moment that is shown: `journal`, or an earlier part that was asked for. While that is on its way, what
+   * was there before. */
+  readonly window: Journal;
+  /** Another number whenever one of them has grown or is another one: ten times a second at most. */
   readonly journalVersion: ReadonlySignal<number>;
   /** Whether all that there was when the page came, or came back after a break, has been told. */
   readonly isCaughtUp: ReadonlySignal<boolean>;

@@ -2,7 +2,7 @@
 
 import type { LogLevel, LogLine, LogPage, Stream } from "../../model/generated/protocol.ts";
 import { perOwner } from "../../model/per_owner.ts";
-import { OTHER } from "./journal.ts";
+import { type Journal, OTHER } from "./journal.ts";
 import type { Runs, Watch } from "./run.ts";
 
 export interface RunLogLine {
@@ -17,21 +17,28 @@ export interface RunLogLine {
 
 /** So many lines are kept, and those that were asked for beside; then all but the newest half go, and can be asked for again. */
 const LINES_MAX = 30_000;
-/** So many events are looked through for older lines at once. */
+/** So many events are looked through for older lines at first, then twice as many, until so many lines are found. */
 const OLDER_EVENTS = 5_000;
+const OLDER_LINES = 100;
 const PAGE = 1_000;
 
 export class RunLog {
   readonly #watch: Pick<Watch, "id" | "journal">;
   #lines: RunLogLine[] = [];
-  #index = 0;
-  #from = 1;
+  #journal: Journal;
+  #index: number;
+  #from: number;
+  /** The first event that was not read. */
+  #next = 1;
   #age = 0;
   /** How many of the lines were asked for. */
   #asked = 0;
 
   constructor(watch: Pick<Watch, "id" | "journal">) {
     this.#watch = watch;
+    this.#journal = watch.journal;
+    this.#index = this.#journal.first;
+    this.#from = this.#journal.from;
   }
 
   /** Those that are here, the oldest first. The list grows. */
@@ -52,27 +59,55 @@ export class RunLog {
   /** Goes on to the end of the journal. */
   update(): void {
     const { journal } = this.#watch;
+    if (journal !== this.#journal) this.#goOnIn(journal);
     for (; this.#index < journal.length; this.#index += 1) {
       if (journal.kind(this.#index) === OTHER) this.#take(this.#index);
     }
+    this.#next = journal.next;
     if (this.#lines.length > LINES_MAX + this.#asked) this.#forget();
   }
 
   /** Asks for lines before those that are here. Throws a `RefusalError`. */
   async older(runs: Pick<Runs, "get">): Promise<void> {
-    const [to, begin] = [this.#from, Math.max(1, this.#from - OLDER_EVENTS)];
+    const to = this.#from;
     const found: RunLogLine[] = [];
-    for (let next = begin; next < to; ) {
-      const page: LogPage = await runs.get(this.#watch.id, `log?from=${next}&count=${PAGE}`);
-      found.push(...page.lines.filter(({ sequence }) => sequence < to).map(lineOf));
-      if (page.next <= next) break;
-      next = page.next;
+    let begin = to;
+    for (let look = OLDER_EVENTS; found.length < OLDER_LINES && begin > 1; look *= 2) {
+      const end = begin;
+      begin = Math.max(1, end - look);
+      found.unshift(...(await this.#between(begin, end, runs)));
     }
     if (this.#from !== to) return;
     this.#lines = [...found, ...this.#lines];
     this.#from = begin;
     this.#asked += found.length;
     this.#age += 1;
+  }
+
+  async #between(
+    begin: number,
+    end: number,
+    runs: Pick<Runs, "get">,
+  ): Promise<readonly RunLogLine[]> {
+    const found: RunLogLine[] = [];
+    for (let next = begin; next < end; ) {
+      const page: LogPage = await runs.get(this.#watch.id, `log?from=${next}&count=${PAGE}`);
+      found.push(...page.lines.filter(({ sequence }) => sequence < end).map(lineOf));
+      if (page.next <= next) break;
+      next = page.next;
+    }
+    return found;
+  }
+
+  /** Goes on after the last event that was read, or anew behind a gap. */
+  #goOnIn(journal: Journal): void {
+    this.#journal = journal;
+    if (journal.from <= this.#next) {
+      this.#index = Math.max(journal.first, journal.indexOf(this.#next));
+      return;
+    }
+    this.#index = journal.first;
+    this.#missed(journal.from - 1);
   }
 
   #take(index: number): void {
@@ -106,5 +141,11 @@ function lineOf({ sequence, t_ns, path, level, stream, message }: LogLine): RunL
   return { sequence, t_ns, path, level, stream, message };
 }
 
-/** The log of a run, the same for all who ask. */
-export const runLog = perOwner((watch: Watch) => new RunLog(watch));
+/** The log of a run around the moment that is shown, the same for all who ask: its end, or that of an earlier part. */
+export function runLog(watch: Watch): RunLog {
+  const { id, window, journal } = watch;
+  return window === journal ? newestLog(watch) : pastLog(window, id);
+}
+
+const newestLog = perOwner((watch: Watch) => new RunLog(watch));
+const pastLog = perOwner((journal: Journal, id: string) => new RunLog({ id, journal }));

@@ -19,10 +19,11 @@ export function statisticsUntil(journal: Journal, index: number): readonly Stati
 class StateEnds {
   readonly #journal: Journal;
   readonly #states = new Map<number, State>();
-  #next = 0;
+  #next: number;
 
   constructor(journal: Journal) {
     this.#journal = journal;
+    this.#next = journal.first;
   }
 
   until(index: number): readonly StatisticsUntil[] {

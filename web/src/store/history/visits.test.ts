@@ -33,13 +33,13 @@ function eventOf(path: string, sign: string | undefined): Event {
 
 test("the last visit up to a moment, while the journal grows", () => {
   const journal = journalOf("R+ R/A+ R/A- R/B+ R/B- R/A+");
-  const visits = visitsOf({ journal });
+  const visits = visitsOf({ window: journal });
   expect(visits.last("entered", "R/A", null)).toBe(6);
   expect(visits.last("entered", "R/A", 5)).toBe(2);
   expect(visits.last("left", "R/A", 2)).toBeNull();
   expect([visits.count("R/A", 5), visits.count("R/A", 6)]).toEqual([1, 2]);
   journal.add([{ sequence: 7, t_ns: 7e6, event: eventOf("R/A", "-") }], 8);
-  expect(visitsOf({ journal }).last("left", "R/A", null)).toBe(7);
+  expect(visitsOf({ window: journal }).last("left", "R/A", null)).toBe(7);
 });
 
 test("the traceback of a state is that of the script inside it", () => {
@@ -69,7 +69,7 @@ function port(kind: DataPort["kind"], path: string, name: string): DataPort {
 }
 
 test("values came from the states that gave them, at their ends", () => {
-  const visits = visitsOf({ journal: journalOf("R+ R/A+ R/A- . R/B+ R/B-") });
+  const visits = visitsOf({ window: journalOf("R+ R/A+ R/A- . R/B+ R/B-") });
   const origin = (of: DataPort, until: number | null = null) =>
     originOf(MACHINE, visits, of, until);
   const found = port("scoped_variable", "R", "found");

@@ -1,5 +1,6 @@
 /** When each state was entered and left, by state: found without walking the journal again. Steps back are left out. */
 
+import type { EarlierState, Outcome } from "../../model/generated/protocol.ts";
 import { perOwner } from "../../model/per_owner.ts";
 import { lowerBound } from "./column.ts";
 import { ENTERED, type Journal, LEFT } from "./journal.ts";
@@ -11,23 +12,52 @@ interface StateVisits {
   readonly left: number[];
 }
 
-export function visitsOf({ journal }: Pick<Watch, "journal">): Visits {
-  return visitsIn(journal);
+/** A state's entry or end. */
+export interface Visit {
+  readonly sequence: number;
+  readonly t_ns: number;
+  /** How it ended; null of an entry. */
+  readonly outcome: Outcome | null;
+}
+
+/** Those around the moment that is shown, and the last ones from before them. */
+export function visitsOf({ window }: Pick<Watch, "window">): Visits {
+  return visitsIn(window);
 }
 
 export class Visits {
   readonly #journal: Journal;
   readonly #states = new Map<string, StateVisits>();
+  readonly #earlier: ReadonlyMap<string, EarlierState>;
   #next = 0;
 
   constructor(journal: Journal) {
     this.#journal = journal;
+    const states = journal.base?.earlier?.states ?? [];
+    this.#earlier = new Map(states.map((state) => [state.path, state]));
   }
 
   /** The number of the last event up to `until` by which the state was entered or left; null if there is none. */
   last(kind: "entered" | "left", path: string, until: number | null): number | null {
+    return this.lastVisit(kind, path, until)?.sequence ?? null;
+  }
+
+  /** The same with when and how. */
+  lastVisit(kind: "entered" | "left", path: string, until: number | null): Visit | null {
     const index = this.lastIndex(kind, path, until);
-    return index === null ? null : this.#journal.sequence(index);
+    if (index === null) return this.#lastEarlier(kind, path, until);
+    return {
+      sequence: this.#journal.sequence(index),
+      t_ns: this.#journal.t_ns(index),
+      outcome: this.#journal.outcome(index),
+    };
+  }
+
+  #lastEarlier(kind: "entered" | "left", path: string, until: number | null): Visit | null {
+    const state = this.#earlier.get(path);
+    const turn = kind === "entered" ? state?.entered : state?.left;
+    if (!turn || (until !== null && turn.sequence > until)) return null;
+    return { outcome: null, ...turn };
   }
 
   /** The same as an index of the journal. */
@@ -38,7 +68,17 @@ export class Visits {
 
   /** How often it was entered up to a moment. */
   count(path: string, until: number | null): number {
-    return this.#countTo(this.#of(path)?.entered ?? [], until);
+    const all = this.#of(path)?.entered ?? [];
+    const known = this.#earlier.get(path);
+    if (!known) return this.#countTo(all, until);
+    const { first } = this.#journal;
+    return (
+      known.entries +
+      this.#countTo(
+        all.filter((index) => index >= first),
+        until,
+      )
+    );
   }
 
   /** The last number before the journal's next event: values that were written with an event are there by then. */
@@ -62,6 +102,8 @@ export class Visits {
     for (; this.#next < journal.length; this.#next += 1) {
       const kind = journal.kind(this.#next);
       if ((kind !== ENTERED && kind !== LEFT) || journal.isBack(this.#next)) continue;
+      // Of earlier ends only some are here; the last ones are known otherwise.
+      if (kind === LEFT && this.#next < journal.first) continue;
       const path = journal.pathOf(journal.pathNumber(this.#next));
       const state = this.#states.get(path) ?? { entered: [], left: [] };
       this.#states.set(path, state);

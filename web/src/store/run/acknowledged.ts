@@ -3,6 +3,7 @@
 import { computed, type ReadonlySignal, signal } from "@preact/signals-core";
 import { perOwner } from "../../model/per_owner.ts";
 import { Failures, type RunFailure } from "../history/failures.ts";
+import type { Journal } from "../history/journal.ts";
 import { openQuestions } from "../history/questions.ts";
 import type { Watch } from "../history/run.ts";
 import { BROWSER_STORE, kept, type LocalStore } from "../local_store.ts";
@@ -57,11 +58,12 @@ export function acknowledge(
   localStore.put(KEY, Object.fromEntries(runs));
 }
 
+const failuresIn = perOwner((_journal: Journal) => new Failures());
+
 const about = perOwner((watch: FailuresWatch, localStore?: LocalStore): RunFailures => {
-  const walker = new Failures();
   const failures = computed(() => {
     watch.journalVersion.value;
-    return walker.found(watch.journal);
+    return failuresIn(watch.journal).found(watch.journal);
   });
   const known = knownIn(localStore ?? BROWSER_STORE);
   const own = computed(() => known.value[watch.id]);

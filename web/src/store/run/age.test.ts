@@ -44,6 +44,7 @@ function age(given: Given) {
     playhead: signal(given.playhead ?? null),
     journalVersion: signal(3),
     journal,
+    window: journal,
   } as unknown as Watch;
   const times = {
     heard_ms: NOW_MS,

@@ -64,6 +64,7 @@ function momentAge(watch: Watch): RunAge {
   const { journal } = watch;
   watch.journalVersion.value;
   const end_ns = journal.length === 0 ? 0 : journal.t_ns(journal.length - 1);
-  const t_ns = journal.t_ns(journal.indexOf(watch.playhead.value ?? 0));
+  const playhead = watch.playhead.value ?? 0;
+  const t_ns = watch.window.t_ns(watch.window.indexOf(playhead));
   return { age_ms: Math.max(0, (end_ns - t_ns) / 1e6), isOld: false, why: "moment" };
 }

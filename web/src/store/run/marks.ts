@@ -98,25 +98,29 @@ function following(watch: Watch, session: MachineSession): ReadonlySignal<RunMar
   };
   const newRecentPath = () => new RecentPath(isConcurrentAt);
   let live = newRecentPath();
+  let journal = watch.journal;
   let version = session.machine.version;
   return computed(() => {
     watch.journalVersion.value;
     session.version.value;
-    if (version !== session.machine.version) live = newRecentPath();
+    const isOther = version !== session.machine.version || journal !== watch.journal;
+    if (isOther) live = newRecentPath();
     version = session.machine.version;
-    const { journal } = watch;
+    journal = watch.journal;
     const until = shownUntil(watch);
     const recentPath = until === null ? live : newRecentPath();
-    const index = until === null ? journal.length : journal.indexOf(until + 1);
-    recentPath.follow(journal, index);
+    const window = until === null ? journal : watch.window;
+    const index = until === null ? journal.length : window.indexOf(until + 1);
+    recentPath.follow(window, index);
     const failed = failedStates(openFailures(watch).value, until ?? Number.POSITIVE_INFINITY);
     return {
       states: stateMarks(activeStates(watch), recentPath, failed),
       lines: lineMarks(activeStates(watch), recentPath, session.machine),
-      visits:
-        until === null
-          ? (path) => journal.counts.get(path)?.entries ?? 0
-          : (path) => countsUntil(journal, index).entries(path),
+      visits: (path) => {
+        if (until === null) return watch.journal.counts.get(path)?.entries ?? 0;
+        // The part around the moment may be on its way.
+        return window.covers(until) ? countsUntil(window, index).entries(path) : 0;
+      },
     };
   });
 }

@@ -81,12 +81,12 @@ function followed({ session }: OpenTab, watch: Watch, runs: Runs): ReadonlySigna
   return differs;
 }
 
-const lastRoot = perOwner((_watch: Watch) => ({ at: 0, root: "" }));
+const lastRoot = perOwner((_journal: Watch["journal"]) => ({ at: 0, root: "" }));
 
 /** The machine that the run goes by now, as its journal says; empty: that of the start. */
 function rootOf(watch: Watch): string {
   watch.journalVersion.value;
-  const found = lastRoot(watch);
+  const found = lastRoot(watch.journal);
   for (; found.at < watch.journal.length; found.at += 1) {
     const event = watch.journal.other(found.at);
     if (event?.type === "root") found.root = event.hash;

@@ -58,6 +58,7 @@ function watchAt(playhead: number | null): Watch {
   const snapshot: RunSnapshot = { picture: PICTURE, at_ms: 0 };
   return {
     journal,
+    window: journal,
     journalVersion: signal(5),
     playhead: signal(playhead),
     playheadSnapshot: signal(snapshot),

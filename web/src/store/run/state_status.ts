@@ -3,7 +3,7 @@
 import type { HeldBy, Moment, Outcome } from "../../model/generated/protocol.ts";
 import { parentOf } from "../../model/path.ts";
 import type { Watch } from "../history/run.ts";
-import { type Visits, visitsOf } from "../history/visits.ts";
+import { visitsOf } from "../history/visits.ts";
 import { type Active, activeStates, heldBefore } from "./active.ts";
 
 /** A state's entry or end. */
@@ -42,8 +42,8 @@ export function stateStatusOf(watch: Watch, path: string): StateStatus {
   watch.journalVersion.value;
   const until = watch.playhead.value;
   const visits = visitsOf(watch);
-  const entered = turn(watch, visits, path, until);
-  const left = end(watch, visits, path, until);
+  const entered = visits.lastVisit("entered", path, until);
+  const left = visits.lastVisit("left", path, until);
   const picture = pictureOf(watch);
   const here = picture?.active.find((state) => state.path === path);
   const active = activeStates(watch);
@@ -67,23 +67,6 @@ export function pictureOf(watch: Watch): Moment | null {
   const picture = watch.playheadSnapshot.value?.picture ?? null;
   const playhead = watch.playhead.value;
   return playhead === null || picture?.sequence === playhead ? picture : null;
-}
-
-function turn(watch: Watch, visits: Visits, path: string, until: number | null): Turn | null {
-  const index = visits.lastIndex("entered", path, until);
-  if (index === null) return null;
-  return { sequence: watch.journal.sequence(index), t_ns: watch.journal.t_ns(index) };
-}
-
-function end(watch: Watch, visits: Visits, path: string, until: number | null): VisitEnd | null {
-  const { journal } = watch;
-  const index = visits.lastIndex("left", path, until);
-  if (index === null) return null;
-  return {
-    sequence: journal.sequence(index),
-    t_ns: journal.t_ns(index),
-    outcome: journal.outcome(index),
-  };
 }
 
 function outputsIn(picture: Moment | null, path: string, left: number): Values | null | undefined {

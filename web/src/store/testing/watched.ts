@@ -34,6 +34,7 @@ export function watched(run: RunSummary, more: Partial<RunNow> = {}): Watched {
     proven_ms: signal(STARTED_MS),
     isCurrent: signal(true),
     journal,
+    window: journal,
     journalVersion,
     isCaughtUp: signal(true),
     lack: signal<string | null>(null),

@@ -3,6 +3,7 @@
 
 import { signal } from "@preact/signals-core";
 import type {
+  ActiveSince,
   Event,
   HistoryEntry,
   Refusal,
@@ -107,6 +108,15 @@ export class FakeRun implements Server {
     }
   }
 
+  /** All events up to one are left out. */
+  skipped(sequence: number, active: ActiveSince[]): void {
+    for (const following of this.#of("run_history")) {
+      following.next = sequence + 1;
+      const before = { sequence, t_ns: sequence * 1e6, active };
+      this.#frame(following, { frame: "skipped", subscription: 1, before });
+    }
+  }
+
   setStatus(now: RunNow): void {
     for (const following of this.#of("run_status")) {
       this.#frame(following, { frame: "run_status", subscription: 2, status: now });
@@ -134,9 +144,21 @@ export class FakeRun implements Server {
 
   #subscribe(following: Following): void {
     const topic = following.follower.topic();
-    following.topic = topic.topic;
+    following.topic = topic.topic === "run_newest" ? "run_history" : topic.topic;
     following.isCaughtUp = false;
-    if (topic.topic === "run_history") following.next = topic.from;
+    if (topic.topic === "run_newest") this.#begin(following, topic);
+  }
+
+  /** Of too many events only the newest are told. */
+  #begin(
+    following: Following,
+    { from, most, newest }: { from: number; most: number; newest: number },
+  ): void {
+    following.next = from;
+    if (this.events.length + 1 - from <= most) return;
+    following.next = this.events.length + 1 - newest;
+    const before = { sequence: following.next - 1, t_ns: (following.next - 1) * 1e6, active: [] };
+    this.#frame(following, { frame: "skipped", subscription: 1, before });
   }
 
   #of(wanted: string): readonly Following[] {

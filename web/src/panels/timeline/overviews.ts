@@ -1,0 +1,88 @@
+/** The part of a run's time that shows and is not here, as the server draws it: one is asked for at a time, and the one before stays in
+ * sight meanwhile. */
+
+import { type ReadonlySignal, signal } from "@preact/signals-core";
+import type { Overview } from "../../model/generated/protocol.ts";
+import { lanesSeen, type SeenLane } from "../../store/history/seen.ts";
+import { RefusalError } from "../../store/page/server.ts";
+import type { TimeSpan } from "./span.ts";
+
+export interface Seen {
+  readonly span: TimeSpan;
+  readonly width: number;
+  readonly lanes: readonly SeenLane[];
+  /** The last event that it takes in. */
+  readonly sequence: number;
+  readonly concurrent: readonly string[];
+}
+
+type AskOverview = (what: string) => Promise<Overview>;
+
+/** What could not be had is asked for again after so long; a run that goes on is asked for its newest part so often. */
+const AGAIN_MS = 1_000;
+const PIXELS_MAX = 10_000;
+
+export class Overviews {
+  readonly #ask: AskOverview;
+  readonly #seen = signal<Seen | null>(null);
+  #wanted: { readonly span: TimeSpan; readonly width: number; readonly last: number } | null = null;
+  #isAsking = false;
+  #asked_ms = 0;
+
+  constructor(ask: AskOverview) {
+    this.#ask = ask;
+  }
+
+  /** What came last. */
+  get seen(): ReadonlySignal<Seen | null> {
+    return this.#seen;
+  }
+
+  /** This part shows, so wide, of a run with so many events. */
+  want(span: TimeSpan, width: number, last: number): void {
+    this.#wanted = { span, width, last };
+    void this.#load();
+  }
+
+  async #load(): Promise<void> {
+    if (this.#isAsking) return;
+    this.#isAsking = true;
+    while (this.#wanted && !this.#isHere(this.#wanted)) {
+      const { span, width } = this.#wanted;
+      const wider = around(span);
+      const pixels = Math.min(PIXELS_MAX, Math.ceil((width * length(wider)) / length(span)));
+      const [from, to] = [Math.floor(wider.from_ns), Math.ceil(wider.to_ns)];
+      this.#asked_ms = performance.now();
+      try {
+        const found = await this.#ask(`overview?from_ns=${from}&to_ns=${to}&pixels=${pixels}`);
+        const lanes = lanesSeen(found);
+        const { sequence, concurrent } = found;
+        this.#seen.value = { span: wider, width: pixels, lanes, sequence, concurrent };
+      } catch (error) {
+        if (!(error instanceof RefusalError)) throw error;
+        await new Promise((again) => setTimeout(again, AGAIN_MS));
+        if (!error.isForNow) break;
+      }
+    }
+    this.#isAsking = false;
+  }
+
+  #isHere({ span, width, last }: { span: TimeSpan; width: number; last: number }): boolean {
+    const seen = this.#seen.peek();
+    if (!seen) return false;
+    const isIn = seen.span.from_ns <= span.from_ns && seen.span.to_ns >= span.to_ns;
+    const [scale, wanted] = [seen.width / length(seen.span), width / length(span)];
+    if (!isIn || scale < wanted * 0.9 || scale > wanted * 3) return false;
+    return seen.sequence >= last || performance.now() - this.#asked_ms < AGAIN_MS;
+  }
+}
+
+/** With as much room beside it as half of it, so that it can be moved. */
+function around(span: TimeSpan): TimeSpan {
+  const room = length(span) / 2;
+  return { from_ns: Math.max(0, span.from_ns - room), to_ns: span.to_ns + room };
+}
+
+function length({ from_ns, to_ns }: TimeSpan): number {
+  return Math.max(1, to_ns - from_ns);
+}

@@ -1,0 +1,146 @@
+/** What a search finds in a run: in the page if all of the run is here, else at the server, page by page from the start of the run. */
+
+import { type ReadonlySignal, signal } from "@preact/signals-core";
+import type { EventPage } from "../../model/generated/protocol.ts";
+import { lowerBound } from "../history/column.ts";
+import { type Happening, Journal } from "../history/journal.ts";
+import { HITS_MAX, JournalHits } from "../history/journal_hits.ts";
+import type { Runs, Watch } from "../history/run.ts";
+import { RefusalError } from "../page/server.ts";
+
+type SearchedWatch = Pick<Watch, "id" | "journal" | "whenClosed">;
+
+/** What could not be had is asked for again after so long, and what grows is looked at again. */
+const AGAIN_MS = 1_000;
+
+export class RunSearch {
+  readonly #watch: SearchedWatch;
+  readonly #runs: Pick<Runs, "get">;
+  readonly #wanted: string;
+  readonly #nameOf: (path: string) => string;
+  readonly #changed = signal(0);
+  readonly #refusal = signal<string | null>(null);
+  /** What is found here; null once the server is asked. */
+  #here: JournalHits | null = null;
+  /** What the server found. */
+  #there = new Journal();
+  #next = 1;
+  #isAsking = false;
+  #isOver = false;
+
+  constructor(
+    watch: SearchedWatch,
+    runs: Pick<Runs, "get">,
+    wanted: string,
+    nameOf: (path: string) => string,
+  ) {
+    this.#watch = watch;
+    this.#runs = runs;
+    this.#wanted = wanted.trim();
+    this.#nameOf = nameOf;
+    this.follow();
+  }
+
+  /** Another number whenever more was found at the server. */
+  get changed(): ReadonlySignal<number> {
+    return this.#changed;
+  }
+
+  /** Why the server does not search. */
+  get refusal(): string | null {
+    return this.#refusal.value;
+  }
+
+  /** How many were found. */
+  get count(): number {
+    return this.#here ? this.#here.hits.length : this.#there.length;
+  }
+
+  /** Whether more might be found than may be kept. */
+  get isFull(): boolean {
+    return this.count >= HITS_MAX;
+  }
+
+  /** Whether the server is still looking. */
+  get isAsking(): boolean {
+    return this.#here === null && this.#isAsking;
+  }
+
+  /** Goes on with a run that grows. */
+  follow(): void {
+    if (this.#wanted === "" || this.#isOver) return;
+    const { journal } = this.#watch;
+    if (journal.base === null) {
+      if (this.#here?.journal !== journal) {
+        this.#here = new JournalHits(journal, this.#wanted, this.#nameOf);
+      }
+      this.#here.follow();
+      return;
+    }
+    this.#here = null;
+    if (this.#next < journal.next && !this.isFull) void this.#ask();
+  }
+
+  /** Nobody looks at it any more. */
+  end(): void {
+    this.#isOver = true;
+  }
+
+  sequence(place: number): number {
+    return this.#journal.sequence(this.#index(place));
+  }
+
+  t_ns(place: number): number {
+    return this.#journal.t_ns(this.#index(place));
+  }
+
+  /** What happened; undefined if it is too long ago. */
+  at(place: number): Happening | undefined {
+    return this.#journal.at(this.#index(place));
+  }
+
+  /** The place of the first hit after an event; the first of all if there is none. */
+  after(sequence: number): number {
+    const place = lowerBound(this.count, (each) => this.sequence(each) <= sequence);
+    return place < this.count ? place : 0;
+  }
+
+  /** The place of the last hit before an event; the last of all if there is none. */
+  before(sequence: number): number {
+    const place = lowerBound(this.count, (each) => this.sequence(each) < sequence);
+    return place > 0 ? place - 1 : this.count - 1;
+  }
+
+  get #journal(): Journal {
+    return this.#here?.journal ?? this.#there;
+  }
+
+  #index(place: number): number {
+    return this.#here ? (this.#here.hits[place] ?? -1) : place;
+  }
+
+  async #ask(): Promise<void> {
+    if (this.#isAsking) return;
+    this.#isAsking = true;
+    const text = encodeURIComponent(this.#wanted);
+    while (!this.#isOver && !this.isFull) {
+      try {
+        const what = `hits?text=${text}&from=${this.#next}`;
+        const page = await this.#runs.get<EventPage>(this.#watch.id, what);
+        this.#there.add(page.events, page.next);
+        this.#next = page.next;
+        this.#refusal.value = null;
+        this.#changed.value += 1;
+        if (page.next > page.last) break;
+      } catch (error) {
+        if (!(error instanceof RefusalError)) throw error;
+        this.#refusal.value = error.message;
+        this.#changed.value += 1;
+        await new Promise((again) => setTimeout(again, AGAIN_MS));
+        if (!error.isForNow) break;
+      }
+    }
+    this.#isAsking = false;
+    this.#changed.value += 1;
+  }
+}

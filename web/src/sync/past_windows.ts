@@ -1,0 +1,113 @@
+/** Parts of a run's history that are not the newest: each asked for when a moment in it is shown, the last few kept. */
+
+import type { EarlierHistory, HistoryEntry, Window } from "../model/generated/protocol.ts";
+import { Journal } from "../store/history/journal.ts";
+import { RefusalError } from "../store/page/server.ts";
+import type { Clock } from "./clock.ts";
+
+interface PastWindowsPorts {
+  readonly clock: Clock;
+  /** Asks below the run. */
+  readonly ask: <T>(what: string) => Promise<T>;
+  /** One has come, or knows more than before. */
+  readonly changed: () => void;
+}
+
+/** So many events are asked for, half of them before the moment. */
+const EVENTS = 10_000;
+/** So many parts are kept. */
+const KEPT_MAX = 4;
+/** What could not be had is asked for again after so long. */
+const AGAIN_MS = 1_000;
+
+export class PastWindows {
+  readonly #ports: PastWindowsPorts;
+  /** The one that was shown last is at the end. */
+  #all: readonly Journal[] = [];
+  #wanted: number | null = null;
+  #isAsking = false;
+  #isOver = false;
+
+  constructor(ports: PastWindowsPorts) {
+    this.#ports = ports;
+  }
+
+  /** The one that was shown last; null if there is none. */
+  get last(): Journal | null {
+    return this.#all.at(-1) ?? null;
+  }
+
+  /** The part with a moment; null if it is not here. */
+  at(sequence: number): Journal | null {
+    return this.#all.findLast((journal) => journal.covers(sequence)) ?? null;
+  }
+
+  /** Keeps a part that was told otherwise. */
+  keep(journal: Journal): void {
+    this.#all = [...this.#all.filter((each) => each !== journal), journal].slice(-KEPT_MAX);
+  }
+
+  /** Asks for the part with a moment unless it is here; null: for none any more. */
+  want(sequence: number | null): void {
+    this.#wanted = sequence;
+    const known = sequence === null ? null : this.at(sequence);
+    if (known) this.keep(known);
+    else void this.#load();
+  }
+
+  close(): void {
+    this.#isOver = true;
+    this.#all = [];
+  }
+
+  async #load(): Promise<void> {
+    if (this.#isAsking) return;
+    this.#isAsking = true;
+    try {
+      while (this.#isMissing()) await this.#ask(this.#wanted ?? 0);
+    } finally {
+      this.#isAsking = false;
+    }
+  }
+
+  #isMissing(): boolean {
+    return !this.#isOver && this.#wanted !== null && this.at(this.#wanted) === null;
+  }
+
+  async #ask(sequence: number): Promise<void> {
+    const from = Math.max(1, sequence - EVENTS / 2);
+    try {
+      const window = await this.#ports.ask<Window>(`window?from=${from}&count=${EVENTS}`);
+      if (this.#isOver) return;
+      const journal = journalOf(window, null);
+      this.keep(journal);
+      this.#ports.changed();
+      if (window.before.sequence > 0) void this.#learn(journal, window);
+      // There is no such moment, and will be none by asking again.
+      if (!journal.covers(sequence)) this.#wanted = null;
+    } catch (error) {
+      if (!(error instanceof RefusalError)) throw error;
+      if (!error.isForNow) this.#wanted = null;
+      else await new Promise<void>((again) => this.#ports.clock.after(AGAIN_MS, again));
+    }
+  }
+
+  /** What had been before comes later: a long run may have to be read for it. */
+  async #learn(journal: Journal, window: Window): Promise<void> {
+    try {
+      const earlier = await this.#ports.ask<EarlierHistory>(`earlier/${window.before.sequence}`);
+      if (!this.#all.includes(journal)) return;
+      const whole = journalOf(window, earlier);
+      this.#all = this.#all.map((each) => (each === journal ? whole : each));
+      this.#ports.changed();
+    } catch (error) {
+      if (!(error instanceof RefusalError)) throw error;
+    }
+  }
+}
+
+function journalOf({ before, events, next }: Window, earlier: EarlierHistory | null): Journal {
+  const journal = new Journal(before.sequence === 0 ? null : { before, earlier });
+  journal.add(events satisfies readonly HistoryEntry[], next);
+  return journal;
+}
