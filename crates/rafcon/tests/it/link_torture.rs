@@ -76,15 +76,16 @@ fn one_run(seed: u64, kills: u64, tally: &mut Tally) {
     }
     site.command(tally);
     site.catch_up();
-    let Site { deaths, runs: [robot, ground], .. } = site.stop();
-    let journal = Journal::read(&robot);
+    let site = site.stop();
+    let [robot, ground] = &site.runs;
+    let journal = Journal::read(robot);
     for (id, times) in journal.applied() {
         assert_eq!(times, 1, "{id} was carried out {times} times");
     }
-    assert_in_time(&journal, &deaths);
+    assert_in_time(&journal, &site.deaths);
     tally.applied += journal.applied().len();
     assert_eq!(history(&place, "ground-runs"), history(&place, "robot-runs"));
-    assert_eq!(last_event(&ground), last_event(&robot));
+    assert_eq!(last_event(ground), last_event(robot));
 }
 
 /// A robot with a run, its station, and the path between them.
@@ -159,6 +160,7 @@ impl<'p> Site<'p> {
             hit_count: 1_000_000,
             scope: Scope::default(),
             unattended: Unattended::default(),
+            lost_link_ms: None,
             enabled: true,
         };
         let valid_ms = [50, 300, 1_000, 10_000][usize::try_from(self.dice.roll(4)).unwrap()];
@@ -166,6 +168,8 @@ impl<'p> Site<'p> {
             id: format!("command-{number}"),
             author: String::new(),
             decided_on: None,
+            epoch: None,
+            not_before: None,
             expiry: Some(Expiry(now_ms() + valid_ms)),
             command: Command::SetBreakpoint { breakpoint },
         }
