@@ -48,4 +48,8 @@ async function main(): Promise<void> {
 
 const [, , first, second] = process.argv;
 if (first === "operator" && second) beOperator(second);
-else await main();
+else {
+  await main();
+  // Whatever still hangs.
+  process.exit();
+}

@@ -1,7 +1,6 @@
 /** What happens in the hour: blackouts, servers that die, operators who come, sleep and take over. Scaled to shorter times. */
 
 import { setTimeout as pass } from "node:timers/promises";
-import type { Browser } from "playwright-core";
 import { launch } from "../../e2e/support/chromium.ts";
 import type { RunNow } from "../../src/model/generated/protocol.ts";
 import type { Camp, Ground } from "./camp.ts";
@@ -21,6 +20,8 @@ const NO_HOLD_MS = 16_000;
 /** The minutes at which the link changes, or who commands. */
 const CHANGES = [4, 7, 22, 24, 36, 37.5, 40, 55, 56];
 const QUIET_MS = 15_000;
+/** A page that takes longer is never live. */
+const PAGE_MS = 60_000;
 
 export interface Wanted {
   readonly minutes: number;
@@ -165,13 +166,24 @@ export class Scenario {
   async #pageAtSlowLink(ground: Ground): Promise<number> {
     await this.#at(1, "a page is opened at the station, behind it 64 kbit/s");
     await this.#camp.link("down 64000");
-    let browser: Browser | null = null;
+    // A browser that hangs holds up nothing.
+    const never = pass(PAGE_MS, Number.POSITIVE_INFINITY, { ref: false });
     try {
-      browser = await launch();
-      return await pageLive(browser, ground.host, this.#camp.run);
+      return await Promise.race([this.#visit(ground), never]);
     } finally {
-      await browser?.close();
       await this.#camp.link(`down ${DOWN_BITS}`);
+    }
+  }
+
+  async #visit(ground: Ground): Promise<number> {
+    const browser = await launch();
+    try {
+      return await pageLive(browser, ground.host, this.#camp.run);
+    } catch (error) {
+      process.stderr.write(`the page was not live: ${error}\n`);
+      return Number.POSITIVE_INFINITY;
+    } finally {
+      browser.close().catch(() => undefined);
     }
   }
 
