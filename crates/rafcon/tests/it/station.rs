@@ -284,7 +284,7 @@ fn a_session_that_was_recorded_and_is_sent_again_changes_nothing() {
         assert_eq!((told.code, told.stdout.as_str()), (Some(0), "applied\n"), "{}", told.stderr);
     };
     let commanded = || history(&place, "robot-runs").matches("\"commanded\"").count();
-    ["pause", "step-mode", "resume"].map(tell);
+    ["pause", "step-mode", "resume"].into_iter().for_each(tell);
     let before = commanded();
     assert!(path.replay() > 20, "too little was recorded");
     // What comes now is heeded after what was sent again.
