@@ -315,6 +315,7 @@ fn one_user_commands_a_run_over_its_robot_and_its_station() {
     };
     let user = at_station("step-mode");
     let mut said = vec![user, at_robot("show"), at_robot("take-over"), at_robot("override")];
+    wait_for_control(&place, ("ground", &ground.url), "owner@robot is in control");
     said.extend([at_station("resume"), at_station("pause"), at_robot("release")]);
     wait_for_control(&place, ("ground", &ground.url), "no user");
     said.push(at_station("resume"));

@@ -226,6 +226,8 @@ impl RobotRelay<'_> {
                 let author = author_at_robot(&author, station);
                 if !command.is_for_everybody() {
                     authority.command(&run, &author, epoch)?;
+                    // Whoever takes control by it decides the next one under the new epoch.
+                    self.tell_control();
                 }
                 let left_ms = not_after_ms.saturating_sub(millis(now));
                 let expiry = Some(Expiry(clock::since_1970_ms().saturating_add(left_ms)));

@@ -14,7 +14,7 @@ use rafcon_storage::journal::{
     About, Chain, EventItems, EventSource, JournalError, Pack, RunState, Summary, run_folders,
     writer_of,
 };
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::SyncSender;
@@ -45,6 +45,8 @@ pub(super) struct RobotRuns {
     streams: BTreeMap<StreamId, String>,
     /// The runs that were over before the robot had this station: they are sent last, the newest first.
     older: Vec<String>,
+    /// The runs that are known without being sent now.
+    seen: BTreeSet<String>,
 }
 
 #[derive(Debug)]
@@ -78,7 +80,17 @@ impl RobotRuns {
         clock: SessionClock,
     ) -> Self {
         let (all, streams, folder) = (BTreeMap::new(), BTreeMap::new(), folder.to_owned());
-        Self { folder, list, inbox, tell, clock, all, streams, older: Vec::new() }
+        Self {
+            folder,
+            list,
+            inbox,
+            tell,
+            clock,
+            all,
+            streams,
+            older: Vec::new(),
+            seen: BTreeSet::new(),
+        }
     }
 
     /// Goes on with the runs that earlier starts sent: they may have ended since.
@@ -96,6 +108,7 @@ impl RobotRuns {
         self.older = ids.filter(|id| !self.all.contains_key(*id)).map(str::to_owned).collect();
         // The newest is taken first.
         self.older.sort();
+        self.seen = self.older.iter().cloned().collect();
     }
 
     /// Goes on to the next of the older runs when the station has those before.
@@ -138,12 +151,37 @@ impl RobotRuns {
         for folder in run_folders(&self.folder).unwrap_or_default() {
             let id = folder.file_name().unwrap_or_default().to_string_lossy().into_owned();
             let is_live = matches!(writer_of(&folder), Ok(Some(_)));
-            if !is_live || self.all.get(&id).is_some_and(|run| run.runner.is_some()) {
+            let run = self.all.get(&id);
+            if run.is_some_and(|run| run.runner.is_some()) {
+                continue;
+            }
+            if !is_live {
+                let was_live = run.is_some_and(|run| run.fate == RunFate::Live);
+                self.look_at_ended(&id, &folder, was_live, session);
                 continue;
             }
             if let Err(error) = self.find(&id, &folder, session) {
                 (self.tell)(&format!("run {id} is not sent to the station: {error}"));
             }
+        }
+    }
+
+    /// A run that ended before its runner could be followed, or between two looks.
+    fn look_at_ended(
+        &mut self,
+        id: &str,
+        folder: &Path,
+        was_live: bool,
+        session: &mut RobotSession,
+    ) {
+        let is_new = !self.all.contains_key(id) && !self.seen.contains(id);
+        // What cannot be read may be about to begin: it is looked at again.
+        let begun = if is_new { self.begin(id, folder, session).ok() } else { None };
+        if begun.is_some() {
+            self.seen.insert(id.to_owned());
+        }
+        if was_live || begun == Some(true) {
+            self.gone(id, session);
         }
     }
 
