@@ -168,14 +168,14 @@ impl Endpoint {
         now: Duration,
         datagram: &'d mut [u8],
     ) -> Result<Arrived<'d>, Unusable> {
-        let (generation, payload): (_, &'d [u8]) = match self.open_with_another(datagram) {
-            Some((generation, length)) => (generation, &datagram[..length]),
-            None => {
+        let (generation, payload): (_, &'d [u8]) =
+            if let Some((generation, length)) = self.open_with_another(datagram) {
+                (generation, &datagram[..length])
+            } else {
                 let opened = self.opener.open(datagram)?;
                 self.heard_key = Some(self.key_id);
                 (opened.generation, opened.payload)
-            }
-        };
+            };
         let (at_ms, frames) = read_payload(payload)?;
         self.received.count_datagram(payload.len());
         let received = &mut self.received;

@@ -351,8 +351,12 @@ impl RobotRuns {
 
     /// Gives a command to the runner of a run; false if it has none.
     pub(super) fn command(&mut self, id: &str, envelope: Envelope) -> bool {
-        let runner = self.all.get_mut(id).and_then(|run| run.runner.as_mut());
-        runner.is_some_and(|runner| runner.command(envelope))
+        let Some(run) = self.all.get_mut(id) else { return false };
+        if run.runner.is_none() && run.fate == RunFate::Live {
+            // It had only just begun when it was found.
+            run.runner = Followed::join(&run.folder, id, run.head + 1, &self.inbox);
+        }
+        run.runner.as_mut().is_some_and(|runner| runner.command(envelope))
     }
 
     /// How much of each run the station has, as far as it said so.
