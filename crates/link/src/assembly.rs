@@ -15,6 +15,16 @@ pub(crate) struct Assembly {
 }
 
 impl Assembly {
+    /// Whether the thing of this number and length is the one whose parts are here.
+    pub(crate) fn is_of(&self, number: u64, length: u32) -> bool {
+        self.number == number && self.bytes.len() == length as usize
+    }
+
+    /// How many bytes it takes.
+    pub(crate) fn length(&self) -> usize {
+        self.bytes.len()
+    }
+
     /// Adds a part of the thing of this number; answers the whole once it is complete.
     pub(crate) fn add(
         &mut self,
@@ -26,7 +36,7 @@ impl Assembly {
         if length > LENGTH_MAX {
             return None;
         }
-        if self.number != number || self.bytes.len() != length as usize {
+        if !self.is_of(number, length) {
             *self = Self { number, bytes: vec![0; length as usize], here: RangeSet::default() };
         }
         let (start, end) = (offset as usize, offset as usize + part.len());

@@ -5,8 +5,8 @@ use crate::frame::{Frame, read_payload};
 use crate::heard::Heard;
 use crate::profile::Pacer;
 use crate::seal::{
-    Direction, Generation, Horizon, KeyId, OVERHEAD, Opener, PairingKey, Rejected, SealError,
-    Sealer,
+    Direction, For, Generation, Horizon, KeyId, OVERHEAD, Opened, Opener, PairingKey, Rejected,
+    SealError, Sealer,
 };
 use crate::traffic::Traffic;
 use std::time::Duration;
@@ -118,21 +118,23 @@ impl Endpoint {
     /// From now on, this side seals with a key that was added.
     pub(crate) fn use_key(&mut self, id: KeyId) {
         if let Some(other) = self.others.iter_mut().find(|other| other.id == id) {
+            other.sealer.follow(&self.sealer);
             std::mem::swap(&mut self.sealer, &mut other.sealer);
             std::mem::swap(&mut self.opener, &mut other.opener);
             std::mem::swap(&mut self.key_id, &mut other.id);
         }
     }
 
-    /// Opens what is sealed with another key: its start, and how long the payload is, which is at the front of the datagram then.
-    fn open_with_another(&mut self, datagram: &mut [u8]) -> Option<(Generation, usize)> {
+    /// Opens what is sealed with another key: its start and number, and how long the payload is, which is at the front of the datagram
+    /// then.
+    fn open_with_another(&mut self, datagram: &mut [u8]) -> Option<(Generation, u64, usize)> {
         for other in &mut self.others {
             let mut copy = datagram.to_vec();
             if let Ok(opened) = other.opener.open(&mut copy) {
                 self.heard_key = Some(other.id);
                 let length = opened.payload.len();
                 datagram.get_mut(..length)?.copy_from_slice(opened.payload);
-                return Some((opened.generation, length));
+                return Some((opened.generation, opened.number, length));
             }
         }
         None
@@ -148,11 +150,21 @@ impl Endpoint {
         (&self.sent, &self.received)
     }
 
+    /// The other side says that it has opened this datagram of this start.
+    pub(crate) fn confirm(&mut self, number: u64) {
+        self.sealer.confirm(number);
+    }
+
     /// The datagram with this payload, which is sent now.
-    pub(crate) fn seal(&mut self, now: Duration, payload: &[u8]) -> Result<Vec<u8>, SealError> {
+    pub(crate) fn seal(
+        &mut self,
+        now: Duration,
+        whom: For,
+        payload: &[u8],
+    ) -> Result<Vec<u8>, SealError> {
         let mut datagram = Vec::with_capacity(payload.len() + OVERHEAD);
-        self.sealer.seal(payload, &mut datagram)?;
-        self.sent.count_datagram(payload.len());
+        self.sealer.seal(whom, payload, &mut datagram)?;
+        self.sent.count_datagram(datagram.len());
         if let Ok((_, frames)) = read_payload(payload) {
             for (frame, length) in frames.flatten() {
                 self.sent.count_frame(&frame, length);
@@ -168,16 +180,17 @@ impl Endpoint {
         now: Duration,
         datagram: &'d mut [u8],
     ) -> Result<Arrived<'d>, Unusable> {
-        let (generation, payload): (_, &'d [u8]) =
-            if let Some((generation, length)) = self.open_with_another(datagram) {
-                (generation, &datagram[..length])
+        let length = datagram.len();
+        let (generation, number, payload): (_, _, &'d [u8]) =
+            if let Some((generation, number, length)) = self.open_with_another(datagram) {
+                (generation, number, &datagram[..length])
             } else {
-                let opened = self.opener.open(datagram)?;
+                let Opened { generation, number, payload } = self.opener.open(datagram)?;
                 self.heard_key = Some(self.key_id);
-                (opened.generation, opened.payload)
+                (generation, number, payload)
             };
         let (at_ms, frames) = read_payload(payload)?;
-        self.received.count_datagram(payload.len());
+        self.received.count_datagram(length);
         let received = &mut self.received;
         let counted = frames.map(|frame| {
             let (frame, length) = frame?;
@@ -186,7 +199,10 @@ impl Endpoint {
         });
         let frames = counted.collect();
         let silence = self.heard.before(now);
-        let is_new_start = self.heard.hear(generation, at_ms, now);
+        let is_new_start = self.heard.hear((generation, number), at_ms, now);
+        if is_new_start {
+            self.sealer.forget_confirmed();
+        }
         Ok(Arrived { generation, at_ms, is_new_start, silence, frames })
     }
 }

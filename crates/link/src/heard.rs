@@ -13,6 +13,8 @@ pub(crate) struct Heard {
 #[derive(Debug)]
 struct Newest {
     start: Generation,
+    /// The newest packet number of that start.
+    number: u64,
     at_ms: u64,
     heard_at: Duration,
     /// By how much overtaken datagrams were late; forgotten slowly.
@@ -20,10 +22,16 @@ struct Newest {
 }
 
 impl Heard {
-    /// A datagram of this start with this time in it. Answers whether it is the first of a new start.
-    pub(crate) fn hear(&mut self, start: Generation, at_ms: u64, now: Duration) -> bool {
+    /// A datagram of this start with this number and this time in it. Answers whether it is the first of a new start.
+    pub(crate) fn hear(
+        &mut self,
+        (start, number): (Generation, u64),
+        at_ms: u64,
+        now: Duration,
+    ) -> bool {
         match &mut self.newest {
             Some(newest) if newest.start == start => {
+                newest.number = newest.number.max(number);
                 if at_ms >= newest.at_ms {
                     newest.late_ms -= newest.late_ms / 64;
                     (newest.at_ms, newest.heard_at) = (at_ms, now);
@@ -33,7 +41,7 @@ impl Heard {
                 false
             }
             _ => {
-                self.newest = Some(Newest { start, at_ms, heard_at: now, late_ms: 0 });
+                self.newest = Some(Newest { start, number, at_ms, heard_at: now, late_ms: 0 });
                 true
             }
         }
@@ -49,6 +57,7 @@ impl Heard {
         let held = now.saturating_sub(newest.heard_at);
         Some(Frame::Heard {
             start: newest.start,
+            number: newest.number,
             newest_ms: newest.at_ms,
             held_ms: u64::try_from(held.as_millis()).unwrap_or(u64::MAX),
             late_ms: newest.late_ms,

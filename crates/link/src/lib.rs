@@ -5,10 +5,13 @@
 
 mod assembly;
 mod bytes;
+mod coding;
 mod deflate;
 mod endpoint;
 mod frame;
 mod heard;
+#[cfg(test)]
+mod hostile;
 mod profile;
 mod range_set;
 mod replay_window;
@@ -26,7 +29,7 @@ pub use profile::{CARRIER_OVERHEAD, Profile};
 pub use range_set::RangeSet;
 pub use robot::{EventBuffer, ReceivedCommand, RobotSession, RunSource};
 pub use seal::{
-    Direction, Generation, Horizon, KeyId, OVERHEAD, Opened, Opener, PairingKey, Rejected,
+    Direction, For, Generation, Horizon, KeyId, OVERHEAD, Opened, Opener, PairingKey, Rejected,
     SealError, Sealer,
 };
 pub use station::{FromRobot, NewCommand, NotSent, StationSession};

@@ -23,6 +23,8 @@ pub struct Profile {
     pub repeat_after: Duration,
     /// How often the station reports what it has, while it receives something.
     pub report_every: Duration,
+    /// Whether events are coded in fewer bytes. It costs a processor some microseconds for each byte of them.
+    pub codes: bool,
 }
 
 const fn ms(ms: u64) -> Duration {
@@ -41,6 +43,7 @@ impl Profile {
         gather: ms(10),
         repeat_after: ms(40),
         report_every: ms(50),
+        codes: false,
     };
     /// A wireless network at the edge of its range.
     pub const WIFI: Self = Self {
@@ -59,9 +62,10 @@ impl Profile {
         up_bits_per_s: 32_000,
         up_bytes_max: 300,
         status_every: ms(500),
-        gather: ms(150),
-        repeat_after: ms(160),
+        gather: ms(170),
+        repeat_after: ms(260),
         report_every: ms(500),
+        codes: true,
         ..Self::LAN
     };
     /// A link of a few kilobits per second and minutes of delay.
@@ -75,6 +79,7 @@ impl Profile {
         gather: ms(2_000),
         repeat_after: ms(4_000),
         report_every: ms(10_000),
+        codes: true,
     };
     /// The station reports at least this often while the link is whole.
     pub fn report_idle_every(&self) -> Duration {

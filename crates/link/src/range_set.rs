@@ -98,6 +98,11 @@ impl RangeSet {
         self.ranges().map(|range| range.end() - range.start() + 1).sum()
     }
 
+    /// How many ranges it has.
+    pub fn ranges_count(&self) -> usize {
+        self.ranges.len()
+    }
+
     /// Its ranges, in order.
     pub fn ranges(&self) -> impl DoubleEndedIterator<Item = RangeInclusive<u64>> {
         self.ranges.iter().map(|(first, last)| *first..=*last)

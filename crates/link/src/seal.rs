@@ -2,8 +2,9 @@
 //! first datagram after a silence is as good as any other.
 //!
 //! The construction is that of CCSDS 355.0-B (space data link security) with the primitives of RFC 5869 and RFC 8439: one key for
-//! each direction and generation, derived by HKDF-SHA256 from a pairing key, and ChaCha20-Poly1305 with the header as nonce and as
-//! associated data.
+//! each direction and generation, derived by HKDF-SHA256 from a pairing key, and ChaCha20-Poly1305 with the full header as nonce and
+//! the header that is sent as associated data. To a receiver that said which packet number it has heard, a short header is sent, from
+//! which it can tell the full one: as QUIC does it (RFC 9000, 17.1).
 
 use crate::replay_window::ReplayWindow;
 use ring::aead::{Aad, CHACHA20_POLY1305, LessSafeKey, NONCE_LEN, Nonce, UnboundKey};
@@ -11,12 +12,22 @@ use ring::hkdf::{HKDF_SHA256, Prk, Salt};
 use ring::rand::{SecureRandom as _, SystemRandom};
 use std::fmt;
 
-/// What a sealed datagram is longer than its payload: the header and the tag, in bytes.
+/// What a sealed datagram is longer than its payload at most: the header and the tag, in bytes.
 pub const OVERHEAD: usize = HEADER + TAG;
 
-const VERSION: u8 = 1;
+const VERSION: u8 = 2;
 const HEADER: usize = 12;
 const TAG: usize = 16;
+/// The first bit of a short header.
+const IS_SHORT: u8 = 0x80;
+const SHORT_HEADER: usize = 3;
+/// So many bits of the generation and of the key's number are in a short header.
+const FEW: u8 = 0b11;
+/// Packet numbers that differ by less than half of this are told apart by their last 16 bits.
+const SHORT_NUMBERS: u64 = 1 << 16;
+/// A short header is sent up to so many datagrams after the one that the receiver has confirmed: half of what could be told apart is
+/// left for what it receives late, or has forgotten.
+const CONFIRMED_FOR: u64 = SHORT_NUMBERS / 4;
 /// Packet numbers have 48 bits.
 const NUMBERS: u64 = 1 << 48;
 const SALT: &[u8] = b"rafcon link 1";
@@ -134,6 +145,12 @@ pub enum Rejected {
         /// The newest one.
         newest: Generation,
     },
+    /// Its short header does not say which start it is of, and it is not of the one that was heard.
+    #[error(
+        "a datagram with a short header is of a start of its sender that was not heard yet, or is over: the next one with a full header \
+         tells"
+    )]
+    UnknownStart,
     /// It was received before, or is too far behind the newest to say.
     #[error("datagram {0} was received before, or came too late to tell")]
     Repeated(u64),
@@ -160,6 +177,32 @@ pub struct Sealer {
     key_id: KeyId,
     generation: Generation,
     next: u64,
+    /// The first number under this key.
+    first: u64,
+    /// The receiver has opened the datagram of this number.
+    confirmed: Option<u64>,
+}
+
+/// Who is to open a datagram.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum For {
+    /// The receiver that confirmed one lately; anyone, if none did.
+    Confirmed,
+    /// Anyone who has the key, whatever was heard before.
+    Anyone,
+}
+
+/// A header as it is sent.
+#[derive(Debug, Clone, Copy)]
+struct Header {
+    bytes: [u8; HEADER],
+    length: usize,
+}
+
+impl Header {
+    fn sent(&self) -> &[u8] {
+        &self.bytes[..self.length]
+    }
 }
 
 impl Sealer {
@@ -171,21 +214,44 @@ impl Sealer {
         generation: Generation,
     ) -> Self {
         let key = derived(key, robot, direction, generation);
-        Self { key, key_id, generation, next: 0 }
+        Self { key, key_id, generation, next: 0, first: 0, confirmed: None }
+    }
+
+    /// Continues the numbers of the sealer before this one, so that what the receiver confirms is known to be of this key.
+    pub fn follow(&mut self, before: &Self) {
+        self.next = self.next.max(before.next);
+        (self.first, self.confirmed) = (self.next, None);
+    }
+
+    /// The receiver says that it has opened this datagram of this start.
+    pub fn confirm(&mut self, number: u64) {
+        if (self.first..self.next).contains(&number) {
+            self.confirmed = self.confirmed.max(Some(number));
+        }
+    }
+
+    /// There is another receiver, which has confirmed nothing.
+    pub fn forget_confirmed(&mut self) {
+        self.confirmed = None;
     }
 
     /// Writes the sealed datagram behind what is in `out`; answers its packet number.
-    pub fn seal(&mut self, payload: &[u8], out: &mut Vec<u8>) -> Result<u64, SealError> {
+    pub fn seal(&mut self, whom: For, payload: &[u8], out: &mut Vec<u8>) -> Result<u64, SealError> {
         let number = self.next;
         if number >= NUMBERS {
             return Err(SealError::NumbersUsed);
         }
-        let header = header(self.key_id, self.generation, number);
+        let full = header(self.key_id, self.generation, number);
+        let is_near = self.confirmed.is_some_and(|confirmed| number - confirmed < CONFIRMED_FOR);
+        let sent = match whom {
+            For::Confirmed if is_near => short_header(self.key_id, self.generation, number),
+            _ => Header { bytes: full, length: HEADER },
+        };
         let start = out.len();
-        out.extend_from_slice(&header);
+        out.extend_from_slice(sent.sent());
         out.extend_from_slice(payload);
-        let (nonce, sealed) = (nonce(header), &mut out[start + HEADER..]);
-        let tag = self.key.seal_in_place_separate_tag(nonce, Aad::from(header), sealed);
+        let (nonce, sealed) = (nonce(full), &mut out[start + sent.length..]);
+        let tag = self.key.seal_in_place_separate_tag(nonce, Aad::from(sent.sent()), sealed);
         let Ok(tag) = tag else {
             // Only of gigabytes at once.
             out.truncate(start);
@@ -240,11 +306,13 @@ impl Opener {
     /// Opens a datagram in its place.
     pub fn open<'d>(&mut self, datagram: &'d mut [u8]) -> Result<Opened<'d>, Rejected> {
         let length = datagram.len();
-        let (header, sealed) = datagram
-            .split_first_chunk_mut::<HEADER>()
+        let is_short = datagram.first().is_some_and(|first| first & IS_SHORT != 0);
+        let header_length = if is_short { SHORT_HEADER } else { HEADER };
+        let (sent, sealed) = datagram
+            .split_at_mut_checked(header_length)
             .filter(|(_, sealed)| sealed.len() >= TAG)
             .ok_or(Rejected::TooShort(length))?;
-        let (generation, number) = self.read(*header)?;
+        let (generation, number) = self.read(sent)?;
         let newest = self.newest.as_ref().filter(|newest| newest.generation == generation);
         if newest.is_some_and(|newest| !newest.window.is_new(number)) {
             return Err(Rejected::Repeated(number));
@@ -253,9 +321,10 @@ impl Opener {
             .is_none()
             .then(|| derived(&self.pairing_key, &self.robot, self.direction, generation));
         let key = made.as_ref().or(newest.map(|newest| &newest.key)).ok_or(Rejected::Forged)?;
-        let aad = Aad::from(*header);
-        let payload =
-            key.open_in_place(nonce(*header), aad, sealed).map_err(|_forged| Rejected::Forged)?;
+        let nonce = nonce(header(self.key_id, generation, number));
+        let payload = key
+            .open_in_place(nonce, Aad::from(&*sent), sealed)
+            .map_err(|_forged| Rejected::Forged)?;
         if let Some(newest) = self.newest.as_ref().filter(|newest| generation < newest.generation) {
             return Err(Rejected::OldGeneration { was: generation, newest: newest.generation });
         }
@@ -269,17 +338,64 @@ impl Opener {
     }
 
     /// The generation and packet number that a header claims.
-    fn read(&self, header: [u8; HEADER]) -> Result<(Generation, u64), Rejected> {
-        let [version, key, g0, g1, g2, g3, n0, n1, n2, n3, n4, n5] = header;
+    fn read(&self, header: &[u8]) -> Result<(Generation, u64), Rejected> {
+        match *header {
+            [first, n0, n1] => {
+                let (start, key, version) = (first >> 5 & FEW, first >> 3 & FEW, first & 0b111);
+                self.check(version, KeyId(key), FEW)?;
+                let newest = self.newest.as_ref().ok_or(Rejected::UnknownStart)?;
+                if few(newest.generation) != start {
+                    return Err(Rejected::UnknownStart);
+                }
+                let expected = newest.window.newest().map_or(0, |newest| newest + 1);
+                let number = nearest(expected, u16::from_be_bytes([n0, n1]));
+                Ok((newest.generation, number))
+            }
+            [version, key, g0, g1, g2, g3, n0, n1, n2, n3, n4, n5] => {
+                self.check(version, KeyId(key), u8::MAX)?;
+                let generation = Generation(u32::from_be_bytes([g0, g1, g2, g3]));
+                Ok((generation, u64::from_be_bytes([0, 0, n0, n1, n2, n3, n4, n5])))
+            }
+            _ => Err(Rejected::TooShort(header.len())),
+        }
+    }
+
+    /// Whether it is this version and, as far as the bits of `mask` say, this key.
+    fn check(&self, version: u8, key: KeyId, mask: u8) -> Result<(), Rejected> {
         if version != VERSION {
             return Err(Rejected::Version(version));
         }
-        if KeyId(key) != self.key_id {
-            return Err(Rejected::Key(KeyId(key)));
+        if self.key_id.0 & mask != key.0 {
+            return Err(Rejected::Key(key));
         }
-        let generation = Generation(u32::from_be_bytes([g0, g1, g2, g3]));
-        Ok((generation, u64::from_be_bytes([0, 0, n0, n1, n2, n3, n4, n5])))
+        Ok(())
     }
+}
+
+/// The last bits of a generation.
+fn few(generation: Generation) -> u8 {
+    generation.0.to_le_bytes()[0] & FEW
+}
+
+/// The packet number with these last bits that is nearest to what is expected.
+fn nearest(expected: u64, last: u16) -> u64 {
+    let half = SHORT_NUMBERS / 2;
+    let number = expected - expected % SHORT_NUMBERS + u64::from(last);
+    if number + half <= expected && number + SHORT_NUMBERS < NUMBERS {
+        number + SHORT_NUMBERS
+    } else if number > expected + half && number >= SHORT_NUMBERS {
+        number - SHORT_NUMBERS
+    } else {
+        number
+    }
+}
+
+fn short_header(KeyId(key): KeyId, generation: Generation, number: u64) -> Header {
+    let first = IS_SHORT | few(generation) << 5 | (key & FEW) << 3 | VERSION;
+    let [.., n0, n1] = number.to_be_bytes();
+    let mut bytes = [0; HEADER];
+    bytes[..SHORT_HEADER].copy_from_slice(&[first, n0, n1]);
+    Header { bytes, length: SHORT_HEADER }
 }
 
 fn header(KeyId(key): KeyId, generation: Generation, number: u64) -> [u8; HEADER] {
@@ -288,7 +404,7 @@ fn header(KeyId(key): KeyId, generation: Generation, number: u64) -> [u8; HEADER
     [VERSION, key, g0, g1, g2, g3, n0, n1, n2, n3, n4, n5]
 }
 
-/// The header itself: under one key, no two datagrams have the same.
+/// The full header: under one key, no two datagrams have the same.
 fn nonce(header: [u8; HEADER]) -> Nonce {
     const _: () = assert!(HEADER == NONCE_LEN, "a header is as long as a nonce");
     Nonce::assume_unique_for_key(header)

@@ -2,7 +2,6 @@
 
 use crate::frame::Frame;
 use crate::profile::CARRIER_OVERHEAD;
-use crate::seal::OVERHEAD;
 use std::collections::BTreeMap;
 
 /// The datagrams of one direction since the session began.
@@ -17,10 +16,10 @@ pub struct Traffic {
 }
 
 impl Traffic {
-    /// Counts a datagram with so many bytes of payload.
-    pub(crate) fn count_datagram(&mut self, payload: usize) {
+    /// Counts a datagram of so many bytes.
+    pub(crate) fn count_datagram(&mut self, length: usize) {
         self.datagrams += 1;
-        self.bytes += (payload + OVERHEAD + CARRIER_OVERHEAD) as u64;
+        self.bytes += (length + CARRIER_OVERHEAD) as u64;
     }
 
     /// Counts a frame of that datagram.
@@ -33,7 +32,7 @@ impl Frame<'_> {
     /// Its kind, as people call it.
     fn kind(&self) -> &'static str {
         match self {
-            Self::Events(_) | Self::Large { .. } => "events",
+            Self::Events(_) | Self::Coded { .. } | Self::Large { .. } => "events",
             Self::Status { .. } => "status",
             Self::Snapshot { .. } => "snapshots",
             Self::CommandState { .. } => "states of commands",

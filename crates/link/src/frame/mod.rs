@@ -1,6 +1,7 @@
 //! What is in a datagram once it is opened: the time of its sender, then frames. The format is that of `docs/link.md`.
 
 use crate::bytes::{BrokenFrame, FrameReader, number_length, write_bytes, write_number};
+use crate::coding::{ContextId, ContextName};
 use crate::range_set::RangeSet;
 use crate::seal::{Generation, KeyId, PairingKey};
 
@@ -35,8 +36,10 @@ impl Events<'_> {
 
     /// The longest items that fit into a frame of `room` bytes.
     pub(crate) fn items_max(room: usize, first: u64, t_before: u64) -> usize {
-        let most = [u64::from(u32::MAX), first, 9_999, t_before, 9_999];
-        room.saturating_sub(1 + most.into_iter().map(number_length).sum::<usize>())
+        let most = [u64::from(u32::MAX), first, 9_999, t_before, 9_999, 9_999];
+        room.saturating_sub(
+            1 + size_of::<ContextId>() + most.into_iter().map(number_length).sum::<usize>(),
+        )
     }
 }
 
@@ -97,6 +100,8 @@ pub(crate) struct Received {
     pub(crate) safe: u64,
     /// Which events it has received, the newest ranges if they are many.
     pub(crate) events: RangeSet,
+    /// From which events a coder may learn.
+    pub(crate) context: Option<ContextName>,
 }
 
 /// A part of a datagram.
@@ -104,6 +109,15 @@ pub(crate) struct Received {
 pub(crate) enum Frame<'b> {
     /// Events, new or again.
     Events(Events<'b>),
+    /// Events whose items are coded.
+    Coded {
+        /// What a coder has to learn from to decode them.
+        context: ContextId,
+        /// How long the items are.
+        length: u32,
+        /// The events, with the coded items in the place of theirs.
+        events: Events<'b>,
+    },
     /// How far a run is.
     Status {
         /// The run.
@@ -172,6 +186,8 @@ pub(crate) enum Frame<'b> {
     Heard {
         /// The start of the other side that it was heard in.
         start: Generation,
+        /// The newest packet number in that start.
+        number: u64,
         /// The newest time in its datagrams, in ms.
         newest_ms: u64,
         /// How long ago that was, in ms.
@@ -190,6 +206,7 @@ const LARGE: u8 = 4;
 const COMMAND_STATE: u8 = 5;
 const CALENDAR: u8 = 6;
 const NEW_KEY: u8 = 11;
+const CODED: u8 = 12;
 const COMMAND: u8 = 16;
 const HEARD: u8 = 17;
 const RECEIVED: u8 = 18;
@@ -208,6 +225,15 @@ impl<'b> Frame<'b> {
         match self {
             Self::Events(Events { stream, first, count, t_before, items }) => {
                 numbers(EVENTS, &[u64::from(stream.0), *first, *count, *t_before]);
+                write_bytes(items, out);
+            }
+            Self::Coded { context, length, events } => {
+                out.push(CODED);
+                out.extend_from_slice(&context.0);
+                let Events { stream, first, count, t_before, items } = events;
+                for number in [u64::from(stream.0), *first, *count, *t_before, u64::from(*length)] {
+                    write_number(number, out);
+                }
                 write_bytes(items, out);
             }
             Self::Status { stream, head, is_over, state, chain } => {
@@ -254,8 +280,8 @@ impl<'b> Frame<'b> {
                 }
                 write_bytes(body, out);
             }
-            Self::Heard { start, newest_ms, held_ms, late_ms } => {
-                numbers(HEARD, &[u64::from(start.0), *newest_ms, *held_ms, *late_ms]);
+            Self::Heard { start, number, newest_ms, held_ms, late_ms } => {
+                numbers(HEARD, &[u64::from(start.0), *number, *newest_ms, *held_ms, *late_ms]);
             }
             Self::Received(received) => write_received(received, out),
         }
@@ -265,6 +291,7 @@ impl<'b> Frame<'b> {
     fn read(reader: &mut FrameReader<'b>) -> Result<Self, BrokenFrame> {
         Ok(match reader.byte()? {
             EVENTS => Self::Events(read_events(reader)?),
+            CODED => read_coded(reader)?,
             STATUS => {
                 let (stream, head) = (StreamId(reader.small()?), reader.number()?);
                 let is_over = read_flag(reader)?;
@@ -281,6 +308,7 @@ impl<'b> Frame<'b> {
             }
             LARGE => {
                 let (stream, first) = (StreamId(reader.small()?), reader.number()?);
+                check_numbers(first, 1)?;
                 let t_before = reader.number()?;
                 let (length, offset, bytes) = read_part(reader)?;
                 Self::Large { stream, first, t_before, length, offset, bytes }
@@ -306,6 +334,7 @@ impl<'b> Frame<'b> {
             }),
             HEARD => Self::Heard {
                 start: Generation(reader.small()?),
+                number: reader.number()?,
                 newest_ms: reader.number()?,
                 held_ms: reader.number()?,
                 late_ms: reader.number()?,
@@ -325,13 +354,29 @@ fn read_flag(reader: &mut FrameReader<'_>) -> Result<bool, BrokenFrame> {
 }
 
 fn read_events<'b>(reader: &mut FrameReader<'b>) -> Result<Events<'b>, BrokenFrame> {
+    let events = read_numbers(reader)?;
+    Ok(Events { items: reader.bytes()?, ..events })
+}
+
+fn read_coded<'b>(reader: &mut FrameReader<'b>) -> Result<Frame<'b>, BrokenFrame> {
+    let context = ContextId(reader.fixed()?);
+    let events = read_numbers(reader)?;
+    let length = reader.small()?;
+    Ok(Frame::Coded { context, length, events: Events { items: reader.bytes()?, ..events } })
+}
+
+/// Events have numbers from 1.
+fn check_numbers(first: u64, count: u64) -> Result<(), BrokenFrame> {
+    let is_possible = first > 0 && count > 0 && first.checked_add(count).is_some();
+    is_possible.then_some(()).ok_or(BrokenFrame("impossible numbers of events"))
+}
+
+/// Events without their items.
+fn read_numbers<'b>(reader: &mut FrameReader<'b>) -> Result<Events<'b>, BrokenFrame> {
     let stream = StreamId(reader.small()?);
     let (first, count) = (reader.number()?, reader.number()?);
-    let is_possible = first > 0 && count > 0 && first.checked_add(count).is_some();
-    if !is_possible {
-        return Err(BrokenFrame("impossible numbers of events"));
-    }
-    Ok(Events { stream, first, count, t_before: reader.number()?, items: reader.bytes()? })
+    check_numbers(first, count)?;
+    Ok(Events { stream, first, count, t_before: reader.number()?, items: &[] })
 }
 
 /// Length of the whole, offset and bytes of a part.
@@ -362,6 +407,12 @@ fn write_received(received: &Received, out: &mut Vec<u8>) {
         write_number(range.end() - range.start(), out);
         end = *range.end();
     }
+    write_number(u64::from(received.context.is_some()), out);
+    if let Some(ContextName { first, last, hash }) = received.context {
+        write_number(first, out);
+        write_number(last, out);
+        out.extend_from_slice(&hash);
+    }
 }
 
 fn read_received(reader: &mut FrameReader<'_>) -> Result<Received, BrokenFrame> {
@@ -378,7 +429,19 @@ fn read_received(reader: &mut FrameReader<'_>) -> Result<Received, BrokenFrame> 
         end = first.checked_add(reader.number()?).ok_or_else(far)?;
         events.insert(first..=end);
     }
-    Ok(Received { stream, is_over, safe, events })
+    let context = match read_flag(reader)? {
+        false => None,
+        true => Some(read_context(reader)?),
+    };
+    Ok(Received { stream, is_over, safe, events, context })
+}
+
+fn read_context(reader: &mut FrameReader<'_>) -> Result<ContextName, BrokenFrame> {
+    let (first, last) = (reader.number()?, reader.number()?);
+    if first == 0 || first > last {
+        return Err(BrokenFrame("impossible numbers of events"));
+    }
+    Ok(ContextName { first, last, hash: reader.fixed()? })
 }
 
 /// A frame with its length in bytes.

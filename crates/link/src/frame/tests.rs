@@ -5,6 +5,7 @@ use super::{
     Command, CommandId, CommandState, EventHash, Events, Frame, RANGES_MAX, Received, StreamId,
 };
 use crate::bytes::{BrokenFrame, write_number};
+use crate::coding::{ContextId, ContextName};
 use crate::range_set::RangeSet;
 use crate::seal::{Generation, KeyId, PairingKey};
 use expect_test::expect;
@@ -42,7 +43,7 @@ fn frame(bytes: &[u8]) -> impl Strategy<Value = Frame<'_>> {
     let stream = any::<u32>().prop_map(StreamId);
     let id = any::<[u8; 16]>().prop_map(CommandId);
     let state = prop::sample::select(CommandState::ALL.to_vec());
-    let part = (stream.clone(), any::<u64>(), any::<u64>(), 0..1_000_u32);
+    let part = (stream.clone(), 1..u64::MAX, any::<u64>(), 0..1_000_u32);
     prop_oneof![
         (stream.clone(), 1..u64::from(u32::MAX), 1..1_000_u64, any::<u64>()).prop_map(
             move |(stream, first, count, t_before)| {
@@ -53,6 +54,12 @@ fn frame(bytes: &[u8]) -> impl Strategy<Value = Frame<'_>> {
             move |(stream, head, is_over, [last, hash])| {
                 let chain = (last % 2 == 1).then_some(EventHash { last, hash });
                 Frame::Status { stream, head, is_over, state: bytes, chain }
+            }
+        ),
+        (stream.clone(), 1..1_000_u64, any::<u32>(), any::<[u8; 3]>()).prop_map(
+            move |(stream, first, length, context)| {
+                let events = Events { stream, first, count: 3, t_before: first, items: bytes };
+                Frame::Coded { context: ContextId(context), length, events }
             }
         ),
         part.clone().prop_map(move |(stream, sequence, _, offset)| {
@@ -84,15 +91,26 @@ fn frame(bytes: &[u8]) -> impl Strategy<Value = Frame<'_>> {
                 })
             }
         ),
-        (any::<u32>(), any::<[u64; 3]>()).prop_map(|(start, [newest_ms, held_ms, late_ms])| {
-            Frame::Heard { start: Generation(start), newest_ms, held_ms, late_ms }
-        }),
-        (stream, any::<bool>(), any::<u64>(), ranges()).prop_map(
-            |(stream, is_over, safe, events)| {
-                Frame::Received(Received { stream, is_over, safe, events: newest(&events) })
+        (any::<u32>(), any::<[u64; 4]>()).prop_map(
+            |(start, [number, newest_ms, held_ms, late_ms])| {
+                Frame::Heard { start: Generation(start), number, newest_ms, held_ms, late_ms }
+            }
+        ),
+        (stream, any::<bool>(), any::<u64>(), ranges(), prop::option::of(context())).prop_map(
+            |(stream, is_over, safe, events, context)| {
+                let events = newest(&events);
+                Frame::Received(Received { stream, is_over, safe, events, context })
             }
         ),
     ]
+}
+
+fn context() -> impl Strategy<Value = ContextName> {
+    (1..1_000_u64, 0..1_000_u64, any::<[u8; 8]>()).prop_map(|(first, more, hash)| ContextName {
+        first,
+        last: first + more,
+        hash,
+    })
 }
 
 /// Chooses frames for bytes that are known only then.
@@ -182,6 +200,10 @@ fn a_broken_frame_says_what_is_wrong_with_it() {
         &[&[5], [0; 16].as_slice(), &[9]].concat(),
         &[18, 1, 0, 5, 5, 17],
         &[18, 1, 2, 5, 5, 0],
+        &[18, 1, 0, 5, 5, 0, 1, 7, 6, 0, 0, 0, 0, 0, 0, 0, 0],
+        &[12, 7, 7, 7, 1, 0, 3, 0, 9, 0],
+        &[12, 7, 7],
+        &[4, 1, 0, 0, 0, 0, 0],
     ];
     let said: Vec<_> = cases.iter().map(|case| broken(case)).collect();
     expect![[r"
@@ -196,7 +218,11 @@ fn a_broken_frame_says_what_is_wrong_with_it() {
         a frame of the link is broken: it ends too early
         a frame of the link is broken: an unknown state of a command
         a frame of the link is broken: too many ranges
-        a frame of the link is broken: neither yes nor no"]]
+        a frame of the link is broken: neither yes nor no
+        a frame of the link is broken: impossible numbers of events
+        a frame of the link is broken: impossible numbers of events
+        a frame of the link is broken: it ends too early
+        a frame of the link is broken: impossible numbers of events"]]
     .assert_eq(&said.join("\n"));
 }
 
@@ -207,7 +233,8 @@ fn a_report_names_the_newest_ranges() {
         events.insert(20 + nth * 10..=22 + nth * 10);
     }
     let mut out = Vec::new();
-    write_received(&Received { stream: StreamId(3), is_over: true, safe: 7, events }, &mut out);
-    expect!["[12 03 01 07 0a 10 32 02 08 02 08 02 08 02 08 02 08 02 08 02 08 02 08 02 08 02 08 02 08 02 08 02 08 02 08 02 08 02]"]
+    let (stream, context) = (StreamId(3), None);
+    write_received(&Received { stream, is_over: true, safe: 7, events, context }, &mut out);
+    expect!["[12 03 01 07 0a 10 32 02 08 02 08 02 08 02 08 02 08 02 08 02 08 02 08 02 08 02 08 02 08 02 08 02 08 02 08 02 08 02 00]"]
         .assert_eq(&format!("{out:02x?}").replace(", ", " "));
 }

@@ -4,6 +4,7 @@
 //! first. Without reports from the station it sends the unreported events round and round, so that a station without an up-link has
 //! everything in the end. Events wait, but are never given up: what left the memory is read again from the journal.
 
+mod coded;
 mod later;
 mod outgoing;
 mod source;
@@ -17,7 +18,7 @@ use crate::bytes::write_number;
 use crate::endpoint::{Arrived, Endpoint, Identity, Unusable};
 use crate::frame::{self, CommandId, CommandState, EventHash, Frame, Received, StreamId};
 use crate::profile::Profile;
-use crate::seal::{Direction, Horizon, KeyId, OVERHEAD, PairingKey, SealError};
+use crate::seal::{Direction, For, Horizon, KeyId, OVERHEAD, PairingKey, SealError};
 use crate::traffic::Traffic;
 use later::Later;
 use outgoing::{Outgoing, Turn};
@@ -222,11 +223,15 @@ impl RobotSession {
         let Arrived { frames, is_new_start, .. } = self.end.open(now, datagram)?;
         if is_new_start {
             self.streams.values_mut().for_each(Outgoing::station_started);
+            self.streams.values_mut().for_each(Outgoing::forget_context);
         }
         let (mut echo, mut reports) = (None, Vec::new());
         for frame in frames {
             match frame? {
-                Frame::Heard { start, newest_ms, late_ms, .. } if start == self.end.start => {
+                Frame::Heard { start, number, newest_ms, late_ms, .. }
+                    if start == self.end.start =>
+                {
+                    self.end.confirm(number);
                     echo = Some((newest_ms, late_ms));
                 }
                 Frame::Received(received) => reports.push(received),
@@ -299,12 +304,17 @@ impl RobotSession {
         let was_silent = self.alive_at() <= now;
         let mut shows_status = was_silent;
         for stream in self.streams.values_mut() {
-            shows_status |= stream.write_urgent(turn, &mut payload);
+            shows_status |= stream.write_urgent(turn, source, &mut payload);
         }
         if shows_status {
             let calendar = self.calendar_ms.map(|began_ms| Frame::Calendar { began_ms });
             for frame in [self.end.heard.frame(now), calendar].into_iter().flatten() {
+                // What has no room comes with the next status.
+                let length = payload.len();
                 frame.write(&mut payload);
+                if payload.len() > room {
+                    payload.truncate(length);
+                }
             }
         }
         if self.end.pacer.free_at() <= now {
@@ -324,7 +334,9 @@ impl RobotSession {
             return Ok(None);
         }
         self.sent_at = Some(now);
-        self.end.seal(now, &payload).map(Some)
+        // Whoever else has the key, and begins to listen now, learns which start this is with the status.
+        let whom = if is_heard && !shows_status { For::Confirmed } else { For::Anyone };
+        self.end.seal(now, whom, &payload).map(Some)
     }
 
     /// When something may be due next; earlier if anything is received or appended.
@@ -390,3 +402,6 @@ impl RobotSession {
 pub(crate) fn now_ms(now: Duration) -> u64 {
     u64::try_from(now.as_millis()).unwrap_or(u64::MAX)
 }
+
+#[cfg(test)]
+mod tests;

@@ -1,5 +1,6 @@
 //! What the robot sends of one run, and what it knows of what the station has of it.
 
+use super::coded::Coding;
 use super::source::{EventBuffer, RunSource};
 use super::tail::{self, Tail};
 use crate::assembly::LENGTH_MAX;
@@ -13,8 +14,12 @@ use std::time::Duration;
 
 /// Older events are sent so often while the rate allows it and nothing else waits, so that a loss heals without a round trip.
 const OLD_SENDS: u8 = 3;
+/// The status is sent this often beside events, from which the station knows the head, in status intervals.
+const STATUS_BESIDE: u32 = 8;
 /// A snapshot is sent this often, in status intervals, while the station is heard: it might be needed for a reason unknown here.
-const SNAPSHOT_STATUSES: u32 = 240;
+const SNAPSHOT_STATUSES: u32 = 480;
+/// If more events are lost, a snapshot is there sooner than they.
+const SNAPSHOT_LOST: u64 = 64;
 /// Without reports, a snapshot is sent round and round so often before a newer one replaces it: parts of any round complete it.
 const SNAPSHOT_ROUNDS: u32 = 4;
 /// Without reports, a whole snapshot is sent in this time, as long as that takes at most half of the rate.
@@ -75,6 +80,7 @@ pub(super) struct Outgoing {
     /// The snapshot that is being sent.
     snapshot: Option<Parts>,
     large: Option<(EventBuffer, usize)>,
+    coding: Coding,
 }
 
 /// Whether a snapshot is needed, besides those that are sent now and then.
@@ -118,6 +124,7 @@ impl Outgoing {
             read_again_at: Duration::ZERO,
             snapshot: None,
             large: None,
+            coding: Coding::default(),
         }
     }
 
@@ -170,6 +177,7 @@ impl Outgoing {
         profile: &Profile,
     ) {
         self.received = received.events;
+        self.coding.offer(received.context);
         self.knows_end = received.is_over;
         let Some((newest_ms, late_ms)) = echo else { return };
         // What was sent before this, and is not received, is lost; a repetition may still heal the newest of it.
@@ -177,9 +185,13 @@ impl Outgoing {
         let lost_before = Duration::from_millis(newest_ms).saturating_sub(late);
         let (before, unreported) = (self.sent.len(), &self.received);
         self.sent.retain(|sent| !unreported.contains(&sent.range));
-        let in_flight = self.sent.len();
-        self.sent.retain(|sent| sent.at >= lost_before);
-        if self.sent.len() < in_flight && !self.is_snapshot_on_its_way() {
+        let mut lost = 0;
+        self.sent.retain(|sent| {
+            let is_lost = sent.at < lost_before;
+            lost += if is_lost { sent.range.end() - sent.range.start() + 1 } else { 0 };
+            !is_lost
+        });
+        if lost > SNAPSHOT_LOST && !self.is_snapshot_on_its_way() {
             self.snapshot_need = SnapshotNeed::Now;
         }
         if self.sent.len() < before {
@@ -189,6 +201,11 @@ impl Outgoing {
             }
         }
         self.round_due = now;
+    }
+
+    /// Another start of the station knows no context of the one before.
+    pub(super) fn forget_context(&mut self) {
+        self.coding.offer(None);
     }
 
     fn is_snapshot_on_its_way(&self) -> bool {
@@ -206,7 +223,7 @@ impl Outgoing {
             // The station reports that it has all: nothing is new ever after.
             _ if self.has_all() => Duration::MAX,
             (Some(shown), Some(status)) => {
-                (shown + profile.status_every).min(status + profile.status_every * 4)
+                (shown + profile.status_every).min(status + profile.status_every * STATUS_BESIDE)
             }
             _ => Duration::ZERO,
         };
@@ -214,13 +231,20 @@ impl Outgoing {
     }
 
     /// Writes the status and the newest events if they are due. Answers whether the status is among them.
-    pub(super) fn write_urgent(&mut self, turn: Turn<'_>, payload: &mut Vec<u8>) -> bool {
+    pub(super) fn write_urgent(
+        &mut self,
+        turn: Turn<'_>,
+        source: &mut impl RunSource,
+        payload: &mut Vec<u8>,
+    ) -> bool {
         let Turn { now, profile, is_heard, room } = turn;
         if self.urgent_at(profile, is_heard) > now {
             return false;
         }
+        self.coding.renew(self.id, self.head, source);
         self.write_tail(turn, payload);
-        let status_due = self.status_at.is_none_or(|at| at + profile.status_every * 4 <= now);
+        let status_due =
+            self.status_at.is_none_or(|at| at + profile.status_every * STATUS_BESIDE <= now);
         let head_known = self.shown_at == Some(now);
         if head_known && !status_due && !self.is_state_new {
             return false;
@@ -243,7 +267,9 @@ impl Outgoing {
     }
 
     fn write_tail(&mut self, turn: Turn<'_>, payload: &mut Vec<u8>) {
-        let Some(written) = self.tail.write(self.id, turn, payload) else { return };
+        let Some(written) = self.tail.write(self.id, turn, &mut self.coding, payload) else {
+            return;
+        };
         self.shown_at = Some(turn.now);
         if let Some(new) = written.new {
             self.note_sent(turn.now, new, 0);
@@ -314,7 +340,8 @@ impl Outgoing {
         source: &mut impl RunSource,
         payload: &mut Vec<u8>,
     ) {
-        let Turn { now, profile, is_heard, room } = turn;
+        let Turn { now, profile, is_heard, .. } = turn;
+        self.coding.renew(self.id, self.head, source);
         while self.read_again_at <= now && self.write_large(turn, payload) {
             let is_round_due = !is_heard && self.round_due <= now && !self.sent.is_empty();
             if is_round_due && self.gap().is_none() {
@@ -325,25 +352,59 @@ impl Outgoing {
             let repeated = || self.repeated().filter(|_| is_heard);
             let gap = self.gap().map(|gap| (gap, OLD_SENDS));
             let Some((range, repeats)) = gap.or_else(repeated) else { return };
-            let left = room.saturating_sub(payload.len());
-            let items_max = Events::items_max(left, *range.end(), u64::MAX >> 8);
-            if items_max < PART_MIN {
-                return;
+            let Some(written) = self.write_old(turn, &range, source, payload) else { return };
+            if let Some(last) = written {
+                self.take_sent(*range.start(), last);
+                self.note_sent(now, *range.start()..=last, repeats - 1);
             }
-            let Some(events) = source.events(self.id, *range.start(), *range.end(), items_max)
+        }
+    }
+
+    /// Writes the first of these events that fit, and answers the last of them; none if the first is too long for a datagram. Nothing if
+    /// the datagram is full, or if they cannot be read now.
+    fn write_old(
+        &mut self,
+        turn: Turn<'_>,
+        range: &RangeInclusive<u64>,
+        source: &mut impl RunSource,
+        payload: &mut Vec<u8>,
+    ) -> Option<Option<u64>> {
+        let Turn { now, room, .. } = turn;
+        let left = room.saturating_sub(payload.len());
+        let coded_max = Events::items_max(left, *range.end(), u64::MAX >> 8);
+        if coded_max < PART_MIN {
+            return None;
+        }
+        let is_coded = self.coding.is_used(turn);
+        let mut items_max = if is_coded { self.coding.items_max(coded_max) } else { coded_max };
+        loop {
+            let Some(buffer) = source.events(self.id, *range.start(), *range.end(), items_max)
             else {
                 self.read_again_at = now + READ_AGAIN;
-                return;
+                return None;
             };
-            if events.items.len() > items_max {
-                self.large = Some((events, 0));
-                continue;
+            if buffer.items.len() > items_max.max(coded_max) {
+                self.large = Some((buffer, 0));
+                return Some(None);
             }
-            let EventBuffer { first, count, t_before, items } = &events;
+            let EventBuffer { first, count, t_before, items } = &buffer;
             let (first, count, t_before) = (*first, *count, *t_before);
-            Frame::Events(Events { stream: self.id, first, count, t_before, items }).write(payload);
-            self.take_sent(first, events.last());
-            self.note_sent(now, first..=events.last(), repeats - 1);
+            let events = Events { stream: self.id, first, count, t_before, items };
+            if !is_coded {
+                Frame::Events(events).write(payload);
+                return Some(Some(buffer.last()));
+            }
+            match self.coding.write(&events, coded_max, payload) {
+                Ok(()) => return Some(Some(buffer.last())),
+                Err(_) if items_max == coded_max => {
+                    self.large = Some((buffer, 0));
+                    return Some(None);
+                }
+                Err(coded) => {
+                    let fewer = items.len() * coded_max / coded;
+                    items_max = (fewer - fewer / 16).max(coded_max).min(items_max - 1);
+                }
+            }
         }
     }
 

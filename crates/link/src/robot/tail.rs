@@ -1,8 +1,9 @@
 //! The newest events of a run: sent at once, and again in the next datagrams, so that one loss heals without a round trip.
 
+use super::coded::Coding;
 use super::outgoing::Turn;
 use super::source::EventBuffer;
-use crate::frame::{Events, Frame, StreamId};
+use crate::frame::{Events, StreamId};
 use crate::profile::Profile;
 use std::collections::VecDeque;
 use std::ops::RangeInclusive;
@@ -88,6 +89,7 @@ impl Tail {
         &mut self,
         stream: StreamId,
         turn: Turn<'_>,
+        coding: &mut Coding,
         payload: &mut Vec<u8>,
     ) -> Option<Written> {
         let wanted = sends_wanted(turn.is_heard);
@@ -111,7 +113,7 @@ impl Tail {
         }
         let last = last?;
         let events = Events { stream, first, count: last - first + 1, t_before, items: &items };
-        Frame::Events(events).write(payload);
+        coding.write_uncut(&events, turn, payload);
         self.sent_at = Some(turn.now);
         if new.is_some() {
             self.new_sent_at = Some(turn.now);

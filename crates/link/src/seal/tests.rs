@@ -1,7 +1,7 @@
 //! Sealed datagrams in every order, changed, repeated, and made by others.
 
 use super::{
-    Direction, Generation, Horizon, KeyId, OVERHEAD, Opener, PairingKey, Rejected, SealError,
+    Direction, For, Generation, Horizon, KeyId, OVERHEAD, Opener, PairingKey, Rejected, SealError,
     Sealer,
 };
 use expect_test::expect;
@@ -24,7 +24,7 @@ fn opener(heard: Option<Horizon>) -> Opener {
 
 fn sealed(sealer: &mut Sealer, payload: &[u8]) -> Vec<u8> {
     let mut out = Vec::new();
-    sealer.seal(payload, &mut out).unwrap();
+    sealer.seal(For::Confirmed, payload, &mut out).unwrap();
     out
 }
 
@@ -48,7 +48,7 @@ fn the_bytes_of_a_datagram_are_these() {
     let mut sealer = sealer(7);
     sealed(&mut sealer, b"");
     let bytes = sealed(&mut sealer, b"hold");
-    expect!["[01, 01, 00, 00, 00, 07, 00, 00, 00, 00, 00, 01, 97, 22, 34, 8e, c2, 15, f1, b5, b9, 9f, ce, 2a, 1c, d4, 05, c8, bc, 9a, 21, 4f]"].assert_eq(&format!("{bytes:02x?}"));
+    expect!["[02, 01, 00, 00, 00, 07, 00, 00, 00, 00, 00, 01, 56, bb, 89, ac, dc, 12, af, c9, be, 3e, 0d, 1f, 07, 98, e8, d3, 32, ed, cf, a7]"].assert_eq(&format!("{bytes:02x?}"));
     assert_eq!(bytes.len(), 4 + OVERHEAD);
 }
 
@@ -111,16 +111,97 @@ fn what_the_other_side_has_not_made_is_rejected() {
     let mut told: Vec<String> =
         openers.into_iter().map(|mut opener| open(&mut opener, &datagram)).collect();
     let mut newer = datagram.clone();
-    newer[0] = 2;
+    newer[0] = 3;
     told.push(open(&mut opener(None), &newer));
     told.push(open(&mut opener(None), &datagram[..OVERHEAD - 1]));
+    told.push(open(&mut opener(None), &[0x80; 18]));
     expect![[r"
         a datagram was not made by the other side, or was changed on its way
         a datagram was not made by the other side, or was changed on its way
         a datagram was not made by the other side, or was changed on its way
         a datagram is sealed with pairing key 1, which is not known here: pair the two sides again
-        the other side speaks version 2 of the link, this one speaks 1: update the older side
-        a datagram of 27 bytes is too short"]]
+        the other side speaks version 3 of the link, this one speaks 2: update the older side
+        a datagram of 27 bytes is too short
+        a datagram of 18 bytes is too short"]]
+    .assert_eq(&told.join("\n"));
+}
+
+/// A sender whose last datagrams have this number and the one after, the first of them confirmed.
+fn confirmed(generation: u32, number: u64) -> (Sealer, Vec<u8>) {
+    let mut sealer = sealer(generation);
+    sealer.next = number;
+    let first = sealed(&mut sealer, b"first");
+    sealer.confirm(number);
+    (sealer, first)
+}
+
+#[test]
+fn a_receiver_that_confirmed_a_datagram_gets_short_headers() {
+    let (mut sealer, first) = confirmed(7, 65_534);
+    let mut opener = opener(None);
+    let short: Vec<_> = (0..3).map(|_| sealed(&mut sealer, b"hold")).collect();
+    let mut told = vec![open(&mut opener, &short[0]), open(&mut opener, &first)];
+    told.extend([&short[2], &short[1], &short[2]].map(|datagram| open(&mut opener, datagram)));
+    let mut out = Vec::new();
+    sealer.seal(For::Anyone, b"all", &mut out).unwrap();
+    told.push(open(&mut opener, &out));
+    expect![[r"
+        a datagram with a short header is of a start of its sender that was not heard yet, or is over: the next one with a full header tells
+        7.65534 first
+        7.65537 hold
+        7.65536 hold
+        datagram 65537 was received before, or came too late to tell
+        7.65538 all"]]
+    .assert_eq(&told.join("\n"));
+    expect!["[ea, 00, 00]"].assert_eq(&format!("{:02x?}", &short[1][..3]));
+    assert_eq!(short[1].len(), 4 + OVERHEAD - 9);
+}
+
+#[test]
+fn a_short_header_is_used_as_long_as_it_can_be_told_what_it_means() {
+    let (mut sealer, first) = confirmed(1, 100);
+    let mut opener = opener(None);
+    open(&mut opener, &first);
+    for number in 101..20_000_u64 {
+        let datagram = sealed(&mut sealer, b"");
+        let is_short = datagram[0] & 0x80 != 0;
+        assert_eq!(is_short, number - 100 < super::CONFIRMED_FOR, "{number}");
+        // The receiver hears but the last one of those with a short header.
+        if !is_short || number - 100 == super::CONFIRMED_FOR - 1 {
+            assert_eq!(open(&mut opener, &datagram), format!("1.{number} "));
+        }
+    }
+    sealer.confirm(19_999);
+    assert_eq!(sealed(&mut sealer, b"").len(), 19);
+    sealer.forget_confirmed();
+    assert_eq!(sealed(&mut sealer, b"").len(), 28);
+    // What was never sent cannot be confirmed.
+    sealer.confirm(1 << 40);
+    assert_eq!(sealed(&mut sealer, b"").len(), 28);
+}
+
+#[test]
+fn a_short_header_of_another_start_or_key_is_rejected() {
+    let (mut old, first) = confirmed(1, 3);
+    let (mut new, second) = confirmed(2, 3);
+    let (mut far, third) = confirmed(6, 3);
+    let mut opener = opener(None);
+    open(&mut opener, &first);
+    let [old, new, far] = [&mut old, &mut new, &mut far].map(|sealer| sealed(sealer, b"short"));
+    let mut told = vec![open(&mut opener, &new), open(&mut opener, &second)];
+    told.extend([&old, &far, &new, &third].map(|datagram| open(&mut opener, datagram)));
+    let mut other = new.clone();
+    other[0] ^= 0b0001_0000;
+    told.extend([&far, &other].map(|datagram| open(&mut opener, datagram)));
+    expect![[r"
+        a datagram with a short header is of a start of its sender that was not heard yet, or is over: the next one with a full header tells
+        2.3 first
+        a datagram with a short header is of a start of its sender that was not heard yet, or is over: the next one with a full header tells
+        a datagram was not made by the other side, or was changed on its way
+        2.4 short
+        6.3 first
+        6.4 short
+        a datagram is sealed with pairing key 3, which is not known here: pair the two sides again"]]
     .assert_eq(&told.join("\n"));
 }
 
@@ -128,9 +209,9 @@ fn what_the_other_side_has_not_made_is_rejected() {
 fn no_packet_number_is_used_twice() {
     let mut sealer = sealer(1);
     sealer.next = super::NUMBERS - 1;
-    assert_eq!(sealer.seal(b"", &mut Vec::new()), Ok(super::NUMBERS - 1));
+    assert_eq!(sealer.seal(For::Anyone, b"", &mut Vec::new()), Ok(super::NUMBERS - 1));
     let mut out = b"before".to_vec();
-    assert_eq!(sealer.seal(b"", &mut out), Err(SealError::NumbersUsed));
+    assert_eq!(sealer.seal(For::Anyone, b"", &mut out), Err(SealError::NumbersUsed));
     assert_eq!(out, b"before");
     assert_eq!(Generation(u32::MAX).next(), None);
 }
@@ -170,5 +251,29 @@ proptest! {
         }
         let rejected = opener(None).open(&mut noise).unwrap_err();
         prop_assert!(!matches!(rejected, Rejected::Repeated(_)), "{rejected}");
+    }
+
+    #[test]
+    fn a_number_is_told_from_its_last_bits(newest in 0..super::NUMBERS - 40_000, off in -32_767..32_767_i64) {
+        let number = newest.saturating_add_signed(off);
+        let [.., n0, n1] = number.to_be_bytes();
+        prop_assert_eq!(super::nearest(newest, u16::from_be_bytes([n0, n1])), number);
+    }
+
+    #[test]
+    fn a_flipped_bit_of_a_short_datagram_is_rejected_and_changes_nothing(
+        payload: Vec<u8>, at: Index, bit in 0..8_u32,
+    ) {
+        let (mut sealer, first) = confirmed(5, 70_000);
+        let mut opener = opener(None);
+        prop_assert!(opener.open(&mut first.clone()).is_ok());
+        let datagram = sealed(&mut sealer, &payload);
+        let mut flipped = datagram.clone();
+        flipped[at.index(datagram.len())] ^= 1 << bit;
+        let before = opener.heard();
+        prop_assert!(opener.open(&mut flipped).is_err());
+        prop_assert_eq!(opener.heard(), before);
+        let mut copy = datagram.clone();
+        prop_assert_eq!(opener.open(&mut copy).unwrap().payload, &payload[..]);
     }
 }

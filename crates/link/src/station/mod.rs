@@ -6,6 +6,7 @@ pub use commands::{NewCommand, NotSent};
 
 use crate::assembly::{Assembly, LENGTH_MAX};
 use crate::bytes::write_number;
+use crate::coding::{Contexts, LastCoder};
 use crate::deflate::inflate;
 use crate::endpoint::{Arrived, Endpoint, Identity, Unusable};
 use crate::frame::{CommandId, CommandState, EventHash, Events, Frame, Received, StreamId};
@@ -13,7 +14,7 @@ use crate::heard::{ClockBounds, RobotClock};
 use crate::profile::Profile;
 use crate::range_set::RangeSet;
 use crate::robot::now_ms;
-use crate::seal::{Direction, Horizon, KeyId, OVERHEAD, PairingKey, SealError};
+use crate::seal::{Direction, For, Horizon, KeyId, OVERHEAD, PairingKey, SealError};
 use crate::traffic::Traffic;
 use commands::{Commands, RobotTimes};
 use std::collections::BTreeMap;
@@ -22,6 +23,12 @@ use std::time::Duration;
 
 /// A report of a run that is over and complete is sent this often after the last news of it.
 const LAST_REPORTS: u8 = 8;
+/// So many runs of a robot are known at a time.
+pub(crate) const STREAMS_MAX: usize = 4_096;
+/// So many gaps a run may have: what would make another one counts as lost.
+pub(crate) const GAPS_MAX: usize = 4_096;
+/// So many bytes wait at most for the rest of their parts.
+pub(crate) const PARTS_MAX: usize = 64 << 20;
 
 /// What arrived.
 #[derive(Debug, PartialEq, Eq)]
@@ -99,6 +106,8 @@ struct Incoming {
     snapshot: Assembly,
     snapshot_sequence: u64,
     large: Assembly,
+    contexts: Contexts,
+    coder: LastCoder,
     /// How often it is still to be reported.
     reports: u8,
 }
@@ -209,6 +218,14 @@ impl StationSession {
         self.streams.get(&stream).map(|incoming| (incoming.head, &incoming.received))
     }
 
+    /// How many runs, ranges of their events, and bytes of unfinished things are kept.
+    #[cfg(test)]
+    pub(crate) fn kept(&self) -> (usize, usize, usize) {
+        let ranges = self.streams.values().map(|it| it.received.ranges_count());
+        let parts = self.streams.values().map(|it| it.snapshot.length() + it.large.length());
+        (self.streams.len(), ranges.sum(), parts.sum())
+    }
+
     /// Takes a datagram; passes on what is new in it.
     pub fn receive(
         &mut self,
@@ -241,11 +258,28 @@ impl StationSession {
     ) {
         match *frame {
             Frame::Events(ref events) => self.take_events(events, show),
+            Frame::Coded { context, length, ref events } => {
+                let Some(incoming) = self.incoming(events.stream) else { return };
+                if incoming.received.contains(&(events.first..=events.last())) {
+                    return self.take_events(&Events { items: &[], ..*events }, show);
+                }
+                let Incoming { contexts, coder, .. } = incoming;
+                // What cannot be decoded, because this side started again, counts as lost.
+                let coder = contexts.find(context).map(|items| coder.with(context, items));
+                let items = coder.and_then(|coder| coder.decode(events.items, length as usize));
+                if let Some(items) = items {
+                    self.take_events(&Events { items: &items, ..*events }, show);
+                }
+            }
             Frame::Large { stream, first, t_before, length, offset, bytes } => {
-                let incoming = self.streams.entry(stream).or_default();
+                let Some(incoming) = self.incoming(stream) else { return };
                 if incoming.received.contains(&(first..=first)) {
                     return;
                 }
+                if !incoming.large.is_of(first, length) {
+                    self.make_room(length);
+                }
+                let Some(incoming) = self.incoming(stream) else { return };
                 let Some(items) = incoming.large.add(first, length, offset, bytes) else { return };
                 self.take_events(
                     &Events { stream, first, count: 1, t_before, items: &items },
@@ -253,7 +287,7 @@ impl StationSession {
                 );
             }
             Frame::Status { stream, head, is_over, state, chain } => {
-                let incoming = self.streams.entry(stream).or_default();
+                let Some(incoming) = self.incoming(stream) else { return };
                 incoming.reports = LAST_REPORTS;
                 incoming.head = incoming.head.max(head);
                 incoming.is_over |= is_over;
@@ -261,10 +295,14 @@ impl StationSession {
                 show(FromRobot::Status { stream, head, is_over, state, chain, at_ms });
             }
             Frame::Snapshot { stream, sequence, length, offset, bytes } => {
-                let incoming = self.streams.entry(stream).or_default();
+                let Some(incoming) = self.incoming(stream) else { return };
                 if sequence < incoming.snapshot_sequence {
                     return;
                 }
+                if !incoming.snapshot.is_of(sequence, length) {
+                    self.make_room(length);
+                }
+                let Some(incoming) = self.incoming(stream) else { return };
                 let whole = incoming.snapshot.add(sequence, length, offset, bytes);
                 if let Some(bytes) = whole.and_then(|whole| inflate(&whole, LENGTH_MAX as usize)) {
                     incoming.snapshot_sequence = sequence;
@@ -275,7 +313,8 @@ impl StationSession {
                 self.commands.answered(now, id, state, self.answer_time());
                 show(FromRobot::CommandState { id, state, reason });
             }
-            Frame::Heard { start, newest_ms, held_ms, .. } if start == self.end.start => {
+            Frame::Heard { start, number, newest_ms, held_ms, .. } if start == self.end.start => {
+                self.end.confirm(number);
                 let heard_at = at_ms.saturating_sub(held_ms);
                 self.clock.robot_heard(heard_at, newest_ms, now_ms(now));
                 let since = now_ms(now).saturating_sub(newest_ms).saturating_sub(held_ms);
@@ -290,12 +329,40 @@ impl StationSession {
         }
     }
 
+    /// What is known of a run; nothing if the robot names too many.
+    fn incoming(&mut self, stream: StreamId) -> Option<&mut Incoming> {
+        let is_full = self.streams.len() >= STREAMS_MAX && !self.streams.contains_key(&stream);
+        (!is_full).then(|| self.streams.entry(stream).or_default())
+    }
+
+    /// Parts of another thing begin to arrive: if too many wait already, they are sent again in their turn.
+    fn make_room(&mut self, length: u32) {
+        if length > LENGTH_MAX {
+            return;
+        }
+        let waiting = self.streams.values();
+        let waiting = waiting.map(|it| it.snapshot.length() + it.large.length()).sum::<usize>();
+        if waiting + length as usize > PARTS_MAX {
+            for incoming in self.streams.values_mut() {
+                (incoming.snapshot, incoming.large) = (Assembly::default(), Assembly::default());
+            }
+        }
+    }
+
     fn take_events(&mut self, events: &Events<'_>, show: &mut impl FnMut(FromRobot<'_>)) {
-        let incoming = self.streams.entry(events.stream).or_default();
+        let codes = self.profile.codes;
+        self.has_news = true;
+        let Some(incoming) = self.incoming(events.stream) else { return };
+        let is_scattered = incoming.received.ranges_count() >= GAPS_MAX;
+        if is_scattered && incoming.received.end_at(events.first - 1).is_none() {
+            return;
+        }
         incoming.head = incoming.head.max(events.last());
         incoming.reports = LAST_REPORTS;
-        self.has_news = true;
         let range = events.first..=events.last();
+        if codes && !events.items.is_empty() {
+            incoming.contexts.note(events);
+        }
         if !incoming.received.contains(&range) {
             incoming.received.insert(range);
             show(FromRobot::Events(*events));
@@ -327,7 +394,10 @@ impl StationSession {
         if payload.len() == empty {
             return Ok(None);
         }
-        self.end.seal(now, &payload).map(Some)
+        let before = self.end.heard.before(now);
+        let is_heard = before.is_some_and(|before| before < self.profile.silence());
+        let whom = if is_heard { For::Confirmed } else { For::Anyone };
+        self.end.seal(now, whom, &payload).map(Some)
     }
 
     /// When something may be due next; earlier if anything is received.
@@ -353,12 +423,18 @@ impl StationSession {
         for (stream, incoming) in &mut self.streams {
             let is_complete = incoming.is_over && incoming.received.contiguous() >= incoming.head;
             if is_complete && incoming.reports == 0 {
+                (incoming.contexts, incoming.coder) = (Contexts::default(), LastCoder::default());
                 continue;
             }
             let length = payload.len();
             let events = incoming.received.clone();
+            let context = match self.profile.codes && !is_complete {
+                true => incoming.contexts.offer(),
+                false => None,
+            };
             let Incoming { safe, is_over, .. } = *incoming;
-            Frame::Received(Received { stream: *stream, is_over, safe, events }).write(payload);
+            let received = Received { stream: *stream, is_over, safe, events, context };
+            Frame::Received(received).write(payload);
             if payload.len() > room {
                 payload.truncate(length);
                 break;

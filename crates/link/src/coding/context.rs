@@ -1,0 +1,156 @@
+//! What the coders of both sides have learnt from: events that the station has at hand and offers, named by their hash.
+
+use super::Coder;
+use crate::frame::Events;
+use crate::robot::EventBuffer;
+use ring::digest::{SHA256, digest};
+use std::collections::{BTreeMap, VecDeque};
+
+/// A coder learns from at most so many bytes of items.
+pub(crate) const CONTEXT_MAX: usize = 8_192;
+/// From fewer it learns too little.
+const CONTEXT_MIN: usize = 512;
+/// Another context is offered after so many bytes of items.
+const RENEW_AFTER: usize = 8_192;
+/// And after so many although the one that was offered was never used.
+const GIVE_UP_AFTER: usize = 65_536;
+/// So many bytes of the newest events are kept at hand.
+const RECENT_MAX: usize = 32_768;
+/// The one that is used, the one before, and the one that is offered.
+const KEPT: usize = 3;
+/// A context ends with one of so many of the newest groups of events.
+const ENDS: usize = 16;
+
+/// A context, as a datagram that needs it names it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct ContextId(pub(crate) [u8; 3]);
+
+/// Which events a context is made of, and the hash of their items.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct ContextName {
+    pub(crate) first: u64,
+    pub(crate) last: u64,
+    pub(crate) hash: [u8; 8],
+}
+
+impl ContextName {
+    /// The name of the context of these events.
+    pub(crate) fn of(first: u64, last: u64, items: &[u8]) -> Self {
+        let mut hash = [0; 8];
+        let whole = digest(&SHA256, items);
+        hash.iter_mut().zip(whole.as_ref()).for_each(|(to, from)| *to = *from);
+        Self { first, last, hash }
+    }
+
+    pub(crate) fn id(&self) -> ContextId {
+        let [a, b, c, ..] = self.hash;
+        ContextId([a, b, c])
+    }
+}
+
+/// The coder of one run, with the context that was used last. It is made when it is needed.
+#[derive(Debug, Default)]
+pub(crate) struct LastCoder {
+    last: Option<(ContextId, Coder)>,
+}
+
+impl LastCoder {
+    /// The coder with this context, of these items.
+    pub(crate) fn with(&mut self, id: ContextId, items: &[u8]) -> &mut Coder {
+        let known = self.last.take().filter(|(of, _)| *of == id);
+        let (_, coder) = self.last.insert(known.unwrap_or_else(|| (id, Coder::new(items))));
+        coder
+    }
+}
+
+/// What a station has at hand of a run, from which it makes contexts.
+#[derive(Debug, Default)]
+pub(crate) struct Contexts {
+    /// Groups of events by their last one; of those with the same last one the longest.
+    recent: BTreeMap<u64, EventBuffer>,
+    bytes: usize,
+    /// So many bytes came since a context was made.
+    fresh: usize,
+    /// The newest is the last one.
+    kept: VecDeque<Context>,
+}
+
+#[derive(Debug)]
+struct Context {
+    name: ContextName,
+    items: Vec<u8>,
+    is_used: bool,
+}
+
+impl Contexts {
+    /// Events that were received, new or again.
+    pub(crate) fn note(&mut self, events: &Events<'_>) {
+        let Events { first, count, t_before, items, .. } = *events;
+        let is_shorter = |known: &EventBuffer| known.first <= first;
+        if items.len() > CONTEXT_MAX || self.recent.get(&events.last()).is_some_and(is_shorter) {
+            return;
+        }
+        let buffer = EventBuffer { first, count, t_before, items: items.to_vec() };
+        (self.bytes, self.fresh) = (self.bytes + items.len(), self.fresh + items.len());
+        if let Some(shorter) = self.recent.insert(events.last(), buffer) {
+            self.bytes -= shorter.items.len();
+        }
+        while self.bytes > RECENT_MAX
+            && let Some((_, oldest)) = self.recent.pop_first()
+        {
+            self.bytes -= oldest.items.len();
+        }
+    }
+
+    /// The items of a context that a datagram names.
+    pub(crate) fn find(&mut self, id: ContextId) -> Option<&[u8]> {
+        let found = self.kept.iter_mut().find(|context| context.name.id() == id)?;
+        found.is_used = true;
+        Some(&found.items)
+    }
+
+    /// The context that the robot may use; a newer one if there is reason to.
+    pub(crate) fn offer(&mut self) -> Option<ContextName> {
+        let is_due = self.kept.back().is_none_or(|newest| {
+            self.fresh >= if newest.is_used { RENEW_AFTER } else { GIVE_UP_AFTER }
+        });
+        if is_due && let Some(context) = self.make() {
+            self.fresh = 0;
+            self.kept.push_back(context);
+            if self.kept.len() > KEPT {
+                self.kept.pop_front();
+            }
+        }
+        self.kept.back().map(|newest| newest.name)
+    }
+
+    /// The most that follows upon another without a gap, near the end.
+    fn make(&self) -> Option<Context> {
+        let ends = self.recent.keys().rev().take(ENDS);
+        let chains = ends.map(|last| (self.chain(*last), *last));
+        let ((first, length), last) = chains.max_by_key(|((_, length), _)| *length)?;
+        if length < CONTEXT_MIN {
+            return None;
+        }
+        let mut groups = Vec::new();
+        let mut next = last;
+        while let Some(events) = self.recent.get(&next).filter(|events| events.first >= first) {
+            groups.push(events.items.as_slice());
+            next = events.first - 1;
+        }
+        groups.reverse();
+        let items = groups.concat();
+        Some(Context { name: ContextName::of(first, last, &items), items, is_used: false })
+    }
+
+    /// From which event on all are at hand up to `last`, and the length of their items.
+    fn chain(&self, last: u64) -> (u64, usize) {
+        let (mut first, mut length) = (last + 1, 0);
+        while let Some(events) = self.recent.get(&(first - 1))
+            && length + events.items.len() <= CONTEXT_MAX
+        {
+            (first, length) = (events.first, length + events.items.len());
+        }
+        (first, length)
+    }
+}

@@ -1,0 +1,198 @@
+//! How probable the next bit is after the bytes before it: bits are counted in six contexts, and what they say is mixed by weights
+//! that learn. Integers only, so that both sides of a link come to the same numbers.
+
+#![expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "probabilities have 12 bits, logits as many and a sign"
+)]
+
+/// The bytes before a bit that make a context: how far each is behind.
+const CONTEXTS: [&[usize]; COUNT] = [&[1], &[1, 2], &[1, 2, 3], &[2], &[2, 3], &[1, 2, 3, 4, 5]];
+const COUNT: usize = 6;
+/// The longest distance in `CONTEXTS`.
+const BEHIND: usize = 5;
+/// Each context has so many slots.
+const SLOTS: usize = 1 << 14;
+/// A slot counts up to this; then old bits count less and less.
+const SEEN_MAX: u16 = 14;
+/// How fast weights learn.
+const LEARN: i32 = 8;
+/// What a weight of one is.
+const ONE: i32 = 1 << 16;
+/// Probabilities have 12 bits.
+pub(super) const SCALE: i32 = 1 << 12;
+
+/// How much a slot moves towards a bit, by how many it has seen: in 65,536.
+const RATES: [i32; 16] = [
+    40_960, 25_206, 18_204, 14_247, 11_703, 9_930, 8_623, 7_620, 6_827, 6_183, 5_650, 5_201, 4_819,
+    4_489, 4_201, 4_201,
+];
+/// How much the word of a slot counts, by how many bits it has seen: in 256.
+const TRUST: [i32; 16] =
+    [0, 100, 150, 180, 200, 215, 225, 232, 238, 243, 247, 250, 253, 255, 256, 256];
+
+/// The logistic function at every 128th of its domain.
+const CURVE: [i32; 33] = [
+    1, 2, 3, 6, 10, 16, 27, 45, 73, 120, 194, 310, 488, 747, 1_101, 1_546, 2_047, 2_549, 2_994,
+    3_348, 3_607, 3_785, 3_901, 3_975, 4_024, 4_050, 4_068, 4_079, 4_085, 4_089, 4_092, 4_093,
+    4_094,
+];
+
+/// The probability, in [`SCALE`], of a logit in 256ths.
+const fn squash(logit: i32) -> i32 {
+    if logit > 2_047 {
+        return SCALE - 1;
+    }
+    if logit < -2_047 {
+        return 1;
+    }
+    let (part, place) = (logit & 127, ((logit >> 7) + 16) as usize);
+    (CURVE[place] * (128 - part) + CURVE[place + 1] * part + 64) >> 7
+}
+
+/// The logit of each probability.
+static STRETCH: [i16; SCALE as usize] = {
+    let (mut table, mut logit, mut next) = ([2_047; SCALE as usize], -2_047, 0);
+    while logit < 2_048 {
+        let probability = squash(logit);
+        while next <= probability {
+            table[next as usize] = logit as i16;
+            next += 1;
+        }
+        logit += 1;
+    }
+    table
+};
+
+/// What was learnt from bytes.
+#[derive(Debug, Clone)]
+pub(super) struct Model {
+    /// Of each context its slots: a probability of 12 bits and how many bits it has seen.
+    slots: Box<[u16]>,
+    weights: [i32; COUNT],
+    /// The last bytes, the newest first.
+    before: [u8; BEHIND],
+    /// Slots that were changed since the model was fixed, with what was in them.
+    changed: Vec<(u32, u16)>,
+    fixed: Option<([i32; COUNT], [u8; BEHIND])>,
+}
+
+/// A byte of which some bits are known.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Bits {
+    hashes: [u32; COUNT],
+    /// The bits so far behind a one.
+    known: u32,
+}
+
+/// What a model says of a bit, and why.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Guess {
+    /// How probable a one is, in [`SCALE`]: neither impossible nor certain.
+    pub(super) one: i32,
+    places: [usize; COUNT],
+    words: [i32; COUNT],
+}
+
+impl Model {
+    pub(super) fn new() -> Self {
+        Self {
+            slots: vec![(SCALE as u16 / 2) << 4; SLOTS * COUNT].into_boxed_slice(),
+            weights: [ONE * 35 / 100; COUNT],
+            before: [0; BEHIND],
+            changed: Vec::new(),
+            fixed: None,
+        }
+    }
+
+    /// Learns from bytes that both sides know.
+    pub(super) fn learn(&mut self, bytes: &[u8]) {
+        for byte in bytes {
+            let mut bits = self.begin_byte();
+            for place in (0..8).rev() {
+                let (guess, bit) = (self.guess(&bits), byte >> place & 1 == 1);
+                self.update(&guess, bit);
+                bits.push(bit);
+            }
+            self.end_byte(*byte);
+        }
+    }
+
+    /// What is learnt from now on can be forgotten again.
+    pub(super) fn fix(&mut self) {
+        self.changed.clear();
+        self.fixed = Some((self.weights, self.before));
+    }
+
+    /// Forgets what was learnt since the model was fixed.
+    pub(super) fn forget(&mut self) {
+        for (place, slot) in self.changed.drain(..).rev() {
+            self.slots[place as usize] = slot;
+        }
+        if let Some((weights, before)) = self.fixed {
+            (self.weights, self.before) = (weights, before);
+        }
+    }
+
+    pub(super) fn begin_byte(&self) -> Bits {
+        let mut hashes = [0; COUNT];
+        for (number, (hash, context)) in (1_u32..).zip(hashes.iter_mut().zip(CONTEXTS)) {
+            *hash = number.wrapping_mul(0x9E37_79B1);
+            for behind in context {
+                let byte = u32::from(self.before[behind - 1]);
+                *hash = (*hash ^ byte).wrapping_mul(0x2545_F491).wrapping_add(0x0123_4567);
+            }
+        }
+        Bits { hashes, known: 1 }
+    }
+
+    pub(super) fn end_byte(&mut self, byte: u8) {
+        self.before.rotate_right(1);
+        self.before[0] = byte;
+    }
+
+    pub(super) fn guess(&self, bits: &Bits) -> Guess {
+        let (mut places, mut words, mut logit) = ([0; COUNT], [0; COUNT], 0_i64);
+        for context in 0..COUNT {
+            let hash = bits.hashes[context].wrapping_add(bits.known.wrapping_mul(0x9E37_79B1));
+            let place = (hash.wrapping_mul(0x85EB_CA6B) >> 15) as usize % SLOTS;
+            places[context] = context * SLOTS + place;
+            let slot = self.slots[places[context]];
+            let (probability, seen) = (usize::from(slot >> 4), usize::from(slot & 15));
+            words[context] = (i32::from(STRETCH[probability]) * TRUST[seen]) >> 8;
+            logit += i64::from(self.weights[context]) * i64::from(words[context]);
+        }
+        let logit = (logit >> 16).clamp(-2_048, 2_048) as i32;
+        Guess { one: squash(logit).clamp(1, SCALE - 1), places, words }
+    }
+
+    pub(super) fn update(&mut self, guess: &Guess, bit: bool) {
+        let error = (i32::from(bit) * SCALE - guess.one) * LEARN;
+        for context in 0..COUNT {
+            let weight = &mut self.weights[context];
+            *weight = (*weight + ((guess.words[context] * error + ONE / 2) >> 16))
+                .clamp(-8 * ONE, 8 * ONE);
+            let place = guess.places[context];
+            let slot = self.slots[place];
+            if self.fixed.is_some() {
+                self.changed.push((place as u32, slot));
+            }
+            let (probability, seen) = (i32::from(slot >> 4), slot & 15);
+            let target = if bit { SCALE - 1 } else { 0 };
+            let moved = probability + (((target - probability) * RATES[usize::from(seen)]) >> 16);
+            self.slots[place] = (moved.clamp(0, SCALE - 1) as u16) << 4 | (seen + 1).min(SEEN_MAX);
+        }
+    }
+}
+
+impl Bits {
+    pub(super) fn push(&mut self, bit: bool) {
+        self.known = self.known << 1 | u32::from(bit);
+    }
+
+    /// The byte, once all bits are known.
+    pub(super) fn byte(&self) -> u8 {
+        self.known.to_le_bytes()[0]
+    }
+}

@@ -1,0 +1,103 @@
+//! Events in fewer bytes, by a context that the station offers.
+
+use super::outgoing::Turn;
+use super::source::RunSource;
+use crate::coding::{CONTEXT_MAX, ContextName, LastCoder, PLAIN_MAX};
+use crate::frame::{Events, Frame, StreamId};
+
+/// So many bytes of items are assumed to become one byte at first, in 16ths.
+const FIRST_RATIO: usize = 24;
+
+/// The context of which the station has said that it knows it.
+#[derive(Debug)]
+pub(super) struct Coding {
+    /// What the station offered last.
+    offered: Option<ContextName>,
+    /// The last one that was looked at.
+    seen: Option<ContextName>,
+    /// The context that is used, and its items.
+    used: Option<(ContextName, Vec<u8>)>,
+    coder: LastCoder,
+    /// How many bytes of items became one byte, in 16ths.
+    ratio: usize,
+}
+
+impl Default for Coding {
+    fn default() -> Self {
+        let coder = LastCoder::default();
+        Self { offered: None, seen: None, used: None, coder, ratio: FIRST_RATIO }
+    }
+}
+
+impl Coding {
+    /// The station has this context, or none.
+    pub(super) fn offer(&mut self, context: Option<ContextName>) {
+        self.offered = context;
+        if context.is_none() {
+            (self.seen, self.used) = (None, None);
+        }
+    }
+
+    /// Reads the context that was offered, if it is another one. It is used only if both sides have the same bytes: the journal may
+    /// have dropped values since.
+    pub(super) fn renew(&mut self, stream: StreamId, head: u64, source: &mut impl RunSource) {
+        let Some(name) = self.offered.take() else { return };
+        if name.last > head || self.seen.replace(name) == Some(name) {
+            return;
+        }
+        let events = source.events(stream, name.first, name.last, CONTEXT_MAX);
+        if let Some(events) = events.filter(|events| events.last() == name.last)
+            && ContextName::of(name.first, name.last, &events.items) == name
+        {
+            self.used = Some((name, events.items));
+        }
+    }
+
+    /// Whether events are coded: a station that does not report may have started again, and then it knows nothing.
+    pub(super) fn is_used(&self, turn: Turn<'_>) -> bool {
+        turn.is_heard && turn.profile.codes && self.used.is_some()
+    }
+
+    /// About so many bytes of items fit into so many bytes.
+    pub(super) fn items_max(&self, coded_max: usize) -> usize {
+        (coded_max * self.ratio / 16).clamp(coded_max, PLAIN_MAX)
+    }
+
+    /// Writes the frame of these events, which fit as they are.
+    pub(super) fn write_uncut(
+        &mut self,
+        events: &Events<'_>,
+        turn: Turn<'_>,
+        payload: &mut Vec<u8>,
+    ) {
+        if !self.is_used(turn) || self.write(events, usize::MAX, payload).is_err() {
+            Frame::Events(*events).write(payload);
+        }
+    }
+
+    /// Writes the frame of these events if it has at most `coded_max` bytes of items. Else answers how many they would be.
+    pub(super) fn write(
+        &mut self,
+        events: &Events<'_>,
+        coded_max: usize,
+        payload: &mut Vec<u8>,
+    ) -> Result<(), usize> {
+        let plain = events.items.len();
+        let Some((name, items)) = self.used.as_ref().filter(|_| plain <= PLAIN_MAX) else {
+            return Err(plain);
+        };
+        let coded = self.coder.with(name.id(), items).encode(events.items);
+        self.ratio = (self.ratio * 3 + plain * 16 / coded.len().max(1)) / 4;
+        if coded.len().min(plain) > coded_max {
+            return Err(coded.len().min(plain));
+        }
+        if coded.len() < plain {
+            let length = u32::try_from(plain).unwrap_or(u32::MAX);
+            let events = Events { items: &coded, ..*events };
+            Frame::Coded { context: name.id(), length, events }.write(payload);
+        } else {
+            Frame::Events(*events).write(payload);
+        }
+        Ok(())
+    }
+}
