@@ -35,6 +35,10 @@ fn main() -> ExitCode {
         }
     }
     if !json {
+        println!("of the bytes for each event, and how many datagrams:");
+        for (kind, bytes) in measures.breakdown() {
+            println!("  {kind:26} {bytes:10.3}");
+        }
         let Measures { kills, commands, events, .. } = measures;
         println!("{count} seeds from {from}: {kills} kills, {commands} commands, {events} events");
     }

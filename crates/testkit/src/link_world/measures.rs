@@ -7,6 +7,7 @@
     reason = "figures are printed with three digits"
 )]
 
+use rafcon_link::Traffic;
 use std::time::Duration;
 
 /// What one seed measured, or all.
@@ -22,6 +23,8 @@ pub struct Measures {
     pub events: u64,
     /// See `events`.
     pub bytes: u64,
+    /// The same by the kinds of frames.
+    pub traffic: Traffic,
     /// From an event to a state at the station that includes it, less the delay, while the link was whole.
     pub latency: Vec<Duration>,
     /// The same without an up-link.
@@ -67,6 +70,7 @@ impl Measures {
         self.different += other.different;
         self.events += other.events;
         self.bytes += other.bytes;
+        self.add_traffic(&other.traffic, &Traffic::default());
         self.latency.extend_from_slice(&other.latency);
         self.one_way_latency.extend_from_slice(&other.one_way_latency);
         self.live_after_return.extend_from_slice(&other.live_after_return);
@@ -78,6 +82,25 @@ impl Measures {
         self.kills += other.kills;
         self.idle_bits += other.idle_bits;
         self.idle += other.idle;
+    }
+
+    /// Adds what was sent between two times of one session.
+    pub(super) fn add_traffic(&mut self, after: &Traffic, before: &Traffic) {
+        self.traffic.datagrams += after.datagrams - before.datagrams;
+        self.traffic.bytes += after.bytes - before.bytes;
+        for (kind, bytes) in &after.by_kind {
+            let before = before.by_kind.get(kind).copied().unwrap_or_default();
+            *self.traffic.by_kind.entry(*kind).or_default() += bytes - before;
+        }
+    }
+
+    /// Where the bytes of an event go, besides its own: each kind of frames, and the headers, in bytes for each event.
+    pub fn breakdown(&self) -> Vec<(&'static str, f64)> {
+        let frames: u64 = self.traffic.by_kind.values().sum();
+        let kinds = self.traffic.by_kind.iter().map(|(kind, bytes)| (*kind, *bytes));
+        let headers = ("headers", self.traffic.bytes - frames);
+        let all = kinds.chain([headers, ("datagrams", self.traffic.datagrams)]);
+        all.map(|(kind, bytes)| (kind, ratio(bytes, self.events))).collect()
     }
 
     /// The gate's table.

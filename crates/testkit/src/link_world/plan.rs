@@ -47,6 +47,12 @@ pub(super) enum Action {
     Command,
     /// The other station takes control.
     TakeControl,
+    /// The disk of a station takes nothing more.
+    FillDisk(usize),
+    /// It has room again.
+    FreeDisk(usize),
+    /// The robot's calendar is set: so many ms forward, or back.
+    SetCalendar(i64),
 }
 
 #[derive(Debug, Clone)]
@@ -60,6 +66,8 @@ pub(super) struct Plan {
     pub(super) one_way: Vec<Window>,
     /// Times in which a server is not there, with the number of the station, or none for the robot.
     pub(super) down: Vec<(Window, Option<usize>)>,
+    /// Times in which the disk of a station is full.
+    pub(super) full: Vec<(Window, usize)>,
     pub(super) actions: Vec<(Duration, Action)>,
 }
 
@@ -73,10 +81,45 @@ impl Plan {
             Scenario::SpaceBotCamp => Self::space_bot_camp(random),
             Scenario::Kills => Self::kills(random),
         };
+        plan.add_full_disks(random);
+        plan.add_calendar_jumps(random);
         plan.actions.push((Duration::ZERO, Action::StartRobot));
         plan.actions.extend((0..STATIONS).map(|it| (Duration::ZERO, Action::StartStation(it))));
         plan.actions.sort_by_key(|(at, _)| *at);
         plan
+    }
+
+    /// Now and then the disk of a station is full. No server starts meanwhile: it could not keep the number of its start.
+    fn add_full_disks(&mut self, random: &mut Random) {
+        let length = usize::try_from(self.length.as_millis()).unwrap_or_default();
+        for _ in 0..6 {
+            let station = random.below(STATIONS);
+            let full = Window::new(random.below(length) as u64, 500 + random.below(60_000) as u64);
+            let starts = self
+                .actions
+                .iter()
+                .any(|(at, action)| *action == Action::StartStation(station) && full.has(*at));
+            let others = self
+                .full
+                .iter()
+                .any(|(other, at)| *at == station && other.from < full.to && full.from < other.to);
+            if !starts && !others {
+                self.full.push((full, station));
+                self.actions.push((full.from, Action::FillDisk(station)));
+                self.actions.push((full.to, Action::FreeDisk(station)));
+            }
+        }
+    }
+
+    /// Now and then the robot's calendar jumps: by moments, or by days.
+    fn add_calendar_jumps(&mut self, random: &mut Random) {
+        let length = usize::try_from(self.length.as_millis()).unwrap_or_default();
+        for _ in 0..8 {
+            let far = [500, 60_000, 90_000_000][random.below(3)];
+            let jump = random.small(far) - random.small(far);
+            let at = Duration::from_millis(random.below(length) as u64);
+            self.actions.push((at, Action::SetCalendar(jump)));
+        }
     }
 
     fn space_bot_camp(random: &mut Random) -> Self {
@@ -112,6 +155,7 @@ impl Plan {
             cuts: vec![(first, cut()), (second, cut())],
             one_way: vec![first_one_way, second_one_way],
             down: vec![(robot, None), (station, Some(0))],
+            full: Vec::new(),
             actions,
         }
     }
@@ -154,6 +198,7 @@ impl Plan {
             cuts,
             one_way: Vec::new(),
             down,
+            full: Vec::new(),
             actions,
         }
     }

@@ -4,7 +4,7 @@ use super::clock::LocalClock;
 use super::mission::{Mission, MissionState};
 use rafcon_link::{
     CommandId, CommandState, EventBuffer, Events, Generation, Horizon, Identity, KeyId, PairingKey,
-    Profile, ReceivedCommand, RobotSession, RunSource, StreamId,
+    Profile, ReceivedCommand, RobotSession, RunSource, StreamId, Traffic,
 };
 use std::collections::BTreeMap;
 use std::time::Duration;
@@ -21,8 +21,29 @@ pub(super) fn key(station: usize) -> PairingKey {
 #[derive(Debug)]
 pub(super) struct Robot {
     disk: RobotDisk,
+    pub(super) calendar: Calendar,
     pub(super) server: Option<RobotServer>,
     state: MissionState,
+}
+
+/// What the calendar says more than the time of the world, in ms, since when, by which start of the server.
+#[derive(Debug)]
+pub(super) struct Calendar {
+    pub(super) settings: Vec<(Duration, u64)>,
+}
+
+impl Calendar {
+    /// What it says now, in ms since 1970.
+    fn at(&self, now: Duration) -> u64 {
+        let more = self.settings.last().map_or(0, |(_, more)| *more);
+        more + u64::try_from(now.as_millis()).unwrap_or_default()
+    }
+
+    /// It is set forward, or back.
+    pub(super) fn jump(&mut self, now: Duration, ms: i64) {
+        let more = self.settings.last().map_or(0, |(_, more)| *more);
+        self.settings.push((now, more.saturating_add_signed(ms)));
+    }
 }
 
 #[derive(Debug)]
@@ -83,7 +104,8 @@ impl Robot {
     pub(super) fn new(stations: usize) -> Self {
         let heard = vec![None; stations];
         let disk = RobotDisk { starts: 0, heard, commands: BTreeMap::new(), epoch: 1 };
-        Self { disk, server: None, state: MissionState::new() }
+        let calendar = Calendar { settings: vec![(Duration::ZERO, 1_700_000_000_000)] };
+        Self { disk, calendar, server: None, state: MissionState::new() }
     }
 
     /// Starts the server; the mission is at this event.
@@ -110,9 +132,15 @@ impl Robot {
         self.server = None;
     }
 
+    /// The number of the last start of the server.
+    pub(super) fn starts(&self) -> u32 {
+        self.disk.starts
+    }
+
     /// The mission is at this event.
-    pub(super) fn follow(&mut self, mission: &Mission, head: u64, is_over: bool) {
+    pub(super) fn follow(&mut self, now: Duration, mission: &Mission, head: u64, is_over: bool) {
         let Some(server) = &mut self.server else { return };
+        let (local, calendar) = (server.clock.local(now), self.calendar.at(now));
         for first in server.head + 1..=head {
             let (t_before, items) = mission.items(first, first);
             let events = Events { stream: STREAM, first, count: 1, t_before, items };
@@ -120,6 +148,7 @@ impl Robot {
         }
         server.head = server.head.max(head);
         for session in &mut server.sessions {
+            session.set_calendar(local, calendar);
             session.set_state(STREAM, b"running", is_over);
         }
     }
@@ -136,6 +165,12 @@ impl Robot {
         let mut journal = Journal { mission, state, head: server.head };
         let session = &mut server.sessions[station];
         session.transmit(local, &mut journal).map_err(|error| error.to_string())
+    }
+
+    /// What was sent to a station since the server started.
+    pub(super) fn sent(&self, station: usize) -> Traffic {
+        let sent = self.server.as_ref().map(|server| server.sessions[station].traffic().0.clone());
+        sent.unwrap_or_default()
     }
 
     /// When something may be due for a station.

@@ -28,6 +28,8 @@ pub(super) struct Station {
 pub(super) struct StationDisk {
     starts: u32,
     heard: Option<Horizon>,
+    /// It takes nothing more.
+    pub(super) is_full: bool,
     /// The events of the replica.
     pub(super) events: RangeSet,
 }
@@ -80,13 +82,14 @@ impl Station {
     pub(super) fn next(&self, now: Duration) -> Option<Duration> {
         let server = self.server.as_ref()?;
         let next = server.clock.real(server.session.next_transmit(server.clock.local(now)));
-        let sync = (!server.unsynced.is_empty()).then(|| server.synced + SYNC_EVERY);
+        let may_sync = !server.unsynced.is_empty() && !self.disk.is_full;
+        let sync = may_sync.then(|| server.synced + SYNC_EVERY);
         next.into_iter().chain(sync).min()
     }
 
     pub(super) fn transmit(&mut self, now: Duration) -> Result<Option<Vec<u8>>, String> {
         let Some(server) = &mut self.server else { return Ok(None) };
-        if server.synced + SYNC_EVERY <= now {
+        if server.synced + SYNC_EVERY <= now && !self.disk.is_full {
             for range in server.unsynced.drain(..) {
                 self.disk.events.insert(range);
             }
@@ -119,6 +122,22 @@ impl Station {
         let Some((_, received)) = session.progress(STREAM) else { return };
         let after_snapshot = received.end_at(*snapshot + 1).unwrap_or(*snapshot);
         server.view = server.view.max(received.contiguous()).max(after_snapshot);
+    }
+
+    /// Of which start of the robot the station knows the clock, and the robot's calendar, at least and at most.
+    pub(super) fn robot_calendar(&self, now: Duration) -> Option<(u32, u64, Option<u64>)> {
+        let server = self.server.as_ref()?;
+        let local = server.clock.local(now);
+        let (earliest, latest) = server.session.robot_calendar(local)?;
+        Some((server.session.robot_clock(local)?.start.0, earliest, latest))
+    }
+
+    /// Whether everything on its disk is known to its server, and nothing is reported as safe that is not there.
+    pub(super) fn knows_its_disk(&self) -> bool {
+        let progress = self.server.as_ref().and_then(|server| server.session.progress(STREAM));
+        progress.is_none_or(|(_, received)| {
+            self.disk.events.ranges().all(|range| received.contains(&range))
+        })
     }
 
     /// The last event up to which it has received all.

@@ -8,7 +8,7 @@ use super::plan::{Action, LATE, Plan, STATIONS, Scenario, Window};
 use super::robot::{CarriedOut, Robot};
 use super::station::Station;
 use crate::random::Random;
-use rafcon_link::{CommandId, NewCommand, Profile};
+use rafcon_link::{CommandId, NewCommand, Profile, Traffic};
 use std::collections::BTreeMap;
 use std::time::Duration;
 
@@ -94,6 +94,7 @@ struct Fill {
 struct Tick {
     at: Duration,
     bytes: u64,
+    traffic: Traffic,
     head: u64,
 }
 
@@ -142,7 +143,7 @@ impl LinkWorld {
             returns: Vec::new(),
             late_joined: None,
             fills: Vec::new(),
-            tick: Tick { at: Duration::ZERO, bytes: 0, head: 0 },
+            tick: Tick { at: Duration::ZERO, bytes: 0, traffic: Traffic::default(), head: 0 },
             measures: Measures::default(),
             random,
         }
@@ -189,7 +190,7 @@ impl LinkWorld {
             self.head = self.mission.head(self.now);
         }
         let is_over = self.now >= self.plan.length + GROUP;
-        self.robot.follow(&self.mission, self.head, is_over);
+        self.robot.follow(self.now, &self.mission, self.head, is_over);
         self.deliver();
         self.send()?;
         self.count();
@@ -230,6 +231,9 @@ impl LinkWorld {
                 self.measures.kills += 1;
                 self.stations[station].kill();
             }
+            Action::FillDisk(station) => self.stations[station].disk.is_full = true,
+            Action::FreeDisk(station) => self.stations[station].disk.is_full = false,
+            Action::SetCalendar(ms) => self.robot.calendar.jump(self.now, ms),
             Action::Command => self.command(self.in_control),
             Action::TakeControl => {
                 self.in_control = 1 - self.in_control;
@@ -367,9 +371,11 @@ impl LinkWorld {
     fn count_second(&mut self) {
         let second = Window { from: self.tick.at, to: self.tick.at + TICK };
         let bytes = self.down[0].bytes - self.tick.bytes;
+        let traffic = self.robot.sent(0);
         let quiet = self.plan.quiet;
         if self.is_whole(second.from, DELAY) && !quiet.wider(TICK, TICK).has(second.from) {
             self.measures.bytes += bytes;
+            self.measures.add_traffic(&traffic, &self.tick.traffic);
             self.measures.events += self.head - self.tick.head;
         }
         let idle = quiet.from + TICK * 20..quiet.to.saturating_sub(TICK * 2);
@@ -389,7 +395,8 @@ impl LinkWorld {
                 self.fills.push(Fill { since: cut.to, until, bar });
             }
         }
-        self.tick = Tick { at: second.to, bytes: self.down[0].bytes, head: self.head };
+        let bytes = self.down[0].bytes;
+        self.tick = Tick { at: second.to, bytes, traffic, head: self.head };
     }
 
     fn check(&self) -> Result<(), String> {
@@ -401,10 +408,43 @@ impl LinkWorld {
             if view > self.head {
                 return Err(format!("station {number} shows event {view} of {}", self.head));
             }
+            if !station.knows_its_disk() {
+                return Err(format!("station {number} lacks what is on its disk"));
+            }
+            self.check_calendar(number, station)?;
         }
         if self.measures.late_or_twice > 0 {
             return Err("a command was carried out late, twice, or under an old epoch".to_owned());
         }
         Ok(())
+    }
+    /// The calendar of the robot is, or was lately, between the bounds that a station knows.
+    fn check_calendar(&self, number: usize, station: &Station) -> Result<(), String> {
+        let Some((start, earliest, latest)) = station.robot_calendar(self.now) else {
+            return Ok(());
+        };
+        if start != self.robot.starts() {
+            return Ok(());
+        }
+        let now = u64::try_from(self.now.as_millis()).unwrap_or_default();
+        // No two clocks are equally fast, and the calendar is that of the world.
+        let drift = 2 + now / 10_000;
+        let settings = &self.robot.calendar.settings;
+        // On a whole link, the station knows the newest soon.
+        let lately = match self.is_whole(self.now, DELAY) {
+            true => settings.partition_point(|(at, _)| *at + RECOVERY < self.now).max(1) - 1,
+            false => 0,
+        };
+        let is_so = |(_, more): &(Duration, u64)| {
+            let calendar = more + now;
+            earliest <= calendar + drift && latest.is_none_or(|latest| calendar <= latest + drift)
+        };
+        match settings[lately..].iter().any(is_so) {
+            true => Ok(()),
+            false => Err(format!(
+                "station {number} takes the robot's calendar to be from {earliest} to {latest:?}, and it is {}",
+                settings.last().map_or(0, |(_, more)| more + now)
+            )),
+        }
     }
 }
