@@ -1,0 +1,56 @@
+//! Whatever the other side of a link sends, with the key or without: it is used or refused, and the answers keep to the profile.
+#![no_main]
+
+use libfuzzer_sys::fuzz_target;
+use rafcon_link::{
+    Direction, EventBuffer, For, Generation, Identity, KeyId, PairingKey, Profile, RobotSession,
+    RunSource, Sealer, StationSession, StreamId,
+};
+use std::time::Duration;
+
+struct Journal;
+
+impl RunSource for Journal {
+    fn events(&mut self, _: StreamId, first: u64, _: u64, _: usize) -> Option<EventBuffer> {
+        Some(EventBuffer { first, count: 1, t_before: first, items: first.to_le_bytes().to_vec() })
+    }
+
+    fn snapshot(&mut self, _: StreamId) -> Option<(u64, Vec<u8>)> {
+        Some((1, vec![5; 3_000]))
+    }
+}
+
+// Datagrams, each with a byte that says what it is, and its length in fives before it.
+fuzz_target!(|bytes: &[u8]| {
+    let (id, key, robot, profile) = (KeyId(1), PairingKey::from_bytes([7; 32]), "scout", Profile::DELAY_2S);
+    let identity = Identity { key_id: id, key: &key, robot, start: Generation(1), heard: None };
+    let mut robot_side = RobotSession::new(&identity, profile.clone());
+    robot_side.begin(StreamId(1), 100);
+    let mut station = StationSession::new(&identity, profile.clone());
+    let sealer = |direction| Sealer::new((id, &key), robot, direction, Generation(2));
+    let (mut down, mut up) = (sealer(Direction::Down), sealer(Direction::Up));
+    let (mut now, mut rest) = (Duration::ZERO, bytes);
+    while let [how, length, after @ ..] = rest {
+        let (payload, after) = after.split_at((usize::from(*length) * 5).min(after.len()));
+        (now, rest) = (now + Duration::from_millis(100), after);
+        let (is_down, is_sealed) = (how & 1 == 0, how & 2 == 0);
+        let mut datagram = Vec::new();
+        if is_sealed {
+            let sealer = if is_down { &mut down } else { &mut up };
+            sealer.seal(For::Anyone, payload, &mut datagram).expect("a number");
+        } else {
+            datagram.extend_from_slice(payload);
+        }
+        let used = match is_down {
+            true => station.receive(now, &mut datagram, |shown| drop(shown)),
+            false => robot_side.receive(now, &mut datagram, drop),
+        };
+        assert!(is_sealed || used.is_err(), "a datagram that nobody sealed was opened");
+        while let Some(datagram) = robot_side.transmit(now, &mut Journal).expect("a number") {
+            assert!(datagram.len() <= profile.down_bytes_max);
+        }
+        while let Some(datagram) = station.transmit(now).expect("a number") {
+            assert!(datagram.len() <= profile.up_bytes_max);
+        }
+    }
+});
