@@ -123,9 +123,10 @@ proptest! {
                 let Some(payload) = payload else { continue };
                 let mut datagram = Vec::new();
                 sealer.seal(For::Anyone, payload, &mut datagram).expect("a number");
-                let _used_or_refused = match is_down {
-                    true => station.receive(now, &mut datagram, |_| {}),
-                    false => robot.receive(now, &mut datagram, |_| {}),
+                let _used_or_refused = if is_down {
+                    station.receive(now, &mut datagram, |_| {})
+                } else {
+                    robot.receive(now, &mut datagram, |_| {})
                 };
             }
             while let Some(datagram) = robot.transmit(now, &mut Numbers).expect("a number") {

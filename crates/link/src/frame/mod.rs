@@ -429,10 +429,7 @@ fn read_received(reader: &mut FrameReader<'_>) -> Result<Received, BrokenFrame> 
         end = first.checked_add(reader.number()?).ok_or_else(far)?;
         events.insert(first..=end);
     }
-    let context = match read_flag(reader)? {
-        false => None,
-        true => Some(read_context(reader)?),
-    };
+    let context = if read_flag(reader)? { Some(read_context(reader)?) } else { None };
     Ok(Received { stream, is_over, safe, events, context })
 }
 

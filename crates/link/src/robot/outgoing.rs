@@ -83,6 +83,14 @@ pub(super) struct Outgoing {
     coding: Coding,
 }
 
+/// What was written of older events.
+enum Written {
+    /// Those up to this one.
+    UpTo(u64),
+    /// The first is too long for a datagram, and goes in parts.
+    Nothing,
+}
+
 /// Whether a snapshot is needed, besides those that are sent now and then.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum SnapshotNeed {
@@ -353,22 +361,21 @@ impl Outgoing {
             let gap = self.gap().map(|gap| (gap, OLD_SENDS));
             let Some((range, repeats)) = gap.or_else(repeated) else { return };
             let Some(written) = self.write_old(turn, &range, source, payload) else { return };
-            if let Some(last) = written {
+            if let Written::UpTo(last) = written {
                 self.take_sent(*range.start(), last);
                 self.note_sent(now, *range.start()..=last, repeats - 1);
             }
         }
     }
 
-    /// Writes the first of these events that fit, and answers the last of them; none if the first is too long for a datagram. Nothing if
-    /// the datagram is full, or if they cannot be read now.
+    /// Writes the first of these events that fit. Nothing if the datagram is full, or if they cannot be read now.
     fn write_old(
         &mut self,
         turn: Turn<'_>,
         range: &RangeInclusive<u64>,
         source: &mut impl RunSource,
         payload: &mut Vec<u8>,
-    ) -> Option<Option<u64>> {
+    ) -> Option<Written> {
         let Turn { now, room, .. } = turn;
         let left = room.saturating_sub(payload.len());
         let coded_max = Events::items_max(left, *range.end(), u64::MAX >> 8);
@@ -385,20 +392,20 @@ impl Outgoing {
             };
             if buffer.items.len() > items_max.max(coded_max) {
                 self.large = Some((buffer, 0));
-                return Some(None);
+                return Some(Written::Nothing);
             }
             let EventBuffer { first, count, t_before, items } = &buffer;
             let (first, count, t_before) = (*first, *count, *t_before);
             let events = Events { stream: self.id, first, count, t_before, items };
             if !is_coded {
                 Frame::Events(events).write(payload);
-                return Some(Some(buffer.last()));
+                return Some(Written::UpTo(buffer.last()));
             }
             match self.coding.write(&events, coded_max, payload) {
-                Ok(()) => return Some(Some(buffer.last())),
+                Ok(()) => return Some(Written::UpTo(buffer.last())),
                 Err(_) if items_max == coded_max => {
                     self.large = Some((buffer, 0));
-                    return Some(None);
+                    return Some(Written::Nothing);
                 }
                 Err(coded) => {
                     let fewer = items.len() * coded_max / coded;

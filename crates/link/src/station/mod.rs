@@ -428,10 +428,8 @@ impl StationSession {
             }
             let length = payload.len();
             let events = incoming.received.clone();
-            let context = match self.profile.codes && !is_complete {
-                true => incoming.contexts.offer(),
-                false => None,
-            };
+            let is_coded = self.profile.codes && !is_complete;
+            let context = if is_coded { incoming.contexts.offer() } else { None };
             let Incoming { safe, is_over, .. } = *incoming;
             let received = Received { stream: *stream, is_over, safe, events, context };
             Frame::Received(received).write(payload);

@@ -431,20 +431,19 @@ impl LinkWorld {
         let drift = 2 + now / 10_000;
         let settings = &self.robot.calendar.settings;
         // On a whole link, the station knows the newest soon.
-        let lately = match self.is_whole(self.now, DELAY) {
-            true => settings.partition_point(|(at, _)| *at + RECOVERY < self.now).max(1) - 1,
-            false => 0,
-        };
+        let is_whole = self.is_whole(self.now, DELAY);
+        let old = settings.partition_point(|(at, _)| is_whole && *at + RECOVERY < self.now);
+        let lately = old.max(1) - 1;
         let is_so = |(_, more): &(Duration, u64)| {
             let calendar = more + now;
             earliest <= calendar + drift && latest.is_none_or(|latest| calendar <= latest + drift)
         };
-        match settings[lately..].iter().any(is_so) {
-            true => Ok(()),
-            false => Err(format!(
-                "station {number} takes the robot's calendar to be from {earliest} to {latest:?}, and it is {}",
-                settings.last().map_or(0, |(_, more)| more + now)
-            )),
+        if settings[lately..].iter().any(is_so) {
+            return Ok(());
         }
+        Err(format!(
+            "station {number} takes the robot's calendar to be from {earliest} to {latest:?}, and it is {}",
+            settings.last().map_or(0, |(_, more)| more + now)
+        ))
     }
 }
