@@ -74,8 +74,9 @@ export function heatNow({ run, view }: OpenTab) {
 function countsShown(watch: Watch): Iterable<CountUntil> {
   const until = watch.playhead.value;
   watch.journalVersion.value;
+  // The part around the moment, or what had been before it, may be on its way.
+  if (!watch.window.hasCounts) return [];
   if (until === null) return watch.journal.counts.all();
-  // The part around the moment may be on its way.
   if (!watch.window.covers(until)) return [];
   return countsUntil(watch.window, watch.window.indexOf(until + 1)).all();
 }

@@ -100,6 +100,11 @@ export class Journal {
     return (this.base?.before.sequence ?? 0) + 1;
   }
 
+  /** Whether it is known how often states had run: of a part that comes a little later. */
+  get hasCounts(): boolean {
+    return this.base === null || this.base.earlier !== null;
+  }
+
   /** Whether what happened around this event is here. */
   covers(sequence: number): boolean {
     return sequence >= this.from && sequence < this.#next;

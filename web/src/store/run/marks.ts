@@ -117,9 +117,10 @@ function following(watch: Watch, session: MachineSession): ReadonlySignal<RunMar
       states: stateMarks(activeStates(watch), recentPath, failed),
       lines: lineMarks(activeStates(watch), recentPath, session.machine),
       visits: (path) => {
-        if (until === null) return watch.journal.counts.get(path)?.entries ?? 0;
-        // The part around the moment may be on its way.
-        return window.covers(until) ? countsUntil(window, index).entries(path) : 0;
+        // The part around the moment, or what had been before it, may be on its way.
+        if (!window.hasCounts || (until !== null && !window.covers(until))) return 0;
+        if (until === null) return window.counts.get(path)?.entries ?? 0;
+        return countsUntil(window, index).entries(path);
       },
     };
   });

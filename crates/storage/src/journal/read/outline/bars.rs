@@ -83,7 +83,7 @@ impl Bars {
 
     /// The rows, and the paths of the places that they name.
     pub(super) fn finish(self, places: &Places) -> (Vec<OverviewRow>, Vec<String>) {
-        let mut paths = Paths { places, numbers: BTreeMap::new(), paths: Vec::new() };
+        let mut paths = Paths { places, numbers: BTreeMap::new(), known: Vec::new() };
         let narrow_ns = self.narrow_ns;
         let rows = self.rows.into_values().filter_map(|mut bars| {
             // What began before it was known to be long comes last.
@@ -100,7 +100,7 @@ impl Bars {
             Some(OverviewRow { place, bars })
         });
         let rows: Vec<OverviewRow> = rows.collect();
-        (rows, paths.paths)
+        (rows, paths.known)
     }
 }
 
@@ -128,14 +128,14 @@ impl Bar {
 struct Paths<'p> {
     places: &'p Places,
     numbers: BTreeMap<PlaceNumber, u32>,
-    paths: Vec<String>,
+    known: Vec<String>,
 }
 
 impl Paths<'_> {
     fn number(&mut self, place: PlaceNumber) -> u32 {
         *self.numbers.entry(place).or_insert_with(|| {
-            self.paths.push(self.places.path(place).to_owned());
-            u32::try_from(self.paths.len() - 1).unwrap_or(u32::MAX)
+            self.known.push(self.places.path(place).to_owned());
+            u32::try_from(self.known.len() - 1).unwrap_or(u32::MAX)
         })
     }
 }

@@ -63,7 +63,7 @@ impl OpenCalls {
     pub(super) fn take(&mut self, entry: &Entry, places: &Places, mut ended: impl FnMut(Call)) {
         match &entry.record {
             Record::Entered { place, undoes, .. } => {
-                self.close(*place, entry.t_ns, CallEnd::Dropped, places, &mut ended);
+                self.close(*place, (entry.t_ns, CallEnd::Dropped), places, &mut ended);
                 let around = places.parent(*place);
                 if let Some(outer) = around.filter(|_| self.has_open_in(around)) {
                     self.concurrent.insert(outer);
@@ -79,12 +79,12 @@ impl OpenCalls {
                     (None, None, OutcomeId::PREEMPTED) => CallEnd::Preempted,
                     (None, None, _) => CallEnd::Ended,
                 };
-                self.close(*place, entry.t_ns, end, places, &mut ended);
+                self.close(*place, (entry.t_ns, end), places, &mut ended);
             }
             Record::Told(event) => match &**event {
                 Event::Dropped { path } => {
                     if let Some(place) = places.number(path) {
-                        self.close(place, entry.t_ns, CallEnd::Dropped, places, &mut ended);
+                        self.close(place, (entry.t_ns, CallEnd::Dropped), places, &mut ended);
                     }
                 }
                 Event::Resumed { .. } => {
@@ -106,8 +106,7 @@ impl OpenCalls {
     fn close(
         &mut self,
         place: PlaceNumber,
-        t_ns: u64,
-        end: CallEnd,
+        (t_ns, end): (u64, CallEnd),
         places: &Places,
         ended: &mut impl FnMut(Call),
     ) {
