@@ -2,18 +2,10 @@
 
 import { expect } from "vitest";
 import type { App } from "./support/app.ts";
-import { linkIs } from "./support/honest.ts";
+import { linkIs, startAndShow } from "./support/honest.ts";
 import { journey } from "./support/journey.ts";
 import { FALLEN, FAST_PACKER, longRun } from "./support/long_run.ts";
-import {
-  activeShown,
-  momentShown,
-  replayed,
-  ruler,
-  shown,
-  showsMoment,
-  started,
-} from "./support/time.ts";
+import { activeShown, momentShown, replayed, ruler, shown, showsMoment } from "./support/time.ts";
 
 const HERE = { machines: { packer: FAST_PACKER }, open: "packer" };
 /** More than the page keeps. */
@@ -102,8 +94,8 @@ journey(
   "a run grows beyond what the page keeps while one looks at its start",
   HERE,
   async ({ app, server }) => {
-    const run = await started(server, "packer", { inputs: { wanted: 24_000 } });
-    await shown(app, run);
+    await startAndShow(app, server, "packer", { inputs: { wanted: 30_000 } });
+    await app.until(({ tab }) => (tab?.run.value?.journal.length ?? 0) > 10, null);
     await app.sheet.evaluate(() => {
       const watch = window.__rafcon.page.active.value?.run.value;
       if (watch) watch.playhead.value = 3;

@@ -137,7 +137,7 @@ export class TimelineModel {
   /** Where lanes and rows stand. */
   get layout(): TimelineLayout {
     const { calls } = this;
-    const seen = this.isHere ? null : this.overviews.seen.value;
+    const seen = this.isHere ? null : this.overviews.best(this.span);
     const all: readonly (Lane | SeenLane)[] = seen?.lanes ?? lanesOf(calls).all();
     const lanes = this.isOnlyInSight.value ? lanesIn(calls, all, this.span) : all;
     return layoutOf(lanes, this.folded.value);

@@ -25,6 +25,8 @@ const PIXELS_MAX = 10_000;
 export class Overviews {
   readonly #ask: AskOverview;
   readonly #seen = signal<Seen | null>(null);
+  /** The widest part that came: from it all shows in few words while a part in more detail is on its way. */
+  #widest: Seen | null = null;
   #wanted: { readonly span: TimeSpan; readonly width: number; readonly last: number } | null = null;
   #isAsking = false;
   #asked_ms = 0;
@@ -36,6 +38,14 @@ export class Overviews {
   /** What came last. */
   get seen(): ReadonlySignal<Seen | null> {
     return this.#seen;
+  }
+
+  /** What shows most of a part: what came last if that has all of it, else the widest. A signal's reader. */
+  best({ from_ns, to_ns }: TimeSpan): Seen | null {
+    const seen = this.#seen.value;
+    const has = (each: Seen | null) =>
+      each !== null && each.span.from_ns <= from_ns && each.span.to_ns >= to_ns;
+    return has(seen) || !has(this.#widest) ? seen : this.#widest;
   }
 
   /** This part shows, so wide, of a run with so many events. */
@@ -57,7 +67,10 @@ export class Overviews {
         const found = await this.#ask(`overview?from_ns=${from}&to_ns=${to}&pixels=${pixels}`);
         const lanes = lanesSeen(found);
         const { sequence, concurrent } = found;
-        this.#seen.value = { span: wider, width: pixels, lanes, sequence, concurrent };
+        const seen = { span: wider, width: pixels, lanes, sequence, concurrent };
+        const isWidest = this.#widest === null || length(wider) >= length(this.#widest.span);
+        if (isWidest) this.#widest = seen;
+        this.#seen.value = seen;
       } catch (error) {
         if (!(error instanceof RefusalError)) throw error;
         await new Promise((again) => setTimeout(again, AGAIN_MS));
