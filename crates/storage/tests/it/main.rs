@@ -13,6 +13,7 @@ mod layouts;
 mod libraries;
 mod load;
 mod moments;
+mod outline;
 mod packs;
 mod random;
 mod reader;
