@@ -67,7 +67,9 @@ static PAYLOADS: LazyLock<[Vec<Vec<u8>>; 2]> = LazyLock::new(|| {
         if step == 500 {
             let id = crate::frame::CommandId([3; 16]);
             let (valid, body) = (Duration::from_secs(3), b"hold".to_vec());
-            station.command(now, NewCommand { id, valid, epoch: 1, body }).expect("a clock");
+            station
+                .command(now, NewCommand { id, valid, wait: None, epoch: 1, body })
+                .expect("a clock");
         }
         while let Some(mut datagram) = robot.transmit(now, &mut Numbers).expect("a number") {
             let opened = openers[0].open(&mut datagram.clone()).expect("ours").payload.to_vec();

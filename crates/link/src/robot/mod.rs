@@ -9,8 +9,6 @@ mod later;
 mod outgoing;
 mod source;
 mod tail;
-#[cfg(test)]
-mod tests;
 
 pub use source::{EventBuffer, RunSource};
 
