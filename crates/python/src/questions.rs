@@ -9,15 +9,14 @@ use rafcon_runner::Asked;
 use serde_json::Value;
 
 /// Asks, and waits for the end of the question: how it ended, and the answer as JSON if there is one. `form` and `default` are
-/// JSON as the protocol has it.
+/// JSON as the protocol has it. The times are those to answer, and those that the ground may be silent, in ms.
 #[pyfunction]
-#[pyo3(signature = (message, form, timeout_ms, lost_link_ms, default))]
+#[pyo3(signature = (message, form, times_ms, default))]
 pub(crate) fn ask(
     py: Python<'_>,
     message: String,
     form: &str,
-    timeout_ms: Option<u64>,
-    lost_link_ms: Option<u64>,
+    times_ms: (Option<u64>, Option<u64>),
     default: Option<&str>,
 ) -> PyResult<(&'static str, Option<String>)> {
     let path = thread::current_path().ok_or_else(|| {
@@ -26,6 +25,7 @@ pub(crate) fn ask(
     let place = place(py, path.0)?;
     let form: Form = serde_json::from_str(form).map_err(wrong)?;
     let default = default.map(serde_json::from_str::<Value>).transpose().map_err(wrong)?;
+    let (timeout_ms, lost_link_ms) = times_ms;
     let asked = Asked { message, form, timeout_ms, lost_link_ms, default };
     let closed = current::driver()?
         .ask(&place, asked)

@@ -391,7 +391,7 @@ fn a_run_that_is_resumed_is_held_again_after_the_state_that_was_to_end() {
     check(
         machine,
         "start; DRIVE ok; silence 60; A ok; B ok; cut again; resume",
-        &expect![[r#"
+        &expect![[r"
         > start
         enter ROOT
         enter ROOT/DRIVE
@@ -417,7 +417,7 @@ fn a_run_that_is_resumed_is_held_again_after_the_state_that_was_to_end() {
         leave ROOT done
         finished
           end of run: done (0), 5 states
-    "#]],
+    "]],
     );
 }
 
@@ -429,7 +429,7 @@ fn branches_that_had_ended_are_held_again_before_they_count() {
     check(
         machine,
         "start; A ok; B ok; silence 29; C ok; silence 60; D ok; active; cut again; active; resume",
-        &expect![[r#"
+        &expect![[r"
             > start
             enter ROOT
             enter ROOT/DRIVE
@@ -476,7 +476,7 @@ fn branches_that_had_ended_are_held_again_before_they_count() {
             enter ROOT/DRIVE/unique_decider_state_id
               end 1
               run ROOT/DRIVE/unique_decider_state_id [ARM ok] [WHEELS ok]
-        "#]],
+        "]],
     );
 }
 

@@ -358,10 +358,10 @@ fn lost_link_policies_are_understood_and_lead_on() {
              outcome success
              script ""
              semantic {"lost_command": {"recover_s": 30}, "lost_link": "go home"}"#,
-        &expect![[r#"
+        &expect![[r"
             Note LostLinkRecovery: ROOT, state: `lost_link` preempts the state, and no transition begins at `preempted`; lead the outcome preempted to the state that recovers
             Note LostLink: ROOT/BBBBBB, state: the semantic data `lost_link` is not understood; write the text continue, or seconds under finish_s, hold_s or recover_s; it is ignored until then
             Note LostLinkRecovery: ROOT/BBBBBB, state: `lost_command` preempts the state, and no transition begins at `preempted`; lead the outcome preempted to the state that recovers
-        "#]],
+        "]],
     );
 }

@@ -118,7 +118,7 @@ def _asked(message, form, times, default):
     timeout, lost_link = times
     timeout_ms, lost_link_ms = (None if time is None else max(round(float(time) * 1000), 0) for time in times)
     default = None if default is None else json.dumps(default)
-    how, answer = native.ask(str(message), json.dumps(form), timeout_ms, lost_link_ms, default)
+    how, answer = native.ask(str(message), json.dumps(form), (timeout_ms, lost_link_ms), default)
     if how == "withdrawn":
         raise StatePreempted("preempted while a question was open")
     if answer is None:

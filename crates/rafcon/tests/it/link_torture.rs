@@ -136,7 +136,7 @@ impl<'p> Site<'p> {
     /// Gives a few commands at the station, new ones and ones that were given before.
     fn command(&mut self, tally: &mut Tally) {
         let Ok(mut line) = self.station.door().line() else { return };
-        for _ in 0..1 + self.dice.roll(3) {
+        for _ in 0..=self.dice.roll(3) {
             let envelope = self.new_command();
             self.given.push(envelope);
             tally.commands += 1;

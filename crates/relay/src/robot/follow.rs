@@ -35,8 +35,9 @@ pub(super) enum FromRun {
 #[derive(Debug)]
 pub(super) struct Followed {
     out: UnixStream,
-    /// When the ground was heard last, as the runner knows it; none if it was told nothing yet.
-    ground: Option<Option<Duration>>,
+    /// When the ground was heard last, as the runner was told, if it was told anything.
+    heard: Option<Duration>,
+    is_told: bool,
 }
 
 impl Followed {
@@ -60,18 +61,18 @@ impl Followed {
             inbox.send(Input::Other(FromRun::Gone(run))).unwrap_or_default();
         };
         thread::Builder::new().name("run".to_owned()).spawn(follow).ok()?;
-        Some(Self { out, ground: None })
+        Some(Self { out, heard: None, is_told: false })
     }
 
     /// Tells at `now` when the ground was heard last, if that is news.
     pub(super) fn tell_ground(&mut self, now: Duration, heard: Option<Duration>) {
-        if self.ground == Some(heard) {
+        if self.is_told && self.heard == heard {
             return;
         }
         let heard_ms_ago = heard.map(|heard| millis(now.saturating_sub(heard)));
         let line = encode(&ToRunner::Ground { heard_ms_ago });
         if line.is_ok_and(|line| self.out.write_all(&line).is_ok()) {
-            self.ground = Some(heard);
+            (self.heard, self.is_told) = (heard, true);
         }
     }
 

@@ -116,7 +116,7 @@ pub fn relay_station(
             }
             Some(Input::Other(ToStation::Disk(robot, said))) => {
                 if let Some(robot) = robots.get_mut(robot) {
-                    robot.from_disk(said);
+                    robot.hear_disk(said);
                 }
             }
             None => {}

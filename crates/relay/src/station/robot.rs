@@ -119,13 +119,13 @@ impl StationRobot {
                 None => self.early.close(events),
             }
             if let Some(why) = refused {
-                self.from_disk(FromDisk::Refused(events, why));
+                self.hear_disk(FromDisk::Refused(events, why));
             }
         }
     }
 
     /// The disk's thread says something.
-    pub(super) fn from_disk(&mut self, said: FromDisk) {
+    pub(super) fn hear_disk(&mut self, said: FromDisk) {
         match said {
             FromDisk::Opened(stream, open) => self.opened(stream, open),
             FromDisk::Safe(stream, safe) => {

@@ -91,8 +91,7 @@ fn let_go(mut viewer: Viewer) -> String {
     viewer.until_text("ROOT is held before ROOT/SAMPLE by Loss { loss: Link }");
     assert_eq!(viewer.command("go", Command::Resume { branch: None }), "applied");
     let said = viewer.into_end();
-    let is_command = |line: &&str| line.contains(" by test: ");
-    said.lines().filter(|line| !is_command(line)).map(|line| format!("{line}\n")).collect()
+    said.split_inclusive('\n').filter(|line| !line.contains(" by test: ")).collect()
 }
 
 #[test]
@@ -140,7 +139,7 @@ fn a_run_that_dies_in_the_silence_is_resumed_in_it() {
     let fixture = RunFixture::new(machine);
     fixture.die_alone("tests::ground::a_run_that_dies_in_the_silence_is_resumed_in_it");
     let (viewer, runner) = fixture.begin(fixture.resume(OnCrash::Abort, None));
-    expect![[r#"
+    expect![[r"
         life 2 after a crash of ROOT/B: Abort
         +ROOT
         +ROOT/DRIVE
@@ -151,7 +150,7 @@ fn a_run_that_dies_in_the_silence_is_resumed_in_it() {
         -ROOT/SAMPLE=ok
         -ROOT=done
         finished done
-    "#]]
+    "]]
     .assert_eq(&let_go(viewer));
     runner.join().unwrap();
 }
@@ -160,7 +159,7 @@ fn a_run_that_dies_in_the_silence_is_resumed_in_it() {
 fn a_run_without_a_ground_knows_no_silence() {
     let fixture = RunFixture::new(&HELD.replace("consult", "go"));
     let (viewer, runner) = fixture.begin(fixture.launch());
-    expect![[r#"
+    expect![[r"
         +ROOT
         +ROOT/DRIVE
         -ROOT/DRIVE=ok
@@ -168,7 +167,7 @@ fn a_run_without_a_ground_knows_no_silence() {
         -ROOT/SAMPLE=ok
         -ROOT=done
         finished done
-    "#]]
+    "]]
     .assert_eq(&viewer.into_end());
     runner.join().unwrap();
 }

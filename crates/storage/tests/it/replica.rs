@@ -110,7 +110,7 @@ proptest! {
         };
         let is_equal = before.reader().page(1, usize::MAX).unwrap() == after.reader().page(1, usize::MAX).unwrap();
         prop_assert!(!is_equal || hash(&mut before) == hash(&mut after));
-        let entries = [&mut before, &mut after].map(|source| source.reader().page(1, head as usize).unwrap());
+        let entries = [&mut before, &mut after].map(|source| source.reader().page(1, usize::try_from(head).unwrap()).unwrap());
         prop_assert_eq!(entries[0] == entries[1], hash(&mut before) == hash(&mut after));
         let mut replica = Replica::open(station, &About::default(), &SMALL).unwrap();
         replica.append(&before.read(1, head - 1, usize::MAX).unwrap().unwrap()).unwrap();

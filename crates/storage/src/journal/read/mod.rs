@@ -200,7 +200,7 @@ impl Reader {
 
     /// The first event with full detail, if detail was dropped.
     pub(in crate::journal) fn thinned_before(&self) -> Result<Option<u64>, JournalError> {
-        Ok(self.source.thinned()?)
+        self.source.thinned()
     }
 
     /// That events were dropped.

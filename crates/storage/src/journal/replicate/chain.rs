@@ -22,8 +22,7 @@ impl Chain {
 
     /// The hash, as far as it is told.
     pub fn hash(&self) -> u64 {
-        let [a, b, c, d, e, f, g, h, ..] = self.hash;
-        u64::from_be_bytes([a, b, c, d, e, f, g, h])
+        self.hash.first_chunk().map_or(0, |first| u64::from_be_bytes(*first))
     }
 
     /// Goes on up to event `to`, or for about so many bytes. An error if the journal does not have what was: it is damaged, or has
