@@ -1,3 +1,5 @@
+//! The coder there and back: whatever is coded is the same afterwards. Knows nothing of frames.
+
 use super::{Coder, PLAIN_MAX};
 use proptest::prelude::*;
 

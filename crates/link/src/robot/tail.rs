@@ -35,7 +35,7 @@ struct TailEvents {
 }
 
 /// What was written.
-pub(super) struct Written {
+pub(super) struct WrittenTail {
     /// Events that were not sent before.
     pub(super) new: Option<RangeInclusive<u64>>,
 }
@@ -91,7 +91,7 @@ impl Tail {
         turn: Turn<'_>,
         coding: &mut Coding,
         payload: &mut Vec<u8>,
-    ) -> Option<Written> {
+    ) -> Option<WrittenTail> {
         let wanted = sends_wanted(turn.is_heard);
         let from = self.events.iter().position(|events| events.sends < wanted)?;
         let head = self.events.back()?.events.last();
@@ -118,7 +118,7 @@ impl Tail {
         if new.is_some() {
             self.new_sent_at = Some(turn.now);
         }
-        Some(Written { new: new.map(|new| new..=last) })
+        Some(WrittenTail { new: new.map(|new| new..=last) })
     }
 }
 

@@ -2,7 +2,7 @@
 //! much happened. Knows times and pixels.
 
 use super::blocks::RowSum;
-use super::calls::{Call, Row};
+use super::calls::{BarRow, Call};
 use crate::journal::record::{PlaceNumber, Places};
 use rafcon_protocol::api::{CallEnd, OverviewBar, OverviewRow};
 use std::collections::BTreeMap;
@@ -39,7 +39,7 @@ impl Span {
 pub(super) struct Bars {
     span: Span,
     narrow_ns: u64,
-    rows: BTreeMap<Row, Vec<Bar>>,
+    rows: BTreeMap<BarRow, Vec<Bar>>,
 }
 
 #[derive(Debug, Clone, Copy)]
@@ -70,7 +70,7 @@ impl Bars {
         self.add(row, bar);
     }
 
-    fn add(&mut self, row: Row, bar: Bar) {
+    fn add(&mut self, row: BarRow, bar: Bar) {
         if !self.span.shows(bar.from_ns, bar.to_ns) {
             return;
         }

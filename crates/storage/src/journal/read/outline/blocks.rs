@@ -1,7 +1,7 @@
 //! A run in at most so many blocks of events: of each, what ran in it by row, and the calls that reach into it from before. Where a run
 //! grows, two blocks become one. Knows calls; not why they are drawn.
 
-use super::calls::{Call, Row};
+use super::calls::{BarRow, Call};
 use crate::journal::record::PlaceNumber;
 use rafcon_protocol::api::CallEnd;
 use std::collections::BTreeMap;
@@ -29,7 +29,7 @@ pub(super) struct Block {
     pub(super) from_ns: u64,
     pub(super) to_ns: u64,
     /// The calls that began and ended in it, together by row.
-    rows: BTreeMap<Row, RowSum>,
+    rows: BTreeMap<BarRow, RowSum>,
     /// The calls that ended in it and began before it.
     crossing: Vec<Call>,
 }
@@ -37,7 +37,7 @@ pub(super) struct Block {
 /// Calls of a row that follow one another.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct RowSum {
-    pub(super) row: Row,
+    pub(super) row: BarRow,
     /// The place of the first, its entry and its end.
     pub(super) place: PlaceNumber,
     pub(super) first: u64,

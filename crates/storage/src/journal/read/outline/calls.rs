@@ -9,7 +9,7 @@ use std::collections::BTreeSet;
 
 /// Calls that never run side by side.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) enum Row {
+pub(super) enum BarRow {
     /// Of one place: the root, or a child of a concurrent container.
     Of(PlaceNumber),
     /// Of all children of a container.
@@ -21,7 +21,7 @@ pub(super) enum Row {
 pub(super) struct Call {
     pub(super) place: PlaceNumber,
     /// The calls that it is drawn beside.
-    pub(super) row: Row,
+    pub(super) row: BarRow,
     /// The event that it was entered by.
     pub(super) first: u64,
     pub(super) from_ns: u64,
@@ -128,7 +128,7 @@ impl OpenCalls {
     fn call(&self, open: &Open, to_ns: Option<u64>, end: CallEnd) -> Call {
         let Open { place, around, first, from_ns, is_back } = *open;
         let outer = around.filter(|around| !self.concurrent.contains(around));
-        let row = outer.map_or(Row::Of(place), Row::In);
+        let row = outer.map_or(BarRow::Of(place), BarRow::In);
         let end = if is_back { CallEnd::Back } else { end };
         Call { place, row, first, from_ns, to_ns, end }
     }
