@@ -10,10 +10,10 @@ export const LOSSES: readonly Loss[] = ["link", "command"];
 
 /** What a policy can do after a number of seconds, in the order in which it is done. */
 export const MEASURES = ["finish_s", "hold_s", "recover_s"] as const;
-export type Measure = (typeof MEASURES)[number];
+export type LossMeasure = (typeof MEASURES)[number];
 
 /** Seconds by what is done then; none: the state continues, whatever the policy around it is. */
-export type LossPolicy = Readonly<Partial<Record<Measure, number>>>;
+export type LossPolicy = Readonly<Partial<Record<LossMeasure, number>>>;
 
 const KEYS: Readonly<Record<Loss, string>> = { link: "lost_link", command: "lost_command" };
 const YEAR_S = 365 * 86_400;
@@ -70,12 +70,12 @@ export function policyInWords(policy: LossPolicy): string {
   return words.length === 0 ? "continue" : words.join(", ");
 }
 
-const MEASURE_WORDS: Readonly<Record<Measure, string>> = {
+const MEASURE_WORDS: Readonly<Record<LossMeasure, string>> = {
   finish_s: "finish and pause",
   hold_s: "pause",
   recover_s: "recover",
 };
 
-function isMeasure(key: string): key is Measure {
+function isMeasure(key: string): key is LossMeasure {
   return MEASURES.some((measure) => measure === key);
 }

@@ -3,9 +3,9 @@
 import type { Loss } from "../../model/generated/protocol.ts";
 import {
   LOSSES,
+  type LossMeasure,
   type LossPolicy,
   MEASURES,
-  type Measure,
   ownPolicy,
   policyAround,
   policyInWords,
@@ -23,7 +23,7 @@ const TITLES: Readonly<Record<Loss, string>> = {
   command: "While nobody gives a command",
 };
 
-const FIELDS: Readonly<Record<Measure, { readonly label: string; readonly hint: string }>> = {
+const FIELDS: Readonly<Record<LossMeasure, { readonly label: string; readonly hint: string }>> = {
   finish_s: { label: "Finish after", hint: "The state ends, then its branch is paused." },
   hold_s: { label: "Pause after", hint: "No state inside begins." },
   recover_s: {
@@ -105,7 +105,7 @@ function choiceOf(own: LossPolicy | "unclear" | null): Choice {
 }
 
 interface SecondsProps {
-  readonly measure: Measure;
+  readonly measure: LossMeasure;
   readonly policy: LossPolicy;
   readonly readOnly: boolean;
   readonly put: (policy: LossPolicy) => Made;
