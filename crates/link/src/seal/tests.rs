@@ -277,3 +277,27 @@ proptest! {
         prop_assert_eq!(opener.open(&mut copy).unwrap().payload, &payload[..]);
     }
 }
+
+#[test]
+fn numbers_continue_over_a_change_of_keys_and_what_was_confirmed_before_does_not_count() {
+    let sealer = |id, byte| {
+        let key = PairingKey::from_bytes([byte; 32]);
+        Sealer::new((KeyId(id), &key), "scout", Direction::Down, Generation(1))
+    };
+    let seal = |sealer: &mut Sealer| {
+        let mut datagram = Vec::new();
+        let number = sealer.seal(For::Confirmed, b"", &mut datagram).expect("a number");
+        format!("{number}: {} bytes", datagram.len())
+    };
+    let (mut old, mut new) = (sealer(1, 1), sealer(2, 2));
+    let first = [seal(&mut old), seal(&mut old)];
+    new.follow(&old);
+    new.confirm(1);
+    let unconfirmed = seal(&mut new);
+    new.confirm(2);
+    let [one, two] = first;
+    assert_eq!(
+        [one, two, unconfirmed, seal(&mut new)],
+        ["0: 28 bytes", "1: 28 bytes", "2: 28 bytes", "3: 19 bytes"]
+    );
+}
