@@ -221,7 +221,6 @@ impl RobotSession {
         let Arrived { frames, is_new_start, .. } = self.end.open(now, datagram)?;
         if is_new_start {
             self.streams.values_mut().for_each(Outgoing::station_started);
-            self.streams.values_mut().for_each(Outgoing::forget_context);
         }
         let (mut echo, mut reports) = (None, Vec::new());
         for frame in frames {

@@ -171,9 +171,11 @@ impl Outgoing {
         self.chain = Some(chain);
     }
 
-    /// The station has started again: it may have less than it reported, and is asked by the status.
+    /// The station has started again: it may have less than it reported, and is asked by the status. It knows no context of the start
+    /// before.
     pub(super) fn station_started(&mut self) {
         (self.knows_end, self.is_state_new) = (false, true);
+        self.coding.offer(None);
     }
 
     /// The station has these events. `echo` is the newest time that it heard, and how late overtaken datagrams were.
@@ -209,11 +211,6 @@ impl Outgoing {
             }
         }
         self.round_due = now;
-    }
-
-    /// Another start of the station knows no context of the one before.
-    pub(super) fn forget_context(&mut self) {
-        self.coding.offer(None);
     }
 
     fn is_snapshot_on_its_way(&self) -> bool {
