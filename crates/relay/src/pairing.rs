@@ -75,7 +75,7 @@ impl Paired {
     }
 
     /// Keeps the pairing that is to replace this one.
-    pub(crate) fn keep_next(&self, next: &Pairing) -> Result<(), JournalError> {
+    pub fn keep_next(&self, next: &Pairing) -> Result<(), JournalError> {
         if let Some(folder) = self.next.parent() {
             make_folder(folder)?;
         }

@@ -81,19 +81,7 @@ fn renew(raw: &cli::Pair, state: &Path) -> Result<ExitCode> {
         );
     }
     let next = paired.pairing.renewed().context("the system gives no random numbers")?;
-    let folder = paired.next.parent().unwrap_or(Path::new("."));
-    fs::create_dir_all(folder)
-        .with_context(|| format!("cannot make the folder {}", folder.display()))?;
-    // The server reads it as soon as it is there: it has to be whole then.
-    let draft = paired.next.with_extension("draft");
-    drop(fs::remove_file(&draft));
-    let file = OpenOptions::new().write(true).create_new(true).mode(0o600).open(&draft);
-    let written = file.and_then(|mut file| {
-        writeln!(file, "{next}")?;
-        file.sync_all()?;
-        fs::rename(&draft, &paired.next)
-    });
-    written.with_context(|| format!("cannot write {}", paired.next.display()))?;
+    paired.keep_next(&next)?;
     writeln!(
         io::stdout(),
         "a new key is offered to the station; both sides use the one they have until the station uses the new one"
@@ -287,11 +275,28 @@ fn pairings(state: &Path, new: &str) -> Result<Vec<Paired>> {
     let next = state.join("link/new-keys").join(new);
     let read = |file: PathBuf| {
         let text = fs::read_to_string(&file)?;
-        let pairing = text.parse().with_context(|| format!("cannot use {}", file.display()))?;
+        let pairing = text.parse::<Pairing>();
+        if is_leftover(&file, pairing.as_ref().ok()) {
+            return Ok(None);
+        }
+        let pairing = pairing.with_context(|| format!("cannot use {}", file.display()))?;
         let next = next.join(file.file_name().unwrap_or_default());
-        Ok(Paired { pairing, file, next })
+        Ok(Some(Paired { pairing, file, next }))
     };
-    files.into_iter().map(read).collect()
+    files.into_iter().filter_map(|file| read(file).transpose()).collect()
+}
+
+/// Whether a change of keys was cut off while it wrote this: the name ends like that of a new file, and is not that of the pairing.
+fn is_leftover(file: &Path, pairing: Option<&Pairing>) -> bool {
+    let name = file.file_name().unwrap_or_default().to_string_lossy();
+    let is_its_own = |Pairing { robot, station, .. }: &Pairing| {
+        let own = name.strip_prefix(robot.as_str());
+        own.is_some_and(|rest| {
+            rest.is_empty()
+                || rest.strip_prefix('@').is_some_and(|at| Some(at) == station.as_deref())
+        })
+    };
+    name.ends_with(".new") && !pairing.is_some_and(is_its_own)
 }
 
 /// The pairing of this robot with the station of this name, or with its only one.

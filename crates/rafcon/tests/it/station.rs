@@ -363,6 +363,22 @@ fn a_stop_that_the_robot_does_not_answer_ends_no_program_at_the_station() {
 }
 
 #[test]
+fn what_a_change_of_keys_left_behind_is_no_pairing() {
+    let place = Place::empty();
+    drop(place.call("pair scout --state robot"));
+    let whole = std::fs::read_to_string(place.path("robot/link/pairings/scout")).unwrap();
+    let stations = "--station udp://127.0.0.1:9 --station other=udp://127.0.0.1:9";
+    for left in [&whole[..19], &whole] {
+        std::fs::write(place.path("robot/link/pairings/scout.new"), left).unwrap();
+        let served = place.call(&format!("serve --state robot --bind 127.0.0.1:0 {stations}"));
+        expect![[r"
+            error: this robot is not paired with a station `other`: run `rafcon pair NAME --station other` here, and `rafcon pair --paste` there
+        "]]
+        .assert_eq(&served.stderr);
+    }
+}
+
+#[test]
 fn what_is_not_paired_is_not_received() {
     let place = Place::empty();
     let station = place.call("station --state ground --listen 127.0.0.1:0 --bind 127.0.0.1:0");
