@@ -1,5 +1,6 @@
 //! Which runs of a robot the station once had whole: one that was deleted here since is not fetched again.
 
+use rafcon_storage::journal::folder::replace_file;
 use std::collections::BTreeMap;
 use std::fs::{self, OpenOptions};
 use std::io::Write as _;
@@ -47,7 +48,7 @@ impl Had {
     fn write_newest(&self) {
         let newest = self.runs.iter().rev().take(HAD_MAX / 2);
         let text: String = newest.map(|(id, counts)| line(id, *counts)).collect();
-        drop(fs::write(&self.path, text));
+        drop(replace_file(&self.path, text.as_bytes()));
     }
 }
 

@@ -13,6 +13,7 @@ use crate::pairing::Paired;
 use crate::start::Start;
 use rafcon_link::{Horizon, KeyId, StreamId};
 use rafcon_protocol::LinkHealth;
+use rafcon_storage::journal::folder::replace_file;
 use rafcon_storage::journal::{
     About, EventItems, Full, JournalError, ReplicaError, RunState, Summary, run_folders,
 };
@@ -400,7 +401,7 @@ impl KeptRun {
             folder.display()
         );
         // Without it, the next start finds out again.
-        drop(fs::write(folder.join(DIVERGED_FILE), &said));
+        drop(replace_file(&folder.join(DIVERGED_FILE), said.as_bytes()));
         said
     }
 
