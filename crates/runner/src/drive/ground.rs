@@ -117,16 +117,16 @@ impl<S: Scripts> Driver<S> {
         contact.commanded_ns = contact.commanded_ns.max(urgent_ns);
         let silence = contact.silence(now_ns, &times);
         self.timers().look_at_silence(contact.next_ns(now_ns, &times));
-        self.questions().give_up(silence.link_ms);
-        if silence == contact.told {
-            return;
+        if silence != contact.told {
+            contact.told = silence;
+            let Silence { link_ms, command_ms } = silence;
+            let event = tell::told(Event::Silence { link_ms, command_ms });
+            let beside = || ExtraRecords { first: Some(event), last: None };
+            // Refused once the run is over, and then it makes no difference.
+            drop(self.input_beside(Input::Silence(silence), || false, beside));
         }
-        contact.told = silence;
-        let Silence { link_ms, command_ms } = silence;
-        let event = tell::told(Event::Silence { link_ms, command_ms });
-        let beside = || ExtraRecords { first: Some(event), last: None };
-        // Refused once the run is over, and then it makes no difference.
-        drop(self.input_beside(Input::Silence(silence), || false, beside));
+        // Afterwards: who asked goes on at once, and what it does next is to know of the silence.
+        self.questions().give_up(silence.link_ms);
     }
 
     /// The times of silence that something names now: of the link, then of commands.
