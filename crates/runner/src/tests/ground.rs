@@ -94,7 +94,8 @@ fn let_go(mut viewer: Viewer) -> String {
     let said = viewer.into_end();
     let (held, goes_on) = said.split_once("+ROOT/SAMPLE\n").unwrap_or((&said, ""));
     let lines = held.split_inclusive('\n').chain(["+ROOT/SAMPLE\n"]);
-    let lines = lines.chain(goes_on.split_inclusive('\n').filter(|line| !line.starts_with("silence: ")));
+    let lines =
+        lines.chain(goes_on.split_inclusive('\n').filter(|line| !line.starts_with("silence: ")));
     lines.filter(|line| !line.contains(" by test: ")).collect()
 }
 
