@@ -63,25 +63,29 @@ impl Coding {
         (coded_max * self.ratio / 16).clamp(coded_max, PLAIN_MAX)
     }
 
-    /// Writes the frame of these events, which fit as they are.
+    /// Writes the frame of these events, which fit as they are. Answers whether they are coded.
     pub(super) fn write_uncut(
         &mut self,
         events: &Events<'_>,
         turn: Turn<'_>,
         payload: &mut Vec<u8>,
-    ) {
-        if !self.is_used(turn) || self.write(events, usize::MAX, payload).is_err() {
-            Frame::Events(*events).write(payload);
+    ) -> bool {
+        let written = self.is_used(turn).then(|| self.write(events, usize::MAX, payload));
+        if let Some(Ok(is_coded)) = written {
+            return is_coded;
         }
+        Frame::Events(*events).write(payload);
+        false
     }
 
-    /// Writes the frame of these events if it has at most `coded_max` bytes of items. Else answers how many they would be.
+    /// Writes the frame of these events if it has at most `coded_max` bytes of items, and answers whether they are coded. Else answers
+    /// how many bytes they would be.
     pub(super) fn write(
         &mut self,
         events: &Events<'_>,
         coded_max: usize,
         payload: &mut Vec<u8>,
-    ) -> Result<(), usize> {
+    ) -> Result<bool, usize> {
         let plain = events.items.len();
         let Some((name, items)) = self.used.as_ref().filter(|_| plain <= PLAIN_MAX) else {
             return Err(plain);
@@ -91,13 +95,14 @@ impl Coding {
         if coded.len().min(plain) > coded_max {
             return Err(coded.len().min(plain));
         }
-        if coded.len() < plain {
+        let is_coded = coded.len() < plain;
+        if is_coded {
             let length = u32::try_from(plain).unwrap_or(u32::MAX);
             let events = Events { items: &coded, ..*events };
             Frame::Coded { context: name.id(), length, events }.write(payload);
         } else {
             Frame::Events(*events).write(payload);
         }
-        Ok(())
+        Ok(is_coded)
     }
 }

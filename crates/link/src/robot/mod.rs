@@ -53,6 +53,8 @@ pub struct RobotSession {
     profile: Profile,
     end: Endpoint,
     sent_at: Option<Duration>,
+    /// The age, at its arrival, of the newest time in a report: the least so far, which is a round trip and what the station waited.
+    report_age: Option<Duration>,
     streams: BTreeMap<StreamId, Outgoing>,
     /// Those whose events come after all others.
     last: BTreeSet<StreamId>,
@@ -81,6 +83,7 @@ impl RobotSession {
         Self {
             end: Endpoint::new(identity, Direction::Down, profile.down_bits_per_s),
             sent_at: None,
+            report_age: None,
             streams: BTreeMap::new(),
             last: BTreeSet::new(),
             calendar_ms: None,
@@ -270,7 +273,15 @@ impl RobotSession {
     }
 
     fn report(&mut self, now: Duration, echo: Option<(u64, u64)>, reports: Vec<Received>) {
-        for received in reports {
+        let age = echo.map(|(newest_ms, _)| now.saturating_sub(Duration::from_millis(newest_ms)));
+        self.report_age = self.report_age.into_iter().chain(age).min();
+        let usual = self.report_age.unwrap_or_default() * 2 + self.profile.silence();
+        let is_late = age.is_none_or(|age| age > usual);
+        for mut received in reports {
+            if is_late {
+                // It waited somewhere while the link was cut: since then, the station may have started again.
+                received.context = None;
+            }
             if let Some(stream) = self.streams.get_mut(&received.stream) {
                 stream.report(now, received, echo, &self.profile);
             }

@@ -13,7 +13,7 @@ use std::ops::RangeInclusive;
 use std::time::Duration;
 
 /// Older events are sent so often while the rate allows it and nothing else waits, so that a loss heals without a round trip.
-const OLD_SENDS: u8 = 3;
+const OLD_SENDS: u8 = 4;
 /// The status is sent this often beside events, from which the station knows the head, in status intervals.
 const STATUS_BESIDE: u32 = 8;
 /// A snapshot is sent this often, in status intervals, while the station is heard: it might be needed for a reason unknown here.
@@ -22,7 +22,7 @@ const SNAPSHOT_STATUSES: u32 = 480;
 const SNAPSHOT_LOST: u64 = 64;
 /// Without reports, a snapshot is sent round and round so often before a newer one replaces it: parts of any round complete it.
 const SNAPSHOT_ROUNDS: u32 = 4;
-/// Without reports, a whole snapshot is sent in this time, as long as that takes at most half of the rate.
+/// Without reports, a whole snapshot is sent in this time, as long as that takes at most a third of the rate.
 const SNAPSHOT_EVERY: Duration = Duration::from_millis(200);
 /// After so long events are asked for again that could not be read.
 const READ_AGAIN: Duration = Duration::from_secs(1);
@@ -36,6 +36,8 @@ struct SentEvents {
     range: RangeInclusive<u64>,
     /// How often they may be sent again before a report says that they are lost.
     repeats: u8,
+    /// They are of use only to a station that knows the context by which they are coded.
+    is_coded: bool,
 }
 
 /// What a datagram is written for.
@@ -85,8 +87,8 @@ pub(super) struct Outgoing {
 
 /// What was written of older events.
 enum Written {
-    /// Those up to this one.
-    UpTo(u64),
+    /// Those up to this one, and whether they are coded.
+    UpTo(u64, bool),
     /// The first is too long for a datagram, and goes in parts.
     Nothing,
 }
@@ -172,10 +174,12 @@ impl Outgoing {
     }
 
     /// The station has started again: it may have less than it reported, and is asked by the status. It knows no context of the start
-    /// before.
+    /// before, so what is on its way by one of them is lost.
     pub(super) fn station_started(&mut self) {
         (self.knows_end, self.is_state_new) = (false, true);
         self.coding.offer(None);
+        self.sent.retain(|sent| !sent.is_coded);
+        self.renew_sent_set();
     }
 
     /// The station has these events. `echo` is the newest time that it heard, and how late overtaken datagrams were.
@@ -205,12 +209,16 @@ impl Outgoing {
             self.snapshot_need = SnapshotNeed::Now;
         }
         if self.sent.len() < before {
-            self.sent_set = RangeSet::default();
-            for sent in &self.sent {
-                self.sent_set.insert(sent.range.clone());
-            }
+            self.renew_sent_set();
         }
         self.round_due = now;
+    }
+
+    fn renew_sent_set(&mut self) {
+        self.sent_set = RangeSet::default();
+        for sent in &self.sent {
+            self.sent_set.insert(sent.range.clone());
+        }
     }
 
     fn is_snapshot_on_its_way(&self) -> bool {
@@ -277,20 +285,22 @@ impl Outgoing {
         };
         self.shown_at = Some(turn.now);
         if let Some(new) = written.new {
-            self.note_sent(turn.now, new, 0);
+            let (at, is_coded) = (turn.now, written.is_coded);
+            self.note_sent(SentEvents { at, range: new, repeats: 0, is_coded });
         }
     }
 
-    fn note_sent(&mut self, at: Duration, range: RangeInclusive<u64>, repeats: u8) {
-        self.sent_set.insert(range.clone());
+    fn note_sent(&mut self, events: SentEvents) {
+        self.sent_set.insert(events.range.clone());
         match self.sent.back_mut() {
             Some(last)
-                if (last.at, last.repeats) == (at, repeats)
-                    && last.range.end() + 1 == *range.start() =>
+                if (last.at, last.repeats, last.is_coded)
+                    == (events.at, events.repeats, events.is_coded)
+                    && last.range.end() + 1 == *events.range.start() =>
             {
-                last.range = *last.range.start()..=*range.end();
+                last.range = *last.range.start()..=*events.range.end();
             }
-            _ => self.sent.push_back(SentEvents { at, range, repeats }),
+            _ => self.sent.push_back(events),
         }
     }
 
@@ -319,7 +329,7 @@ impl Outgoing {
                 (takes * 4).max(profile.status_every)
             }
             true => profile.status_every * SNAPSHOT_STATUSES,
-            false => (takes * 2).max(SNAPSHOT_EVERY),
+            false => (takes * 3).max(SNAPSHOT_EVERY),
         };
         at + every
     }
@@ -358,9 +368,10 @@ impl Outgoing {
             let gap = self.gap().map(|gap| (gap, OLD_SENDS));
             let Some((range, repeats)) = gap.or_else(repeated) else { return };
             let Some(written) = self.write_old(turn, &range, source, payload) else { return };
-            if let Written::UpTo(last) = written {
+            if let Written::UpTo(last, is_coded) = written {
+                let range = *range.start()..=last;
                 self.take_sent(*range.start(), last);
-                self.note_sent(now, *range.start()..=last, repeats - 1);
+                self.note_sent(SentEvents { at: now, range, repeats: repeats - 1, is_coded });
             }
         }
     }
@@ -396,10 +407,10 @@ impl Outgoing {
             let events = Events { stream: self.id, first, count, t_before, items };
             if !is_coded {
                 Frame::Events(events).write(payload);
-                return Some(Written::UpTo(buffer.last()));
+                return Some(Written::UpTo(buffer.last(), false));
             }
             match self.coding.write(&events, coded_max, payload) {
-                Ok(()) => return Some(Written::UpTo(buffer.last())),
+                Ok(is_coded) => return Some(Written::UpTo(buffer.last(), is_coded)),
                 Err(_) if items_max == coded_max => {
                     self.large = Some((buffer, 0));
                     return Some(Written::Nothing);
@@ -496,7 +507,7 @@ impl Outgoing {
         }
         let range = events.first..=events.last();
         self.large = None;
-        self.note_sent(turn.now, range, 0);
+        self.note_sent(SentEvents { at: turn.now, range, repeats: 0, is_coded: false });
         true
     }
 }

@@ -38,6 +38,7 @@ struct TailEvents {
 pub(super) struct WrittenTail {
     /// Events that were not sent before.
     pub(super) new: Option<RangeInclusive<u64>>,
+    pub(super) is_coded: bool,
 }
 
 impl Tail {
@@ -113,12 +114,12 @@ impl Tail {
         }
         let last = last?;
         let events = Events { stream, first, count: last - first + 1, t_before, items: &items };
-        coding.write_uncut(&events, turn, payload);
+        let is_coded = coding.write_uncut(&events, turn, payload);
         self.sent_at = Some(turn.now);
         if new.is_some() {
             self.new_sent_at = Some(turn.now);
         }
-        Some(WrittenTail { new: new.map(|new| new..=last) })
+        Some(WrittenTail { new: new.map(|new| new..=last), is_coded })
     }
 }
 

@@ -88,3 +88,115 @@ fn no_datagram_is_longer_than_the_profile_says() {
         }
     }
 }
+
+/// The items of the events from this one to that one.
+fn items(first: u64, last: u64) -> Vec<u8> {
+    (first..=last).flat_map(|event| format!("event {event:06} of a state").into_bytes()).collect()
+}
+
+/// Events that are alike, so that coding them pays.
+struct Journal;
+
+impl RunSource for Journal {
+    fn events(&mut self, _: StreamId, first: u64, last: u64, max: usize) -> Option<EventBuffer> {
+        let fit = (max / items(first, first).len()).max(1) as u64;
+        let last = last.min(first + fit - 1);
+        let (count, items) = (last - first + 1, items(first, last));
+        Some(EventBuffer { first, count, t_before: 0, items })
+    }
+
+    fn snapshot(&mut self, _: StreamId) -> Option<(u64, Vec<u8>)> {
+        None
+    }
+}
+
+#[test]
+fn what_was_coded_for_a_station_that_started_again_is_sent_again_at_once() {
+    let key = PairingKey::from_bytes([7; 32]);
+    let identity = |start| Identity {
+        key_id: KeyId(1),
+        key: &key,
+        robot: "scout",
+        start: Generation(start),
+        heard: None,
+    };
+    let mut robot = RobotSession::new(&identity(1), Profile::DELAY_2S);
+    let mut station = StationSession::new(&identity(1), Profile::DELAY_2S);
+    robot.begin(RUN, 2_000);
+    let mut now = Duration::ZERO;
+    // A step of both; what the robot hears is what the station says, or nothing.
+    let go_on =
+        |robot: &mut RobotSession, station: &mut StationSession, is_heard, now: Duration| {
+            while let Some(mut datagram) = robot.transmit(now, &mut Journal).expect("room") {
+                // Without the start of the robot, which comes with each status, a short header says nothing.
+                let _unreadable = station.receive(now, &mut datagram, |_| {});
+            }
+            while is_heard && let Some(mut report) = station.transmit(now).expect("room") {
+                robot.receive(now, &mut report, |_| {}).expect("a report");
+            }
+        };
+    for _ in 0..2_000 {
+        now += Duration::from_millis(10);
+        go_on(&mut robot, &mut station, true, now);
+    }
+    assert_eq!(robot.progress(RUN), Some((2_000, 0)));
+
+    let (_, events) = station.progress(RUN).expect("a run");
+    let mut restarted = StationSession::new(&identity(2), Profile::DELAY_2S);
+    restarted.restore(RUN, events.clone());
+    let mut on_its_way = restarted.transmit(now).expect("room").expect("a report");
+    let append = |robot: &mut RobotSession, event| {
+        let items = items(event, event);
+        robot.append(&Events { stream: RUN, first: event, count: 1, t_before: 0, items: &items });
+    };
+    (2_001..=2_020).for_each(|event| append(&mut robot, event));
+    for _ in 0..200 {
+        now += Duration::from_millis(10);
+        go_on(&mut robot, &mut restarted, false, now);
+    }
+    let received = |station: &StationSession| station.progress(RUN).map(|(_, it)| it.contiguous());
+    assert_eq!(received(&restarted), Some(2_000), "without the context, nothing can be read");
+
+    robot.receive(now, &mut on_its_way, |_| {}).expect("a report");
+    now += Duration::from_millis(500);
+    go_on(&mut robot, &mut restarted, false, now);
+    assert_eq!(received(&restarted), Some(2_020));
+}
+
+#[test]
+fn a_report_that_waited_in_a_cut_is_no_sign_that_the_station_knows_a_context() {
+    let key = PairingKey::from_bytes([7; 32]);
+    let (key_id, start) = (KeyId(1), Generation(1));
+    let identity = Identity { key_id, key: &key, robot: "scout", start, heard: None };
+    let mut robot = RobotSession::new(&identity, Profile::DELAY_2S);
+    let mut station = StationSession::new(&identity, Profile::DELAY_2S);
+    robot.begin(RUN, 2_000);
+    let (mut now, mut late) = (Duration::ZERO, None);
+    for step in 0..2_000 {
+        now += Duration::from_millis(10);
+        while let Some(mut datagram) = robot.transmit(now, &mut Journal).expect("room") {
+            station.receive(now, &mut datagram, |_| {}).expect("a datagram");
+        }
+        while let Some(mut report) = station.transmit(now).expect("room") {
+            if step > 1_500 {
+                late = Some(report);
+            } else {
+                robot.receive(now, &mut report, |_| {}).expect("a report");
+            }
+        }
+    }
+    now += Duration::from_mins(12);
+    robot.receive(now, &mut late.expect("a report"), |_| {}).expect("a report");
+    robot.advance(RUN, 2_100);
+    let mut restarted =
+        StationSession::new(&Identity { start: Generation(2), ..identity }, Profile::DELAY_2S);
+    let (_, events) = station.progress(RUN).expect("a run");
+    restarted.restore(RUN, events.clone());
+    for _ in 0..100 {
+        now += Duration::from_millis(10);
+        while let Some(mut datagram) = robot.transmit(now, &mut Journal).expect("room") {
+            restarted.receive(now, &mut datagram, |_| {}).expect("a datagram");
+        }
+    }
+    assert_eq!(restarted.progress(RUN).map(|(_, it)| it.contiguous()), Some(2_100));
+}
