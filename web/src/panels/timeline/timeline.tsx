@@ -18,7 +18,7 @@ import { shownIndex, toEnd } from "../../store/history/moments.ts";
 import type { Watch } from "../../store/history/run.ts";
 import type { OpenTab } from "../../store/page/page.ts";
 import { selectedStates } from "../../store/page/view.ts";
-import { gapsOf } from "../../store/run/gaps.ts";
+import { gapsOf, lackingOf } from "../../store/run/gaps.ts";
 import type { RunSearch } from "../../store/run/search.ts";
 import { Button, IconButton } from "../../ui/button.tsx";
 import { Empty } from "../../ui/empty.tsx";
@@ -222,7 +222,7 @@ function Chart({ tab, watch, model }: TimelineProps) {
       tab,
       model,
       parted_ns: () => partedAt(watch),
-      gaps: () => gapsOf(watch, page).value,
+      gaps: () => [...gapsOf(watch, page).value, ...lackingOf(watch)],
     });
   }, [tab, model, page, watch]);
   const { when, what } = useMoment(tab, watch);

@@ -4,7 +4,7 @@ import type { RunNow } from "../../model/generated/protocol.ts";
 import { Journal } from "../history/journal.ts";
 import type { Link } from "../page/server.ts";
 import { events } from "../testing/events.ts";
-import { gapsOf } from "./gaps.ts";
+import { gapsOf, lackingOf } from "./gaps.ts";
 
 const UP: Link = { state: "connecting" };
 
@@ -70,4 +70,18 @@ test("a run that the page has left follows the connection no more", () => {
   link.value = { state: "down", since_ms: 0, retry_ms: null, reason: "gone" };
   expect(gaps.value).toEqual([]);
   expect(stops.length).toBe(1);
+});
+
+test("what a station does not have yet is a gap from the end of its history to the state that came ahead", () => {
+  const journal = new Journal();
+  journal.add(events("> R\n> R/A"), 3);
+  const at = (elapsed_ms: number, missing: number) =>
+    lackingOf({
+      now: signal({ ...truth(elapsed_ms), robot: { missing } } as unknown as RunNow),
+      journal,
+    });
+  expect(at(800, 7)).toEqual([{ from_ns: 2e6, to_ns: 800e6 }]);
+  expect(at(800, 0)).toEqual([]);
+  expect(at(1, 7)).toEqual([]);
+  expect(lackingOf({ now: signal(truth(800)), journal })).toEqual([]);
 });

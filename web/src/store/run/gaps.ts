@@ -1,5 +1,5 @@
 /** Times of a run during which this page was not told: no connection to the server, or the server had none to the run, or the run's
- * program did not answer. What happened then was told afterwards. */
+ * program did not answer. What happened then was told afterwards. At a station, also what it does not have yet. */
 
 import { effect, type ReadonlySignal, signal } from "@preact/signals-core";
 import type { RunNow } from "../../model/generated/protocol.ts";
@@ -41,6 +41,15 @@ export const gapsOf = perOwner((watch: Told, page: LinkedPage): ReadonlySignal<r
   watch.whenClosed(stop);
   return gaps;
 });
+
+/** What a robot has recorded and its station does not have yet: from the end of the history to the state that came ahead of it. */
+export function lackingOf({ now, journal }: Pick<Told, "now" | "journal">): readonly Gap[] {
+  const told = now.value;
+  if (!told?.robot?.missing) return [];
+  const from_ns = journal.length > 0 ? journal.t_ns(journal.length - 1) : 0;
+  const to_ns = (told.snapshot?.elapsed_ms ?? 0) * 1e6;
+  return to_ns > from_ns ? [{ from_ns, to_ns }] : [];
+}
 
 /** How far the run had come when it was heard last. */
 function comeTo({ now, journal }: Pick<Told, "now" | "journal">): number {
