@@ -1,5 +1,6 @@
 //! What a relay waits for, from several threads: datagrams, and whatever else its side sends it.
 
+use crate::carrier::{Carrier, StationAddress, any_port};
 use crate::error::RelayError;
 use std::net::{SocketAddr, UdpSocket};
 use std::sync::Arc;
@@ -35,7 +36,8 @@ impl Stopper {
 /// What arrives.
 #[derive(Debug)]
 pub(crate) enum Input<T> {
-    Datagram(SocketAddr, Vec<u8>),
+    /// A datagram, and what carries an answer.
+    Datagram(Carrier, Vec<u8>),
     Other(T),
 }
 
@@ -68,15 +70,29 @@ impl<T: Send + 'static> Inbox<T> {
         Some(input)
     }
 
+    /// What carries datagrams to a station; its answers arrive here until the relay is stopped.
+    pub(crate) fn dial(
+        &self,
+        station: &StationAddress,
+        stopper: &Stopper,
+    ) -> Result<Carrier, RelayError> {
+        match *station {
+            StationAddress::Udp(to) => {
+                let socket = self.listen(any_port(to), stopper)?;
+                Ok(Carrier::Udp(socket, to))
+            }
+        }
+    }
+
     /// Binds a socket whose datagrams arrive here until the relay is stopped.
     pub(crate) fn listen(
         &self,
         address: SocketAddr,
         stopper: &Stopper,
-    ) -> Result<UdpSocket, RelayError> {
+    ) -> Result<Arc<UdpSocket>, RelayError> {
         let bind = || {
-            let socket = UdpSocket::bind(address)?;
-            let receiving = socket.try_clone()?;
+            let socket = Arc::new(UdpSocket::bind(address)?);
+            let receiving = Arc::clone(&socket);
             receiving.set_read_timeout(Some(LOOK))?;
             let (sender, stopper) = (self.sender(), stopper.clone());
             let waiting = Arc::clone(&self.datagrams);
@@ -89,7 +105,7 @@ impl<T: Send + 'static> Inbox<T> {
 }
 
 fn receive<T>(
-    socket: &UdpSocket,
+    socket: &Arc<UdpSocket>,
     sender: &SyncSender<Input<T>>,
     waiting: &AtomicUsize,
     stopper: &Stopper,
@@ -100,7 +116,8 @@ fn receive<T>(
             && waiting.load(Ordering::Acquire) < DATAGRAMS_MAX
         {
             waiting.fetch_add(1, Ordering::AcqRel);
-            sender.send(Input::Datagram(from, buffer[..length].to_vec())).unwrap_or_default();
+            let carrier = Carrier::Udp(Arc::clone(socket), from);
+            sender.send(Input::Datagram(carrier, buffer[..length].to_vec())).unwrap_or_default();
         }
     }
 }

@@ -4,6 +4,7 @@
 //! Knows sockets, threads and folders. Knows nothing of HTTP, terminals or what a datagram looks like inside (`rafcon-link`).
 
 mod about;
+mod carrier;
 mod clock;
 mod error;
 mod ids;
@@ -16,6 +17,7 @@ mod start;
 mod station;
 mod words;
 
+pub use carrier::StationAddress;
 pub use error::RelayError;
 pub use inbox::Stopper;
 pub use pairing::{BadPairing, Paired, Pairing};

@@ -8,7 +8,8 @@ use anyhow::{Context as _, Result, bail};
 use rafcon_link::Profile;
 use rafcon_protocol::api::{Control, ControlMove};
 use rafcon_relay::{
-    Authority, Paired, Pairing, RobotSettings, StationSettings, Stopper, relay_robot, relay_station,
+    Authority, Paired, Pairing, RobotSettings, StationAddress, StationSettings, Stopper, relay_robot,
+    relay_station,
 };
 use rafcon_server::RunAuthority;
 use std::fs::{self, OpenOptions};
@@ -170,7 +171,6 @@ impl Relays {
                 runs: runs.to_owned(),
                 paired,
                 station: address(station)?,
-                bind: any_port(address(station)?),
                 profile: profile(raw.profile),
                 authority: Arc::clone(authority) as Arc<dyn Authority>,
                 tell: complain,
@@ -321,21 +321,13 @@ fn robots_own(state: &Path, robot: Option<&str>, station: Option<&str>) -> Resul
     }
 }
 
-fn address(text: &str) -> Result<SocketAddr> {
+fn address(text: &str) -> Result<StationAddress> {
     let plain = text.strip_prefix("udp://").unwrap_or(text);
     let mut found = plain.to_socket_addrs().with_context(|| {
         format!("`{text}` is no address of a station: it looks like `udp://ground.example:4748`")
     })?;
-    found.next().with_context(|| format!("`{text}` has no address"))
-}
-
-/// Any port of this computer, in the same kind of network.
-fn any_port(station: SocketAddr) -> SocketAddr {
-    match (station, station.ip().is_loopback()) {
-        (SocketAddr::V4(_), true) => ([127, 0, 0, 1], 0).into(),
-        (SocketAddr::V4(_), false) => ([0, 0, 0, 0], 0).into(),
-        (SocketAddr::V6(_), _) => ([0_u16; 8], 0).into(),
-    }
+    let found = found.next().with_context(|| format!("`{text}` has no address"))?;
+    Ok(StationAddress::Udp(found))
 }
 
 fn profile(raw: LinkProfile) -> Profile {

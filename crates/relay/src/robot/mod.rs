@@ -6,6 +6,7 @@ mod runs;
 
 pub use authority::Authority;
 
+use crate::carrier::{Carrier, StationAddress};
 use crate::clock::SessionClock;
 use crate::error::RelayError;
 use crate::ids;
@@ -21,7 +22,6 @@ use rafcon_protocol::api::ControlMove;
 use rafcon_protocol::{Answer, Envelope, Expiry, LinkReport};
 use rafcon_supervisor::clock;
 use runs::RobotRuns;
-use std::net::{SocketAddr, UdpSocket};
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
@@ -44,9 +44,7 @@ pub struct RobotSettings {
     /// What it shares with the station.
     pub paired: Paired,
     /// Where the station receives.
-    pub station: SocketAddr,
-    /// The address that datagrams come from; port 0 for any.
-    pub bind: SocketAddr,
+    pub station: StationAddress,
     /// What is known of the link.
     pub profile: Profile,
     /// Who may command.
@@ -59,7 +57,7 @@ pub struct RobotSettings {
 pub fn relay_robot(settings: &RobotSettings, stopper: &Stopper) -> Result<(), RelayError> {
     let mut start = Start::begin(&settings.folder)?;
     let inbox = Inbox::new();
-    let socket = inbox.listen(settings.bind, stopper)?;
+    let carrier = inbox.dial(&settings.station, stopper)?;
     let identity = start.identity(&settings.paired.pairing);
     let mut session = RobotSession::new(&identity, settings.profile.clone());
     let list = settings.folder.join("runs");
@@ -68,7 +66,7 @@ pub fn relay_robot(settings: &RobotSettings, stopper: &Stopper) -> Result<(), Re
     runs.restore(&mut session);
     let meter = LinkMeter::new(&settings.paired.pairing, &settings.profile, false);
     let reporter = Reporter::open(&settings.folder)?;
-    let mut relay = RobotRelay { settings, clock, socket, session, runs, meter, offered: None };
+    let mut relay = RobotRelay { settings, clock, carrier, session, runs, meter, offered: None };
     let (mut look_at, mut keep_at) = (Duration::ZERO, KEEP_EVERY);
     while !stopper.is_stopped() {
         let now = relay.clock.now();
@@ -107,7 +105,7 @@ pub fn relay_robot(settings: &RobotSettings, stopper: &Stopper) -> Result<(), Re
 struct RobotRelay<'s> {
     settings: &'s RobotSettings,
     clock: SessionClock,
-    socket: UdpSocket,
+    carrier: Carrier,
     session: RobotSession,
     runs: RobotRuns,
     meter: LinkMeter,
@@ -171,8 +169,7 @@ impl RobotRelay<'_> {
             let Some(datagram) = self.session.transmit(self.clock.now(), &mut self.runs)? else {
                 break;
             };
-            // A network that is not there is a link that loses everything.
-            drop(self.socket.send_to(&datagram, self.settings.station));
+            self.carrier.send(&datagram);
         }
         Ok(())
     }

@@ -99,12 +99,12 @@ pub fn relay_station(
         }
         let mut next = look_at.min(keep_at).min(report_at);
         for robot in &mut robots {
-            next = next.min(robot.send(&socket)?);
+            next = next.min(robot.send()?);
         }
         match inbox.wait(next.saturating_sub(clock.now())) {
             Some(Input::Datagram(from, datagram)) => {
                 // Which robot it is of is known by the key that opens it.
-                let is_opened = robots.iter_mut().any(|robot| robot.receive(from, &datagram));
+                let is_opened = robots.iter_mut().any(|robot| robot.receive(&from, &datagram));
                 if !is_opened {
                     robots.iter_mut().for_each(StationRobot::note_unusable);
                 }

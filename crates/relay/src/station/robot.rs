@@ -8,6 +8,7 @@ use super::open_words::OpenWords;
 use super::received::{Early, Received, StationRun};
 use super::viewers::GivenWord;
 use super::{StationSettings, ToStation};
+use crate::carrier::Carrier;
 use crate::clock::SessionClock;
 use crate::error::RelayError;
 use crate::ids;
@@ -24,7 +25,6 @@ use rafcon_protocol::{Answer, CommandStage, Expiry, LinkHealth, LinkReport};
 use rafcon_storage::journal::EventItems;
 use rafcon_supervisor::clock;
 use std::collections::BTreeMap;
-use std::net::{SocketAddr, UdpSocket};
 use std::sync::mpsc::SyncSender;
 use std::time::Duration;
 
@@ -41,7 +41,8 @@ pub(super) struct StationRobot {
     meter: LinkMeter,
     /// Why the last datagram is not of this robot.
     rejected: Option<Rejected>,
-    address: Option<SocketAddr>,
+    /// What the robot was heard over last.
+    carrier: Option<Carrier>,
     disk: Disk,
     /// What is wrong with the disk.
     problem: Option<String>,
@@ -91,7 +92,7 @@ impl StationRobot {
             clock,
             meter: LinkMeter::new(pairing, &settings.profile, true),
             rejected: None,
-            address: None,
+            carrier: None,
             disk,
             problem: None,
             runs: BTreeMap::new(),
@@ -175,24 +176,23 @@ impl StationRobot {
     }
 
     /// Sends what is due; answers when something will be.
-    pub(super) fn send(&mut self, socket: &UdpSocket) -> Result<Duration, RelayError> {
+    pub(super) fn send(&mut self) -> Result<Duration, RelayError> {
         while let Some(datagram) = self.session.transmit(self.clock.now())? {
-            if let Some(address) = self.address {
-                // A network that is not there is a link that loses everything.
-                drop(socket.send_to(&datagram, address));
+            if let Some(carrier) = &self.carrier {
+                carrier.send(&datagram);
             }
         }
         Ok(self.session.next_transmit(self.clock.now()))
     }
 
     /// Takes a datagram; answers whether it is of this robot.
-    pub(super) fn receive(&mut self, from: SocketAddr, datagram: &[u8]) -> bool {
+    pub(super) fn receive(&mut self, from: &Carrier, datagram: &[u8]) -> bool {
         let (now, mut received) = (self.clock.now(), Vec::new());
         let taken = self.session.receive(now, &mut datagram.to_vec(), |shown| {
             received.extend(Received::of(shown));
         });
         match taken {
-            Ok(()) => self.address = Some(from),
+            Ok(()) => self.carrier = Some(from.clone()),
             Err(Unusable::Rejected(why)) => {
                 self.rejected = Some(why);
                 return false;
