@@ -1,7 +1,8 @@
 //! What a relay waits for, from several threads: datagrams, and whatever else its side sends it.
 
-use crate::carrier::{Carrier, StationAddress, any_port};
+use crate::carrier::{Carrier, Deliver};
 use crate::error::RelayError;
+use std::io;
 use std::net::{SocketAddr, UdpSocket};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -16,7 +17,7 @@ const DATAGRAMS_MAX: usize = 1_024;
 /// No datagram is longer.
 const DATAGRAM_MAX: usize = 65_535;
 /// A thread that receives looks this often whether it is to end.
-const LOOK: Duration = Duration::from_millis(200);
+pub(crate) const LOOK: Duration = Duration::from_millis(200);
 
 /// Ends a relay.
 #[derive(Debug, Clone, Default)]
@@ -70,18 +71,15 @@ impl<T: Send + 'static> Inbox<T> {
         Some(input)
     }
 
-    /// What carries datagrams to a station; its answers arrive here until the relay is stopped.
-    pub(crate) fn dial(
-        &self,
-        station: &StationAddress,
-        stopper: &Stopper,
-    ) -> Result<Carrier, RelayError> {
-        match *station {
-            StationAddress::Udp(to) => {
-                let socket = self.listen(any_port(to), stopper)?;
-                Ok(Carrier::Udp(socket, to))
+    /// Where datagrams are put that arrive. Those beyond what may wait are lost, as on any bad link.
+    pub(crate) fn deliver(&self) -> Deliver {
+        let (sender, waiting) = (self.sender(), Arc::clone(&self.datagrams));
+        Arc::new(move |carrier, datagram| {
+            if waiting.load(Ordering::Acquire) < DATAGRAMS_MAX {
+                waiting.fetch_add(1, Ordering::AcqRel);
+                sender.send(Input::Datagram(carrier, datagram)).unwrap_or_default();
             }
-        }
+        })
     }
 
     /// Binds a socket whose datagrams arrive here until the relay is stopped.
@@ -92,32 +90,26 @@ impl<T: Send + 'static> Inbox<T> {
     ) -> Result<Arc<UdpSocket>, RelayError> {
         let bind = || {
             let socket = Arc::new(UdpSocket::bind(address)?);
-            let receiving = Arc::clone(&socket);
-            receiving.set_read_timeout(Some(LOOK))?;
-            let (sender, stopper) = (self.sender(), stopper.clone());
-            let waiting = Arc::clone(&self.datagrams);
-            let receive = move || receive(&receiving, &sender, &waiting, &stopper);
-            thread::Builder::new().name("datagrams".to_owned()).spawn(receive)?;
+            self.receive(&socket, stopper)?;
             Ok(socket)
         };
         bind().map_err(|source| RelayError::Bind { address, source })
     }
+
+    /// Receives at this socket until the relay is stopped.
+    pub(crate) fn receive(&self, socket: &Arc<UdpSocket>, stopper: &Stopper) -> io::Result<()> {
+        socket.set_read_timeout(Some(LOOK))?;
+        let (socket, stopper, deliver) = (Arc::clone(socket), stopper.clone(), self.deliver());
+        let receive = move || receive(&socket, &deliver, &stopper);
+        thread::Builder::new().name("datagrams".to_owned()).spawn(receive).map(drop)
+    }
 }
 
-fn receive<T>(
-    socket: &Arc<UdpSocket>,
-    sender: &SyncSender<Input<T>>,
-    waiting: &AtomicUsize,
-    stopper: &Stopper,
-) {
+fn receive(socket: &Arc<UdpSocket>, deliver: &Deliver, stopper: &Stopper) {
     let mut buffer = vec![0; DATAGRAM_MAX];
     while !stopper.is_stopped() {
-        if let Ok((length, from)) = socket.recv_from(&mut buffer)
-            && waiting.load(Ordering::Acquire) < DATAGRAMS_MAX
-        {
-            waiting.fetch_add(1, Ordering::AcqRel);
-            let carrier = Carrier::Udp(Arc::clone(socket), from);
-            sender.send(Input::Datagram(carrier, buffer[..length].to_vec())).unwrap_or_default();
+        if let Ok((length, from)) = socket.recv_from(&mut buffer) {
+            deliver(Carrier::Udp(Arc::clone(socket), from), buffer[..length].to_vec());
         }
     }
 }

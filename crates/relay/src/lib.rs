@@ -1,7 +1,7 @@
 //! Carries the runs of a robot over the link to its stations: on the robot from journals and runners to datagrams, at a station
 //! from datagrams to ordinary run folders, each with a stand-in for its runner that a server joins like any other.
 //!
-//! Knows sockets, threads and folders. Knows nothing of HTTP, terminals or what a datagram looks like inside (`rafcon-link`).
+//! Knows sockets of every kind, threads and folders. Knows nothing of requests, terminals or what a datagram looks like inside (`rafcon-link`).
 
 mod about;
 mod carrier;
@@ -17,7 +17,7 @@ mod start;
 mod station;
 mod words;
 
-pub use carrier::StationAddress;
+pub use carrier::{ByteStream, Dial, Secure, StationAddress};
 pub use error::RelayError;
 pub use inbox::Stopper;
 pub use pairing::{BadPairing, Paired, Pairing};

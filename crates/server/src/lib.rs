@@ -28,7 +28,7 @@ mod state;
 mod watch;
 
 pub use failure::{Failure, Reason};
-pub use listen::{AddressFile, ServeError, Server, TlsError, serve};
+pub use listen::{AddressFile, ServeError, Server, TlsError, serve, tls_config};
 pub use page_files::PageFiles;
 pub use router::{openapi, router};
 pub use runs::RunAuthority;

@@ -10,7 +10,7 @@ use std::net::SocketAddr;
 /// (`rafcon pair`). All else is as with `rafcon serve`.
 #[derive(Debug, Args)]
 pub(crate) struct Station {
-    /// Address at which robots are received
+    /// Address at which robots are received, by UDP, and by TCP over a WebSocket
     #[arg(long, value_name = "ADDRESS:PORT", default_value = "127.0.0.1:4748")]
     pub(crate) listen: SocketAddr,
     #[command(flatten)]
@@ -20,11 +20,17 @@ pub(crate) struct Station {
 /// What a robot's server needs to send its runs to a station.
 #[derive(Debug, Args)]
 pub(crate) struct Link {
-    /// Send the runs to the station at this address, such as `udp://ground.example:4748`
+    /// Send the runs to the station at this address, such as `udp://ground.example:4748`, or `wss://ground.example:4748` where UDP
+    /// is closed
     ///
     /// Repeat it for several stations, with the name of each in its pairing: `--station base=udp://ground.example:4748`.
     #[arg(long = "station", value_name = "[NAME=]ADDRESS")]
     pub(crate) stations: Vec<String>,
+    /// Fingerprint of the station's certificate for `wss://`, as `rafcon station` prints it; it is saved
+    ///
+    /// Repeat it for several stations at `wss://`, in their order.
+    #[arg(long = "station-fingerprint", value_name = "HEX", requires = "stations")]
+    pub(crate) station_fingerprints: Vec<String>,
     /// Name of this robot in its pairing; needed only if there are several
     #[arg(long, value_name = "NAME", requires = "stations")]
     pub(crate) robot: Option<String>,

@@ -35,7 +35,7 @@ use serde::de::DeserializeOwned;
 use socket::Socket;
 use std::io::Read;
 use std::time::Duration;
-use stream::Stream;
+pub(crate) use stream::Stream;
 use token::Token;
 use ureq::http::{HeaderValue, Method, Request};
 

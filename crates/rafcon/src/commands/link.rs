@@ -1,6 +1,7 @@
 //! `rafcon pair`, and the threads of `rafcon serve --station` and `rafcon station` that carry runs over the link.
 
 use super::serve::state;
+use super::station_address::{StationTls, station_address};
 use crate::cli::{self, LinkProfile};
 use crate::environment::Environment;
 use crate::failure::complain;
@@ -8,13 +9,12 @@ use anyhow::{Context as _, Result, bail};
 use rafcon_link::Profile;
 use rafcon_protocol::api::{Control, ControlMove};
 use rafcon_relay::{
-    Authority, Paired, Pairing, RobotSettings, StationAddress, StationSettings, Stopper, relay_robot,
-    relay_station,
+    Authority, Paired, Pairing, RobotSettings, StationSettings, Stopper, relay_robot, relay_station,
 };
-use rafcon_server::RunAuthority;
+use rafcon_server::{RunAuthority, Settings};
 use std::fs::{self, OpenOptions};
 use std::io::{self, IsTerminal as _, Write as _};
-use std::net::{SocketAddr, ToSocketAddrs as _};
+use std::net::SocketAddr;
 use std::os::unix::fs::OpenOptionsExt as _;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -150,8 +150,10 @@ impl Relays {
         raw: &cli::Link,
         (state, runs): (&Path, &Path),
         authority: &Arc<ServerAuthority>,
+        environment: &Environment,
     ) -> Result<()> {
         let mut all: Vec<RobotSettings> = Vec::new();
+        let mut fingerprints = raw.station_fingerprints.iter();
         for spoken in &raw.stations {
             let (name, station) = spoken
                 .split_once('=')
@@ -170,11 +172,14 @@ impl Relays {
                 folder: robot_folder(state, pairing.station.as_deref()),
                 runs: runs.to_owned(),
                 paired,
-                station: address(station)?,
+                station: station_address(station, &mut fingerprints, environment)?,
                 profile: profile(raw.profile),
                 authority: Arc::clone(authority) as Arc<dyn Authority>,
                 tell: complain,
             });
+        }
+        if let Some(text) = fingerprints.next() {
+            bail!("--station-fingerprint {text}: there is no station at `wss://` for it");
         }
         for settings in all {
             let stopper = self.stopper.clone();
@@ -185,18 +190,21 @@ impl Relays {
         Ok(())
     }
 
-    /// Keeps replicas in `runs` of what robots send to this address.
+    /// Keeps replicas of what robots send to this address. The station shows the certificate of its server.
     pub(super) fn station(
         &mut self,
         raw: &cli::Link,
         listen: SocketAddr,
-        (state, runs): (&Path, &Path),
+        server: &Settings,
     ) -> Result<()> {
+        let (state, runs) = (&server.state, &server.runs);
+        let (tls, fingerprint) = rafcon_server::tls_config(server)?;
         let settings = StationSettings {
             folder: station_folder(state),
             runs: runs.to_owned(),
             pairings: pairings(state, "taken")?,
             bind: listen,
+            tls: Some(Arc::new(StationTls(tls))),
             profile: profile(raw.profile),
             tell: complain,
         };
@@ -206,7 +214,12 @@ impl Relays {
             );
         }
         let stopper = self.stopper.clone();
-        let greet = |address| complain(&format!("robots are received at udp://{address}"));
+        let greet = move |address| {
+            complain(&format!("robots are received at udp://{address}"));
+            complain(&format!(
+                "where UDP is closed: wss://{address}, whose certificate has the SHA-256 fingerprint {fingerprint}"
+            ));
+        };
         self.begin("link", move || relay_station(&settings, &stopper, greet))
     }
 
@@ -319,15 +332,6 @@ fn robots_own(state: &Path, robot: Option<&str>, station: Option<&str>) -> Resul
             "there are several pairings: choose one with `--robot NAME`, or name the station with `--station NAME=ADDRESS`"
         ),
     }
-}
-
-fn address(text: &str) -> Result<StationAddress> {
-    let plain = text.strip_prefix("udp://").unwrap_or(text);
-    let mut found = plain.to_socket_addrs().with_context(|| {
-        format!("`{text}` is no address of a station: it looks like `udp://ground.example:4748`")
-    })?;
-    let found = found.next().with_context(|| format!("`{text}` has no address"))?;
-    Ok(StationAddress::Udp(found))
 }
 
 fn profile(raw: LinkProfile) -> Profile {

@@ -20,6 +20,7 @@ mod runs;
 mod serve;
 mod shell;
 mod show;
+mod station_address;
 mod tell;
 mod user;
 

@@ -24,9 +24,9 @@ pub(super) fn serve(
     let (state, runs) = (state(&raw.state, environment)?, settings.runs.clone());
     let mut relays = Relays::default();
     let authority = Arc::new(ServerAuthority::default());
-    relays.robot(&raw.link, (&state, &runs), &authority)?;
+    relays.robot(&raw.link, (&state, &runs), &authority, environment)?;
     if let Some(listen) = robots {
-        relays.station(&raw.link, listen, (&state, &runs))?;
+        relays.station(&raw.link, listen, &settings)?;
     }
     let served = rafcon_server::serve(settings, |server| {
         authority.set(RunAuthority::new(server.state()));

@@ -57,20 +57,32 @@ pub(crate) fn station(place: &Place, listen: &str) -> (Program, SocketAddr) {
 
 /// The same with this state, and runs beside it.
 pub(crate) fn station_of(place: &Place, state: &str, listen: &str) -> (Program, SocketAddr) {
+    let (station, address, _) = station_with_certificate(place, state, listen);
+    (station, address)
+}
+
+/// The same with the fingerprint of its certificate.
+pub(crate) fn station_with_certificate(
+    place: &Place,
+    state: &str,
+    listen: &str,
+) -> (Program, SocketAddr, String) {
     let words = format!(
         "station --state {state} --runs {state}-runs --bind 127.0.0.1:0 --listen {listen} --link lan"
     );
     begin_station(place.command(&words))
 }
 
-pub(crate) fn begin_station(mut station: Command) -> (Program, SocketAddr) {
+/// Begins this station; answers where it receives, and the fingerprint of its certificate.
+pub(crate) fn begin_station(mut station: Command) -> (Program, SocketAddr, String) {
     let mut child = station.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
     let mut lines = BufReader::new(child.stderr.take().unwrap()).lines().map(Result::unwrap);
     let said = lines.find_map(|line| Some(line.split_once("udp://")?.1.to_owned()));
     let address = said.unwrap().parse().unwrap();
+    let certificate = lines.next().unwrap().rsplit_once(' ').unwrap().1.to_owned();
     // Whoever writes to it later is read.
     in_background(move || lines.for_each(drop));
-    (Program::new(child), address)
+    (Program::new(child), address, certificate)
 }
 
 pub(crate) fn robot(place: &Place, station: SocketAddr) -> Program {

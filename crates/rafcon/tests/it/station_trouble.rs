@@ -256,7 +256,7 @@ fn a_full_disk_of_a_station_is_named_and_loses_nothing() {
     full.args(shell).arg(plain.get_program()).args(plain.get_args());
     full.current_dir(limited.get_current_dir().unwrap());
     full.envs(limited.get_envs().filter_map(|(name, value)| Some((name, value?))));
-    let (ground, address) = crate::station::begin_station(full);
+    let (ground, address, _) = crate::station::begin_station(full);
     let robot = robot(&place, address);
     let run = Run::start(&place, "--runs robot-runs");
     let said = wait_for_link(&place, "ground", "not everything is kept");

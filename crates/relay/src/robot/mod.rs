@@ -6,7 +6,7 @@ mod runs;
 
 pub use authority::Authority;
 
-use crate::carrier::{Carrier, StationAddress};
+use crate::carrier::{Carrier, Dialler, StationAddress, any_port};
 use crate::clock::SessionClock;
 use crate::error::RelayError;
 use crate::ids;
@@ -57,7 +57,7 @@ pub struct RobotSettings {
 pub fn relay_robot(settings: &RobotSettings, stopper: &Stopper) -> Result<(), RelayError> {
     let mut start = Start::begin(&settings.folder)?;
     let inbox = Inbox::new();
-    let carrier = inbox.dial(&settings.station, stopper)?;
+    let carrier = carrier(settings, &inbox, stopper)?;
     let identity = start.identity(&settings.paired.pairing);
     let mut session = RobotSession::new(&identity, settings.profile.clone());
     let list = settings.folder.join("runs");
@@ -91,7 +91,7 @@ pub fn relay_robot(settings: &RobotSettings, stopper: &Stopper) -> Result<(), Re
         let mut time = next.saturating_sub(relay.clock.now());
         for _ in 0..INPUTS_AT_ONCE {
             match inbox.wait(time) {
-                Some(Input::Datagram(_, datagram)) => relay.receive(datagram),
+                Some(Input::Datagram(from, datagram)) => relay.receive(&from, datagram),
                 Some(Input::Other(from_run)) => relay.happened(from_run),
                 None => break,
             }
@@ -100,6 +100,22 @@ pub fn relay_robot(settings: &RobotSettings, stopper: &Stopper) -> Result<(), Re
     }
     relay.keep_heard(&mut start);
     Ok(())
+}
+
+/// What carries datagrams to the station; its answers arrive in the inbox.
+fn carrier(
+    settings: &RobotSettings,
+    inbox: &Inbox<FromRun>,
+    stopper: &Stopper,
+) -> Result<Carrier, RelayError> {
+    match &settings.station {
+        StationAddress::Udp(to) => Ok(Carrier::Udp(inbox.listen(any_port(*to), stopper)?, *to)),
+        StationAddress::WebSocket(dial) => {
+            let (dial, silence) = (Arc::clone(dial), settings.profile.silence());
+            let dialler = Dialler::begin(dial, silence, inbox.deliver(), settings.tell, stopper);
+            Ok(dialler.map_err(|source| RelayError::Thread { source })?.into())
+        }
+    }
 }
 
 struct RobotRelay<'s> {
@@ -174,12 +190,13 @@ impl RobotRelay<'_> {
         Ok(())
     }
 
-    fn receive(&mut self, mut datagram: Vec<u8>) {
+    fn receive(&mut self, from: &Carrier, mut datagram: Vec<u8>) {
         let (now, mut commands) = (self.clock.now(), Vec::new());
         let used = self.session.receive(now, &mut datagram, |command| commands.push(command));
-        if let Err(why) = used {
+        match used {
+            Ok(()) => from.note_heard(),
             // It came twice, or from strangers: there is nothing to say to them.
-            self.meter.note_unusable(why.to_string());
+            Err(why) => self.meter.note_unusable(why.to_string()),
         }
         for command in commands {
             self.command(now, command);

@@ -12,6 +12,7 @@ mod replica_run;
 mod robot;
 mod viewers;
 
+use crate::carrier::{Secure, open_door};
 use crate::clock::SessionClock;
 use crate::error::RelayError;
 use crate::inbox::{Inbox, Input, Stopper};
@@ -20,8 +21,10 @@ use crate::report::{REPORT_EVERY, Reporter};
 use disk::FromDisk;
 use rafcon_link::Profile;
 use robot::StationRobot;
-use std::net::SocketAddr;
+use std::io;
+use std::net::{SocketAddr, TcpListener, UdpSocket};
 use std::path::PathBuf;
+use std::sync::Arc;
 use std::time::Duration;
 use viewers::GivenWord;
 
@@ -29,6 +32,9 @@ use viewers::GivenWord;
 const LOOK_EVERY: Duration = Duration::from_millis(250);
 /// What was heard is kept this often.
 const KEEP_EVERY: Duration = Duration::from_secs(10);
+
+/// So many ports are tried if any will do.
+const TRIES: usize = 16;
 
 /// What a station's relay needs.
 #[derive(Debug, Clone)]
@@ -39,8 +45,10 @@ pub struct StationSettings {
     pub runs: PathBuf,
     /// What it shares with its robots.
     pub pairings: Vec<Paired>,
-    /// Where it receives.
+    /// Where it receives: by UDP, and over a WebSocket at the same port of TCP.
     pub bind: SocketAddr,
+    /// Speaks TLS with robots that ask for it.
+    pub tls: Option<Arc<dyn Secure>>,
     /// What is known of the link.
     pub profile: Profile,
     /// Told what goes wrong.
@@ -66,6 +74,38 @@ pub(crate) enum ToStation {
     Disk(usize, FromDisk),
 }
 
+/// Receives robots, by UDP and at the same port by TCP; answers where.
+fn receive(
+    settings: &StationSettings,
+    inbox: &Inbox<ToStation>,
+    stopper: &Stopper,
+) -> Result<SocketAddr, RelayError> {
+    let begin = || {
+        let (socket, listener) = bind_both(settings.bind)?;
+        let address = socket.local_addr()?;
+        inbox.receive(&Arc::new(socket), stopper)?;
+        open_door(listener, settings.tls.clone(), inbox.deliver(), stopper)?;
+        Ok(address)
+    };
+    begin().map_err(|source| RelayError::Bind { address: settings.bind, source })
+}
+
+/// A port of UDP and the same of TCP.
+fn bind_both(address: SocketAddr) -> io::Result<(UdpSocket, TcpListener)> {
+    let mut tries = 0;
+    loop {
+        let socket = UdpSocket::bind(address)?;
+        match TcpListener::bind(socket.local_addr()?) {
+            // If any port will do, it has to be one that is free for both.
+            Err(error) if address.port() == 0 && tries < TRIES => {
+                drop(error);
+                tries += 1;
+            }
+            bound => return Ok((socket, bound?)),
+        }
+    }
+}
+
 /// Keeps replicas of the runs of robots until it is stopped. `is_up` is given the address at which it receives.
 pub fn relay_station(
     settings: &StationSettings,
@@ -73,8 +113,7 @@ pub fn relay_station(
     is_up: impl FnOnce(SocketAddr),
 ) -> Result<(), RelayError> {
     let inbox = Inbox::new();
-    let socket = inbox.listen(settings.bind, stopper)?;
-    is_up(socket.local_addr().unwrap_or(settings.bind));
+    is_up(receive(settings, &inbox, stopper)?);
     let clock = SessionClock::begin();
     let robots = settings.pairings.iter().enumerate();
     let robots = robots.map(|(number, pairing)| {

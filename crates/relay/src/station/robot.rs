@@ -41,7 +41,7 @@ pub(super) struct StationRobot {
     meter: LinkMeter,
     /// Why the last datagram is not of this robot.
     rejected: Option<Rejected>,
-    /// What the robot was heard over last.
+    /// What carried the newest datagram of the robot.
     carrier: Option<Carrier>,
     disk: Disk,
     /// What is wrong with the disk.
@@ -188,11 +188,18 @@ impl StationRobot {
     /// Takes a datagram; answers whether it is of this robot.
     pub(super) fn receive(&mut self, from: &Carrier, datagram: &[u8]) -> bool {
         let (now, mut received) = (self.clock.now(), Vec::new());
+        let before = self.session.horizon();
         let taken = self.session.receive(now, &mut datagram.to_vec(), |shown| {
             received.extend(Received::of(shown));
         });
         match taken {
-            Ok(()) => self.carrier = Some(from.clone()),
+            Ok(()) => {
+                from.note_heard();
+                // What was held up on an old way says nothing of it.
+                if self.carrier.is_none() || self.session.horizon() != before {
+                    self.carrier = Some(from.clone());
+                }
+            }
             Err(Unusable::Rejected(why)) => {
                 self.rejected = Some(why);
                 return false;

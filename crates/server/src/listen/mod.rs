@@ -27,7 +27,7 @@ mod paced;
 mod tls;
 
 pub use address_file::AddressFile;
-pub use tls::TlsError;
+pub use tls::{TlsError, tls_config};
 
 /// How long requests that are being answered hold the end of the server back.
 const SHUTDOWN_GRACE: Duration = Duration::from_secs(3);

@@ -67,6 +67,14 @@ pub(super) fn is_needed(listen: &Listen, address: SocketAddr) -> bool {
     !address.ip().is_loopback() || listen.certificate.is_some()
 }
 
+/// What a server with these settings shows to those who call it, for whoever else listens for it: how TLS is spoken, and the
+/// fingerprint of its certificate, which is made if there is none.
+pub fn tls_config(settings: &Settings) -> Result<(Arc<ServerConfig>, String), TlsError> {
+    private::folder(&settings.state)?;
+    let Identity { acceptor, fingerprint } = identity(settings, settings.listen.address)?;
+    Ok((Arc::clone(acceptor.config()), fingerprint))
+}
+
 /// The server's identity, made if it has none.
 pub(super) fn identity(settings: &Settings, address: SocketAddr) -> Result<Identity, TlsError> {
     let named = settings.listen.certificate.clone();

@@ -1,0 +1,248 @@
+//! One WebSocket whose binary messages are datagrams, on a thread of its own. Whoever sends never waits for it: what it cannot write in
+//! time is dropped, the oldest first, as a network does it.
+
+use super::{Carrier, Deliver};
+use crate::clock::SessionClock;
+use parking_lot::Mutex;
+use rustix::event::{EventfdFlags, PollFd, PollFlags, Timespec, eventfd, poll};
+use rustix::io::Errno;
+use socket2::SockRef;
+use std::collections::VecDeque;
+use std::io::{self, Read, Write};
+use std::net::{Shutdown, TcpStream};
+use std::os::fd::OwnedFd;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
+use tungstenite::protocol::WebSocketConfig;
+use tungstenite::{Error, Message, WebSocket};
+
+/// No message is longer; datagrams are far shorter.
+const MESSAGE_MAX: usize = 4_096;
+/// So many datagrams wait to be written at most.
+const WAITING_MAX: usize = 64;
+/// None waits longer: after a stall the newest come first.
+const WAITS_MAX: Duration = Duration::from_secs(1);
+/// So many bytes wait in the kernel at most before they are sent.
+const UNSENT_MAX: u32 = 8_192;
+/// After so many messages it is time to write.
+const READ_AT_ONCE: usize = 64;
+/// Who opens a connection and then says nothing is given up after this time.
+const PATIENCE: Duration = Duration::from_secs(30);
+
+/// A stream of bytes over TCP, plain or by TLS.
+pub trait ByteStream: Read + Write + Send {
+    /// The socket below.
+    fn socket(&self) -> &TcpStream;
+}
+
+impl ByteStream for TcpStream {
+    fn socket(&self) -> &TcpStream {
+        self
+    }
+}
+
+/// A WebSocket over such a stream.
+pub(super) type Socket = WebSocket<Box<dyn ByteStream>>;
+
+/// A connection as those know it who send over it.
+#[derive(Debug)]
+pub(crate) struct Connection {
+    /// Nothing once it is closed: then the other side is told so even if it goes on writing.
+    socket: Mutex<Option<TcpStream>>,
+    clock: SessionClock,
+    opened: Duration,
+    waiting: Mutex<VecDeque<(Duration, Vec<u8>)>>,
+    /// Wakes the thread.
+    wake: OwnedFd,
+    /// When something of the other side came over it.
+    heard: Mutex<Option<Duration>>,
+    /// When the first datagram since then was sent.
+    unanswered: Mutex<Option<Duration>>,
+    is_closed: AtomicBool,
+}
+
+impl Connection {
+    /// The connection of this socket, whose messages [`carry`] carries.
+    pub(super) fn new(socket: &TcpStream, clock: SessionClock) -> io::Result<Arc<Self>> {
+        socket.set_nodelay(true)?;
+        socket.set_read_timeout(Some(PATIENCE))?;
+        socket.set_write_timeout(Some(PATIENCE))?;
+        // Else what a slow link cannot carry would wait in the kernel, and be old when it arrives.
+        SockRef::from(socket).set_tcp_notsent_lowat(UNSENT_MAX)?;
+        Ok(Arc::new(Self {
+            socket: Mutex::new(Some(socket.try_clone()?)),
+            clock,
+            opened: clock.now(),
+            waiting: Mutex::default(),
+            wake: eventfd(0, EventfdFlags::NONBLOCK | EventfdFlags::CLOEXEC)?,
+            heard: Mutex::default(),
+            unanswered: Mutex::default(),
+            is_closed: AtomicBool::new(false),
+        }))
+    }
+
+    pub(super) fn send(&self, datagram: &[u8]) {
+        self.unanswered.lock().get_or_insert_with(|| self.clock.now());
+        let mut waiting = self.waiting.lock();
+        if waiting.len() >= WAITING_MAX {
+            waiting.pop_front();
+        }
+        waiting.push_back((self.clock.now(), datagram.to_vec()));
+        drop(waiting);
+        self.wake();
+    }
+
+    fn next_waiting(&self) -> Option<Vec<u8>> {
+        let (mut waiting, now) = (self.waiting.lock(), self.clock.now());
+        while let Some((since, datagram)) = waiting.pop_front() {
+            if now.saturating_sub(since) <= WAITS_MAX {
+                return Some(datagram);
+            }
+        }
+        None
+    }
+
+    pub(super) fn note_heard(&self) {
+        *self.heard.lock() = Some(self.clock.now());
+        *self.unanswered.lock() = None;
+    }
+
+    /// When the other side was heard over it.
+    pub(super) fn heard(&self) -> Option<Duration> {
+        *self.heard.lock()
+    }
+
+    /// Since when nothing was heard over it.
+    pub(super) fn silent_since(&self) -> Duration {
+        self.heard().unwrap_or(self.opened)
+    }
+
+    /// Since when an answer is owed: who was told nothing has nothing to say.
+    pub(super) fn unanswered_since(&self) -> Option<Duration> {
+        *self.unanswered.lock()
+    }
+
+    pub(super) fn is_closed(&self) -> bool {
+        self.is_closed.load(Ordering::Acquire)
+    }
+
+    /// Closes it, whatever its thread waits for.
+    pub(super) fn close(&self) {
+        self.is_closed.store(true, Ordering::Release);
+        if let Some(socket) = self.socket.lock().take() {
+            drop(socket.shutdown(Shutdown::Both));
+        }
+        self.wake();
+    }
+
+    fn wake(&self) {
+        // A counter that is full wakes as well.
+        rustix::io::write(&self.wake, &1_u64.to_ne_bytes()).unwrap_or_default();
+    }
+}
+
+/// What both sides of a WebSocket agree on.
+pub(super) fn websocket_config() -> WebSocketConfig {
+    WebSocketConfig::default()
+        .max_message_size(Some(MESSAGE_MAX))
+        .max_frame_size(Some(MESSAGE_MAX))
+        .read_buffer_size(4 * MESSAGE_MAX)
+        .write_buffer_size(0)
+        .max_write_buffer_size(16 * MESSAGE_MAX)
+}
+
+/// Carries the messages of a connection until it is closed from either side.
+pub(super) fn carry(mut socket: Socket, connection: &Arc<Connection>, deliver: &Deliver) {
+    let begun = socket.get_ref().socket().set_nonblocking(true).map_err(Error::Io);
+    let ended = begun.and_then(|()| carry_on(&mut socket, connection, deliver));
+    // Whether it was closed or cut, another is opened.
+    drop(ended);
+    connection.close();
+}
+
+fn carry_on(
+    socket: &mut Socket,
+    connection: &Arc<Connection>,
+    deliver: &Deliver,
+) -> Result<(), Error> {
+    let mut is_full = false;
+    while !connection.is_closed() {
+        if is_full {
+            is_full = !is_done(socket.flush())?;
+        }
+        while !is_full && let Some(datagram) = connection.next_waiting() {
+            let written = socket.write(Message::binary(datagram));
+            is_full = !is_done(written.and_then(|()| socket.flush()))?;
+        }
+        let mut read = 0;
+        while read < READ_AT_ONCE
+            && let Some(message) = next_message(socket)?
+        {
+            read += 1;
+            if let Message::Binary(datagram) = message {
+                deliver(Carrier::Connection(Arc::clone(connection)), datagram.into());
+            }
+        }
+        if read < READ_AT_ONCE {
+            wait(socket, connection, is_full).map_err(Error::Io)?;
+        }
+    }
+    Ok(())
+}
+
+/// Whether all of it is written; if not, the socket is full.
+fn is_done(written: Result<(), Error>) -> Result<bool, Error> {
+    match written {
+        Err(Error::Io(error)) if error.kind() == io::ErrorKind::WouldBlock => Ok(false),
+        written => written.map(|()| true),
+    }
+}
+
+fn next_message(socket: &mut Socket) -> Result<Option<Message>, Error> {
+    match socket.read() {
+        Err(Error::Io(error)) if error.kind() == io::ErrorKind::WouldBlock => Ok(None),
+        read => read.map(Some),
+    }
+}
+
+/// Waits until there is something to read, to write, or room.
+fn wait(socket: &Socket, connection: &Connection, is_full: bool) -> io::Result<()> {
+    let more = if is_full { PollFlags::OUT } else { PollFlags::empty() };
+    let mut wanted = [
+        PollFd::new(socket.get_ref().socket(), PollFlags::IN | more),
+        PollFd::new(&connection.wake, PollFlags::IN),
+    ];
+    match poll(&mut wanted, None::<&Timespec>) {
+        Ok(_) | Err(Errno::INTR) => {}
+        Err(error) => return Err(error.into()),
+    }
+    // It is read until it is empty; nothing is left to be woken for.
+    rustix::io::read(&connection.wake, &mut [0; 8]).unwrap_or_default();
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Connection, WAITING_MAX};
+    use crate::clock::SessionClock;
+    use std::net::{TcpListener, TcpStream};
+
+    #[test]
+    fn of_what_cannot_be_written_the_newest_waits() {
+        let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+        let socket = TcpStream::connect(listener.local_addr().unwrap()).unwrap();
+        let connection = Connection::new(&socket, SessionClock::begin()).unwrap();
+        (0..200).for_each(|number| connection.send(&[number]));
+        let waiting = std::iter::from_fn(|| connection.next_waiting());
+        let waiting: Vec<u8> = waiting.flatten().collect();
+        assert!(waiting.len() <= WAITING_MAX, "{waiting:?}");
+        assert!(
+            (200 - WAITING_MAX..200)
+                .rev()
+                .zip(waiting.iter().rev())
+                .all(|(a, b)| a == usize::from(*b)),
+            "{waiting:?}"
+        );
+    }
+}

@@ -1,0 +1,145 @@
+//! Where robots open WebSockets to a station. Each datagram proves itself, so anyone may come in; those who have proved nothing make
+//! room for others.
+
+use super::Deliver;
+use super::connection::{ByteStream, Connection, carry, websocket_config};
+use crate::clock::SessionClock;
+use crate::inbox::{LOOK, Stopper};
+use parking_lot::Mutex;
+use rustix::event::{PollFd, PollFlags, Timespec, poll};
+use std::fmt;
+use std::io;
+use std::net::{TcpListener, TcpStream};
+use std::sync::Arc;
+use std::thread;
+use tungstenite::accept_with_config;
+
+/// So many connections stand at most.
+const GUESTS_MAX: usize = 64;
+/// The first byte of a client that speaks TLS.
+const TLS_HANDSHAKE: u8 = 22;
+
+/// Speaks TLS with those who ask for it.
+pub trait Secure: fmt::Debug + Send + Sync {
+    /// The stream inside of TLS. It may wait for the client.
+    fn secure(&self, stream: TcpStream) -> io::Result<Box<dyn ByteStream>>;
+}
+
+/// Lets robots in until it is stopped. What arrives is delivered.
+pub(crate) fn open_door(
+    listener: TcpListener,
+    tls: Option<Arc<dyn Secure>>,
+    deliver: Deliver,
+    stopper: &Stopper,
+) -> io::Result<()> {
+    listener.set_nonblocking(true)?;
+    let door = Door { tls, deliver, clock: SessionClock::begin(), guests: Mutex::default() };
+    let (door, stopper) = (Arc::new(door), stopper.clone());
+    let accept = move || {
+        while !stopper.is_stopped() {
+            if let Some(stream) = accept(&listener) {
+                // Who cannot be let in dials again.
+                drop(door.let_in(stream));
+            }
+        }
+        door.guests.lock().iter().for_each(|guest| guest.close());
+    };
+    thread::Builder::new().name("door".to_owned()).spawn(accept).map(drop)
+}
+
+/// The next who comes; nothing if none comes for a while.
+fn accept(listener: &TcpListener) -> Option<TcpStream> {
+    let look = Timespec::try_from(LOOK).ok();
+    let ready = poll(&mut [PollFd::new(listener, PollFlags::IN)], look.as_ref());
+    match listener.accept() {
+        Ok((stream, _from)) => stream.set_nonblocking(false).ok().map(|()| stream),
+        Err(error) => {
+            if ready.is_ok() && error.kind() != io::ErrorKind::WouldBlock {
+                // No handle is free, say: it is not better at once.
+                poll(&mut [], look.as_ref()).unwrap_or_default();
+            }
+            None
+        }
+    }
+}
+
+struct Door {
+    tls: Option<Arc<dyn Secure>>,
+    deliver: Deliver,
+    clock: SessionClock,
+    guests: Mutex<Vec<Arc<Connection>>>,
+}
+
+impl Door {
+    fn let_in(self: &Arc<Self>, stream: TcpStream) -> io::Result<()> {
+        let guest = Connection::new(&stream, self.clock)?;
+        self.make_room();
+        self.guests.lock().push(Arc::clone(&guest));
+        let (door, connection) = (Arc::clone(self), Arc::clone(&guest));
+        let meet = move || {
+            drop(door.meet(stream, &connection));
+            connection.close();
+        };
+        let met = thread::Builder::new().name("websocket".to_owned()).spawn(meet);
+        met.map(drop).inspect_err(|_| guest.close())
+    }
+
+    /// The first to go are those over whose connection no robot was ever heard, and of them the oldest.
+    fn make_room(&self) {
+        let mut guests = self.guests.lock();
+        guests.retain(|guest| !guest.is_closed());
+        while guests.len() >= GUESTS_MAX {
+            let worth = |at: &usize| (guests[*at].heard().is_some(), guests[*at].silent_since());
+            let Some(least) = (0..guests.len()).min_by_key(worth) else { return };
+            guests.swap_remove(least).close();
+        }
+    }
+
+    /// Speaks with one who came until they go.
+    fn meet(&self, stream: TcpStream, guest: &Arc<Connection>) -> io::Result<()> {
+        let mut first = [0];
+        stream.peek(&mut first)?;
+        let stream: Box<dyn ByteStream> = match &self.tls {
+            Some(tls) if first == [TLS_HANDSHAKE] => tls.secure(stream)?,
+            _ => Box::new(stream),
+        };
+        let socket = accept_with_config(stream, Some(websocket_config()));
+        let socket = socket.map_err(|error| io::Error::other(error.to_string()))?;
+        carry(socket, guest, &self.deliver);
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Door, GUESTS_MAX};
+    use crate::clock::SessionClock;
+    use parking_lot::Mutex;
+    use std::net::{TcpListener, TcpStream};
+    use std::sync::Arc;
+
+    #[test]
+    fn who_has_proved_nothing_makes_room() {
+        let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+        let address = listener.local_addr().unwrap();
+        let door = Arc::new(Door {
+            tls: None,
+            deliver: Arc::new(|_, _| {}),
+            clock: SessionClock::begin(),
+            guests: Mutex::default(),
+        });
+        let mut open = Vec::new();
+        let mut come = || {
+            open.push(TcpStream::connect(address).unwrap());
+            door.let_in(listener.accept().unwrap().0).unwrap();
+        };
+        (0..GUESTS_MAX).for_each(|_| come());
+        let guests = door.guests.lock().clone();
+        guests[0].note_heard();
+        come();
+        let closed = guests.iter().map(|guest| guest.is_closed());
+        let closed: Vec<usize> =
+            closed.enumerate().filter_map(|(at, is_closed)| is_closed.then_some(at)).collect();
+        assert_eq!((closed, door.guests.lock().len()), (vec![1], GUESTS_MAX));
+    }
+}
