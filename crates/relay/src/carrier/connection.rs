@@ -9,7 +9,7 @@ use rustix::io::Errno;
 use socket2::SockRef;
 use std::collections::VecDeque;
 use std::io::{self, Read, Write};
-use std::net::{Shutdown, TcpStream};
+use std::net::{IpAddr, Shutdown, TcpStream};
 use std::os::fd::OwnedFd;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -45,14 +45,39 @@ impl ByteStream for TcpStream {
 /// A WebSocket over such a stream.
 pub(super) type Socket = WebSocket<Box<dyn ByteStream>>;
 
+/// What waits to be written.
+#[derive(Debug, Default)]
+struct Waiting(VecDeque<(Duration, Vec<u8>)>);
+
+impl Waiting {
+    fn push(&mut self, now: Duration, datagram: &[u8]) {
+        if self.0.len() >= WAITING_MAX {
+            self.0.pop_front();
+        }
+        self.0.push_back((now, datagram.to_vec()));
+    }
+
+    /// The oldest that is not too old.
+    fn next(&mut self, now: Duration) -> Option<Vec<u8>> {
+        while let Some((since, datagram)) = self.0.pop_front() {
+            if now.saturating_sub(since) <= WAITS_MAX {
+                return Some(datagram);
+            }
+        }
+        None
+    }
+}
+
 /// A connection as those know it who send over it.
 #[derive(Debug)]
 pub(crate) struct Connection {
     /// Nothing once it is closed: then the other side is told so even if it goes on writing.
     socket: Mutex<Option<TcpStream>>,
+    /// Of the other side.
+    address: Option<IpAddr>,
     clock: SessionClock,
     opened: Duration,
-    waiting: Mutex<VecDeque<(Duration, Vec<u8>)>>,
+    waiting: Mutex<Waiting>,
     /// Wakes the thread.
     wake: OwnedFd,
     /// When something of the other side came over it.
@@ -72,6 +97,7 @@ impl Connection {
         SockRef::from(socket).set_tcp_notsent_lowat(UNSENT_MAX)?;
         Ok(Arc::new(Self {
             socket: Mutex::new(Some(socket.try_clone()?)),
+            address: socket.peer_addr().ok().map(|address| address.ip()),
             clock,
             opened: clock.now(),
             waiting: Mutex::default(),
@@ -83,24 +109,18 @@ impl Connection {
     }
 
     pub(super) fn send(&self, datagram: &[u8]) {
-        self.unanswered.lock().get_or_insert_with(|| self.clock.now());
-        let mut waiting = self.waiting.lock();
-        if waiting.len() >= WAITING_MAX {
-            waiting.pop_front();
-        }
-        waiting.push_back((self.clock.now(), datagram.to_vec()));
-        drop(waiting);
+        let now = self.clock.now();
+        self.unanswered.lock().get_or_insert(now);
+        self.waiting.lock().push(now, datagram);
         self.wake();
     }
 
     fn next_waiting(&self) -> Option<Vec<u8>> {
-        let (mut waiting, now) = (self.waiting.lock(), self.clock.now());
-        while let Some((since, datagram)) = waiting.pop_front() {
-            if now.saturating_sub(since) <= WAITS_MAX {
-                return Some(datagram);
-            }
-        }
-        None
+        self.waiting.lock().next(self.clock.now())
+    }
+
+    pub(super) fn address(&self) -> Option<IpAddr> {
+        self.address
     }
 
     pub(super) fn note_heard(&self) {
@@ -224,25 +244,58 @@ fn wait(socket: &Socket, connection: &Connection, is_full: bool) -> io::Result<(
 
 #[cfg(test)]
 mod tests {
-    use super::{Connection, WAITING_MAX};
+    use super::{ByteStream, Connection, UNSENT_MAX, WAITING_MAX, WAITS_MAX, Waiting, carry};
     use crate::clock::SessionClock;
+    use socket2::{Domain, Socket, Type};
+    use std::io::Read as _;
     use std::net::{TcpListener, TcpStream};
+    use std::sync::Arc;
+    use std::thread;
+    use std::time::Duration;
+    use tungstenite::WebSocket;
+    use tungstenite::protocol::Role;
+
+    fn numbers(waiting: &mut Waiting, now: Duration) -> Vec<u8> {
+        std::iter::from_fn(|| waiting.next(now)).flatten().collect()
+    }
 
     #[test]
-    fn of_what_cannot_be_written_the_newest_waits() {
-        let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+    fn of_what_cannot_be_written_the_newest_waits_and_not_for_long() {
+        let mut waiting = Waiting::default();
+        let (early, late) = (Duration::from_secs(1), Duration::from_secs(2));
+        (0..200).for_each(|number| waiting.push(early, &[number]));
+        assert_eq!(waiting.0.len(), WAITING_MAX);
+        waiting.push(late, &[200]);
+        let newest: Vec<u8> = (u8::try_from(201 - WAITING_MAX).unwrap()..=200).collect();
+        assert_eq!(numbers(&mut waiting, early + WAITS_MAX), newest);
+        waiting.push(early, &[1]);
+        waiting.push(late, &[2]);
+        assert_eq!(numbers(&mut waiting, late + WAITS_MAX), [2]);
+    }
+
+    #[test]
+    fn a_connection_that_hangs_holds_little() {
+        const ROOM: usize = 4_096;
+        let listener = Socket::new(Domain::IPV4, Type::STREAM, None).unwrap();
+        listener.set_recv_buffer_size(ROOM).unwrap();
+        listener.bind(&std::net::SocketAddr::from(([127, 0, 0, 1], 0)).into()).unwrap();
+        listener.listen(1).unwrap();
+        let listener = TcpListener::from(listener);
         let socket = TcpStream::connect(listener.local_addr().unwrap()).unwrap();
+        let (mut other_side, _) = listener.accept().unwrap();
         let connection = Connection::new(&socket, SessionClock::begin()).unwrap();
-        (0..200).for_each(|number| connection.send(&[number]));
-        let waiting = std::iter::from_fn(|| connection.next_waiting());
-        let waiting: Vec<u8> = waiting.flatten().collect();
-        assert!(waiting.len() <= WAITING_MAX, "{waiting:?}");
-        assert!(
-            (200 - WAITING_MAX..200)
-                .rev()
-                .zip(waiting.iter().rev())
-                .all(|(a, b)| a == usize::from(*b)),
-            "{waiting:?}"
-        );
+        let stream: Box<dyn ByteStream> = Box::new(socket);
+        let socket = WebSocket::from_raw_socket(stream, Role::Server, None);
+        let carried = Arc::clone(&connection);
+        let carry = move || carry(socket, &carried, &(Arc::new(|_, _| {}) as _));
+        let carrying = thread::Builder::new().spawn(carry).unwrap();
+        // The other side reads nothing of all this until the connection is given up.
+        (0..10_000).for_each(|_| connection.send(&[7; 1_000]));
+        connection.close();
+        carrying.join().unwrap();
+        let mut arrived = Vec::new();
+        other_side.read_to_end(&mut arrived).unwrap();
+        let bound = 4 * ROOM + 2 * usize::try_from(UNSENT_MAX).unwrap();
+        assert!((1_000..bound).contains(&arrived.len()), "{} B", arrived.len());
     }
 }

@@ -43,6 +43,7 @@ pub(crate) struct Dialler {
     dials: AtomicUsize,
     dial_every: Mutex<Duration>,
     deliver: Deliver,
+    stopper: Stopper,
     tell: fn(&str),
     told: Mutex<String>,
     /// Something has changed.
@@ -67,12 +68,13 @@ impl Dialler {
             dials: AtomicUsize::new(0),
             dial_every: Mutex::new(DIAL_EVERY.0),
             deliver,
+            stopper: stopper.clone(),
             tell,
             told: Mutex::default(),
             changed,
         });
-        let (keeping, stopper) = (Arc::clone(&dialler), stopper.clone());
-        let keep = move || keeping.keep(&changes, &stopper);
+        let keeping = Arc::clone(&dialler);
+        let keep = move || keeping.keep(&changes);
         thread::Builder::new().name("dialler".to_owned()).spawn(keep)?;
         Ok(dialler)
     }
@@ -84,9 +86,9 @@ impl Dialler {
         }
     }
 
-    fn keep(self: Arc<Self>, changes: &Receiver<()>, stopper: &Stopper) {
+    fn keep(self: Arc<Self>, changes: &Receiver<()>) {
         let mut dial_at = Duration::ZERO;
-        while !stopper.is_stopped() {
+        while !self.stopper.is_stopped() {
             let now = self.clock.now();
             let is_silent = self.choose(now);
             if is_silent && now >= dial_at && self.dials.load(Ordering::Acquire) < DIALS_MAX {
@@ -133,6 +135,9 @@ impl Dialler {
                 *self.dial_every.lock() = took.clamp(DIAL_EVERY.0, DIAL_EVERY.1);
                 self.told.lock().clear();
                 self.connections.lock().push(Arc::clone(&connection));
+                if self.stopper.is_stopped() {
+                    connection.close();
+                }
                 carry(socket, &connection, &self.deliver);
             }
             Err(why) => self.say(&why),

@@ -1,4 +1,4 @@
-//! Where robots open WebSockets to a station. Each datagram proves itself, so anyone may come in; those who have proved nothing make
+//! Where a robot opens a WebSocket to a station. Each datagram proves itself, so anyone may come in; those who have proved nothing make
 //! room for others.
 
 use super::Deliver;
@@ -7,15 +7,20 @@ use crate::clock::SessionClock;
 use crate::inbox::{LOOK, Stopper};
 use parking_lot::Mutex;
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
+use std::cmp::Reverse;
+use std::collections::BTreeMap;
 use std::fmt;
 use std::io;
-use std::net::{TcpListener, TcpStream};
+use std::net::{IpAddr, TcpListener, TcpStream};
 use std::sync::Arc;
 use std::thread;
+use std::time::Duration;
 use tungstenite::accept_with_config;
 
 /// So many connections stand at most.
 const GUESTS_MAX: usize = 64;
+/// A robot that was not heard for so long is no longer preferred to those who come: its connection may have died without a word.
+const LATELY: Duration = Duration::from_mins(5);
 /// The first byte of a client that speaks TLS.
 const TLS_HANDSHAKE: u8 = 22;
 
@@ -84,12 +89,25 @@ impl Door {
         met.map(drop).inspect_err(|_| guest.close())
     }
 
-    /// The first to go are those over whose connection no robot was ever heard, and of them the oldest.
+    /// The first to go are those over whose connection no robot was heard lately, and of them the oldest of the address that has most
+    /// of them: so whoever comes again and again drives out no one else.
     fn make_room(&self) {
         let mut guests = self.guests.lock();
         guests.retain(|guest| !guest.is_closed());
+        let now = self.clock.now();
         while guests.len() >= GUESTS_MAX {
-            let worth = |at: &usize| (guests[*at].heard().is_some(), guests[*at].silent_since());
+            let is_heard = |guest: &Connection| {
+                guest.heard().is_some_and(|at| now.saturating_sub(at) < LATELY)
+            };
+            let mut unheard: BTreeMap<Option<IpAddr>, usize> = BTreeMap::new();
+            for guest in guests.iter().filter(|guest| !is_heard(guest)) {
+                *unheard.entry(guest.address()).or_default() += 1;
+            }
+            let worth = |at: &usize| {
+                let guest = &guests[*at];
+                let of_its_address = unheard.get(&guest.address()).copied();
+                (is_heard(guest), Reverse(of_its_address), guest.silent_since())
+            };
             let Some(least) = (0..guests.len()).min_by_key(worth) else { return };
             guests.swap_remove(least).close();
         }
@@ -112,14 +130,15 @@ impl Door {
 
 #[cfg(test)]
 mod tests {
-    use super::{Door, GUESTS_MAX};
+    use super::{Connection, Door, GUESTS_MAX};
     use crate::clock::SessionClock;
     use parking_lot::Mutex;
-    use std::net::{TcpListener, TcpStream};
+    use socket2::{Domain, Socket, Type};
+    use std::net::{SocketAddr, TcpListener};
     use std::sync::Arc;
 
-    #[test]
-    fn who_has_proved_nothing_makes_room() {
+    /// A door, and what lets someone in who comes from this address.
+    fn door() -> (Arc<Door>, impl FnMut([u8; 4])) {
         let listener = TcpListener::bind("127.0.0.1:0").unwrap();
         let address = listener.local_addr().unwrap();
         let door = Arc::new(Door {
@@ -129,17 +148,40 @@ mod tests {
             guests: Mutex::default(),
         });
         let mut open = Vec::new();
-        let mut come = || {
-            open.push(TcpStream::connect(address).unwrap());
-            door.let_in(listener.accept().unwrap().0).unwrap();
+        let inside = Arc::clone(&door);
+        let come = move |from: [u8; 4]| {
+            let stream = Socket::new(Domain::IPV4, Type::STREAM, None).unwrap();
+            stream.bind(&SocketAddr::from((from, 0)).into()).unwrap();
+            stream.connect(&address.into()).unwrap();
+            open.push(stream);
+            inside.let_in(listener.accept().unwrap().0).unwrap();
         };
-        (0..GUESTS_MAX).for_each(|_| come());
+        (door, come)
+    }
+
+    /// The places of those among the guests that had to go.
+    fn closed(guests: &[Arc<Connection>]) -> Vec<usize> {
+        let closed = guests.iter().enumerate().filter(|(_, guest)| guest.is_closed());
+        closed.map(|(at, _)| at).collect()
+    }
+
+    #[test]
+    fn who_has_proved_nothing_makes_room() {
+        let (door, mut come) = door();
+        (0..GUESTS_MAX).for_each(|_| come([127, 0, 0, 1]));
         let guests = door.guests.lock().clone();
         guests[0].note_heard();
-        come();
-        let closed = guests.iter().map(|guest| guest.is_closed());
-        let closed: Vec<usize> =
-            closed.enumerate().filter_map(|(at, is_closed)| is_closed.then_some(at)).collect();
-        assert_eq!((closed, door.guests.lock().len()), (vec![1], GUESTS_MAX));
+        come([127, 0, 0, 1]);
+        assert_eq!((closed(&guests), door.guests.lock().len()), (vec![1], GUESTS_MAX));
+    }
+
+    #[test]
+    fn who_comes_a_thousand_times_drives_out_no_robot_that_has_just_come() {
+        let (door, mut come) = door();
+        come([127, 0, 0, 2]);
+        let robot = Arc::clone(&door.guests.lock()[0]);
+        (0..1_000).for_each(|_| come([127, 0, 0, 1]));
+        assert!(!robot.is_closed());
+        assert_eq!(door.guests.lock().len(), GUESTS_MAX);
     }
 }
