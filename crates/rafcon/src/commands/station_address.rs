@@ -2,7 +2,7 @@
 //! ask for TLS.
 
 use super::remote::notebook;
-use crate::client::{Address, Fingerprint, Stream};
+use crate::client::{Address, Fault, Fingerprint, Stream};
 use crate::environment::Environment;
 use anyhow::{Context as _, Result, bail};
 use rafcon_relay::{ByteStream, Dial, Secure, StationAddress};
@@ -92,8 +92,23 @@ impl Dial for StationDial {
 
     fn dial(&self) -> Result<Box<dyn ByteStream>, String> {
         let stream = Stream::connect(&self.address, self.trusted, PATIENCE);
-        let stream = stream.map_err(|fault| format!("{:#}", anyhow::Error::from(fault)))?;
-        Ok(Box::new(stream))
+        Ok(Box::new(stream.map_err(explain)?))
+    }
+}
+
+/// Why a station is not reached, and what to do about it.
+fn explain(fault: Fault) -> String {
+    match fault {
+        Fault::Unreachable { source, .. } | Fault::Lost { source, .. } => {
+            format!("is `rafcon station` running there, and its port open for TCP? ({source})")
+        }
+        Fault::Changed { known, seen, .. } => format!(
+            "its certificate is another one, so nothing was sent: another computer may be listening in\n  \
+             expected: {known}\n  received: {seen}\n\
+             If that is what `rafcon station` prints there, name it once with --station-fingerprint {}",
+            seen.hex()
+        ),
+        fault => format!("{:#}", anyhow::Error::from(fault)),
     }
 }
 

@@ -2,12 +2,13 @@
 
 use crate::harness::{Place, Run, ticks};
 use crate::station::{
-    history, in_background, machines, pair, robot_with, station, station_with_certificate,
+    Program, history, in_background, machines, pair, robot_with, station, station_with_certificate,
     wait_at_station,
 };
 use expect_test::expect;
-use std::io::{Read as _, Write as _};
+use std::io::{BufRead as _, BufReader, Read as _, Write as _};
 use std::net::{Shutdown, SocketAddr, TcpListener, TcpStream};
+use std::process::Stdio;
 use std::sync::mpsc::{Receiver, channel};
 use std::sync::{Arc, Condvar, Mutex};
 use tungstenite::Message;
@@ -129,12 +130,26 @@ fn a_station_is_known_by_its_certificate() {
     );
     // Another certificate than it has: nothing is sent to whoever that is.
     let other = "0".repeat(64);
-    let wrong = robot_with(&place, &format!("--station wss://{address} --station-fingerprint {other}"));
+    let wrong = format!("{serve} wss://{address} --station-fingerprint {other}");
+    let mut wrong = place.command(&wrong);
+    wrong.stdout(Stdio::piped()).stderr(Stdio::piped());
+    let mut wrong = wrong.spawn().unwrap();
+    let said = BufReader::new(wrong.stderr.take().unwrap()).lines().map(Result::unwrap);
+    let wrong = Program::new(wrong);
+    let mut said = said.skip_while(|line| !line.contains("is not reached"));
+    let first = said.next().unwrap().replace(&address.to_string(), "GROUND");
+    expect!["the station at wss://GROUND/ is not reached: its certificate is another one, so nothing was sent: another computer may be listening in"]
+        .assert_eq(&first);
+    let advice = format!("name it once with --station-fingerprint {certificate}");
+    assert!(said.nth(2).unwrap().ends_with(&advice));
     let run = Run::start(&place, "--runs robot-runs");
     assert_eq!(run.end().0, Some(0));
     drop(wrong);
     assert_eq!(place.call("runs --runs ground-runs").stdout, "no runs in PLACE/ground-runs\n");
-    drop(robot_with(&place, &format!("--station wss://{address} --station-fingerprint {certificate}")));
+    drop(robot_with(
+        &place,
+        &format!("--station wss://{address} --station-fingerprint {certificate}"),
+    ));
     // It is remembered.
     let _robot = robot_with(&place, &format!("--station wss://{address}"));
     wait_at_station(&place, "Ticks  ended with success");
