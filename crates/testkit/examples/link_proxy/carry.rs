@@ -5,7 +5,7 @@ use crate::options::Options;
 use crate::page;
 use crate::path::BadPath;
 use crate::recording::{Recorded, Recording, read};
-use crate::tcp::Connections;
+use crate::tcp::{Connections, HEADERS};
 use crate::tun::Network;
 use std::io::{self, BufRead as _};
 use std::path::Path;
@@ -65,6 +65,9 @@ impl<'e, E: Ends> Proxy<'e, E> {
         let (mut down, mut up) = (options.down.clone(), options.up.clone());
         if options.tun.is_some() {
             (down.overhead, up.overhead) = (0, 0);
+        }
+        if options.tcp {
+            (down.overhead, up.overhead) = (HEADERS, HEADERS);
         }
         (down.in_order, up.in_order) = (options.tcp, options.tcp);
         let mut path = BadPath::new(down, up);

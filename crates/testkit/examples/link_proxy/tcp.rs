@@ -1,6 +1,6 @@
 //! Connections of TCP over the same path: robots connect to `--listen`, and their bytes go on to `--to`. Bytes come late and at the
-//! rate, never lost or out of order, as TCP repairs that; a cut stalls them, and nobody is told. How a kernel behaves on a lossy
-//! path only `--tun` shows.
+//! rate, never lost or out of order: what would be lost stalls all behind it for a round trip, as TCP repairs it at best; a cut stalls
+//! them, and nobody is told. How a kernel behaves on a lossy path only `--tun` shows.
 
 use crate::ends::{Arrival, Arrives, Ends};
 use std::collections::BTreeMap;
@@ -16,6 +16,8 @@ const CHUNK: usize = 1_400;
 const WINDOW: usize = 46;
 /// Before the bytes of a chunk: the number of its connection.
 const HEAD: usize = 4;
+/// The headers of IP and TCP, without what stands before a chunk here.
+pub(crate) const HEADERS: usize = 40 - HEAD;
 
 /// A direction of a connection: where its chunks go when they arrive, and whose credit they return.
 struct Way {

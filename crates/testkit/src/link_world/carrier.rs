@@ -28,7 +28,8 @@ pub struct Conditions {
     pub flipped: usize,
     /// So many bytes are added to the length of what is sent: headers that are not part of it.
     pub overhead: usize,
-    /// Whether all of it arrives once and in its order, as what TCP has repaired: late at worst, also after a cut.
+    /// Whether all of it arrives once and in its order, as what TCP has repaired: late at worst, also after a cut. What is lost comes
+    /// a round trip later, and all behind it waits.
     pub in_order: bool,
 }
 
@@ -149,7 +150,8 @@ impl Carrier {
         }
         self.free_at = free_at + Duration::from_nanos(length * 8_000_000_000 / bits_per_s);
         if self.conditions.in_order {
-            self.last_at = self.last_at.max(self.free_at + delay);
+            let repaired = if self.random.percent(lost) { 2 * delay } else { Duration::ZERO };
+            self.last_at = self.last_at.max(self.free_at + delay + repaired);
             return self.carry(self.last_at, datagram);
         }
         let lateness = |random: &mut Random| {
