@@ -2,11 +2,12 @@
 
 use anyhow::Result;
 
-use crate::{process, test, tidy, web};
+use crate::{process, test, tidy, web, zenoh};
 
 /// Everything but the tests: format, lints, layers, house rules, documentation.
 pub(crate) fn lint() -> Result<()> {
     process::run(process::cargo().args(["fmt", "--all", "--check"]))?;
+    zenoh::lint()?;
     let clippy = ["clippy", "--workspace", "--all-targets", "--quiet", "--", "-D", "warnings"];
     process::run(process::cargo().args(clippy))?;
     process::run(process::cargo().args([

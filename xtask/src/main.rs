@@ -26,6 +26,7 @@ mod tidy;
 mod types;
 mod web;
 mod workspace;
+mod zenoh;
 
 use std::process::ExitCode;
 
@@ -67,6 +68,8 @@ enum Task {
     Spacebotcamp(link::SpacebotcampOptions),
     /// Be a bad network between a robot and a station.
     LinkProxy(link::LinkProxyOptions),
+    /// Build and test `rafcon-zenoh`, which lies in a workspace of its own.
+    Zenoh,
     /// Do for long what the tests do briefly: random runs of the engine, saves that are killed, a server's clients.
     Soak(long_tests::SoakOptions),
     /// Damage files of runs, and check that what is read of them is true or said to be damaged.
@@ -106,6 +109,7 @@ fn run(task: Task) -> anyhow::Result<()> {
         Task::Simulate(options) => long_tests::simulate(&options),
         Task::Spacebotcamp(options) => link::spacebotcamp(&options),
         Task::LinkProxy(options) => link::link_proxy(&options),
+        Task::Zenoh => zenoh::test(),
         Task::Soak(options) => long_tests::soak(&options),
         Task::Corrupt(options) => long_tests::corrupt(&options),
         Task::Torture(options) => long_tests::torture(&options),
