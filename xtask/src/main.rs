@@ -68,6 +68,8 @@ enum Task {
     Spacebotcamp(link::SpacebotcampOptions),
     /// Be a bad network between a robot and a station.
     LinkProxy(link::LinkProxyOptions),
+    /// Carry the same events over the same bad link by the link, Zenoh, QUIC and plain datagrams, and compare.
+    LinkCompare(zenoh::LinkCompareOptions),
     /// Build and test `rafcon-zenoh`, which lies in a workspace of its own.
     Zenoh,
     /// Do for long what the tests do briefly: random runs of the engine, saves that are killed, a server's clients.
@@ -109,6 +111,7 @@ fn run(task: Task) -> anyhow::Result<()> {
         Task::Simulate(options) => long_tests::simulate(&options),
         Task::Spacebotcamp(options) => link::spacebotcamp(&options),
         Task::LinkProxy(options) => link::link_proxy(&options),
+        Task::LinkCompare(options) => zenoh::compare(&options),
         Task::Zenoh => zenoh::test(),
         Task::Soak(options) => long_tests::soak(&options),
         Task::Corrupt(options) => long_tests::corrupt(&options),

@@ -1,11 +1,12 @@
-//! What lies in `zenoh/`, a workspace of its own: the program `rafcon-zenoh`.
+//! What lies in `zenoh/`, a workspace of its own: the program `rafcon-zenoh`, and the comparison of the link with others.
 
+use std::fs;
 use std::process::Command;
 
-use anyhow::{Result, ensure};
+use anyhow::{Context as _, Result, ensure};
 
 use crate::product::{Product, Profile};
-use crate::{process, python, workspace};
+use crate::{link, process, python, workspace};
 
 /// A peer of someone else.
 const STRANGER: python::Contents = python::Contents { bare: &[], full: &["eclipse-zenoh==1.10.2"] };
@@ -27,6 +28,29 @@ pub(crate) fn test() -> Result<()> {
     let mut test = cargo();
     test.args(["test", "--quiet"]).env("RAFCON_BINARY", &product.binary);
     process::run(test.env("RAFCON_ZENOH_PYTHON", python))
+}
+
+/// What `cargo xtask link-compare` can be asked for.
+#[derive(clap::Args)]
+pub(crate) struct LinkCompareOptions {
+    /// Print each figure as a line of JSON.
+    #[arg(long)]
+    json: bool,
+}
+
+/// Carries the same events in several ways over the same bad link, and prints the table of `docs/link.md`.
+pub(crate) fn compare(options: &LinkCompareOptions) -> Result<()> {
+    let proxy = link::proxy()?;
+    let build = ["build", "--release", "--quiet", "-p", "rafcon-testkit", "--example"];
+    process::run(process::cargo().args(build).arg("link_events"))?;
+    let program = workspace::target()?.join("release/examples/link_events");
+    let events = process::text(process::command(program).arg("200"))?;
+    let file = workspace::target()?.join("link-events.txt");
+    fs::write(&file, events).with_context(|| format!("cannot write {}", file.display()))?;
+    let mut compare = cargo();
+    compare.args(["run", "--quiet", "--example", "link_compare", "--"]);
+    compare.arg(file).arg(proxy);
+    process::run(compare.args(options.json.then_some("--json")))
 }
 
 /// Cargo in that workspace.

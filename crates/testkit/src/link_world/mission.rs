@@ -237,6 +237,51 @@ fn place(path: &str, names: &str, is_script: bool) -> Place {
     }
 }
 
+/// One event of a mission, for those who carry it otherwise.
+#[derive(Debug, Clone)]
+pub struct SampleEvent {
+    /// When it happens, in ns since the mission began.
+    pub t_ns: u64,
+    /// Its items, as they lie in a journal, with what they need that was not said before.
+    pub items: Vec<u8>,
+    /// The ids of its place.
+    pub path: String,
+    /// The names of its place.
+    pub names: String,
+}
+
+/// The events of a mission of this length, and its state in the middle, as a link would send it.
+pub fn sample_events(seed: u64, length: Duration) -> (Vec<SampleEvent>, Vec<u8>) {
+    let mission = Mission::new(Random::new(seed), length, (length, length));
+    let (mut places, mut events) = (Vec::new(), Vec::new());
+    for sequence in 1..=mission.events.len() as u64 {
+        let (t_before, items) = mission.items(sequence, sequence);
+        let mut sample = SampleEvent {
+            t_ns: 0,
+            items: items.to_vec(),
+            path: String::new(),
+            names: String::new(),
+        };
+        for item in rafcon_storage::journal::record::Items::new(items, t_before).flatten() {
+            match item {
+                Item::Definition(Definition::Place(number, place)) => places.push((number, place)),
+                Item::Record(t_ns, Record::Entered { place, .. } | Record::Left { place, .. }) => {
+                    sample.t_ns = t_ns;
+                    if let Some((_, place)) = places.iter().find(|(number, _)| *number == place) {
+                        sample.path.clone_from(&place.path);
+                        sample.names.clone_from(&place.names);
+                    }
+                }
+                _ => {}
+            }
+        }
+        events.push(sample);
+    }
+    let mut state = MissionState::new();
+    state.follow(&mission, events.len() as u64 / 2);
+    (events, state.take_bytes())
+}
+
 /// The state of a mission, as a robot follows it to send it.
 #[derive(Debug)]
 pub(super) struct MissionState {

@@ -12,5 +12,6 @@ mod world;
 
 pub use carrier::{Carrier, Conditions, Cut};
 pub use measures::{Figure, Measures};
+pub use mission::{SampleEvent, sample_events};
 pub use plan::Scenario;
 pub use world::run;

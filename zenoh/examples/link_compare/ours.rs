@@ -1,0 +1,140 @@
+//! The sessions of RAFCON's link, each on a thread with a socket, as its servers have them.
+
+use crate::figures::{Figures, Recorder};
+use crate::proxy::Carries;
+use crate::{LAST, Trial};
+use anyhow::Result;
+use rafcon_link::{
+    EventBuffer, Events, FromRobot, Generation, Identity, KeyId, PairingKey, Profile, RobotSession,
+    RunSource, StationSession, StreamId,
+};
+use std::net::{SocketAddr, UdpSocket};
+use std::ops::RangeInclusive;
+use std::sync::Arc;
+use std::thread;
+use std::time::{Duration, Instant};
+
+const STREAM: StreamId = StreamId(1);
+
+fn identity(key: &PairingKey) -> Identity<'_> {
+    Identity { key_id: KeyId(1), key, robot: "scout", start: Generation(1), heard: None }
+}
+
+/// Carries the events with the profile of the link.
+pub(crate) async fn carry(trial: &Trial) -> Result<Figures> {
+    let [robot, station] = [UdpSocket::bind("127.0.0.1:0")?, UdpSocket::bind("127.0.0.1:0")?];
+    let proxy = trial.link(Carries::Datagrams, station.local_addr()?)?;
+    let recorder = Arc::new(Recorder::new(trial.begin, &trial.events));
+    let (notes, sends, to) = (Arc::clone(&recorder), trial.clone(), proxy.address);
+    thread::Builder::new().spawn(move || station_side(&station, &notes))?;
+    thread::Builder::new().spawn(move || robot_side(&robot, to, sends))?;
+    trial.judge(proxy, &recorder).await
+}
+
+/// Waits for a datagram; at least a moment, because 0 would be for ever.
+fn receive(socket: &UdpSocket, wait: Duration) -> Option<(Vec<u8>, SocketAddr)> {
+    let mut buffer = [0; 2_048];
+    socket.set_read_timeout(Some(wait.max(Duration::from_millis(1)))).ok()?;
+    let (length, from) = socket.recv_from(&mut buffer).ok()?;
+    Some((buffer[..length].to_vec(), from))
+}
+
+struct Journal {
+    trial: Trial,
+    head: usize,
+}
+
+impl RunSource for Journal {
+    fn events(
+        &mut self,
+        _stream: StreamId,
+        first: u64,
+        last: u64,
+        bytes_max: usize,
+    ) -> Option<EventBuffer> {
+        let events = &self.trial.events;
+        let from = usize::try_from(first).ok()?.checked_sub(1)?;
+        let last = usize::try_from(last).ok()?.min(self.head);
+        let (mut items, mut count) = (Vec::new(), 0);
+        for event in events.list.get(from..last)? {
+            if count > 0 && items.len() + event.items.len() > bytes_max {
+                break;
+            }
+            items.extend_from_slice(&event.items);
+            count += 1;
+        }
+        (count > 0).then(|| EventBuffer { first, count, t_before: events.before(from), items })
+    }
+
+    fn snapshot(&mut self, _stream: StreamId) -> Option<(u64, Vec<u8>)> {
+        Some((self.head as u64, self.trial.events.state.clone()))
+    }
+}
+
+fn robot_side(socket: &UdpSocket, to: SocketAddr, trial: Trial) {
+    let clock = Instant::now();
+    let lead = trial.begin.saturating_duration_since(clock);
+    let mut session =
+        RobotSession::new(&identity(&PairingKey::from_bytes([7; 32])), Profile::DELAY_2S);
+    session.begin(STREAM, 0);
+    let mut journal = Journal { trial, head: 0 };
+    let events = Arc::clone(&journal.trial.events);
+    loop {
+        let now = clock.elapsed();
+        while let Some(event) = events.list.get(journal.head).filter(|it| it.time + lead <= now) {
+            let t_before = events.before(journal.head);
+            journal.head += 1;
+            let first = journal.head as u64;
+            session.append(&Events {
+                stream: STREAM,
+                first,
+                count: 1,
+                t_before,
+                items: &event.items,
+            });
+        }
+        session.set_state(STREAM, b"running", now > lead + LAST);
+        while let Ok(Some(datagram)) = session.transmit(now, &mut journal) {
+            drop(socket.send_to(&datagram, to));
+        }
+        let next = events.list.get(journal.head).map(|event| event.time + lead);
+        let next = next.unwrap_or(Duration::MAX).min(session.next_transmit(now));
+        if let Some((mut datagram, _)) = receive(socket, next.saturating_sub(clock.elapsed())) {
+            // What comes twice is not used.
+            session.receive(clock.elapsed(), &mut datagram, |_| {}).unwrap_or_default();
+        }
+    }
+}
+
+fn station_side(socket: &UdpSocket, recorder: &Recorder) {
+    let (clock, mut robot) = (Instant::now(), None);
+    let mut session =
+        StationSession::new(&identity(&PairingKey::from_bytes([7; 32])), Profile::DELAY_2S);
+    loop {
+        let now = clock.elapsed();
+        while let Ok(Some(datagram)) = session.transmit(now) {
+            if let Some(robot) = robot {
+                drop(socket.send_to(&datagram, robot));
+            }
+        }
+        let wait = session.next_transmit(now).saturating_sub(clock.elapsed());
+        if let Some((mut datagram, from)) = receive(socket, wait) {
+            robot = Some(from);
+            let now = clock.elapsed();
+            let used = session.receive(now, &mut datagram, |shown| {
+                if let FromRobot::Events(events) = shown {
+                    note(recorder, events.first..=events.last());
+                }
+            });
+            used.unwrap_or_default();
+            let safe = session.progress(STREAM).map_or(0, |(_, events)| events.contiguous());
+            session.set_safe(STREAM, safe);
+        }
+    }
+}
+
+/// Events have numbers from 1 on; here they have places in a list.
+fn note(recorder: &Recorder, sequences: RangeInclusive<u64>) {
+    let places = sequences.filter_map(|sequence| usize::try_from(sequence.checked_sub(1)?).ok());
+    places.for_each(|place| recorder.note(place));
+}
