@@ -19,18 +19,24 @@ mod robot;
 mod seal;
 mod station;
 mod traffic;
+#[cfg(test)]
+mod wish_tests;
 
 pub use bytes::BrokenFrame;
 pub use deflate::{deflate, inflate};
 pub use endpoint::{Identity, Unusable};
-pub use frame::{CommandId, CommandState, EventHash, Events, StreamId};
+pub use frame::{
+    CommandId, CommandState, EventHash, Events, NoValue, StreamId, ValueId, ValueName,
+};
 pub use heard::ClockBounds;
 pub use profile::{CARRIER_OVERHEAD, Profile};
 pub use range_set::RangeSet;
-pub use robot::{EventBuffer, ReceivedCommand, RobotSession, RunSource};
+pub use robot::{
+    EventBuffer, NewestValue, ReceivedCommand, RobotSession, RunSource, VALUE_BYTES_MAX, Wish,
+};
 pub use seal::{
     Direction, For, Generation, Horizon, KeyId, OVERHEAD, Opened, Opener, PairingKey, Rejected,
     SealError, Sealer,
 };
-pub use station::{FromRobot, NewCommand, NotSent, StationSession};
+pub use station::{FetchProgress, FromRobot, NewCommand, NotSent, NotWatched, StationSession};
 pub use traffic::Traffic;

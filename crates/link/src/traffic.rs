@@ -40,6 +40,7 @@ impl Frame<'_> {
             Self::NewKey { .. } => "keys",
             Self::Command(_) => "commands",
             Self::Received(_) => "reports",
+            Self::Wish(wish) => wish.kind(),
         }
     }
 }

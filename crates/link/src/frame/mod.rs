@@ -1,5 +1,10 @@
 //! What is in a datagram once it is opened: the time of its sender, then frames. The format is that of `docs/link.md`.
 
+mod wishes;
+
+pub(crate) use wishes::{Fetch, ValuePart, WatchPart, Watched, WishFrame};
+pub use wishes::{NoValue, ValueId, ValueName};
+
 use crate::bytes::{BrokenFrame, FrameReader, number_length, write_bytes, write_number};
 use crate::coding::{ContextId, ContextName};
 use crate::range_set::RangeSet;
@@ -197,6 +202,8 @@ pub(crate) enum Frame<'b> {
     },
     /// What the station has of a run.
     Received(Received),
+    /// What a station wishes for besides, or what a robot answers.
+    Wish(WishFrame<'b>),
 }
 
 const EVENTS: u8 = 1;
@@ -284,6 +291,7 @@ impl<'b> Frame<'b> {
                 numbers(HEARD, &[u64::from(start.0), *number, *newest_ms, *held_ms, *late_ms]);
             }
             Self::Received(received) => write_received(received, out),
+            Self::Wish(wish) => wish.write(out),
         }
     }
 
@@ -340,7 +348,7 @@ impl<'b> Frame<'b> {
                 late_ms: reader.number()?,
             },
             RECEIVED => Self::Received(read_received(reader)?),
-            _ => return Err(BrokenFrame("an unknown kind")),
+            kind => Self::Wish(WishFrame::read(kind, reader)?),
         })
     }
 }
@@ -392,21 +400,11 @@ fn read_part<'b>(reader: &mut FrameReader<'b>) -> Result<(u32, u32, &'b [u8]), B
 /// The newest ranges, each as the distance from the end of the one before, and its length.
 fn write_received(received: &Received, out: &mut Vec<u8>) {
     out.push(RECEIVED);
-    let contiguous = received.events.contiguous();
-    let ahead = received.events.ranges().filter(|range| *range.start() > 1);
-    let mut ahead: Vec<_> = ahead.rev().take(RANGES_MAX).collect();
-    ahead.reverse();
     let (stream, is_over) = (u64::from(received.stream.0), u64::from(received.is_over));
-    let head = [stream, is_over, received.safe, contiguous, ahead.len() as u64];
-    for number in head {
+    for number in [stream, is_over, received.safe] {
         write_number(number, out);
     }
-    let mut end = contiguous;
-    for range in ahead {
-        write_number(range.start() - end, out);
-        write_number(range.end() - range.start(), out);
-        end = *range.end();
-    }
+    write_ranges(&received.events, out);
     write_number(u64::from(received.context.is_some()), out);
     if let Some(ContextName { first, last, hash }) = received.context {
         write_number(first, out);
@@ -415,9 +413,38 @@ fn write_received(received: &Received, out: &mut Vec<u8>) {
     }
 }
 
+fn write_ranges(set: &RangeSet, out: &mut Vec<u8>) {
+    let contiguous = set.contiguous();
+    let ahead = set.ranges().filter(|range| *range.start() > 1);
+    let mut ahead: Vec<_> = ahead.rev().take(RANGES_MAX).collect();
+    ahead.reverse();
+    for number in [contiguous, ahead.len() as u64] {
+        write_number(number, out);
+    }
+    let mut end = contiguous;
+    for range in ahead {
+        write_number(range.start() - end, out);
+        write_number(range.end() - range.start(), out);
+        end = *range.end();
+    }
+}
+
 fn read_received(reader: &mut FrameReader<'_>) -> Result<Received, BrokenFrame> {
     let (stream, is_over) = (StreamId(reader.small()?), read_flag(reader)?);
-    let safe = reader.number()?;
+    let (safe, events) = (reader.number()?, read_ranges(reader)?);
+    let context = if read_flag(reader)? { Some(read_context(reader)?) } else { None };
+    Ok(Received { stream, is_over, safe, events, context })
+}
+
+fn read_context(reader: &mut FrameReader<'_>) -> Result<ContextName, BrokenFrame> {
+    let (first, last) = (reader.number()?, reader.number()?);
+    if first == 0 || first > last {
+        return Err(BrokenFrame("impossible numbers of events"));
+    }
+    Ok(ContextName { first, last, hash: reader.fixed()? })
+}
+
+fn read_ranges(reader: &mut FrameReader<'_>) -> Result<RangeSet, BrokenFrame> {
     let (contiguous, count) = (reader.number()?, reader.number()?);
     if count > RANGES_MAX as u64 {
         return Err(BrokenFrame("too many ranges"));
@@ -429,16 +456,7 @@ fn read_received(reader: &mut FrameReader<'_>) -> Result<Received, BrokenFrame> 
         end = first.checked_add(reader.number()?).ok_or_else(far)?;
         events.insert(first..=end);
     }
-    let context = if read_flag(reader)? { Some(read_context(reader)?) } else { None };
-    Ok(Received { stream, is_over, safe, events, context })
-}
-
-fn read_context(reader: &mut FrameReader<'_>) -> Result<ContextName, BrokenFrame> {
-    let (first, last) = (reader.number()?, reader.number()?);
-    if first == 0 || first > last {
-        return Err(BrokenFrame("impossible numbers of events"));
-    }
-    Ok(ContextName { first, last, hash: reader.fixed()? })
+    Ok(events)
 }
 
 /// A frame with its length in bytes.

@@ -4,6 +4,7 @@ use super::write_received;
 use super::{
     Command, CommandId, CommandState, EventHash, Events, Frame, RANGES_MAX, Received, StreamId,
 };
+use super::{Fetch, NoValue, ValueId, ValueName, ValuePart, WatchPart, Watched, WishFrame};
 use crate::bytes::{BrokenFrame, write_number};
 use crate::coding::{ContextId, ContextName};
 use crate::range_set::RangeSet;
@@ -57,8 +58,13 @@ fn frame(bytes: &[u8]) -> impl Strategy<Value = Frame<'_>> {
             }
         ),
     ];
+    let beside = prop_oneof![
+        any::<u64>().prop_map(|began_ms| Frame::Calendar { began_ms }),
+        wish(bytes).prop_map(Frame::Wish),
+    ];
     prop_oneof![
         events,
+        beside,
         (stream.clone(), any::<u64>(), any::<bool>(), any::<[u64; 2]>()).prop_map(
             move |(stream, head, is_over, [last, hash])| {
                 let chain = (last % 2 == 1).then_some(EventHash { last, hash });
@@ -71,7 +77,6 @@ fn frame(bytes: &[u8]) -> impl Strategy<Value = Frame<'_>> {
         part.prop_map(move |(stream, first, t_before, offset)| {
             Frame::Large { stream, first, t_before, length: offset + length, offset, bytes }
         }),
-        any::<u64>().prop_map(|began_ms| Frame::Calendar { began_ms }),
         any::<(u8, [u8; 32])>().prop_map(|(id, key)| Frame::NewKey {
             id: KeyId(id),
             key: PairingKey::from_bytes(key)
@@ -105,6 +110,30 @@ fn frame(bytes: &[u8]) -> impl Strategy<Value = Frame<'_>> {
                 Frame::Received(Received { stream, is_over, safe, events, context })
             }
         ),
+    ]
+}
+
+fn wish(bytes: &[u8]) -> impl Strategy<Value = WishFrame<'_>> {
+    let length = u32::try_from(bytes.len()).expect("few");
+    let (stream, id) = (any::<u32>().prop_map(StreamId), any::<[u8; 16]>().prop_map(ValueId));
+    let value = (stream.clone(), any::<u64>(), id.clone())
+        .prop_map(|(stream, number, id)| ValueName { stream, number, id });
+    let why = prop::sample::select(vec![NoValue::Gone, NoValue::OverBudget]);
+    prop_oneof![
+        (id.clone(), 0..u64::MAX / 2).prop_map(move |(id, offset)| {
+            WishFrame::ValuePart(ValuePart { id, offset, bytes })
+        }),
+        (id, why).prop_map(|(id, why)| WishFrame::NoValue(id, why)),
+        (stream.clone(), any::<u64>()).prop_map(move |(stream, number)| {
+            WishFrame::Watched(Watched { stream, number, values: bytes })
+        }),
+        (value, any::<u64>(), ranges()).prop_map(|(value, budget, here)| {
+            WishFrame::Fetch(Fetch { value, budget, here: newest(&here) })
+        }),
+        (stream, any::<u64>(), 0..1_000_u32).prop_map(move |(stream, number, offset)| {
+            let length = offset + length;
+            WishFrame::Watch(WatchPart { stream, number, length, offset, bytes })
+        }),
     ]
 }
 
@@ -207,6 +236,9 @@ fn a_broken_frame_says_what_is_wrong_with_it() {
         &[12, 7, 7, 7, 1, 0, 3, 0, 9, 0],
         &[12, 7, 7],
         &[4, 1, 0, 0, 0, 0, 0],
+        &[&[13], [0; 16].as_slice(), far, &[1, 1, 7]].concat(),
+        &[&[14], [0; 16].as_slice(), &[2]].concat(),
+        &[20, 1, 1, 3, 2, 2, 0, 0],
     ];
     let said: Vec<_> = cases.iter().map(|case| broken(case)).collect();
     expect![[r"
@@ -225,7 +257,10 @@ fn a_broken_frame_says_what_is_wrong_with_it() {
         a frame of the link is broken: impossible numbers of events
         a frame of the link is broken: impossible numbers of events
         a frame of the link is broken: it ends too early
-        a frame of the link is broken: impossible numbers of events"]]
+        a frame of the link is broken: impossible numbers of events
+        a frame of the link is broken: a number is too large
+        a frame of the link is broken: an unknown reason why a value does not come
+        a frame of the link is broken: a part reaches beyond its whole"]]
     .assert_eq(&said.join("\n"));
 }
 

@@ -1,7 +1,7 @@
 //! The robot's side of the link: sends what happens, then what the station lacks; receives commands.
 //!
-//! It sends in this order: what became of commands, new events and the status, a snapshot, then events that the station lacks, oldest
-//! first. Without reports from the station it sends the unreported events round and round, so that a station without an up-link has
+//! It sends in this order: what became of commands, new events and the status, values that are watched, a snapshot, then events that
+//! the station lacks, oldest first, and large values that it asked for. Without reports from the station it sends the unreported events round and round, so that a station without an up-link has
 //! everything in the end. Events wait, but are never given up: what left the memory is read again from the journal.
 
 mod coded;
@@ -9,20 +9,30 @@ mod later;
 mod outgoing;
 mod source;
 mod tail;
+mod values;
+mod watched;
 
 pub use source::{EventBuffer, RunSource};
+pub(crate) use watched::WISH_BYTES_MAX;
+pub use watched::{NewestValue, VALUE_BYTES_MAX, Wish};
 
 use crate::bytes::write_number;
 use crate::endpoint::{Arrived, Endpoint, Identity, Unusable};
-use crate::frame::{self, CommandId, CommandState, EventHash, Frame, Received, StreamId};
+use crate::frame::{
+    self, CommandId, CommandState, EventHash, Fetch, Frame, Received, StreamId, WishFrame,
+};
 use crate::profile::Profile;
 use crate::seal::{Direction, For, Horizon, KeyId, OVERHEAD, PairingKey, SealError};
 use crate::traffic::Traffic;
 use later::Later;
 use outgoing::{Outgoing, Turn};
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::time::Duration;
+use values::Values;
+use watched::{Behind, WatchedValues};
 
+/// So many wishes wait for whoever runs the session.
+const WISHES_MAX: usize = 64;
 /// What became of a command is sent this often, unless the command comes again.
 const STATE_SENDS: u8 = 3;
 /// So many bytes besides events are in a datagram at most, if it has events that are urgent.
@@ -66,7 +76,10 @@ pub struct RobotSession {
     /// Commands whose time has not come.
     later: Later,
     /// The ids in `states`, oldest first.
-    ids: std::collections::VecDeque<CommandId>,
+    ids: VecDeque<CommandId>,
+    watched: WatchedValues,
+    wishes: VecDeque<Wish>,
+    values: Values,
 }
 
 #[derive(Debug)]
@@ -90,7 +103,10 @@ impl RobotSession {
             states: BTreeMap::new(),
             offered: None,
             later: Later::default(),
-            ids: std::collections::VecDeque::new(),
+            ids: VecDeque::new(),
+            watched: WatchedValues::new(&profile),
+            wishes: VecDeque::new(),
+            values: Values::default(),
             profile,
         }
     }
@@ -194,6 +210,34 @@ impl RobotSession {
         self.end.key_id()
     }
 
+    /// The next wish of a station that arrived.
+    pub fn take_wish(&mut self) -> Option<Wish> {
+        self.wishes.pop_front()
+    }
+
+    /// This wish counts, from now on or still: values of it may be set.
+    pub fn set_wish(&mut self, stream: StreamId, number: u64) {
+        if self.streams.contains_key(&stream) {
+            self.watched.count(stream, number);
+        }
+    }
+
+    /// The newest of a value that is watched; `key` tells the values of a run apart.
+    pub fn set_watched(&mut self, stream: StreamId, key: u32, value: NewestValue) {
+        self.watched.set(stream, key, value);
+    }
+
+    /// Whether values of a run are worth more than their events: else they need not be found out.
+    pub fn needs_watched(&self, now: Duration, stream: StreamId) -> bool {
+        let behind = self.behind(stream, self.is_heard(now));
+        !behind.is_heard || behind.from.is_some()
+    }
+
+    fn behind(&self, stream: StreamId, is_heard: bool) -> Behind {
+        let from = self.streams.get(&stream).and_then(Outgoing::lacks_from);
+        Behind { is_heard, from }
+    }
+
     /// What was heard of the station last, for the disk.
     pub fn horizon(&self) -> Option<Horizon> {
         self.end.horizon()
@@ -225,7 +269,7 @@ impl RobotSession {
         if is_new_start {
             self.streams.values_mut().for_each(Outgoing::station_started);
         }
-        let (mut echo, mut reports) = (None, Vec::new());
+        let (mut echo, mut reports, mut fetches) = (None, Vec::new(), Vec::new());
         for frame in frames {
             match frame? {
                 Frame::Heard { start, number, newest_ms, late_ms, .. }
@@ -235,6 +279,7 @@ impl RobotSession {
                     echo = Some((newest_ms, late_ms));
                 }
                 Frame::Received(received) => reports.push(received),
+                Frame::Wish(wish) => self.take(wish, &mut fetches),
                 Frame::Command(command) => {
                     if let Some(state) = self.states.get_mut(&command.id) {
                         (state.sends, state.due) = (0, now);
@@ -258,6 +303,9 @@ impl RobotSession {
             }
         }
         self.report(now, echo, reports);
+        for fetch in fetches {
+            self.values.wanted(fetch, echo, &self.profile);
+        }
         Ok(())
     }
 
@@ -269,6 +317,17 @@ impl RobotSession {
             } else {
                 carry_out(command);
             }
+        }
+    }
+
+    fn take(&mut self, wish: WishFrame<'_>, fetches: &mut Vec<Fetch>) {
+        match wish {
+            WishFrame::Fetch(fetch) => fetches.push(fetch),
+            WishFrame::Watch(part) if self.streams.contains_key(&part.stream) => {
+                self.wishes.extend(self.watched.wished(&part));
+                self.wishes.truncate(WISHES_MAX);
+            }
+            _ => {}
         }
     }
 
@@ -330,12 +389,22 @@ impl RobotSession {
             for stream in self.streams.values_mut() {
                 stream.write_snapshot(turn, source, &mut payload);
             }
+            for (id, stream) in &self.streams {
+                let behind = Behind { is_heard, from: stream.lacks_from() };
+                self.watched.write(*id, behind, turn, &mut payload);
+            }
             for is_last in [false, true] {
                 let last = &self.last;
                 let those = self.streams.iter_mut().filter(|(id, _)| last.contains(id) == is_last);
                 for (_, stream) in those {
                     stream.write_bulk(turn, source, &mut payload);
                 }
+            }
+            if is_heard {
+                self.values.write(turn, source, &mut payload);
+            } else {
+                // Whoever cannot say what arrived would pay for it twice.
+                self.values.forget();
             }
         }
         if payload.len() == empty && !was_silent {
@@ -353,10 +422,10 @@ impl RobotSession {
         let free_at = self.end.pacer.free_at();
         let urgent = self.urgent_at(is_heard).max(free_at.saturating_sub(self.slack()));
         let bulk = self.streams.values().map(|stream| stream.bulk_at(is_heard, &self.profile));
-        bulk.min()
-            .map_or(urgent, |bulk| bulk.max(free_at).min(urgent))
-            .min(self.later.due_at())
-            .max(now)
+        let watched = self.watched.due_at(|stream| self.behind(stream, is_heard));
+        let values = if is_heard { self.values.due_at() } else { Duration::MAX };
+        let bulk = bulk.min().unwrap_or(Duration::MAX).min(watched).min(values);
+        bulk.max(free_at).min(urgent).min(self.later.due_at()).max(now)
     }
 
     /// When it says that it is there, if there is nothing else to say: so a station that starts again knows where it is.

@@ -311,6 +311,11 @@ impl Outgoing {
         self.received.first_gap(&self.sent_set, 1, last)
     }
 
+    /// The first event that neither is with the station nor on its way.
+    pub(super) fn lacks_from(&self) -> Option<u64> {
+        self.gap().map(|gap| *gap.start())
+    }
+
     /// When the next part of a snapshot is due.
     fn snapshot_due_at(&self, is_heard: bool, profile: &Profile) -> Duration {
         let is_between = self.snapshot.as_ref().is_none_or(|snapshot| snapshot.sent == 0);

@@ -1,6 +1,6 @@
 //! Where the robot's side reads what it no longer has in memory.
 
-use crate::frame::StreamId;
+use crate::frame::{StreamId, ValueName};
 
 /// Events that are read from a journal.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -36,4 +36,19 @@ pub trait RunSource {
 
     /// The present state of a run and the number of its last event, readable without the events before.
     fn snapshot(&mut self, stream: StreamId) -> Option<(u64, Vec<u8>)>;
+
+    /// The length of a large value; nothing if the run does not have it, or does not any more.
+    fn value_length(&mut self, _value: &ValueName) -> Option<u64> {
+        None
+    }
+
+    /// Bytes of a large value from `offset` on, `bytes_max` at most; nothing if they cannot be read.
+    fn value_bytes(
+        &mut self,
+        _value: &ValueName,
+        _offset: u64,
+        _bytes_max: usize,
+    ) -> Option<Vec<u8>> {
+        None
+    }
 }

@@ -1,15 +1,20 @@
 //! The station's side of the link: receives what happens, reports what it has, sends commands.
 
 mod commands;
+mod wishes;
 
 pub use commands::{NewCommand, NotSent};
+pub use wishes::{FetchProgress, NotWatched};
 
 use crate::assembly::{Assembly, LENGTH_MAX};
 use crate::bytes::write_number;
 use crate::coding::{Contexts, LastCoder};
 use crate::deflate::inflate;
 use crate::endpoint::{Arrived, Endpoint, Identity, Unusable};
-use crate::frame::{CommandId, CommandState, EventHash, Events, Frame, Received, StreamId};
+use crate::frame::{
+    CommandId, CommandState, EventHash, Events, Frame, NoValue, Received, StreamId, ValueId,
+    WishFrame,
+};
 use crate::heard::{ClockBounds, RobotClock};
 use crate::profile::Profile;
 use crate::range_set::RangeSet;
@@ -20,6 +25,7 @@ use commands::{Commands, RobotTimes};
 use std::collections::BTreeMap;
 use std::ops::RangeInclusive;
 use std::time::Duration;
+use wishes::Wishes;
 
 /// A report of a run that is over and complete is sent this often after the last news of it.
 const LAST_REPORTS: u8 = 8;
@@ -77,6 +83,31 @@ pub enum FromRobot<'b> {
         /// Why it was refused.
         reason: &'b [u8],
     },
+    /// The newest values of those that are watched.
+    Watched {
+        /// The run.
+        stream: StreamId,
+        /// The number of the wish that they answer.
+        number: u64,
+        /// Each with its name, in the words of the servers.
+        values: Vec<Vec<u8>>,
+    },
+    /// Bytes of a large value that were not here.
+    ValuePart {
+        /// The value.
+        id: ValueId,
+        /// Where they begin.
+        offset: u64,
+        /// The bytes.
+        bytes: &'b [u8],
+    },
+    /// A large value, or the rest of it, does not come.
+    NoValue {
+        /// The value.
+        id: ValueId,
+        /// Why.
+        why: NoValue,
+    },
 }
 
 /// The station's side.
@@ -95,6 +126,7 @@ pub struct StationSession {
     reported_at: Option<Duration>,
     has_news: bool,
     commands: Commands,
+    wishes: Wishes,
 }
 
 #[derive(Debug, Default)]
@@ -125,6 +157,7 @@ impl StationSession {
             reported_at: None,
             has_news: false,
             commands: Commands::default(),
+            wishes: Wishes::default(),
             profile,
         }
     }
@@ -237,6 +270,7 @@ impl StationSession {
             self.end.open(now, datagram)?;
         if is_new_start {
             (self.round_trip, self.reached_ms, self.calendar_ms) = (None, None, None);
+            self.wishes.repeat();
             show(FromRobot::Started);
         }
         if silence.is_none_or(|silence| silence > self.profile.silence()) {
@@ -325,6 +359,10 @@ impl StationSession {
                 show(FromRobot::NewKey { id, key: key.clone() });
             }
             Frame::Calendar { began_ms } => self.calendar_ms = Some(began_ms),
+            Frame::Wish(ref wish) => {
+                self.has_news |= matches!(wish, WishFrame::ValuePart(_));
+                self.wishes.answered(wish, show);
+            }
             _ => {}
         }
     }
@@ -388,8 +426,13 @@ impl StationSession {
         let empty = payload.len();
         self.commands.forget(self.clock.bounds(now_ms(now)));
         self.commands.write(now, self.answer_time(), (room, &mut payload));
-        if self.report_at().max(self.end.pacer.free_at()) <= now {
+        let is_free = self.end.pacer.free_at() <= now;
+        if is_free && self.report_at() <= now {
             self.write_report(now, room, &mut payload);
+            self.wishes.write_fetches(room, &mut payload);
+        }
+        if is_free {
+            self.wishes.write_watches(now, self.answer_time(), (room, &mut payload));
         }
         if payload.len() == empty {
             return Ok(None);
@@ -402,7 +445,8 @@ impl StationSession {
 
     /// When something may be due next; earlier if anything is received.
     pub fn next_transmit(&self, now: Duration) -> Duration {
-        self.report_at().max(self.end.pacer.free_at()).min(self.commands.due_at()).max(now)
+        let report = self.report_at().min(self.wishes.due_at());
+        report.max(self.end.pacer.free_at()).min(self.commands.due_at()).max(now)
     }
 
     fn report_at(&self) -> Duration {

@@ -117,7 +117,12 @@ impl Station {
                 FromRobot::CommandState { id, state, .. } => {
                     fates.insert(id, state);
                 }
-                FromRobot::Started | FromRobot::Status { .. } | FromRobot::NewKey { .. } => {}
+                FromRobot::Started
+                | FromRobot::Status { .. }
+                | FromRobot::NewKey { .. }
+                | FromRobot::Watched { .. }
+                | FromRobot::ValuePart { .. }
+                | FromRobot::NoValue { .. } => {}
             });
         let Some((_, received)) = session.progress(STREAM) else { return };
         let after_snapshot = received.end_at(*snapshot + 1).unwrap_or(*snapshot);

@@ -1,0 +1,168 @@
+//! Large values that the station has asked for, on their way to it: whatever nothing else needs of the rate, and never more bytes
+//! than it allowed.
+
+use super::outgoing::Turn;
+use super::source::RunSource;
+use crate::frame::{Fetch, Frame, NoValue, ValueName, ValuePart, WishFrame};
+use crate::profile::Profile;
+use crate::range_set::RangeSet;
+use crate::seal::OVERHEAD;
+use std::collections::VecDeque;
+use std::ops::RangeInclusive;
+use std::time::Duration;
+
+/// So many values are sent at a time; a further one replaces the one that was asked for longest ago.
+const VALUES_MAX: usize = 8;
+/// So many parts are on their way at most: the memory that a value takes here.
+const ON_THE_WAY_MAX: usize = 2_048;
+/// The smallest part that is worth a frame, in bytes.
+const PART_MIN: usize = 64;
+
+/// The large values on their way.
+#[derive(Debug, Default)]
+pub(super) struct Values {
+    /// The one that was asked for longest ago first.
+    sending: VecDeque<Sending>,
+}
+
+#[derive(Debug)]
+struct Sending {
+    value: ValueName,
+    length: Option<u64>,
+    /// Which bytes the station has; the first one is 1.
+    here: RangeSet,
+    /// What was sent and is not reported.
+    sent: VecDeque<(Duration, RangeInclusive<u64>)>,
+    sent_set: RangeSet,
+    /// So many bytes may be on their way, or be lost there.
+    budget: u64,
+    lost: u64,
+    /// The station asked, and is to be told that nothing comes.
+    refusal: Option<NoValue>,
+}
+
+impl Profile {
+    /// So many bytes of a large value go into one datagram that has nothing else.
+    pub fn value_part_bytes(&self) -> u64 {
+        const TIME_MAX: usize = 5;
+        (self.down_bytes_max - OVERHEAD - TIME_MAX - ValuePart::HEAD_MAX) as u64
+    }
+}
+
+impl Values {
+    /// The station wants a value, or says what it has of it. `echo` is the newest time that it heard, and how late overtaken datagrams
+    /// were.
+    pub(super) fn wanted(&mut self, fetch: Fetch, echo: Option<(u64, u64)>, profile: &Profile) {
+        let Fetch { value, budget, here } = fetch;
+        let place = self.sending.iter().position(|sending| sending.value == value);
+        let before = place.and_then(|place| self.sending.remove(place));
+        let mut sending = before.unwrap_or_else(|| Sending::of(value));
+        (sending.budget, sending.refusal) = (budget, None);
+        sending.report(here, echo, profile);
+        self.sending.push_back(sending);
+        if self.sending.len() > VALUES_MAX {
+            self.sending.pop_front();
+        }
+    }
+
+    /// The station has not asked for so long that it may not want them any more.
+    pub(super) fn forget(&mut self) {
+        self.sending.clear();
+    }
+
+    /// When a part can be sent.
+    pub(super) fn due_at(&self) -> Duration {
+        let is_any = self.sending.iter().any(Sending::has_next);
+        if is_any { Duration::ZERO } else { Duration::MAX }
+    }
+
+    /// Fills the rest of the datagram with parts.
+    pub(super) fn write(
+        &mut self,
+        turn: Turn<'_>,
+        source: &mut impl RunSource,
+        payload: &mut Vec<u8>,
+    ) {
+        for sending in &mut self.sending {
+            while sending.has_next() {
+                let left = turn.room.saturating_sub(payload.len());
+                let Some(room) = left.checked_sub(ValuePart::HEAD_MAX + PART_MIN) else { return };
+                sending.write_next(turn.now, source, (room + PART_MIN, payload));
+            }
+        }
+    }
+}
+
+impl Sending {
+    fn of(value: ValueName) -> Self {
+        Self {
+            value,
+            length: None,
+            here: RangeSet::default(),
+            sent: VecDeque::new(),
+            sent_set: RangeSet::default(),
+            budget: 0,
+            lost: 0,
+            refusal: None,
+        }
+    }
+
+    /// What was sent before the newest that the station heard, and is not with it, is lost.
+    fn report(&mut self, here: RangeSet, echo: Option<(u64, u64)>, profile: &Profile) {
+        self.here = here;
+        let Some((newest_ms, late_ms)) = echo else { return };
+        let late = Duration::from_millis(late_ms) + profile.repeat_after;
+        let lost_before = Duration::from_millis(newest_ms).saturating_sub(late);
+        let (here, lost) = (&self.here, &mut self.lost);
+        // What the station has was counted by it.
+        self.sent.retain(|(at, range)| {
+            let is_here = here.contains(range);
+            let is_lost = !is_here && *at < lost_before;
+            *lost += if is_lost { range.end() - range.start() + 1 } else { 0 };
+            !is_here && !is_lost
+        });
+        self.sent_set = RangeSet::default();
+        for (_, range) in &self.sent {
+            self.sent_set.insert(range.clone());
+        }
+    }
+
+    /// Whether any bytes neither are with the station nor on their way; perhaps, before the length is known.
+    fn has_next(&self) -> bool {
+        let is_open = |length| self.here.first_gap(&self.sent_set, 1, length).is_some();
+        let has_room = self.sent.len() < ON_THE_WAY_MAX;
+        self.refusal.is_none() && has_room && self.length.is_none_or(is_open)
+    }
+
+    fn write_next(
+        &mut self,
+        now: Duration,
+        source: &mut impl RunSource,
+        (bytes_max, payload): (usize, &mut Vec<u8>),
+    ) {
+        let id = self.value.id;
+        let mut refuse = |why, payload: &mut Vec<u8>| {
+            self.refusal = Some(why);
+            Frame::Wish(WishFrame::NoValue(id, why)).write(payload);
+        };
+        let Some(length) = self.length.or_else(|| source.value_length(&self.value)) else {
+            return refuse(NoValue::Gone, payload);
+        };
+        self.length = Some(length);
+        let Some(gap) = self.here.first_gap(&self.sent_set, 1, length) else { return };
+        let wanted = (gap.end() - gap.start() + 1).min(bytes_max as u64);
+        if self.lost + self.sent_set.count() + wanted > self.budget {
+            return refuse(NoValue::OverBudget, payload);
+        }
+        let bytes_max = usize::try_from(wanted).unwrap_or(bytes_max);
+        let offset = gap.start() - 1;
+        let bytes = source.value_bytes(&self.value, offset, bytes_max);
+        let Some(bytes) = bytes.filter(|bytes| !bytes.is_empty()) else {
+            return refuse(NoValue::Gone, payload);
+        };
+        let range = *gap.start()..=offset + bytes.len() as u64;
+        Frame::Wish(WishFrame::ValuePart(ValuePart { id, offset, bytes: &bytes })).write(payload);
+        self.sent_set.insert(range.clone());
+        self.sent.push_back((now, range));
+    }
+}

@@ -1,0 +1,195 @@
+//! The newest values of data ports that the station watches. The events have them, too: values go ahead only while older events are
+//! still to come, or nothing is heard of the station. Of each value only the newest counts.
+
+use super::outgoing::Turn;
+use crate::assembly::Assembly;
+use crate::bytes::{number_length, write_bytes};
+use crate::frame::{Frame, StreamId, WatchPart, Watched, WishFrame};
+use crate::profile::Pacer;
+use crate::profile::Profile;
+use std::collections::BTreeMap;
+use std::time::Duration;
+
+/// No wish is longer, in bytes.
+pub(crate) const WISH_BYTES_MAX: u32 = 16 << 10;
+/// So many values of a run are kept at hand.
+const VALUES_MAX: usize = 1_024;
+/// Values take at most this part of the rate.
+const RATE_PART: u64 = 8;
+/// A value is sent so often while the station is heard.
+const SENDS: u8 = 2;
+/// And so often while it is not; then again and again, less often.
+const SENDS_UNHEARD: u8 = 3;
+/// Without reports, a value is sent again after so many status intervals.
+const AGAIN_STATUSES: u32 = 20;
+/// The longest value that fits into any datagram, in bytes.
+pub const VALUE_BYTES_MAX: usize = 320;
+
+/// A value that is watched, as its run has it now.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct NewestValue {
+    /// Lower ones go first.
+    pub priority: u8,
+    /// The event that it is of.
+    pub sequence: u64,
+    /// The value with its name; at most 320 bytes.
+    pub bytes: Vec<u8>,
+}
+
+/// A wish of a station that arrived.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Wish {
+    /// The run.
+    pub stream: StreamId,
+    /// A later wish has a higher number.
+    pub number: u64,
+    /// What is watched, in the words of the servers; nothing any more if it is empty.
+    pub body: Vec<u8>,
+}
+
+/// What is watched of all runs.
+#[derive(Debug)]
+pub(super) struct WatchedValues {
+    runs: BTreeMap<StreamId, WatchedRun>,
+    pacer: Pacer,
+}
+
+#[derive(Debug, Default)]
+struct WatchedRun {
+    /// The number of the wish that counts.
+    number: u64,
+    parts: Assembly,
+    /// The station is to be told which wish counts.
+    is_told_due: bool,
+    values: BTreeMap<u32, Sent>,
+}
+
+#[derive(Debug)]
+struct Sent {
+    value: NewestValue,
+    sends: u8,
+    due: Duration,
+}
+
+/// How a run stands with the station: whether it reports, and the first event that it may lack without being on its way.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Behind {
+    pub(super) is_heard: bool,
+    pub(super) from: Option<u64>,
+}
+
+impl Behind {
+    /// Whether a value of this event is worth more than its event alone.
+    fn needs(self, sequence: u64) -> bool {
+        !self.is_heard || self.from.is_some_and(|from| from < sequence)
+    }
+}
+
+impl WatchedValues {
+    pub(super) fn new(profile: &Profile) -> Self {
+        let pacer = Pacer::new(profile.down_bits_per_s / RATE_PART);
+        Self { runs: BTreeMap::new(), pacer }
+    }
+
+    /// Takes a part of a wish; answers the wish once it is complete and new.
+    pub(super) fn wished(&mut self, part: &WatchPart<'_>) -> Option<Wish> {
+        let WatchPart { stream, number, length, offset, bytes } = *part;
+        if length > WISH_BYTES_MAX {
+            return None;
+        }
+        let run = self.runs.entry(stream).or_default();
+        if number <= run.number {
+            run.is_told_due |= number == run.number;
+            return None;
+        }
+        let whole = match length {
+            0 => Some(Vec::new()),
+            _ => run.parts.add(number, length, offset, bytes),
+        };
+        let body = whole?;
+        self.count(stream, number);
+        Some(Wish { stream, number, body })
+    }
+
+    /// This wish counts from now on: what was watched before is forgotten.
+    pub(super) fn count(&mut self, stream: StreamId, number: u64) {
+        let run = self.runs.entry(stream).or_default();
+        *run = WatchedRun { number, is_told_due: true, ..WatchedRun::default() };
+    }
+
+    /// The newest of a value.
+    pub(super) fn set(&mut self, stream: StreamId, key: u32, value: NewestValue) {
+        let Some(run) = self.runs.get_mut(&stream) else { return };
+        let is_room = run.values.len() < VALUES_MAX || run.values.contains_key(&key);
+        let known = run.values.get(&key).map(|sent| &sent.value);
+        if is_room && value.bytes.len() <= VALUE_BYTES_MAX && known != Some(&value) {
+            run.values.insert(key, Sent { value, sends: 0, due: Duration::ZERO });
+        }
+    }
+
+    /// When something is due.
+    pub(super) fn due_at(&self, behind: impl Fn(StreamId) -> Behind) -> Duration {
+        let due = self.runs.iter().map(|(stream, run)| run.due_at(behind(*stream)));
+        due.min().unwrap_or(Duration::MAX).max(self.pacer.free_at())
+    }
+
+    /// Writes what is due of a run, as far as it fits.
+    pub(super) fn write(
+        &mut self,
+        stream: StreamId,
+        behind: Behind,
+        turn: Turn<'_>,
+        payload: &mut Vec<u8>,
+    ) {
+        let Some(run) = self.runs.get_mut(&stream) else { return };
+        if self.pacer.free_at() > turn.now || run.due_at(behind) > turn.now {
+            return;
+        }
+        let head = 1 + 5 + number_length(run.number) + 3;
+        let Some(room) = turn.room.checked_sub(payload.len() + head) else { return };
+        let values = run.take(room, behind, turn);
+        if values.is_empty() && !run.is_told_due {
+            return;
+        }
+        run.is_told_due = false;
+        let before = payload.len();
+        let number = run.number;
+        Frame::Wish(WishFrame::Watched(Watched { stream, number, values: &values })).write(payload);
+        self.pacer.spend(turn.now, payload.len() - before);
+    }
+}
+
+impl WatchedRun {
+    fn due_at(&self, behind: Behind) -> Duration {
+        let due = self.values.values().filter(|sent| sent.is_open(behind)).map(|sent| sent.due);
+        let told = if self.is_told_due { Duration::ZERO } else { Duration::MAX };
+        due.min().unwrap_or(Duration::MAX).min(told)
+    }
+
+    /// Values that are due and fit, the most wanted first.
+    fn take(&mut self, room: usize, behind: Behind, turn: Turn<'_>) -> Vec<u8> {
+        let Turn { now, profile, .. } = turn;
+        let is_due = |sent: &&mut Sent| sent.is_open(behind) && sent.due <= now;
+        let mut due: Vec<_> = self.values.values_mut().filter(is_due).collect();
+        due.sort_by_key(|sent| (sent.value.priority, sent.sends, sent.due, sent.value.sequence));
+        let mut values = Vec::new();
+        for sent in due {
+            let length = sent.value.bytes.len();
+            if values.len() + number_length(length as u64) + length > room {
+                break;
+            }
+            write_bytes(&sent.value.bytes, &mut values);
+            sent.sends = sent.sends.saturating_add(1);
+            let is_again = !behind.is_heard && sent.sends >= SENDS_UNHEARD;
+            let wait = profile.status_every * AGAIN_STATUSES;
+            sent.due = now + if is_again { wait } else { profile.repeat_after };
+        }
+        values
+    }
+}
+
+impl Sent {
+    fn is_open(&self, behind: Behind) -> bool {
+        behind.needs(self.value.sequence) && (!behind.is_heard || self.sends < SENDS)
+    }
+}

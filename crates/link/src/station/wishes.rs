@@ -1,0 +1,195 @@
+//! What a station wishes for besides the events: which values it watches, and large values. A wish is repeated until the robot says
+//! that it has it.
+
+use super::{FromRobot, StationSession};
+use crate::bytes::number_length;
+use crate::frame::{Fetch, Frame, StreamId, ValueId, ValueName, WatchPart, WishFrame};
+use crate::range_set::RangeSet;
+use crate::robot::WISH_BYTES_MAX;
+use std::collections::BTreeMap;
+use std::time::Duration;
+
+/// So many large values are asked for at a time.
+const FETCHES_MAX: usize = 8;
+
+/// Why a wish is not sent.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "what is watched has {0} bytes, and at most {1} fit: watch less, or whole states instead of their values"
+)]
+pub struct NotWatched(usize, u32);
+
+/// How far a large value is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct FetchProgress<'s> {
+    /// Which bytes of it are here; the first one is 1.
+    pub here: &'s RangeSet,
+    /// So many bytes may still come.
+    pub budget: u64,
+}
+
+#[derive(Debug, Default)]
+pub(super) struct Wishes {
+    watches: BTreeMap<StreamId, Watch>,
+    fetches: BTreeMap<ValueId, Fetching>,
+    /// The fetch that is named first in the next report.
+    turn: usize,
+}
+
+#[derive(Debug)]
+struct Watch {
+    number: u64,
+    body: Vec<u8>,
+    /// Of this round.
+    sent: usize,
+    due: Duration,
+    is_confirmed: bool,
+}
+
+#[derive(Debug)]
+struct Fetching {
+    value: ValueName,
+    length: u64,
+    here: RangeSet,
+    budget: u64,
+}
+
+impl Wishes {
+    /// The robot has started again: it may know of nothing.
+    pub(super) fn repeat(&mut self) {
+        for watch in self.watches.values_mut() {
+            (watch.sent, watch.due, watch.is_confirmed) = (0, Duration::ZERO, false);
+        }
+    }
+
+    /// The robot answers a wish.
+    pub(super) fn answered(&mut self, wish: &WishFrame<'_>, show: &mut impl FnMut(FromRobot<'_>)) {
+        match wish {
+            WishFrame::Watched(watched) => {
+                let Some(watch) = self.watches.get_mut(&watched.stream) else { return };
+                watch.is_confirmed |= watch.number == watched.number;
+                let (stream, number) = (watched.stream, watched.number);
+                if let Some(values) = watched.values() {
+                    show(FromRobot::Watched { stream, number, values });
+                }
+            }
+            WishFrame::ValuePart(part) => {
+                let (id, offset, bytes) = (part.id, part.offset, part.bytes);
+                let Some(fetching) = self.fetches.get_mut(&id) else { return };
+                let (length, end) = (bytes.len() as u64, offset + bytes.len() as u64);
+                let range = offset + 1..=end;
+                if end > fetching.length || fetching.here.contains(&range) {
+                    return;
+                }
+                fetching.here.insert(range);
+                fetching.budget = fetching.budget.saturating_sub(length);
+                show(FromRobot::ValuePart { id, offset, bytes });
+            }
+            WishFrame::NoValue(id, why) => {
+                if self.fetches.contains_key(id) {
+                    show(FromRobot::NoValue { id: *id, why: *why });
+                }
+            }
+            WishFrame::Fetch(_) | WishFrame::Watch(_) => {}
+        }
+    }
+
+    /// When a part of what is watched is to be sent.
+    pub(super) fn due_at(&self) -> Duration {
+        let open = self.watches.values().filter(|watch| !watch.is_confirmed);
+        open.map(|watch| watch.due).min().unwrap_or(Duration::MAX)
+    }
+
+    /// Says again which large values are wanted, and what of them is here.
+    pub(super) fn write_fetches(&mut self, room: usize, payload: &mut Vec<u8>) {
+        let (count, turn) = (self.fetches.len(), self.turn);
+        let fetches = self.fetches.values().cycle().skip(turn).take(count);
+        for Fetching { value, here, budget, .. } in fetches {
+            let length = payload.len();
+            let (value, budget, here) = (*value, *budget, here.clone());
+            Frame::Wish(WishFrame::Fetch(Fetch { value, budget, here })).write(payload);
+            if payload.len() > room {
+                payload.truncate(length);
+                return;
+            }
+            self.turn = (self.turn + 1) % count;
+        }
+    }
+
+    /// Sends what is watched, until the robot has it. `answer` is how long an answer takes.
+    pub(super) fn write_watches(
+        &mut self,
+        now: Duration,
+        answer: Duration,
+        (room, payload): (usize, &mut Vec<u8>),
+    ) {
+        for (stream, watch) in &mut self.watches {
+            if watch.is_confirmed || watch.due > now {
+                continue;
+            }
+            let head = 1 + 5 + number_length(watch.number) + 3 * 3;
+            let rest = watch.body.get(watch.sent..).unwrap_or_default();
+            let Some(left) = room.checked_sub(payload.len() + head) else { return };
+            if left < rest.len().min(64) {
+                return;
+            }
+            let bytes = &rest[..rest.len().min(left)];
+            let small = |length: usize| u32::try_from(length).unwrap_or(u32::MAX);
+            let (length, offset) = (small(watch.body.len()), small(watch.sent));
+            let (stream, number) = (*stream, watch.number);
+            let part = WatchPart { stream, number, length, offset, bytes };
+            Frame::Wish(WishFrame::Watch(part)).write(payload);
+            watch.sent += bytes.len();
+            if watch.sent >= watch.body.len() {
+                (watch.sent, watch.due) = (0, now + answer * 2);
+            }
+        }
+    }
+}
+
+impl StationSession {
+    /// What of a run is watched from now on, in the words of the servers; nothing if it is empty. A later wish has a higher number, over
+    /// all starts of the station.
+    pub fn watch(
+        &mut self,
+        stream: StreamId,
+        number: u64,
+        body: Vec<u8>,
+    ) -> Result<(), NotWatched> {
+        if body.len() > WISH_BYTES_MAX as usize {
+            return Err(NotWatched(body.len(), WISH_BYTES_MAX));
+        }
+        let (sent, due, is_confirmed) = (0, Duration::ZERO, false);
+        let watch = Watch { number, body, sent, due, is_confirmed };
+        self.wishes.watches.insert(stream, watch);
+        Ok(())
+    }
+
+    /// Whether the robot has what is watched of a run; nothing if that was never said.
+    pub fn is_watch_confirmed(&self, stream: StreamId) -> Option<bool> {
+        self.wishes.watches.get(&stream).map(|watch| watch.is_confirmed)
+    }
+
+    /// Asks for a large value of so many bytes, of which some are here, until it is complete or given up; for more than `budget` bytes
+    /// the robot does not send. Answers whether there is room for one more.
+    pub fn fetch(&mut self, value: ValueName, length: u64, here: RangeSet, budget: u64) -> bool {
+        let is_room = self.wishes.fetches.len() < FETCHES_MAX;
+        if is_room || self.wishes.fetches.contains_key(&value.id) {
+            self.wishes.fetches.insert(value.id, Fetching { value, length, here, budget });
+            self.has_news = true;
+        }
+        is_room
+    }
+
+    /// A large value is not wanted any more, or is complete.
+    pub fn end_fetch(&mut self, id: ValueId) {
+        self.wishes.fetches.remove(&id);
+        self.wishes.turn = 0;
+    }
+
+    /// How far a large value is; nothing if it is not asked for.
+    pub fn fetch_progress(&self, id: ValueId) -> Option<FetchProgress<'_>> {
+        let Fetching { here, budget, .. } = self.wishes.fetches.get(&id)?;
+        Some(FetchProgress { here, budget: *budget })
+    }
+}
