@@ -32,7 +32,10 @@ pub use record::{
     Batch, Broken, DAMAGED, Definition, Glossary, Item, Kept, Left, Place, PlaceNumber, Places,
     Record, Stored, ValueNumber, tell,
 };
-pub use replicate::{Chain, EventItems, EventSource, Replica, ReplicaError};
+pub use replicate::{
+    Chain, ContentHash, EventItems, EventSource, IncomingContent, Replica, ReplicaError,
+    ValueContent, is_content_here,
+};
 pub use write::{
     Committed, Journal, Options, Pruned, RECORDER_BYTES, ResumePoint, Retention, SIZE_MAX,
     has_begun, remove,

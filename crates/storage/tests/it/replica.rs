@@ -2,9 +2,10 @@
 
 use expect_test::expect;
 use proptest::prelude::*;
+use rafcon_storage::journal::record::Content;
 use rafcon_storage::journal::{
-    About, Chain, Entry, EventSource, Journal, Options, Reader, Replica, ReplicaError, Stored,
-    ValueNumber,
+    About, Chain, ContentHash, Definition, Entry, EventSource, IncomingContent, Journal, Kept,
+    Options, Reader, Record, Replica, ReplicaError, Stored, ValueNumber, is_content_here,
 };
 use rafcon_testkit::journal_notation;
 use std::path::Path;
@@ -150,4 +151,45 @@ fn events_that_are_not_as_many_as_they_should_be_are_refused() {
     expect!["5 events were sent, and 4 came: both sides need the same version of rafcon"]
         .assert_eq(&refused.to_string());
     assert_eq!(replica.next(), 1);
+}
+
+/// The content of the value with this number, in the journal of a run.
+fn content(folder: &Path, number: u64) -> Content {
+    Reader::open(folder).unwrap().value(ValueNumber(number)).unwrap().unwrap().content
+}
+
+#[test]
+fn bytes_that_were_not_sent_are_named_by_their_hash_and_count_once_they_are_here() {
+    let (robot, station) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
+    let journal = Journal::create(robot.path(), &About::default(), &SMALL).unwrap();
+    let mut batch = journal_notation::batch(&format!("{MACHINE}enter R\n"), 0).unwrap();
+    let pickles = [vec![7; 50], vec![8; 5_000]];
+    for (number, pickle) in (90..).zip(&pickles) {
+        let (view, type_name) = (serde_json::json!("part"), "ndarray".into());
+        let stored = Stored { view, type_name, content: Content::Pickle(pickle.clone()) };
+        batch.define(&Definition::Value(ValueNumber(number), stored));
+        let (name, value) = ("map".into(), Some(Kept::Value(ValueNumber(number))));
+        batch.record(number, &Record::Global { name, value });
+    }
+    journal.append(&batch).unwrap();
+    journal.close().unwrap();
+    let mut source = EventSource::open(robot.path()).unwrap().without_pickles_over(100);
+    let head = source.last().unwrap();
+    let items = source.read(1, head, usize::MAX).unwrap().unwrap();
+    assert!(items.bytes.len() < 1_000);
+    let about = About { robot: Some("scout".to_owned()), ..About::default() };
+    let mut replica = Replica::open(station.path(), &about, &SMALL).unwrap();
+    replica.append(&items).unwrap();
+    // A station that dies and goes on.
+    drop(replica);
+    Replica::open(station.path(), &about, &SMALL).unwrap().close().unwrap();
+    assert_eq!(content(station.path(), 90), Content::Pickle(pickles[0].clone()));
+    let hash = ContentHash::of(&pickles[1]);
+    let elsewhere = Content::File { hash: hash.name(), size: 5_000 };
+    assert_eq!(content(station.path(), 91), elsewhere);
+    assert!(!is_content_here(station.path(), &hash.name(), 5_000));
+    let (incoming, _) = IncomingContent::open(station.path(), hash, 5_000).unwrap();
+    incoming.write(0, &pickles[1]).unwrap();
+    assert!(incoming.finish().unwrap());
+    assert!(is_content_here(station.path(), &hash.name(), 5_000));
 }

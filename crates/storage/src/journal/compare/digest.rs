@@ -55,10 +55,34 @@ fn of_stored(stored: &Stored) -> u64 {
     stored.type_name.hash(&mut hasher);
     match &stored.content {
         Content::View => stored.view.to_string().hash(&mut hasher),
-        Content::Pickle(bytes) => bytes.hash(&mut hasher),
-        Content::File { hash, .. } => hash.hash(&mut hasher),
+        // A replica names bytes by their hash that the run itself has in its journal.
+        Content::Pickle(bytes) => blake3::hash(bytes).to_hex().as_str().hash(&mut hasher),
+        Content::File { hash, .. } => hash.as_str().hash(&mut hasher),
         // The view of such a value may contain its address in memory.
         Content::Nothing(_) => {}
     }
     hasher.finish()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::of_stored;
+    use crate::journal::record::{Content, Stored};
+
+    #[test]
+    fn a_value_is_the_same_wherever_its_bytes_lie() {
+        let digest = |content| {
+            let (view, type_name) = (serde_json::Value::Null, "bytes".into());
+            of_stored(&Stored { view, type_name, content })
+        };
+        let hash = blake3::hash(b"all").to_hex().to_string();
+        let [here, elsewhere, other] = [
+            Content::Pickle(b"all".to_vec()),
+            Content::File { hash, size: 3 },
+            Content::Pickle(b"other".to_vec()),
+        ]
+        .map(digest);
+        assert_eq!(here, elsewhere);
+        assert_ne!(here, other);
+    }
 }

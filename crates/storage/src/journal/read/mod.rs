@@ -324,6 +324,13 @@ impl Reader {
         self.lost(first, last, "they cannot be sent")
     }
 
+    /// The state of the run after its last event, from a moment of it before.
+    pub fn advance(&mut self, moment: Moment) -> Result<Moment, JournalError> {
+        self.learn()?;
+        let last = self.last_sequence()?;
+        self.forward(moment, last)
+    }
+
     /// Advances a moment to a later event.
     fn forward(&mut self, mut moment: Moment, sequence: u64) -> Result<Moment, JournalError> {
         let start = moment.sequence();

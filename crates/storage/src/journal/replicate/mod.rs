@@ -3,9 +3,13 @@
 
 mod ahead;
 mod chain;
+mod content;
+mod incoming;
 mod replica;
 mod source;
 
 pub use chain::Chain;
+pub use content::{ContentHash, ValueContent, is_content_here};
+pub use incoming::IncomingContent;
 pub use replica::{Replica, ReplicaError};
 pub use source::{EventItems, EventSource};

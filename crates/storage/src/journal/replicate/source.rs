@@ -36,6 +36,8 @@ pub struct EventSource {
     next: Before,
     /// What was read last.
     ahead: Option<Ahead>,
+    /// Longer pickles are named by their hash.
+    pickle_max: usize,
 }
 
 /// What is known before an event.
@@ -65,7 +67,15 @@ impl Before {
 impl EventSource {
     /// The journal of the run in `folder`.
     pub fn open(folder: &Path) -> Result<Self, JournalError> {
-        Ok(Self { reader: Reader::open(folder)?, marks: vec![START], next: START, ahead: None })
+        let (marks, next, ahead) = (vec![START], START, None);
+        Ok(Self { reader: Reader::open(folder)?, marks, next, ahead, pickle_max: usize::MAX })
+    }
+
+    /// From now on pickles with more bytes are not among the items: they are named by their hash, as those that lie in files.
+    #[must_use]
+    pub fn without_pickles_over(mut self, bytes: usize) -> Self {
+        self.pickle_max = bytes;
+        self
     }
 
     /// The number of the last event that is safe on the disk.
@@ -127,6 +137,7 @@ impl EventSource {
         let places = self.reader.definitions(first..=last)?;
         let mut places = places.into_iter().peekable();
         let (mut lost, mut failed) = (None, None);
+        let pickle_max = self.pickle_max;
         self.reader.each(first, |reader, entry| {
             if entry.sequence > last {
                 return ControlFlow::Break(());
@@ -141,8 +152,8 @@ impl EventSource {
             {
                 define_place(number, place, &mut items.bytes);
             }
-            if let Err(error) = define_values(reader, &entry.record, before.value, &mut items.bytes)
-            {
+            let from = (before.value, pickle_max);
+            if let Err(error) = define_values(reader, &entry.record, from, &mut items.bytes) {
                 items.bytes.truncate(length);
                 failed = Some(error);
                 return ControlFlow::Break(());
@@ -204,7 +215,7 @@ fn define_place(number: PlaceNumber, place: Place, items: &mut Vec<u8>) {
 fn define_values(
     reader: &Reader,
     record: &Record,
-    from: u64,
+    (from, pickle_max): (u64, usize),
     items: &mut Vec<u8>,
 ) -> Result<(), JournalError> {
     let mut new = BTreeSet::new();
@@ -221,7 +232,20 @@ fn define_values(
             type_name: "".into(),
             content: Content::Nothing("the robot has dropped it to keep its journal small".into()),
         });
+        let stored = elsewhere(stored, pickle_max);
         Item::Definition(Definition::Value(number, stored)).write(&mut 0, items);
     }
     Ok(())
+}
+
+/// The value without its pickle, if that is longer.
+fn elsewhere(stored: Stored, pickle_max: usize) -> Stored {
+    let content = match stored.content {
+        Content::Pickle(pickle) if pickle.len() > pickle_max => Content::File {
+            hash: blake3::hash(&pickle).to_hex().to_string(),
+            size: pickle.len() as u64,
+        },
+        other => other,
+    };
+    Stored { content, ..stored }
 }

@@ -3,7 +3,7 @@
 
 use super::thin::DetailPruner;
 use crate::journal::folder::{
-    Doing, JournalError, RECORDER_FILE, SPILL_FOLDER, VALUES_FOLDER, sync_folder,
+    About, Doing, JournalError, RECORDER_FILE, SPILL_FOLDER, VALUES_FOLDER, sync_folder,
 };
 use crate::journal::moment::{Keyframe, Moment, Tracker};
 use crate::journal::read::Reader;
@@ -183,9 +183,9 @@ impl Committer {
     }
 }
 
-/// Makes the files of `values` safe from a power cut. A value without its file has no content.
-fn settle_values(folder: &Path, values: &mut [(ValueNumber, Stored)]) -> Result<(), JournalError> {
-    let folder = folder.join(VALUES_FOLDER);
+/// Makes the files of `values` safe from a power cut. A value without its file has no content; in a replica its file may come later.
+fn settle_values(run: &Path, values: &mut [(ValueNumber, Stored)]) -> Result<(), JournalError> {
+    let folder = run.join(VALUES_FOLDER);
     let mut any = false;
     for (_, stored) in values {
         let Content::File { hash, .. } = &stored.content else { continue };
@@ -193,10 +193,16 @@ fn settle_values(folder: &Path, values: &mut [(ValueNumber, Stored)]) -> Result<
         match File::open(&path).and_then(|file| file.sync_all()) {
             Ok(()) => any = true,
             Err(error) if error.kind() == io::ErrorKind::NotFound => {
-                stored.content = Content::Nothing("its file is gone".to_owned());
+                if !is_replica(run) {
+                    stored.content = Content::Nothing("its file is gone".to_owned());
+                }
             }
             Err(source) => return Err(JournalError::io(&path, Doing::Sync, source)),
         }
     }
     if any { sync_folder(&folder) } else { Ok(()) }
+}
+
+fn is_replica(run: &Path) -> bool {
+    About::read(run).is_ok_and(|about| about.robot.is_some())
 }

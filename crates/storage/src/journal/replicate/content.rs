@@ -1,0 +1,153 @@
+//! The bytes of a value that a run keeps beside its events, named by their hash. Knows files and journals; does not know what the bytes
+//! mean.
+
+use crate::journal::folder::VALUES_FOLDER;
+use crate::journal::record::{Content, Stored};
+use std::fs::{self, File};
+use std::io;
+use std::os::unix::fs::FileExt as _;
+use std::path::{Path, PathBuf};
+
+/// The BLAKE3 hash of a value's bytes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct ContentHash([u8; 32]);
+
+impl ContentHash {
+    /// The hash with this name; nothing if it is none, and so not the name of a value's file either.
+    pub fn from_name(name: &str) -> Option<Self> {
+        let is_lower = name.bytes().all(|byte| !byte.is_ascii_uppercase());
+        let hash = blake3::Hash::from_hex(name).ok().filter(|_| is_lower)?;
+        Some(Self(*hash.as_bytes()))
+    }
+
+    /// The hash of these bytes.
+    pub fn of(bytes: &[u8]) -> Self {
+        Self(*blake3::hash(bytes).as_bytes())
+    }
+
+    /// Its bytes.
+    pub fn as_bytes(&self) -> &[u8; 32] {
+        &self.0
+    }
+
+    /// Its name: hex, in lower case.
+    pub fn name(&self) -> String {
+        blake3::Hash::from_bytes(self.0).to_hex().to_string()
+    }
+
+    /// The value's file in the folder of a run.
+    pub(super) fn file(&self, run: &Path) -> PathBuf {
+        run.join(VALUES_FOLDER).join(self.name())
+    }
+}
+
+/// Whether the file of a value of this size is in the folder of a run.
+pub fn is_content_here(run: &Path, hash: &str, size: u64) -> bool {
+    let hash = ContentHash::from_name(hash);
+    hash.is_some_and(|hash| fs::metadata(hash.file(run)).is_ok_and(|file| file.len() == size))
+}
+
+/// The bytes of a value, to be read in parts.
+#[derive(Debug)]
+pub struct ValueContent {
+    hash: ContentHash,
+    length: u64,
+    place: ContentPlace,
+}
+
+#[derive(Debug)]
+enum ContentPlace {
+    Memory(Vec<u8>),
+    File(File),
+}
+
+impl ValueContent {
+    /// The bytes of a value of the run in `run`; nothing if it has none of its own, or its file is gone.
+    pub fn open(run: &Path, stored: Stored) -> Option<Self> {
+        match stored.content {
+            Content::Pickle(bytes) => {
+                let (hash, length) = (ContentHash::of(&bytes), bytes.len() as u64);
+                Some(Self { hash, length, place: ContentPlace::Memory(bytes) })
+            }
+            Content::File { hash, size: length } => {
+                let hash = ContentHash::from_name(&hash)?;
+                let file = File::open(hash.file(run)).ok()?;
+                let is_whole = file.metadata().is_ok_and(|file| file.len() == length);
+                is_whole.then_some(Self { hash, length, place: ContentPlace::File(file) })
+            }
+            Content::View | Content::Nothing(_) => None,
+        }
+    }
+
+    /// Its hash.
+    pub fn hash(&self) -> ContentHash {
+        self.hash
+    }
+
+    /// How many bytes it has.
+    pub fn length(&self) -> u64 {
+        self.length
+    }
+
+    /// Bytes from `offset` on: `bytes_max`, or up to the end.
+    pub fn read(&self, offset: u64, bytes_max: usize) -> io::Result<Vec<u8>> {
+        let left = usize::try_from(self.length.saturating_sub(offset)).unwrap_or(usize::MAX);
+        let count = left.min(bytes_max);
+        match &self.place {
+            ContentPlace::Memory(bytes) => {
+                let start = usize::try_from(offset).unwrap_or(usize::MAX).min(bytes.len());
+                Ok(bytes[start..start + count].to_vec())
+            }
+            ContentPlace::File(file) => {
+                let mut bytes = vec![0; count];
+                file.read_exact_at(&mut bytes, offset)?;
+                Ok(bytes)
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{ContentHash, ValueContent};
+    use crate::journal::folder::VALUES_FOLDER;
+    use crate::journal::record::{Content, Stored};
+    use std::fs;
+
+    #[test]
+    fn only_a_hash_names_a_file() {
+        let hash = ContentHash::of(b"all");
+        assert_eq!(ContentHash::from_name(&hash.name()), Some(hash));
+        let upper = hash.name().to_uppercase();
+        for name in ["", "ab", "../run.json", "/etc/passwd", "..", &upper, &"g".repeat(64)] {
+            assert_eq!(ContentHash::from_name(name), None, "{name}");
+        }
+    }
+
+    #[test]
+    fn content_is_read_in_parts_wherever_it_lies() {
+        let run = tempfile::tempdir().expect("a folder");
+        let bytes: Vec<u8> = (0..=255).collect();
+        let hash = ContentHash::of(&bytes);
+        let folder = run.path().join(VALUES_FOLDER);
+        fs::create_dir(&folder).expect("a folder");
+        fs::write(folder.join(hash.name()), &bytes).expect("a file");
+        let inline = Content::Pickle(bytes.clone());
+        let file = |size| Content::File { hash: hash.name(), size };
+        let open = |content| {
+            let (view, type_name) = (serde_json::Value::Null, "bytes".into());
+            ValueContent::open(run.path(), Stored { view, type_name, content })
+        };
+        for content in [inline, file(256)] {
+            let content = open(content).expect("content");
+            assert_eq!((content.hash(), content.length()), (hash, 256));
+            let parts = [(0, 100), (100, 100), (200, 100), (256, 9), (999, 9)];
+            let read: Vec<_> =
+                parts.map(|(at, most)| content.read(at, most).expect("bytes")).concat();
+            assert_eq!(read, bytes);
+        }
+        assert!(open(file(255)).is_none(), "a file that is not whole is none");
+        let stranger = Content::File { hash: "../../secret".to_owned(), size: 6 };
+        assert!(open(stranger).is_none());
+    }
+}

@@ -1,0 +1,161 @@
+//! A large value on its way into the folder of a replica: its parts come in any order, over several starts, and it counts only once its
+//! hash is right.
+
+use super::content::ContentHash;
+use crate::journal::folder::{VALUES_FOLDER, make_folder, sync_folder};
+use std::fs::{self, File, OpenOptions};
+use std::io::{self, Read as _};
+use std::os::unix::fs::{FileExt as _, OpenOptionsExt as _};
+use std::path::{Path, PathBuf};
+
+/// So many bytes are hashed at a time.
+const READ_BYTES: usize = 64 << 10;
+
+/// A value that is not complete.
+#[derive(Debug)]
+pub struct IncomingContent {
+    hash: ContentHash,
+    length: u64,
+    run: PathBuf,
+    file: File,
+}
+
+impl IncomingContent {
+    /// Begins a value of so many bytes in the folder of a run, or goes on with it. Also answers which bytes of it are here, as they were
+    /// noted last: the first and the last of each range, the first byte being 1.
+    pub fn open(run: &Path, hash: ContentHash, length: u64) -> io::Result<(Self, Vec<(u64, u64)>)> {
+        make_folder(&run.join(VALUES_FOLDER)).map_err(io::Error::other)?;
+        let mut options = OpenOptions::new();
+        let options = options.read(true).write(true).create(true).truncate(false).mode(0o600);
+        let file = options.open(part_file(run, hash))?;
+        let is_old = file.metadata()?.len() == length;
+        file.set_len(length)?;
+        let noted = if is_old { read_noted(run, hash, length) } else { Vec::new() };
+        Ok((Self { hash, length, run: run.to_owned(), file }, noted))
+    }
+
+    /// How many bytes it has.
+    pub fn length(&self) -> u64 {
+        self.length
+    }
+
+    /// Takes a part.
+    pub fn write(&self, offset: u64, bytes: &[u8]) -> io::Result<()> {
+        let end = offset.saturating_add(bytes.len() as u64);
+        if end > self.length {
+            return Err(io::Error::other("a part reaches beyond the value"));
+        }
+        self.file.write_all_at(bytes, offset)
+    }
+
+    /// Notes which bytes are here, once they are safe.
+    pub fn note(&self, here: impl Iterator<Item = (u64, u64)>) -> io::Result<()> {
+        self.file.sync_data()?;
+        let lines: Vec<_> = here.map(|(first, last)| format!("{first} {last}")).collect();
+        let text = lines.join("\n");
+        let new = self.place("new");
+        fs::write(&new, text)?;
+        fs::rename(new, self.place("here"))
+    }
+
+    /// All bytes are here: answers whether they are the value. Then its file is safe; else nothing of it is left.
+    pub fn finish(self) -> io::Result<bool> {
+        let is_right = self.hash_of_file()? == self.hash;
+        if is_right {
+            self.file.sync_all()?;
+            fs::rename(part_file(&self.run, self.hash), self.hash.file(&self.run))?;
+            sync_folder(&self.run.join(VALUES_FOLDER)).map_err(io::Error::other)?;
+            // What was noted is of no use any more.
+            drop(fs::remove_file(self.place("here")));
+        } else {
+            self.remove();
+        }
+        Ok(is_right)
+    }
+
+    /// It is not wanted any more.
+    pub fn remove(self) {
+        for file in [part_file(&self.run, self.hash), self.place("here"), self.place("new")] {
+            // What is not there needs no removing.
+            drop(fs::remove_file(file));
+        }
+    }
+
+    fn place(&self, what: &str) -> PathBuf {
+        beside(&self.run, self.hash, what)
+    }
+
+    fn hash_of_file(&self) -> io::Result<ContentHash> {
+        let mut file = File::open(part_file(&self.run, self.hash))?;
+        let (mut hasher, mut bytes) = (blake3::Hasher::new(), vec![0; READ_BYTES]);
+        loop {
+            let count = file.read(&mut bytes)?;
+            if count == 0 {
+                let name = hasher.finalize().to_hex().to_string();
+                return ContentHash::from_name(&name).ok_or_else(|| io::Error::other("no hash"));
+            }
+            hasher.update(&bytes[..count]);
+        }
+    }
+}
+
+fn part_file(run: &Path, hash: ContentHash) -> PathBuf {
+    beside(run, hash, "part")
+}
+
+fn beside(run: &Path, hash: ContentHash, what: &str) -> PathBuf {
+    run.join(VALUES_FOLDER).join(format!(".{}.{what}", hash.name()))
+}
+
+/// What was noted; nothing if it makes no sense.
+fn read_noted(run: &Path, hash: ContentHash, length: u64) -> Vec<(u64, u64)> {
+    let text = fs::read_to_string(beside(run, hash, "here")).unwrap_or_default();
+    let range = |line: &str| {
+        let (first, last) = line.split_once(' ')?;
+        let (first, last) = (first.parse().ok()?, last.parse().ok()?);
+        (first > 0 && first <= last && last <= length).then_some((first, last))
+    };
+    text.lines().map(range).collect::<Option<Vec<_>>>().unwrap_or_default()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{ContentHash, IncomingContent};
+    use crate::journal::folder::VALUES_FOLDER;
+    use crate::journal::is_content_here;
+    use std::fs;
+
+    #[test]
+    fn a_value_counts_once_it_is_whole_and_right() {
+        let run = tempfile::tempdir().expect("a folder");
+        let bytes: Vec<u8> = (0..200).collect();
+        let hash = ContentHash::of(&bytes);
+        let is_here = || is_content_here(run.path(), &hash.name(), 200);
+        let (first, noted) = IncomingContent::open(run.path(), hash, 200).expect("a file");
+        assert!(noted.is_empty());
+        first.write(150, &bytes[150..]).expect("written");
+        first.note([(151, 200)].into_iter()).expect("noted");
+        drop(first);
+        let (second, noted) = IncomingContent::open(run.path(), hash, 200).expect("a file");
+        assert_eq!(noted, [(151, 200)]);
+        assert!(second.write(190, &[0; 11]).is_err(), "beyond its end");
+        second.write(0, &bytes[..150]).expect("written");
+        assert!(!is_here());
+        assert!(second.finish().expect("a disk"));
+        assert!(is_here());
+        assert_eq!(fs::read_dir(run.path().join(VALUES_FOLDER)).expect("a folder").count(), 1);
+    }
+
+    #[test]
+    fn of_bytes_that_are_not_the_value_nothing_is_left() {
+        let run = tempfile::tempdir().expect("a folder");
+        let hash = ContentHash::of(b"right");
+        let (value, _) = IncomingContent::open(run.path(), hash, 5).expect("a file");
+        value.write(0, b"wrong").expect("written");
+        value.note([(1, 5)].into_iter()).expect("noted");
+        assert!(!value.finish().expect("a disk"));
+        assert_eq!(fs::read_dir(run.path().join(VALUES_FOLDER)).expect("a folder").count(), 0);
+        let (_, noted) = IncomingContent::open(run.path(), hash, 5).expect("a file");
+        assert!(noted.is_empty());
+    }
+}
