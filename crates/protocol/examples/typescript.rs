@@ -85,6 +85,7 @@ fn in_requests(words: &mut Words) {
     words.visit::<api::NewToken>();
     words.visit::<api::NewUser>();
     words.visit::<api::CheckScript>();
+    words.visit::<api::FetchValue>();
     words.visit::<api::JumpMachine>();
     words.visit::<api::ReloadMachine>();
     words.visit::<api::ResumeRun>();

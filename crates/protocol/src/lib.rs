@@ -22,6 +22,7 @@ pub mod message;
 pub mod question;
 pub mod run;
 pub mod socket;
+pub mod watched;
 
 pub use bare::{is_about_values, short_error, without_values};
 pub use breakpoint::{Breakpoint, Scope, Unattended, When};
@@ -43,3 +44,4 @@ pub use link::{
 pub use message::{EnginePulse, Join, StateData, ToRunner, ToViewer};
 pub use question::{Closing, Form, Question};
 pub use run::{Afterwards, Crash, Keeping, OnCrash, Resume};
+pub use watched::{LongValue, WATCHED_MAX, WatchKind, WatchTarget, WatchedValue, Watching};

@@ -1,7 +1,10 @@
 //! Everything that is said after the hello.
 
 use crate::api::{Control, ControlMove};
-use crate::{Answer, Envelope, Event, Launch, LinkHealth, Snapshot, Values};
+use crate::{
+    Answer, Envelope, Event, Launch, LinkHealth, Snapshot, Values, WatchTarget, WatchedValue,
+    Watching,
+};
 use serde::{Deserialize, Serialize};
 
 /// From a viewer (command line, server) to the runner.
@@ -39,6 +42,11 @@ pub enum ToRunner {
     Ground {
         /// How long ago, in ms; `None`: not since the sender began, which is no news.
         heard_ms_ago: Option<u64>,
+    },
+    /// Which values of a run far away this viewer watches from now on. For stations only: a runner tells of its values by events.
+    Watch {
+        /// What, in place of what was watched before.
+        targets: Vec<WatchTarget>,
     },
     /// Are you there?
     Ping {
@@ -102,6 +110,13 @@ pub enum ToViewer {
     Snapshot(Snapshot),
     /// Who holds control of a run far away, as its robot says. Of stations only.
     Control(Control),
+    /// The newest of those values that the viewer watches, and whether its robot knows what is watched. Of stations only.
+    Watched {
+        /// Whether the robot knows.
+        watching: Watching,
+        /// Values that are new.
+        values: Vec<WatchedValue>,
+    },
     /// What became of a command.
     Answer {
         /// The command's id.

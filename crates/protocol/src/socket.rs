@@ -3,11 +3,11 @@
 //! Two kinds of subscription. A *history* is told whole, from a cursor on, at the reader's pace: after a break the reader
 //! subscribes again from where it was. A *status* is the latest truth: the first change at once, then one in 100 ms.
 
-use crate::Envelope;
 use crate::api::{
     Before, CommandAnswer, EditMachine, HistoryEntry, MachineStatus, Refusal, Revision, RunNow,
     ServerStatus, Session, Undo,
 };
+use crate::{Envelope, WatchTarget, WatchedValue, Watching};
 use serde::{Deserialize, Serialize};
 
 /// The version of this vocabulary. New fields and frames do not change it: a client ignores what it does not know.
@@ -104,6 +104,14 @@ pub enum Topic {
         /// The run's id.
         run: String,
     },
+    /// The newest values of a robot's run, at its station: those that are known before their events are here. Values of other runs
+    /// come with their events.
+    RunWatched {
+        /// The run's id.
+        run: String,
+        /// What the client watches.
+        targets: Vec<WatchTarget>,
+    },
     /// Every revision of an open machine.
     MachineHistory {
         /// The machine's id.
@@ -173,6 +181,15 @@ pub enum ToClient {
         subscription: u32,
         /// The truth.
         status: Box<RunNow>,
+    },
+    /// The newest of what the client watches.
+    RunWatched {
+        /// Of this subscription.
+        subscription: u32,
+        /// Whether the robot knows what is watched; none if the run is not that of a robot.
+        watching: Option<Watching>,
+        /// The values, at most 256; each also comes with its event.
+        values: Vec<WatchedValue>,
     },
     /// How a machine stands.
     MachineStatus {

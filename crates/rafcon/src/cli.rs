@@ -9,7 +9,7 @@ pub(crate) use kept::{
     Compare, Export, ExportFormat, History, KeptRun, ListRuns, Log, LogLevel, Replay,
 };
 pub(crate) use link::{Link, LinkProfile, LinkStatus, Pair, Station};
-pub(crate) use remote::{Access, Control, KeptRemote, Login, Remote, Wanted};
+pub(crate) use remote::{Access, Control, Fetch, KeptRemote, Login, Remote, Wanted};
 pub(crate) use serve::{Role, Serve, State, User, UserAction};
 
 use crate::templates;
@@ -43,6 +43,7 @@ pub(crate) enum Command {
     Station(Station),
     Pair(Pair),
     Link(LinkStatus),
+    Fetch(Fetch),
     User(User),
     Login(Login),
     Control(Control),

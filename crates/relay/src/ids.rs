@@ -1,6 +1,7 @@
 //! The numbers by which both sides name runs and commands: hashes, so that no one has to agree on them.
 
-use rafcon_link::{CommandId, StreamId};
+use rafcon_link::{CommandId, StreamId, ValueId};
+use rafcon_storage::journal::ContentHash;
 
 /// The events of the run with this id.
 pub(crate) fn events_of(run: &str) -> StreamId {
@@ -26,6 +27,13 @@ pub(crate) fn command(envelope: &str) -> CommandId {
     let mut id = [0; 16];
     id.copy_from_slice(&blake3::hash(envelope.as_bytes()).as_bytes()[..16]);
     CommandId(id)
+}
+
+/// By what a value with this hash is asked for.
+pub(crate) fn value_id(hash: ContentHash) -> ValueId {
+    let mut id = [0; 16];
+    id.copy_from_slice(&hash.as_bytes()[..16]);
+    ValueId(id)
 }
 
 fn hash(run: &str) -> u32 {

@@ -6,6 +6,7 @@
 mod about;
 mod carrier;
 mod clock;
+mod desk;
 mod error;
 mod ids;
 mod inbox;
@@ -15,9 +16,11 @@ mod report;
 mod robot;
 mod start;
 mod station;
+mod watch_words;
 mod words;
 
 pub use carrier::{ByteStream, Dial, Secure, StationAddress};
+pub use desk::{ValueCost, ValueDesk};
 pub use error::RelayError;
 pub use inbox::Stopper;
 pub use pairing::{BadPairing, Paired, Pairing};

@@ -1,9 +1,12 @@
 //! What a server is started with: values that its program has read from command line and environment.
 
 use crate::page_files::PageFiles;
+use rafcon_protocol::api::ValueFetch;
 use rafcon_supervisor::ProgramEnvironment;
+use std::fmt;
 use std::net::{Ipv4Addr, SocketAddr};
 use std::path::PathBuf;
+use std::sync::Arc;
 use std::time::Duration;
 
 /// Where a server listens if no one says otherwise.
@@ -34,10 +37,28 @@ pub struct Settings {
     pub tell: fn(&str),
     /// Where the page's files are.
     pub page: PageFiles,
+    /// Brings large values of robots here, if this is a station.
+    pub robots: Option<Arc<dyn RobotValues>>,
     /// Where it listens, and as whom.
     pub listen: Listen,
     /// Who may come in.
     pub access: Access,
+}
+
+/// Brings large values of robots here, if this server is a station.
+pub trait RobotValues: fmt::Debug + Send + Sync {
+    /// Asks for a value of `length` bytes of a run of a robot, of which `budget` bytes may be sent. Answers whether that is possible.
+    fn fetch(&self, robot: &str, value: (&str, u64), length: u64, budget: u64) -> bool;
+
+    /// A value is not wanted any more.
+    fn cancel(&self, robot: &str, value: (&str, u64));
+
+    /// How far a value is, if it is being fetched or was last.
+    fn progress(&self, value: (&str, u64)) -> Option<ValueFetch>;
+
+    /// What so many bytes cost on the link to a robot, in bytes, and how long that takes, in ms, if the robot is heard. Nothing if it is
+    /// not received here.
+    fn cost(&self, robot: &str, bytes: u64) -> Option<(u64, Option<u64>)>;
 }
 
 /// Where a server listens.
@@ -92,6 +113,7 @@ impl Settings {
             variable: |_| None,
             tell: crate::log::say,
             page: PageFiles::default(),
+            robots: None,
             listen: Listen::default(),
             access: Access::default(),
         }

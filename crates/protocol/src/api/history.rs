@@ -191,9 +191,41 @@ pub enum KeptAs {
         /// Its size in bytes.
         bytes: u64,
     },
+    /// A pickle that the robot has, and its station does not: it can be fetched.
+    OnRobot {
+        /// Its size in bytes.
+        bytes: u64,
+        /// What it costs on the link, in bytes with all headers, if nothing is lost; none if this station does not receive that robot.
+        link_bytes: Option<u64>,
+        /// How long it takes with what the link has left now, in ms; none if the robot is not heard.
+        takes_ms: Option<u64>,
+        /// How far it is, if it is being fetched or was last.
+        fetch: Option<ValueFetch>,
+    },
     /// Nothing.
     Nothing {
         /// Why.
         reason: String,
     },
+}
+
+/// How far a large value is on its way from a robot.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
+pub struct ValueFetch {
+    /// So many of its bytes are here.
+    pub here: u64,
+    /// So many bytes may still come before the fetch ends.
+    pub budget: u64,
+    /// Why it ended, if it did; what is here stays for another one.
+    pub failed: Option<String>,
+}
+
+/// Asks for a large value of a robot.
+#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
+pub struct FetchValue {
+    /// So many of its bytes may be sent, those that are lost on the way included; none: a quarter more than it has.
+    #[serde(default)]
+    pub budget: Option<u64>,
 }

@@ -17,8 +17,8 @@ pub use files::{
     MachineFile, MachineVersion, MachineVersions, NodeKind, Project, TreeFrom, UsagesOf,
 };
 pub use history::{
-    EventDetail, EventQuery, ExportFormat, ExportQuery, KeptAs, KeptMachineQuery, KeptValue,
-    LogLine, LogPage, LogQuery, MomentQuery, NamedValue,
+    EventDetail, EventQuery, ExportFormat, ExportQuery, FetchValue, KeptAs, KeptMachineQuery,
+    KeptValue, LogLine, LogPage, LogQuery, MomentQuery, NamedValue, ValueFetch,
 };
 pub use machines::{
     CloseMachine, CopyStates, DiskState, Done, EditMachine, MachineAt, MachineDocument,

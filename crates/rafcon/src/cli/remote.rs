@@ -82,6 +82,36 @@ pub(crate) struct Control {
     pub(crate) access: Access,
 }
 
+/// Fetch a large value of a robot's run to its station.
+///
+/// Events bring what can be shown of a value; a large one stays on the robot until someone needs its bytes. Without NAME, this lists the
+/// large values of the event, and what each costs on the link. A value comes when nothing else needs the link, and goes on after
+/// blackouts and restarts, whether or not this program waits.
+#[derive(Debug, Args)]
+pub(crate) struct Fetch {
+    /// The run: its id or the start of the id, or `last`
+    pub(crate) run: String,
+    /// Number of the event that has the value
+    pub(crate) event: u64,
+    /// The port or variable
+    #[arg(value_name = "NAME")]
+    pub(crate) name: Option<String>,
+    /// Send at most so many bytes of it, those lost on the way included; usually a quarter more than it has
+    #[arg(long, value_name = "BYTES", requires = "name")]
+    pub(crate) budget: Option<u64>,
+    /// Do not wait until it is here
+    #[arg(long, requires = "name")]
+    pub(crate) no_wait: bool,
+    /// Give the value up instead
+    #[arg(long, requires = "name", conflicts_with_all = ["budget", "no_wait"])]
+    pub(crate) cancel: bool,
+    /// Address of the station, such as `https://ground:4747`
+    #[arg(long, value_name = "URL")]
+    pub(crate) server: String,
+    #[command(flatten)]
+    pub(crate) access: Access,
+}
+
 /// What to do about control.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Wanted {

@@ -157,6 +157,11 @@ impl Server {
         Ok(self.http.ask(self.with_body(request, body)?)?.body)
     }
 
+    pub(crate) fn delete<T: DeserializeOwned>(&self, path: &str) -> Result<T, Fault> {
+        let token = self.token.text()?;
+        Ok(self.http.ask(self.request(Method::DELETE, path, token.as_deref())?)?.body)
+    }
+
     fn request(
         &self,
         method: Method,

@@ -118,7 +118,8 @@ impl Session {
             | ToRunner::Ping { .. }
             | ToRunner::Ground { .. }
             | ToRunner::MoveControl { .. }
-            | ToRunner::Present { .. } => {}
+            | ToRunner::Present { .. }
+            | ToRunner::Watch { .. } => {}
         }
     }
 

@@ -7,11 +7,12 @@ use crate::environment::Environment;
 use crate::failure::complain;
 use anyhow::{Context as _, Result, bail};
 use rafcon_link::Profile;
-use rafcon_protocol::api::{Control, ControlMove};
+use rafcon_protocol::api::{Control, ControlMove, ValueFetch};
 use rafcon_relay::{
-    Authority, Paired, Pairing, RobotSettings, StationSettings, Stopper, relay_robot, relay_station,
+    Authority, Paired, Pairing, RobotSettings, StationSettings, Stopper, ValueCost, ValueDesk,
+    relay_robot, relay_station,
 };
-use rafcon_server::{RunAuthority, Settings};
+use rafcon_server::{RobotValues, RunAuthority, Settings};
 use std::fs::{self, OpenOptions};
 use std::io::{self, IsTerminal as _, Write as _};
 use std::net::SocketAddr;
@@ -136,6 +137,29 @@ impl Authority for ServerAuthority {
     }
 }
 
+/// Brings large values of robots to the station's server.
+#[derive(Debug)]
+pub(super) struct StationDesk(pub(super) ValueDesk);
+
+impl RobotValues for StationDesk {
+    fn fetch(&self, robot: &str, (run, number): (&str, u64), length: u64, budget: u64) -> bool {
+        self.0.fetch(robot, (run.to_owned(), number), length, budget)
+    }
+
+    fn cancel(&self, robot: &str, (run, number): (&str, u64)) {
+        self.0.cancel(robot, (run.to_owned(), number));
+    }
+
+    fn progress(&self, (run, number): (&str, u64)) -> Option<ValueFetch> {
+        self.0.progress(run, number)
+    }
+
+    fn cost(&self, robot: &str, bytes: u64) -> Option<(u64, Option<u64>)> {
+        let ValueCost { link_bytes, takes_ms } = self.0.cost(robot, bytes)?;
+        Some((link_bytes, takes_ms))
+    }
+}
+
 /// The threads that carry runs over the link while a server runs.
 #[derive(Default)]
 pub(super) struct Relays {
@@ -196,6 +220,7 @@ impl Relays {
         raw: &cli::Link,
         listen: SocketAddr,
         server: &Settings,
+        desk: ValueDesk,
     ) -> Result<()> {
         let (state, runs) = (&server.state, &server.runs);
         let (tls, fingerprint) = rafcon_server::tls_config(server)?;
@@ -206,6 +231,7 @@ impl Relays {
             bind: listen,
             tls: Some(Arc::new(StationTls(tls))),
             profile: profile(raw.profile),
+            desk,
             tell: complain,
         };
         if settings.pairings.is_empty() {

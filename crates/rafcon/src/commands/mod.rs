@@ -5,6 +5,7 @@ mod check;
 mod compare;
 mod control;
 mod export;
+mod fetch;
 mod fmt;
 mod history;
 mod kept;
@@ -49,6 +50,7 @@ pub(crate) fn main(cli: Cli, environment: &Environment, clock: Clock) -> Result<
         }
         Command::Pair(request) => link::pair(&request, environment),
         Command::Link(request) => link_status::link_status(&request, environment),
+        Command::Fetch(request) => fetch::fetch(&request, environment),
         Command::Login(request) => login::login(&request, environment),
         Command::Control(request) => control::control(&request, environment),
         Command::User(request) => user::user(&request, environment),

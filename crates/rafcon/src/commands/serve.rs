@@ -1,12 +1,13 @@
 //! `rafcon serve`: from the words of the command line to a server's settings. What a server does, `rafcon-server` knows.
 
 use super::kept::runs_folder;
-use super::link::{Relays, ServerAuthority};
+use super::link::{Relays, ServerAuthority, StationDesk};
 use crate::cli;
 use crate::environment::{self, Environment};
 use crate::failure::complain;
 use crate::machine;
 use anyhow::{Context as _, Result, bail};
+use rafcon_relay::ValueDesk;
 use rafcon_server::{RunAuthority, Server, Settings};
 use std::io::{self, Write as _};
 use std::net::SocketAddr;
@@ -20,13 +21,15 @@ pub(super) fn serve(
     robots: Option<SocketAddr>,
     environment: &Environment,
 ) -> Result<ExitCode> {
-    let settings = settings(raw, environment)?;
+    let mut settings = settings(raw, environment)?;
     let (state, runs) = (state(&raw.state, environment)?, settings.runs.clone());
     let mut relays = Relays::default();
     let authority = Arc::new(ServerAuthority::default());
     relays.robot(&raw.link, (&state, &runs), &authority, environment)?;
     if let Some(listen) = robots {
-        relays.station(&raw.link, listen, &settings)?;
+        let desk = ValueDesk::default();
+        relays.station(&raw.link, listen, &settings, desk.clone())?;
+        settings.robots = Some(Arc::new(StationDesk(desk)));
     }
     let served = rafcon_server::serve(settings, |server| {
         authority.set(RunAuthority::new(server.state()));

@@ -185,7 +185,7 @@ impl RunFollower {
             ToViewer::LoadFailed { reason } => self.finish(End::LoadFailed { reason }),
             ToViewer::Answer { answer, .. } => out.extend(self.refusal(answer).map(Action::Note)),
             ToViewer::Pong { engine, .. } => self.reached(engine, out),
-            ToViewer::Control(_) => {}
+            ToViewer::Control(_) | ToViewer::Watched { .. } => {}
             ToViewer::Loaded { name, states, run, problems } => {
                 let none = Vec::new();
                 out.push(Action::Show(ToViewer::Loaded { name, states, run, problems: none }));

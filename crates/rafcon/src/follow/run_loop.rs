@@ -104,6 +104,7 @@ fn show(view: &mut dyn View, now: Duration, message: ToViewer) -> io::Result<()>
         ToViewer::Snapshot(snapshot) => view.snapshot(now, snapshot),
         ToViewer::Inspection { path, data, .. } => view.inspected(&path, data),
         ToViewer::Control(_)
+        | ToViewer::Watched { .. }
         | ToViewer::LoadFailed { .. }
         | ToViewer::Answer { .. }
         | ToViewer::Pong { .. } => Ok(()),

@@ -29,6 +29,7 @@ mod signals;
 mod starts;
 mod station;
 mod station_trouble;
+mod station_values;
 mod station_websocket;
 mod strangers;
 mod terminal;

@@ -1,6 +1,7 @@
 //! A robot and a station as their users have them: two servers, a real network, and a path between them that damages what it carries.
 
 use crate::harness::{Place, Run, ticks};
+use crate::served::Door;
 use expect_test::expect;
 use rafcon_storage::journal::Pack;
 use std::io::{BufRead as _, BufReader, Write as _};
@@ -15,14 +16,17 @@ pub(crate) struct Program {
     child: Child,
     /// Its address for the command line.
     pub(crate) url: String,
+    pub(crate) door: Door,
 }
 
 impl Program {
     pub(crate) fn new(mut child: Child) -> Self {
         let mut line = String::new();
         BufReader::new(child.stdout.take().unwrap()).read_line(&mut line).unwrap();
-        let (url, _token) = line.split_once("/?").unwrap();
-        Self { url: url.to_owned(), child }
+        let (url, token) = line.trim().split_once("/?token=").unwrap();
+        let address = url.strip_prefix("http://").unwrap().parse().unwrap();
+        let door = Door { address, token: token.to_owned() };
+        Self { url: url.to_owned(), child, door }
     }
 }
 
@@ -55,6 +59,12 @@ pub(crate) fn station(place: &Place, listen: &str) -> (Program, SocketAddr) {
     station_of(place, "ground", listen)
 }
 
+/// The same over a link of this profile.
+pub(crate) fn station_over(place: &Place, listen: &str, link: &str) -> (Program, SocketAddr) {
+    let (station, address, _) = begin_station(place.command(&station_words("ground", listen, link)));
+    (station, address)
+}
+
 /// The same with this state, and runs beside it.
 pub(crate) fn station_of(place: &Place, state: &str, listen: &str) -> (Program, SocketAddr) {
     let (station, address, _) = station_with_certificate(place, state, listen);
@@ -67,10 +77,13 @@ pub(crate) fn station_with_certificate(
     state: &str,
     listen: &str,
 ) -> (Program, SocketAddr, String) {
-    let words = format!(
-        "station --state {state} --runs {state}-runs --bind 127.0.0.1:0 --listen {listen} --link lan"
-    );
-    begin_station(place.command(&words))
+    begin_station(place.command(&station_words(state, listen, "lan")))
+}
+
+fn station_words(state: &str, listen: &str, link: &str) -> String {
+    format!(
+        "station --state {state} --runs {state}-runs --bind 127.0.0.1:0 --listen {listen} --link {link}"
+    )
 }
 
 /// Begins this station; answers where it receives, and the fingerprint of its certificate.
@@ -86,12 +99,18 @@ pub(crate) fn begin_station(mut station: Command) -> (Program, SocketAddr, Strin
 }
 
 pub(crate) fn robot(place: &Place, station: SocketAddr) -> Program {
-    robot_with(place, &format!("--station udp://{station}"))
+    robot_over(place, station, "lan")
 }
 
-pub(crate) fn robot_with(place: &Place, stations: &str) -> Program {
-    let words =
-        format!("serve --state robot --runs robot-runs --bind 127.0.0.1:0 --link lan {stations}");
+/// The same over a link of this profile.
+pub(crate) fn robot_over(place: &Place, station: SocketAddr, link: &str) -> Program {
+    robot_with(place, &format!("--station udp://{station}"), link)
+}
+
+pub(crate) fn robot_with(place: &Place, stations: &str, link: &str) -> Program {
+    let words = format!(
+        "serve --state robot --runs robot-runs --bind 127.0.0.1:0 --link {link} {stations}"
+    );
     let mut robot = place.command(&words);
     Program::new(robot.stdout(Stdio::piped()).stderr(Stdio::null()).spawn().unwrap())
 }

@@ -124,6 +124,7 @@ fn said(run: &str, content: &[u8]) -> Option<FromRun> {
         | ToViewer::Inspection { .. }
         | ToViewer::Event { .. }
         | ToViewer::Control(_)
+        | ToViewer::Watched { .. }
         | ToViewer::Pong { .. } => None,
     }
 }

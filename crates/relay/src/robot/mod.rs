@@ -3,6 +3,8 @@
 mod authority;
 mod follow;
 mod runs;
+mod values;
+mod watches;
 
 pub use authority::Authority;
 
@@ -25,6 +27,7 @@ use runs::RobotRuns;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
+use watches::{RobotWatches, age_max};
 
 /// What was heard is kept this often.
 const KEEP_EVERY: Duration = Duration::from_secs(10);
@@ -63,10 +66,15 @@ pub fn relay_robot(settings: &RobotSettings, stopper: &Stopper) -> Result<(), Re
     let list = settings.folder.join("runs");
     let clock = SessionClock::begin();
     let mut runs = RobotRuns::new(&settings.runs, list, inbox.sender(), settings.tell, clock);
+    runs.set_pickle_max(pickle_max(&settings.profile));
     runs.restore(&mut session);
+    let (watched, age_max) = (settings.folder.join("watched"), age_max(&settings.profile));
+    let watches = RobotWatches::begin(watched, age_max, clock::since_1970_ms(), &mut session);
     let meter = LinkMeter::new(&settings.paired.pairing, &settings.profile, false);
     let reporter = Reporter::open(&settings.folder)?;
-    let mut relay = RobotRelay { settings, clock, carrier, session, runs, meter, offered: None };
+    let offered = None;
+    let mut relay =
+        RobotRelay { settings, clock, carrier, session, runs, watches, meter, offered };
     let (mut look_at, mut keep_at) = (Duration::ZERO, KEEP_EVERY);
     while !stopper.is_stopped() {
         let now = relay.clock.now();
@@ -84,8 +92,10 @@ pub fn relay_robot(settings: &RobotSettings, stopper: &Stopper) -> Result<(), Re
         if now >= keep_at {
             keep_at = now + KEEP_EVERY;
             relay.keep_heard(&mut start);
+            relay.keep_watches(now);
         }
         relay.carry_out_due();
+        relay.look_at_watched(now);
         relay.send()?;
         let next = relay.session.next_transmit(now).min(look_at).min(keep_at);
         let mut time = next.saturating_sub(relay.clock.now());
@@ -124,9 +134,15 @@ struct RobotRelay<'s> {
     carrier: Carrier,
     session: RobotSession,
     runs: RobotRuns,
+    watches: RobotWatches,
     meter: LinkMeter,
     /// The pairing that the station is offered.
     offered: Option<Pairing>,
+}
+
+/// A pickle that would take longer than 50 ms of the link is sent by its hash, when someone wants it.
+fn pickle_max(profile: &Profile) -> usize {
+    usize::try_from(profile.down_bits_per_s / 8 / 20).unwrap_or(usize::MAX).max(128)
 }
 
 impl RobotRelay<'_> {
@@ -190,6 +206,18 @@ impl RobotRelay<'_> {
         Ok(())
     }
 
+    /// Looks for new values that are watched and that the events do not bring in time.
+    fn look_at_watched(&mut self, now: Duration) {
+        for stream in self.watches.due(now, &self.session) {
+            self.runs.look_at_watched(stream, &mut self.watches, &mut self.session);
+        }
+    }
+
+    fn keep_watches(&mut self, now: Duration) {
+        let (now_ms, heard_before) = (clock::since_1970_ms(), self.session.heard_before(now));
+        self.watches.keep(now_ms, heard_before, &mut self.session);
+    }
+
     fn receive(&mut self, from: &Carrier, mut datagram: Vec<u8>) {
         let (now, mut commands) = (self.clock.now(), Vec::new());
         let used = self.session.receive(now, &mut datagram, |command| commands.push(command));
@@ -200,6 +228,14 @@ impl RobotRelay<'_> {
         }
         for command in commands {
             self.command(now, command);
+        }
+        let mut has_wish = false;
+        while let Some(wish) = self.session.take_wish() {
+            self.watches.take(wish);
+            has_wish = true;
+        }
+        if has_wish {
+            self.keep_watches(now);
         }
     }
 

@@ -1,13 +1,15 @@
 //! The runs of a robot: which there are, what of them is sent, and from where.
 
 use super::follow::{Followed, FromRun};
+use super::values::RobotValues;
+use super::watches::RobotWatches;
 use crate::about::{about_parts, machine_parts};
 use crate::clock::SessionClock;
 use crate::ids;
 use crate::inbox::Input;
 use crate::meter::millis;
 use crate::words::{RunFate, RunStands};
-use rafcon_link::{EventBuffer, EventHash, Events, RobotSession, RunSource, StreamId};
+use rafcon_link::{EventBuffer, EventHash, Events, RobotSession, RunSource, StreamId, ValueName};
 use rafcon_protocol::api::Control;
 use rafcon_protocol::{Envelope, LinkRun, Snapshot};
 use rafcon_storage::journal::{
@@ -47,11 +49,16 @@ pub(super) struct RobotRuns {
     older: Vec<String>,
     /// The runs that are known without being sent now.
     seen: BTreeSet<String>,
+    values: RobotValues,
+    /// Longer pickles are sent by their hash.
+    pickle_max: usize,
 }
 
 #[derive(Debug)]
 struct RobotRun {
     folder: PathBuf,
+    /// Longer pickles are sent by their hash.
+    pickle_max: usize,
     /// What is known about it, in parts, and how many machines are among that.
     about: Vec<Vec<u8>>,
     machines: usize,
@@ -90,7 +97,26 @@ impl RobotRuns {
             streams,
             older: Vec::new(),
             seen: BTreeSet::new(),
+            values: RobotValues::default(),
+            pickle_max: usize::MAX,
         }
+    }
+
+    /// Longer pickles are sent by their hash from now on.
+    pub(super) fn set_pickle_max(&mut self, bytes: usize) {
+        self.pickle_max = bytes;
+    }
+
+    /// Looks for new values of a run that are watched.
+    pub(super) fn look_at_watched(
+        &mut self,
+        stream: StreamId,
+        watches: &mut RobotWatches,
+        session: &mut RobotSession,
+    ) {
+        // What cannot be read now may be later; the events say the same.
+        let Some(source) = self.run(stream).and_then(RobotRun::open) else { return };
+        drop(watches.look(stream, source.reader(), session));
     }
 
     /// Goes on with the runs that earlier starts sent: they may have ended since.
@@ -225,7 +251,7 @@ impl RobotRuns {
             return Ok(());
         }
         let Some(run) = self.all.get_mut(id) else { return Ok(()) };
-        run.source = Some(EventSource::open(folder)?);
+        run.source = Some(run.source()?);
         run.runner = Followed::join(folder, id, run.head + 1, &self.inbox);
         run.fate = RunFate::Live;
         Ok(())
@@ -252,6 +278,7 @@ impl RobotRuns {
         let (folder, runner) = (folder.to_owned(), None);
         let run = RobotRun {
             folder,
+            pickle_max: self.pickle_max,
             about,
             machines: 0,
             source: None,
@@ -312,7 +339,7 @@ impl RobotRuns {
         let Some(run) = self.all.get_mut(id) else { return };
         run.runner = None;
         // What is beside the database of a dead runner counts, too.
-        match EventSource::open(&run.folder) {
+        match run.source() {
             Ok(source) => run.source = Some(source),
             Err(error) => (self.tell)(&format!("the journal of run {id} cannot be read: {error}")),
         }
@@ -380,11 +407,16 @@ fn has_all(session: &RobotSession, id: &str) -> bool {
 }
 
 impl RobotRun {
+    /// Its journal, to be read anew.
+    fn source(&self) -> Result<EventSource, JournalError> {
+        Ok(EventSource::open(&self.folder)?.without_pickles_over(self.pickle_max))
+    }
+
     /// Its journal.
     fn open(&mut self) -> Option<&mut EventSource> {
         self.was_read = true;
         if self.source.is_none() {
-            self.source = EventSource::open(&self.folder).ok();
+            self.source = self.source().ok();
         }
         self.source.as_mut()
     }
@@ -445,5 +477,17 @@ impl RunSource for RobotRuns {
         let elapsed_ms = snapshot.elapsed_ms.saturating_add(since_ms);
         let snapshot = Snapshot { elapsed_ms, ..(**snapshot).clone() };
         Some((snapshot.sequence, serde_json::to_vec(&snapshot).ok()?))
+    }
+
+    fn value_length(&mut self, value: &ValueName) -> Option<u64> {
+        let run = self.all.get_mut(self.streams.get(&value.stream)?)?;
+        let folder = run.folder.clone();
+        self.values.length(&folder, run.open()?.reader(), value)
+    }
+
+    fn value_bytes(&mut self, value: &ValueName, offset: u64, bytes_max: usize) -> Option<Vec<u8>> {
+        let run = self.all.get_mut(self.streams.get(&value.stream)?)?;
+        let folder = run.folder.clone();
+        self.values.bytes((&folder, run.open()?.reader()), value, (offset, bytes_max))
     }
 }

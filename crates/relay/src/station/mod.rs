@@ -10,10 +10,13 @@ mod open_words;
 mod received;
 mod replica_run;
 mod robot;
+mod values;
 mod viewers;
+mod watching;
 
 use crate::carrier::{Secure, open_door};
 use crate::clock::SessionClock;
+use crate::desk::ValueDesk;
 use crate::error::RelayError;
 use crate::inbox::{Inbox, Input, Stopper};
 use crate::pairing::Paired;
@@ -26,7 +29,7 @@ use std::net::{SocketAddr, TcpListener, UdpSocket};
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
-use viewers::GivenWord;
+use viewers::Given;
 
 /// The runs are looked at this often: what is complete is closed, and viewers are shown how the link is.
 const LOOK_EVERY: Duration = Duration::from_millis(250);
@@ -51,6 +54,8 @@ pub struct StationSettings {
     pub tls: Option<Arc<dyn Secure>>,
     /// What is known of the link.
     pub profile: Profile,
+    /// Where large values are asked for.
+    pub desk: ValueDesk,
     /// Told what goes wrong.
     pub tell: fn(&str),
 }
@@ -62,7 +67,7 @@ pub(crate) struct GivenCommand {
     robot: usize,
     /// The id of the run.
     run: String,
-    word: GivenWord,
+    given: Given,
 }
 
 /// What the station's own threads say to it.
@@ -148,9 +153,9 @@ pub fn relay_station(
                     robots.iter_mut().for_each(StationRobot::note_unusable);
                 }
             }
-            Some(Input::Other(ToStation::Given(GivenCommand { robot, run, word }))) => {
+            Some(Input::Other(ToStation::Given(GivenCommand { robot, run, given }))) => {
                 if let Some(robot) = robots.get_mut(robot) {
-                    robot.command(&run, &word);
+                    robot.take_given(&run, given);
                 }
             }
             Some(Input::Other(ToStation::Disk(robot, said))) => {

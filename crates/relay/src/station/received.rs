@@ -3,8 +3,11 @@
 use super::disk::OpenRun;
 use super::viewers::Shared;
 use crate::words::RunStands;
-use rafcon_link::{CommandId, CommandState, EventHash, FromRobot, KeyId, PairingKey, StreamId};
-use rafcon_protocol::Snapshot;
+use crate::watch_words;
+use rafcon_link::{
+    CommandId, CommandState, EventHash, FromRobot, KeyId, NoValue, PairingKey, StreamId, ValueId,
+};
+use rafcon_protocol::{Snapshot, WatchedValue};
 use rafcon_storage::journal::EventItems;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
@@ -21,6 +24,9 @@ pub(super) enum Received {
     NewKey(KeyId, PairingKey),
     State(CommandId, CommandState, String),
     Started,
+    Watched(StreamId, Vec<WatchedValue>),
+    Part(ValueId, u64, Vec<u8>),
+    NoValue(ValueId, NoValue),
 }
 
 impl Received {
@@ -44,6 +50,12 @@ impl Received {
             }
             FromRobot::NewKey { id, key } => Self::NewKey(id, key),
             FromRobot::Started => Self::Started,
+            FromRobot::Watched { stream, values, .. } => {
+                let read = |bytes: &Vec<u8>| watch_words::read_value(bytes);
+                Self::Watched(stream, values.iter().filter_map(read).collect())
+            }
+            FromRobot::ValuePart { id, offset, bytes } => Self::Part(id, offset, bytes.to_vec()),
+            FromRobot::NoValue { id, why } => Self::NoValue(id, why),
         })
     }
 }

@@ -6,22 +6,27 @@ use super::in_order::InOrder;
 use super::kept_runs::{KeptRuns, Place, Restored};
 use super::open_words::OpenWords;
 use super::received::{Early, Received, StationRun};
-use super::viewers::GivenWord;
+use super::values::StationValues;
+use super::viewers::{Given, GivenWord};
 use super::{StationSettings, ToStation};
 use crate::carrier::Carrier;
 use crate::clock::SessionClock;
+use crate::desk::LinkRate;
 use crate::error::RelayError;
 use crate::ids;
 use crate::inbox::Input;
 use crate::meter::{LinkMeter, millis};
 use crate::pairing::{Paired, Pairing};
 use crate::start::Start;
+use crate::watch_words;
 use crate::words::{RunFate, RunStands};
 use rafcon_link::{
-    CommandId, CommandState, EventHash, NewCommand, RangeSet, Rejected, StationSession, StreamId,
-    Unusable,
+    CARRIER_OVERHEAD, CommandId, CommandState, EventHash, NewCommand, Profile, RangeSet, Rejected,
+    StationSession, StreamId, Unusable,
 };
-use rafcon_protocol::{Answer, CommandStage, Expiry, LinkHealth, LinkReport};
+use rafcon_protocol::{
+    Answer, CommandStage, Expiry, LinkHealth, LinkReport, WatchTarget, Watching,
+};
 use rafcon_storage::journal::EventItems;
 use rafcon_supervisor::clock;
 use std::collections::BTreeMap;
@@ -60,6 +65,12 @@ pub(super) struct StationRobot {
     pairing: Pairing,
     /// What was given for the robot and whose fate is open.
     words: OpenWords,
+    values: StationValues,
+    /// What is watched of runs: since when, and how much of it the robot is not asked for.
+    watching: BTreeMap<StreamId, Watching>,
+    /// The number of the last wish.
+    wishes: u64,
+    profile: Profile,
 }
 
 impl StationRobot {
@@ -71,12 +82,15 @@ impl StationRobot {
         clock: SessionClock,
     ) -> Result<Self, RelayError> {
         let pairing = &paired.pairing;
-        let start = Start::begin(&settings.folder.join(&pairing.robot))?;
+        let folder = settings.folder.join(&pairing.robot);
+        let start = Start::begin(&folder)?;
         let mut session = StationSession::new(&start.identity(pairing), settings.profile.clone());
         let new = paired.read_next().filter(|new| new.key_id != pairing.key_id);
         if let Some(Pairing { key_id, key, .. }) = &new {
             session.use_key(*key_id, key);
         }
+        let (places, desk) = ((folder.as_path(), settings.runs.as_path()), settings.desk.clone());
+        let values = StationValues::begin(&pairing.robot, places, desk, &mut session);
         let (robot, runs) = (pairing.robot.clone(), settings.runs.clone());
         let mut kept = KeptRuns::new(
             Place { number, robot, runs, clock, inbox, paired: paired.clone() },
@@ -85,6 +99,10 @@ impl StationRobot {
         let restored = kept.restore();
         let disk = Disk::begin(kept).map_err(|source| RelayError::Thread { source })?;
         let mut robot = Self {
+            values,
+            watching: BTreeMap::new(),
+            wishes: clock::since_1970_ms(),
+            profile: settings.profile.clone(),
             name: pairing.robot.clone(),
             station: pairing.station_name().to_owned(),
             tell: settings.tell,
@@ -239,6 +257,15 @@ impl StationRobot {
                 self.disk.keep_key(KeyWork::Next(Pairing { key_id, key, ..self.pairing.clone() }));
             }
             Received::State(id, state, reason) => self.answered(id, state, reason),
+            Received::Watched(stream, values) => {
+                if let Some(run) = self.runs.get(&stream) {
+                    run.shared.watched(values);
+                }
+            }
+            Received::Part(id, offset, bytes) => {
+                self.values.take((id, offset), &bytes, &mut self.session);
+            }
+            Received::NoValue(id, why) => self.values.refused(id, why, &mut self.session),
             Received::Started => {
                 self.checked.clear();
                 self.lose_words();
@@ -279,6 +306,7 @@ impl StationRobot {
         for stream in self.in_order.waiting() {
             self.pass(stream);
         }
+        self.sync_wishes();
         let link = health(&mut self.meter, &self.session, self.clock.now());
         let (session, words) = (&self.session, &self.words);
         for (stream, run) in &mut self.runs {
@@ -348,8 +376,48 @@ impl StationRobot {
         }
     }
 
+    /// Does what viewers have for the robot.
+    pub(super) fn take_given(&mut self, run: &str, given: Given) {
+        match given {
+            Given::Word(word) => self.command(run, &word),
+            Given::Watched(targets) => self.watch(ids::events_of(run), targets),
+        }
+    }
+
+    /// Asks the robot for what is watched of a run, as far as it fits.
+    fn watch(&mut self, stream: StreamId, mut targets: Vec<WatchTarget>) {
+        self.wishes = clock::since_1970_ms().max(self.wishes + 1);
+        let wanted = targets.len();
+        while self.session.watch(stream, self.wishes, watch_words::wish(&targets)).is_err() {
+            targets.truncate(targets.len() / 2);
+        }
+        let left_out = u32::try_from(wanted - targets.len()).unwrap_or(u32::MAX);
+        let asked_ms = clock::since_1970_ms();
+        self.watching.insert(stream, Watching { is_confirmed: false, asked_ms, left_out });
+    }
+
+    /// Says whether the robot knows what is watched, and how far large values are.
+    fn sync_wishes(&mut self) {
+        for (stream, watching) in &mut self.watching {
+            watching.is_confirmed = self.session.is_watch_confirmed(*stream).unwrap_or(false);
+            if let Some(run) = self.runs.get(stream) {
+                run.shared.set_watching(watching);
+            }
+        }
+        let now = self.clock.now();
+        self.values.heed(&mut self.session);
+        let link = health(&mut self.meter, &self.session, now);
+        let used = link.down_bytes_per_s.saturating_sub(self.values.bytes_per_s(now));
+        let (most, part) = (self.profile.down_bits_per_s / 8, self.profile.value_part_bytes());
+        // However busy the link is, a little is left in the end.
+        let spare = most.saturating_sub(used).max(most / 20);
+        let overhead = self.profile.down_bytes_max as u64 - part + CARRIER_OVERHEAD as u64;
+        let spare_per_s = link.is_heard.then_some(spare);
+        self.values.sync(&self.session, LinkRate { part, overhead, spare_per_s });
+    }
+
     /// Sends what a viewer has for the robot.
-    pub(super) fn command(&mut self, run: &str, given: &GivenWord) {
+    fn command(&mut self, run: &str, given: &GivenWord) {
         let (stream, today) = (ids::events_of(run), clock::since_1970_ms());
         let left = |ms: u64| Duration::from_millis(ms.saturating_sub(today));
         let known = self.runs.get(&stream).map_or(0, |run| run.epoch);

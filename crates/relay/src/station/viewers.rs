@@ -1,11 +1,13 @@
 //! The stand-in for the runner of a replica: viewers join it over the socket in the run's folder, as they join a runner.
 
+use super::watching::ReplicaWatch;
 use crate::words::StationWord;
 use parking_lot::{Condvar, Mutex};
 use rafcon_protocol::api::Control;
 use rafcon_protocol::{
-    Answer, Envelope, Expiry, FRAME_HEAD, FrameKind, Hello, Join, LinkHealth, Snapshot, ToRunner,
-    ToViewer, decode, encode, encode_frame, frame_head,
+    Answer, Envelope, Expiry, FRAME_HEAD, FrameKind, Hello, Join, LinkHealth, Snapshot, StateData,
+    ToRunner, ToViewer, WatchTarget, WatchedValue, Watching, decode, encode, encode_frame,
+    frame_head,
 };
 use rafcon_storage::journal::folder::{Doing, SOCKET_FILE, bind_socket};
 use rafcon_storage::journal::stream::EventBlock;
@@ -58,8 +60,17 @@ impl GivenWord {
     }
 }
 
-/// Passes on what a viewer has for the robot, and answers whether there is room for it.
-type Give = dyn Fn(GivenWord) -> bool + Send + Sync;
+/// What viewers have for the robot.
+#[derive(Debug)]
+pub(crate) enum Given {
+    /// A word.
+    Word(GivenWord),
+    /// What all of them watch now.
+    Watched(Vec<WatchTarget>),
+}
+
+/// Passes on what viewers have for the robot, and answers whether there is room for it.
+type Give = dyn Fn(Given) -> bool + Send + Sync;
 
 /// What viewers are shown.
 #[derive(Debug)]
@@ -85,6 +96,8 @@ struct Shown {
     link: LinkHealth,
     control: Option<Control>,
     is_closed: bool,
+    /// What viewers watch, and the newest of it.
+    watched: ReplicaWatch,
     /// What is to be sent to each viewer besides, by the number of the viewer.
     viewers: BTreeMap<u64, Outgoing>,
     next_viewer: u64,
@@ -129,6 +142,38 @@ impl Shared {
         let before = self.shown.lock().control.replace(control.clone());
         if before.as_ref() != Some(&control) {
             self.send_all(&ToViewer::Control(control));
+        }
+    }
+
+    /// The robot says that these are the newest of what is watched.
+    pub(super) fn watched(&self, values: Vec<WatchedValue>) {
+        let messages = self.shown.lock().watched.take(values);
+        self.send_each(messages);
+    }
+
+    /// Whether the robot knows what is watched.
+    pub(super) fn set_watching(&self, watching: &Watching) {
+        let messages = self.shown.lock().watched.set_watching(watching);
+        self.send_each(messages);
+    }
+
+    fn send_each(&self, messages: Vec<(u64, ToViewer)>) {
+        for (viewer, message) in messages {
+            if let Ok(frame) = encode_frame(&message) {
+                self.send(viewer, frame);
+            }
+        }
+    }
+
+    /// A viewer watches this now, or nothing any more: the robot is asked for what all of them watch.
+    fn watch(&self, viewer: u64, targets: Vec<WatchTarget>, give: &Give) {
+        let mut shown = self.shown.lock();
+        let Some(news) = shown.watched.watch(viewer, targets) else { return };
+        drop(shown);
+        self.send_each(news.messages);
+        if let Some(all) = news.wish {
+            // Without room for it, what is watched is asked for with the next change.
+            give(Given::Watched(all));
         }
     }
 
@@ -219,7 +264,7 @@ impl Viewers {
     pub(super) fn open(
         folder: &Path,
         shared: Arc<Shared>,
-        give: impl Fn(GivenWord) -> bool + Send + Sync + 'static,
+        give: impl Fn(Given) -> bool + Send + Sync + 'static,
     ) -> Result<Self, JournalError> {
         let path = folder.join(SOCKET_FILE);
         let listener = bind_socket(folder).map_err(|source| JournalError::Io {
@@ -282,6 +327,7 @@ fn welcome(stream: &UnixStream, shared: &Arc<Shared>, give: &Give) -> io::Result
     };
     thread::Builder::new().name("showing".to_owned()).spawn(show)?;
     let heeded = heed(&mut lines, viewer, shared, give);
+    shared.watch(viewer, Vec::new(), give);
     shared.leave(viewer);
     heeded
 }
@@ -307,7 +353,14 @@ fn heed(
                 None
             }
             ToRunner::Ping { id } => Some(shared.pong(id)),
-            ToRunner::Inspect { id, path } => Some(ToViewer::Inspection { id, path, data: None }),
+            ToRunner::Watch { targets } => {
+                shared.watch(viewer, targets, give);
+                None
+            }
+            ToRunner::Inspect { id, path } => {
+                let data = state_data(&shared.folder, &path);
+                Some(ToViewer::Inspection { id, path, data })
+            }
             ToRunner::Join(_) | ToRunner::Launch(_) | ToRunner::Ground { .. } => None,
         };
         if let Some(message) = message {
@@ -316,11 +369,23 @@ fn heed(
     }
 }
 
+/// What an active state held after the last event that is here; nothing if it was not active, or that cannot be read.
+fn state_data(folder: &Path, path: &str) -> Option<StateData> {
+    let mut source = EventSource::open(folder).ok()?;
+    let moment = source.reader().moment(u64::MAX).ok()?;
+    let moment = source.reader().picture(&moment).ok()?;
+    let state = moment.active.into_iter().find(|state| state.path == path)?;
+    let inputs = state.inputs.unwrap_or_default();
+    // The defaults of its outputs are not in the journal.
+    Some(StateData { inputs, scoped_variables: state.scoped, ..StateData::default() })
+}
+
 /// Gives a word for the robot; a refusal if there is no room for it.
 fn offer(give: &Give, word: GivenWord) -> Option<ToViewer> {
     let id = word.id.clone();
     let reason = "too many commands wait for the link: try again later".to_owned();
-    (!give(word)).then_some(ToViewer::Answer { id, answer: Answer::Refused { reason } })
+    (!give(Given::Word(word)))
+        .then_some(ToViewer::Answer { id, answer: Answer::Refused { reason } })
 }
 
 /// Shows a viewer everything from its cursor on, until it is gone or the replica is closed.

@@ -71,9 +71,13 @@ impl<S: Scripts> CommandDispatcher<S> {
                 sender.send(&ToViewer::Inspection { id, path, data });
             }
             Ok(ToRunner::Ground { heard_ms_ago }) => self.driver.ground_heard(heard_ms_ago),
-            // Whoever hears has answered it.
-            Ok(ToRunner::Ping { .. } | ToRunner::MoveControl { .. } | ToRunner::Present { .. }) => {
-            }
+            // Whoever hears has answered it, or it is for stations.
+            Ok(
+                ToRunner::Ping { .. }
+                | ToRunner::MoveControl { .. }
+                | ToRunner::Present { .. }
+                | ToRunner::Watch { .. },
+            ) => {}
             Ok(ToRunner::Launch(_) | ToRunner::Join(_)) => {
                 self.complain("a second launch or join: it has its run");
             }

@@ -79,6 +79,8 @@ pub const ROUTES: &[Row] = &[
     (Method::GET, "/api/v1/runs/{run}/moments", Right::Observe),
     (Method::GET, "/api/v1/runs/{run}/moments/{sequence}", Right::Observe),
     (Method::GET, "/api/v1/runs/{run}/values/{value}", Right::Observe),
+    (Method::POST, "/api/v1/runs/{run}/values/{value}/fetch", Right::Command),
+    (Method::DELETE, "/api/v1/runs/{run}/values/{value}/fetch", Right::Command),
     (Method::GET, "/api/v1/runs/{run}/machine", Right::Observe),
     (Method::GET, "/api/v1/runs/{run}/window", Right::Observe),
     (Method::GET, "/api/v1/runs/{run}/earlier/{sequence}", Right::Observe),

@@ -2,6 +2,7 @@
 
 use super::{Json, read};
 use crate::extract::{Path, Query};
+use crate::settings::RobotValues;
 use crate::{Failure, ServerState};
 use axum::extract::State;
 use rafcon_protocol::api::{EventDetail, EventPage, EventQuery, HistoryEntry, NamedValue, Refusal};
@@ -68,7 +69,8 @@ async fn event(
     State(server): State<Arc<ServerState>>,
     Path((run, sequence)): Path<(String, u64)>,
 ) -> Result<Json, Failure> {
-    read(&server, &run, move |reader| Json::of(&detail(reader, sequence)?)).await
+    let robots = server.settings.robots.clone();
+    read(&server, &run, move |reader| Json::of(&detail(reader, robots.as_deref(), sequence)?)).await
 }
 
 /// How many are requested.
@@ -149,7 +151,11 @@ pub(super) fn nanos(ms: u64) -> u64 {
     ms.saturating_mul(1_000_000)
 }
 
-fn detail(reader: &mut Reader, sequence: u64) -> Result<EventDetail, Failure> {
+fn detail(
+    reader: &mut Reader,
+    robots: Option<&dyn RobotValues>,
+    sequence: u64,
+) -> Result<EventDetail, Failure> {
     let page = reader.page(sequence, 1)?;
     reader.check_event(sequence, page.first())?;
     let entry = page.first().filter(|entry| entry.sequence == sequence);
@@ -160,17 +166,21 @@ fn detail(reader: &mut Reader, sequence: u64) -> Result<EventDetail, Failure> {
     let names = place.and_then(|place| places.get(place)).map(|place| place.names.clone());
     Ok(EventDetail {
         names: names.unwrap_or_else(|| path_of(&event).to_owned()),
-        values: values(reader, entry)?,
+        values: values(reader, robots, entry)?,
         entry: HistoryEntry { sequence, t_ns: entry.t_ns, event },
     })
 }
 
-fn values(reader: &Reader, entry: &Entry) -> Result<Vec<NamedValue>, Failure> {
+fn values(
+    reader: &Reader,
+    robots: Option<&dyn RobotValues>,
+    entry: &Entry,
+) -> Result<Vec<NamedValue>, Failure> {
     let mut values = Vec::new();
     for (name, number) in reader.named_values(entry) {
         let stored = reader.value(number)?;
-        values
-            .extend(stored.map(|it| NamedValue { name, value: super::moments::value(number, it) }));
+        let kept = |stored| super::moments::value(reader, robots, number, stored);
+        values.extend(stored.map(|stored| NamedValue { name, value: kept(stored) }));
     }
     Ok(values)
 }

@@ -5,6 +5,7 @@
 
 mod events;
 mod export;
+mod fetch;
 mod figures;
 mod follow;
 mod log;
@@ -54,6 +55,7 @@ pub(crate) fn routes() -> OpenApiRouter<Arc<ServerState>> {
         .merge(events::routes())
         .merge(log::routes())
         .merge(moments::routes())
+        .merge(fetch::routes())
         .merge(machine::routes())
         .merge(figures::routes())
         .merge(window::routes())

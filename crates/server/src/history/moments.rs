@@ -2,8 +2,10 @@
 //! pickles are for runners.
 
 use super::events::{nanos, no_such_event};
+use super::fetch;
 use super::{Json, read};
 use crate::extract::{Path, Query};
+use crate::settings::RobotValues;
 use crate::{Failure, ServerState};
 use axum::extract::State;
 use rafcon_protocol::api::{KeptAs, KeptValue, Moment, MomentQuery, Refusal};
@@ -94,22 +96,24 @@ async fn kept(
     State(server): State<Arc<ServerState>>,
     Path((run, number)): Path<(String, u64)>,
 ) -> Result<Json, Failure> {
+    let robots = server.settings.robots.clone();
     read(&server, &run, move |reader| {
-        let stored = reader.value(ValueNumber(number))?.ok_or_else(|| {
-            let message = format!("the run keeps no value {number}, or does not any more");
-            Failure::not_found("no_such_value", message)
-        })?;
-        Json::of(&value(ValueNumber(number), stored))
+        Json::of(&fetch::kept(reader, robots.as_deref(), ValueNumber(number))?)
     })
     .await
 }
 
 /// A value as the wire has it.
-pub(super) fn value(number: ValueNumber, stored: Stored) -> KeptValue {
+pub(super) fn value(
+    reader: &Reader,
+    robots: Option<&dyn RobotValues>,
+    number: ValueNumber,
+    stored: Stored,
+) -> KeptValue {
     let kept = match stored.content {
         Content::View => KeptAs::View,
         Content::Pickle(bytes) => KeptAs::Pickle { bytes: bytes.len() as u64 },
-        Content::File { size, .. } => KeptAs::Pickle { bytes: size },
+        Content::File { hash, size } => fetch::kept_in_file(reader, robots, number, (&hash, size)),
         Content::Nothing(reason) => KeptAs::Nothing { reason },
     };
     KeptValue { number: number.0, type_name: stored.type_name.to_string(), view: stored.view, kept }

@@ -8,7 +8,7 @@ use super::run::Run;
 use super::talk::{LinkError, RunnerConnection, frame, open};
 use rafcon_locks::Mutex;
 use rafcon_protocol::api::ControlMove;
-use rafcon_protocol::{Answer, Envelope, FrameKind, Join, ToRunner, ToViewer, encode};
+use rafcon_protocol::{Answer, Envelope, FrameKind, Join, ToRunner, ToViewer, WatchTarget, encode};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use tokio::io::{AsyncWriteExt as _, BufReader};
@@ -51,6 +51,7 @@ pub(super) async fn follow(run: &Run, is_up: impl FnOnce()) -> Result<(), LinkEr
     let link = Arc::new(Link { out: sender, waiting: Mutex::default() });
     let writer = tokio::spawn(write(out, outgoing));
     run.set_link(&link);
+    run.ask_for_watched();
     is_up();
     let pulse = RunnerPulse::new();
     let end = tokio::select! {
@@ -103,6 +104,14 @@ impl Link {
     pub(super) fn tell_present(&self, user: &str) {
         if let Ok(line) = encode(&ToRunner::Present { user: user.to_owned() }) {
             // It is told again.
+            self.out.try_send(line).unwrap_or_default();
+        }
+    }
+
+    /// Tells the station of a replica what is watched.
+    pub(super) fn watch(&self, targets: Vec<WatchTarget>) {
+        if let Ok(line) = encode(&ToRunner::Watch { targets }) {
+            // Without room for it, it is told with the next change.
             self.out.try_send(line).unwrap_or_default();
         }
     }
@@ -169,6 +178,7 @@ fn said(content: &[u8], run: &Run, link: &Link) {
         Ok(ToViewer::Pong { engine: Some(engine), .. }) => run.engine_answers(engine),
         Ok(ToViewer::Pong { link: Some(link), .. }) => run.robot_stands(*link),
         Ok(ToViewer::Control(control)) => run.robot_controls(control),
+        Ok(ToViewer::Watched { watching, values }) => run.watched().take(watching, values),
         // What a link does not ask for, and what a newer runner may say.
         Ok(
             ToViewer::Loaded { .. }

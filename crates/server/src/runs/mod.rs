@@ -21,6 +21,7 @@ mod summary;
 mod supervise;
 mod talk;
 mod watch;
+mod watched;
 
 pub use authority::RunAuthority;
 pub(crate) use commands::command;
@@ -28,6 +29,7 @@ pub(crate) use event_group::EventGroup;
 pub(crate) use ring::EventsPage;
 pub(crate) use routes::routes;
 pub(crate) use run::Run;
+pub(crate) use watched::{WatchedNow, Watcher, frame as watched_frame};
 
 use crate::change_counters::ChangeCounters;
 use crate::{Failure, ServerState, Settings};

@@ -7,6 +7,7 @@ use super::folder_files;
 use super::link::Link;
 use super::pulse::Onlookers;
 use super::ring::Ring;
+use super::watched::RunWatched;
 use crate::state::ServerState;
 use rafcon_locks::Mutex;
 use rafcon_protocol::api::{
@@ -56,6 +57,7 @@ pub(crate) struct Run {
     presence_ms: AtomicU64,
     guests: Semaphore,
     audience: Onlookers,
+    watched: RunWatched,
     /// Held while who holds control is written down.
     keeping: Mutex<()>,
 }
@@ -96,6 +98,7 @@ impl Run {
             presence_ms: AtomicU64::new(0),
             guests: Semaphore::new(GUESTS),
             audience: Onlookers::default(),
+            watched: RunWatched::default(),
             keeping: Mutex::default(),
         }
     }
@@ -276,6 +279,18 @@ impl Run {
         &self.audience
     }
 
+    /// What of it is watched, if it is a robot's.
+    pub(super) fn watched(&self) -> &RunWatched {
+        &self.watched
+    }
+
+    /// Asks the station for what is watched, if it is a robot's.
+    pub(super) fn ask_for_watched(&self) {
+        if let Some(link) = self.link().filter(|_| self.is_replica()) {
+            link.watch(self.watched.union());
+        }
+    }
+
     /// The run was looked at: this is what is true. No one is linked to it.
     pub(super) fn apply_summary(&self, summary: &RunSummary) {
         self.ring.settle(summary.events);
@@ -370,7 +385,7 @@ impl Run {
     }
 
     /// Whether it is the replica of a run on a robot far away: the robot decides who commands it.
-    pub(super) fn is_replica(&self) -> bool {
+    pub(crate) fn is_replica(&self) -> bool {
         self.now.borrow().run.robot.is_some()
     }
 

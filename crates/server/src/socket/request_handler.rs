@@ -10,6 +10,7 @@ use super::words;
 use crate::access::{Who, about};
 use crate::documents::{EditRequest, Operation};
 use crate::gate::blocking;
+use crate::runs::{WatchedNow, Watcher, watched_frame};
 use crate::{Failure, ServerState, runs};
 use axum::extract::ws::close_code;
 use rafcon_protocol::Envelope;
@@ -165,6 +166,15 @@ impl RequestHandler {
                 drop(run);
                 let frame = move |now: &Arc<RunNow>| words::run_status(subscription, now);
                 tell(Status::new(subscription, now, frame), outbox).await;
+            }
+            Topic::RunWatched { run, targets } => {
+                let run = self.server.runs.get(&run).await?;
+                let is_replica = run.is_replica();
+                let watcher = Watcher::begin(run, targets.clone())?;
+                let frame = move |now: &Arc<WatchedNow>| {
+                    words::text(&watched_frame(subscription, &targets, is_replica, now))
+                };
+                tell(Status::new(subscription, watcher.now(), frame), outbox).await;
             }
             Topic::MachineHistory { machine, from } => {
                 let session = self.server.documents.session(&machine)?;

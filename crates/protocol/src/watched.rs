@@ -1,0 +1,164 @@
+//! Values of a run far away that people watch: what they ask for, and the newest that their robot sent ahead of the events.
+
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+
+/// So much is watched of a run at most, over all who watch it.
+pub const WATCHED_MAX: usize = 256;
+
+/// The longest path and the longest name of what can be watched, in bytes.
+const PATH_MAX: usize = 640;
+const NAME_MAX: usize = 128;
+
+/// What someone watches.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
+pub struct WatchTarget {
+    /// What of a state, or else a global variable.
+    pub kind: WatchKind,
+    /// The state: ids from the root, joined by `/`; of global variables empty.
+    #[serde(default)]
+    pub path: String,
+    /// The port or variable; of `state` empty.
+    #[serde(default)]
+    pub name: String,
+    /// Lower ones go first where the rate does not allow all; 0 is the first.
+    #[serde(default)]
+    pub priority: u8,
+}
+
+/// What of a state is watched.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
+#[serde(rename_all = "snake_case")]
+pub enum WatchKind {
+    /// All values of the state, and of all that is in it.
+    State,
+    /// An input.
+    Input,
+    /// An output of its last end.
+    Output,
+    /// A scoped variable.
+    ScopedVariable,
+    /// A global variable.
+    Global,
+}
+
+/// The newest of a value.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
+pub struct WatchedValue {
+    /// What of a state; never `state`.
+    pub kind: WatchKind,
+    /// The state; of global variables empty.
+    pub path: String,
+    /// The port or variable.
+    pub name: String,
+    /// The event that it is of, which may not be here yet.
+    pub sequence: u64,
+    /// The time of that event since the start of the run, in ns.
+    pub t_ns: u64,
+    /// The value, if it is short.
+    pub value: Option<Value>,
+    /// What is known of a longer one.
+    pub large: Option<LongValue>,
+}
+
+/// A value that is too long to go ahead of its event.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
+pub struct LongValue {
+    /// The name of its Python type; empty if that is not known.
+    pub type_name: String,
+    /// Its size in bytes.
+    pub bytes: u64,
+    /// The BLAKE3 hash of its bytes in hex, if it is kept beside the events.
+    pub hash: Option<String>,
+}
+
+/// Whether the robot knows what is watched.
+#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
+pub struct Watching {
+    /// It said so. Else it was asked, and it sends what it was asked for before.
+    pub is_confirmed: bool,
+    /// Since when it is asked for this: ms since 1970, UTC, by the station's clock.
+    pub asked_ms: u64,
+    /// So much of what is watched it is not asked for, because it is too much.
+    pub left_out: u32,
+}
+
+impl WatchTarget {
+    /// Whether this value is watched by it.
+    pub fn fits(&self, kind: WatchKind, path: &str, name: &str) -> bool {
+        match self.kind {
+            WatchKind::State => {
+                let rest = path.strip_prefix(self.path.as_str());
+                kind != WatchKind::Global
+                    && rest.is_some_and(|rest| rest.is_empty() || rest.starts_with('/'))
+            }
+            own => (own, self.path.as_str(), self.name.as_str()) == (kind, path, name),
+        }
+    }
+
+    /// What several watch, each once with its first priority, the first ones first. Also answers how many are left out because they are
+    /// too many.
+    pub fn union<'t>(all: impl IntoIterator<Item = &'t Self>) -> (Vec<Self>, usize) {
+        let mut union: Vec<Self> = all.into_iter().cloned().collect();
+        let wanted = union.len();
+        union.retain(|target| target.path.len() <= PATH_MAX && target.name.len() <= NAME_MAX);
+        let too_long = wanted - union.len();
+        let place = |target: &Self| (target.kind, target.path.clone(), target.name.clone());
+        union.sort_by_cached_key(|target| (place(target), target.priority));
+        union.dedup_by_key(|target| place(target));
+        union.sort_by_key(|target| target.priority);
+        let left_out = too_long + union.len().saturating_sub(WATCHED_MAX);
+        union.truncate(WATCHED_MAX);
+        (union, left_out)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{WATCHED_MAX, WatchKind, WatchTarget};
+
+    fn target(kind: WatchKind, path: &str, name: &str, priority: u8) -> WatchTarget {
+        WatchTarget { kind, path: path.to_owned(), name: name.to_owned(), priority }
+    }
+
+    #[test]
+    fn a_state_is_watched_with_all_that_is_in_it() {
+        let arm = target(WatchKind::State, "R/ARM", "", 0);
+        let fits = |path| arm.fits(WatchKind::Input, path, "x");
+        assert_eq!(
+            ["R/ARM", "R/ARM/A", "R/ARMS", "R", ""].map(fits),
+            [true, true, false, false, false]
+        );
+        assert!(!arm.fits(WatchKind::Global, "", "x"));
+        let port = target(WatchKind::Input, "R", "x", 0);
+        assert!(port.fits(WatchKind::Input, "R", "x") && !port.fits(WatchKind::Output, "R", "x"));
+    }
+
+    #[test]
+    fn what_two_watch_is_asked_for_once_by_the_first_priority() {
+        let ana = [target(WatchKind::Input, "R/A", "x", 3), target(WatchKind::State, "R/B", "", 1)];
+        let ben = [target(WatchKind::Input, "R/A", "x", 0)];
+        let (union, left_out) = WatchTarget::union(ana.iter().chain(&ben));
+        assert_eq!(union, [ben[0].clone(), ana[1].clone()]);
+        assert_eq!(left_out, 0);
+    }
+
+    #[test]
+    fn of_ten_thousand_the_first_are_asked_for() {
+        let many: Vec<_> = (0..10_000_u32)
+            .map(|nth| {
+                target(WatchKind::Output, &format!("R/{nth}"), "x", u8::try_from(nth % 50).unwrap())
+            })
+            .collect();
+        let (union, left_out) = WatchTarget::union(&many);
+        assert_eq!((union.len(), left_out), (WATCHED_MAX, 10_000 - WATCHED_MAX));
+        assert!(union.iter().all(|target| target.priority <= 5));
+        let long = [target(WatchKind::Output, &"R/".repeat(500), "x", 0)];
+        assert_eq!(WatchTarget::union(&long), (Vec::new(), 1));
+    }
+}

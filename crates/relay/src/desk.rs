@@ -1,0 +1,151 @@
+//! Where a server asks its station for large values, and learns how far they are. Shared between the threads of both.
+
+use parking_lot::Mutex;
+use rafcon_protocol::api::ValueFetch;
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+/// So many requests wait for a station at most.
+const REQUESTS_MAX: usize = 256;
+/// So many fetches that ended are remembered.
+const ENDED_MAX: usize = 256;
+
+/// A value by its run and its number there.
+pub(crate) type ValueKey = (String, u64);
+
+/// The large values that are wanted at a station.
+#[derive(Debug, Clone, Default)]
+pub struct ValueDesk(Arc<Mutex<Desk>>);
+
+#[derive(Debug, Default)]
+struct Desk {
+    requests: Vec<Request>,
+    fetches: BTreeMap<ValueKey, ValueFetch>,
+    links: BTreeMap<String, LinkRate>,
+}
+
+/// What is asked of a station.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct Request {
+    pub(crate) robot: String,
+    pub(crate) key: ValueKey,
+    /// So many bytes of it may be sent; nothing: it is not wanted any more.
+    pub(crate) budget: Option<u64>,
+}
+
+/// What a large value costs on a link.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct LinkRate {
+    /// So many bytes of a value go into one datagram.
+    pub(crate) part: u64,
+    /// What a datagram has besides.
+    pub(crate) overhead: u64,
+    /// What nothing else uses now, in bytes a second; nothing if the robot is not heard.
+    pub(crate) spare_per_s: Option<u64>,
+}
+
+/// What a large value would cost now.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct ValueCost {
+    /// Bytes on the link.
+    pub link_bytes: u64,
+    /// How long it takes, in ms; nothing if the robot is not heard.
+    pub takes_ms: Option<u64>,
+}
+
+impl ValueDesk {
+    /// Asks for a value of a run of a robot, of which `budget` bytes may be sent. Answers whether the request is taken.
+    pub fn fetch(&self, robot: &str, key: (String, u64), length: u64, budget: u64) -> bool {
+        let mut desk = self.0.lock();
+        if !desk.links.contains_key(robot) || desk.requests.len() >= REQUESTS_MAX {
+            return false;
+        }
+        let here = desk.fetches.get(&key).map_or(0, |fetch| fetch.here.min(length));
+        desk.fetches.insert(key.clone(), ValueFetch { here, budget, failed: None });
+        desk.requests.push(Request { robot: robot.to_owned(), key, budget: Some(budget) });
+        true
+    }
+
+    /// A value is not wanted any more.
+    pub fn cancel(&self, robot: &str, key: (String, u64)) {
+        let mut desk = self.0.lock();
+        let is_asked = desk.fetches.remove(&key).is_some();
+        if is_asked && desk.requests.len() < REQUESTS_MAX {
+            desk.requests.push(Request { robot: robot.to_owned(), key, budget: None });
+        }
+    }
+
+    /// How far a value is, if it is being fetched or was last.
+    pub fn progress(&self, run: &str, number: u64) -> Option<ValueFetch> {
+        self.0.lock().fetches.get(&(run.to_owned(), number)).cloned()
+    }
+
+    /// What a value of so many bytes would cost; nothing if this robot is not received here.
+    pub fn cost(&self, robot: &str, bytes: u64) -> Option<ValueCost> {
+        let LinkRate { part, overhead, spare_per_s } = *self.0.lock().links.get(robot)?;
+        let link_bytes = bytes + bytes.div_ceil(part.max(1)) * overhead;
+        let takes = |per_s: u64| link_bytes.saturating_mul(1_000) / per_s.max(1);
+        Some(ValueCost { link_bytes, takes_ms: spare_per_s.map(takes) })
+    }
+
+    /// What is asked of this robot.
+    pub(crate) fn take(&self, robot: &str) -> Vec<Request> {
+        let requests = &mut self.0.lock().requests;
+        requests.extract_if(.., |request| request.robot == robot).collect()
+    }
+
+    /// A value is so far. One that is not wanted any more stays so.
+    pub(crate) fn set_progress(&self, key: &ValueKey, fetch: ValueFetch) {
+        let mut desk = self.0.lock();
+        desk.fetches.insert(key.clone(), fetch);
+        if desk.fetches.len() > ENDED_MAX {
+            desk.fetches.retain(|_, fetch| fetch.failed.is_none());
+        }
+    }
+
+    /// A value is here.
+    pub(crate) fn set_here(&self, key: &ValueKey) {
+        self.0.lock().fetches.remove(key);
+    }
+
+    /// The link to a robot is like this.
+    pub(crate) fn set_link(&self, robot: &str, rate: LinkRate) {
+        self.0.lock().links.insert(robot.to_owned(), rate);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{LinkRate, Request, ValueCost, ValueDesk};
+
+    #[test]
+    fn a_value_costs_its_bytes_and_the_headers_of_its_datagrams() {
+        let desk = ValueDesk::default();
+        assert_eq!(desk.cost("scout", 1_000), None);
+        assert!(!desk.fetch("scout", ("run".to_owned(), 7), 1_000, 2_000), "no such robot");
+        let rate = LinkRate { part: 100, overhead: 20, spare_per_s: Some(600) };
+        desk.set_link("scout", rate);
+        let cost = ValueCost { link_bytes: 1_200, takes_ms: Some(2_000) };
+        assert_eq!(desk.cost("scout", 1_000), Some(cost));
+        desk.set_link("scout", LinkRate { spare_per_s: None, ..rate });
+        assert_eq!(desk.cost("scout", 1_000), Some(ValueCost { takes_ms: None, ..cost }));
+    }
+
+    #[test]
+    fn requests_are_for_one_robot_each_and_taken_once() {
+        let desk = ValueDesk::default();
+        let rate = LinkRate { part: 100, overhead: 20, spare_per_s: None };
+        for robot in ["scout", "mule"] {
+            desk.set_link(robot, rate);
+        }
+        let key = || ("run".to_owned(), 7);
+        assert!(desk.fetch("scout", key(), 1_000, 1_250));
+        assert_eq!(desk.progress("run", 7).map(|fetch| fetch.budget), Some(1_250));
+        assert!(desk.take("mule").is_empty());
+        let request = |budget| Request { robot: "scout".to_owned(), key: key(), budget };
+        assert_eq!(desk.take("scout"), [request(Some(1_250))]);
+        desk.cancel("scout", key());
+        assert_eq!(desk.progress("run", 7), None);
+        assert_eq!(desk.take("scout"), [request(None)]);
+    }
+}

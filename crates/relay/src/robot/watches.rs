@@ -1,0 +1,254 @@
+//! What stations watch of the runs of a robot, and the newest values of that, read from the journals: the runs do not know of it.
+
+use crate::watch_words;
+use rafcon_link::{NewestValue, RobotSession, StreamId, Wish};
+use rafcon_protocol::{LongValue, WatchKind, WatchTarget, WatchedValue};
+use rafcon_storage::journal::record::Content;
+use rafcon_storage::journal::{JournalError, Kept, Moment, Reader, Stored};
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::PathBuf;
+use std::time::Duration;
+
+/// Values are looked for at most this often.
+const LOOK_EVERY: Duration = Duration::from_millis(200);
+/// So many values of a run are followed.
+const VALUES_MAX: usize = 1_024;
+/// So many runs are watched.
+const RUNS_MAX: usize = 64;
+
+/// What is watched of the runs of a robot.
+#[derive(Debug)]
+pub(super) struct RobotWatches {
+    /// Where it is kept for the next start.
+    file: PathBuf,
+    /// It is forgotten after so long without a word of the station.
+    age_max: Duration,
+    runs: BTreeMap<StreamId, WatchedRun>,
+}
+
+#[derive(Debug, Default)]
+struct WatchedRun {
+    number: u64,
+    targets: Vec<WatchTarget>,
+    moment: Option<Moment>,
+    /// What was found last of each value.
+    found: BTreeMap<ValuePlace, Found>,
+    look_at: Duration,
+}
+
+type ValuePlace = (WatchKind, String, String);
+
+#[derive(Debug)]
+struct Found {
+    /// By what the session tells it apart.
+    key: u32,
+    order: u64,
+    kept: Kept,
+}
+
+/// What is kept of a run on the disk.
+#[derive(Debug, Serialize, Deserialize)]
+struct KeptWish {
+    stream: u32,
+    number: u64,
+    /// When the station was heard last: ms since 1970, UTC.
+    heard_ms: u64,
+    targets: Vec<WatchTarget>,
+}
+
+impl RobotWatches {
+    /// Goes on with what was watched when the robot's server ended, if that is not too long ago.
+    pub(super) fn begin(
+        file: PathBuf,
+        age_max: Duration,
+        now_ms: u64,
+        session: &mut RobotSession,
+    ) -> Self {
+        let mut watches = Self { file, age_max, runs: BTreeMap::new() };
+        let text = fs::read(&watches.file).unwrap_or_default();
+        let kept: Vec<KeptWish> = serde_json::from_slice(&text).unwrap_or_default();
+        for KeptWish { stream, number, heard_ms, targets } in kept.into_iter().take(RUNS_MAX) {
+            if Duration::from_millis(now_ms.saturating_sub(heard_ms)) <= watches.age_max {
+                let run = WatchedRun { number, targets, ..WatchedRun::default() };
+                watches.runs.insert(StreamId(stream), run);
+                session.set_wish(StreamId(stream), number);
+            }
+        }
+        watches
+    }
+
+    /// A station watches this from now on.
+    pub(super) fn take(&mut self, Wish { stream, number, body }: Wish) {
+        let targets = watch_words::read_wish(&body).unwrap_or_default();
+        let is_room = self.runs.len() < RUNS_MAX || self.runs.contains_key(&stream);
+        if targets.is_empty() || !is_room {
+            self.runs.remove(&stream);
+        } else {
+            self.runs.insert(stream, WatchedRun { number, targets, ..WatchedRun::default() });
+        }
+    }
+
+    /// Keeps what is watched for the next start; forgets it if the station has not been heard for too long.
+    pub(super) fn keep(
+        &mut self,
+        now_ms: u64,
+        heard_before: Option<Duration>,
+        session: &mut RobotSession,
+    ) {
+        if heard_before.is_some_and(|before| before > self.age_max) {
+            for (stream, run) in std::mem::take(&mut self.runs) {
+                // The number stays: the station is told which of its wishes was heard last.
+                session.set_wish(stream, run.number);
+            }
+        }
+        // Without a word since the start, what is on the disk is as old as it was.
+        let Some(before) = heard_before else { return };
+        let heard_ms = now_ms.saturating_sub(u64::try_from(before.as_millis()).unwrap_or(0));
+        let kept: Vec<_> = self
+            .runs
+            .iter()
+            .map(|(stream, run)| KeptWish {
+                stream: stream.0,
+                number: run.number,
+                heard_ms,
+                targets: run.targets.clone(),
+            })
+            .collect();
+        if let Ok(text) = serde_json::to_vec(&kept) {
+            // What is not kept is asked for again by a station that is heard.
+            drop(fs::write(&self.file, text));
+        }
+    }
+
+    /// The runs of which values are to be looked for now.
+    pub(super) fn due(&mut self, now: Duration, session: &RobotSession) -> Vec<StreamId> {
+        let is_due = |(stream, run): &(&StreamId, &mut WatchedRun)| {
+            run.look_at <= now && session.needs_watched(now, **stream)
+        };
+        let due = self.runs.iter_mut().filter(is_due).map(|(stream, run)| {
+            run.look_at = now + LOOK_EVERY;
+            *stream
+        });
+        due.collect()
+    }
+
+    /// Looks for values of a run that are new.
+    pub(super) fn look(
+        &mut self,
+        stream: StreamId,
+        reader: &mut Reader,
+        session: &mut RobotSession,
+    ) -> Result<(), JournalError> {
+        let Some(run) = self.runs.get_mut(&stream) else { return Ok(()) };
+        let moment = match run.moment.take() {
+            Some(before) => reader.advance(before)?,
+            None => reader.moment(u64::MAX)?,
+        };
+        for (place, order, kept, t_ns) in values_in(&moment, &run.targets) {
+            let known = run.found.get(&place);
+            let is_known = known.is_some_and(|found| {
+                found.order == order || place.0 == WatchKind::Global && found.kept == kept
+            });
+            if is_known || known.is_none() && run.found.len() >= VALUES_MAX {
+                continue;
+            }
+            let next = u32::try_from(run.found.len()).unwrap_or(u32::MAX);
+            let key = known.map_or(next, |found| found.key);
+            let priority = priority(&run.targets, &place);
+            let value = watched(reader, &place, (order, t_ns), &kept)?;
+            run.found.insert(place, Found { key, order, kept });
+            if let Some(bytes) = watch_words::value(&value) {
+                session.set_watched(stream, key, NewestValue { priority, sequence: order, bytes });
+            }
+        }
+        run.moment = Some(moment);
+        Ok(())
+    }
+}
+
+/// The values of a moment that are watched: each with the event that it is of, and its time if that is known.
+fn values_in(
+    moment: &Moment,
+    targets: &[WatchTarget],
+) -> Vec<(ValuePlace, u64, Kept, Option<u64>)> {
+    let mut values = Vec::new();
+    let mut add = |kind, path: &str, name: Option<&str>, (order, t_ns), kept: &Kept| {
+        let Some(name) = name.filter(|_| *kept != Kept::Absent) else { return };
+        if targets.iter().any(|target| target.fits(kind, path, name)) {
+            let place = (kind, path.to_owned(), name.to_owned());
+            values.push((place, order, kept.clone(), t_ns));
+        }
+    };
+    for state in moment.active() {
+        let path = &state.place.path;
+        for (port, kept) in &state.inputs {
+            let at = (state.order, Some(state.since_ns));
+            add(WatchKind::Input, path, name_of(&state.place.inputs, *port), at, kept);
+        }
+        for variable in &state.scoped {
+            let (at, name) = ((variable.order, None), name_of(&state.place.scoped, variable.port));
+            add(WatchKind::ScopedVariable, path, name, at, &variable.value);
+        }
+        for end in &state.ended {
+            for (port, kept) in &end.outputs {
+                let (at, name) = ((end.order, None), name_of(&end.place.outputs, *port));
+                add(WatchKind::Output, &end.place.path, name, at, kept);
+            }
+        }
+    }
+    for (name, kept) in moment.globals() {
+        let at = (moment.sequence(), Some(moment.t_ns()));
+        add(WatchKind::Global, "", Some(name), at, kept);
+    }
+    values
+}
+
+fn name_of<N: AsRef<str>>(ports: &[(u64, N)], port: u64) -> Option<&str> {
+    ports.iter().find(|(id, _)| *id == port).map(|(_, name)| name.as_ref())
+}
+
+fn priority(targets: &[WatchTarget], (kind, path, name): &ValuePlace) -> u8 {
+    let fitting = targets.iter().filter(|target| target.fits(*kind, path, name));
+    fitting.map(|target| target.priority).min().unwrap_or(u8::MAX)
+}
+
+fn watched(
+    reader: &mut Reader,
+    (kind, path, name): &ValuePlace,
+    (sequence, t_ns): (u64, Option<u64>),
+    kept: &Kept,
+) -> Result<WatchedValue, JournalError> {
+    let t_ns = match t_ns {
+        Some(t_ns) => t_ns,
+        None => reader.page(sequence, 1)?.first().map_or(0, |entry| entry.t_ns),
+    };
+    let (value, large) = match kept {
+        Kept::Value(number) => match reader.value(*number)? {
+            Some(stored) => (Some(stored.view.clone()), Some(long_value(&stored))),
+            None => (None, None),
+        },
+        plain => (Some(reader.view(plain)?), None),
+    };
+    let (kind, path, name) = (*kind, path.clone(), name.clone());
+    Ok(WatchedValue { kind, path, name, sequence, t_ns, value, large })
+}
+
+fn long_value(stored: &Stored) -> LongValue {
+    let type_name = stored.type_name.to_string();
+    let (bytes, hash) = match &stored.content {
+        Content::Pickle(pickle) => {
+            (pickle.len() as u64, Some(rafcon_storage::journal::ContentHash::of(pickle).name()))
+        }
+        Content::File { hash, size } => (*size, Some(hash.clone())),
+        Content::View | Content::Nothing(_) => (stored.view.to_string().len() as u64, None),
+    };
+    LongValue { type_name, bytes, hash }
+}
+
+/// How long what is watched goes on without a word of the station, by the profile of the link.
+pub(super) fn age_max(profile: &rafcon_link::Profile) -> Duration {
+    // The slower the link, the longer its silences.
+    profile.silence() * 10_000
+}

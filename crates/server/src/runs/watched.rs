@@ -1,0 +1,202 @@
+//! Values of a robot's run that clients watch: the station is asked once for what all of them watch, and each is told its part.
+//!
+//! Knows who watches what. Does not know how values come from the robot, nor the events, which bring the same values later.
+
+use super::run::Run;
+use crate::Failure;
+use rafcon_locks::Mutex;
+use rafcon_protocol::socket::ToClient;
+use rafcon_protocol::{WatchKind, WatchTarget, WatchedValue, Watching};
+use std::collections::BTreeMap;
+use std::sync::Arc;
+use tokio::sync::watch;
+
+/// A client watches at most so much of a run with one subscription.
+const TARGETS_MAX: usize = 1_024;
+/// So many values of a run are kept.
+const VALUES_MAX: usize = 1_024;
+/// So many values are told at once.
+const TOLD_MAX: usize = 256;
+
+/// What is watched of one run.
+#[derive(Debug)]
+pub(crate) struct RunWatched {
+    watchers: Mutex<Watchers>,
+    now: watch::Sender<Arc<WatchedNow>>,
+}
+
+#[derive(Debug, Default)]
+struct Watchers {
+    next: u64,
+    targets: BTreeMap<u64, Vec<WatchTarget>>,
+    union: Vec<WatchTarget>,
+    left_out: u32,
+}
+
+/// The newest of what is watched.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct WatchedNow {
+    watching: Watching,
+    left_out: u32,
+    values: BTreeMap<(WatchKind, String, String), WatchedValue>,
+}
+
+impl Default for RunWatched {
+    fn default() -> Self {
+        Self { watchers: Mutex::default(), now: watch::Sender::new(Arc::default()) }
+    }
+}
+
+impl RunWatched {
+    /// What the station is asked for.
+    pub(super) fn union(&self) -> Vec<WatchTarget> {
+        self.watchers.lock().union.clone()
+    }
+
+    /// The station says this of what is watched.
+    pub(super) fn take(&self, watching: Watching, values: Vec<WatchedValue>) {
+        self.now.send_modify(|now| {
+            let now = Arc::make_mut(now);
+            now.watching = watching;
+            for value in values {
+                let place = (value.kind, value.path.clone(), value.name.clone());
+                let known = now.values.get(&place).map(|known| known.sequence);
+                let is_room = known.is_some() || now.values.len() < VALUES_MAX;
+                if is_room && known.is_none_or(|known| known <= value.sequence) {
+                    now.values.insert(place, value);
+                }
+            }
+        });
+    }
+
+    /// Somebody watches this from now on, or nothing any more. Answers whether the station is to be asked for something else.
+    fn set(&self, watcher: u64, targets: Option<Vec<WatchTarget>>) -> bool {
+        let mut watchers = self.watchers.lock();
+        match targets {
+            Some(targets) => drop(watchers.targets.insert(watcher, targets)),
+            None => drop(watchers.targets.remove(&watcher)),
+        }
+        let (union, left_out) = WatchTarget::union(watchers.targets.values().flatten());
+        watchers.left_out = u32::try_from(left_out).unwrap_or(u32::MAX);
+        let is_news = union != watchers.union;
+        watchers.union = union;
+        // With the lock held: what is told last is what is true.
+        self.now.send_modify(|now| {
+            let now = Arc::make_mut(now);
+            now.left_out = watchers.left_out;
+            let is_watched = |value: &WatchedValue| fits(&watchers.union, value);
+            now.values.retain(|_, value| is_watched(value));
+        });
+        is_news
+    }
+}
+
+/// Somebody who watches values of a run, until this is dropped.
+#[derive(Debug)]
+pub(crate) struct Watcher {
+    run: Arc<Run>,
+    number: u64,
+}
+
+impl Watcher {
+    /// Begins to watch, if that is not too much.
+    pub(crate) fn begin(run: Arc<Run>, targets: Vec<WatchTarget>) -> Result<Self, Failure> {
+        if targets.len() > TARGETS_MAX {
+            let message = format!(
+                "{} values are too many to watch at once: watch at most {TARGETS_MAX}, or whole states",
+                targets.len()
+            );
+            return Err(Failure::bad("too_many_watched", message));
+        }
+        let number = {
+            let mut watchers = run.watched().watchers.lock();
+            watchers.next += 1;
+            watchers.next
+        };
+        let watcher = Self { run, number };
+        watcher.set(Some(targets));
+        Ok(watcher)
+    }
+
+    fn set(&self, targets: Option<Vec<WatchTarget>>) {
+        if self.run.watched().set(self.number, targets) {
+            self.run.ask_for_watched();
+        }
+    }
+
+    /// The newest of what is watched.
+    pub(crate) fn now(&self) -> watch::Receiver<Arc<WatchedNow>> {
+        self.run.watched().now.subscribe()
+    }
+}
+
+impl Drop for Watcher {
+    fn drop(&mut self) {
+        self.set(None);
+    }
+}
+
+/// What a client that watches this is told. Values of a run on this computer come with its events: then there is nothing to tell.
+pub(crate) fn frame(
+    subscription: u32,
+    targets: &[WatchTarget],
+    is_replica: bool,
+    now: &WatchedNow,
+) -> ToClient {
+    let WatchedNow { watching, left_out, values } = now;
+    let left_out = watching.left_out.saturating_add(*left_out);
+    let watching = is_replica.then(|| Watching { left_out, ..watching.clone() });
+    let values = values.values().filter(|value| fits(targets, value));
+    ToClient::RunWatched {
+        subscription,
+        watching,
+        values: values.take(TOLD_MAX).cloned().collect(),
+    }
+}
+
+fn fits(targets: &[WatchTarget], value: &WatchedValue) -> bool {
+    targets.iter().any(|target| target.fits(value.kind, &value.path, &value.name))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{RunWatched, frame};
+    use rafcon_protocol::socket::ToClient;
+    use rafcon_protocol::{WatchKind, WatchTarget, WatchedValue, Watching};
+
+    fn target(path: &str) -> WatchTarget {
+        let (kind, path, name) = (WatchKind::Input, path.to_owned(), "x".to_owned());
+        WatchTarget { kind, path, name, priority: 0 }
+    }
+
+    fn value(path: &str, sequence: u64) -> WatchedValue {
+        let (kind, path, name) = (WatchKind::Input, path.to_owned(), "x".to_owned());
+        WatchedValue { kind, path, name, sequence, t_ns: 0, value: None, large: None }
+    }
+
+    fn told(watched: &RunWatched, paths: &[&str]) -> Vec<(String, u64)> {
+        let targets: Vec<_> = paths.iter().map(|path| target(path)).collect();
+        let now = watched.now.borrow();
+        let ToClient::RunWatched { values, .. } = frame(1, &targets, true, &now) else {
+            return Vec::new();
+        };
+        values.into_iter().map(|value| (value.path, value.sequence)).collect()
+    }
+
+    #[test]
+    fn each_client_is_told_its_part_and_the_station_is_asked_once() {
+        let watched = RunWatched::default();
+        assert!(watched.set(1, Some(vec![target("R/A")])));
+        assert!(!watched.set(2, Some(vec![target("R/A")])), "that is watched already");
+        assert!(watched.set(3, Some(vec![target("R/B")])));
+        watched.take(Watching::default(), vec![value("R/A", 5), value("R/B", 6)]);
+        watched.take(Watching::default(), vec![value("R/A", 4)]);
+        assert_eq!(told(&watched, &["R/A"]), [("R/A".to_owned(), 5)]);
+        assert_eq!(told(&watched, &["R/B", "R/C"]), [("R/B".to_owned(), 6)]);
+        assert!(!watched.set(1, None), "the second client still watches it");
+        assert!(watched.set(2, None));
+        assert_eq!(told(&watched, &["R/A", "R/B"]), [("R/B".to_owned(), 6)]);
+        assert!(watched.set(3, None));
+        assert!(watched.union().is_empty());
+    }
+}
