@@ -18,6 +18,7 @@ import { tellOfRuns } from "./run_notices.ts";
 import type { AppSession } from "./session.ts";
 import { Toasts } from "./toasts.tsx";
 import { TopBar } from "./top_bar.tsx";
+import { watchRobots } from "./watch_robots.ts";
 import "./app.css";
 
 export function App({ session }: { session: AppSession }) {
@@ -66,6 +67,7 @@ function Inside() {
       listenForTips(document),
       guardLeaving(session, window),
       tellOfRuns(session),
+      watchRobots(session.page),
       preloadParts(session.page),
     ];
     return () => {

@@ -92,6 +92,12 @@ export function followRuns(
       return run.id;
     },
     get: (run, what) => server.request("GET", `/runs/${encodeURIComponent(run)}/${what}`),
+    fetchValue: (run, value, isWanted) => {
+      const path = `/runs/${encodeURIComponent(run)}/values/${value}/fetch`;
+      return isWanted
+        ? server.request("POST", path, { budget: null })
+        : server.request("DELETE", path);
+    },
     remove: async (id) => {
       await server.request("DELETE", `/runs/${encodeURIComponent(id)}`);
       watched.get(id)?.close();

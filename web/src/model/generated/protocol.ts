@@ -808,6 +808,11 @@ export type ExportQuery = {
   /** Lines and tables: up to this time, in ns. */
   until_ns: number | null, };
 
+/** Asks for a large value of a robot. */
+export type FetchValue = {
+  /** So many of its bytes may be sent, those that are lost on the way included; none: a quarter more than it has. */
+  budget: number | null, };
+
 /** A folder of a project. */
 export type FileNode = {
   /** Its name. */
@@ -951,7 +956,15 @@ export type Keeping = "off" | "status" | "full";
 /** From what a value can be made again. Its bytes are read by runners only, and never sent. */
 export type KeptAs = { "kept": "view" } | { "kept": "pickle",
   /** Its size in bytes. */
-  bytes: number, } | { "kept": "nothing",
+  bytes: number, } | { "kept": "on_robot",
+  /** Its size in bytes. */
+  bytes: number,
+  /** What it costs on the link, in bytes with all headers, if nothing is lost; none if this station does not receive that robot. */
+  link_bytes: number | null,
+  /** How long it takes with what the link has left now, in ms; none if the robot is not heard. */
+  takes_ms: number | null,
+  /** How far it is, if it is being fetched or was last. */
+  fetch: ValueFetch | null, } | { "kept": "nothing",
   /** Why. */
   reason: string, };
 
@@ -971,7 +984,15 @@ export type KeptValue = {
   /** What can be shown of it: bounded. */
   view: JsonValue, } & ({ "kept": "view" } | { "kept": "pickle",
   /** Its size in bytes. */
-  bytes: number, } | { "kept": "nothing",
+  bytes: number, } | { "kept": "on_robot",
+  /** Its size in bytes. */
+  bytes: number,
+  /** What it costs on the link, in bytes with all headers, if nothing is lost; none if this station does not receive that robot. */
+  link_bytes: number | null,
+  /** How long it takes with what the link has left now, in ms; none if the robot is not heard. */
+  takes_ms: number | null,
+  /** How far it is, if it is being fetched or was last. */
+  fetch: ValueFetch | null, } | { "kept": "nothing",
   /** Why. */
   reason: string, });
 
@@ -1125,6 +1146,15 @@ export type Login = {
   user: string,
   /** The password. */
   password: string, };
+
+/** A value that is too long to go ahead of its event. */
+export type LongValue = {
+  /** The name of its Python type; empty if that is not known. */
+  type_name: string,
+  /** Its size in bytes. */
+  bytes: number,
+  /** The BLAKE3 hash of its bytes in hex, if it is kept beside the events. */
+  hash: string | null, };
 
 /** What a run has lost when nobody commands it any more (`docs/semantics.md`, Lost link). */
 export type Loss = "link" | "command";
@@ -1968,7 +1998,13 @@ export type ToClient = { "frame": "welcome",
   /** Of this subscription. */
   subscription: number,
   /** The truth. */
-  status: RunNow, } | { "frame": "machine_status",
+  status: RunNow, } | { "frame": "run_watched",
+  /** Of this subscription. */
+  subscription: number,
+  /** Whether the robot knows what is watched; none if the run is not that of a robot. */
+  watching: Watching | null,
+  /** The values, at most 256; each also comes with its event. */
+  values: Array<WatchedValue>, } | { "frame": "machine_status",
   /** Of this subscription. */
   subscription: number,
   /** The truth. */
@@ -2064,7 +2100,11 @@ export type Topic = { "topic": "run_history",
   /** If there are more, so many of the newest. */
   newest: number, } | { "topic": "run_status",
   /** The run's id. */
-  run: string, } | { "topic": "machine_history",
+  run: string, } | { "topic": "run_watched",
+  /** The run's id. */
+  run: string,
+  /** What the client watches. */
+  targets: Array<WatchTarget>, } | { "topic": "machine_history",
   /** The machine's id. */
   machine: string,
   /** The first revision that the client has not seen. */
@@ -2113,6 +2153,55 @@ export type User = {
   name: string,
   /** What the user may do. */
   role: Role, };
+
+/** How far a large value is on its way from a robot. */
+export type ValueFetch = {
+  /** So many of its bytes are here. */
+  here: number,
+  /** So many bytes may still come before the fetch ends. */
+  budget: number,
+  /** Why it ended, if it did; what is here stays for another one. */
+  failed: string | null, };
+
+/** What of a state is watched. */
+export type WatchKind = "state" | "input" | "output" | "scoped_variable" | "global";
+
+/** What someone watches. */
+export type WatchTarget = {
+  /** What of a state, or else a global variable. */
+  kind: WatchKind,
+  /** The state: ids from the root, joined by `/`; of global variables empty. */
+  path: string,
+  /** The port or variable; of `state` empty. */
+  name: string,
+  /** Lower ones go first where the rate does not allow all; 0 is the first. */
+  priority: number, };
+
+/** The newest of a value. */
+export type WatchedValue = {
+  /** What of a state; never `state`. */
+  kind: WatchKind,
+  /** The state; of global variables empty. */
+  path: string,
+  /** The port or variable. */
+  name: string,
+  /** The event that it is of, which may not be here yet. */
+  sequence: number,
+  /** The time of that event since the start of the run, in ns. */
+  t_ns: number,
+  /** The value, if it is short. */
+  value: JsonValue | null,
+  /** What is known of a longer one. */
+  large: LongValue | null, };
+
+/** Whether the robot knows what is watched. */
+export type Watching = {
+  /** It said so. Else it was asked, and it sends what it was asked for before. */
+  is_confirmed: boolean,
+  /** Since when it is asked for this: ms since 1970, UTC, by the station's clock. */
+  asked_ms: number,
+  /** So much of what is watched it is not asked for, because it is too much. */
+  left_out: number, };
 
 /** On which side of a state. */
 export type When = "before" | "after";

@@ -18,8 +18,9 @@ import {
   watchedOf,
 } from "../../store/run/watched_values.ts";
 import { IconButton } from "../../ui/button.tsx";
-import { useSignal } from "../../ui/signals.ts";
+import { useComputed, useSignal } from "../../ui/signals.ts";
 import { dragValue } from "../parts/value/dragged_value.ts";
+import { OnRobotValue } from "../parts/value/on_robot.tsx";
 import type { Detailed } from "../parts/value/use_detail.ts";
 import { ValueView } from "../parts/value/value_view.tsx";
 import type { InspectedState } from "./inspector_context.ts";
@@ -57,6 +58,7 @@ export function GlobalValues({ inspected, watch, values }: GlobalValuesProps) {
         target={{ kind: "global", path: "", name }}
         value={values[name]}
         origin={null}
+        from={null}
       />
     ));
 }
@@ -95,6 +97,7 @@ function Group({ inspected, watch, until, kind, title, values, refusal }: ValueG
           target={{ kind, path: inspected.path, name }}
           value={values[name]}
           origin={shared ? null : (origins[index] ?? null)}
+          from={origins[index]?.sequence ?? null}
         />
       ))}
     </section>
@@ -123,9 +126,12 @@ interface ValueLineProps {
   readonly target: Target;
   readonly value: unknown;
   readonly origin: Origin | null;
+  /** The event that it is of; null if it is not known. */
+  readonly from: number | null;
 }
 
-function Line({ inspected, watch, target, value, origin }: ValueLineProps) {
+function Line({ inspected, watch, target, value, origin, from }: ValueLineProps) {
+  const isOfRobot = useComputed(() => (watch.now.value?.run.robot ?? null) !== null, [watch]);
   return (
     // biome-ignore lint/a11y/noStaticElementInteractions: dragging does what the button beside it does
     <div className="in-run-value" draggable onDragStart={(event) => dragValue(event, target)}>
@@ -135,6 +141,9 @@ function Line({ inspected, watch, target, value, origin }: ValueLineProps) {
         keep={`${target.path} ${target.kind} ${target.name}`}
         actions={<WatchButton inspected={inspected} target={target} />}
       />
+      {isOfRobot && (
+        <OnRobotValue page={inspected.page} run={watch.id} sequence={from} name={target.name} />
+      )}
       {origin && (
         <div className="in-run-origin">
           <From inspected={inspected} watch={watch} what={target.name} origin={origin} />

@@ -47,18 +47,22 @@ function Value({ tab, watch, watched }: ValueProps) {
       <dt>{nameOf(watched)}</dt>
       <dd title={now.state === "none" ? now.why : text}>{text}</dd>
       {now.state === "there" && now.sequence !== null && (
-        <Came watch={watch} sequence={now.sequence} />
+        <Came watch={watch} t_ns={now.aheadAt_ns ?? timeOf(watch, now.sequence)} />
       )}
     </div>
   );
 }
 
 /** When the value came: in the past that is shown, how long after the start. */
-function Came({ watch, sequence }: { readonly watch: Watch; readonly sequence: number }) {
-  const t_ms = watch.window.t_ns(watch.window.indexOf(sequence)) / 1e6;
+function Came({ watch, t_ns }: { readonly watch: Watch; readonly t_ns: number }) {
+  const t_ms = t_ns / 1e6;
   const isPast = useComputed(() => watch.playhead.value !== null, [watch]);
   const when = useWhen(watch, t_ms);
   return <dd className="mission-pinned-when">{isPast ? `after ${growing(t_ms)}` : when}</dd>;
+}
+
+function timeOf({ window }: Watch, sequence: number): number {
+  return window.t_ns(window.indexOf(sequence));
 }
 
 function nameOf({ target, expression }: WatchedExpression): string {

@@ -20,9 +20,12 @@ import { IconButton } from "../../ui/button.tsx";
 import { TextField } from "../../ui/field.tsx";
 import { useSignal } from "../../ui/signals.ts";
 import { useHost } from "../context.tsx";
+import { dataSize } from "../parts/data_size.ts";
+import { OnRobotValue } from "../parts/value/on_robot.tsx";
 import { useValue } from "../parts/value/use_value.ts";
 import { ValueView } from "../parts/value/value_view.tsx";
 import { reveal } from "../reveal.ts";
+import { Ahead } from "./ahead.tsx";
 import { Plot } from "./plot.tsx";
 import type { WatchedValue } from "./watched_value.ts";
 
@@ -127,14 +130,40 @@ function Now({ tab, watched, watch, expression }: WatchInRunProps) {
   const now = useValue(page, tab, watch, watched.target);
   if (now.state === "coming") return <p className="watches-faint">…</p>;
   if (now.state === "none") return <p className="watches-faint">No value: {now.why}.</p>;
+  if (now.state === "long") {
+    const { type_name, bytes } = now.long;
+    return (
+      <p className="watches-faint">
+        A new {type_name || "value"} of {dataSize(bytes)}: it comes with its event.{" "}
+        <Ahead watch={watch} at_ns={now.aheadAt_ns} />
+      </p>
+    );
+  }
   const worked = expression.of(now.value);
   if ("refused" in worked) return <p className="watches-refusal">{worked.refused}</p>;
+  const isOfRobot = (watch.now.peek()?.run.robot ?? null) !== null;
   return (
-    <ValueView
-      value={worked.value}
-      keep={`watched ${watched.id} ${watched.expression}`}
-      actions={now.sequence === null ? null : <Since watch={watch} sequence={now.sequence} />}
-    />
+    <>
+      <ValueView
+        value={worked.value}
+        keep={`watched ${watched.id} ${watched.expression}`}
+        actions={
+          now.aheadAt_ns !== undefined ? (
+            <Ahead watch={watch} at_ns={now.aheadAt_ns} />
+          ) : (
+            now.sequence !== null && <Since watch={watch} sequence={now.sequence} />
+          )
+        }
+      />
+      {isOfRobot && now.aheadAt_ns === undefined && (
+        <OnRobotValue
+          page={page}
+          run={watch.id}
+          sequence={now.sequence}
+          name={watched.target.name}
+        />
+      )}
+    </>
   );
 }
 

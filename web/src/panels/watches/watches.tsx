@@ -3,13 +3,18 @@
 import { computed } from "@preact/signals-core";
 import { type DragEvent, useMemo, useState } from "react";
 import { type PortKind, portsOf } from "../../model/machine.ts";
+import type { Watch } from "../../store/history/run.ts";
+import { clock1s } from "../../store/page/clock1s.ts";
 import type { OpenTab } from "../../store/page/page.ts";
 import { selectedStates } from "../../store/page/view.ts";
+import { setStateWatched, watchedStatesOf } from "../../store/run/watched_states.ts";
 import { addWatched, type Target, watchedOf } from "../../store/run/watched_values.ts";
 import { Empty } from "../../ui/empty.tsx";
-import { useSignal } from "../../ui/signals.ts";
-import { useActiveTab } from "../context.tsx";
+import { useComputed, useSignal } from "../../ui/signals.ts";
+import { useActiveTab, useHost } from "../context.tsx";
+import { duration } from "../parts/duration.ts";
 import { droppedValue, isValueDrag } from "../parts/value/dragged_value.ts";
+import { StateCard } from "./state_card.tsx";
 import { WatchCard } from "./watch_card.tsx";
 import "./watches.css";
 
@@ -24,6 +29,7 @@ export function Watches() {
 
 function OfTab({ tab }: { tab: OpenTab }) {
   const all = useSignal(useMemo(() => computed(() => watchedOf(tab).value), [tab]));
+  const states = useSignal(useMemo(() => computed(() => watchedStatesOf(tab).value), [tab]));
   const watch = useSignal(tab.run);
   const [isOver, setOver] = useState(false);
   const drop = (event: DragEvent<HTMLElement>) => {
@@ -47,12 +53,16 @@ function OfTab({ tab }: { tab: OpenTab }) {
       onDrop={drop}
     >
       <Adding tab={tab} />
-      {all.length === 0 && (
+      {watch && <AskedOfRobot watch={watch} />}
+      {all.length + states.length === 0 && (
         <Empty
           title="Nothing is watched"
           text="Press the eye beside a value in the inspector, drag a value here, or choose a value of the selected state above."
         />
       )}
+      {states.map((path) => (
+        <StateCard key={`${path} ${watch?.id ?? ""}`} tab={tab} path={path} watch={watch} />
+      ))}
       {all.map((watched) => (
         <WatchCard
           key={`${watched.id} ${watch?.id ?? ""}`}
@@ -65,40 +75,70 @@ function OfTab({ tab }: { tab: OpenTab }) {
   );
 }
 
+/** So long after it was asked, the robot may simply not have answered yet. */
+const ANSWER_MS = 6_000;
+
+/** What the robot does not know of what is watched. */
+function AskedOfRobot({ watch }: { watch: Watch }) {
+  const { page } = useHost().context();
+  const { watching } = useSignal(watch.ahead);
+  const robot = useComputed(() => watch.now.value?.robot ?? null, [watch]);
+  const pulse = useSignal(page.server.pulse);
+  const here_ms = useSignal(clock1s);
+  if (!watching || !robot) return null;
+  const waits_ms = here_ms + (pulse?.ahead_ms ?? 0) - watching.asked_ms;
+  const patience_ms = 2 * (robot.round_trip_ms ?? 0) + ANSWER_MS;
+  const isOpen = !watching.is_confirmed && waits_ms > patience_ms;
+  if (!isOpen && watching.left_out === 0) return null;
+  return (
+    <p className="watches-asked" role="status">
+      {isOpen &&
+        `${robot.robot} has not answered for ${duration(waits_ms)} which values are watched here: until it does, values come with their events, or as they were watched before. `}
+      {watching.left_out > 0 &&
+        `${watching.left_out} of the watched values are too many for the link: they come with their events only.`}
+    </p>
+  );
+}
+
 const KINDS: readonly PortKind[] = ["input", "output", "scoped_variable"];
 const KIND_TITLES = { input: "Input", output: "Output", scoped_variable: "Scoped variable" };
 
-/** Values of the selected state can be watched before they are there. */
+/** What is chosen to be watched: a value of the selected state, or the state with all that is in it. */
+const WHOLE_STATE = "state";
+
+/** The selected state and its values can be watched before they are there. */
 function Adding({ tab }: { tab: OpenTab }) {
   const selection = useSignal(tab.view.selection);
   const version = useSignal(tab.session.version);
   const { machine } = tab.session;
   // biome-ignore lint/correctness/useExhaustiveDependencies: the machine stays the same object; its version tells of changes
-  const targets = useMemo(() => {
+  const [state, targets] = useMemo(() => {
     const [path = machine.root] = selectedStates(tab.view);
-    const state = machine.state(path);
-    if (!state) return [];
-    return KINDS.flatMap((kind) =>
-      portsOf(state, kind).map(({ name }): Target => ({ kind, path, name })),
+    const found = machine.state(path);
+    if (!found) return [null, []] as const;
+    const values = KINDS.flatMap((kind) =>
+      portsOf(found, kind).map(({ name }): Target => ({ kind, path, name })),
     );
+    return [{ path, name: found.name }, values] as const;
   }, [tab, machine, selection, version]);
-  const [first] = targets;
-  const name = first ? (machine.state(first.path)?.name ?? "") : "";
+  const choose = (value: string) => {
+    if (value === WHOLE_STATE && state) return setStateWatched(tab, state.path, true);
+    const target = targets[Number(value)];
+    if (target) addWatched(tab, target);
+  };
   return (
     <label className="watches-add">
       <span className="visually-hidden">Watch a value</span>
       <select
         className="field-input"
         value=""
-        disabled={targets.length === 0}
-        onChange={(event) => {
-          const target = targets[Number(event.currentTarget.value)];
-          if (target) addWatched(tab, target);
-        }}
+        disabled={!state}
+        onChange={(event) => choose(event.currentTarget.value)}
       >
         <option value="">
-          {first ? `Watch a value of ${name}…` : "Select a state with ports to watch their values"}
+          {state ? `Watch ${state.name} or a value of it…` : "Select a state to watch it"}
         </option>
+        {state && <option value={WHOLE_STATE}>{state.name} and what is in it</option>}
         {targets.map((target, index) => (
           <option key={`${target.kind} ${target.name}`} value={index}>
             {KIND_TITLES[target.kind as PortKind]} {target.name}

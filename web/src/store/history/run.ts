@@ -12,7 +12,9 @@ import type {
   RunNow,
   RunSummary,
   StartRun,
+  WatchTarget,
 } from "../../model/generated/protocol.ts";
+import type { AheadValues } from "./ahead.ts";
 import type { Journal } from "./journal.ts";
 
 /** A command that this page sent. Nothing is drawn as done before it was answered. */
@@ -63,6 +65,10 @@ export interface Watch {
   readonly playheadSnapshot: ReadonlySignal<RunSnapshot | null>;
   /** Says that values are wanted while live; returns the way to stop. */
   readonly wantValues: () => () => void;
+  /** Values of a robot's run that came ahead of their events. */
+  readonly ahead: ReadonlySignal<AheadValues>;
+  /** Says which values of a robot's run are watched from now on. */
+  readonly watchAhead: (targets: readonly WatchTarget[]) => void;
   /** Commands of this page: those under way and the last ones that were answered, the oldest first. */
   readonly sent: ReadonlySignal<readonly SentCommand[]>;
   /** Sends a command. It is sent again until it is answered; not carried out after `patience_ms`. Never throws. */
@@ -89,6 +95,8 @@ export interface Runs {
   readonly start: (start: Start) => Promise<string>;
   /** Asks below `/runs/{run}`: `events?…`, `statistics`, `compare/…`. Throws a `RefusalError`. */
   readonly get: <T>(run: string, what: string) => Promise<T>;
+  /** Fetches a large value from its robot, or gives that up. Throws a `RefusalError`. */
+  readonly fetchValue: <T>(run: string, value: number, isWanted: boolean) => Promise<T>;
   /** Gives up a run that is over. Throws a `RefusalError`. */
   readonly remove: (run: string) => Promise<void>;
   /** Asks for the list again: what was started without the server may be new. */

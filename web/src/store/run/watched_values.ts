@@ -89,7 +89,8 @@ function put(tab: OpenTab, all: readonly WatchedExpression[]): void {
   BROWSER_STORE.put(KEY, Object.fromEntries([...rest, [machineKey(tab), all]]));
 }
 
-function machineKey({ session, run }: OpenTab): string {
+/** By what watches of a machine are kept. */
+export function machineKey({ session, run }: OpenTab): string {
   const file = session.status.value?.summary.file ?? run.value?.now.value?.run.machine;
   return file ? `${file.project}/${file.path}` : session.id;
 }

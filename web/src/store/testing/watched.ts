@@ -2,6 +2,7 @@
 
 import { signal } from "@preact/signals-core";
 import type { Event, RunNow, RunSummary } from "../../model/generated/protocol.ts";
+import { NOTHING_AHEAD } from "../history/ahead.ts";
 import { Journal } from "../history/journal.ts";
 import type { SentCommand, Watch } from "../history/run.ts";
 
@@ -41,6 +42,8 @@ export function watched(run: RunSummary, more: Partial<RunNow> = {}): Watched {
     playhead: signal<number | null>(null),
     playheadSnapshot: signal(null),
     sent: signal<readonly SentCommand[]>([]),
+    ahead: signal(NOTHING_AHEAD),
+    watchAhead: () => {},
     whenClosed: () => {},
   } as unknown as Watch;
   const tell = (...events: readonly Event[]) => {

@@ -2,11 +2,13 @@
 
 import { computed } from "@preact/signals-core";
 import { useEffect, useMemo } from "react";
+import type { LongValue } from "../../../model/generated/protocol.ts";
 import { portsOf } from "../../../model/machine.ts";
 import { originOf } from "../../../store/history/origin.ts";
 import type { Watch } from "../../../store/history/run.ts";
 import { visitsOf } from "../../../store/history/visits.ts";
 import type { OpenTab, Page } from "../../../store/page/page.ts";
+import { aheadOf } from "../../../store/run/ahead.ts";
 import { pictureOf, stateStatusOf } from "../../../store/run/state_status.ts";
 import { valueIn } from "../../../store/run/value_history.ts";
 import type { Target } from "../../../store/run/watched_values.ts";
@@ -16,7 +18,15 @@ import { type Detailed, useDetail } from "./use_detail.ts";
 const PACE_MS = 200;
 
 export type ValueNow =
-  | { readonly state: "there"; readonly value: unknown; readonly sequence: number | null }
+  | {
+      readonly state: "there";
+      readonly value: unknown;
+      readonly sequence: number | null;
+      /** It came ahead of its event, at this time of the run. */
+      readonly aheadAt_ns?: number;
+    }
+  /** It is known to be there, and too long to come ahead of its event. */
+  | { readonly state: "long"; readonly long: LongValue; readonly aheadAt_ns: number }
   /** In words for people. */
   | { readonly state: "none"; readonly why: string }
   | { readonly state: "coming" };
@@ -42,6 +52,12 @@ function told({ detail, refusal }: Detailed, target: Target): ValueNow {
 }
 
 function find(tab: OpenTab, watch: Watch, target: Target): FoundValue {
+  const ahead = aheadOf(watch, target);
+  if (ahead) {
+    const { value, large, sequence, t_ns: aheadAt_ns } = ahead;
+    if (value === null && large) return { state: "long", long: large, aheadAt_ns };
+    return { state: "there", value, sequence, aheadAt_ns };
+  }
   const { kind, path, name } = target;
   if (kind === "global") {
     const picture = pictureOf(watch);

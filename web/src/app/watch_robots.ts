@@ -1,0 +1,23 @@
+/** Asks for what the user watches of a robot's run, as long as the run is in front: what is not watched costs the link nothing. */
+
+import { effect } from "@preact/signals-core";
+import type { Watch } from "../store/history/run.ts";
+import type { Page } from "../store/page/page.ts";
+import { wishOf } from "../store/run/ahead.ts";
+import { watchedStatesOf } from "../store/run/watched_states.ts";
+import { watchedOf } from "../store/run/watched_values.ts";
+
+/** From now on, for the tab in front. */
+export function watchRobots(page: Page): () => void {
+  let before: Watch | null = null;
+  return effect(() => {
+    const tab = page.active.value;
+    const watch = tab?.run.value ?? null;
+    const isOfRobot = (watch?.now.value?.robot ?? null) !== null;
+    const targets = tab && isOfRobot ? watchedOf(tab).value.map(({ target }) => target) : [];
+    const wish = wishOf(targets, tab && isOfRobot ? watchedStatesOf(tab).value : []);
+    if (before !== watch) before?.watchAhead([]);
+    before = watch;
+    watch?.watchAhead(wish);
+  });
+}
