@@ -4,7 +4,7 @@
 use libfuzzer_sys::fuzz_target;
 use rafcon_link::{
     Direction, EventBuffer, For, Generation, Identity, KeyId, PairingKey, Profile, RobotSession,
-    RunSource, Sealer, StationSession, StreamId,
+    RangeSet, RunSource, Sealer, StationSession, StreamId, ValueId, ValueName,
 };
 use std::time::Duration;
 
@@ -18,6 +18,15 @@ impl RunSource for Journal {
     fn snapshot(&mut self, _: StreamId) -> Option<(u64, Vec<u8>)> {
         Some((1, vec![5; 3_000]))
     }
+
+    fn value_length(&mut self, _: &ValueName) -> Option<u64> {
+        Some(20_000)
+    }
+
+    fn value_bytes(&mut self, _: &ValueName, offset: u64, bytes_max: usize) -> Option<Vec<u8>> {
+        let left = usize::try_from(20_000_u64.checked_sub(offset)?).ok()?;
+        Some(vec![9; bytes_max.min(left)])
+    }
 }
 
 // Datagrams, each with a byte that says what it is, and its length in fives before it.
@@ -27,6 +36,9 @@ fuzz_target!(|bytes: &[u8]| {
     let mut robot_side = RobotSession::new(&identity, profile.clone());
     robot_side.begin(StreamId(1), 100);
     let mut station = StationSession::new(&identity, profile.clone());
+    station.watch(StreamId(1), 1, b"the arm".to_vec()).expect("a short wish");
+    let value = ValueName { stream: StreamId(1), number: 1, id: ValueId([4; 16]) };
+    station.fetch(value, 20_000, RangeSet::default(), 40_000);
     let sealer = |direction| Sealer::new((id, &key), robot, direction, Generation(2));
     let (mut down, mut up) = (sealer(Direction::Down), sealer(Direction::Up));
     let (mut now, mut rest) = (Duration::ZERO, bytes);
@@ -46,6 +58,9 @@ fuzz_target!(|bytes: &[u8]| {
             false => robot_side.receive(now, &mut datagram, drop),
         };
         assert!(is_sealed || used.is_err(), "a datagram that nobody sealed was opened");
+        while let Some(wish) = robot_side.take_wish() {
+            robot_side.set_wish(wish.stream, wish.number);
+        }
         while let Some(datagram) = robot_side.transmit(now, &mut Journal).expect("a number") {
             assert!(datagram.len() <= profile.down_bytes_max);
         }

@@ -1,9 +1,10 @@
 //! What a side does with payloads of an other side that is broken or hostile, and has the key.
 
 use crate::endpoint::Identity;
-use crate::frame::{Events, StreamId};
+use crate::frame::{Events, StreamId, ValueId, ValueName};
 use crate::profile::Profile;
-use crate::robot::{EventBuffer, RobotSession, RunSource};
+use crate::range_set::RangeSet;
+use crate::robot::{EventBuffer, NewestValue, RobotSession, RunSource};
 use crate::seal::{Direction, For, Generation, KeyId, OVERHEAD, Opener, PairingKey, Sealer};
 use crate::station::{GAPS_MAX, NewCommand, PARTS_MAX, STREAMS_MAX, StationSession};
 use proptest::prelude::*;
@@ -38,6 +39,25 @@ impl RunSource for Numbers {
     fn snapshot(&mut self, _: StreamId) -> Option<(u64, Vec<u8>)> {
         Some((1, vec![5; 3_000]))
     }
+
+    fn value_length(&mut self, _: &ValueName) -> Option<u64> {
+        Some(VALUE_BYTES)
+    }
+
+    fn value_bytes(&mut self, _: &ValueName, offset: u64, bytes_max: usize) -> Option<Vec<u8>> {
+        let left = VALUE_BYTES.checked_sub(offset)?;
+        Some(vec![9; bytes_max.min(usize::try_from(left).unwrap_or(usize::MAX))])
+    }
+}
+
+/// A large value that the station asks for.
+const VALUE: ValueName = ValueName { stream: RUN, number: 1, id: ValueId([4; 16]) };
+const VALUE_BYTES: u64 = 20_000;
+
+/// The station watches values and fetches one.
+fn wish(station: &mut StationSession) {
+    station.watch(RUN, 1, b"the arm".to_vec()).expect("a short wish");
+    station.fetch(VALUE, VALUE_BYTES, RangeSet::default(), 2 * VALUE_BYTES);
 }
 
 fn sessions() -> (RobotSession, StationSession) {
@@ -63,6 +83,13 @@ static PAYLOADS: LazyLock<[Vec<Vec<u8>>; 2]> = LazyLock::new(|| {
         if step % 10 == 0 {
             let (first, items) = (step / 10 + 1, item(step / 10 + 1));
             robot.append(&Events { stream: RUN, first, count: 1, t_before: first, items: &items });
+        }
+        if step == 100 {
+            wish(&mut station);
+        }
+        if step > 500 && step % 50 == 0 {
+            let (priority, bytes) = (0, step.to_be_bytes().to_vec());
+            robot.set_watched(RUN, 0, NewestValue { priority, sequence: step, bytes });
         }
         if step == 500 {
             let id = crate::frame::CommandId([3; 16]);
@@ -114,6 +141,7 @@ proptest! {
     #[test]
     fn whatever_comes_is_used_or_refused(down in hostile(0), up in hostile(1)) {
         let (mut robot, mut station) = sessions();
+        wish(&mut station);
         let (mut from_robot, mut from_station) = (sealer(Direction::Down), sealer(Direction::Up));
         let most = down.len().max(up.len());
         for step in 0..most {
@@ -183,4 +211,29 @@ fn a_station_keeps_only_so_much_of_what_a_robot_names() {
     assert!(streams <= STREAMS_MAX, "{streams} runs");
     assert!(gaps <= GAPS_MAX + STREAMS_MAX, "{gaps} gaps");
     assert!(parts <= PARTS_MAX, "{parts} bytes of parts");
+}
+
+/// Each byte of a large value that comes by itself costs a station memory.
+#[test]
+fn a_station_notes_only_so_many_parts_of_a_large_value() {
+    use crate::frame::{Frame, ValuePart, WishFrame};
+    let (_, mut station) = sessions();
+    station.fetch(VALUE, 1 << 30, RangeSet::default(), 1 << 30);
+    let mut sealer = sealer(Direction::Down);
+    let mut offset = 0;
+    for _ in 0..300 {
+        let mut payload = vec![0];
+        while payload.len() < 1_100 {
+            let part = ValuePart { id: VALUE.id, offset, bytes: b"x" };
+            Frame::Wish(WishFrame::ValuePart(part)).write(&mut payload);
+            offset += 2;
+        }
+        payload.truncate(Profile::DELAY_2S.down_bytes_max - OVERHEAD);
+        let mut datagram = Vec::new();
+        sealer.seal(For::Anyone, &payload, &mut datagram).expect("a number");
+        let _the_last_frame_is_cut = station.receive(Duration::ZERO, &mut datagram, |_| {});
+    }
+    let progress = station.fetch_progress(VALUE.id).expect("it is asked for");
+    assert_eq!(progress.here.ranges_count(), 4_096);
+    assert!(offset > 3 * 4_096);
 }

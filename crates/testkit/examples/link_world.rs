@@ -3,7 +3,7 @@
 //! Every tenth seed is one of servers that die again and again. Prints the first broken promise and ends with 1; else prints the
 //! gate's table, and ends with 1 if a bar is missed.
 
-use rafcon_testkit::link_world::{Figure, Measures, Scenario, run};
+use rafcon_testkit::link_world::{Figure, Measures, Scenario, run, run_watched};
 use std::process::ExitCode;
 
 #[expect(clippy::print_stdout, clippy::print_stderr, reason = "this is a command-line program")]
@@ -14,8 +14,7 @@ fn main() -> ExitCode {
     };
     let mut measures = Measures::default();
     for seed in from..from.saturating_add(count) {
-        let scenario = if seed % 10 == 9 { Scenario::Kills } else { Scenario::SpaceBotCamp };
-        match run(seed, scenario) {
+        match measure(seed) {
             Ok(one) => measures.add(&one),
             Err(broken) => {
                 eprintln!("{broken}");
@@ -44,6 +43,15 @@ fn main() -> ExitCode {
     }
     let is_met = figures.iter().all(|figure| figure.value <= figure.bar);
     if is_met { ExitCode::SUCCESS } else { ExitCode::FAILURE }
+}
+
+/// Every tenth mission is also run with one operator who watches it, and with five.
+fn measure(seed: u64) -> Result<Measures, String> {
+    let scenario = if seed % 10 == 9 { Scenario::Kills } else { Scenario::SpaceBotCamp };
+    let measures = run(seed, scenario)?;
+    let watched =
+        if seed % 10 == 0 { [run_watched(seed, 1)?, run_watched(seed, 5)?] } else { [0; 2] };
+    Ok(Measures { watched, ..measures })
 }
 
 struct Arguments {

@@ -7,10 +7,15 @@ use crate::frame::{Fetch, Frame, StreamId, ValueId, ValueName, WatchPart, WishFr
 use crate::range_set::RangeSet;
 use crate::robot::WISH_BYTES_MAX;
 use std::collections::BTreeMap;
+use std::ops::RangeInclusive;
 use std::time::Duration;
 
 /// So many large values are asked for at a time.
 const FETCHES_MAX: usize = 8;
+/// The bytes of a large value that are here are in so many ranges at most: what makes one more comes again.
+const RANGES_HERE_MAX: usize = 4_096;
+/// A wish that is not answered is sent so often before it is repeated more slowly: the robot may not know the run, or not hear.
+const ROUNDS_SOON: u32 = 6;
 
 /// Why a wish is not sent.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
@@ -43,6 +48,8 @@ struct Watch {
     /// Of this round.
     sent: usize,
     due: Duration,
+    /// How often all of it was sent.
+    rounds: u32,
     is_confirmed: bool,
 }
 
@@ -58,7 +65,8 @@ impl Wishes {
     /// The robot has started again: it may know of nothing.
     pub(super) fn repeat(&mut self) {
         for watch in self.watches.values_mut() {
-            (watch.sent, watch.due, watch.is_confirmed) = (0, Duration::ZERO, false);
+            (watch.sent, watch.due, watch.rounds) = (0, Duration::ZERO, 0);
+            watch.is_confirmed = false;
         }
     }
 
@@ -78,7 +86,9 @@ impl Wishes {
                 let Some(fetching) = self.fetches.get_mut(&id) else { return };
                 let (length, end) = (bytes.len() as u64, offset + bytes.len() as u64);
                 let range = offset + 1..=end;
-                if end > fetching.length || fetching.here.contains(&range) {
+                let is_far = fetching.here.ranges_count() >= RANGES_HERE_MAX
+                    && fetching.here.end_at(offset).is_none();
+                if end > fetching.length || is_far || fetching.here.contains(&range) {
                     return;
                 }
                 fetching.here.insert(range);
@@ -141,7 +151,8 @@ impl Wishes {
             Frame::Wish(WishFrame::Watch(part)).write(payload);
             watch.sent += bytes.len();
             if watch.sent >= watch.body.len() {
-                (watch.sent, watch.due) = (0, now + answer * 2);
+                let wait = answer * (2 << watch.rounds.saturating_sub(ROUNDS_SOON).min(2));
+                (watch.sent, watch.due, watch.rounds) = (0, now + wait, watch.rounds + 1);
             }
         }
     }
@@ -159,8 +170,8 @@ impl StationSession {
         if body.len() > WISH_BYTES_MAX as usize {
             return Err(NotWatched(body.len(), WISH_BYTES_MAX));
         }
-        let (sent, due, is_confirmed) = (0, Duration::ZERO, false);
-        let watch = Watch { number, body, sent, due, is_confirmed };
+        let (sent, due, rounds, is_confirmed) = (0, Duration::ZERO, 0, false);
+        let watch = Watch { number, body, sent, due, rounds, is_confirmed };
         self.wishes.watches.insert(stream, watch);
         Ok(())
     }
@@ -185,6 +196,13 @@ impl StationSession {
     pub fn end_fetch(&mut self, id: ValueId) {
         self.wishes.fetches.remove(&id);
         self.wishes.turn = 0;
+    }
+
+    /// These bytes of a large value could not be kept: they have to come again.
+    pub fn lose_value(&mut self, id: ValueId, bytes: RangeInclusive<u64>) {
+        if let Some(fetching) = self.wishes.fetches.get_mut(&id) {
+            fetching.here.remove(bytes);
+        }
     }
 
     /// How far a large value is; nothing if it is not asked for.

@@ -395,6 +395,13 @@ impl RobotRuns {
         self.all.keys().filter_map(run).collect()
     }
 
+    /// The folder of the run with these events, whether it is sent now or not.
+    fn folder_of(&self, events: StreamId) -> Option<PathBuf> {
+        let is_it = |id: &&String| ids::events_of(id) == events;
+        let id = self.streams.get(&events).or_else(|| self.seen.iter().find(is_it))?;
+        Some(self.folder.join(id))
+    }
+
     fn run(&mut self, stream: StreamId) -> Option<&mut RobotRun> {
         self.all.get_mut(self.streams.get(&stream)?)
     }
@@ -480,14 +487,12 @@ impl RunSource for RobotRuns {
     }
 
     fn value_length(&mut self, value: &ValueName) -> Option<u64> {
-        let run = self.all.get_mut(self.streams.get(&value.stream)?)?;
-        let folder = run.folder.clone();
-        self.values.length(&folder, run.open()?.reader(), value)
+        let folder = self.folder_of(value.stream)?;
+        self.values.length(&folder, value)
     }
 
     fn value_bytes(&mut self, value: &ValueName, offset: u64, bytes_max: usize) -> Option<Vec<u8>> {
-        let run = self.all.get_mut(self.streams.get(&value.stream)?)?;
-        let folder = run.folder.clone();
-        self.values.bytes((&folder, run.open()?.reader()), value, (offset, bytes_max))
+        let folder = self.folder_of(value.stream)?;
+        self.values.bytes(&folder, value, (offset, bytes_max))
     }
 }

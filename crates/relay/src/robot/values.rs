@@ -20,10 +20,10 @@ impl RobotValues {
     pub(super) fn length(
         &mut self,
         folder: &Path,
-        reader: &Reader,
         name: &ValueName,
     ) -> Option<u64> {
         if !self.open.contains_key(name) {
+            let reader = Reader::open(folder).ok()?;
             let stored = reader.value(ValueNumber(name.number)).ok()??;
             let content = ValueContent::open(folder, stored)?;
             if ids::value_id(content.hash()) != name.id {
@@ -40,11 +40,11 @@ impl RobotValues {
     /// Bytes of a value; nothing if they cannot be read.
     pub(super) fn bytes(
         &mut self,
-        (folder, reader): (&Path, &Reader),
+        folder: &Path,
         name: &ValueName,
         (offset, bytes_max): (u64, usize),
     ) -> Option<Vec<u8>> {
-        self.length(folder, reader, name)?;
+        self.length(folder, name)?;
         self.open.get(name)?.read(offset, bytes_max).ok()
     }
 }

@@ -267,8 +267,8 @@ impl KeptRun {
         }
         let link = LinkHealth { robot: place.robot.clone(), ..LinkHealth::default() };
         let (robot, run, inbox) = (place.number, about.id.clone(), place.inbox.clone());
-        let give = move |given| {
-            let given = ToStation::Given(GivenCommand { robot, run: run.clone(), given });
+        let give = move |word| {
+            let given = ToStation::Given(GivenCommand { robot, run: run.clone(), word });
             inbox.try_send(Input::Other(given)).is_ok()
         };
         let replica = ReplicaRun::open(&place.runs, &about, link, give)?;

@@ -10,6 +10,7 @@ mod open_words;
 mod received;
 mod replica_run;
 mod robot;
+mod value_disk;
 mod values;
 mod viewers;
 mod watching;
@@ -29,7 +30,8 @@ use std::net::{SocketAddr, TcpListener, UdpSocket};
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
-use viewers::Given;
+use value_disk::FromValueDisk;
+use viewers::GivenWord;
 
 /// The runs are looked at this often: what is complete is closed, and viewers are shown how the link is.
 const LOOK_EVERY: Duration = Duration::from_millis(250);
@@ -67,7 +69,7 @@ pub(crate) struct GivenCommand {
     robot: usize,
     /// The id of the run.
     run: String,
-    given: Given,
+    word: GivenWord,
 }
 
 /// What the station's own threads say to it.
@@ -77,6 +79,8 @@ pub(crate) enum ToStation {
     Given(GivenCommand),
     /// Of the disk, about the robot of this number.
     Disk(usize, FromDisk),
+    /// Of the disk, about large values of the robot of this number.
+    Values(usize, FromValueDisk),
 }
 
 /// Receives robots, by UDP and at the same port by TCP; answers where.
@@ -153,14 +157,19 @@ pub fn relay_station(
                     robots.iter_mut().for_each(StationRobot::note_unusable);
                 }
             }
-            Some(Input::Other(ToStation::Given(GivenCommand { robot, run, given }))) => {
+            Some(Input::Other(ToStation::Given(GivenCommand { robot, run, word }))) => {
                 if let Some(robot) = robots.get_mut(robot) {
-                    robot.take_given(&run, given);
+                    robot.command(&run, &word);
                 }
             }
             Some(Input::Other(ToStation::Disk(robot, said))) => {
                 if let Some(robot) = robots.get_mut(robot) {
                     robot.hear_disk(said);
+                }
+            }
+            Some(Input::Other(ToStation::Values(robot, said))) => {
+                if let Some(robot) = robots.get_mut(robot) {
+                    robot.hear_value_disk(said);
                 }
             }
             None => {}

@@ -1,6 +1,6 @@
 //! The replica of one run: an ordinary run folder, written by the link, and open to viewers as if its runner were here.
 
-use super::viewers::{Given, Shared, Viewers};
+use super::viewers::{GivenWord, Shared, Viewers};
 use rafcon_protocol::LinkHealth;
 use rafcon_storage::journal::{
     About, EventItems, JournalError, Options, Pack, Replica, ReplicaError,
@@ -28,7 +28,7 @@ impl ReplicaRun {
         runs: &Path,
         about: &About,
         link: LinkHealth,
-        give: impl Fn(Given) -> bool + Send + Sync + 'static,
+        give: impl Fn(GivenWord) -> bool + Send + Sync + 'static,
     ) -> Result<Self, JournalError> {
         let folder = runs.join(&about.id);
         let options = Options {

@@ -6,8 +6,9 @@ use super::in_order::InOrder;
 use super::kept_runs::{KeptRuns, Place, Restored};
 use super::open_words::OpenWords;
 use super::received::{Early, Received, StationRun};
+use super::value_disk::FromValueDisk;
 use super::values::StationValues;
-use super::viewers::{Given, GivenWord};
+use super::viewers::GivenWord;
 use super::{StationSettings, ToStation};
 use crate::carrier::Carrier;
 use crate::clock::SessionClock;
@@ -35,6 +36,8 @@ use std::time::Duration;
 
 /// A command without an expiry, such as a stop, is sent for so long.
 const LIFETIME: Duration = Duration::from_hours(1);
+/// The robot is asked for other values of a run at most this often.
+const ASK_EVERY: Duration = Duration::from_secs(1);
 
 pub(super) struct StationRobot {
     name: String,
@@ -66,11 +69,19 @@ pub(super) struct StationRobot {
     /// What was given for the robot and whose fate is open.
     words: OpenWords,
     values: StationValues,
-    /// What is watched of runs: since when, and how much of it the robot is not asked for.
-    watching: BTreeMap<StreamId, Watching>,
+    /// What the robot is asked for of runs.
+    watching: BTreeMap<StreamId, Asked>,
     /// The number of the last wish.
     wishes: u64,
     profile: Profile,
+}
+
+/// What the robot is asked for of a run.
+struct Asked {
+    at: Duration,
+    /// Anything is watched.
+    is_any: bool,
+    watching: Watching,
 }
 
 impl StationRobot {
@@ -90,7 +101,9 @@ impl StationRobot {
             session.use_key(*key_id, key);
         }
         let (places, desk) = ((folder.as_path(), settings.runs.as_path()), settings.desk.clone());
-        let values = StationValues::begin(&pairing.robot, places, desk, &mut session);
+        let values =
+            StationValues::begin(&pairing.robot, places, desk, (number, inbox.clone()));
+        let values = values.map_err(|source| RelayError::Thread { source })?;
         let (robot, runs) = (pairing.robot.clone(), settings.runs.clone());
         let mut kept = KeptRuns::new(
             Place { number, robot, runs, clock, inbox, paired: paired.clone() },
@@ -263,7 +276,7 @@ impl StationRobot {
                 }
             }
             Received::Part(id, offset, bytes) => {
-                self.values.take((id, offset), &bytes, &mut self.session);
+                self.values.take((id, offset), bytes, &mut self.session);
             }
             Received::NoValue(id, why) => self.values.refused(id, why, &mut self.session),
             Received::Started => {
@@ -376,12 +389,9 @@ impl StationRobot {
         }
     }
 
-    /// Does what viewers have for the robot.
-    pub(super) fn take_given(&mut self, run: &str, given: Given) {
-        match given {
-            Given::Word(word) => self.command(run, &word),
-            Given::Watched(targets) => self.watch(ids::events_of(run), targets),
-        }
+    /// The disk's thread for large values says something.
+    pub(super) fn hear_value_disk(&mut self, said: FromValueDisk) {
+        self.values.hear_disk(said, &mut self.session);
     }
 
     /// Asks the robot for what is watched of a run, as far as it fits.
@@ -393,12 +403,34 @@ impl StationRobot {
         }
         let left_out = u32::try_from(wanted - targets.len()).unwrap_or(u32::MAX);
         let asked_ms = clock::since_1970_ms();
-        self.watching.insert(stream, Watching { is_confirmed: false, asked_ms, left_out });
+        let watching = Watching { is_confirmed: false, asked_ms, left_out };
+        let asked = Asked { at: self.clock.now(), is_any: !targets.is_empty(), watching };
+        self.watching.insert(stream, asked);
+    }
+
+    /// Asks the robot for what viewers watch now; not again at once, however often they change it.
+    fn ask(&mut self) {
+        let now = self.clock.now();
+        let is_due = |asked: Option<&Asked>| asked.is_none_or(|it| it.at + ASK_EVERY <= now);
+        let open = self.runs.iter().filter(|(stream, _)| is_due(self.watching.get(stream)));
+        let mut wishes: Vec<_> = open
+            .filter_map(|(stream, run)| Some((*stream, run.shared.take_wish()?)))
+            .collect();
+        // Nobody watches a run that is closed.
+        let is_left = |(stream, asked): &(&StreamId, &Asked)| {
+            asked.is_any && !self.runs.contains_key(stream)
+        };
+        let left = self.watching.iter().filter(is_left);
+        wishes.extend(left.map(|(stream, _)| (*stream, Vec::new())));
+        for (stream, targets) in wishes {
+            self.watch(stream, targets);
+        }
     }
 
     /// Says whether the robot knows what is watched, and how far large values are.
     fn sync_wishes(&mut self) {
-        for (stream, watching) in &mut self.watching {
+        self.ask();
+        for (stream, Asked { watching, .. }) in &mut self.watching {
             watching.is_confirmed = self.session.is_watch_confirmed(*stream).unwrap_or(false);
             if let Some(run) = self.runs.get(stream) {
                 run.shared.set_watching(watching);
@@ -417,7 +449,7 @@ impl StationRobot {
     }
 
     /// Sends what a viewer has for the robot.
-    fn command(&mut self, run: &str, given: &GivenWord) {
+    pub(super) fn command(&mut self, run: &str, given: &GivenWord) {
         let (stream, today) = (ids::events_of(run), clock::since_1970_ms());
         let left = |ms: u64| Duration::from_millis(ms.saturating_sub(today));
         let known = self.runs.get(&stream).map_or(0, |run| run.epoch);

@@ -1,14 +1,16 @@
 //! Large values on their way from one robot into the folders of its replicas.
 
+use super::ToStation;
+use super::value_disk::{FromValueDisk, Rest, ValueDisk};
 use crate::desk::{LinkRate, Request, ValueDesk, ValueKey};
-use crate::ids;
+use crate::inbox::Input;
 use rafcon_link::{NoValue, RangeSet, StationSession, ValueId, ValueName};
 use rafcon_protocol::api::ValueFetch;
-use rafcon_storage::journal::record::Content;
-use rafcon_storage::journal::{ContentHash, IncomingContent, Reader, ValueNumber, is_content_here};
 use std::collections::BTreeMap;
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::io;
+use std::path::Path;
+use std::sync::mpsc::SyncSender;
 use std::time::Duration;
 
 /// In the folder of a robot: the values that are wanted, for the next start.
@@ -21,9 +23,10 @@ const RATE_OVER: Duration = Duration::from_secs(2);
 #[derive(Debug)]
 pub(super) struct StationValues {
     robot: String,
-    runs: PathBuf,
-    wanted: PathBuf,
     desk: ValueDesk,
+    disk: ValueDisk,
+    /// What the disk looks for.
+    opening: BTreeMap<ValueKey, Budget>,
     coming: BTreeMap<ValueId, Coming>,
     /// How many bytes came, how many of them before the rate was measured last, and when that was.
     came: u64,
@@ -54,99 +57,124 @@ impl Budget {
 struct Coming {
     key: ValueKey,
     name: ValueName,
-    content: IncomingContent,
+    length: u64,
     /// Bytes came that are not noted on the disk.
     is_new: bool,
+    /// All of it is here, and the disk looks whether it is right.
+    is_whole: bool,
 }
 
 impl StationValues {
     /// Goes on with the values that were wanted when the station ended.
     pub(super) fn begin(
-        robot: &str,
+        name: &str,
         (folder, runs): (&Path, &Path),
         desk: ValueDesk,
-        session: &mut StationSession,
-    ) -> Self {
-        let (wanted, coming) = (folder.join(WANTED_FILE), BTreeMap::new());
-        let (robot, runs) = (robot.to_owned(), runs.to_owned());
+        (number, inbox): (usize, SyncSender<Input<ToStation>>),
+    ) -> io::Result<Self> {
+        let wanted = folder.join(WANTED_FILE);
+        let text = fs::read_to_string(&wanted).unwrap_or_default();
+        let disk = ValueDisk::begin(runs.to_owned(), wanted, (number, inbox))?;
+        let (opening, coming) = (BTreeMap::new(), BTreeMap::new());
         let (came, measured, per_s) = (0, (0, Duration::ZERO), 0);
-        let mut values = Self { robot, runs, wanted, desk, coming, came, measured, per_s };
-        let text = fs::read_to_string(&values.wanted).unwrap_or_default();
+        let robot = name.to_owned();
+        let mut values = Self { robot, desk, disk, opening, coming, came, measured, per_s };
         for line in text.lines() {
             if let Some((key, whole)) = read_line(line) {
-                values.begin_one(key, Budget::Whole(whole), session);
+                values.begin_one(key, Budget::Whole(whole));
             }
         }
-        values
+        Ok(values)
     }
 
     /// Does what the server has asked for.
     pub(super) fn heed(&mut self, session: &mut StationSession) {
-        let requests = self.desk.take(&self.robot);
-        let is_any = !requests.is_empty();
-        for Request { key, budget, .. } in requests {
-            match budget {
-                Some(budget) => self.begin_one(key, Budget::More(budget), session),
-                None => self.cancel(&key, session),
+        for Request { key, budget, .. } in self.desk.take(&self.robot) {
+            let coming = self.coming.values().find(|coming| coming.key == key && !coming.is_whole);
+            match (budget, coming) {
+                (Some(budget), Some(Coming { name, length, .. })) => {
+                    let here = session.fetch_progress(name.id).map(|it| it.here.clone());
+                    session.fetch(*name, *length, here.unwrap_or_default(), budget);
+                }
+                (Some(budget), None) => self.begin_one(key, Budget::More(budget)),
+                (None, _) => self.cancel(&key, session),
             }
-        }
-        if is_any {
             self.keep_wanted(session);
         }
     }
 
-    fn begin_one(&mut self, key: ValueKey, budget: Budget, session: &mut StationSession) {
-        match self.open(&key) {
-            Ok(Some((name, content, noted))) => {
-                let mut here = RangeSet::default();
-                for (first, last) in noted {
-                    here.insert(first..=last);
-                }
-                let (id, budget) = (name.id, budget.left(here.count()));
-                if let Some(other) = self.coming.get(&id).filter(|other| other.key != key) {
-                    let (run, number) = &other.key;
-                    let why = format!("the same bytes are on their way as value {number} of {run}");
-                    return self.fail(&key, (0, budget), &why);
-                }
-                if !session.fetch(name, content.length(), here, budget) {
-                    let why = "too many large values are on their way: fetch it when one is here";
-                    return self.fail(&key, (0, budget), why);
-                }
-                self.coming.insert(id, Coming { key, name, content, is_new: true });
-                self.advance(id, session);
-            }
-            Ok(None) => self.desk.set_here(&key),
-            Err(why) => self.fail(&key, (0, budget.left(0)), &why),
-        }
+    fn begin_one(&mut self, key: ValueKey, budget: Budget) {
+        self.disk.open(key.clone());
+        self.opening.insert(key, budget);
     }
 
-    /// Finds a value in its replica: nothing if it is here.
-    #[expect(clippy::type_complexity, reason = "the parts are taken apart at once")]
-    fn open(
-        &self,
-        (run, number): &ValueKey,
-    ) -> Result<Option<(ValueName, IncomingContent, Vec<(u64, u64)>)>, String> {
-        let folder = self.runs.join(run);
-        let reader = Reader::open(&folder).map_err(|error| error.to_string())?;
-        let stored = reader.value(ValueNumber(*number)).map_err(|error| error.to_string())?;
-        let Some(Content::File { hash, size }) = stored.map(|stored| stored.content) else {
-            return Ok(None);
-        };
-        if is_content_here(&folder, &hash, size) {
-            return Ok(None);
+    /// The disk says something.
+    pub(super) fn hear_disk(&mut self, said: FromValueDisk, session: &mut StationSession) {
+        match said {
+            FromValueDisk::Opened(key, name, length, here) => {
+                self.opened(key, name, (length, here), session);
+            }
+            FromValueDisk::Here(key) => {
+                self.opening.remove(&key);
+                self.desk.set_here(&key);
+            }
+            FromValueDisk::NotOpened(key, why) => {
+                let budget = self.opening.remove(&key).map_or(0, |budget| budget.left(0));
+                self.fail(&key, (0, budget), &why);
+            }
+            FromValueDisk::Failed(id, why) => return self.end(id, session, &why),
+            FromValueDisk::Finished(id, is_right) => {
+                let Some(Coming { key, .. }) = self.coming.remove(&id) else { return };
+                if is_right {
+                    self.desk.set_here(&key);
+                } else {
+                    let why =
+                        "what came is not the value, by its hash, and was dropped: fetch it again";
+                    self.fail(&key, (0, 0), why);
+                }
+            }
         }
-        let hash = ContentHash::from_name(&hash).ok_or("the value has no hash to fetch it by")?;
-        let full = |error| format!("the station's disk does not take it: {error}");
-        let (content, noted) = IncomingContent::open(&folder, hash, size).map_err(full)?;
-        let id = ids::value_id(hash);
-        let name = ValueName { stream: ids::events_of(run), number: *number, id };
-        Ok(Some((name, content, noted)))
+        self.keep_wanted(session);
+    }
+
+    fn opened(
+        &mut self,
+        key: ValueKey,
+        name: ValueName,
+        (length, here): (u64, RangeSet),
+        session: &mut StationSession,
+    ) {
+        let other = self.coming.get(&name.id).map(|other| other.key.clone());
+        let Some(budget) = self.opening.remove(&key) else {
+            // It was given up meanwhile.
+            if other.is_none() {
+                self.disk.leave(name.id, Rest::Goes);
+            }
+            return;
+        };
+        let budget = budget.left(here.count());
+        match other {
+            Some(other) if other == key => return,
+            Some((run, number)) => {
+                let why = format!("the same bytes are on their way as value {number} of {run}");
+                return self.fail(&key, (0, budget), &why);
+            }
+            None => {}
+        }
+        if !session.fetch(name, length, here, budget) {
+            self.disk.leave(name.id, Rest::Stays);
+            let why = "too many large values are on their way: fetch it when one is here";
+            return self.fail(&key, (0, budget), why);
+        }
+        self.coming.insert(name.id, Coming { key, name, length, is_new: true, is_whole: false });
+        self.advance(name.id, session);
     }
 
     fn cancel(&mut self, key: &ValueKey, session: &mut StationSession) {
-        for (id, coming) in self.coming.extract_if(.., |_, coming| coming.key == *key) {
+        self.opening.remove(key);
+        for (id, _) in self.coming.extract_if(.., |_, coming| coming.key == *key) {
             session.end_fetch(id);
-            coming.content.remove();
+            self.disk.leave(id, Rest::Goes);
         }
     }
 
@@ -154,18 +182,17 @@ impl StationValues {
     pub(super) fn take(
         &mut self,
         (id, offset): (ValueId, u64),
-        bytes: &[u8],
+        bytes: Vec<u8>,
         session: &mut StationSession,
     ) {
         let Some(coming) = self.coming.get_mut(&id) else { return };
-        self.came += bytes.len() as u64;
-        coming.is_new = true;
-        if let Err(error) = coming.content.write(offset, bytes) {
-            let why = format!("the station's disk does not take it: {error}");
-            self.end(id, session, &why);
-        } else {
-            self.advance(id, session);
+        let length = bytes.len() as u64;
+        if !self.disk.write(id, offset, bytes) {
+            return session.lose_value(id, offset + 1..=offset + length);
         }
+        self.came += length;
+        coming.is_new = true;
+        self.advance(id, session);
     }
 
     /// The robot says that it does not come.
@@ -179,38 +206,25 @@ impl StationValues {
         self.end(id, session, why);
     }
 
-    /// Closes a value that is complete.
+    /// Has the disk close a value that is complete.
     fn advance(&mut self, id: ValueId, session: &mut StationSession) {
-        let (Some(progress), Some(coming)) = (session.fetch_progress(id), self.coming.get(&id))
-        else {
-            return;
-        };
-        let length = coming.content.length();
-        if progress.here.contiguous() < length {
-            return;
+        let progress = session.fetch_progress(id).map(|progress| progress.here.contiguous());
+        if let (Some(here), Some(coming)) = (progress, self.coming.get_mut(&id))
+            && here >= coming.length
+        {
+            session.end_fetch(id);
+            coming.is_whole = true;
+            self.disk.finish(id);
         }
-        session.end_fetch(id);
-        let Some(Coming { key, content, .. }) = self.coming.remove(&id) else { return };
-        match content.finish() {
-            Ok(true) => self.desk.set_here(&key),
-            Ok(false) => self.fail(
-                &key,
-                (0, 0),
-                "what came is not the value, by its hash, and was dropped: fetch it again",
-            ),
-            Err(error) => {
-                let why = format!("the station's disk does not take it: {error}");
-                self.fail(&key, (length, 0), &why);
-            }
-        }
-        self.keep_wanted(session);
     }
 
     fn end(&mut self, id: ValueId, session: &mut StationSession, why: &str) {
-        let here = session.fetch_progress(id).map_or(0, |progress| progress.here.count());
+        let progress = session.fetch_progress(id).map(|progress| progress.here.clone());
         if let Some(coming) = self.coming.remove(&id) {
-            Self::note(&coming, session);
-            self.fail(&coming.key, (here, 0), why);
+            let here = progress.unwrap_or_default();
+            self.disk.note(id, &here);
+            self.disk.leave(id, Rest::Stays);
+            self.fail(&coming.key, (here.count(), 0), why);
         }
         session.end_fetch(id);
         self.keep_wanted(session);
@@ -234,41 +248,28 @@ impl StationValues {
     /// Notes what came, and says how far everything is and what more would cost.
     pub(super) fn sync(&mut self, session: &StationSession, rate: LinkRate) {
         self.desk.set_link(&self.robot, rate);
-        let ids: Vec<_> = self.coming.keys().copied().collect();
-        for id in ids {
-            let (Some(coming), Some(progress)) = (self.coming.get(&id), session.fetch_progress(id))
-            else {
-                continue;
-            };
+        for (id, coming) in &mut self.coming {
+            let Some(progress) = session.fetch_progress(*id) else { continue };
             let (here, budget) = (progress.here.count(), progress.budget);
             self.desk.set_progress(&coming.key, ValueFetch { here, budget, failed: None });
-            if coming.is_new {
-                Self::note(coming, session);
+            if std::mem::take(&mut coming.is_new) {
+                self.disk.note(*id, progress.here);
             }
-            if let Some(coming) = self.coming.get_mut(&id) {
-                coming.is_new = false;
-            }
-        }
-    }
-
-    fn note(coming: &Coming, session: &StationSession) {
-        if let Some(progress) = session.fetch_progress(coming.name.id) {
-            let ranges = progress.here.ranges().map(std::ops::RangeInclusive::into_inner);
-            // What is not noted is sent again.
-            drop(coming.content.note(ranges));
         }
     }
 
     fn keep_wanted(&self, session: &StationSession) {
-        let line = |(id, coming): (&ValueId, &Coming)| {
-            let (run, number) = &coming.key;
+        let coming = self.coming.iter().filter_map(|(id, coming)| {
             let progress = session.fetch_progress(*id)?;
-            let whole = progress.budget.saturating_add(progress.here.count());
-            Some(format!("{run} {number} {whole}"))
-        };
-        let text = self.coming.iter().filter_map(line).collect::<Vec<_>>().join("\n");
-        // What is not kept can be fetched again after the next start.
-        drop(fs::write(&self.wanted, text));
+            Some((&coming.key, progress.budget.saturating_add(progress.here.count())))
+        });
+        // What of a value is here is known once it is open.
+        let opening = self.opening.iter().map(|(key, budget)| match budget {
+            Budget::More(bytes) | Budget::Whole(bytes) => (key, *bytes),
+        });
+        let line = |((run, number), whole): (&ValueKey, u64)| format!("{run} {number} {whole}");
+        let lines: Vec<_> = coming.chain(opening).map(line).collect();
+        self.disk.keep_wanted(lines.join("\n"));
     }
 }
 

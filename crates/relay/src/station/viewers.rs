@@ -60,17 +60,8 @@ impl GivenWord {
     }
 }
 
-/// What viewers have for the robot.
-#[derive(Debug)]
-pub(crate) enum Given {
-    /// A word.
-    Word(GivenWord),
-    /// What all of them watch now.
-    Watched(Vec<WatchTarget>),
-}
-
 /// Passes on what viewers have for the robot, and answers whether there is room for it.
-type Give = dyn Fn(Given) -> bool + Send + Sync;
+type Give = dyn Fn(GivenWord) -> bool + Send + Sync;
 
 /// What viewers are shown.
 #[derive(Debug)]
@@ -165,16 +156,15 @@ impl Shared {
         }
     }
 
-    /// A viewer watches this now, or nothing any more: the robot is asked for what all of them watch.
-    fn watch(&self, viewer: u64, targets: Vec<WatchTarget>, give: &Give) {
-        let mut shown = self.shown.lock();
-        let Some(news) = shown.watched.watch(viewer, targets) else { return };
-        drop(shown);
-        self.send_each(news.messages);
-        if let Some(all) = news.wish {
-            // Without room for it, what is watched is asked for with the next change.
-            give(Given::Watched(all));
-        }
+    /// A viewer watches this now, or nothing any more.
+    fn watch(&self, viewer: u64, targets: Vec<WatchTarget>) {
+        let message = self.shown.lock().watched.watch(viewer, targets);
+        self.send_each(message.into_iter().collect());
+    }
+
+    /// What the robot is to be asked for, if that is something else than before.
+    pub(super) fn take_wish(&self) -> Option<Vec<WatchTarget>> {
+        self.shown.lock().watched.take_wish()
     }
 
     fn pong(&self, id: u64) -> ToViewer {
@@ -264,7 +254,7 @@ impl Viewers {
     pub(super) fn open(
         folder: &Path,
         shared: Arc<Shared>,
-        give: impl Fn(Given) -> bool + Send + Sync + 'static,
+        give: impl Fn(GivenWord) -> bool + Send + Sync + 'static,
     ) -> Result<Self, JournalError> {
         let path = folder.join(SOCKET_FILE);
         let listener = bind_socket(folder).map_err(|source| JournalError::Io {
@@ -327,7 +317,7 @@ fn welcome(stream: &UnixStream, shared: &Arc<Shared>, give: &Give) -> io::Result
     };
     thread::Builder::new().name("showing".to_owned()).spawn(show)?;
     let heeded = heed(&mut lines, viewer, shared, give);
-    shared.watch(viewer, Vec::new(), give);
+    shared.watch(viewer, Vec::new());
     shared.leave(viewer);
     heeded
 }
@@ -354,7 +344,7 @@ fn heed(
             }
             ToRunner::Ping { id } => Some(shared.pong(id)),
             ToRunner::Watch { targets } => {
-                shared.watch(viewer, targets, give);
+                shared.watch(viewer, targets);
                 None
             }
             ToRunner::Inspect { id, path } => {
@@ -384,7 +374,7 @@ fn state_data(folder: &Path, path: &str) -> Option<StateData> {
 fn offer(give: &Give, word: GivenWord) -> Option<ToViewer> {
     let id = word.id.clone();
     let reason = "too many commands wait for the link: try again later".to_owned();
-    (!give(Given::Word(word)))
+    (!give(word))
         .then_some(ToViewer::Answer { id, answer: Answer::Refused { reason } })
 }
 

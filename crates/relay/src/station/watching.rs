@@ -15,26 +15,19 @@ const TARGETS_MAX: usize = 1_024;
 pub(super) struct ReplicaWatch {
     viewers: BTreeMap<u64, Vec<WatchTarget>>,
     wish: Vec<WatchTarget>,
+    /// The robot is to be asked for something else than before.
+    is_wish_new: bool,
     watching: Watching,
     values: BTreeMap<(WatchKind, String, String), WatchedValue>,
 }
 
-/// What follows when a viewer watches something else.
-#[derive(Debug, PartialEq)]
-pub(super) struct WatchNews {
-    /// What viewers are to be sent.
-    pub(super) messages: Vec<(u64, ToViewer)>,
-    /// What the robot is to be asked for, if that is something else.
-    pub(super) wish: Option<Vec<WatchTarget>>,
-}
-
 impl ReplicaWatch {
-    /// A viewer watches this from now on; nothing follows if it watched nothing and still does not.
+    /// A viewer watches this from now on. Answers what it is to be sent: what of it is known.
     pub(super) fn watch(
         &mut self,
         viewer: u64,
         mut targets: Vec<WatchTarget>,
-    ) -> Option<WatchNews> {
+    ) -> Option<(u64, ToViewer)> {
         targets.truncate(TARGETS_MAX);
         if targets.is_empty() {
             self.viewers.remove(&viewer)?;
@@ -42,15 +35,17 @@ impl ReplicaWatch {
             self.viewers.insert(viewer, targets);
         }
         let (wish, _) = WatchTarget::union(self.viewers.values().flatten());
-        let wish = (wish != self.wish).then(|| wish.clone());
-        if let Some(wish) = &wish {
-            self.wish.clone_from(wish);
-            let fits = |value: &WatchedValue| is_watched(wish, value);
-            self.values.retain(|_, value| fits(value));
+        if wish != self.wish {
+            self.values.retain(|_, value| is_watched(&wish, value));
+            (self.wish, self.is_wish_new) = (wish, true);
         }
         let known: Vec<_> = self.values.values().collect();
-        let messages = self.message(viewer, &known).into_iter().collect();
-        Some(WatchNews { messages, wish })
+        self.message(viewer, &known)
+    }
+
+    /// What the robot is to be asked for, if that is something else than before.
+    pub(super) fn take_wish(&mut self) -> Option<Vec<WatchTarget>> {
+        std::mem::take(&mut self.is_wish_new).then(|| self.wish.clone())
     }
 
     /// The robot says that these are the newest; older ones than those that are here change nothing.
@@ -97,7 +92,7 @@ fn is_watched(targets: &[WatchTarget], value: &WatchedValue) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use super::{ReplicaWatch, WatchNews};
+    use super::ReplicaWatch;
     use expect_test::expect;
     use rafcon_protocol::{ToViewer, WatchKind, WatchTarget, WatchedValue, Watching};
 
@@ -131,12 +126,10 @@ mod tests {
         let mut run = ReplicaWatch::default();
         let mut said = String::new();
         let mut watch = |run: &mut ReplicaWatch, viewer, paths: &[&str]| {
-            let news = run.watch(viewer, targets(paths));
-            let Some(WatchNews { messages, wish }) = news else {
-                return said.push_str("nothing\n");
-            };
+            let message: Vec<_> = run.watch(viewer, targets(paths)).into_iter().collect();
+            let wish = run.take_wish();
             let wish = wish.map(|wish| wish.iter().map(|it| it.path.clone()).collect::<Vec<_>>());
-            said.extend([format!("asks {wish:?}\n"), told(&messages)]);
+            said.extend([format!("asks {wish:?}\n"), told(&message)]);
         };
         watch(&mut run, 1, &["R/ARM"]);
         watch(&mut run, 2, &["R/ARM", "R/EYE"]);
@@ -159,7 +152,7 @@ mod tests {
               viewer 2: []
             asks None
               viewer 3: []
-            nothing
+            asks None
             asks None
               viewer 5: confirmed ["R/ARM/A@5"]
             asks None
@@ -182,8 +175,8 @@ mod tests {
         let mut run = ReplicaWatch::default();
         let paths: Vec<_> = (0..10_000).map(|nth| format!("R/{nth}")).collect();
         let paths: Vec<_> = paths.iter().map(String::as_str).collect();
-        let news = run.watch(1, targets(&paths)).expect("news");
-        assert_eq!(news.wish.expect("a wish").len(), 256);
+        run.watch(1, targets(&paths));
+        assert_eq!(run.take_wish().expect("a wish").len(), 256);
         run.watch(1, targets(&["R"]));
         run.take((0..10_000).map(|nth| value(&format!("R/{nth}"), 1)).collect());
         assert_eq!(run.values.len(), 1_024);

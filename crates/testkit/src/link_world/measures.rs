@@ -47,6 +47,8 @@ pub struct Measures {
     pub idle_bits: u64,
     /// See `idle_bits`.
     pub idle: Duration,
+    /// What a station and the robot sent each other, in bytes, while one operator watched the mission, and while five did.
+    pub watched: [u64; 2],
 }
 
 /// A line of the gate's table.
@@ -82,6 +84,9 @@ impl Measures {
         self.kills += other.kills;
         self.idle_bits += other.idle_bits;
         self.idle += other.idle;
+        for (sum, bytes) in self.watched.iter_mut().zip(other.watched) {
+            *sum += bytes;
+        }
     }
 
     /// Adds what was sent between two times of one session.
@@ -122,6 +127,12 @@ impl Measures {
             number("replica_extra", self.extra as f64, "", 0.0),
             number("replica_different", self.different as f64, "", 0.0),
             number("link_bytes_per_event", ratio(self.bytes, self.events), "B", 50.0),
+            number(
+                "link_bytes_5_over_1_operators",
+                ratio(self.watched[1], self.watched[0]),
+                "",
+                1.02,
+            ),
             seconds("live_after_return_s", quantile(&self.live_after_return, 0.99), 0.5),
             seconds("latency_p50_s", quantile(&self.latency, 0.5), 0.05),
             seconds("latency_p99_s", quantile(&self.latency, 0.99), 0.3),

@@ -18,6 +18,8 @@ const STATE_MS: usize = 850;
 pub(super) struct Mission {
     events: Vec<MissionEvent>,
     items: Vec<u8>,
+    /// The paths of its branches.
+    pub(super) branches: Vec<String>,
 }
 
 #[derive(Debug, Clone, Copy)]
@@ -32,7 +34,8 @@ impl Mission {
     pub(super) fn new(random: Random, length: Duration, quiet: (Duration, Duration)) -> Self {
         let mut writer = MissionWriter::new(random);
         writer.run(length, quiet);
-        writer.mission
+        let branches = writer.places[1..=BRANCHES].iter().map(|place| place.path.clone()).collect();
+        Mission { branches, ..writer.mission }
     }
 
     /// When the event of this number happens.
@@ -77,7 +80,7 @@ impl MissionWriter {
     fn new(random: Random) -> Self {
         let mut writer = Self {
             random,
-            mission: Mission { events: Vec::new(), items: Vec::new() },
+            mission: Mission { events: Vec::new(), items: Vec::new(), branches: Vec::new() },
             t_ns: 0,
             places: vec![place("MISSION", "Mission", false)],
             parents: vec![0],
@@ -309,6 +312,14 @@ impl MissionState {
                 }
             }
         }
+    }
+
+    /// The states that are active with inputs: path, event, and the inputs in words.
+    pub(super) fn inputs(&self) -> impl Iterator<Item = (String, u64, String)> {
+        self.moment.active().into_iter().map(|state| {
+            let inputs: Vec<_> = state.inputs.iter().map(|(_, kept)| format!("{kept:?}")).collect();
+            (state.place.path.clone(), state.order, inputs.join(" "))
+        })
     }
 
     /// The state, and for each place its parent and its number there: with the machine, that says which place it is.

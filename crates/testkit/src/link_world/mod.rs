@@ -8,10 +8,11 @@ mod mission;
 mod plan;
 mod robot;
 mod station;
+mod watching;
 mod world;
 
 pub use carrier::{Carrier, Conditions, Cut};
 pub use measures::{Figure, Measures};
 pub use mission::{SampleEvent, sample_events};
 pub use plan::Scenario;
-pub use world::run;
+pub use world::{run, run_watched};

@@ -53,6 +53,8 @@ pub(super) enum Action {
     FreeDisk(usize),
     /// The robot's calendar is set: so many ms forward, or back.
     SetCalendar(i64),
+    /// Another operator of the first station watches the mission.
+    Watch,
 }
 
 #[derive(Debug, Clone)]

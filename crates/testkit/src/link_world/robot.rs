@@ -2,6 +2,7 @@
 
 use super::clock::LocalClock;
 use super::mission::{Mission, MissionState};
+use super::watching::Watched;
 use rafcon_link::{
     CommandId, CommandState, EventBuffer, Events, Generation, Horizon, Identity, KeyId, PairingKey,
     Profile, ReceivedCommand, RobotSession, RunSource, StreamId, Traffic,
@@ -50,6 +51,8 @@ impl Calendar {
 struct RobotDisk {
     starts: u32,
     heard: Vec<Option<Horizon>>,
+    /// What each station watches.
+    watched: Vec<Watched>,
     commands: BTreeMap<CommandId, CommandState>,
     epoch: u64,
 }
@@ -103,7 +106,8 @@ impl RunSource for Journal<'_> {
 impl Robot {
     pub(super) fn new(stations: usize) -> Self {
         let heard = vec![None; stations];
-        let disk = RobotDisk { starts: 0, heard, commands: BTreeMap::new(), epoch: 1 };
+        let watched = (0..stations).map(|_| Watched::default()).collect();
+        let disk = RobotDisk { starts: 0, heard, watched, commands: BTreeMap::new(), epoch: 1 };
         let calendar = Calendar { settings: vec![(Duration::ZERO, 1_700_000_000_000)] };
         Self { disk, calendar, server: None, state: MissionState::new() }
     }
@@ -121,6 +125,9 @@ impl Robot {
             };
             let mut session = RobotSession::new(&identity, profile.clone());
             session.begin(STREAM, head);
+            if self.disk.watched[station].number > 0 {
+                session.set_wish(STREAM, self.disk.watched[station].number);
+            }
             session
         };
         let sessions = self.disk.heard.iter().enumerate().map(session).collect();
@@ -150,6 +157,12 @@ impl Robot {
         for session in &mut server.sessions {
             session.set_calendar(local, calendar);
             session.set_state(STREAM, b"running", is_over);
+        }
+        for (session, watched) in server.sessions.iter_mut().zip(&mut self.disk.watched) {
+            if watched.number > 0 {
+                self.state.follow(mission, head);
+                watched.tell(local, &self.state, session);
+            }
         }
     }
 
@@ -193,6 +206,7 @@ impl Robot {
         let _of_an_earlier_start_or_doubled =
             session.receive(local, &mut datagram, |command| received.push(command));
         self.disk.heard[station] = session.horizon();
+        self.disk.watched[station].take(session);
         let mut done = Vec::new();
         for ReceivedCommand { id, epoch, .. } in received {
             let is_new = !self.disk.commands.contains_key(&id);

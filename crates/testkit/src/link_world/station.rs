@@ -3,6 +3,7 @@
 use super::clock::LocalClock;
 use super::mission::Mission;
 use super::robot::{ROBOT, STREAM, key};
+use super::watching::event_of;
 use rafcon_link::{
     CommandId, CommandState, FromRobot, Generation, Horizon, Identity, KeyId, NewCommand, Profile,
     RangeSet, StationSession,
@@ -117,10 +118,14 @@ impl Station {
                 FromRobot::CommandState { id, state, .. } => {
                     fates.insert(id, state);
                 }
+                FromRobot::Watched { values, .. } => {
+                    let head = mission.head(now);
+                    let is_wrong = |value: &Vec<u8>| event_of(value).is_none_or(|of| of > head);
+                    *different += values.iter().filter(|value| is_wrong(value)).count() as u64;
+                }
                 FromRobot::Started
                 | FromRobot::Status { .. }
                 | FromRobot::NewKey { .. }
-                | FromRobot::Watched { .. }
                 | FromRobot::ValuePart { .. }
                 | FromRobot::NoValue { .. } => {}
             });
@@ -149,6 +154,12 @@ impl Station {
     pub(super) fn contiguous(&self) -> u64 {
         let progress = self.server.as_ref().and_then(|server| server.session.progress(STREAM));
         progress.map_or(0, |(_, received)| received.contiguous())
+    }
+
+    /// Asks the robot for what is watched; answers whether there is a server to do so.
+    pub(super) fn watch(&mut self, number: u64, body: Vec<u8>) -> bool {
+        let Some(server) = &mut self.server else { return false };
+        server.session.watch(STREAM, number, body).is_ok()
     }
 
     /// Gives a command; answers whether it is on its way.

@@ -7,6 +7,7 @@ use super::mission::Mission;
 use super::plan::{Action, LATE, Plan, STATIONS, Scenario, Window};
 use super::robot::{CarriedOut, Robot};
 use super::station::Station;
+use super::watching::Operators;
 use crate::random::Random;
 use rafcon_link::{CommandId, NewCommand, Profile, Traffic};
 use std::collections::BTreeMap;
@@ -44,6 +45,16 @@ pub fn run(seed: u64, scenario: Scenario) -> Result<Measures, String> {
     })
 }
 
+/// How many bytes the first station and the robot sent each other in a mission that so many operators watched.
+pub fn run_watched(seed: u64, operators: usize) -> Result<u64, String> {
+    let mut world = LinkWorld::new(seed, Scenario::SpaceBotCamp);
+    let joins = Operators::join_at(operators).map(|at| (at, Action::Watch));
+    world.plan.actions.extend(joins);
+    world.plan.actions.sort_by_key(|(at, _)| *at);
+    world.go().map_err(|broken| format!("seed {seed}, at {:?}: {broken}", world.now))?;
+    Ok(world.down[0].bytes + world.up[0].bytes)
+}
+
 struct LinkWorld {
     now: Duration,
     random: Random,
@@ -69,6 +80,7 @@ struct LinkWorld {
     fills: Vec<Fill>,
     tick: Tick,
     measures: Measures,
+    operators: Operators,
 }
 
 struct Given {
@@ -145,6 +157,7 @@ impl LinkWorld {
             fills: Vec::new(),
             tick: Tick { at: Duration::ZERO, bytes: 0, traffic: Traffic::default(), head: 0 },
             measures: Measures::default(),
+            operators: Operators::default(),
             random,
         }
     }
@@ -223,6 +236,10 @@ impl LinkWorld {
             Action::StartStation(station) => {
                 let clock = self.clock();
                 self.stations[station].start(clock, &self.profile);
+                if station == 0 {
+                    self.operators.ask_again();
+                    self.ask();
+                }
                 if station == LATE {
                     self.late_joined = Some(self.now);
                 }
@@ -234,6 +251,10 @@ impl LinkWorld {
             Action::FillDisk(station) => self.stations[station].disk.is_full = true,
             Action::FreeDisk(station) => self.stations[station].disk.is_full = false,
             Action::SetCalendar(ms) => self.robot.calendar.jump(self.now, ms),
+            Action::Watch => {
+                self.operators.join(&self.mission.branches);
+                self.ask();
+            }
             Action::Command => self.command(self.in_control),
             Action::TakeControl => {
                 self.in_control = 1 - self.in_control;
@@ -246,6 +267,14 @@ impl LinkWorld {
     /// Of a process that starts now.
     fn clock(&mut self) -> LocalClock {
         LocalClock::new(self.now, self.random.small(100) - 50)
+    }
+
+    fn ask(&mut self) {
+        if self.stations[0].server.is_some()
+            && let Some((number, body)) = self.operators.wish()
+        {
+            self.stations[0].watch(number, body);
+        }
     }
 
     fn command(&mut self, station: usize) {

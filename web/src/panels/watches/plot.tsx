@@ -7,12 +7,12 @@ import type { SeriesPoint } from "../../store/history/series.ts";
 import { useSignal } from "../../ui/signals.ts";
 import { duration } from "../parts/duration.ts";
 import "uplot/dist/uPlot.min.css";
-import type { WatchedValue } from "./watched_value.ts";
+import type { ShownValue } from "./watched_value.ts";
 
 const HEIGHT_PX = 92;
 const LINE_PX = 1;
 
-export function Plot({ watched }: { watched: WatchedValue }) {
+export function Plot({ watched }: { watched: ShownValue }) {
   const place = useRef<HTMLDivElement>(null);
   const { history, watch, name } = watched;
   const points = history.series.points;
@@ -61,7 +61,7 @@ export function Plot({ watched }: { watched: WatchedValue }) {
 }
 
 interface Latest {
-  readonly watched: WatchedValue;
+  readonly watched: ShownValue;
   readonly playhead: number | null;
 }
 
@@ -134,7 +134,7 @@ function pointAt(plot: uPlot, points: readonly SeriesPoint[]): SeriesPoint | nul
 }
 
 /** Times in seconds and values; what it was last it still is. */
-function dataOf({ history, watch }: WatchedValue): uPlot.AlignedData {
+function dataOf({ history, watch }: ShownValue): uPlot.AlignedData {
   const { points } = history.series;
   const { journal } = watch;
   const times = points.map(({ t_ns }) => t_ns / 1e9);

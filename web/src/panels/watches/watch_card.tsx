@@ -27,7 +27,7 @@ import { ValueView } from "../parts/value/value_view.tsx";
 import { reveal } from "../reveal.ts";
 import { Ahead } from "./ahead.tsx";
 import { Plot } from "./plot.tsx";
-import type { WatchedValue } from "./watched_value.ts";
+import type { ShownValue } from "./watched_value.ts";
 
 interface WatchCardProps {
   readonly tab: OpenTab;
@@ -113,7 +113,7 @@ function InRun({ tab, watched, watch, expression }: WatchInRunProps) {
     [page, watch, target, expression],
   );
   useEffect(() => history.follow(), [history]);
-  const shown: WatchedValue = useMemo(
+  const shown: ShownValue = useMemo(
     () => ({ name: target.name, watch, history }),
     [target, watch, history],
   );
@@ -180,7 +180,7 @@ function Since({ watch, sequence }: { watch: Watch; sequence: number }) {
 }
 
 /** Numbers as a plot, all else as its last changes. */
-function Over({ watched }: { watched: WatchedValue }) {
+function Over({ watched }: { watched: ShownValue }) {
   const { history, watch } = watched;
   useSignal(history.changed);
   const refusal = useSignal(history.refusal);
@@ -204,7 +204,7 @@ function Over({ watched }: { watched: WatchedValue }) {
 }
 
 /** From point to point by keyboard: what a click into the plot does. */
-function Steps({ watched: { name, watch, history } }: { watched: WatchedValue }) {
+function Steps({ watched: { name, watch, history } }: { watched: ShownValue }) {
   const playhead = useSignal(watch.playhead);
   const { series } = history;
   const at = playhead ?? Number.POSITIVE_INFINITY;

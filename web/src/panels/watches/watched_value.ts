@@ -3,7 +3,7 @@
 import type { Watch } from "../../store/history/run.ts";
 import type { ValueHistory } from "../../store/run/value_history.ts";
 
-export interface WatchedValue {
+export interface ShownValue {
   /** What is watched, in words. */
   readonly name: string;
   readonly watch: Watch;

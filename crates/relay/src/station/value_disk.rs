@@ -1,0 +1,226 @@
+//! Large values on the disk of a station: a thread of its own writes them, so that neither commands nor events wait for it. What waits
+//! for it is bounded; parts that do not fit are lost, as on any bad link, and come again.
+
+use crate::desk::ValueKey;
+use crate::ids;
+use crate::inbox::Input;
+use crate::station::ToStation;
+use rafcon_link::{RangeSet, ValueId, ValueName};
+use rafcon_storage::journal::folder::replace_file;
+use rafcon_storage::journal::record::Content;
+use rafcon_storage::journal::{ContentHash, IncomingContent, Reader, ValueNumber, is_content_here};
+use std::collections::BTreeMap;
+use std::io;
+use std::ops::RangeInclusive;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::mpsc::{self, Receiver, Sender, SyncSender};
+use std::thread;
+
+/// So many bytes of parts wait for the disk at most.
+const WAITING_MAX: usize = 4 << 20;
+
+/// What the disk is to do, in this order.
+#[derive(Debug)]
+enum Work {
+    Open(ValueKey),
+    Write(ValueId, u64, Vec<u8>),
+    /// Which bytes of a value are here, for the next start.
+    Note(ValueId, RangeSet),
+    /// All bytes of a value are here.
+    Finish(ValueId),
+    /// It is not wanted any more; what came of it stays for the next time, or goes.
+    Leave(ValueId, Rest),
+    /// Which values are wanted, for the next start.
+    Wanted(String),
+}
+
+/// What becomes of the bytes of a value that is not wanted any more.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Rest {
+    Stays,
+    Goes,
+}
+
+/// What the disk says of values.
+#[derive(Debug)]
+pub(crate) enum FromValueDisk {
+    /// A value can be written: what it is, how long, and which bytes of it are here.
+    Opened(ValueKey, ValueName, u64, RangeSet),
+    /// A value is here: there is nothing to fetch.
+    Here(ValueKey),
+    /// A value cannot be fetched: why.
+    NotOpened(ValueKey, String),
+    /// A value does not go on: why.
+    Failed(ValueId, String),
+    /// A value is whole and right; or its bytes were another value, and are gone.
+    Finished(ValueId, bool),
+}
+
+/// The disk as the rest of the station sees it.
+#[derive(Debug)]
+pub(super) struct ValueDisk {
+    work: Sender<Work>,
+    /// How many bytes wait.
+    waiting: Arc<AtomicUsize>,
+}
+
+impl ValueDisk {
+    /// Begins the thread that keeps values of the runs in this folder, of the robot of this number.
+    pub(super) fn begin(
+        runs: PathBuf,
+        wanted: PathBuf,
+        (robot, inbox): (usize, SyncSender<Input<ToStation>>),
+    ) -> io::Result<Self> {
+        let (work, works) = mpsc::channel();
+        let waiting = Arc::<AtomicUsize>::default();
+        let keeper = Keeper { runs, wanted, open: BTreeMap::new(), robot, inbox };
+        let theirs = Arc::clone(&waiting);
+        let keep = move || keeper.keep(&works, &theirs);
+        thread::Builder::new().name("values".to_owned()).spawn(keep)?;
+        Ok(Self { work, waiting })
+    }
+
+    pub(super) fn open(&self, key: ValueKey) {
+        self.give(Work::Open(key));
+    }
+
+    /// Answers whether there is room for the part.
+    pub(super) fn write(&self, id: ValueId, offset: u64, bytes: Vec<u8>) -> bool {
+        let length = bytes.len();
+        if self.waiting.load(Ordering::Acquire) + length > WAITING_MAX {
+            return false;
+        }
+        self.waiting.fetch_add(length, Ordering::AcqRel);
+        self.give(Work::Write(id, offset, bytes));
+        true
+    }
+
+    /// Notes which bytes of a value are here, unless the disk is behind.
+    pub(super) fn note(&self, id: ValueId, here: &RangeSet) {
+        if self.waiting.load(Ordering::Acquire) < WAITING_MAX / 2 {
+            self.give(Work::Note(id, here.clone()));
+        }
+    }
+
+    pub(super) fn finish(&self, id: ValueId) {
+        self.give(Work::Finish(id));
+    }
+
+    pub(super) fn leave(&self, id: ValueId, rest: Rest) {
+        self.give(Work::Leave(id, rest));
+    }
+
+    /// Keeps which values are wanted.
+    pub(super) fn keep_wanted(&self, text: String) {
+        self.give(Work::Wanted(text));
+    }
+
+    fn give(&self, work: Work) {
+        // The thread ends with this.
+        self.work.send(work).unwrap_or_default();
+    }
+}
+
+struct Keeper {
+    runs: PathBuf,
+    wanted: PathBuf,
+    open: BTreeMap<ValueId, IncomingContent>,
+    robot: usize,
+    inbox: SyncSender<Input<ToStation>>,
+}
+
+/// What is to be known of a value before it is fetched.
+struct Found {
+    name: ValueName,
+    content: IncomingContent,
+    here: RangeSet,
+}
+
+impl Keeper {
+    fn keep(mut self, works: &Receiver<Work>, waiting: &AtomicUsize) {
+        for work in works {
+            let length = if let Work::Write(_, _, bytes) = &work { bytes.len() } else { 0 };
+            if let Some(said) = self.perform(work) {
+                // A station that has ended needs to know nothing.
+                self.inbox
+                    .send(Input::Other(ToStation::Values(self.robot, said)))
+                    .unwrap_or_default();
+            }
+            waiting.fetch_sub(length, Ordering::AcqRel);
+        }
+    }
+
+    fn perform(&mut self, work: Work) -> Option<FromValueDisk> {
+        let failed = |id, error: io::Error| {
+            let why = format!("the station's disk does not take it: {error}");
+            Some(FromValueDisk::Failed(id, why))
+        };
+        match work {
+            Work::Open(key) => Some(self.open(key)),
+            Work::Write(id, offset, bytes) => {
+                let error = self.open.get(&id)?.write(offset, &bytes).err()?;
+                failed(id, error)
+            }
+            Work::Note(id, here) => {
+                // What is not noted is sent again.
+                let ranges = here.ranges().map(RangeInclusive::into_inner);
+                drop(self.open.get(&id)?.note(ranges));
+                None
+            }
+            Work::Finish(id) => match self.open.remove(&id)?.finish() {
+                Ok(is_right) => Some(FromValueDisk::Finished(id, is_right)),
+                Err(error) => failed(id, error),
+            },
+            Work::Leave(id, rest) => {
+                let content = self.open.remove(&id)?;
+                if rest == Rest::Goes {
+                    content.remove();
+                }
+                None
+            }
+            Work::Wanted(text) => {
+                // What is not kept can be fetched again after the next start.
+                drop(replace_file(&self.wanted, text.as_bytes()));
+                None
+            }
+        }
+    }
+
+    fn open(&mut self, key: ValueKey) -> FromValueDisk {
+        match find(&self.runs, &key) {
+            Ok(None) => FromValueDisk::Here(key),
+            Ok(Some(Found { name, content, here })) => {
+                let length = content.length();
+                // The same bytes may be open for another run.
+                self.open.entry(name.id).or_insert(content);
+                FromValueDisk::Opened(key, name, length, here)
+            }
+            Err(why) => FromValueDisk::NotOpened(key, why),
+        }
+    }
+}
+
+/// Finds a value in its replica: nothing if it is here.
+fn find(runs: &Path, (run, number): &ValueKey) -> Result<Option<Found>, String> {
+    let folder = runs.join(run);
+    let reader = Reader::open(&folder).map_err(|error| error.to_string())?;
+    let stored = reader.value(ValueNumber(*number)).map_err(|error| error.to_string())?;
+    let Some(Content::File { hash, size }) = stored.map(|stored| stored.content) else {
+        return Ok(None);
+    };
+    if is_content_here(&folder, &hash, size) {
+        return Ok(None);
+    }
+    let hash = ContentHash::from_name(&hash).ok_or("the value has no hash to fetch it by")?;
+    let full = |error| format!("the station's disk does not take it: {error}");
+    let (content, noted) = IncomingContent::open(&folder, hash, size).map_err(full)?;
+    let name =
+        ValueName { stream: ids::events_of(run), number: *number, id: ids::value_id(hash) };
+    let mut here = RangeSet::default();
+    for (first, last) in noted {
+        here.insert(first..=last);
+    }
+    Ok(Some(Found { name, content, here }))
+}
