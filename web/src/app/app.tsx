@@ -12,13 +12,12 @@ import { listenToKeys } from "./keyboard.ts";
 import { guardLeaving } from "./leaving.ts";
 import { Login, Unreachable } from "./login.tsx";
 import { PanelGuard } from "./panel_guard.tsx";
-import { preloadParts } from "./preload.ts";
+import { preloadParts, watchRobotsOnceThereAre } from "./preload.ts";
 import { SessionProvider, useSession } from "./provided.tsx";
 import { tellOfRuns } from "./run_notices.ts";
 import type { AppSession } from "./session.ts";
 import { Toasts } from "./toasts.tsx";
 import { TopBar } from "./top_bar.tsx";
-import { watchRobots } from "./watch_robots.ts";
 import "./app.css";
 
 export function App({ session }: { session: AppSession }) {
@@ -67,7 +66,7 @@ function Inside() {
       listenForTips(document),
       guardLeaving(session, window),
       tellOfRuns(session),
-      watchRobots(session.page),
+      watchRobotsOnceThereAre(session.page),
       preloadParts(session.page),
     ];
     return () => {

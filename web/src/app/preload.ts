@@ -21,6 +21,31 @@ export function preloadParts(page: Page): () => void {
   });
 }
 
+/** Loads what asks robots for watched values once a run of a robot is in front. */
+export function watchRobotsOnceThereAre(page: Page): () => void {
+  let isBegun = false;
+  let isOver = false;
+  let stop = () => {};
+  const unfollow = effect(() => {
+    if (isBegun || !page.active.value?.run.value?.now.value?.robot) return;
+    isBegun = true;
+    import("./watch_robots.ts").then(
+      ({ watchRobots }) => {
+        if (!isOver) stop = watchRobots(page);
+      },
+      // The server is gone for now: with the next news of the run it may be back.
+      () => {
+        isBegun = false;
+      },
+    );
+  });
+  return () => {
+    isOver = true;
+    unfollow();
+    stop();
+  };
+}
+
 async function preloadEverything(): Promise<void> {
   await preloadAll([...LATER, ...LATER_DIALOGS]);
   const [{ SCRIPT_PARTS }, { DESCRIPTION_PARTS }] = await Promise.all([

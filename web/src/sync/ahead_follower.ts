@@ -1,8 +1,8 @@
 /** Follows the values of a robot's run that its station gets ahead of their events: only those that are watched, and only if any are. */
 
-import { signal } from "@preact/signals-core";
 import type { Topic, WatchTarget } from "../model/generated/protocol.ts";
-import { type AheadValues, aheadKey, NOTHING_AHEAD } from "../store/history/ahead.ts";
+import { aheadKey, NOTHING_AHEAD } from "../store/history/ahead.ts";
+import type { Watch } from "../store/history/run.ts";
 import type { Server } from "../store/page/server.ts";
 import type { Clock } from "./clock.ts";
 
@@ -15,17 +15,16 @@ interface AheadPorts {
 }
 
 export class AheadFollower {
-  readonly ahead = signal<AheadValues>(NOTHING_AHEAD);
+  readonly #watch: Watch;
   readonly #ports: AheadPorts;
-  readonly #run: string;
   #targets: readonly WatchTarget[] = [];
   #asked = "[]";
   #isSoon = false;
   #isOver = false;
   #unfollow: () => void = () => {};
 
-  constructor(run: string, ports: AheadPorts) {
-    this.#run = run;
+  constructor(watch: Watch, ports: AheadPorts) {
+    this.#watch = watch;
     this.#ports = ports;
   }
 
@@ -43,6 +42,7 @@ export class AheadFollower {
   close(): void {
     this.#isOver = true;
     this.#unfollow();
+    this.#watch.ahead.value = NOTHING_AHEAD;
   }
 
   #ask(): void {
@@ -52,16 +52,16 @@ export class AheadFollower {
     this.#unfollow();
     this.#unfollow = () => {};
     if (this.#targets.length === 0) {
-      this.ahead.value = NOTHING_AHEAD;
+      this.#watch.ahead.value = NOTHING_AHEAD;
       return;
     }
-    const topic: Topic = { topic: "run_watched", run: this.#run, targets: [...this.#targets] };
+    const topic: Topic = { topic: "run_watched", run: this.#watch.id, targets: [...this.#targets] };
     this.#unfollow = this.#ports.server.follow({
       topic: () => topic,
       frame: (frame) => {
         if (frame.frame !== "run_watched") return;
         const values = new Map(frame.values.map((value) => [aheadKey(value), value]));
-        this.ahead.value = { watching: frame.watching, values };
+        this.#watch.ahead.value = { watching: frame.watching, values };
       },
     });
   }

@@ -12,14 +12,12 @@ import type {
   Refusal,
   RunNow,
   ToClient,
-  WatchTarget,
 } from "../model/generated/protocol.ts";
-import type { AheadValues } from "../store/history/ahead.ts";
+import { type AheadValues, NOTHING_AHEAD } from "../store/history/ahead.ts";
 import { Journal } from "../store/history/journal.ts";
 import { rolled, withBase } from "../store/history/rolled.ts";
 import type { RunSnapshot, SentCommand, Watch } from "../store/history/run.ts";
 import { REPEATED, RefusalError, type Server } from "../store/page/server.ts";
-import { AheadFollower } from "./ahead_follower.ts";
 import type { Clock } from "./clock.ts";
 import { CommandOutbox } from "./command_outbox.ts";
 import { PastWindows } from "./past_windows.ts";
@@ -57,12 +55,11 @@ export class RunWatch implements Watch {
   readonly playhead: Signal<number | null>;
   readonly playheadSnapshot: Signal<RunSnapshot | null>;
   readonly sent: Signal<readonly SentCommand[]>;
-  readonly ahead: Signal<AheadValues>;
+  readonly ahead = signal<AheadValues>(NOTHING_AHEAD);
   readonly id: string;
   readonly #ports: WatchPorts;
   readonly #outbox: CommandOutbox;
   readonly #snapshots: SnapshotLoader;
-  readonly #ahead: AheadFollower;
   #unfollowHistory: () => void = () => {};
   #unfollowStatus: () => void = () => {};
   /** How many events were told, and how often a journal was another one. */
@@ -96,8 +93,6 @@ export class RunWatch implements Watch {
       ask: (what) => server.request("GET", this.#path(what), undefined, REPEATED),
       changed: () => this.#changed(),
     });
-    this.#ahead = new AheadFollower(id, ports);
-    this.ahead = this.#ahead.ahead;
     this.sent = this.#outbox.sent;
     this.playhead = this.#snapshots.playhead;
     this.playheadSnapshot = this.#snapshots.snapshot;
@@ -124,10 +119,6 @@ export class RunWatch implements Watch {
     return this.#snapshots.want();
   }
 
-  watchAhead(targets: readonly WatchTarget[]): void {
-    this.#ahead.watch(targets);
-  }
-
   command(command: Command, patience_ms?: number): Promise<SentCommand> {
     return this.#outbox.send(command, patience_ms);
   }
@@ -149,7 +140,6 @@ export class RunWatch implements Watch {
     this.#unfollowStatus();
     this.#outbox.close();
     this.#snapshots.close();
-    this.#ahead.close();
     for (const call of this.#followers.splice(0)) call();
   }
 

@@ -12,7 +12,6 @@ import type {
   RunNow,
   RunSummary,
   StartRun,
-  WatchTarget,
 } from "../../model/generated/protocol.ts";
 import type { AheadValues } from "./ahead.ts";
 import type { Journal } from "./journal.ts";
@@ -65,10 +64,8 @@ export interface Watch {
   readonly playheadSnapshot: ReadonlySignal<RunSnapshot | null>;
   /** Says that values are wanted while live; returns the way to stop. */
   readonly wantValues: () => () => void;
-  /** Values of a robot's run that came ahead of their events. */
-  readonly ahead: ReadonlySignal<AheadValues>;
-  /** Says which values of a robot's run are watched from now on. */
-  readonly watchAhead: (targets: readonly WatchTarget[]) => void;
+  /** Values of a robot's run that came ahead of their events: whoever asks for them keeps them here. */
+  readonly ahead: Signal<AheadValues>;
   /** Commands of this page: those under way and the last ones that were answered, the oldest first. */
   readonly sent: ReadonlySignal<readonly SentCommand[]>;
   /** Sends a command. It is sent again until it is answered; not carried out after `patience_ms`. Never throws. */

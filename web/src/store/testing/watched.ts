@@ -43,7 +43,6 @@ export function watched(run: RunSummary, more: Partial<RunNow> = {}): Watched {
     playheadSnapshot: signal(null),
     sent: signal<readonly SentCommand[]>([]),
     ahead: signal(NOTHING_AHEAD),
-    watchAhead: () => {},
     whenClosed: () => {},
   } as unknown as Watch;
   const tell = (...events: readonly Event[]) => {

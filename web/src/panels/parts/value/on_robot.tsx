@@ -126,7 +126,9 @@ function words({ bytes, link_bytes, takes_ms, fetch }: OnRobot): string {
     if (rest === null) return `${where} On its way: it goes on when the robot is heard.`;
     return `${where} On its way, behind all else: about ${duration(rest)} left.`;
   }
-  const cost = `Fetching costs ${dataSize(link_bytes)} of the link`;
+  const left = 1 - (fetch?.here ?? 0) / Math.max(1, bytes);
+  const what = left < 1 ? "Fetching the rest" : "Fetching";
+  const cost = `${what} costs ${dataSize(link_bytes * left)} of the link`;
   if (takes_ms === null) return `${where} ${cost}; the robot is not heard.`;
-  return `${where} ${cost}, about ${duration(takes_ms)} at its rate now.`;
+  return `${where} ${cost}, about ${duration(takes_ms * left)} at its rate now.`;
 }
