@@ -58,13 +58,9 @@ fn frame(bytes: &[u8]) -> impl Strategy<Value = Frame<'_>> {
             }
         ),
     ];
-    let beside = prop_oneof![
-        any::<u64>().prop_map(|began_ms| Frame::Calendar { began_ms }),
-        wish(bytes).prop_map(Frame::Wish),
-    ];
     prop_oneof![
         events,
-        beside,
+        beside(bytes),
         (stream.clone(), any::<u64>(), any::<bool>(), any::<[u64; 2]>()).prop_map(
             move |(stream, head, is_over, [last, hash])| {
                 let chain = (last % 2 == 1).then_some(EventHash { last, hash });
@@ -89,13 +85,14 @@ fn frame(bytes: &[u8]) -> impl Strategy<Value = Frame<'_>> {
         (id, any::<u32>(), any::<[u64; 3]>()).prop_map(
             move |(id, start, [not_after_ms, not_before_ms, epoch])| {
                 let robot_start = Generation(start);
+                let body = bytes;
                 Frame::Command(Command {
                     id,
                     robot_start,
                     not_after_ms,
                     not_before_ms,
                     epoch,
-                    body: bytes,
+                    body,
                 })
             }
         ),
@@ -110,6 +107,14 @@ fn frame(bytes: &[u8]) -> impl Strategy<Value = Frame<'_>> {
                 Frame::Received(Received { stream, is_over, safe, events, context })
             }
         ),
+    ]
+}
+
+/// A frame about neither events nor commands.
+fn beside(bytes: &[u8]) -> impl Strategy<Value = Frame<'_>> {
+    prop_oneof![
+        any::<u64>().prop_map(|began_ms| Frame::Calendar { began_ms }),
+        wish(bytes).prop_map(Frame::Wish),
     ]
 }
 

@@ -304,7 +304,7 @@ impl RobotSession {
         }
         self.report(now, echo, reports);
         for fetch in fetches {
-            self.values.wanted(fetch, echo, &self.profile);
+            self.values.wanted(now, fetch, echo, &self.profile);
         }
         Ok(())
     }

@@ -28,6 +28,8 @@ pub(super) struct Values {
 #[derive(Debug)]
 struct Sending {
     value: ValueName,
+    /// When the station asked for it last.
+    asked_at: Duration,
     length: Option<u64>,
     /// Which bytes the station has; the first one is 1.
     here: RangeSet,
@@ -52,12 +54,21 @@ impl Profile {
 impl Values {
     /// The station wants a value, or says what it has of it. `echo` is the newest time that it heard, and how late overtaken datagrams
     /// were.
-    pub(super) fn wanted(&mut self, fetch: Fetch, echo: Option<(u64, u64)>, profile: &Profile) {
+    pub(super) fn wanted(
+        &mut self,
+        now: Duration,
+        fetch: Fetch,
+        echo: Option<(u64, u64)>,
+        profile: &Profile,
+    ) {
         let Fetch { value, budget, here } = fetch;
         let place = self.sending.iter().position(|sending| sending.value == value);
         let before = place.and_then(|place| self.sending.remove(place));
         let mut sending = before.unwrap_or_else(|| Sending::of(value));
-        (sending.budget, sending.refusal) = (budget, None);
+        if budget == 0 {
+            return;
+        }
+        (sending.asked_at, sending.budget, sending.refusal) = (now, budget, None);
         sending.report(here, echo, profile);
         self.sending.push_back(sending);
         if self.sending.len() > VALUES_MAX {
@@ -83,6 +94,8 @@ impl Values {
         source: &mut impl RunSource,
         payload: &mut Vec<u8>,
     ) {
+        // The station asks again with each report, as long as it wants a value.
+        self.sending.retain(|sending| turn.now < sending.asked_at + turn.profile.silence());
         for sending in &mut self.sending {
             while sending.has_next() {
                 let left = turn.room.saturating_sub(payload.len());
@@ -97,6 +110,7 @@ impl Sending {
     fn of(value: ValueName) -> Self {
         Self {
             value,
+            asked_at: Duration::ZERO,
             length: None,
             here: RangeSet::default(),
             sent: VecDeque::new(),

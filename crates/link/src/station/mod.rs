@@ -8,7 +8,7 @@ pub use wishes::{FetchProgress, NotWatched};
 
 use crate::assembly::{Assembly, LENGTH_MAX};
 use crate::bytes::write_number;
-use crate::coding::{Contexts, LastCoder};
+use crate::coding::{ContextId, Contexts, LastCoder};
 use crate::deflate::inflate;
 use crate::endpoint::{Arrived, Endpoint, Identity, Unusable};
 use crate::frame::{
@@ -293,17 +293,7 @@ impl StationSession {
         match *frame {
             Frame::Events(ref events) => self.take_events(events, show),
             Frame::Coded { context, length, ref events } => {
-                let Some(incoming) = self.incoming(events.stream) else { return };
-                if incoming.received.contains(&(events.first..=events.last())) {
-                    return self.take_events(&Events { items: &[], ..*events }, show);
-                }
-                let Incoming { contexts, coder, .. } = incoming;
-                // What cannot be decoded, because this side started again, counts as lost.
-                let coder = contexts.find(context).map(|items| coder.with(context, items));
-                let items = coder.and_then(|coder| coder.decode(events.items, length as usize));
-                if let Some(items) = items {
-                    self.take_events(&Events { items: &items, ..*events }, show);
-                }
+                self.take_coded(context, length as usize, events, show);
             }
             Frame::Large { stream, first, t_before, length, offset, bytes } => {
                 let Some(incoming) = self.incoming(stream) else { return };
@@ -364,6 +354,26 @@ impl StationSession {
                 self.wishes.answered(wish, show);
             }
             _ => {}
+        }
+    }
+
+    fn take_coded(
+        &mut self,
+        context: ContextId,
+        length: usize,
+        events: &Events<'_>,
+        show: &mut impl FnMut(FromRobot<'_>),
+    ) {
+        let Some(incoming) = self.incoming(events.stream) else { return };
+        if incoming.received.contains(&(events.first..=events.last())) {
+            return self.take_events(&Events { items: &[], ..*events }, show);
+        }
+        let Incoming { contexts, coder, .. } = incoming;
+        // What cannot be decoded, because this side started again, counts as lost.
+        let coder = contexts.find(context).map(|items| coder.with(context, items));
+        let items = coder.and_then(|coder| coder.decode(events.items, length));
+        if let Some(items) = items {
+            self.take_events(&Events { items: &items, ..*events }, show);
         }
     }
 

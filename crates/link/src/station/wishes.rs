@@ -6,12 +6,14 @@ use crate::bytes::number_length;
 use crate::frame::{Fetch, Frame, StreamId, ValueId, ValueName, WatchPart, WishFrame};
 use crate::range_set::RangeSet;
 use crate::robot::WISH_BYTES_MAX;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, VecDeque};
 use std::ops::RangeInclusive;
 use std::time::Duration;
 
 /// So many large values are asked for at a time.
 const FETCHES_MAX: usize = 8;
+/// The robot is told so often that a value is not wanted any more.
+const END_SENDS: u8 = 4;
 /// The bytes of a large value that are here are in so many ranges at most: what makes one more comes again.
 const RANGES_HERE_MAX: usize = 4_096;
 /// A wish that is not answered is sent so often before it is repeated more slowly: the robot may not know the run, or not hear.
@@ -37,6 +39,8 @@ pub struct FetchProgress<'s> {
 pub(super) struct Wishes {
     watches: BTreeMap<StreamId, Watch>,
     fetches: BTreeMap<ValueId, Fetching>,
+    /// Large values that are not wanted any more, and how often the robot is still told so.
+    ended: VecDeque<(ValueName, u8)>,
     /// The fetch that is named first in the next report.
     turn: usize,
 }
@@ -112,6 +116,19 @@ impl Wishes {
 
     /// Says again which large values are wanted, and what of them is here.
     pub(super) fn write_fetches(&mut self, room: usize, payload: &mut Vec<u8>) {
+        for _ in 0..self.ended.len() {
+            let Some((value, sends)) = self.ended.pop_front() else { break };
+            let (length, here) = (payload.len(), RangeSet::default());
+            Frame::Wish(WishFrame::Fetch(Fetch { value, budget: 0, here })).write(payload);
+            if payload.len() > room {
+                payload.truncate(length);
+                self.ended.push_front((value, sends));
+                return;
+            }
+            if sends > 1 {
+                self.ended.push_back((value, sends - 1));
+            }
+        }
         let (count, turn) = (self.fetches.len(), self.turn);
         let fetches = self.fetches.values().cycle().skip(turn).take(count);
         for Fetching { value, here, budget, .. } in fetches {
@@ -186,6 +203,7 @@ impl StationSession {
     pub fn fetch(&mut self, value: ValueName, length: u64, here: RangeSet, budget: u64) -> bool {
         let is_room = self.wishes.fetches.len() < FETCHES_MAX;
         if is_room || self.wishes.fetches.contains_key(&value.id) {
+            self.wishes.ended.retain(|(ended, _)| *ended != value);
             self.wishes.fetches.insert(value.id, Fetching { value, length, here, budget });
             self.has_news = true;
         }
@@ -194,7 +212,11 @@ impl StationSession {
 
     /// A large value is not wanted any more, or is complete.
     pub fn end_fetch(&mut self, id: ValueId) {
-        self.wishes.fetches.remove(&id);
+        if let Some(Fetching { value, .. }) = self.wishes.fetches.remove(&id) {
+            self.wishes.ended.push_back((value, END_SENDS));
+            self.wishes.ended.truncate(FETCHES_MAX);
+            self.has_news = true;
+        }
         self.wishes.turn = 0;
     }
 

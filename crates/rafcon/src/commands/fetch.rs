@@ -132,13 +132,13 @@ mod tests {
             let value = KeptValue { number: 7, type_name, view, kept };
             in_words(&NamedValue { name: "cloud".to_owned(), value })
         });
-        expect![[r#"
+        expect![[r"
             cloud: ndarray, 2.0 MB on the robot; this server does not receive that robot
             cloud: ndarray, 2.0 MB on the robot; costs 2.2 MB of the link; the robot is not heard
             cloud: ndarray, 2.0 MB on the robot; costs 2.2 MB of the link, about 1:10 at its rate now
             cloud: ndarray, 2.0 MB on the robot; costs 2.2 MB of the link, about 1:10 at its rate now; 500 KB are here, the rest is on its way
             cloud: ndarray, 2.0 MB on the robot; costs 2.2 MB of the link, about 1:10 at its rate now; 500 KB are here, and no more come: the robot is gone
             cloud: ndarray, 2.0 MB here
-            cloud: ndarray, not kept: its class stands in a script"#]].assert_eq(&words.join("\n"));
+            cloud: ndarray, not kept: its class stands in a script"]].assert_eq(&words.join("\n"));
     }
 }

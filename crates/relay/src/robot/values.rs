@@ -17,11 +17,7 @@ pub(super) struct RobotValues {
 
 impl RobotValues {
     /// The length of a value of the run in this folder; nothing if it has another hash, or is not there.
-    pub(super) fn length(
-        &mut self,
-        folder: &Path,
-        name: &ValueName,
-    ) -> Option<u64> {
+    pub(super) fn length(&mut self, folder: &Path, name: &ValueName) -> Option<u64> {
         if !self.open.contains_key(name) {
             let reader = Reader::open(folder).ok()?;
             let stored = reader.value(ValueNumber(name.number)).ok()??;

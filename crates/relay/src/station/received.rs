@@ -2,8 +2,8 @@
 
 use super::disk::OpenRun;
 use super::viewers::Shared;
-use crate::words::RunStands;
 use crate::watch_words;
+use crate::words::RunStands;
 use rafcon_link::{
     CommandId, CommandState, EventHash, FromRobot, KeyId, NoValue, PairingKey, StreamId, ValueId,
 };

@@ -101,8 +101,7 @@ impl StationRobot {
             session.use_key(*key_id, key);
         }
         let (places, desk) = ((folder.as_path(), settings.runs.as_path()), settings.desk.clone());
-        let values =
-            StationValues::begin(&pairing.robot, places, desk, (number, inbox.clone()));
+        let values = StationValues::begin(&pairing.robot, places, desk, (number, inbox.clone()));
         let values = values.map_err(|source| RelayError::Thread { source })?;
         let (robot, runs) = (pairing.robot.clone(), settings.runs.clone());
         let mut kept = KeptRuns::new(
@@ -413,13 +412,11 @@ impl StationRobot {
         let now = self.clock.now();
         let is_due = |asked: Option<&Asked>| asked.is_none_or(|it| it.at + ASK_EVERY <= now);
         let open = self.runs.iter().filter(|(stream, _)| is_due(self.watching.get(stream)));
-        let mut wishes: Vec<_> = open
-            .filter_map(|(stream, run)| Some((*stream, run.shared.take_wish()?)))
-            .collect();
+        let mut wishes: Vec<_> =
+            open.filter_map(|(stream, run)| Some((*stream, run.shared.take_wish()?))).collect();
         // Nobody watches a run that is closed.
-        let is_left = |(stream, asked): &(&StreamId, &Asked)| {
-            asked.is_any && !self.runs.contains_key(stream)
-        };
+        let is_left =
+            |(stream, asked): &(&StreamId, &Asked)| asked.is_any && !self.runs.contains_key(stream);
         let left = self.watching.iter().filter(is_left);
         wishes.extend(left.map(|(stream, _)| (*stream, Vec::new())));
         for (stream, targets) in wishes {

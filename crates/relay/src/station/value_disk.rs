@@ -15,15 +15,17 @@ use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::mpsc::{self, Receiver, Sender, SyncSender};
+use std::sync::mpsc::{self, Receiver, SyncSender};
 use std::thread;
 
-/// So many bytes of parts wait for the disk at most.
-const WAITING_MAX: usize = 4 << 20;
+/// So much waits for the disk at most.
+const WAITING_MAX: usize = 4_096;
+/// So many parts and notes among that: whatever else there is always finds a place.
+const PARTS_MAX: usize = 3_072;
 
 /// What the disk is to do, in this order.
 #[derive(Debug)]
-enum Work {
+enum ValueWork {
     Open(ValueKey),
     Write(ValueId, u64, Vec<u8>),
     /// Which bytes of a value are here, for the next start.
@@ -61,8 +63,8 @@ pub(crate) enum FromValueDisk {
 /// The disk as the rest of the station sees it.
 #[derive(Debug)]
 pub(super) struct ValueDisk {
-    work: Sender<Work>,
-    /// How many bytes wait.
+    work: SyncSender<ValueWork>,
+    /// How much waits.
     waiting: Arc<AtomicUsize>,
 }
 
@@ -73,7 +75,7 @@ impl ValueDisk {
         wanted: PathBuf,
         (robot, inbox): (usize, SyncSender<Input<ToStation>>),
     ) -> io::Result<Self> {
-        let (work, works) = mpsc::channel();
+        let (work, works) = mpsc::sync_channel(WAITING_MAX);
         let waiting = Arc::<AtomicUsize>::default();
         let keeper = Keeper { runs, wanted, open: BTreeMap::new(), robot, inbox };
         let theirs = Arc::clone(&waiting);
@@ -82,44 +84,45 @@ impl ValueDisk {
         Ok(Self { work, waiting })
     }
 
-    pub(super) fn open(&self, key: ValueKey) {
-        self.give(Work::Open(key));
+    /// Answers whether there is room for it.
+    pub(super) fn open(&self, key: ValueKey) -> bool {
+        self.give(ValueWork::Open(key))
     }
 
     /// Answers whether there is room for the part.
     pub(super) fn write(&self, id: ValueId, offset: u64, bytes: Vec<u8>) -> bool {
-        let length = bytes.len();
-        if self.waiting.load(Ordering::Acquire) + length > WAITING_MAX {
-            return false;
-        }
-        self.waiting.fetch_add(length, Ordering::AcqRel);
-        self.give(Work::Write(id, offset, bytes));
-        true
+        self.waiting.load(Ordering::Acquire) < PARTS_MAX
+            && self.give(ValueWork::Write(id, offset, bytes))
     }
 
     /// Notes which bytes of a value are here, unless the disk is behind.
     pub(super) fn note(&self, id: ValueId, here: &RangeSet) {
-        if self.waiting.load(Ordering::Acquire) < WAITING_MAX / 2 {
-            self.give(Work::Note(id, here.clone()));
+        if self.waiting.load(Ordering::Acquire) < PARTS_MAX {
+            self.give(ValueWork::Note(id, here.clone()));
         }
     }
 
-    pub(super) fn finish(&self, id: ValueId) {
-        self.give(Work::Finish(id));
+    /// Answers whether there is room for it.
+    pub(super) fn finish(&self, id: ValueId) -> bool {
+        self.give(ValueWork::Finish(id))
     }
 
     pub(super) fn leave(&self, id: ValueId, rest: Rest) {
-        self.give(Work::Leave(id, rest));
+        self.give(ValueWork::Leave(id, rest));
     }
 
     /// Keeps which values are wanted.
     pub(super) fn keep_wanted(&self, text: String) {
-        self.give(Work::Wanted(text));
+        self.give(ValueWork::Wanted(text));
     }
 
-    fn give(&self, work: Work) {
-        // The thread ends with this.
-        self.work.send(work).unwrap_or_default();
+    fn give(&self, work: ValueWork) -> bool {
+        self.waiting.fetch_add(1, Ordering::AcqRel);
+        let is_taken = self.work.try_send(work).is_ok();
+        if !is_taken {
+            self.waiting.fetch_sub(1, Ordering::AcqRel);
+        }
+        is_taken
     }
 }
 
@@ -132,55 +135,54 @@ struct Keeper {
 }
 
 /// What is to be known of a value before it is fetched.
-struct Found {
+struct WantedValue {
     name: ValueName,
     content: IncomingContent,
     here: RangeSet,
 }
 
 impl Keeper {
-    fn keep(mut self, works: &Receiver<Work>, waiting: &AtomicUsize) {
+    fn keep(mut self, works: &Receiver<ValueWork>, waiting: &AtomicUsize) {
         for work in works {
-            let length = if let Work::Write(_, _, bytes) = &work { bytes.len() } else { 0 };
             if let Some(said) = self.perform(work) {
                 // A station that has ended needs to know nothing.
                 self.inbox
                     .send(Input::Other(ToStation::Values(self.robot, said)))
                     .unwrap_or_default();
             }
-            waiting.fetch_sub(length, Ordering::AcqRel);
+            waiting.fetch_sub(1, Ordering::AcqRel);
         }
     }
 
-    fn perform(&mut self, work: Work) -> Option<FromValueDisk> {
+    fn perform(&mut self, work: ValueWork) -> Option<FromValueDisk> {
         let failed = |id, error: io::Error| {
             let why = format!("the station's disk does not take it: {error}");
             Some(FromValueDisk::Failed(id, why))
         };
         match work {
-            Work::Open(key) => Some(self.open(key)),
-            Work::Write(id, offset, bytes) => {
+            ValueWork::Open(key) => Some(self.open(key)),
+            ValueWork::Write(id, offset, bytes) => {
                 let error = self.open.get(&id)?.write(offset, &bytes).err()?;
                 failed(id, error)
             }
-            Work::Note(id, here) => {
+            ValueWork::Note(id, here) => {
                 // What is not noted is sent again.
                 let ranges = here.ranges().map(RangeInclusive::into_inner);
                 drop(self.open.get(&id)?.note(ranges));
                 None
             }
-            Work::Finish(id) => match self.open.remove(&id)?.finish() {
+            ValueWork::Finish(id) => match self.open.remove(&id)?.finish() {
                 Ok(is_right) => Some(FromValueDisk::Finished(id, is_right)),
                 Err(error) => failed(id, error),
             },
-            Work::Leave(id, rest) => {
+            ValueWork::Leave(id, rest) => {
                 let content = self.open.remove(&id)?;
                 if rest == Rest::Goes {
                     content.remove();
                 }
                 None
             }
-            Work::Wanted(text) => {
+            ValueWork::Wanted(text) => {
                 // What is not kept can be fetched again after the next start.
                 drop(replace_file(&self.wanted, text.as_bytes()));
                 None
@@ -191,7 +193,7 @@ impl Keeper {
     fn open(&mut self, key: ValueKey) -> FromValueDisk {
         match find(&self.runs, &key) {
             Ok(None) => FromValueDisk::Here(key),
-            Ok(Some(Found { name, content, here })) => {
+            Ok(Some(WantedValue { name, content, here })) => {
                 let length = content.length();
                 // The same bytes may be open for another run.
                 self.open.entry(name.id).or_insert(content);
@@ -203,7 +205,7 @@ impl Keeper {
 }
 
 /// Finds a value in its replica: nothing if it is here.
-fn find(runs: &Path, (run, number): &ValueKey) -> Result<Option<Found>, String> {
+fn find(runs: &Path, (run, number): &ValueKey) -> Result<Option<WantedValue>, String> {
     let folder = runs.join(run);
     let reader = Reader::open(&folder).map_err(|error| error.to_string())?;
     let stored = reader.value(ValueNumber(*number)).map_err(|error| error.to_string())?;
@@ -216,11 +218,10 @@ fn find(runs: &Path, (run, number): &ValueKey) -> Result<Option<Found>, String> 
     let hash = ContentHash::from_name(&hash).ok_or("the value has no hash to fetch it by")?;
     let full = |error| format!("the station's disk does not take it: {error}");
     let (content, noted) = IncomingContent::open(&folder, hash, size).map_err(full)?;
-    let name =
-        ValueName { stream: ids::events_of(run), number: *number, id: ids::value_id(hash) };
+    let name = ValueName { stream: ids::events_of(run), number: *number, id: ids::value_id(hash) };
     let mut here = RangeSet::default();
     for (first, last) in noted {
         here.insert(first..=last);
     }
-    Ok(Some(Found { name, content, here }))
+    Ok(Some(WantedValue { name, content, here }))
 }

@@ -16,6 +16,8 @@ use std::time::Duration;
 /// In the folder of a robot: the values that are wanted, for the next start.
 const WANTED_FILE: &str = "wanted-values";
 
+/// Said of a value that finds no room at the disk.
+const STUCK: &str = "too much waits for the station's disk: fetch it again";
 /// Rates are those of so long.
 const RATE_OVER: Duration = Duration::from_secs(2);
 
@@ -104,7 +106,9 @@ impl StationValues {
     }
 
     fn begin_one(&mut self, key: ValueKey, budget: Budget) {
-        self.disk.open(key.clone());
+        if !self.disk.open(key.clone()) {
+            return self.fail(&key, (0, budget.left(0)), STUCK);
+        }
         self.opening.insert(key, budget);
     }
 
@@ -214,7 +218,9 @@ impl StationValues {
         {
             session.end_fetch(id);
             coming.is_whole = true;
-            self.disk.finish(id);
+            if !self.disk.finish(id) {
+                self.end(id, session, STUCK);
+            }
         }
     }
 

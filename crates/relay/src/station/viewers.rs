@@ -374,8 +374,7 @@ fn state_data(folder: &Path, path: &str) -> Option<StateData> {
 fn offer(give: &Give, word: GivenWord) -> Option<ToViewer> {
     let id = word.id.clone();
     let reason = "too many commands wait for the link: try again later".to_owned();
-    (!give(word))
-        .then_some(ToViewer::Answer { id, answer: Answer::Refused { reason } })
+    (!give(word)).then_some(ToViewer::Answer { id, answer: Answer::Refused { reason } })
 }
 
 /// Shows a viewer everything from its cursor on, until it is gone or the replica is closed.

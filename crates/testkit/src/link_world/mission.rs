@@ -35,7 +35,7 @@ impl Mission {
         let mut writer = MissionWriter::new(random);
         writer.run(length, quiet);
         let branches = writer.places[1..=BRANCHES].iter().map(|place| place.path.clone()).collect();
-        Mission { branches, ..writer.mission }
+        Self { branches, ..writer.mission }
     }
 
     /// When the event of this number happens.
