@@ -49,8 +49,11 @@ fn main() -> ExitCode {
 fn measure(seed: u64) -> Result<Measures, String> {
     let scenario = if seed % 10 == 9 { Scenario::Kills } else { Scenario::SpaceBotCamp };
     let measures = run(seed, scenario)?;
-    let watched =
-        if seed.is_multiple_of(10) { [run_watched(seed, 1)?, run_watched(seed, 5)?] } else { [0; 2] };
+    let watched = if seed.is_multiple_of(10) {
+        [run_watched(seed, 1)?, run_watched(seed, 5)?]
+    } else {
+        [0; 2]
+    };
     Ok(Measures { watched, ..measures })
 }
 

@@ -61,7 +61,8 @@ pub(crate) fn station(place: &Place, listen: &str) -> (Program, SocketAddr) {
 
 /// The same over a link of this profile.
 pub(crate) fn station_over(place: &Place, listen: &str, link: &str) -> (Program, SocketAddr) {
-    let (station, address, _) = begin_station(place.command(&station_words("ground", listen, link)));
+    let (station, address, _) =
+        begin_station(place.command(&station_words("ground", listen, link)));
     (station, address)
 }
 
@@ -104,10 +105,14 @@ pub(crate) fn robot(place: &Place, station: SocketAddr) -> Program {
 
 /// The same over a link of this profile.
 pub(crate) fn robot_over(place: &Place, station: SocketAddr, link: &str) -> Program {
-    robot_with(place, &format!("--station udp://{station}"), link)
+    begin_robot(place, &format!("--station udp://{station}"), link)
 }
 
-pub(crate) fn robot_with(place: &Place, stations: &str, link: &str) -> Program {
+pub(crate) fn robot_with(place: &Place, stations: &str) -> Program {
+    begin_robot(place, stations, "lan")
+}
+
+fn begin_robot(place: &Place, stations: &str, link: &str) -> Program {
     let words = format!(
         "serve --state robot --runs robot-runs --bind 127.0.0.1:0 --link {link} {stations}"
     );

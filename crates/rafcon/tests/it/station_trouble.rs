@@ -68,11 +68,8 @@ fn two_stations_have_a_run_and_what_one_suffers_is_nothing_to_the_other() {
     pair_with(&place, "scout --station moon", "moon");
     let (ground, at_ground) = station_of(&place, "ground", "127.0.0.1:0");
     let (moon, at_moon) = station_of(&place, "moon", "127.0.0.1:0");
-    let robot = robot_with(
-        &place,
-        &format!("--station ground=udp://{at_ground} --station moon={at_moon}"),
-        "lan",
-    );
+    let robot =
+        robot_with(&place, &format!("--station ground=udp://{at_ground} --station moon={at_moon}"));
     let run = Run::start(&place, "--runs robot-runs");
     wait_at(&place, "ground", "Ticks  running");
     wait_at(&place, "moon", "Ticks  running");
@@ -237,8 +234,7 @@ fn who_has_another_key_or_a_run_of_the_same_name_is_named() {
         in_background(move || drop(run.end()));
         station_of(&place, "moon", "127.0.0.1:0")
     };
-    let _robot =
-        robot_with(&place, &format!("--robot other --station moon=udp://{at_moon}"), "lan");
+    let _robot = robot_with(&place, &format!("--robot other --station moon=udp://{at_moon}"));
     let said = wait_for_link(&place, "moon", "same id");
     expect![
         "of this computer with the same id here: move its folder away, and start the station again"

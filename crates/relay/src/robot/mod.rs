@@ -73,8 +73,7 @@ pub fn relay_robot(settings: &RobotSettings, stopper: &Stopper) -> Result<(), Re
     let meter = LinkMeter::new(&settings.paired.pairing, &settings.profile, false);
     let reporter = Reporter::open(&settings.folder)?;
     let offered = None;
-    let mut relay =
-        RobotRelay { settings, clock, carrier, session, runs, watches, meter, offered };
+    let mut relay = RobotRelay { settings, clock, carrier, session, runs, watches, meter, offered };
     let (mut look_at, mut keep_at) = (Duration::ZERO, KEEP_EVERY);
     while !stopper.is_stopped() {
         let now = relay.clock.now();
