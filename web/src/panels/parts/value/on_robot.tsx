@@ -79,7 +79,9 @@ function Fetching({ page, run, name, first }: FetchingProps) {
   return (
     <div className="on-robot" role="group" aria-label={`${name} on the robot`}>
       <p className="on-robot-words">{words(kept)}</p>
-      {kept.fetch && <Progress name={name} here={kept.fetch.here} bytes={kept.bytes} />}
+      {kept.fetch && (isComing || kept.fetch.here > 0) && (
+        <Progress name={name} here={kept.fetch.here} bytes={kept.bytes} />
+      )}
       {kept.fetch?.failed && <p className="on-robot-failed">Not fetched: {kept.fetch.failed}.</p>}
       {refusal !== null && <p className="on-robot-failed">{refusal}</p>}
       {isComing ? (
