@@ -22,7 +22,7 @@ const SNAPSHOT_STATUSES: u32 = 480;
 const SNAPSHOT_LOST: u64 = 64;
 /// Without reports, a snapshot is sent round and round so often before a newer one replaces it: parts of any round complete it.
 const SNAPSHOT_ROUNDS: u32 = 4;
-/// Without reports, a whole snapshot is sent in this time, as long as that takes at most a third of the rate.
+/// Without reports, a whole snapshot is sent in this time, as long as that takes at most half of the rate.
 const SNAPSHOT_EVERY: Duration = Duration::from_millis(200);
 /// After so long events are asked for again that could not be read.
 const READ_AGAIN: Duration = Duration::from_secs(1);
@@ -334,7 +334,7 @@ impl Outgoing {
                 (takes * 4).max(profile.status_every)
             }
             true => profile.status_every * SNAPSHOT_STATUSES,
-            false => (takes * 3).max(SNAPSHOT_EVERY),
+            false => (takes * 2).max(SNAPSHOT_EVERY),
         };
         at + every
     }

@@ -291,6 +291,7 @@ mod tests {
         let carrying = thread::Builder::new().spawn(carry).unwrap();
         // The other side reads nothing of all this until the connection is given up.
         (0..10_000).for_each(|_| connection.send(&[7; 1_000]));
+        assert_eq!(other_side.peek(&mut [0]).unwrap(), 1);
         connection.close();
         carrying.join().unwrap();
         let mut arrived = Vec::new();
