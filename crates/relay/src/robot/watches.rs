@@ -23,6 +23,8 @@ const RUNS_MAX: usize = 64;
 pub(super) struct RobotWatches {
     /// Where it is kept for the next start.
     file: PathBuf,
+    /// What is in that file.
+    written: Vec<u8>,
     /// It is forgotten after so long without a word of the station.
     age_max: Duration,
     runs: BTreeMap<StreamId, WatchedRun>,
@@ -66,9 +68,9 @@ impl RobotWatches {
         now_ms: u64,
         session: &mut RobotSession,
     ) -> Self {
-        let mut watches = Self { file, age_max, runs: BTreeMap::new() };
-        let text = fs::read(&watches.file).unwrap_or_default();
-        let kept: Vec<KeptWish> = serde_json::from_slice(&text).unwrap_or_default();
+        let written = fs::read(&file).unwrap_or_default();
+        let kept: Vec<KeptWish> = serde_json::from_slice(&written).unwrap_or_default();
+        let mut watches = Self { file, written, age_max, runs: BTreeMap::new() };
         for KeptWish { stream, number, heard_ms, targets } in kept.into_iter().take(RUNS_MAX) {
             if Duration::from_millis(now_ms.saturating_sub(heard_ms)) <= watches.age_max {
                 let run = WatchedRun { number, targets, ..WatchedRun::default() };
@@ -116,9 +118,12 @@ impl RobotWatches {
                 targets: run.targets.clone(),
             })
             .collect();
-        if let Ok(text) = serde_json::to_vec(&kept) {
+        if let Ok(text) = serde_json::to_vec(&kept)
+            && text != self.written
             // What is not kept is asked for again by a station that is heard.
-            drop(fs::write(&self.file, text));
+            && fs::write(&self.file, &text).is_ok()
+        {
+            self.written = text;
         }
     }
 
