@@ -4,6 +4,8 @@ use crate::range_set::RangeSet;
 
 /// Nothing that comes in parts is longer, in bytes.
 pub(crate) const LENGTH_MAX: u32 = 16 << 20;
+/// The smallest part that is worth a frame, in bytes.
+pub(crate) const PART_MIN: usize = 64;
 
 /// The parts of one thing so far; those of a newer one replace them.
 #[derive(Debug, Default)]

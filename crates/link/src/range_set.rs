@@ -109,6 +109,14 @@ impl RangeSet {
     }
 }
 
+impl FromIterator<RangeInclusive<u64>> for RangeSet {
+    fn from_iter<I: IntoIterator<Item = RangeInclusive<u64>>>(ranges: I) -> Self {
+        let mut set = Self::default();
+        ranges.into_iter().for_each(|range| set.insert(range));
+        set
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::RangeSet;

@@ -3,7 +3,7 @@
 use super::coded::Coding;
 use super::source::{EventBuffer, RunSource};
 use super::tail::{self, Tail};
-use crate::assembly::LENGTH_MAX;
+use crate::assembly::{LENGTH_MAX, PART_MIN};
 use crate::deflate::deflate;
 use crate::frame::{EventHash, Events, Frame, Received, StreamId};
 use crate::profile::Profile;
@@ -26,8 +26,6 @@ const SNAPSHOT_ROUNDS: u32 = 4;
 const SNAPSHOT_EVERY: Duration = Duration::from_millis(200);
 /// After so long events are asked for again that could not be read.
 const READ_AGAIN: Duration = Duration::from_secs(1);
-/// The smallest part of something that is worth a frame, in bytes.
-const PART_MIN: usize = 64;
 
 /// Events that were sent and are not reported.
 #[derive(Debug)]
@@ -215,10 +213,7 @@ impl Outgoing {
     }
 
     fn renew_sent_set(&mut self) {
-        self.sent_set = RangeSet::default();
-        for sent in &self.sent {
-            self.sent_set.insert(sent.range.clone());
-        }
+        self.sent_set = self.sent.iter().map(|sent| sent.range.clone()).collect();
     }
 
     fn is_snapshot_on_its_way(&self) -> bool {

@@ -3,6 +3,7 @@
 
 use super::outgoing::Turn;
 use super::source::RunSource;
+use crate::assembly::PART_MIN;
 use crate::frame::{Fetch, Frame, NoValue, ValueName, ValuePart, WishFrame};
 use crate::profile::Profile;
 use crate::range_set::RangeSet;
@@ -15,8 +16,6 @@ use std::time::Duration;
 const VALUES_MAX: usize = 8;
 /// So many parts are on their way at most: the memory that a value takes here.
 const ON_THE_WAY_MAX: usize = 2_048;
-/// The smallest part that is worth a frame, in bytes.
-const PART_MIN: usize = 64;
 
 /// The large values on their way.
 #[derive(Debug, Default)]
@@ -135,10 +134,7 @@ impl Sending {
             *lost += if is_lost { range.end() - range.start() + 1 } else { 0 };
             !is_here && !is_lost
         });
-        self.sent_set = RangeSet::default();
-        for (_, range) in &self.sent {
-            self.sent_set.insert(range.clone());
-        }
+        self.sent_set = self.sent.iter().map(|(_, range)| range.clone()).collect();
     }
 
     /// Whether any bytes neither are with the station nor on their way; perhaps, before the length is known.

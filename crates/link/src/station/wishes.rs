@@ -2,6 +2,7 @@
 //! that it has it.
 
 use super::{FromRobot, StationSession};
+use crate::assembly::PART_MIN;
 use crate::bytes::number_length;
 use crate::frame::{Fetch, Frame, StreamId, ValueId, ValueName, WatchPart, WishFrame};
 use crate::range_set::RangeSet;
@@ -157,7 +158,7 @@ impl Wishes {
             let head = 1 + 5 + number_length(watch.number) + 3 * 3;
             let rest = watch.body.get(watch.sent..).unwrap_or_default();
             let Some(left) = room.checked_sub(payload.len() + head) else { return };
-            if left < rest.len().min(64) {
+            if left < rest.len().min(PART_MIN) {
                 return;
             }
             let bytes = &rest[..rest.len().min(left)];

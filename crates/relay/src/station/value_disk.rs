@@ -219,9 +219,6 @@ fn find(runs: &Path, (run, number): &ValueKey) -> Result<Option<WantedValue>, St
     let full = |error| format!("the station's disk does not take it: {error}");
     let (content, noted) = IncomingContent::open(&folder, hash, size).map_err(full)?;
     let name = ValueName { stream: ids::events_of(run), number: *number, id: ids::value_id(hash) };
-    let mut here = RangeSet::default();
-    for (first, last) in noted {
-        here.insert(first..=last);
-    }
+    let here = noted.into_iter().map(|(first, last)| first..=last).collect();
     Ok(Some(WantedValue { name, content, here }))
 }

@@ -1,5 +1,6 @@
 //! Digests of values: equal values have equal digests. Knows which parts of a value identify it.
 
+use crate::journal::ContentHash;
 use crate::journal::folder::JournalError;
 use crate::journal::read::Reader;
 use crate::journal::record::{Content, Kept, Record, Stored, ValueNumber};
@@ -56,7 +57,7 @@ fn of_stored(stored: &Stored) -> u64 {
     match &stored.content {
         Content::View => stored.view.to_string().hash(&mut hasher),
         // A replica names bytes by their hash that the run itself has in its journal.
-        Content::Pickle(bytes) => blake3::hash(bytes).to_hex().as_str().hash(&mut hasher),
+        Content::Pickle(bytes) => ContentHash::of(bytes).name().hash(&mut hasher),
         Content::File { hash, .. } => hash.as_str().hash(&mut hasher),
         // The view of such a value may contain its address in memory.
         Content::Nothing(_) => {}

@@ -2,14 +2,11 @@
 //! hash is right.
 
 use super::content::ContentHash;
-use crate::journal::folder::{VALUES_FOLDER, make_folder, sync_folder};
+use crate::journal::folder::{VALUES_FOLDER, fresh_name, make_folder, replace_file, sync_folder};
 use std::fs::{self, File, OpenOptions};
-use std::io::{self, Read as _};
+use std::io;
 use std::os::unix::fs::{FileExt as _, OpenOptionsExt as _};
 use std::path::{Path, PathBuf};
-
-/// So many bytes are hashed at a time.
-const READ_BYTES: usize = 64 << 10;
 
 /// A value that is not complete.
 #[derive(Debug)]
@@ -52,10 +49,8 @@ impl IncomingContent {
     pub fn note(&self, here: impl Iterator<Item = (u64, u64)>) -> io::Result<()> {
         self.file.sync_data()?;
         let lines: Vec<_> = here.map(|(first, last)| format!("{first} {last}")).collect();
-        let text = lines.join("\n");
-        let new = self.place("new");
-        fs::write(&new, text)?;
-        fs::rename(new, self.place("here"))
+        let here = self.place("here");
+        replace_file(&here, lines.join("\n").as_bytes()).map_err(io::Error::other)
     }
 
     /// All bytes are here: answers whether they are the value. Then its file is safe; else nothing of it is left.
@@ -75,7 +70,8 @@ impl IncomingContent {
 
     /// It is not wanted any more.
     pub fn remove(self) {
-        for file in [part_file(&self.run, self.hash), self.place("here"), self.place("new")] {
+        let here = self.place("here");
+        for file in [part_file(&self.run, self.hash), fresh_name(&here), here] {
             // What is not there needs no removing.
             drop(fs::remove_file(file));
         }
@@ -86,16 +82,7 @@ impl IncomingContent {
     }
 
     fn hash_of_file(&self) -> io::Result<ContentHash> {
-        let mut file = File::open(part_file(&self.run, self.hash))?;
-        let (mut hasher, mut bytes) = (blake3::Hasher::new(), vec![0; READ_BYTES]);
-        loop {
-            let count = file.read(&mut bytes)?;
-            if count == 0 {
-                let name = hasher.finalize().to_hex().to_string();
-                return ContentHash::from_name(&name).ok_or_else(|| io::Error::other("no hash"));
-            }
-            hasher.update(&bytes[..count]);
-        }
+        File::open(part_file(&self.run, self.hash)).and_then(ContentHash::of_reader)
     }
 }
 
