@@ -18,7 +18,10 @@ mod write;
 
 pub use compare::compare;
 pub use export::{ExportError, export_csv, export_jsonl, export_mcap, export_mcap_forwards};
-pub use folder::{About, Doing, Full, JournalError, locks, make_folder, run_id, writer_of};
+pub use folder::{
+    About, ContentHash, Doing, Full, JournalError, is_content_here, locks, make_folder, run_id,
+    writer_of,
+};
 pub use moment::{
     ANSWERS_MAX, ActiveStateData, BadMoment, ChildEnd, GroundSilence, Moment, ScopedValue,
     StopRequest, Whole,
@@ -33,8 +36,7 @@ pub use record::{
     Record, Stored, ValueNumber, tell,
 };
 pub use replicate::{
-    Chain, ContentHash, EventItems, EventSource, IncomingContent, Replica, ReplicaError,
-    ValueContent, is_content_here,
+    Chain, EventItems, EventSource, IncomingContent, Replica, ReplicaError, ValueContent,
 };
 pub use write::{
     Committed, Journal, Options, Pruned, RECORDER_BYTES, ResumePoint, Retention, SIZE_MAX,

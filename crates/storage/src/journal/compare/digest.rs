@@ -1,7 +1,6 @@
 //! Digests of values: equal values have equal digests. Knows which parts of a value identify it.
 
-use crate::journal::ContentHash;
-use crate::journal::folder::JournalError;
+use crate::journal::folder::{ContentHash, JournalError};
 use crate::journal::read::Reader;
 use crate::journal::record::{Content, Kept, Record, Stored, ValueNumber};
 use std::collections::BTreeMap;

@@ -1,11 +1,13 @@
 //! The files in the folder of a run, and how the folder is created. Knows names, but not what the files contain.
 
 mod about;
+mod content_hash;
 mod error;
 mod lock;
 mod socket;
 
 pub use about::About;
+pub use content_hash::{ContentHash, is_content_here};
 pub use error::{Doing, Full, JournalError};
 pub(in crate::journal) use lock::RunLock;
 pub use lock::{locks, writer_of};

@@ -1,56 +1,12 @@
 //! The bytes of a value that a run keeps beside its events, named by their hash. Knows files and journals; does not know what the bytes
 //! mean.
 
-use crate::journal::folder::VALUES_FOLDER;
+use crate::journal::folder::ContentHash;
 use crate::journal::record::{Content, Stored};
-use std::fs::{self, File};
+use std::fs::File;
 use std::io;
 use std::os::unix::fs::FileExt as _;
-use std::path::{Path, PathBuf};
-
-/// The BLAKE3 hash of a value's bytes.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct ContentHash([u8; 32]);
-
-impl ContentHash {
-    /// The hash with this name; nothing if it is none, and so not the name of a value's file either.
-    pub fn from_name(name: &str) -> Option<Self> {
-        let is_lower = name.bytes().all(|byte| !byte.is_ascii_uppercase());
-        let hash = blake3::Hash::from_hex(name).ok().filter(|_| is_lower)?;
-        Some(Self(*hash.as_bytes()))
-    }
-
-    /// The hash of these bytes.
-    pub fn of(bytes: &[u8]) -> Self {
-        Self(*blake3::hash(bytes).as_bytes())
-    }
-
-    /// The hash of all that this reads.
-    pub(super) fn of_reader(reader: impl io::Read) -> io::Result<Self> {
-        Ok(Self(*blake3::Hasher::new().update_reader(reader)?.finalize().as_bytes()))
-    }
-
-    /// Its bytes.
-    pub fn as_bytes(&self) -> &[u8; 32] {
-        &self.0
-    }
-
-    /// Its name: hex, in lower case.
-    pub fn name(&self) -> String {
-        blake3::Hash::from_bytes(self.0).to_hex().to_string()
-    }
-
-    /// The value's file in the folder of a run.
-    pub(super) fn file(&self, run: &Path) -> PathBuf {
-        run.join(VALUES_FOLDER).join(self.name())
-    }
-}
-
-/// Whether the file of a value of this size is in the folder of a run.
-pub fn is_content_here(run: &Path, hash: &str, size: u64) -> bool {
-    let hash = ContentHash::from_name(hash);
-    hash.is_some_and(|hash| fs::metadata(hash.file(run)).is_ok_and(|file| file.len() == size))
-}
+use std::path::Path;
 
 /// The bytes of a value, to be read in parts.
 #[derive(Debug)]
@@ -76,7 +32,7 @@ impl ValueContent {
             }
             Content::File { hash, size: length } => {
                 let hash = ContentHash::from_name(&hash)?;
-                let file = File::open(hash.file(run)).ok()?;
+                let file = File::open(hash.file_in(run)).ok()?;
                 let is_whole = file.metadata().is_ok_and(|file| file.len() == length);
                 is_whole.then_some(Self { hash, length, place: ContentPlace::File(file) })
             }
@@ -114,20 +70,10 @@ impl ValueContent {
 
 #[cfg(test)]
 mod tests {
-    use super::{ContentHash, ValueContent};
-    use crate::journal::folder::VALUES_FOLDER;
+    use super::ValueContent;
+    use crate::journal::folder::{ContentHash, VALUES_FOLDER};
     use crate::journal::record::{Content, Stored};
     use std::fs;
-
-    #[test]
-    fn only_a_hash_names_a_file() {
-        let hash = ContentHash::of(b"all");
-        assert_eq!(ContentHash::from_name(&hash.name()), Some(hash));
-        let upper = hash.name().to_uppercase();
-        for name in ["", "ab", "../run.json", "/etc/passwd", "..", &upper, &"g".repeat(64)] {
-            assert_eq!(ContentHash::from_name(name), None, "{name}");
-        }
-    }
 
     #[test]
     fn content_is_read_in_parts_wherever_it_lies() {

@@ -1,8 +1,9 @@
 //! A large value on its way into the folder of a replica: its parts come in any order, over several starts, and it counts only once its
 //! hash is right.
 
-use super::content::ContentHash;
-use crate::journal::folder::{VALUES_FOLDER, fresh_name, make_folder, replace_file, sync_folder};
+use crate::journal::folder::{
+    ContentHash, VALUES_FOLDER, fresh_name, make_folder, replace_file, sync_folder,
+};
 use std::fs::{self, File, OpenOptions};
 use std::io;
 use std::os::unix::fs::{FileExt as _, OpenOptionsExt as _};
@@ -58,7 +59,7 @@ impl IncomingContent {
         let is_right = self.hash_of_file()? == self.hash;
         if is_right {
             self.file.sync_all()?;
-            fs::rename(part_file(&self.run, self.hash), self.hash.file(&self.run))?;
+            fs::rename(part_file(&self.run, self.hash), self.hash.file_in(&self.run))?;
             sync_folder(&self.run.join(VALUES_FOLDER)).map_err(io::Error::other)?;
             // What was noted is of no use any more.
             drop(fs::remove_file(self.place("here")));
@@ -107,9 +108,8 @@ fn read_noted(run: &Path, hash: ContentHash, length: u64) -> Vec<(u64, u64)> {
 
 #[cfg(test)]
 mod tests {
-    use super::{ContentHash, IncomingContent};
-    use crate::journal::folder::VALUES_FOLDER;
-    use crate::journal::is_content_here;
+    use super::IncomingContent;
+    use crate::journal::folder::{ContentHash, VALUES_FOLDER, is_content_here};
     use std::fs;
 
     #[test]

@@ -9,7 +9,7 @@ mod replica;
 mod source;
 
 pub use chain::Chain;
-pub use content::{ContentHash, ValueContent, is_content_here};
+pub use content::ValueContent;
 pub use incoming::IncomingContent;
 pub use replica::{Replica, ReplicaError};
 pub use source::{EventItems, EventSource};

@@ -1,6 +1,7 @@
 //! The events of a journal as items, each with the definitions that it is the first to need.
 
 use super::ahead::{AHEAD_BYTES, Ahead};
+use crate::journal::folder::ContentHash;
 use crate::journal::read::{Reader, damaged};
 use crate::journal::record::{
     Content, Definition, Item, Kept, PlaceNumber, Record, Stored, ValueNumber,
@@ -241,10 +242,9 @@ fn define_values(
 /// The value without its pickle, if that is longer.
 fn elsewhere(stored: Stored, pickle_max: usize) -> Stored {
     let content = match stored.content {
-        Content::Pickle(pickle) if pickle.len() > pickle_max => Content::File {
-            hash: blake3::hash(&pickle).to_hex().to_string(),
-            size: pickle.len() as u64,
-        },
+        Content::Pickle(pickle) if pickle.len() > pickle_max => {
+            Content::File { hash: ContentHash::of(&pickle).name(), size: pickle.len() as u64 }
+        }
         other => other,
     };
     Stored { content, ..stored }
