@@ -22,6 +22,8 @@ const SNAPSHOT_STATUSES: u32 = 480;
 const SNAPSHOT_LOST: u64 = 64;
 /// Without reports, a snapshot is sent round and round so often before a newer one replaces it: parts of any round complete it.
 const SNAPSHOT_ROUNDS: u32 = 4;
+/// One that takes at most so many datagrams mostly arrives whole: a newer one replaces it in the next round.
+const SNAPSHOT_SHORT: usize = 2;
 /// Without reports, a whole snapshot is sent in this time, as long as that takes at most half of the rate.
 const SNAPSHOT_EVERY: Duration = Duration::from_millis(200);
 /// After so long events are asked for again that could not be read.
@@ -453,7 +455,8 @@ impl Outgoing {
             return;
         }
         let goes_on = |parts: &Parts| {
-            let again = !is_heard && parts.rounds < SNAPSHOT_ROUNDS;
+            let is_long = parts.bytes.len() > room * SNAPSHOT_SHORT;
+            let again = !is_heard && is_long && parts.rounds < SNAPSHOT_ROUNDS;
             parts.sent > 0 || again && self.tail.continues(parts.sequence, self.head)
         };
         let is_needed = self.snapshot_need == SnapshotNeed::Now;

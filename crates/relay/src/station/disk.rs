@@ -2,7 +2,7 @@
 //! for it is bounded; what does not fit is not taken, and has to come again.
 
 use super::in_order;
-use super::kept_runs::{KeptRuns, SYNC_EVERY};
+use super::kept_runs::KeptRuns;
 use super::viewers::Shared;
 use crate::pairing::Pairing;
 use parking_lot::{Condvar, Mutex};
@@ -170,7 +170,7 @@ fn keep(queue: &Queue, runs: &mut KeptRuns) {
             todo.works.is_empty() && todo.heard.is_none() && todo.key.is_none() && !todo.ends
         };
         if is_unsafe {
-            let _synced = queue.changed.wait_while_for(&mut todo, is_idle, SYNC_EVERY);
+            let _synced = queue.changed.wait_while_for(&mut todo, is_idle, runs.rest());
         } else {
             queue.changed.wait_while(&mut todo, is_idle);
         }

@@ -23,8 +23,12 @@ use std::path::PathBuf;
 use std::sync::mpsc::SyncSender;
 use std::time::Duration;
 
-/// What arrived is safe on the disk after this time at most; what failed is tried again.
-pub(super) const SYNC_EVERY: Duration = Duration::from_millis(250);
+/// The disk rests at least so long after it was made safe.
+const REST_MIN: Duration = Duration::from_millis(10);
+/// It rests at most so long; what failed is tried again after this time.
+const REST_MAX: Duration = Duration::from_millis(250);
+/// It rests so many times as long as it was busy: many robots share a disk.
+const REST: u32 = 4;
 
 /// In the folder of a replica that has another history than its robot: why.
 const DIVERGED_FILE: &str = "diverged";
@@ -167,7 +171,8 @@ impl KeptRuns {
 
     /// Does what can be done, and makes safe what is due, or everything now. Answers how many bytes of work are done with.
     pub(super) fn go_on(&mut self, now: bool) -> usize {
-        let is_due = now || self.place.clock.now() >= self.sync_at;
+        let begun = self.place.clock.now();
+        let is_due = now || begun >= self.sync_at;
         let (mut written, mut problem) = (0, None);
         for (stream, run) in &mut self.all {
             run.is_stuck &= !is_due;
@@ -203,7 +208,9 @@ impl KeptRuns {
             }
         }
         if is_due {
-            self.sync_at = self.place.clock.now() + SYNC_EVERY;
+            let end = self.place.clock.now();
+            let rest = (end.saturating_sub(begun) * REST).clamp(REST_MIN, REST_MAX);
+            self.sync_at = end + if problem.is_some() { REST_MAX } else { rest };
             self.tell(problem);
         }
         written
@@ -214,6 +221,11 @@ impl KeptRuns {
             self.place.say(FromDisk::Problem(problem.clone()));
             self.problem = problem;
         }
+    }
+
+    /// How long the disk rests until it is made safe again.
+    pub(super) fn rest(&self) -> Duration {
+        self.sync_at.saturating_sub(self.place.clock.now())
     }
 
     /// Whether anything is still to be made safe, or to be tried again.
