@@ -15,7 +15,7 @@ use std::fmt;
 /// What a sealed datagram is longer than its payload at most: the header and the tag, in bytes.
 pub const OVERHEAD: usize = HEADER + TAG;
 
-const VERSION: u8 = 2;
+const VERSION: u8 = 3;
 const HEADER: usize = 12;
 const TAG: usize = 16;
 /// The first bit of a short header.

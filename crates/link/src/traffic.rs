@@ -34,7 +34,7 @@ impl Frame<'_> {
         match self {
             Self::Events(_) | Self::Coded { .. } | Self::Large { .. } => "events",
             Self::Status { .. } => "status",
-            Self::Snapshot { .. } => "snapshots",
+            Self::Snapshot { .. } | Self::CodedSnapshot { .. } => "snapshots",
             Self::CommandState { .. } => "states of commands",
             Self::Calendar { .. } | Self::Heard { .. } => "clocks",
             Self::NewKey { .. } => "keys",

@@ -14,6 +14,7 @@ mod meter;
 mod pairing;
 mod report;
 mod robot;
+mod snapshot_words;
 mod start;
 mod station;
 mod watch_words;

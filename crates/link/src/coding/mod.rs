@@ -5,8 +5,11 @@
 
 mod context;
 mod model;
+mod repetition;
+mod snapshots;
 
 pub(crate) use context::{CONTEXT_MAX, ContextId, ContextName, Contexts, LastCoder};
+pub(crate) use snapshots::{OfferedSnapshots, SentSnapshots};
 
 use model::{Model, SCALE};
 

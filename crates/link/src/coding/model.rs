@@ -1,11 +1,14 @@
-//! How probable the next bit is after the bytes before it: bits are counted in six contexts, and what they say is mixed by weights
-//! that learn. Integers only, so that both sides of a link come to the same numbers.
+//! How probable the next bit is after the bytes before it: bits are counted in six contexts, a seventh opinion is what followed when
+//! the same bytes came last, and all are mixed by weights that learn. Integers only, so that both sides of a link come to the same
+//! numbers.
 
 #![expect(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
     reason = "probabilities have 12 bits, logits as many and a sign"
 )]
+
+use super::repetition::{LENGTHS, Repetition, SURE, sure};
 
 /// The bytes before a bit that make a context: how far each is behind.
 const CONTEXTS: [&[usize]; COUNT] = [&[1], &[1, 2], &[1, 2, 3], &[2], &[2, 3], &[1, 2, 3, 4, 5]];
@@ -22,6 +25,9 @@ const LEARN: i32 = 8;
 const ONE: i32 = 1 << 16;
 /// Probabilities have 12 bits.
 pub(super) const SCALE: i32 = 1 << 12;
+
+/// The opinions that are mixed: the contexts, then the repetition.
+const OPINIONS: usize = COUNT + 1;
 
 /// How much a slot moves towards a bit, by how many it has seen: in 65,536.
 const RATES: [i32; 16] = [
@@ -68,14 +74,22 @@ static STRETCH: [i16; SCALE as usize] = {
 /// What was learnt from bytes.
 #[derive(Debug, Clone)]
 pub(super) struct Model {
-    /// Of each context its slots: a probability of 12 bits and how many bits it has seen.
+    /// Of each context its slots, then those of the repetition: a probability of 12 bits and how many bits it has seen.
     slots: Box<[u16]>,
-    weights: [i32; COUNT],
-    /// The last bytes, the newest first.
-    before: [u8; BEHIND],
+    state: State,
+    repetition: Repetition,
     /// Slots that were changed since the model was fixed, with what was in them.
     changed: Vec<(u32, u16)>,
-    fixed: Option<([i32; COUNT], [u8; BEHIND])>,
+    fixed: Option<State>,
+}
+
+/// What changes with each bit besides slots.
+#[derive(Debug, Clone, Copy)]
+struct State {
+    /// By how sure the repetition is.
+    weights: [[i32; OPINIONS]; SURE],
+    /// The last bytes, the newest first.
+    before: [u8; BEHIND],
 }
 
 /// A byte of which some bits are known.
@@ -91,16 +105,20 @@ pub(super) struct Bits {
 pub(super) struct Guess {
     /// How probable a one is, in [`SCALE`]: neither impossible nor certain.
     pub(super) one: i32,
-    places: [usize; COUNT],
-    words: [i32; COUNT],
+    places: [usize; OPINIONS],
+    words: [i32; OPINIONS],
+    /// The weights that are used.
+    sure: usize,
+    /// The bit that the repetition expects; none if it expects nothing.
+    expected: Option<bool>,
 }
 
 impl Model {
     pub(super) fn new() -> Self {
         Self {
-            slots: vec![(SCALE as u16 / 2) << 4; SLOTS * COUNT].into_boxed_slice(),
-            weights: [ONE * 35 / 100; COUNT],
-            before: [0; BEHIND],
+            slots: vec![(SCALE as u16 / 2) << 4; SLOTS * COUNT + LENGTHS].into_boxed_slice(),
+            state: State { weights: [[ONE * 35 / 100; OPINIONS]; SURE], before: [0; BEHIND] },
+            repetition: Repetition::default(),
             changed: Vec::new(),
             fixed: None,
         }
@@ -122,7 +140,8 @@ impl Model {
     /// What is learnt from now on can be forgotten again.
     pub(super) fn fix(&mut self) {
         self.changed.clear();
-        self.fixed = Some((self.weights, self.before));
+        self.fixed = Some(self.state);
+        self.repetition.fix();
     }
 
     /// Forgets what was learnt since the model was fixed.
@@ -130,9 +149,10 @@ impl Model {
         for (place, slot) in self.changed.drain(..).rev() {
             self.slots[place as usize] = slot;
         }
-        if let Some((weights, before)) = self.fixed {
-            (self.weights, self.before) = (weights, before);
+        if let Some(state) = self.fixed {
+            self.state = state;
         }
+        self.repetition.forget();
     }
 
     pub(super) fn begin_byte(&self) -> Bits {
@@ -140,7 +160,7 @@ impl Model {
         for (number, (hash, context)) in (1_u32..).zip(hashes.iter_mut().zip(CONTEXTS)) {
             *hash = number.wrapping_mul(0x9E37_79B1);
             for behind in context {
-                let byte = u32::from(self.before[behind - 1]);
+                let byte = u32::from(self.state.before[behind - 1]);
                 *hash = (*hash ^ byte).wrapping_mul(0x2545_F491).wrapping_add(0x0123_4567);
             }
         }
@@ -148,41 +168,65 @@ impl Model {
     }
 
     pub(super) fn end_byte(&mut self, byte: u8) {
-        self.before.rotate_right(1);
-        self.before[0] = byte;
+        self.state.before.rotate_right(1);
+        self.state.before[0] = byte;
+        self.repetition.end_byte(byte);
     }
 
     pub(super) fn guess(&self, bits: &Bits) -> Guess {
-        let (mut places, mut words, mut logit) = ([0; COUNT], [0; COUNT], 0_i64);
+        let (mut places, mut words, mut logit) = ([0; OPINIONS], [0; OPINIONS], 0_i64);
+        let expected = self.repetition.expects(bits.known);
+        let length = if expected.is_some() { self.repetition.length() } else { 0 };
+        let sure = sure(length);
+        let weights = &self.state.weights[sure];
         for context in 0..COUNT {
             let hash = bits.hashes[context].wrapping_add(bits.known.wrapping_mul(0x9E37_79B1));
             let place = (hash.wrapping_mul(0x85EB_CA6B) >> 15) as usize % SLOTS;
             places[context] = context * SLOTS + place;
-            let slot = self.slots[places[context]];
-            let (probability, seen) = (usize::from(slot >> 4), usize::from(slot & 15));
-            words[context] = (i32::from(STRETCH[probability]) * TRUST[seen]) >> 8;
-            logit += i64::from(self.weights[context]) * i64::from(words[context]);
+            words[context] = self.word(places[context]);
+            logit += i64::from(weights[context]) * i64::from(words[context]);
+        }
+        if let Some(expected) = expected {
+            places[COUNT] = COUNT * SLOTS + length;
+            let word = self.word(places[COUNT]);
+            words[COUNT] = if expected { word } else { -word };
+            logit += i64::from(weights[COUNT]) * i64::from(words[COUNT]);
         }
         let logit = (logit >> 16).clamp(-2_048, 2_048) as i32;
-        Guess { one: squash(logit).clamp(1, SCALE - 1), places, words }
+        Guess { one: squash(logit).clamp(1, SCALE - 1), places, words, sure, expected }
+    }
+
+    /// What a slot says: the logit of its bit.
+    fn word(&self, place: usize) -> i32 {
+        let slot = self.slots[place];
+        let (probability, seen) = (usize::from(slot >> 4), usize::from(slot & 15));
+        (i32::from(STRETCH[probability]) * TRUST[seen]) >> 8
     }
 
     pub(super) fn update(&mut self, guess: &Guess, bit: bool) {
         let error = (i32::from(bit) * SCALE - guess.one) * LEARN;
-        for context in 0..COUNT {
-            let weight = &mut self.weights[context];
-            *weight = (*weight + ((guess.words[context] * error + ONE / 2) >> 16))
-                .clamp(-8 * ONE, 8 * ONE);
-            let place = guess.places[context];
-            let slot = self.slots[place];
-            if self.fixed.is_some() {
-                self.changed.push((place as u32, slot));
-            }
-            let (probability, seen) = (i32::from(slot >> 4), slot & 15);
-            let target = if bit { SCALE - 1 } else { 0 };
-            let moved = probability + (((target - probability) * RATES[usize::from(seen)]) >> 16);
-            self.slots[place] = (moved.clamp(0, SCALE - 1) as u16) << 4 | (seen + 1).min(SEEN_MAX);
+        let weights = &mut self.state.weights[guess.sure];
+        for (weight, word) in weights.iter_mut().zip(guess.words) {
+            *weight = (*weight + ((word * error + ONE / 2) >> 16)).clamp(-8 * ONE, 8 * ONE);
         }
+        for context in 0..COUNT {
+            self.move_slot(guess.places[context], bit);
+        }
+        if let Some(expected) = guess.expected {
+            self.move_slot(guess.places[COUNT], bit == expected);
+        }
+    }
+
+    /// A slot saw this bit.
+    fn move_slot(&mut self, place: usize, bit: bool) {
+        let slot = self.slots[place];
+        if self.fixed.is_some() {
+            self.changed.push((place as u32, slot));
+        }
+        let (probability, seen) = (i32::from(slot >> 4), slot & 15);
+        let target = if bit { SCALE - 1 } else { 0 };
+        let moved = probability + (((target - probability) * RATES[usize::from(seen)]) >> 16);
+        self.slots[place] = (moved.clamp(0, SCALE - 1) as u16) << 4 | (seen + 1).min(SEEN_MAX);
     }
 }
 

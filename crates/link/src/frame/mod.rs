@@ -107,6 +107,8 @@ pub(crate) struct Received {
     pub(crate) events: RangeSet,
     /// From which events a coder may learn.
     pub(crate) context: Option<ContextName>,
+    /// From which snapshot a coder of snapshots may learn: the number of its event is the first and the last.
+    pub(crate) snapshot: Option<ContextName>,
 }
 
 /// A part of a datagram.
@@ -147,6 +149,19 @@ pub(crate) enum Frame<'b> {
         /// Where this part begins.
         offset: u32,
         /// The part.
+        bytes: &'b [u8],
+    },
+    /// The state of a run after one of its events, coded.
+    CodedSnapshot {
+        /// The snapshot from which a coder has to learn to decode it.
+        context: ContextId,
+        /// The run.
+        stream: StreamId,
+        /// The number of the event.
+        sequence: u64,
+        /// How long it is.
+        length: u32,
+        /// The coded bytes.
         bytes: &'b [u8],
     },
     /// A part of events that do not fit into one datagram.
@@ -212,6 +227,7 @@ const SNAPSHOT: u8 = 3;
 const LARGE: u8 = 4;
 const COMMAND_STATE: u8 = 5;
 const CALENDAR: u8 = 6;
+const CODED_SNAPSHOT: u8 = 7;
 const NEW_KEY: u8 = 11;
 const CODED: u8 = 12;
 const COMMAND: u8 = 16;
@@ -254,6 +270,14 @@ impl<'b> Frame<'b> {
             Self::Snapshot { stream, sequence, length, offset, bytes } => {
                 let place = [*length, *offset].map(u64::from);
                 numbers(SNAPSHOT, &[u64::from(stream.0), *sequence, place[0], place[1]]);
+                write_bytes(bytes, out);
+            }
+            Self::CodedSnapshot { context, stream, sequence, length, bytes } => {
+                out.push(CODED_SNAPSHOT);
+                out.extend_from_slice(&context.0);
+                for number in [u64::from(stream.0), *sequence, u64::from(*length)] {
+                    write_number(number, out);
+                }
                 write_bytes(bytes, out);
             }
             Self::Large { stream, first, t_before, length, offset, bytes } => {
@@ -314,6 +338,13 @@ impl<'b> Frame<'b> {
                 let (length, offset, bytes) = read_part(reader)?;
                 Self::Snapshot { stream, sequence, length, offset, bytes }
             }
+            CODED_SNAPSHOT => Self::CodedSnapshot {
+                context: ContextId(reader.fixed()?),
+                stream: StreamId(reader.small()?),
+                sequence: reader.number()?,
+                length: reader.small()?,
+                bytes: reader.bytes()?,
+            },
             LARGE => {
                 let (stream, first) = (StreamId(reader.small()?), reader.number()?);
                 check_numbers(first, 1)?;
@@ -405,11 +436,16 @@ fn write_received(received: &Received, out: &mut Vec<u8>) {
         write_number(number, out);
     }
     write_ranges(&received.events, out);
-    write_number(u64::from(received.context.is_some()), out);
-    if let Some(ContextName { first, last, hash }) = received.context {
-        write_number(first, out);
-        write_number(last, out);
-        out.extend_from_slice(&hash);
+    let Received { context, snapshot, .. } = received;
+    write_number(u64::from(context.is_some()) | u64::from(snapshot.is_some()) << 1, out);
+    if let Some(ContextName { first, last, hash }) = context {
+        write_number(*first, out);
+        write_number(*last, out);
+        out.extend_from_slice(hash);
+    }
+    if let Some(ContextName { last, hash, .. }) = snapshot {
+        write_number(*last, out);
+        out.extend_from_slice(hash);
     }
 }
 
@@ -432,8 +468,18 @@ fn write_ranges(set: &RangeSet, out: &mut Vec<u8>) {
 fn read_received(reader: &mut FrameReader<'_>) -> Result<Received, BrokenFrame> {
     let (stream, is_over) = (StreamId(reader.small()?), read_flag(reader)?);
     let (safe, events) = (reader.number()?, read_ranges(reader)?);
-    let context = if read_flag(reader)? { Some(read_context(reader)?) } else { None };
-    Ok(Received { stream, is_over, safe, events, context })
+    let offers = reader.number()?;
+    if offers > 3 {
+        return Err(BrokenFrame("unknown offers"));
+    }
+    let context = (offers & 1 != 0).then(|| read_context(reader)).transpose()?;
+    let snapshot = (offers & 2 != 0).then(|| read_snapshot_name(reader)).transpose()?;
+    Ok(Received { stream, is_over, safe, events, context, snapshot })
+}
+
+fn read_snapshot_name(reader: &mut FrameReader<'_>) -> Result<ContextName, BrokenFrame> {
+    let sequence = reader.number()?;
+    Ok(ContextName { first: sequence, last: sequence, hash: reader.fixed()? })
 }
 
 fn read_context(reader: &mut FrameReader<'_>) -> Result<ContextName, BrokenFrame> {

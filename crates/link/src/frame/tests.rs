@@ -101,12 +101,18 @@ fn frame(bytes: &[u8]) -> impl Strategy<Value = Frame<'_>> {
                 Frame::Heard { start: Generation(start), number, newest_ms, held_ms, late_ms }
             }
         ),
-        (stream, any::<bool>(), any::<u64>(), ranges(), prop::option::of(context())).prop_map(
-            |(stream, is_over, safe, events, context)| {
+        (
+            stream,
+            any::<(bool, u64)>(),
+            ranges(),
+            prop::option::of(context()),
+            prop::option::of(context())
+        )
+            .prop_map(|(stream, (is_over, safe), events, context, snapshot)| {
                 let events = newest(&events);
-                Frame::Received(Received { stream, is_over, safe, events, context })
-            }
-        ),
+                let snapshot = snapshot.map(|name| ContextName { first: name.last, ..name });
+                Frame::Received(Received { stream, is_over, safe, events, context, snapshot })
+            }),
     ]
 }
 
@@ -115,6 +121,10 @@ fn beside(bytes: &[u8]) -> impl Strategy<Value = Frame<'_>> {
     prop_oneof![
         any::<u64>().prop_map(|began_ms| Frame::Calendar { began_ms }),
         wish(bytes).prop_map(Frame::Wish),
+        any::<(u32, u64, u32, [u8; 3])>().prop_map(move |(stream, sequence, length, context)| {
+            let (context, stream) = (ContextId(context), StreamId(stream));
+            Frame::CodedSnapshot { context, stream, sequence, length, bytes }
+        }),
     ]
 }
 
@@ -276,8 +286,9 @@ fn a_report_names_the_newest_ranges() {
         events.insert(20 + nth * 10..=22 + nth * 10);
     }
     let mut out = Vec::new();
-    let (stream, context) = (StreamId(3), None);
-    write_received(&Received { stream, is_over: true, safe: 7, events, context }, &mut out);
+    let (stream, context, snapshot) = (StreamId(3), None, None);
+    let received = Received { stream, is_over: true, safe: 7, events, context, snapshot };
+    write_received(&received, &mut out);
     expect!["[12 03 01 07 0a 10 32 02 08 02 08 02 08 02 08 02 08 02 08 02 08 02 08 02 08 02 08 02 08 02 08 02 08 02 08 02 08 02 00]"]
         .assert_eq(&format!("{out:02x?}").replace(", ", " "));
 }

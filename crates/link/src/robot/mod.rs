@@ -7,6 +7,7 @@
 mod coded;
 mod later;
 mod outgoing;
+mod snapshots;
 mod source;
 mod tail;
 mod values;
@@ -339,7 +340,7 @@ impl RobotSession {
         for mut received in reports {
             if is_late {
                 // It waited somewhere while the link was cut: since then, the station may have started again.
-                received.context = None;
+                (received.context, received.snapshot) = (None, None);
             }
             if let Some(stream) = self.streams.get_mut(&received.stream) {
                 stream.report(now, received, echo, &self.profile);

@@ -1,10 +1,10 @@
 //! What the robot sends of one run, and what it knows of what the station has of it.
 
 use super::coded::Coding;
+use super::snapshots::Snapshots;
 use super::source::{EventBuffer, RunSource};
 use super::tail::{self, Tail};
-use crate::assembly::{LENGTH_MAX, PART_MIN};
-use crate::deflate::deflate;
+use crate::assembly::PART_MIN;
 use crate::frame::{EventHash, Events, Frame, Received, StreamId};
 use crate::profile::Profile;
 use crate::range_set::RangeSet;
@@ -16,16 +16,8 @@ use std::time::Duration;
 const OLD_SENDS: u8 = 4;
 /// The status is sent this often beside events, from which the station knows the head, in status intervals.
 const STATUS_BESIDE: u32 = 8;
-/// A snapshot is sent this often, in status intervals, while the station is heard: it might be needed for a reason unknown here.
-const SNAPSHOT_STATUSES: u32 = 480;
 /// If more events are lost, a snapshot is there sooner than they.
 const SNAPSHOT_LOST: u64 = 64;
-/// Without reports, a snapshot is sent round and round so often before a newer one replaces it: parts of any round complete it.
-const SNAPSHOT_ROUNDS: u32 = 4;
-/// One that takes at most so many datagrams mostly arrives whole: a newer one replaces it in the next round.
-const SNAPSHOT_SHORT: usize = 2;
-/// Without reports, a whole snapshot is sent in this time, as long as that takes at most half of the rate.
-const SNAPSHOT_EVERY: Duration = Duration::from_millis(200);
 /// After so long events are asked for again that could not be read.
 const READ_AGAIN: Duration = Duration::from_secs(1);
 
@@ -74,13 +66,9 @@ pub(super) struct Outgoing {
     sent_set: RangeSet,
     /// When the unreported events are sent again, for a station that cannot report.
     round_due: Duration,
-    /// When the last round of a snapshot began.
-    snapshot_at: Option<Duration>,
-    snapshot_need: SnapshotNeed,
     /// The source could not read events: it is asked again then.
     read_again_at: Duration,
-    /// The snapshot that is being sent.
-    snapshot: Option<Parts>,
+    snapshots: Snapshots,
     large: Option<(EventBuffer, usize)>,
     coding: Coding,
 }
@@ -91,25 +79,6 @@ enum Written {
     UpTo(u64, bool),
     /// The first is too long for a datagram, and goes in parts.
     Nothing,
-}
-
-/// Whether a snapshot is needed, besides those that are sent now and then.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-enum SnapshotNeed {
-    None,
-    /// The source has a newer one: as soon as the rate allows it.
-    Newer,
-    /// Events were lost: at once.
-    Now,
-}
-
-#[derive(Debug)]
-struct Parts {
-    sequence: u64,
-    bytes: Vec<u8>,
-    /// Of this round.
-    sent: usize,
-    rounds: u32,
 }
 
 impl Outgoing {
@@ -129,10 +98,8 @@ impl Outgoing {
             sent: VecDeque::new(),
             sent_set: RangeSet::default(),
             round_due: Duration::ZERO,
-            snapshot_at: None,
-            snapshot_need: SnapshotNeed::Now,
             read_again_at: Duration::ZERO,
-            snapshot: None,
+            snapshots: Snapshots::new(),
             large: None,
             coding: Coding::default(),
         }
@@ -158,7 +125,7 @@ impl Outgoing {
 
     /// The source has a newer snapshot than before.
     pub(super) fn set_snapshot_changed(&mut self) {
-        self.snapshot_need = self.snapshot_need.max(SnapshotNeed::Newer);
+        self.snapshots.set_changed();
     }
 
     pub(super) fn set_state(&mut self, state: &[u8], is_over: bool) {
@@ -178,6 +145,7 @@ impl Outgoing {
     pub(super) fn station_started(&mut self) {
         (self.knows_end, self.is_state_new) = (false, true);
         self.coding.offer(None);
+        self.snapshots.offer(None);
         self.sent.retain(|sent| !sent.is_coded);
         self.renew_sent_set();
     }
@@ -192,6 +160,7 @@ impl Outgoing {
     ) {
         self.received = received.events;
         self.coding.offer(received.context);
+        self.snapshots.offer(received.snapshot);
         self.knows_end = received.is_over;
         let Some((newest_ms, late_ms)) = echo else { return };
         // What was sent before this, and is not received, is lost; a repetition may still heal the newest of it.
@@ -205,8 +174,8 @@ impl Outgoing {
             lost += if is_lost { sent.range.end() - sent.range.start() + 1 } else { 0 };
             !is_lost
         });
-        if lost > SNAPSHOT_LOST && !self.is_snapshot_on_its_way() {
-            self.snapshot_need = SnapshotNeed::Now;
+        if lost > SNAPSHOT_LOST {
+            self.snapshots.need_now();
         }
         if self.sent.len() < before {
             self.renew_sent_set();
@@ -216,10 +185,6 @@ impl Outgoing {
 
     fn renew_sent_set(&mut self) {
         self.sent_set = self.sent.iter().map(|sent| sent.range.clone()).collect();
-    }
-
-    fn is_snapshot_on_its_way(&self) -> bool {
-        self.snapshot.as_ref().is_some_and(|snapshot| snapshot.sent > 0)
     }
 
     fn has_all(&self) -> bool {
@@ -313,29 +278,6 @@ impl Outgoing {
         self.gap().map(|gap| *gap.start())
     }
 
-    /// When the next part of a snapshot is due.
-    fn snapshot_due_at(&self, is_heard: bool, profile: &Profile) -> Duration {
-        let is_between = self.snapshot.as_ref().is_none_or(|snapshot| snapshot.sent == 0);
-        let Some(at) =
-            self.snapshot_at.filter(|_| is_between && self.snapshot_need != SnapshotNeed::Now)
-        else {
-            return Duration::ZERO;
-        };
-        if self.has_all() {
-            return Duration::MAX;
-        }
-        let bits = self.snapshot.as_ref().map_or(0, |snapshot| snapshot.bytes.len() as u64 * 8);
-        let takes = Duration::from_millis(bits * 1_000 / profile.down_bits_per_s.max(1));
-        let every = match is_heard {
-            true if self.snapshot_need == SnapshotNeed::Newer => {
-                (takes * 4).max(profile.status_every)
-            }
-            true => profile.status_every * SNAPSHOT_STATUSES,
-            false => (takes * 2).max(SNAPSHOT_EVERY),
-        };
-        at + every
-    }
-
     /// The number of the last event, and how many of all the station did not report.
     pub(super) fn progress(&self) -> (u64, u64) {
         (self.head, self.head.saturating_sub(self.received.count()))
@@ -347,7 +289,9 @@ impl Outgoing {
         let is_lacking = is_repeated || self.large.is_some() || self.gap().is_some();
         let events = if is_lacking { self.read_again_at } else { Duration::MAX };
         let round = if is_heard || self.sent.is_empty() { Duration::MAX } else { self.round_due };
-        round.max(self.read_again_at).min(events).min(self.snapshot_due_at(is_heard, profile))
+        let snapshot = self.snapshots.alone_at(is_heard, profile);
+        let snapshot = if self.has_all() { Duration::MAX } else { snapshot };
+        round.max(self.read_again_at).min(events).min(snapshot)
     }
 
     /// Fills the rest of the datagram with events that the station lacks.
@@ -450,46 +394,9 @@ impl Outgoing {
         source: &mut impl RunSource,
         payload: &mut Vec<u8>,
     ) {
-        let Turn { now, profile, is_heard, room } = turn;
-        if self.snapshot_due_at(is_heard, profile) > now {
-            return;
-        }
-        let goes_on = |parts: &Parts| {
-            let is_long = parts.bytes.len() > room * SNAPSHOT_SHORT;
-            let again = !is_heard && is_long && parts.rounds < SNAPSHOT_ROUNDS;
-            parts.sent > 0 || again && self.tail.continues(parts.sequence, self.head)
-        };
-        let is_needed = self.snapshot_need == SnapshotNeed::Now;
-        if is_needed || !self.snapshot.as_ref().is_some_and(goes_on) {
-            self.snapshot_need = SnapshotNeed::None;
-            let taken = source.snapshot(self.id);
-            let taken = taken.filter(|(_, bytes)| bytes.len() <= LENGTH_MAX as usize);
-            self.snapshot = taken.map(|(sequence, bytes)| {
-                let bytes = deflate(&bytes);
-                Parts { sequence, bytes, sent: 0, rounds: 0 }
-            });
-        }
-        self.snapshot_at.get_or_insert(now);
-        let Some(Parts { sequence, bytes, sent, rounds }) = &mut self.snapshot else {
-            self.snapshot_at = Some(now);
-            return;
-        };
-        let (offset, part) = next_part(bytes, *sent, room.saturating_sub(payload.len()));
-        if part.is_empty() && !bytes.is_empty() {
-            return;
-        }
-        if offset == 0 {
-            self.snapshot_at = Some(now);
-            // What happened since is sent again with each round, so that the state is the present one.
-            if !is_heard {
-                self.tail.send_again_after(*sequence);
-            }
-        }
-        let (sequence, length) = (*sequence, small(bytes.len()));
-        Frame::Snapshot { stream: self.id, sequence, length, offset, bytes: part }.write(payload);
-        *sent += part.len();
-        if *sent >= bytes.len() {
-            (*sent, *rounds) = (0, *rounds + 1);
+        if !self.has_all() {
+            let run = (self.id, self.head);
+            self.snapshots.write(run, &mut self.tail, turn, source, payload);
         }
     }
 
@@ -516,7 +423,7 @@ impl Outgoing {
 }
 
 /// The next part that fits into a frame of `room` bytes, and its offset.
-fn next_part(bytes: &[u8], sent: usize, room: usize) -> (u32, &[u8]) {
+pub(super) fn next_part(bytes: &[u8], sent: usize, room: usize) -> (u32, &[u8]) {
     const HEAD_MAX: usize = 1 + 5 + 10 + 10 + 5 + 5 + 3;
     let room = room.saturating_sub(HEAD_MAX);
     let rest = bytes.get(sent..).unwrap_or_default();
@@ -525,6 +432,6 @@ fn next_part(bytes: &[u8], sent: usize, room: usize) -> (u32, &[u8]) {
 }
 
 /// A length that is at most that of an assembly.
-fn small(length: usize) -> u32 {
+pub(super) fn small(length: usize) -> u32 {
     u32::try_from(length).unwrap_or(u32::MAX)
 }

@@ -6,6 +6,7 @@ use crate::frame::{Events, StreamId};
 use crate::profile::Profile;
 use crate::seal::{Generation, KeyId, PairingKey};
 use crate::station::{FromRobot, StationSession};
+use expect_test::expect;
 use std::time::Duration;
 
 const MACHINES: StreamId = StreamId(1);
@@ -199,4 +200,92 @@ fn a_report_that_waited_in_a_cut_is_no_sign_that_the_station_knows_a_context() {
         }
     }
     assert_eq!(restarted.progress(RUN).map(|(_, it)| it.contiguous()), Some(2_100));
+}
+
+/// A run of which there is a snapshot like those of the servers.
+struct Standing(u64);
+
+impl Standing {
+    fn bytes(&self) -> Vec<u8> {
+        let state = |depth: u64| {
+            let (id, since) = (depth * 7_919 % 977, depth * 1_013);
+            format!(
+                r#"{{"path":"ROOT01/EXPLORE/SECTOR{id:03}","name":"Sector {id}","phase":"running","since_ms":{since},"held":[]}}"#
+            )
+        };
+        let active: Vec<String> = (0..20).map(|depth| state(depth + self.0 / 10)).collect();
+        format!(r#"{{"status":"running","active":[{}],"sequence":{}}}"#, active.join(","), self.0)
+            .into_bytes()
+    }
+}
+
+impl RunSource for Standing {
+    fn events(&mut self, _: StreamId, _: u64, _: u64, _: usize) -> Option<EventBuffer> {
+        None
+    }
+
+    fn snapshot(&mut self, _: StreamId) -> Option<(u64, Vec<u8>)> {
+        Some((self.0, self.bytes()))
+    }
+}
+
+/// Both sides for 20 s in which the snapshot changes each 100 ms, and the way takes a second. The station begins again after ten.
+/// Answers the bytes of snapshots in each of four parts of the time, and how many arrived.
+fn twenty_seconds(profile: &Profile) -> ([u64; 4], u32) {
+    let key = PairingKey::from_bytes([7; 32]);
+    let identity = |start| Identity {
+        key_id: KeyId(1),
+        key: &key,
+        robot: "scout",
+        start: Generation(start),
+        heard: None,
+    };
+    let mut robot = RobotSession::new(&identity(1), profile.clone());
+    let mut station = StationSession::new(&identity(1), profile.clone());
+    robot.begin(RUN, 0);
+    let (mut down, mut up) = (Vec::new(), Vec::new());
+    let (mut bytes, mut shown, delay) = ([0; 4], 0, Duration::from_secs(1));
+    for step in 1..=2_000_u64 {
+        let now = Duration::from_millis(step * 10);
+        let mut source = Standing(step / 10 + 1);
+        if step % 10 == 0 {
+            robot.set_snapshot_changed(RUN);
+        }
+        if step == 1_000 {
+            station = StationSession::new(&identity(2), profile.clone());
+        }
+        while let Some(datagram) = robot.transmit(now, &mut source).expect("room") {
+            down.push((now + delay, datagram));
+        }
+        for (_, mut datagram) in down.extract_if(.., |(at, _)| *at <= now) {
+            let show = |from: FromRobot<'_>| {
+                if let FromRobot::Snapshot { sequence, bytes, .. } = from {
+                    assert_eq!(bytes, Standing(sequence).bytes());
+                    shown += 1;
+                }
+            };
+            // Without the start of the robot, which comes with each status, a short header says nothing.
+            let _unreadable = station.receive(now, &mut datagram, show);
+        }
+        while let Some(report) = station.transmit(now).expect("room") {
+            up.push((now + delay, report));
+        }
+        for (_, mut report) in up.extract_if(.., |(at, _)| *at <= now) {
+            robot.receive(now, &mut report, |_| {}).expect("a report");
+        }
+        let sent = robot.traffic().0.by_kind.get("snapshots").copied().unwrap_or_default();
+        let part = usize::try_from((step - 1) / 500).expect("four parts");
+        bytes[part] = sent - bytes[..part].iter().sum::<u64>();
+    }
+    (bytes, shown)
+}
+
+#[test]
+fn a_snapshot_is_coded_from_one_that_the_station_has() {
+    let plain = Profile { codes: false, ..Profile::DELAY_2S };
+    let all = [plain, Profile::DELAY_2S].map(|profile| format!("{:?}", twenty_seconds(&profile)));
+    expect![[r#"
+        ([5526, 3544, 3558, 3530], 44)
+        ([4071, 665, 2114, 723], 39)"#]]
+    .assert_eq(&all.join("\n"));
 }

@@ -8,7 +8,7 @@ pub use wishes::{FetchProgress, NotWatched};
 
 use crate::assembly::{Assembly, LENGTH_MAX};
 use crate::bytes::write_number;
-use crate::coding::{ContextId, Contexts, LastCoder};
+use crate::coding::{ContextId, Contexts, LastCoder, OfferedSnapshots};
 use crate::deflate::inflate;
 use crate::endpoint::{Arrived, Endpoint, Identity, Unusable};
 use crate::frame::{
@@ -140,6 +140,8 @@ struct Incoming {
     large: Assembly,
     contexts: Contexts,
     coder: LastCoder,
+    snapshots: OfferedSnapshots,
+    snapshot_coder: LastCoder,
     /// How often it is still to be reported.
     reports: u8,
 }
@@ -271,6 +273,9 @@ impl StationSession {
         if is_new_start {
             (self.round_trip, self.reached_ms, self.calendar_ms) = (None, None, None);
             self.wishes.repeat();
+            // The robot does not have what it sent before.
+            let streams = self.streams.values_mut();
+            streams.for_each(|incoming| incoming.snapshots = OfferedSnapshots::default());
             show(FromRobot::Started);
         }
         if silence.is_none_or(|silence| silence > self.profile.silence()) {
@@ -329,8 +334,18 @@ impl StationSession {
                 let Some(incoming) = self.incoming(stream) else { return };
                 let whole = incoming.snapshot.add(sequence, length, offset, bytes);
                 if let Some(bytes) = whole.and_then(|whole| inflate(&whole, LENGTH_MAX as usize)) {
-                    incoming.snapshot_sequence = sequence;
-                    show(FromRobot::Snapshot { stream, sequence, bytes });
+                    self.take_snapshot(stream, sequence, bytes, show);
+                }
+            }
+            Frame::CodedSnapshot { context, stream, sequence, length, bytes } => {
+                let Some(incoming) = self.incoming(stream) else { return };
+                let Incoming { snapshots, snapshot_coder, .. } = incoming;
+                // What cannot be decoded, because this side started again, is followed by another one.
+                let known = snapshots.find(context);
+                let coder = known.map(|known| snapshot_coder.with(context, known));
+                let decoded = coder.and_then(|coder| coder.decode(bytes, length as usize));
+                if let Some(bytes) = decoded {
+                    self.take_snapshot(stream, sequence, bytes, show);
                 }
             }
             Frame::CommandState { id, state, reason } => {
@@ -355,6 +370,25 @@ impl StationSession {
             }
             _ => {}
         }
+    }
+
+    fn take_snapshot(
+        &mut self,
+        stream: StreamId,
+        sequence: u64,
+        bytes: Vec<u8>,
+        show: &mut impl FnMut(FromRobot<'_>),
+    ) {
+        let codes = self.profile.codes;
+        let Some(incoming) = self.incoming(stream) else { return };
+        if sequence < incoming.snapshot_sequence {
+            return;
+        }
+        incoming.snapshot_sequence = sequence;
+        if codes {
+            incoming.snapshots.note(sequence, &bytes);
+        }
+        show(FromRobot::Snapshot { stream, sequence, bytes });
     }
 
     fn take_coded(
@@ -478,14 +512,17 @@ impl StationSession {
             let is_complete = incoming.is_over && incoming.received.contiguous() >= incoming.head;
             if is_complete && incoming.reports == 0 {
                 (incoming.contexts, incoming.coder) = (Contexts::default(), LastCoder::default());
+                incoming.snapshots = OfferedSnapshots::default();
+                incoming.snapshot_coder = LastCoder::default();
                 continue;
             }
             let length = payload.len();
             let events = incoming.received.clone();
             let is_coded = self.profile.codes && !is_complete;
             let context = if is_coded { incoming.contexts.offer() } else { None };
+            let snapshot = if is_coded { incoming.snapshots.offer() } else { None };
             let Incoming { safe, is_over, .. } = *incoming;
-            let received = Received { stream: *stream, is_over, safe, events, context };
+            let received = Received { stream: *stream, is_over, safe, events, context, snapshot };
             Frame::Received(received).write(payload);
             if payload.len() > room {
                 payload.truncate(length);

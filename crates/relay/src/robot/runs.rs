@@ -8,6 +8,7 @@ use crate::clock::SessionClock;
 use crate::ids;
 use crate::inbox::Input;
 use crate::meter::millis;
+use crate::snapshot_words;
 use crate::words::{RunFate, RunStands};
 use rafcon_link::{EventBuffer, EventHash, Events, RobotSession, RunSource, StreamId, ValueName};
 use rafcon_protocol::api::Control;
@@ -481,9 +482,7 @@ impl RunSource for RobotRuns {
         // Its runner says something only when something changes: the time went on since.
         let since_ms =
             if run.fate == RunFate::Live { millis(now.saturating_sub(*told)) } else { 0 };
-        let elapsed_ms = snapshot.elapsed_ms.saturating_add(since_ms);
-        let snapshot = Snapshot { elapsed_ms, ..(**snapshot).clone() };
-        Some((snapshot.sequence, serde_json::to_vec(&snapshot).ok()?))
+        Some((snapshot.sequence, snapshot_words::write(snapshot, since_ms)?))
     }
 
     fn value_length(&mut self, value: &ValueName) -> Option<u64> {

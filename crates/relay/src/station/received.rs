@@ -2,8 +2,8 @@
 
 use super::disk::OpenRun;
 use super::viewers::Shared;
-use crate::watch_words;
 use crate::words::RunStands;
+use crate::{snapshot_words, watch_words};
 use rafcon_link::{
     CommandId, CommandState, EventHash, FromRobot, KeyId, NoValue, PairingKey, StreamId, ValueId,
 };
@@ -43,7 +43,7 @@ impl Received {
                 Self::Stands(stream, stands, chain.map(|chain| (at_ms, chain)))
             }
             FromRobot::Snapshot { stream, bytes, .. } => {
-                Self::Snapshot(stream, serde_json::from_slice(&bytes).ok()?)
+                Self::Snapshot(stream, Box::new(snapshot_words::read(&bytes)?))
             }
             FromRobot::CommandState { id, state, reason } => {
                 Self::State(id, state, String::from_utf8_lossy(reason).into_owned())

@@ -1,0 +1,110 @@
+//! What followed when the same bytes came last: long repetitions are nearly certain.
+
+/// A repetition begins with so many equal bytes.
+const BEGIN: usize = 5;
+/// Lengths are counted up to this.
+pub(super) const LENGTHS: usize = 32;
+/// How sure a repetition can be.
+pub(super) const SURE: usize = 3;
+/// Where bytes came last is found by a hash of so many bits.
+const HASH_BITS: u32 = 13;
+
+/// How sure a repetition of this length is.
+pub(super) fn sure(length: usize) -> usize {
+    match length {
+        0 => 0,
+        1..16 => 1,
+        _ => 2,
+    }
+}
+
+/// The bytes so far, and where the last of them came before.
+#[derive(Debug, Clone)]
+pub(super) struct Repetition {
+    bytes: Vec<u8>,
+    /// By the hash of some bytes, the place behind them where they came last; 0 if they never did.
+    last: Box<[u32]>,
+    state: State,
+    /// Entries of `last` that were changed since it was fixed, with what was in them.
+    changed: Vec<(u32, u32)>,
+    fixed: Option<(usize, State)>,
+}
+
+#[derive(Debug, Clone, Copy, Default)]
+struct State {
+    /// The place of the byte that is expected; 0 if none is.
+    next: usize,
+    /// How many bytes are the same.
+    length: usize,
+}
+
+impl Default for Repetition {
+    fn default() -> Self {
+        Self {
+            bytes: Vec::new(),
+            last: vec![0; 1 << HASH_BITS].into_boxed_slice(),
+            state: State::default(),
+            changed: Vec::new(),
+            fixed: None,
+        }
+    }
+}
+
+impl Repetition {
+    /// The next bit of a byte whose bits so far are `known`, behind a one; none if another byte was expected, or nothing.
+    pub(super) fn expects(&self, known: u32) -> Option<bool> {
+        let byte = u32::from(*self.bytes.get(self.state.next).filter(|_| self.state.next > 0)?);
+        let left = 7 - known.ilog2().min(7);
+        let is_so = (byte | 0x100) >> (left + 1) == known;
+        is_so.then_some(byte >> left & 1 == 1)
+    }
+
+    /// How many bytes are the same, from 1 and less than [`LENGTHS`].
+    pub(super) fn length(&self) -> usize {
+        self.state.length.clamp(1, LENGTHS - 1)
+    }
+
+    pub(super) fn end_byte(&mut self, byte: u8) {
+        let State { next, length } = self.state;
+        let goes_on = next > 0 && self.bytes.get(next) == Some(&byte);
+        self.bytes.push(byte);
+        self.state =
+            if goes_on { State { next: next + 1, length: length + 1 } } else { State::default() };
+        let Some(newest) = self.bytes.last_chunk::<BEGIN>() else { return };
+        let place = hash(newest) as usize;
+        let there = self.last[place] as usize;
+        if !goes_on && there > 0 {
+            let same = self.bytes[..there].iter().rev().zip(self.bytes.iter().rev());
+            let length = same.take(LENGTHS).take_while(|(then, now)| then == now).count();
+            if length >= BEGIN {
+                self.state = State { next: there, length };
+            }
+        }
+        if self.fixed.is_some() {
+            self.changed.push((place as u32, self.last[place]));
+        }
+        self.last[place] = u32::try_from(self.bytes.len()).unwrap_or_default();
+    }
+
+    /// What comes from now on can be forgotten again.
+    pub(super) fn fix(&mut self) {
+        self.changed.clear();
+        self.fixed = Some((self.bytes.len(), self.state));
+    }
+
+    /// Forgets what came since it was fixed.
+    pub(super) fn forget(&mut self) {
+        for (place, entry) in self.changed.drain(..).rev() {
+            self.last[place as usize] = entry;
+        }
+        if let Some((length, state)) = self.fixed {
+            self.bytes.truncate(length);
+            self.state = state;
+        }
+    }
+}
+
+fn hash(bytes: &[u8; BEGIN]) -> u32 {
+    let mix = |hash: u32, byte: &u8| (hash ^ u32::from(*byte)).wrapping_mul(0x2545_F491);
+    bytes.iter().fold(0x9E37_79B1, mix) >> (32 - HASH_BITS)
+}
