@@ -63,7 +63,7 @@ impl Profile {
         up_bytes_max: 300,
         status_every: ms(500),
         gather: ms(170),
-        repeat_after: ms(245),
+        repeat_after: ms(240),
         report_every: ms(500),
         codes: true,
         ..Self::LAN
