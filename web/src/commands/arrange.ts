@@ -4,8 +4,6 @@ import type { StateKind } from "../model/generated/protocol.ts";
 import { readLayout } from "../model/layout_reader.ts";
 import { isContainer, type Machine, startOf } from "../model/machine.ts";
 import { idOf, parentOf } from "../model/path.ts";
-import { arrange } from "../plan/arrange.ts";
-import { arranged } from "../plan/arranged.ts";
 import { boxIn, childBoxes } from "../plan/boxes.ts";
 import { group, substitute, ungroup } from "../plan/group.ts";
 import {
@@ -222,10 +220,14 @@ const LINED_UP: readonly UserCommand[] = [
   ),
 ];
 
+/** How a machine is laid out comes with the first one, as the engine does that it needs. */
+const LAYOUT = () => Promise.all([import("../plan/arrange.ts"), import("../plan/arranged.ts")]);
+
 async function layOutFrom(context: CommandContext, container: string | null, deep: boolean) {
   const machine = machineOf(context);
   if (!machine || container === null) return;
   const version = machine.version;
+  const [{ arrange }, { arranged }] = await LAYOUT();
   const levels = await arrange(machine, container, deep, layOut);
   const isMade = await perform(context, (now) =>
     now.version === version
