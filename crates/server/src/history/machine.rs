@@ -33,6 +33,9 @@ const BYTES_MAX: usize = 64 << 20;
 const MACHINE_TIMEOUT: Duration = Duration::from_secs(10);
 const RETRY_INTERVAL: Duration = Duration::from_millis(50);
 
+/// A run has not kept a machine.
+const NO_MACHINE: &str = "no_such_machine";
+
 /// Machines of runs as JSON.
 #[derive(Debug, Default)]
 pub(super) struct Machines {
@@ -83,13 +86,30 @@ async fn machine(
         Some(hash) => hash,
         None => began_with(&server, &run, &folder).await?,
     };
+    let run = server.runs.get(&run).await?;
+    let which = Which { folder, hash, library: query.library };
+    let patience = Instant::now() + MACHINE_TIMEOUT;
+    loop {
+        // Read first: once all is here, the replica is no longer live.
+        let is_coming = run.is_replica() && run.is_live();
+        match kept(&server, which.clone()).await {
+            Err(failure) if is_coming && failure.refusal().code == NO_MACHINE => {
+                if Instant::now() >= patience {
+                    let message = "the machine of this run is on its way from the robot: ask again in a while";
+                    return Err(Failure::unavailable("machine_on_its_way", message));
+                }
+                sleep(RETRY_INTERVAL).await;
+            }
+            answer => return answer,
+        }
+    }
+}
+
+async fn kept(server: &ServerState, which: Which) -> Result<Json, Failure> {
     let History { readers, machines, .. } = &server.history;
     let machines = Arc::clone(machines);
     readers
-        .read_slowly(folder, move |reader| {
-            let folder = reader.folder().to_owned();
-            machines.document(&Which { folder, hash, library: query.library }).map(Json)
-        })
+        .read_slowly(which.folder.clone(), move |_reader| machines.document(&which).map(Json))
         .await
 }
 
@@ -108,7 +128,7 @@ async fn began_with(server: &ServerState, run: &str, folder: &FilePath) -> Resul
             None => {
                 let message =
                     "the run has not kept its machine: ask for a run that keeps its history";
-                return Err(Failure::not_found("no_such_machine", message));
+                return Err(Failure::not_found(NO_MACHINE, message));
             }
         }
     }
