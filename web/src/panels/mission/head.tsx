@@ -3,14 +3,14 @@
 import { runStatusWords, summaryStatusWords } from "../../model/run_words.ts";
 import type { Watch } from "../../store/history/run.ts";
 import { clock1s } from "../../store/page/clock1s.ts";
-import { wallTime } from "../../store/page/times.ts";
+import { clockTimes, missionClock, startedAt } from "../../store/page/times.ts";
 import { isGoingOn, runAge } from "../../store/run/age.ts";
 import { earlierRuns, expectedLength } from "../../store/run/baseline.ts";
 import { elapsedNow } from "../../store/run/run_clock.ts";
 import { summaryOf } from "../../store/run/running.ts";
-import { useComputed, useSignal } from "../../ui/signals.ts";
+import { isSameRecord, useComputed, useSignal } from "../../ui/signals.ts";
 import { useCommand, useHost } from "../context.tsx";
-import { duration, growing } from "../parts/duration.ts";
+import { duration } from "../parts/duration.ts";
 import { isGoingOn as isSummaryGoingOn } from "./no_run.tsx";
 import { StatusWord } from "./status_word.tsx";
 
@@ -35,11 +35,12 @@ export function Head({ watch }: { readonly watch: Watch }) {
         <p className="mission-detail">{status && status.word !== "finished" && status.detail}</p>
         <Times watch={watch} />
       </div>
+      <Clocks watch={watch} />
     </div>
   );
 }
 
-/** The time since the start beside what earlier runs took. */
+/** The time of what is shown since the start, beside what earlier runs took. */
 function Times({ watch }: { readonly watch: Watch }) {
   const { page } = useHost().context();
   const elapsed = useComputed(() => {
@@ -47,8 +48,12 @@ function Times({ watch }: { readonly watch: Watch }) {
     const age = runAge(page, watch, now_ms);
     const elapsed_ms = elapsedNow(page, watch, age.isOld ? now_ms - age.age_ms : now_ms);
     const now = watch.now.value;
-    return now && isGoingOn(now) ? growing(elapsed_ms) : duration(elapsed_ms);
+    return now && isGoingOn(now) ? missionClock(elapsed_ms) : duration(elapsed_ms);
   }, [page, watch]);
+  const isOver = useComputed(() => {
+    const now = watch.now.value;
+    return now !== null && !isGoingOn(now);
+  }, [watch]);
   const expected = useComputed(() => {
     const found = expectedLength(earlierRuns(page, watch));
     if (found === null) return "";
@@ -58,7 +63,7 @@ function Times({ watch }: { readonly watch: Watch }) {
   return (
     <dl className="mission-times">
       <div>
-        <dt>elapsed</dt>
+        <dt>{isOver ? "took" : "mission time"}</dt>
         <dd>{elapsed}</dd>
       </div>
       {length !== "" && (
@@ -70,6 +75,39 @@ function Times({ watch }: { readonly watch: Watch }) {
     </dl>
   );
 }
+
+/** The same time of what is shown by the clocks. */
+function Clocks({ watch }: { readonly watch: Watch }) {
+  const { page } = useHost().context();
+  const times = useComputed(
+    () => {
+      const now = watch.now.value;
+      const now_ms = clock1s.value;
+      const { isOld, age_ms } = runAge(page, watch, now_ms);
+      const t_ms = elapsedNow(page, watch, isOld ? now_ms - age_ms : now_ms);
+      return { ...clockTimes(watch, t_ms * 1e6), isOver: now !== null && !isGoingOn(now) };
+    },
+    [page, watch],
+    isSameRecord,
+  );
+  const robot = summaryOf(page, watch)?.robot;
+  return (
+    <p className="mission-clocks shows-run" title={CLOCKS}>
+      <span>
+        {times.isOver && "ended at "}UTC{" "}
+        <time>{times.utc ?? "unknown: a crash stopped the clock of the run"}</time>
+      </span>
+      {times.robot && (
+        <span>
+          {robot}’s clock <time>{times.robot}</time>
+        </span>
+      )}
+    </p>
+  );
+}
+
+const CLOCKS =
+  "The time of what you see here. View ▸ Times chooses the clock of time line, log and history.";
 
 const HOW: Readonly<Record<string, string>> = {
   usually: "Half of the earlier runs of this machine took this long or less.",
@@ -90,9 +128,9 @@ function OtherRuns({ watch }: { readonly watch: Watch }) {
         <option value="" disabled>
           {others.length === 1 ? "1 other run" : `${others.length} other runs`}
         </option>
-        {others.map(({ id, name, started_ms }) => (
-          <option key={id} value={id}>
-            {name}, started {wallTime(started_ms, Date.now())}
+        {others.map((one) => (
+          <option key={one.id} value={one.id}>
+            {one.name}, started {startedAt(one)}
           </option>
         ))}
       </select>

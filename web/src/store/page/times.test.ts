@@ -1,16 +1,49 @@
 import { afterEach, expect, test } from "vitest";
-import type { HistoryEntry } from "../../model/generated/protocol.ts";
+import type { ClockOffset, HistoryEntry, RunNow } from "../../model/generated/protocol.ts";
 import { Journal } from "../history/journal.ts";
 import type { Watch } from "../history/run.ts";
-import { missionTime, runTime, runTimes, timeScale, wallTime } from "./times.ts";
+import {
+  clockTimes,
+  missionClock,
+  missionTime,
+  runTime,
+  runTimes,
+  startedAt,
+  TIME_SCALES,
+  timeScale,
+  wallTime,
+} from "./times.ts";
 
 const NOON_MS = Date.UTC(2026, 10, 22, 12, 0, 0);
 
 /** A run that began at noon UTC, with these events. */
-function watch(events: readonly HistoryEntry[] = []): Watch {
+function watch(events: readonly HistoryEntry[] = [], robot: Partial<RunNow> = {}): Watch {
   const journal = new Journal();
   journal.add(events, events.length + 1);
-  return { journal, now: { value: { run: { started_ms: NOON_MS } } } } as unknown as Watch;
+  const run = { started_ms: NOON_MS };
+  return { journal, now: { value: { run, ...robot } } } as unknown as Watch;
+}
+
+/** A run of a robot far away that says it began at noon; this is known of its clock. */
+function farAway(clock: ClockOffset | null): Watch {
+  const run = { started_ms: NOON_MS, robot: "scout" };
+  return watch([], { run, robot: { clock } } as unknown as Partial<RunNow>);
+}
+
+/** A time of the run on each scale, and all of them together. */
+function onAllScales(run: Watch): Readonly<Record<string, string>> {
+  const times = TIME_SCALES.filter(({ value }) => value !== "local").map(({ value }) => {
+    timeScale.value = value;
+    return [value, runTime(run, 83_250e6)];
+  });
+  const isLocal = (line: string) => line.includes(":") && !/UTC|T\+|scout/.test(line);
+  const all = runTimes(run, 83_250e6).split("\n");
+  const { utc, robot } = clockTimes(run, 83_250e6) ?? {};
+  return {
+    ...Object.fromEntries(times),
+    all: all.filter((line) => !isLocal(line)).join(", "),
+    clocks: `${utc} / ${robot}`,
+  };
 }
 
 afterEach(() => {
@@ -54,6 +87,52 @@ test("a time of a run is on the scale of the settings", () => {
 test("there is room for all scales", () => {
   const times = runTimes(watch(), 83_250e6).split("\n");
   expect(times.slice(0, 2)).toEqual(["T+1:23.250", "12:01:23.250 UTC"]);
+});
+
+test("a run of a robot far away is told by its clock, and in UTC within a bound", () => {
+  expect(onAllScales(farAway({ least_ms: 1_000, most_ms: 5_100 }))).toEqual({
+    mission: "T+1:23.250",
+    utc: "12:01:20.200 UTC",
+    robot: "12:01:23.250 by scout",
+    all: "T+1:23.250, 12:01:20.200 UTC ± 2.1 s, 12:01:23.250 by scout",
+    clocks: "12:01:20 ± 2.1 s / 12:01:23",
+  });
+});
+
+test("without an up-link UTC has no lower bound, and of a robot that was never heard it is unknown", () => {
+  expect(onAllScales(farAway({ least_ms: 1_000, most_ms: null }))).toEqual({
+    mission: "T+1:23.250",
+    utc: "≤ 12:01:22.250 UTC",
+    robot: "12:01:23.250 by scout",
+    all: "T+1:23.250, 12:01:22.250 UTC or earlier, 12:01:23.250 by scout",
+    clocks: "12:01:22 or earlier / 12:01:23",
+  });
+  expect(onAllScales(farAway(null))).toEqual({
+    mission: "T+1:23.250",
+    utc: "12:01:23.250 by scout",
+    robot: "12:01:23.250 by scout",
+    all: "T+1:23.250, 12:01:23.250 by scout",
+    clocks: "unknown / 12:01:23",
+  });
+});
+
+test("a run of this computer has no other clock than its server", () => {
+  expect(onAllScales(watch())).toMatchObject({ robot: "12:01:23.250 UTC", clocks: "12:01:23 / " });
+});
+
+test("when a robot's run began is told by the robot's clock", () => {
+  timeScale.value = "utc";
+  const began = { started_ms: Date.now() };
+  expect(startedAt(began)).toMatch(/^\d\d:\d\d:\d\d UTC$/);
+  expect(startedAt({ ...began, robot: "scout" })).toMatch(/ UTC by scout’s clock$/);
+});
+
+test("a clock face has hours from the start, and as many as it takes", () => {
+  expect([83, 754_999, 360_000_000].map(missionClock)).toEqual([
+    "T+00:00:00",
+    "T+00:12:34",
+    "T+100:00:00",
+  ]);
 });
 
 test("after a crash only mission time is known", () => {

@@ -1,14 +1,17 @@
-/** Points in time for people, on the scale that the settings name; each says which scale it is on. */
+/** Points in time for people, on the scale that the settings name; each says which scale it is on. A run is told by the clock of
+ * its robot: of one that is far away, UTC is known as far as it is known how the clocks differ. */
 
 import { signal } from "@preact/signals-core";
+import type { ClockOffset, RunSummary } from "../../model/generated/protocol.ts";
 import type { Watch } from "../history/run.ts";
 
-/** Since the start of a run, by the clock of the world, or by the clock and zone of this browser. */
-export type TimeScale = "mission" | "utc" | "local";
+/** Since the start of a run, by the clock of the world, by that of the robot, or in the time zone of this browser. */
+export type TimeScale = "mission" | "utc" | "robot" | "local";
 
 export const TIME_SCALES: readonly { readonly value: TimeScale; readonly title: string }[] = [
   { value: "mission", title: "Since the start of the run (T+)" },
   { value: "utc", title: "UTC" },
+  { value: "robot", title: "The robot's clock" },
   { value: "local", title: "Time zone of this computer" },
 ];
 
@@ -27,21 +30,51 @@ export function wallTime(at_ms: number, now_ms: number): string {
   return date === dateOf(now_ms, true) ? clock(at_ms, 0) : `${date} ${clock(at_ms, 0)}`;
 }
 
-/** A time of a run, to the step that is told apart: `T+12.345 s`, `T+1:02:03.5`, `14:03:27.345 UTC`. A crash stops the clock of
+/** When a run began; of a robot's run by the robot's clock, as it is not known here how that differs. */
+export function startedAt({ started_ms, robot }: Pick<RunSummary, "started_ms" | "robot">): string {
+  const time = wallTime(started_ms, Date.now());
+  return robot === undefined ? time : `${time} by ${robot}’s clock`;
+}
+
+/** A time of a run, to the step that is told apart: `T+12.345 s`, `T+1:02:03.5`, `14:03:27.345 UTC`, `14:03:27.345 by scout`. A crash stops the clock of
  * a run: after one only mission time is known. */
 export function runTime(watch: Watch, t_ns: number, step_ms = 1): string {
-  const at_ms = dayTimeOf(watch, t_ns);
-  if (timeScale.value === "mission" || at_ms === null) {
-    return missionTime(t_ns, step_ms);
-  }
-  return clock(at_ms, digitsOf(step_ms));
+  const at = dayTimesOf(watch, t_ns);
+  const scale = timeScale.value;
+  if (scale === "mission" || at === null) return missionTime(t_ns, step_ms);
+  const digits = digitsOf(step_ms);
+  if (scale === "robot" || at.utc === null) return robotClock(at, digits);
+  return `${at.utc.isLatest ? "≤ " : ""}${clock(at.utc.at_ms, digits, scale)}`;
 }
 
 /** The same on all scales, one a line, where there is room. */
 export function runTimes(watch: Watch, t_ns: number): string {
-  const at_ms = dayTimeOf(watch, t_ns);
-  const times = at_ms === null ? [] : [clock(at_ms, 3, "utc"), clock(at_ms, 3, "local")];
+  const at = dayTimesOf(watch, t_ns);
+  const times: string[] = [];
+  if (at?.utc) times.push(bounded(at.utc, 3, "utc"), bounded(at.utc, 3, "local"));
+  if (at?.robot) times.push(robotClock(at, 3));
   return [missionTime(t_ns), ...new Set(times)].join("\n");
+}
+
+/** A time of a run by the clocks, to the second: UTC with its bound, and by the robot's own clock if that is far away. */
+export interface ClockTimes {
+  readonly utc: string;
+  /** Empty of a run that is not far away. */
+  readonly robot: string;
+}
+
+/** Null if a crash has stopped the clock of the run. */
+export function clockTimes(watch: Watch, t_ns: number): ClockTimes | null {
+  const at = dayTimesOf(watch, t_ns);
+  if (at === null) return null;
+  const utc = at.utc === null ? "unknown" : bounded(at.utc, 0, "utc").replace(" UTC", "");
+  return { utc, robot: at.robot === null ? "" : clock(at.robot_ms, 0, "utc").replace(" UTC", "") };
+}
+
+/** A time since the start of a run on a clock face: `T+00:12:34`. */
+export function missionClock(ms: number): string {
+  const [hours, minutes] = [Math.floor(ms / HOUR), Math.floor(ms / MINUTE) % 60];
+  return `T+${two(hours)}:${two(minutes)}:${two(Math.floor(ms / SECOND) % 60)}`;
 }
 
 /** A time since the start of the run: `T+12.345 s`. */
@@ -49,9 +82,50 @@ export function missionTime(t_ns: number, step_ms = 1): string {
   return `T+${sinceStart(t_ns / 1e6, step_ms)}`;
 }
 
-function dayTimeOf({ journal, now }: Watch, t_ns: number): number | null {
-  const began_ms = now.value?.run.started_ms ?? null;
-  return began_ms === null || !journal.hasClockAt(t_ns) ? null : began_ms + t_ns / 1e6;
+interface DayTimes {
+  /** By the clock of whoever ran it. */
+  readonly robot_ms: number;
+  /** The robot, if that is far away. */
+  readonly robot: string | null;
+  /** Null if nothing is known of how the robot's clock differs. */
+  readonly utc: BoundedTime | null;
+}
+
+interface BoundedTime {
+  readonly at_ms: number;
+  /** So much it may be off. */
+  readonly off_ms: number;
+  /** It was then or earlier: without an up-link nobody knows how much. */
+  readonly isLatest: boolean;
+}
+
+function dayTimesOf({ journal, now }: Watch, t_ns: number): DayTimes | null {
+  const { run, robot } = now.value ?? {};
+  if (!run || !journal.hasClockAt(t_ns)) return null;
+  const robot_ms = run.started_ms + t_ns / 1e6;
+  if (run.robot === undefined) {
+    return { robot_ms, robot: null, utc: { at_ms: robot_ms, off_ms: 0, isLatest: false } };
+  }
+  return { robot_ms, robot: run.robot, utc: robot?.clock ? utcOf(robot_ms, robot.clock) : null };
+}
+
+function utcOf(robot_ms: number, { least_ms, most_ms }: ClockOffset): BoundedTime {
+  if (most_ms === null) return { at_ms: robot_ms - least_ms, off_ms: 0, isLatest: true };
+  const off_ms = (most_ms - least_ms) / 2;
+  return { at_ms: robot_ms - least_ms - off_ms, off_ms, isLatest: false };
+}
+
+/** `12:01:23 UTC ± 2.1 s`, `12:01:23 UTC or earlier`. */
+function bounded({ at_ms, off_ms, isLatest }: BoundedTime, digits: number, scale: TimeScale) {
+  const text = clock(at_ms, digits, scale);
+  if (isLatest) return `${text} or earlier`;
+  // A bound is never rounded down.
+  return off_ms === 0 ? text : `${text} ± ${(Math.ceil(off_ms / 100) / 10).toFixed(1)} s`;
+}
+
+function robotClock({ robot_ms, robot }: DayTimes, digits: number): string {
+  const text = clock(robot_ms, digits, "utc");
+  return robot === null ? text : text.replace("UTC", `by ${robot}`);
 }
 
 /** A length as a time since the start, to the step that is told apart: `12.345 s`, `1:02:03.5`. */
@@ -74,7 +148,7 @@ function digitsOf(step_ms: number): number {
 
 function clock(at_ms: number, digits: number, scale: TimeScale = timeScale.value): string {
   return new Date(at_ms).toLocaleTimeString("en-GB", {
-    timeZone: scale === "utc" ? "UTC" : undefined,
+    timeZone: zoneOf(scale),
     hour: "2-digit",
     minute: "2-digit",
     second: "2-digit",
@@ -84,10 +158,15 @@ function clock(at_ms: number, digits: number, scale: TimeScale = timeScale.value
   });
 }
 
+/** What belongs to no run has no mission time. */
+function zoneOf(scale: TimeScale): string | undefined {
+  return scale === "utc" || scale === "robot" ? "UTC" : undefined;
+}
+
 /** `22 Nov`, or `22 Nov 2026`. */
 function dateOf(at_ms: number, isThisYear: boolean): string {
   return new Date(at_ms).toLocaleDateString("en-GB", {
-    timeZone: timeScale.value === "utc" ? "UTC" : undefined,
+    timeZone: zoneOf(timeScale.value),
     day: "numeric",
     month: "short",
     ...(isThisYear ? {} : { year: "numeric" }),
