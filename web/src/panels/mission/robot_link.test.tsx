@@ -27,9 +27,12 @@ const WHOLE: LinkHealth = {
 };
 
 /** What is said of a link a minute after the run began, one fact a line. */
-async function said(robot?: LinkHealth): Promise<readonly string[]> {
+async function said(
+  robot?: LinkHealth,
+  phase: "live" | "crashed" | "finished" = "live",
+): Promise<readonly string[]> {
   vi.setSystemTime(STARTED_MS + 60_000);
-  const { watch } = watched(runLine("live"), robot ? { robot } : {});
+  const { watch } = watched(runLine(phase), robot ? { robot } : {});
   const place = shown(<RobotLink watch={watch} />, { watch });
   await settled();
   const facts = [...place.querySelectorAll("dl div")].map(
@@ -43,6 +46,11 @@ test("nothing is said of the link of a run that is not far away", async () => {
   expect(await said()).toEqual([]);
 });
 
+test("nothing is said of the link of a run that is over: it was told while the run went on", async () => {
+  expect(await said(WHOLE, "finished")).toEqual([]);
+  expect(await said(WHOLE, "crashed")).toEqual([]);
+});
+
 test("a whole link says its delay, its rates, what is on the way and how the clocks differ", async () => {
   expect(await said(WHOLE)).toEqual([
     "scout is heard",
@@ -51,7 +59,7 @@ test("a whole link says its delay, its rates, what is on the way and how the clo
     "received / sent: 5.2 KB/s / 31 B/s",
     "events to come: none",
     "commands on the way: 1",
-    "robot's clock: +1.9 s ± 2.0 s",
+    "clock ahead by: +1.9 s ± 2.0 s",
   ]);
 });
 
@@ -64,7 +72,7 @@ test("in a blackout it is said for how long, and that the next contact is unknow
     "received / sent: 5.2 KB/s / 31 B/s",
     "events to come: 1,204 or more",
     "commands on the way: 1",
-    "robot's clock: +1.9 s ± 2.0 s",
+    "clock ahead by: +1.9 s ± 2.0 s",
   ]);
 });
 
@@ -78,6 +86,6 @@ test("what is unknown for want of an up-link is said to be", async () => {
   const said_ = await said({ ...WHOLE, reached_ms: null, round_trip_ms: null, clock });
   expect(said_.filter((fact) => /delay|clock/.test(fact))).toEqual([
     "delay: unknown: no up-link",
-    "robot's clock: +40 ms or more",
+    "clock ahead by: +40 ms or more",
   ]);
 });

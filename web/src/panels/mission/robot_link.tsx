@@ -4,6 +4,7 @@ import { Radio, RadioTower } from "lucide-react";
 import type { ClockOffset, LinkHealth } from "../../model/generated/protocol.ts";
 import type { Watch } from "../../store/history/run.ts";
 import { clock1s } from "../../store/page/clock1s.ts";
+import { isGoingOn } from "../../store/run/age.ts";
 import { useComputed, useSignal } from "../../ui/signals.ts";
 import { useHost } from "../context.tsx";
 import { duration } from "../parts/duration.ts";
@@ -11,7 +12,11 @@ import "./robot_link.css";
 
 export function RobotLink({ watch }: { readonly watch: Watch }) {
   const { page } = useHost().context();
-  const robot = useComputed(() => watch.now.value?.robot ?? null, [watch]);
+  // Of a run that is over, nobody says any more how the link is.
+  const robot = useComputed(() => {
+    const now = watch.now.value;
+    return now && isGoingOn(now) ? (now.robot ?? null) : null;
+  }, [watch]);
   const pulse = useSignal(page.server.pulse);
   const here_ms = useSignal(clock1s);
   if (robot === null) return null;
@@ -67,7 +72,7 @@ function facts(robot: LinkHealth, now_ms: number): readonly Fact[] {
       "Commands to this robot that it has not answered yet",
     ],
     [
-      "robot's clock",
+      "clock ahead by",
       clock(robot.clock),
       "By how much the robot's clock is ahead of the station's",
     ],
