@@ -9,6 +9,7 @@ import { App } from "./app.ts";
 import { launch } from "./chromium.ts";
 import { examples, newPlace, type Place, RESULTS } from "./places.ts";
 import { Server } from "./server.ts";
+import { beginStation } from "./station.ts";
 
 export interface Setting {
   /** The machines of the project, by name: folders to copy. */
@@ -18,12 +19,16 @@ export interface Setting {
   /** The machine that is open when the journey begins. */
   readonly open?: string;
   readonly browser?: BrowserContextOptions;
+  /** The page is that of a station, and the machines are on a robot far away, `scout`. */
+  readonly isStation?: boolean;
 }
 
 /** What a journey has at hand. */
 export interface Hands {
   readonly app: App;
   readonly server: Server;
+  /** Where runs run: far away if the server is a station, else the server itself. */
+  readonly robot: Server;
   /** One more person with a name in a browser of their own: an engineer, if nothing else is said. */
   readonly colleague: (name: string, role?: Role) => Promise<App>;
   /** One more tab of the same browser. */
@@ -44,18 +49,29 @@ async function theBrowser(): Promise<Browser> {
 /** Goes the journey from a fresh server and a fresh browser profile. */
 export function journey(name: string, setting: Setting, go: (hands: Hands) => Promise<void>): void {
   test(name, async () => {
-    const server = await Server.start(placeOf(setting));
+    const [server, robot] = await begin(setting);
     const people: App[] = [];
     try {
-      await go(await hands(server, people, setting));
+      await go({ ...(await hands(server, people, setting)), robot });
     } catch (error) {
       await pictures(name, people);
       throw error;
     } finally {
       await Promise.all(people.map((app) => app.sheet.context().close()));
       await server.dispose();
+      if (robot !== server) await robot.dispose();
     }
   });
+}
+
+/** The server of the page, and where runs run. */
+async function begin(setting: Setting): Promise<readonly [Server, Server]> {
+  const place = placeOf(setting);
+  if (!setting.isStation) {
+    const server = await Server.start(place);
+    return [server, server];
+  }
+  return beginStation(place);
 }
 
 function placeOf({ open, machines, libraries }: Setting): Place {
@@ -65,7 +81,11 @@ function placeOf({ open, machines, libraries }: Setting): Place {
 
 const PASSWORD = "correct horse";
 
-async function hands(server: Server, people: App[], setting: Setting): Promise<Hands> {
+async function hands(
+  server: Server,
+  people: App[],
+  setting: Setting,
+): Promise<Omit<Hands, "robot">> {
   const fresh = async () => {
     const context = await (await theBrowser()).newContext({
       viewport: { width: 1600, height: 1000 },

@@ -1,10 +1,11 @@
 /** The real server, as a process with folders of its own: begun, ended, killed, begun again at the same port. */
 
-import { type ChildProcess, spawn } from "node:child_process";
+import { type ChildProcess, execFileSync, spawn } from "node:child_process";
 import { once } from "node:events";
 import { readdirSync, readFileSync, rmSync } from "node:fs";
 import { join } from "node:path";
 import { createInterface } from "node:readline";
+import type { Readable } from "node:stream";
 import { binary, type Place } from "./places.ts";
 
 /** What runs now. A journey that takes too long is given up with its worker, and its server ends with that. */
@@ -15,17 +16,32 @@ process.once("exit", () => {
 
 export class Server {
   readonly place: Place;
+  readonly #command: "serve" | "station";
+  readonly #more: readonly string[];
   #process: ChildProcess | null = null;
   #link = "";
+  #radio = "";
 
-  private constructor(place: Place) {
+  private constructor(place: Place, command: "serve" | "station", more: readonly string[]) {
     this.place = place;
+    this.#command = command;
+    this.#more = more;
   }
 
-  static async start(place: Place): Promise<Server> {
-    const server = new Server(place);
+  /** Begins a server, with more words for its command line. */
+  static async start(
+    place: Place,
+    command: "serve" | "station" = "serve",
+    more: readonly string[] = [],
+  ): Promise<Server> {
+    const server = new Server(place, command, more);
     await server.#begin(0);
     return server;
+  }
+
+  /** Of a station: where robots are received. */
+  get radio(): string {
+    return this.#radio;
   }
 
   /** The address that lets the owner in. */
@@ -99,22 +115,39 @@ export class Server {
 
   async #begin(port: number): Promise<void> {
     const { folder, project, libraries } = this.place;
-    const words = ["serve", project, "--bind", `127.0.0.1:${port}`, "--keep-token"];
+    const words = [
+      this.#command,
+      project,
+      ...this.#more,
+      "--bind",
+      `127.0.0.1:${port}`,
+      "--keep-token",
+    ];
     words.push("--config", join(folder, "config.yaml"));
     for (const [name, root] of Object.entries(libraries)) {
       words.push("--library-path", `${name}=${root}`);
     }
-    const env = {
-      ...process.env,
-      RAFCON_STATE: this.#state,
-      RAFCON_RUNS: join(folder, "runs"),
-    };
-    const child = spawn(binary(), words, { env, stdio: ["ignore", "pipe", "inherit"] });
+    const env = { ...process.env, ...foldersIn(this.place) };
+    const isStation = this.#command === "station";
+    const stdio = ["ignore", "pipe", isStation ? "pipe" : "inherit"] as const;
+    const child = spawn(binary(), words, { env, stdio: [...stdio] });
     this.#process = child;
     running.add(child);
     child.once("exit", () => running.delete(child));
+    const radio = isStation ? lineWith(child.stderr, "udp://") : "";
     this.#link = await firstLine(child);
+    this.#radio = (await radio).replace(/.*(?=udp:)/, "");
   }
+}
+
+/** Has the program do something with the folders of a place; answers what it wrote. */
+export function callIn(place: Place, words: readonly string[], input = ""): string {
+  const env = { ...process.env, ...foldersIn(place) };
+  return execFileSync(binary(), words, { env, input, encoding: "utf8", stdio: "pipe" });
+}
+
+function foldersIn({ folder }: Place) {
+  return { RAFCON_STATE: join(folder, "state"), RAFCON_RUNS: join(folder, "runs") };
 }
 
 /** Ends what was begun by a server with this folder for its state, runs above all. */
@@ -143,6 +176,16 @@ function settingsOf(pid: string): readonly string[] {
     // It ended meanwhile, or it is somebody else's.
     return [];
   }
+}
+
+/** The first line with these words; what follows is read, and told to nobody. */
+function lineWith(stream: Readable | null, words: string): Promise<string> {
+  if (!stream) throw new Error("the server says nothing");
+  return new Promise((found) => {
+    createInterface({ input: stream }).on("line", (line) => {
+      if (line.includes(words)) found(line);
+    });
+  });
 }
 
 async function firstLine(child: ChildProcess): Promise<string> {

@@ -2,11 +2,11 @@
 
 import { ChevronDown, ChevronUp, Eye, FileWarning, LifeBuoy, Unplug } from "lucide-react";
 import { useEffect, useState } from "react";
+import { agePhrase } from "../panels/parts/age.ts";
 import type { OpenTab } from "../store/page/page.ts";
 import { mayEdit } from "../store/page/rights.ts";
 import { Button, IconButton } from "../ui/button.tsx";
 import { useComputed, useSignal } from "../ui/signals.ts";
-import { agePhrase } from "./age.ts";
 import { Bar } from "./bar.tsx";
 import { MomentBar } from "./moment_bar.tsx";
 import { useSession } from "./provided.tsx";

@@ -1,7 +1,7 @@
 /** How the connection is, how old what one sees may be, and as whom one is here. */
 
+import { agePhrase } from "../panels/parts/age.ts";
 import { useSignal } from "../ui/signals.ts";
-import { agePhrase } from "./age.ts";
 import { useNow } from "./bars.tsx";
 import { useSession } from "./provided.tsx";
 

@@ -1,6 +1,6 @@
 // @vitest-environment happy-dom
 import { afterEach, beforeEach, expect, test, vi } from "vitest";
-import type { RunNow } from "../model/generated/protocol.ts";
+import type { RunNow, RunSummary } from "../model/generated/protocol.ts";
 import { runLine, STARTED_MS, watched } from "../store/testing/watched.ts";
 import { settled, unmount } from "../ui/testing/mounted.tsx";
 import { Bars } from "./bars.tsx";
@@ -41,5 +41,16 @@ test("of an engine that stands still it is said for how long, and what to do", a
   expect(place.querySelector(".bar-text")?.textContent).toBe(
     "The run is stuck: its program responds, but its engine has made no progress for 1 min 0 s. " +
       "Stop the run. If the engine does not respond, its program is ended and the run can be resumed.",
+  );
+});
+
+test("a replica that has diverged is told as loudly, with the way out", async () => {
+  const reason = "the robot has other events than this replica; move its folder away";
+  const run = { ...runLine("crashed"), phase: "diverged", reason } as RunSummary;
+  const { watch } = watched(run, { link: "over" });
+  const { place } = shown((tab) => <Bars tab={tab} />, { watch });
+  await settled();
+  expect(place.querySelector(".bar-danger .bar-text")?.textContent).toBe(
+    `This replica has diverged: ${reason}.`,
   );
 });

@@ -2,13 +2,13 @@
  * still catches up, whether the history cannot be told. */
 
 import { History, RefreshCw, Unplug } from "lucide-react";
+import { agePhrase } from "../panels/parts/age.ts";
 import { useRunAge } from "../panels/run_age.ts";
 import { historyLag } from "../store/history/history_lag.ts";
 import type { Watch } from "../store/history/run.ts";
 import type { OpenTab } from "../store/page/page.ts";
 import type { RunAge } from "../store/run/age.ts";
 import { useComputed, useSignal } from "../ui/signals.ts";
-import { agePhrase } from "./age.ts";
 import { Bar } from "./bar.tsx";
 import { useSession } from "./provided.tsx";
 

@@ -5,19 +5,19 @@ import { useRef, useState } from "react";
 import type { CommandMenuEntry } from "../commands/menus.ts";
 import type { RunSummary } from "../model/generated/protocol.ts";
 import { runStatusWords, statusInWords, summaryStatusWords } from "../model/run_words.ts";
+import { agePhrase } from "../panels/parts/age.ts";
 import { duration, growing } from "../panels/parts/duration.ts";
 import { RunStatusView } from "../panels/parts/run_status_mark.tsx";
 import { useRunAge } from "../panels/run_age.ts";
 import type { Watch } from "../store/history/run.ts";
 import { clock1s } from "../store/page/clock1s.ts";
 import type { OpenTab } from "../store/page/page.ts";
-import { wallTime } from "../store/page/times.ts";
+import { startedAt } from "../store/page/times.ts";
 import { isGoingOn, truthAge } from "../store/run/age.ts";
 import { elapsedNow } from "../store/run/run_clock.ts";
 import { runsOfTab } from "../store/run/running.ts";
 import { ContextMenu } from "../ui/menu.tsx";
 import { isSameRecord, useComputed, useSignal } from "../ui/signals.ts";
-import { agePhrase } from "./age.ts";
 import { useEntries } from "./entries.ts";
 import { useSession } from "./provided.tsx";
 
@@ -101,7 +101,7 @@ function useRuns(tab: OpenTab): () => readonly CommandMenuEntry[] {
   const more = useEntries(["run.show-as-ran", "run.leave", "run.follow"]);
   const entry = (run: RunSummary): CommandMenuEntry => ({
     id: run.id,
-    title: `${wallTime(run.started_ms, Date.now())}  ${statusInWords(summaryStatusWords(run))}`,
+    title: `${startedAt(run)}  ${statusInWords(summaryStatusWords(run))}`,
     detail: run.author === null ? run.id : `${run.id}, started by ${run.author}`,
     checked: tab.run.value?.id === run.id,
     run: () => void commands.run("run.show", context(), run.id),

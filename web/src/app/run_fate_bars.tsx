@@ -24,6 +24,7 @@ export function RunFateBars({ tab }: { tab: OpenTab }) {
   if (!watch) return null;
   return (
     <>
+      {!isTold && <DivergedBar watch={watch} />}
       {!isTold && <CrashBar tab={tab} watch={watch} />}
       {!isTold && <InterruptedBar tab={tab} watch={watch} />}
       <DiffersBar key={watch.id} tab={tab} watch={watch} />
@@ -34,6 +35,20 @@ export function RunFateBars({ tab }: { tab: OpenTab }) {
 interface RunBarProps {
   readonly tab: OpenTab;
   readonly watch: Watch;
+}
+
+/** The robot goes by another history than this replica, which takes nothing more. */
+function DivergedBar({ watch }: { readonly watch: Watch }) {
+  const reason = useComputed(() => {
+    const run = watch.now.value?.run;
+    return run?.phase === "diverged" ? run.reason : null;
+  }, [watch]);
+  if (reason === null) return null;
+  return (
+    <Bar kind="danger" icon={<GitCompareArrows size={16} aria-hidden />}>
+      This replica has diverged: {reason}.
+    </Bar>
+  );
 }
 
 function CrashBar({ tab, watch }: RunBarProps) {

@@ -172,6 +172,10 @@ function tellCrash(watch: Watch, name: () => string, tell: Tell): () => void {
   let before: string | null = null;
   return effect(() => {
     const phase = watch.now.value?.run.phase ?? null;
+    if (phase === "diverged" && before !== null && before !== "diverged") {
+      const text = `The replica of ${name()} has diverged: it takes nothing more from its robot`;
+      tell({ topic: "diverged", level: "error", text, title: "Mission control" });
+    }
     if (phase === "crashed" && before !== null && before !== "crashed") {
       const text = `The program of ${name()} died: the run can be resumed`;
       tell({ topic: "crash", level: "error", text, title: "Mission control" });

@@ -16,6 +16,7 @@ const SIGNS: Readonly<Partial<Record<RunWord, string>>> = {
   stepping: "⏸ ",
   stopping: "■ ",
   crashed: "❗ ",
+  diverged: "❗ ",
 };
 
 export function titleOf(page: Page): string {

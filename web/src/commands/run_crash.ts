@@ -23,8 +23,9 @@ export const RUN_CRASH: readonly UserCommand[] = [
     detail: "Starts a new program that continues where the run was when its program died.",
     menu: "Run/2",
     refusal: ({ page, tab }) => {
-      const phase = tab?.run.value?.now.value?.run.phase;
-      return phase === "crashed" ? lacks(page, "start") : "only for runs whose program died";
+      const run = tab?.run.value?.now.value?.run;
+      if (run?.phase !== "crashed") return "only for runs whose program died";
+      return run.robot ? `it can be resumed on its robot, ${run.robot}` : lacks(page, "start");
     },
     run: resumeCrashed,
   },

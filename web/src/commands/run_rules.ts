@@ -57,6 +57,7 @@ function overInWords(watch: Watch): string {
   if (!now) return "the state of the run is not known yet";
   const { word } = runStatusWords(now);
   if (word === "crashed") return "the run crashed: resume it first, or start another";
+  if (word === "diverged") return "this replica has diverged from the run at its robot";
   return word === "finished" ? "the run has ended: start another" : "the run did not start";
 }
 

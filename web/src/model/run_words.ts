@@ -19,6 +19,7 @@ export type RunWord =
   | "stopping"
   | "finished"
   | "crashed"
+  | "diverged"
   | "not started"
   | "unreadable";
 
@@ -43,6 +44,8 @@ export function summaryStatusWords(run: RunSummary): RunStatusWords {
       return { word: "finished", tone: outcomeTone(run.outcome.id), detail: run.outcome.name };
     case "crashed":
       return { word: "crashed", tone: "aborted", detail: "" };
+    case "diverged":
+      return { word: "diverged", tone: "aborted", detail: "takes nothing more from its robot" };
     case "not_started":
       return { word: "not started", tone: "aborted", detail: run.reason };
     case "unreadable":

@@ -82,6 +82,11 @@ pub enum RunPhase {
     },
     /// Its runner ended before it did: it can be resumed.
     Crashed,
+    /// It is a replica, and the run at its robot has another history: it takes nothing more.
+    Diverged {
+        /// Why, and the way out.
+        reason: String,
+    },
     /// It never began.
     NotStarted {
         /// Why.
@@ -122,6 +127,11 @@ pub struct RunSummary {
     /// what it waits for, if it is in progress and none of its branches is at work.
     #[serde(default)]
     pub waits: Option<RunWait>,
+    /// When its runner was heard last, or its robot if that is far away: ms since 1970, UTC, by the server's clock. None while it is
+    /// heard, before it was, and of a run that is over.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", ts(optional))]
+    pub unheard_since_ms: Option<u64>,
     /// The robot that it runs on, if that is far away and this is a replica.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[cfg_attr(feature = "schema", ts(optional))]

@@ -277,7 +277,9 @@ impl Session {
         }
         self.linked(link, todo);
         match phase {
-            RunPhase::NotStarted { reason } | RunPhase::Unreadable { reason } => {
+            RunPhase::NotStarted { reason }
+            | RunPhase::Diverged { reason }
+            | RunPhase::Unreadable { reason } => {
                 todo.causes.push(Cause::Refused(reason));
             }
             _ if self.held_back && is_linked => self.say_again(todo),

@@ -159,6 +159,8 @@ fn a_robot_whose_disk_was_put_back_overwrites_nothing() {
         way_out.contains("move PLACE/ground-runs/") && way_out.contains("start the station again")
     );
     assert_eq!(history(&place, "ground-runs"), kept);
+    let listed = place.call("runs --runs ground-runs").stdout;
+    assert!(listed.contains("Ticks  diverged: the robot has other events"), "{listed}");
     drop(ground);
     std::fs::rename(only_run(&place, "ground-runs"), place.path("before")).unwrap();
     let (_ground, _) = station(&place, &address.to_string());

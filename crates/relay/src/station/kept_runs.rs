@@ -13,7 +13,7 @@ use crate::pairing::Paired;
 use crate::start::Start;
 use rafcon_link::{Horizon, KeyId, StreamId};
 use rafcon_protocol::LinkHealth;
-use rafcon_storage::journal::folder::replace_file;
+use rafcon_storage::journal::folder::{DIVERGED_FILE, replace_file};
 use rafcon_storage::journal::{
     About, EventItems, Full, JournalError, ReplicaError, RunState, Summary, run_folders,
 };
@@ -29,9 +29,6 @@ const REST_MIN: Duration = Duration::from_millis(10);
 const REST_MAX: Duration = Duration::from_millis(250);
 /// It rests so many times as long as it was busy: many robots share a disk.
 const REST: u32 = 4;
-
-/// In the folder of a replica that has another history than its robot: why.
-const DIVERGED_FILE: &str = "diverged";
 
 /// Where the runs of a robot are kept, and who is told.
 pub(super) struct Place {
@@ -196,8 +193,9 @@ impl KeptRuns {
                     self.place.say(FromDisk::Refused(*stream, format!("{}: {why}", run.name())));
                 }
                 Some(Trouble::Diverged(why)) => {
-                    run.refuse();
+                    // Whoever sees the replica closed finds out why.
                     let said = run.note_diverged(&self.place, &why);
+                    run.refuse();
                     // It can be fetched again once its folder is moved away.
                     self.had.add(run.name(), (0, 0));
                     self.place.say(FromDisk::Refused(*stream, said));

@@ -92,7 +92,9 @@ fn may_be_resumed(run: &RunSummary, asked: &ResumeRun) -> Result<(), Failure> {
             "the run has come to its end: start another, or name an entry of its history to begin from (`from`)",
         ),
         RunPhase::Live | RunPhase::Starting => Err(still_live()),
-        RunPhase::NotStarted { reason } | RunPhase::Unreadable { reason } => {
+        RunPhase::NotStarted { reason }
+        | RunPhase::Diverged { reason }
+        | RunPhase::Unreadable { reason } => {
             refused("run_is_unreadable", &format!("there is nothing to resume: {reason}"))
         }
     }

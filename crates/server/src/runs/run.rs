@@ -257,9 +257,9 @@ impl Run {
     pub(super) fn robot_stands(&self, robot: LinkHealth) {
         self.change(|now| {
             now.link = if robot.is_heard { LinkState::Up } else { LinkState::Silent };
-            if robot.heard_ms.is_some() {
-                now.runner_heard_ms = robot.heard_ms;
-            }
+            // Not heard by this start of the station, it was true when the newest event happened.
+            let newest_ms = now.run.started_ms.saturating_add(now.run.length_ms);
+            now.runner_heard_ms = robot.heard_ms.or(Some(newest_ms));
             now.robot = Some(robot);
         });
     }
@@ -418,7 +418,9 @@ impl Run {
         let mut is_news = false;
         self.now.send_if_modified(|now| {
             let before = Arc::clone(now);
-            change(Arc::make_mut(now));
+            let changed = Arc::make_mut(now);
+            change(changed);
+            changed.run.unheard_since_ms = unheard_since(changed);
             let is_same = *before == **now;
             is_news = before.run != now.run || before.control.holder != now.control.holder;
             if !is_same {
@@ -436,6 +438,13 @@ impl Run {
         self.has_changed.store(true, Ordering::Relaxed);
         self.news.send_modify(|revision| *revision += 1);
     }
+}
+
+/// Since when the runner of a run that continues is not heard; the first that was said of a silence counts.
+fn unheard_since(now: &RunNow) -> Option<u64> {
+    let is_unheard =
+        is_live(&now.run.phase) && !matches!(now.link, LinkState::Up | LinkState::Over);
+    is_unheard.then(|| now.run.unheard_since_ms.or(now.runner_heard_ms)).flatten()
 }
 
 /// Whether a run in this phase continues, or is about to.

@@ -60,6 +60,7 @@ fn kept(folder: &Path, projects: &Projects, request: Option<&RunRequest>) -> Run
         bytes,
         keeping: about.keeping,
         waits: None,
+        unheard_since_ms: None,
         robot: about.robot,
     }
 }
@@ -83,6 +84,7 @@ fn asked_for(folder: &Path, request: &RunRequest) -> RunSummary {
         bytes: 0,
         keeping: request.start.as_ref().map_or(Keeping::default(), |start| start.keeping),
         waits: None,
+        unheard_since_ms: None,
         robot: None,
     }
 }
@@ -92,6 +94,7 @@ fn phase(state: RunState) -> RunPhase {
         RunState::Live { process: _ } => RunPhase::Live,
         RunState::Finished { outcome, states_run } => RunPhase::Finished { outcome, states_run },
         RunState::Crashed => RunPhase::Crashed,
+        RunState::Diverged { reason } => RunPhase::Diverged { reason },
         RunState::Unreadable { reason } => RunPhase::Unreadable { reason },
     }
 }

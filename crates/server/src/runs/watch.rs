@@ -7,7 +7,7 @@ use crate::failure::reason;
 use notify::event::{EventKind, ModifyKind};
 use notify::{RecommendedWatcher, RecursiveMode, Watcher as _};
 use rafcon_protocol::api::RunPhase;
-use rafcon_storage::journal::folder::{ABOUT_FILE, SOCKET_FILE};
+use rafcon_storage::journal::folder::{ABOUT_FILE, DIVERGED_FILE, SOCKET_FILE};
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -153,14 +153,14 @@ fn folders_of(all: &Path, event: &notify::Event) -> Vec<PathBuf> {
     folders
 }
 
-/// The folder of the run that this path is, or that it is a file of which says that a run begins.
+/// The folder of the run that this path is, or that it is a file of which says that a run begins, or is not what it was.
 fn folder_of(all: &Path, path: &Path) -> Option<PathBuf> {
     let mut parts = path.strip_prefix(all).ok()?.components();
     let folder = all.join(parts.next()?);
-    let begins = parts
-        .next()
-        .is_none_or(|file| [ABOUT_FILE, SOCKET_FILE].iter().any(|name| file.as_os_str() == *name));
-    (begins && parts.next().is_none() && !is_going(&folder)).then_some(folder)
+    let telling = [ABOUT_FILE, SOCKET_FILE, DIVERGED_FILE];
+    let tells =
+        parts.next().is_none_or(|file| telling.iter().any(|name| file.as_os_str() == *name));
+    (tells && parts.next().is_none() && !is_going(&folder)).then_some(folder)
 }
 
 fn is_going(folder: &Path) -> bool {
@@ -193,6 +193,7 @@ mod tests {
         check(created, &["a/run.new"], &expect!["[]"]);
         let renamed = EventKind::Modify(ModifyKind::Name(RenameMode::Both));
         check(renamed, &["a/run.new", "a/run.json"], &expect![[r#"["/runs/a"]"#]]);
+        check(renamed, &["a/diverged.new", "a/diverged"], &expect![[r#"["/runs/a"]"#]]);
         check(renamed, &["a", "a.gone"], &expect![[r#"["/runs/a"]"#]]);
         check(EventKind::Remove(RemoveKind::Any), &["a"], &expect![[r#"["/runs/a"]"#]]);
     }

@@ -227,9 +227,10 @@ impl Feed for RunHistory {
 fn is_over(phase: &RunPhase) -> bool {
     match phase {
         RunPhase::Starting | RunPhase::Live | RunPhase::Crashed => false,
-        RunPhase::Finished { .. } | RunPhase::NotStarted { .. } | RunPhase::Unreadable { .. } => {
-            true
-        }
+        RunPhase::Finished { .. }
+        | RunPhase::Diverged { .. }
+        | RunPhase::NotStarted { .. }
+        | RunPhase::Unreadable { .. } => true,
     }
 }
 
@@ -239,7 +240,11 @@ fn lacking(phase: &RunPhase) -> Option<Failure> {
         RunPhase::NotStarted { reason } | RunPhase::Unreadable { reason } => {
             Some(Failure::conflict("no_history", format!("the run has no history: {reason}")))
         }
-        RunPhase::Starting | RunPhase::Live | RunPhase::Crashed | RunPhase::Finished { .. } => None,
+        RunPhase::Starting
+        | RunPhase::Live
+        | RunPhase::Crashed
+        | RunPhase::Diverged { .. }
+        | RunPhase::Finished { .. } => None,
     }
 }
 

@@ -1667,7 +1667,9 @@ export type RunPhase = { "phase": "starting" } | { "phase": "live" } | { "phase"
   /** By this outcome. */
   outcome: Outcome,
   /** States that it ran. */
-  states_run: number, } | { "phase": "crashed" } | { "phase": "not_started",
+  states_run: number, } | { "phase": "crashed" } | { "phase": "diverged",
+  /** Why, and the way out. */
+  reason: string, } | { "phase": "not_started",
   /** Why. */
   reason: string, } | { "phase": "unreadable",
   /** Why. */
@@ -1698,12 +1700,17 @@ export type RunSummary = {
   keeping: Keeping,
   /** what it waits for, if it is in progress and none of its branches is at work. */
   waits: RunWait | null,
+  /** When its runner was heard last, or its robot if that is far away: ms since 1970, UTC, by the server's clock. None while it is
+   * heard, before it was, and of a run that is over. */
+  unheard_since_ms?: number,
   /** The robot that it runs on, if that is far away and this is a replica. */
   robot?: string, } & ({ "phase": "starting" } | { "phase": "live" } | { "phase": "finished",
   /** By this outcome. */
   outcome: Outcome,
   /** States that it ran. */
-  states_run: number, } | { "phase": "crashed" } | { "phase": "not_started",
+  states_run: number, } | { "phase": "crashed" } | { "phase": "diverged",
+  /** Why, and the way out. */
+  reason: string, } | { "phase": "not_started",
   /** Why. */
   reason: string, } | { "phase": "unreadable",
   /** Why. */

@@ -23,6 +23,7 @@ export function Attention({ watch }: { readonly watch: Watch }) {
   const { length } = useSignal(openFailures(watch));
   const { page } = useHost().context();
   const { isOld } = useRunAge(page, watch);
+  const isDiverged = useComputed(() => watch.now.value?.run.phase === "diverged", [watch]);
   return (
     <div className="mission-wants">
       <span className="visually-hidden" role="status">
@@ -32,7 +33,7 @@ export function Attention({ watch }: { readonly watch: Watch }) {
       {questions > 0 && <Asked watch={watch} count={questions} />}
       {decisions > 0 && <ToDecide count={decisions} />}
       {length > 0 && <ToAcknowledge count={length} />}
-      {questions + decisions + length === 0 && !isOld && (
+      {questions + decisions + length === 0 && !isOld && !isDiverged && (
         <p className="mission-soft">Nothing to decide</p>
       )}
       <LinkAge watch={watch} />

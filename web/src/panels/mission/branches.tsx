@@ -69,7 +69,7 @@ function Nothing({ watch }: { readonly watch: Watch }) {
       </section>
     );
   }
-  if (phase === "crashed" || phase === undefined) return null;
+  if (phase === "crashed" || phase === "diverged" || phase === undefined) return null;
   return (
     <section className="mission-part mission-over" aria-label="The run has ended">
       <p>The run has ended.</p>

@@ -1,6 +1,7 @@
-/** The program of the run died: what can be done, each choice with what it means; and scripts that wait for a decision since. */
+/** The program of the run died: what can be done, each choice with what it means; and scripts that wait for a decision since. Or the
+ * run at a robot is not the one that this station has a replica of. */
 
-import { RotateCcw, TriangleAlert, Undo2 } from "lucide-react";
+import { GitCompareArrows, RotateCcw, TriangleAlert, Undo2 } from "lucide-react";
 import type { ReactNode } from "react";
 import { fewInWords } from "../../model/few.ts";
 import type { OnCrash } from "../../model/generated/protocol.ts";
@@ -12,8 +13,25 @@ import { useCommand, useRefusalOf } from "../context.tsx";
 import { pathInWords, useMachineNames } from "./names.ts";
 
 export function Crash({ watch }: { readonly watch: Watch }) {
-  const phase = useComputed(() => watch.now.value?.run.phase, [watch]);
-  return phase === "crashed" ? <ResumeCrashed watch={watch} /> : <Interrupted watch={watch} />;
+  const run = useComputed(() => watch.now.value?.run, [watch]);
+  if (run?.phase === "diverged") return <Diverged reason={run.reason} />;
+  return run?.phase === "crashed" ? <ResumeCrashed watch={watch} /> : <Interrupted watch={watch} />;
+}
+
+function Diverged({ reason }: { readonly reason: string }) {
+  return (
+    <section
+      className="mission-part mission-crash"
+      role="alert"
+      aria-label="The replica has diverged"
+    >
+      <h3>
+        <GitCompareArrows size={20} aria-hidden />
+        This is not the run that the robot has
+      </h3>
+      <p>{reason.charAt(0).toUpperCase() + reason.slice(1)}.</p>
+    </section>
+  );
 }
 
 const CHOICES: readonly {

@@ -24,3 +24,17 @@ test("in the list of missions a run in progress lasts until now by the server's 
   await pass(2_000);
   expect(lengths()).toEqual(["1:27", "83 ms"]);
 });
+
+test("in the list of missions a run that is not heard is assumed to go on", async () => {
+  vi.setSystemTime(STARTED_MS + 80_000);
+  const dark = {
+    ...runLine("live", "dark-1"),
+    robot: "scout",
+    unheard_since_ms: STARTED_MS + 50_000,
+  };
+  const place = shown(<NoRun />, { runs: [dark] });
+  await act(() => vi.advanceTimersByTimeAsync(0));
+  const word = place.querySelector(".is-old .mission-assumed");
+  expect(word?.textContent).toBe("runningas of 30 s ago");
+  expect(place.querySelector("small + small, button > small")?.textContent).toMatch(/, 50 s$/);
+});

@@ -3,10 +3,11 @@
 import { Radar } from "lucide-react";
 import { summaryStatusWords } from "../../model/run_words.ts";
 import { clock1s } from "../../store/page/clock1s.ts";
-import { timeScale, wallTime } from "../../store/page/times.ts";
+import { startedAt, timeScale } from "../../store/page/times.ts";
 import { Button } from "../../ui/button.tsx";
 import { useComputed, useSignal } from "../../ui/signals.ts";
 import { useCommand, useHost } from "../context.tsx";
+import { useAssumed } from "../parts/assumed.ts";
 import { duration, growing } from "../parts/duration.ts";
 import { Identity } from "./identity.tsx";
 import { StatusWord } from "./status_word.tsx";
@@ -75,9 +76,9 @@ function RunList({ label, runs }: { readonly label: string; readonly runs: reado
         <li key={one.id}>
           <button type="button" onClick={() => run("run.show", one.id)}>
             <span className="mission-run-name">{one.name}</span>
-            <StatusWord status={summaryStatusWords(one)} />
+            <Stands run={one} />
             <small>
-              started {wallTime(one.started_ms, Date.now())}
+              started {startedAt(one)}
               {one.author ? ` by ${one.author}` : ""}, <Length run={one} />
             </small>
           </button>
@@ -87,12 +88,22 @@ function RunList({ label, runs }: { readonly label: string; readonly runs: reado
   );
 }
 
-/** Of a run that goes on until now: the list does not say each second how long that is. */
+function Stands({ run }: { readonly run: RunInList }) {
+  const assumed = useAssumed(run);
+  return (
+    <span className={assumed === null ? "" : "is-old"}>
+      <StatusWord status={summaryStatusWords(run)} assumed={assumed} />
+    </span>
+  );
+}
+
+/** Of a run that goes on until now, or until it was heard last: the list does not say each second how long that is. */
 function Length({ run }: { readonly run: RunInList }) {
   const { page } = useHost().context();
   const text = useComputed(() => {
     if (!isGoingOn(run)) return duration(run.length_ms);
-    const there_ms = clock1s.value + (page.server.pulse.value?.ahead_ms ?? 0);
+    const now_ms = clock1s.value + (page.server.pulse.value?.ahead_ms ?? 0);
+    const there_ms = run.unheard_since_ms ?? now_ms;
     return growing(Math.max(0, there_ms - run.started_ms));
   }, [page, run]);
   return <>{text}</>;

@@ -8,6 +8,7 @@ import {
   CircleStop,
   CircleX,
   Footprints,
+  GitCompareArrows,
   Hourglass,
   Loader,
   type LucideIcon,
@@ -24,6 +25,7 @@ const SIGNS: Readonly<Record<RunWord, LucideIcon>> = {
   stopping: CircleStop,
   finished: CircleCheck,
   crashed: TriangleAlert,
+  diverged: GitCompareArrows,
   "not started": Ban,
   unreadable: CircleX,
 };
@@ -31,19 +33,25 @@ const SIGNS: Readonly<Record<RunWord, LucideIcon>> = {
 export function StatusWord({
   status,
   size = 16,
+  assumed = null,
 }: {
   readonly status: RunStatusWords;
   readonly size?: number;
+  /** How old it is, if that is all that is known. */
+  readonly assumed?: string | null;
 }) {
   const isBad = status.word === "finished" && status.tone !== "plain";
   const Sign = isBad ? CircleX : SIGNS[status.word];
   return (
-    <span className={`mission-word mission-tone-${status.tone}`}>
+    <span
+      className={`mission-word mission-tone-${status.tone} ${assumed === null ? "" : "mission-assumed shows-run"}`}
+    >
       <Sign size={size} aria-hidden />
       <span>{status.word}</span>
       {status.word === "finished" && status.detail && (
         <span className="mission-status-outcome">{status.detail}</span>
       )}
+      {assumed !== null && <small>{assumed}</small>}
     </span>
   );
 }

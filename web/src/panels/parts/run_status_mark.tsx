@@ -3,13 +3,23 @@
 import type { RunStatusWords } from "../../model/run_words.ts";
 import "./run_status_mark.css";
 
-export function RunStatusView({ status }: { status: RunStatusWords }) {
+interface RunStatusProps {
+  readonly status: RunStatusWords;
+  /** How old it is, if that is all that is known. */
+  readonly assumed?: string | null;
+}
+
+export function RunStatusView({ status, assumed = null }: RunStatusProps) {
   const { word, tone, detail } = status;
   return (
-    <span className={`run-stand run-tone-${tone}`} title={detail}>
+    <span
+      className={`run-stand run-tone-${tone} ${assumed === null ? "" : "run-assumed"}`}
+      title={detail}
+    >
       <span className={`run-dot run-dot-${tone}`} aria-hidden />
       <span className="run-word">{word}</span>
       {detail !== "" && <span className="run-detail">{detail}</span>}
+      {assumed !== null && <span className="run-detail">{assumed}</span>}
     </span>
   );
 }

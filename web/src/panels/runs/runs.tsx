@@ -6,13 +6,14 @@ import { memo, useState } from "react";
 import { lacks } from "../../commands/run_rules.ts";
 import type { RunSummary } from "../../model/generated/protocol.ts";
 import { summaryStatusWords } from "../../model/run_words.ts";
-import { timeScale, wallTime } from "../../store/page/times.ts";
+import { startedAt, timeScale } from "../../store/page/times.ts";
 import { Button, IconButton } from "../../ui/button.tsx";
 import { Empty } from "../../ui/empty.tsx";
 import { TextField } from "../../ui/field.tsx";
 import { ContextMenu, type MenuItem } from "../../ui/menu.tsx";
 import { useSignal } from "../../ui/signals.ts";
 import { useActiveTab, useCommand, useHost } from "../context.tsx";
+import { useAssumed } from "../parts/assumed.ts";
 import { duration } from "../parts/duration.ts";
 import { RunStatusView } from "../parts/run_status_mark.tsx";
 import { useIsOld } from "../run_age.ts";
@@ -77,7 +78,8 @@ const Row = memo(RunRow, (one, other) => rowText(one.run) === rowText(other.run)
 
 function rowText(run: RunSummary): string {
   const { word, detail } = summaryStatusWords(run);
-  return `${run.id} ${run.name} ${word} ${detail} ${isLive(run) ? "" : run.length_ms}`;
+  const heard = run.unheard_since_ms ?? "";
+  return `${run.id} ${run.name} ${word} ${detail} ${heard} ${isLive(run) ? "" : run.length_ms}`;
 }
 
 function isLive({ phase }: RunSummary): boolean {
@@ -92,7 +94,8 @@ function RunRow({ run }: { run: RunSummary }) {
   const items = useItems(run, watch);
   useSignal(timeScale);
   const status = summaryStatusWords(run);
-  const started = wallTime(run.started_ms, Date.now());
+  const assumed = useAssumed(run);
+  const started = startedAt(run);
   const by = run.author === null ? "" : ` · ${run.author}`;
   const isShown = watch === run.id;
   const isOld = useMayBeOld(run, isShown);
@@ -112,7 +115,7 @@ function RunRow({ run }: { run: RunSummary }) {
         onClick={() => command("run.show", run.id)}
       >
         <span className="runs-name">{run.name}</span>
-        <RunStatusView status={status} />
+        <RunStatusView status={status} assumed={assumed} />
         <span className="runs-when">
           {started}
           {isLive(run) ? "" : ` · ${duration(run.length_ms)}`}
@@ -139,7 +142,8 @@ function useMayBeOld(run: RunSummary, isShown: boolean): boolean {
   const { page } = useHost().context();
   const isOldInFront = useIsOld(page);
   const isDown = useSignal(page.server.link).state !== "up";
-  return isLive(run) && (isDown || (isShown && isOldInFront));
+  const isUnheard = run.unheard_since_ms !== undefined;
+  return isLive(run) && (isDown || isUnheard || (isShown && isOldInFront));
 }
 
 function useShownRun(tab: ReturnType<typeof useActiveTab>): string | null {

@@ -1,6 +1,6 @@
 //! The runs that a server knows.
 
-use super::{ended, facts, head};
+use super::{diverged, ended, facts, head};
 use crate::cli;
 use crate::client::Server;
 use crate::commands::kept::{out, paint};
@@ -9,6 +9,7 @@ use crate::environment::Environment;
 use crate::view::{Style, TextLine, counted, harmless, time};
 use anyhow::Result;
 use rafcon_protocol::api::{RunPhase, RunSummary, RunWait};
+use rafcon_supervisor::clock;
 use std::io::Write as _;
 use std::process::ExitCode;
 use std::time::Duration;
@@ -48,6 +49,7 @@ fn line(run: &RunSummary, width: usize) -> TextLine {
         RunPhase::Live => live(line, run),
         RunPhase::Finished { outcome, .. } => ended(line, outcome, facts),
         RunPhase::Crashed => line.and(Style::Bad, "crashed").and(Style::Dim, facts),
+        RunPhase::Diverged { reason } => diverged(line, reason),
         RunPhase::NotStarted { reason } => {
             line.and(Style::Bad, "did not start: ").and(Style::Plain, harmless(reason))
         }
@@ -67,5 +69,12 @@ fn live(line: TextLine, run: &RunSummary) -> TextLine {
         Some(RunWait::Other) => line.and(Style::Plain, "waiting"),
     };
     let length = time(Duration::from_millis(run.length_ms));
-    line.and(Style::Dim, format!(" after {length}, {}", counted(run.events, "event")))
+    let line = line.and(Style::Dim, format!(" after {length}, {}", counted(run.events, "event")));
+    match run.unheard_since_ms {
+        None => line,
+        Some(heard_ms) => {
+            let ago = Duration::from_millis(clock::since_1970_ms().saturating_sub(heard_ms));
+            line.and(Style::Warning, format!(", not heard for {}", time(ago)))
+        }
+    }
 }

@@ -80,6 +80,7 @@ fn line(run: &Summary, width: usize) -> TextLine {
             .and(Style::Dim, format!(" in process {process}{facts}")),
         RunState::Finished { outcome, .. } => ended(line, outcome, facts),
         RunState::Crashed => line.and(Style::Bad, "crashed").and(Style::Dim, facts),
+        RunState::Diverged { reason } => diverged(line, reason),
         RunState::Unreadable { reason } => {
             line.and(Style::Bad, "unreadable: ").and(Style::Plain, harmless(reason))
         }
@@ -95,6 +96,10 @@ fn head(id: &str, name: &str, width: usize) -> TextLine {
 fn facts(length_ms: u64, events: u64, bytes: u64) -> String {
     let length = time(Duration::from_millis(length_ms));
     format!(" after {length}, {}, {}", counted(events, "event"), size(bytes))
+}
+
+fn diverged(line: TextLine, reason: &str) -> TextLine {
+    line.and(Style::Bad, "diverged: ").and(Style::Plain, harmless(reason))
 }
 
 fn ended(line: TextLine, outcome: &Outcome, facts: String) -> TextLine {

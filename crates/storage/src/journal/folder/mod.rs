@@ -35,6 +35,8 @@ pub const SPILL_FOLDER: &str = "spill";
 pub const LOCK_FILE: &str = "lock";
 /// The socket of an active run.
 pub const SOCKET_FILE: &str = "socket";
+/// Of a replica that has another history than the run at its robot: why, and the way out, as text.
+pub const DIVERGED_FILE: &str = "diverged";
 
 /// Creates the folder of a run and its parents, accessible to the owner only. The folder may exist.
 pub fn make_folder(folder: &Path) -> Result<(), JournalError> {

@@ -1,7 +1,9 @@
 //! The summary of a run, without reading its whole journal. Knows folders of runs.
 
 use super::Reader;
-use crate::journal::folder::{ABOUT_FILE, About, DATABASE_FILE, JournalError, writer_of};
+use crate::journal::folder::{
+    ABOUT_FILE, About, DATABASE_FILE, DIVERGED_FILE, JournalError, writer_of,
+};
 use crate::journal::record::Record;
 use rafcon_protocol::{Event, Outcome};
 use serde::Serialize;
@@ -49,6 +51,11 @@ pub enum RunState {
     },
     /// Its runner died: the run can be resumed.
     Crashed,
+    /// It is a replica, and the run at its robot has another history: it takes nothing more.
+    Diverged {
+        /// Why, and the way out.
+        reason: String,
+    },
     /// Its folder cannot be read.
     Unreadable {
         /// The reason.
@@ -111,6 +118,11 @@ impl Summary {
         let finish = end.iter().rev().find_map(|entry| finish(&entry.record));
         if let (None, Some(finish)) = (process, finish) {
             self.state = finish;
+        }
+        if process.is_none()
+            && let Ok(reason) = fs::read_to_string(self.folder.join(DIVERGED_FILE))
+        {
+            self.state = RunState::Diverged { reason };
         }
         reader.check()
     }

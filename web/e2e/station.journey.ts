@@ -1,0 +1,101 @@
+/** The page of a station says what it knows of a robot's run, what it assumes, and what is not the robot's any more. */
+
+import type { RunSummary } from "../src/model/generated/protocol.ts";
+import type { App } from "./support/app.ts";
+import { journey } from "./support/journey.ts";
+import {
+  endRun,
+  eventually,
+  missionFolder,
+  missionOf,
+  openMission,
+  startRun,
+  status,
+} from "./support/mission.ts";
+import type { Server } from "./support/server.ts";
+import { keepDisk } from "./support/station.ts";
+
+const DRIVE = { id: "DRIVEE", name: "Drive to the bay", script: ["self.preemptive_wait(600)"] };
+const HERE = { machines: { drives: missionFolder("drives", [DRIVE]) }, isStation: true };
+
+/** Waits until the server has the run, like this. */
+async function untilRun(
+  server: Server,
+  run: string,
+  is: (summary: RunSummary) => boolean,
+): Promise<void> {
+  await eventually(async () => {
+    const all = await server.ask<readonly RunSummary[]>("GET", "/runs");
+    return all.some((one) => one.id === run && is(one));
+  });
+}
+
+async function showRuns(app: App): Promise<void> {
+  await app.sheet.evaluate(() => window.__rafcon.context().shell.showPanel("runs"));
+}
+
+async function tell(robot: Server, run: string, ...all: readonly string[]): Promise<void> {
+  for (const type of all) {
+    const id = `tell-${type}-${Date.now()}`;
+    await robot.ask("POST", `/runs/${run}/commands`, { id, command: { type } });
+  }
+}
+
+journey(
+  "in a blackout lists say how old it is that a run goes on, and mission control tells its time by every clock",
+  HERE,
+  async ({ app, server, robot }) => {
+    const run = await startRun(robot, "drives");
+    await untilRun(server, run, ({ phase }) => phase === "live");
+    await app.sheet.keyboard.press("Control+Alt+m");
+    const missions = app.sheet.getByRole("list", { name: "Active runs" });
+    await missions.getByText("running").waitFor();
+    robot.freeze();
+    await missions.locator(".is-old .mission-assumed").waitFor({ timeout: 60_000 });
+    await missions.getByText(/^as of .* ago$/).waitFor();
+    robot.thaw();
+    await missions.locator(".mission-assumed").waitFor({ state: "detached", timeout: 60_000 });
+    await openMission(app, "drives");
+    const head = missionOf(app).locator(".mission-head");
+    await head.getByText(/^T\+\d\d:\d\d:\d\d$/).waitFor();
+    await head.getByText(/^UTC \d\d:\d\d:\d\d ± \d+\.\d s$/).waitFor();
+    await head.getByText(/^scout’s clock \d\d:\d\d:\d\d$/).waitFor();
+    await showRuns(app);
+    const row = app.sheet.locator(".runs-row").getByText("running");
+    await row.waitFor();
+    robot.freeze();
+    await app.sheet.locator(".runs-row.is-old .run-assumed").waitFor({ timeout: 60_000 });
+    robot.thaw();
+    await endRun(robot, run);
+  },
+);
+
+journey(
+  "a replica that is not the run of its robot any more is named in lists, bars and mission control, with the way out",
+  HERE,
+  async ({ app, server, robot }) => {
+    const run = await startRun(robot, "drives");
+    await untilRun(server, run, ({ phase }) => phase === "live");
+    await tell(robot, run, "pause");
+    await openMission(app, "drives");
+    await status(app).getByText("paused").waitFor();
+    const putBack = keepDisk(robot, run);
+    await tell(robot, run, "resume", "pause", "resume", "stop");
+    await untilRun(server, run, ({ phase }) => phase === "finished");
+    await robot.end();
+    putBack();
+    await robot.restart();
+    await untilRun(robot, run, ({ phase }) => phase === "crashed");
+    const again = { id: `resume-${run}`, policy: "restart", from: null };
+    await robot.ask("POST", `/runs/${run}/resume`, again);
+    await status(app).getByText("diverged").waitFor({ timeout: 60_000 });
+    await missionOf(app)
+      .getByText(/takes nothing more; to receive the run anew, move /)
+      .waitFor();
+    await showRuns(app);
+    await app.sheet.locator(".runs-row").getByText("diverged").waitFor();
+    const bar = app.sheet.locator(".bar-danger");
+    await bar.getByText(/^This replica has diverged: /).waitFor();
+    await endRun(robot, run);
+  },
+);
