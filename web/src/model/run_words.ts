@@ -45,7 +45,7 @@ export function summaryStatusWords(run: RunSummary): RunStatusWords {
     case "crashed":
       return { word: "crashed", tone: "aborted", detail: "" };
     case "diverged":
-      return { word: "diverged", tone: "aborted", detail: "takes nothing more from its robot" };
+      return { word: "diverged", tone: "aborted", detail: "from its robot" };
     case "not_started":
       return { word: "not started", tone: "aborted", detail: run.reason };
     case "unreadable":

@@ -62,10 +62,13 @@ function Nothing({ watch }: { readonly watch: Watch }) {
   const run = useCommand();
   const phase = useComputed(() => watch.now.value?.run.phase, [watch]);
   const refusal = useRefusalOf("run.start");
+  const isKnown = useComputed(() => watch.now.value?.snapshot != null, [watch]);
   if (phase === "live" || phase === "starting") {
     return (
       <section className="mission-part" aria-label="Active now">
-        <p className="mission-soft">Nothing is running.</p>
+        <p className="mission-soft">
+          {isKnown ? "Nothing is running." : "What is active is not known yet."}
+        </p>
       </section>
     );
   }

@@ -4,6 +4,7 @@ import type { RunNow, RunSummary } from "../../model/generated/protocol.ts";
 import { runLine, STARTED_MS, watched } from "../../store/testing/watched.ts";
 import { settled, unmount } from "../../ui/testing/mounted.tsx";
 import { shown } from "../testing/shown.tsx";
+import { Branches } from "./branches.tsx";
 import { Crash } from "./crash.tsx";
 import { Head } from "./head.tsx";
 
@@ -42,6 +43,17 @@ test("of a robot's run it says UTC within its bound and the robot's clock; in a 
 
 test("of a run that is over the head says when it ended, and how long it took", async () => {
   expect(await times(runLine("finished"), {})).toBe("took83 ms | ended at UTC 00:16:40");
+});
+
+test("of a run that crashed or diverged nobody says that it has ended", async () => {
+  expect(await times(runLine("crashed"), {})).toBe("mission timeT+00:00:00 | UTC 00:16:40");
+});
+
+test("in mission control nothing is said to run or not before it is known", async () => {
+  const { watch } = watched(runLine("live"), { snapshot: null, link: "silent" });
+  const place = shown(<Branches watch={watch} />, { watch });
+  await settled();
+  expect(place.textContent).toBe("What is active is not known yet.");
 });
 
 test("a replica that has diverged is named, with the way out and nothing to resume", async () => {

@@ -4,7 +4,7 @@ import { runStatusWords, summaryStatusWords } from "../../model/run_words.ts";
 import type { Watch } from "../../store/history/run.ts";
 import { clock1s } from "../../store/page/clock1s.ts";
 import { clockTimes, missionClock, startedAt } from "../../store/page/times.ts";
-import { isGoingOn, runAge } from "../../store/run/age.ts";
+import { runAge } from "../../store/run/age.ts";
 import { earlierRuns, expectedLength } from "../../store/run/baseline.ts";
 import { elapsedNow } from "../../store/run/run_clock.ts";
 import { summaryOf } from "../../store/run/running.ts";
@@ -48,12 +48,9 @@ function Times({ watch }: { readonly watch: Watch }) {
     const age = runAge(page, watch, now_ms);
     const elapsed_ms = elapsedNow(page, watch, age.isOld ? now_ms - age.age_ms : now_ms);
     const now = watch.now.value;
-    return now && isGoingOn(now) ? missionClock(elapsed_ms) : duration(elapsed_ms);
+    return now?.run.phase === "finished" ? duration(elapsed_ms) : missionClock(elapsed_ms);
   }, [page, watch]);
-  const isOver = useComputed(() => {
-    const now = watch.now.value;
-    return now !== null && !isGoingOn(now);
-  }, [watch]);
+  const isOver = useComputed(() => watch.now.value?.run.phase === "finished", [watch]);
   const expected = useComputed(() => {
     const found = expectedLength(earlierRuns(page, watch));
     if (found === null) return "";
@@ -85,7 +82,7 @@ function Clocks({ watch }: { readonly watch: Watch }) {
       const now_ms = clock1s.value;
       const { isOld, age_ms } = runAge(page, watch, now_ms);
       const t_ms = elapsedNow(page, watch, isOld ? now_ms - age_ms : now_ms);
-      return { ...clockTimes(watch, t_ms * 1e6), isOver: now !== null && !isGoingOn(now) };
+      return { ...clockTimes(watch, t_ms * 1e6), isOver: now?.run.phase === "finished" };
     },
     [page, watch],
     isSameRecord,

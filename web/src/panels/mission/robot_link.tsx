@@ -44,7 +44,7 @@ export function RobotLink({ watch }: { readonly watch: Watch }) {
 
 /** What matters most, in large. */
 function contact(robot: LinkHealth, now_ms: number): string {
-  if (robot.heard_ms === null) return `${robot.robot} was not heard yet`;
+  if (robot.heard_ms === null) return `${robot.robot} was not heard since the station began`;
   if (robot.is_heard) return `${robot.robot} is heard`;
   return `${robot.robot} has not been heard for ${duration(ago(now_ms, robot.heard_ms))}`;
 }
