@@ -69,6 +69,13 @@ function OfRun({ tab, watch }: { readonly tab: OpenTab; readonly watch: Watch })
 
 function Nothing({ watch }: { readonly watch: Watch }) {
   const phase = useComputed(() => watch.now.value?.run.phase ?? "starting", [watch]);
+  const isUnknown = useComputed(() => {
+    const now = watch.now.value;
+    return now?.link === "silent" && now.snapshot === null;
+  }, [watch]);
+  if (isUnknown) {
+    return <Empty title="Not known yet" text="What is active is known once the robot is heard." />;
+  }
   const text =
     phase === "live" || phase === "starting"
       ? "The run has not entered its first state."
