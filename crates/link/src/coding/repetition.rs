@@ -26,7 +26,7 @@ pub(super) struct Repetition {
     last: Box<[u32]>,
     state: State,
     /// Entries of `last` that were changed since it was fixed, with what was in them.
-    changed: Vec<(u32, u32)>,
+    changed: Vec<(usize, u32)>,
     fixed: Option<(usize, State)>,
 }
 
@@ -71,7 +71,7 @@ impl Repetition {
         self.state =
             if goes_on { State { next: next + 1, length: length + 1 } } else { State::default() };
         let Some(newest) = self.bytes.last_chunk::<BEGIN>() else { return };
-        let place = hash(newest) as usize;
+        let place = hash(*newest);
         let there = self.last[place] as usize;
         if !goes_on && there > 0 {
             let same = self.bytes[..there].iter().rev().zip(self.bytes.iter().rev());
@@ -81,7 +81,7 @@ impl Repetition {
             }
         }
         if self.fixed.is_some() {
-            self.changed.push((place as u32, self.last[place]));
+            self.changed.push((place, self.last[place]));
         }
         self.last[place] = u32::try_from(self.bytes.len()).unwrap_or_default();
     }
@@ -95,7 +95,7 @@ impl Repetition {
     /// Forgets what came since it was fixed.
     pub(super) fn forget(&mut self) {
         for (place, entry) in self.changed.drain(..).rev() {
-            self.last[place as usize] = entry;
+            self.last[place] = entry;
         }
         if let Some((length, state)) = self.fixed {
             self.bytes.truncate(length);
@@ -104,7 +104,7 @@ impl Repetition {
     }
 }
 
-fn hash(bytes: &[u8; BEGIN]) -> u32 {
+fn hash(bytes: [u8; BEGIN]) -> usize {
     let mix = |hash: u32, byte: &u8| (hash ^ u32::from(*byte)).wrapping_mul(0x2545_F491);
-    bytes.iter().fold(0x9E37_79B1, mix) >> (32 - HASH_BITS)
+    (bytes.iter().fold(0x9E37_79B1, mix) >> (32 - HASH_BITS)) as usize
 }

@@ -251,13 +251,9 @@ impl<'b> Frame<'b> {
                 write_bytes(items, out);
             }
             Self::Coded { context, length, events } => {
-                out.push(CODED);
-                out.extend_from_slice(&context.0);
                 let Events { stream, first, count, t_before, items } = events;
-                for number in [u64::from(stream.0), *first, *count, *t_before, u64::from(*length)] {
-                    write_number(number, out);
-                }
-                write_bytes(items, out);
+                let of = [u64::from(stream.0), *first, *count, *t_before, u64::from(*length)];
+                write_coded((CODED, *context), &of, items, out);
             }
             Self::Status { stream, head, is_over, state, chain } => {
                 numbers(STATUS, &[u64::from(stream.0), *head, u64::from(*is_over)]);
@@ -273,12 +269,8 @@ impl<'b> Frame<'b> {
                 write_bytes(bytes, out);
             }
             Self::CodedSnapshot { context, stream, sequence, length, bytes } => {
-                out.push(CODED_SNAPSHOT);
-                out.extend_from_slice(&context.0);
-                for number in [u64::from(stream.0), *sequence, u64::from(*length)] {
-                    write_number(number, out);
-                }
-                write_bytes(bytes, out);
+                let of = [u64::from(stream.0), *sequence, u64::from(*length)];
+                write_coded((CODED_SNAPSHOT, *context), &of, bytes, out);
             }
             Self::Large { stream, first, t_before, length, offset, bytes } => {
                 let place = [*length, *offset].map(u64::from);
@@ -296,21 +288,7 @@ impl<'b> Frame<'b> {
                 out.extend_from_slice(&[NEW_KEY, id.0]);
                 out.extend_from_slice(key.bytes());
             }
-            Self::Command(Command {
-                id,
-                robot_start,
-                not_after_ms,
-                not_before_ms,
-                epoch,
-                body,
-            }) => {
-                out.push(COMMAND);
-                out.extend_from_slice(&id.0);
-                for number in [u64::from(robot_start.0), *not_after_ms, *not_before_ms, *epoch] {
-                    write_number(number, out);
-                }
-                write_bytes(body, out);
-            }
+            Self::Command(command) => write_command(command, out),
             Self::Heard { start, number, newest_ms, held_ms, late_ms } => {
                 numbers(HEARD, &[u64::from(start.0), *number, *newest_ms, *held_ms, *late_ms]);
             }
@@ -382,6 +360,25 @@ impl<'b> Frame<'b> {
             kind => Self::Wish(WishFrame::read(kind, reader)?),
         })
     }
+}
+
+fn write_coded((kind, context): (u8, ContextId), numbers: &[u64], coded: &[u8], out: &mut Vec<u8>) {
+    out.push(kind);
+    out.extend_from_slice(&context.0);
+    for number in numbers {
+        write_number(*number, out);
+    }
+    write_bytes(coded, out);
+}
+
+fn write_command(command: &Command<'_>, out: &mut Vec<u8>) {
+    let Command { id, robot_start, not_after_ms, not_before_ms, epoch, body } = command;
+    out.push(COMMAND);
+    out.extend_from_slice(&id.0);
+    for number in [u64::from(robot_start.0), *not_after_ms, *not_before_ms, *epoch] {
+        write_number(number, out);
+    }
+    write_bytes(body, out);
 }
 
 fn read_flag(reader: &mut FrameReader<'_>) -> Result<bool, BrokenFrame> {

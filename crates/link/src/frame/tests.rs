@@ -101,19 +101,19 @@ fn frame(bytes: &[u8]) -> impl Strategy<Value = Frame<'_>> {
                 Frame::Heard { start: Generation(start), number, newest_ms, held_ms, late_ms }
             }
         ),
-        (
-            stream,
-            any::<(bool, u64)>(),
-            ranges(),
-            prop::option::of(context()),
-            prop::option::of(context())
-        )
-            .prop_map(|(stream, (is_over, safe), events, context, snapshot)| {
-                let events = newest(&events);
-                let snapshot = snapshot.map(|name| ContextName { first: name.last, ..name });
-                Frame::Received(Received { stream, is_over, safe, events, context, snapshot })
-            }),
+        received(),
     ]
+}
+
+fn received<'b>() -> impl Strategy<Value = Frame<'b>> {
+    let offers = (prop::option::of(context()), prop::option::of(context()));
+    (any::<u32>(), any::<(bool, u64)>(), ranges(), offers).prop_map(
+        |(stream, (is_over, safe), events, (context, snapshot))| {
+            let (stream, events) = (StreamId(stream), newest(&events));
+            let snapshot = snapshot.map(|name| ContextName { first: name.last, ..name });
+            Frame::Received(Received { stream, is_over, safe, events, context, snapshot })
+        },
+    )
 }
 
 /// A frame about neither events nor commands.

@@ -395,8 +395,8 @@ impl Outgoing {
         payload: &mut Vec<u8>,
     ) {
         if !self.has_all() {
-            let run = (self.id, self.head);
-            self.snapshots.write(run, &mut self.tail, turn, source, payload);
+            let run = (self.id, self.head, &mut self.tail);
+            self.snapshots.write(run, turn, source, payload);
         }
     }
 

@@ -103,8 +103,7 @@ impl Snapshots {
     /// Writes the next one that is due, or a part of it.
     pub(super) fn write(
         &mut self,
-        (run, head): (StreamId, u64),
-        tail: &mut Tail,
+        (run, head, tail): (StreamId, u64, &mut Tail),
         turn: Turn<'_>,
         source: &mut impl RunSource,
         payload: &mut Vec<u8>,
@@ -131,7 +130,8 @@ impl Snapshots {
             if let Some((context, coded)) = coded
                 && coded.len() < room / 2
             {
-                return self.write_coded((run, sequence), plain, (context, &coded), turn, payload);
+                let coded = (context, coded.as_slice());
+                return self.write_coded((run, sequence), plain, coded, (turn, payload));
             }
             self.need = Need::None;
             let deflated = deflate(&plain);
@@ -146,8 +146,7 @@ impl Snapshots {
         (stream, sequence): (StreamId, u64),
         plain: Vec<u8>,
         (context, coded): (ContextId, &[u8]),
-        turn: Turn<'_>,
-        payload: &mut Vec<u8>,
+        (turn, payload): (Turn<'_>, &mut Vec<u8>),
     ) {
         let (length, before) = (small(plain.len()), payload.len());
         Frame::CodedSnapshot { context, stream, sequence, length, bytes: coded }.write(payload);

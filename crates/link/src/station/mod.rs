@@ -338,13 +338,8 @@ impl StationSession {
                 }
             }
             Frame::CodedSnapshot { context, stream, sequence, length, bytes } => {
-                let Some(incoming) = self.incoming(stream) else { return };
-                let Incoming { snapshots, snapshot_coder, .. } = incoming;
-                // What cannot be decoded, because this side started again, is followed by another one.
-                let known = snapshots.find(context);
-                let coder = known.map(|known| snapshot_coder.with(context, known));
-                let decoded = coder.and_then(|coder| coder.decode(bytes, length as usize));
-                if let Some(bytes) = decoded {
+                let coded = self.decode_snapshot(stream, context, (bytes, length as usize));
+                if let Some(bytes) = coded {
                     self.take_snapshot(stream, sequence, bytes, show);
                 }
             }
@@ -370,6 +365,18 @@ impl StationSession {
             }
             _ => {}
         }
+    }
+
+    /// What cannot be decoded, because this side started again, is followed by another one.
+    fn decode_snapshot(
+        &mut self,
+        stream: StreamId,
+        context: ContextId,
+        (coded, length): (&[u8], usize),
+    ) -> Option<Vec<u8>> {
+        let Incoming { snapshots, snapshot_coder, .. } = self.incoming(stream)?;
+        let known = snapshots.find(context)?;
+        snapshot_coder.with(context, known).decode(coded, length)
     }
 
     fn take_snapshot(
