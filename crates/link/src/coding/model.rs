@@ -76,16 +76,16 @@ static STRETCH: [i16; SCALE as usize] = {
 pub(super) struct Model {
     /// Of each context its slots, then those of the repetition: a probability of 12 bits and how many bits it has seen.
     slots: Box<[u16]>,
-    state: State,
+    state: MixState,
     repetition: Repetition,
     /// Slots that were changed since the model was fixed, with what was in them.
     changed: Vec<(u32, u16)>,
-    fixed: Option<State>,
+    fixed: Option<MixState>,
 }
 
 /// What changes with each bit besides slots.
 #[derive(Debug, Clone, Copy)]
-struct State {
+struct MixState {
     /// By how sure the repetition is.
     weights: [[i32; OPINIONS]; SURE],
     /// The last bytes, the newest first.
@@ -117,7 +117,7 @@ impl Model {
     pub(super) fn new() -> Self {
         Self {
             slots: vec![(SCALE as u16 / 2) << 4; SLOTS * COUNT + LENGTHS].into_boxed_slice(),
-            state: State { weights: [[ONE * 35 / 100; OPINIONS]; SURE], before: [0; BEHIND] },
+            state: MixState { weights: [[ONE * 35 / 100; OPINIONS]; SURE], before: [0; BEHIND] },
             repetition: Repetition::default(),
             changed: Vec::new(),
             fixed: None,

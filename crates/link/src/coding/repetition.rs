@@ -24,14 +24,14 @@ pub(super) struct Repetition {
     bytes: Vec<u8>,
     /// By the hash of some bytes, the place behind them where they came last; 0 if they never did.
     last: Box<[u32]>,
-    state: State,
+    state: RepetitionState,
     /// Entries of `last` that were changed since it was fixed, with what was in them.
     changed: Vec<(usize, u32)>,
-    fixed: Option<(usize, State)>,
+    fixed: Option<(usize, RepetitionState)>,
 }
 
 #[derive(Debug, Clone, Copy, Default)]
-struct State {
+struct RepetitionState {
     /// The place of the byte that is expected; 0 if none is.
     next: usize,
     /// How many bytes are the same.
@@ -43,7 +43,7 @@ impl Default for Repetition {
         Self {
             bytes: Vec::new(),
             last: vec![0; 1 << HASH_BITS].into_boxed_slice(),
-            state: State::default(),
+            state: RepetitionState::default(),
             changed: Vec::new(),
             fixed: None,
         }
@@ -65,11 +65,14 @@ impl Repetition {
     }
 
     pub(super) fn end_byte(&mut self, byte: u8) {
-        let State { next, length } = self.state;
+        let RepetitionState { next, length } = self.state;
         let goes_on = next > 0 && self.bytes.get(next) == Some(&byte);
         self.bytes.push(byte);
-        self.state =
-            if goes_on { State { next: next + 1, length: length + 1 } } else { State::default() };
+        self.state = if goes_on {
+            RepetitionState { next: next + 1, length: length + 1 }
+        } else {
+            RepetitionState::default()
+        };
         let Some(newest) = self.bytes.last_chunk::<BEGIN>() else { return };
         let place = hash(*newest);
         let there = self.last[place] as usize;
@@ -77,7 +80,7 @@ impl Repetition {
             let same = self.bytes[..there].iter().rev().zip(self.bytes.iter().rev());
             let length = same.take(LENGTHS).take_while(|(then, now)| then == now).count();
             if length >= BEGIN {
-                self.state = State { next: there, length };
+                self.state = RepetitionState { next: there, length };
             }
         }
         if self.fixed.is_some() {
