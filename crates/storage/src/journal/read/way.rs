@@ -4,7 +4,8 @@
 use super::filter::place_of;
 use super::{Damage, Entry, JournalEnd, Reader, Row, Source, Visit};
 use crate::journal::folder::{DATABASE_FILE, JournalError};
-use crate::journal::record::{Item, Items, Record};
+use crate::journal::record::Record;
+use crate::journal::record::binary::BinaryReader;
 use rafcon_protocol::Event;
 use std::ops::ControlFlow;
 
@@ -53,12 +54,17 @@ impl<V: FnMut(Entry) -> ControlFlow<()>> Way<'_, V> {
             }
             self.next = Some(row.first);
         }
-        for (sequence, item) in (row.first..).zip(Items::new(row.data, row.t_before)) {
-            let Ok(Item::Record(t_ns, record)) = item else {
+        let (mut records, mut t_before) = (BinaryReader::new(row.data), row.t_before);
+        for sequence in row.first.. {
+            if records.is_at_end() {
+                break;
+            }
+            let Ok((t_ns, record)) = records.next_record(t_before) else {
                 // The rest of the row cannot be read either: the next row shows how many events it had.
                 self.lose(sequence, sequence);
                 return ControlFlow::Continue(());
             };
+            t_before = t_ns;
             if self.next.is_some_and(|next| sequence < next) {
                 continue;
             }

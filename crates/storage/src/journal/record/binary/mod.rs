@@ -63,19 +63,31 @@ impl<'b> BinaryReader<'b> {
     /// The next item; `t_ns` is the time of the record before it.
     pub(in crate::journal) fn item(&mut self, t_ns: u64) -> Result<Item, Broken> {
         let tag = self.byte()?;
-        match tag {
+        Ok(match tag {
             PLACE => {
                 let number = self.place_number()?;
-                return Ok(Item::Definition(Definition::Place(number, self.place()?)));
+                Item::Definition(Definition::Place(number, self.place()?))
             }
             VALUE => {
                 let number = ValueNumber(self.number()?);
-                return Ok(Item::Definition(Definition::Value(number, self.stored()?)));
+                Item::Definition(Definition::Value(number, self.stored()?))
             }
-            _ => {}
-        }
+            _ => {
+                let (t_ns, record) = self.timed_record(tag, t_ns)?;
+                Item::Record(t_ns, record)
+            }
+        })
+    }
+
+    /// The next record with its time, where no definitions are: by far the most of a journal, and smaller than an item.
+    pub(in crate::journal) fn next_record(&mut self, t_ns: u64) -> Result<(u64, Record), Broken> {
+        let tag = self.byte()?;
+        self.timed_record(tag, t_ns)
+    }
+
+    fn timed_record(&mut self, tag: u8, t_ns: u64) -> Result<(u64, Record), Broken> {
         let t_ns = t_ns.saturating_add(self.number()?);
-        Ok(Item::Record(t_ns, self.record(tag)?))
+        Ok((t_ns, self.record(tag)?))
     }
 
     /// The next item of a stream; `t_ns` is the time of the record before it. Values stay encoded.
