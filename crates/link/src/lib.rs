@@ -32,7 +32,7 @@ pub use heard::ClockBounds;
 pub use profile::{CARRIER_OVERHEAD, Profile};
 pub use range_set::RangeSet;
 pub use robot::{
-    EventBuffer, NewestValue, ReceivedCommand, RobotSession, RunSource, VALUE_BYTES_MAX, Wish,
+    EventBuffer, NewestValue, Rank, ReceivedCommand, RobotSession, RunSource, VALUE_BYTES_MAX, Wish,
 };
 pub use seal::{
     Direction, For, Generation, Horizon, KeyId, OVERHEAD, Opened, Opener, PairingKey, Rejected,

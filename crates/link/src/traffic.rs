@@ -32,6 +32,9 @@ impl Frame<'_> {
     /// Its kind, as people call it.
     fn kind(&self) -> &'static str {
         match self {
+            Self::Events(events) | Self::Coded { events, .. } if events.stream.is_files() => {
+                "machines"
+            }
             Self::Events(_) | Self::Coded { .. } | Self::Large { .. } => "events",
             Self::Status { .. } => "status",
             Self::Snapshot { .. } | Self::CodedSnapshot { .. } => "snapshots",

@@ -1,11 +1,18 @@
-//! What is to be known about a run besides its events, as a stream of short parts: how it was started, then its machines.
+//! What is to be known about a run besides its events, as a stream of short parts: how it was started, then its machines, which travel
+//! in parcels of their own unless they are very large.
 
-use rafcon_storage::journal::{About, Pack};
+use rafcon_storage::journal::{About, Hash, Pack, Parcel};
 
 /// The longest part, in bytes: it fits into any datagram.
-const PART: usize = 400;
+pub(crate) const PART: usize = 400;
+/// Before the bytes of a record: its kind and its length.
+pub(crate) const HEAD: usize = 5;
 const ABOUT: u8 = 1;
 const MACHINE: u8 = 2;
+const NAMED: u8 = 3;
+const PARCEL: u8 = 4;
+/// The files of a parcel have so many bytes at most, before they are deflated.
+pub(crate) const PARCEL_MAX: usize = 8 << 20;
 /// No record is longer, in bytes.
 const RECORD_MAX: usize = 256 << 20;
 
@@ -16,6 +23,8 @@ pub(crate) enum AboutRecord {
     About(Box<About>),
     /// A machine that it has.
     Machine(Pack),
+    /// The manifest's hash of a machine that it has.
+    Named(Hash),
 }
 
 /// The parts of a description.
@@ -28,13 +37,42 @@ pub(crate) fn machine_parts(pack: &Pack) -> Vec<Vec<u8>> {
     parts(MACHINE, &pack.to_bytes())
 }
 
-/// Each record begins with a part of its own: kind, then length, then its bytes, deflated.
+/// The parts of a machine that comes in parcels.
+pub(crate) fn named_parts(machine: Hash) -> Vec<Vec<u8>> {
+    parts(NAMED, &machine.0)
+}
+
+/// A parcel as it lies on the disk and is sent.
+pub(crate) fn parcel_bytes(parcel: &Parcel) -> Vec<u8> {
+    record(PARCEL, &parcel.to_bytes())
+}
+
+/// The parcel of [`parcel_bytes`].
+pub(crate) fn read_parcel(record: &[u8]) -> Option<Parcel> {
+    let ([PARCEL, length @ ..], rest) = record.split_first_chunk::<HEAD>()? else { return None };
+    let is_whole = rest.len() == u32::from_le_bytes(*length) as usize;
+    let bytes = rafcon_link::inflate(is_whole.then_some(rest)?, PARCEL_MAX * 2)?;
+    Parcel::from_bytes(&bytes).ok()
+}
+
+/// The length of the record that begins like this.
+pub(crate) fn record_length(part: &[u8]) -> Option<u64> {
+    let ([_, length @ ..], _) = part.split_first_chunk::<HEAD>()?;
+    Some(u64::from(u32::from_le_bytes(*length)) + HEAD as u64)
+}
+
+/// Each record begins with a part of its own.
 fn parts(kind: u8, bytes: &[u8]) -> Vec<Vec<u8>> {
+    record(kind, bytes).chunks(PART).map(<[u8]>::to_vec).collect()
+}
+
+/// Kind, then length, then the bytes, deflated.
+fn record(kind: u8, bytes: &[u8]) -> Vec<u8> {
     let packed = rafcon_link::deflate(bytes);
     let mut record = vec![kind];
     record.extend_from_slice(&u32::try_from(packed.len()).unwrap_or(u32::MAX).to_le_bytes());
     record.extend_from_slice(&packed);
-    record.chunks(PART).map(<[u8]>::to_vec).collect()
+    record
 }
 
 /// Puts records together from parts in order.
@@ -58,6 +96,7 @@ impl AboutReader {
         let record = bytes.and_then(|bytes| match kind {
             ABOUT => serde_json::from_slice(&bytes).ok().map(AboutRecord::About),
             MACHINE => Pack::from_bytes(&bytes).ok().map(AboutRecord::Machine),
+            NAMED => bytes.try_into().ok().map(|hash| AboutRecord::Named(Hash(hash))),
             _ => None,
         });
         self.bytes.clear();

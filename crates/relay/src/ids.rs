@@ -1,16 +1,16 @@
 //! The numbers by which both sides name runs and commands: hashes, so that no one has to agree on them.
 
 use rafcon_link::{CommandId, StreamId, ValueId};
-use rafcon_storage::journal::ContentHash;
+use rafcon_storage::journal::{ContentHash, Hash};
 
 /// The events of the run with this id.
 pub(crate) fn events_of(run: &str) -> StreamId {
-    StreamId(hash(run) | 1)
+    StreamId(hash(run) & !3 | 1)
 }
 
 /// What is to be known about the run with this id: a stream that comes before that of its events.
 pub(crate) fn about_of(run: &str) -> StreamId {
-    StreamId(hash(run) & !1)
+    StreamId(hash(run) & !3)
 }
 
 /// The stream with the events of the run that a stream is about.
@@ -19,7 +19,13 @@ pub(crate) fn events_beside(about: StreamId) -> StreamId {
 }
 
 pub(crate) fn is_about(stream: StreamId) -> bool {
-    stream.0.is_multiple_of(2)
+    stream.0.is_multiple_of(4)
+}
+
+/// The parcel with this name.
+pub(crate) fn parcel(name: Hash) -> StreamId {
+    let [a, b, c, d, ..] = name.0;
+    StreamId::of_files(u32::from_be_bytes([a, b, c, d]))
 }
 
 /// The command of the envelope with this id.

@@ -14,6 +14,18 @@ use crate::seal::{Generation, KeyId, PairingKey};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct StreamId(pub u32);
 
+impl StreamId {
+    /// The stream of files with this hash: no run has such a number.
+    pub fn of_files(hash: u32) -> Self {
+        Self(hash & !3 | 2)
+    }
+
+    /// Whether it has files and no events.
+    pub fn is_files(self) -> bool {
+        self.0 % 4 == 2
+    }
+}
+
 /// The id of a command, which its author chose by chance.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct CommandId(pub [u8; 16]);

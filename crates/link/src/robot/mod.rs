@@ -1,9 +1,10 @@
 //! The robot's side of the link: sends what happens, then what the station lacks; receives commands.
 //!
 //! It sends in this order: what became of commands, new events and the status, values that are watched, a snapshot, then events that
-//! the station lacks, oldest first, and large values that it asked for. Without reports from the station it sends the unreported events round and round, so that a station without an up-link has
+//! the station lacks, oldest first, what the runs need besides, large values that it asked for, and what may be needed some day. Without reports from the station it sends the unreported events round and round, so that a station without an up-link has
 //! everything in the end. Events wait, but are never given up: what left the memory is read again from the journal.
 
+mod bulk;
 mod coded;
 mod later;
 mod outgoing;
@@ -13,6 +14,7 @@ mod tail;
 mod values;
 mod watched;
 
+pub use bulk::Rank;
 pub use source::{EventBuffer, RunSource};
 pub(crate) use watched::WISH_BYTES_MAX;
 pub use watched::{NewestValue, VALUE_BYTES_MAX, Wish};
@@ -25,9 +27,10 @@ use crate::frame::{
 use crate::profile::Profile;
 use crate::seal::{Direction, For, Horizon, KeyId, OVERHEAD, PairingKey, SealError};
 use crate::traffic::Traffic;
+use bulk::Bulk;
 use later::Later;
 use outgoing::{Outgoing, Turn};
-use std::collections::{BTreeMap, BTreeSet, VecDeque};
+use std::collections::{BTreeMap, VecDeque};
 use std::time::Duration;
 use values::Values;
 use watched::{Behind, WatchedValues};
@@ -67,8 +70,8 @@ pub struct RobotSession {
     /// The age, at its arrival, of the newest time in a report: the least so far, which is a round trip and what the station waited.
     report_age: Option<Duration>,
     streams: BTreeMap<StreamId, Outgoing>,
-    /// Those whose events come after all others.
-    last: BTreeSet<StreamId>,
+    /// In which order what the station lacks of them is sent.
+    bulk: Bulk,
     /// What the calendar said when this session began, as it is set now: ms since 1970, UTC.
     calendar_ms: Option<u64>,
     states: BTreeMap<CommandId, SentState>,
@@ -99,7 +102,7 @@ impl RobotSession {
             sent_at: None,
             report_age: None,
             streams: BTreeMap::new(),
-            last: BTreeSet::new(),
+            bulk: Bulk::default(),
             calendar_ms: None,
             states: BTreeMap::new(),
             offered: None,
@@ -117,9 +120,22 @@ impl RobotSession {
         self.streams.entry(stream).or_insert_with(|| Outgoing::new(stream, head));
     }
 
-    /// The events of this run come after those of all others: it was over long ago.
-    pub fn set_last(&mut self, stream: StreamId) {
-        self.last.insert(stream);
+    /// When what the station lacks of this stream is sent, beside that of others.
+    pub fn set_rank(&mut self, stream: StreamId, rank: Rank) {
+        self.bulk.set_rank(stream, rank);
+    }
+
+    /// The station may have all of this stream from earlier starts: it is asked before anything is sent.
+    pub fn ask_first(&mut self, stream: StreamId) {
+        if let Some(stream) = self.streams.get_mut(&stream) {
+            stream.ask_first();
+        }
+    }
+
+    /// Nothing more of this stream is sent.
+    pub fn end(&mut self, stream: StreamId) {
+        self.streams.remove(&stream);
+        self.bulk.forget(stream);
     }
 
     /// New events of a run, which are on the disk. Best one at a time: those that are together too long for one datagram do not go
@@ -394,19 +410,7 @@ impl RobotSession {
                 let behind = Behind { is_heard, from: stream.lacks_from() };
                 self.watched.write(*id, behind, turn, &mut payload);
             }
-            for is_last in [false, true] {
-                let last = &self.last;
-                let those = self.streams.iter_mut().filter(|(id, _)| last.contains(id) == is_last);
-                for (_, stream) in those {
-                    stream.write_bulk(turn, source, &mut payload);
-                }
-            }
-            if is_heard {
-                self.values.write(turn, source, &mut payload);
-            } else {
-                // Whoever cannot say what arrived would pay for it twice.
-                self.values.forget();
-            }
+            self.bulk.write((&mut self.streams, &mut self.values), turn, source, &mut payload);
         }
         if payload.len() == empty && !was_silent {
             return Ok(None);

@@ -71,6 +71,17 @@ pub(super) struct Outgoing {
     snapshots: Snapshots,
     large: Option<(EventBuffer, usize)>,
     coding: Coding,
+    /// Whether the station is asked what it has before anything is sent.
+    asks: Asks,
+}
+
+/// Whether the station is asked what it has before anything is sent.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Asks {
+    No,
+    Yes,
+    /// It has not answered since.
+    Since(Duration),
 }
 
 /// What was written of older events.
@@ -102,6 +113,20 @@ impl Outgoing {
             snapshots: Snapshots::new(),
             large: None,
             coding: Coding::default(),
+            asks: Asks::No,
+        }
+    }
+
+    /// The station may have all of it: it is asked before anything is sent.
+    pub(super) fn ask_first(&mut self) {
+        self.asks = Asks::Yes;
+    }
+
+    /// Until when the answer is waited for.
+    fn waits_until(&self, profile: &Profile) -> Duration {
+        match self.asks {
+            Asks::No | Asks::Yes => Duration::ZERO,
+            Asks::Since(at) => at + profile.silence(),
         }
     }
 
@@ -162,6 +187,7 @@ impl Outgoing {
         self.coding.offer(received.context);
         self.snapshots.offer(received.snapshot);
         self.knows_end = received.is_over;
+        self.asks = Asks::No;
         let Some((newest_ms, late_ms)) = echo else { return };
         // What was sent before this, and is not received, is lost; a repetition may still heal the newest of it.
         let late = Duration::from_millis(late_ms) + profile.repeat_after * u32::from(tail::SENDS);
@@ -197,6 +223,10 @@ impl Outgoing {
             _ if self.is_state_new => Duration::ZERO,
             // The station reports that it has all: nothing is new ever after.
             _ if self.has_all() => Duration::MAX,
+            // There is nothing to see of files.
+            (Some(shown), Some(_)) if self.id.is_files() => {
+                shown + profile.status_every * STATUS_BESIDE
+            }
             (Some(shown), Some(status)) => {
                 (shown + profile.status_every).min(status + profile.status_every * STATUS_BESIDE)
             }
@@ -291,7 +321,8 @@ impl Outgoing {
         let round = if is_heard || self.sent.is_empty() { Duration::MAX } else { self.round_due };
         let snapshot = self.snapshots.alone_at(is_heard, profile);
         let snapshot = if self.has_all() { Duration::MAX } else { snapshot };
-        round.max(self.read_again_at).min(events).min(snapshot)
+        let bulk = round.max(self.read_again_at).min(events).max(self.waits_until(profile));
+        bulk.min(snapshot)
     }
 
     /// Fills the rest of the datagram with events that the station lacks.
@@ -302,6 +333,12 @@ impl Outgoing {
         payload: &mut Vec<u8>,
     ) {
         let Turn { now, profile, is_heard, .. } = turn;
+        if self.asks == Asks::Yes {
+            self.asks = Asks::Since(now);
+        }
+        if now < self.waits_until(profile) {
+            return;
+        }
         self.coding.renew(self.id, self.head, source);
         while self.read_again_at <= now && self.write_large(turn, payload) {
             let is_round_due = !is_heard && self.round_due <= now && !self.sent.is_empty();
@@ -311,7 +348,9 @@ impl Outgoing {
                 self.round_due = now + profile.report_every * 2;
             }
             let repeated = || self.repeated().filter(|_| is_heard);
-            let gap = self.gap().map(|gap| (gap, OLD_SENDS));
+            // Files are never urgent.
+            let sends = if self.id.is_files() { 1 } else { OLD_SENDS };
+            let gap = self.gap().map(|gap| (gap, sends));
             let Some((range, repeats)) = gap.or_else(repeated) else { return };
             let Some(written) = self.write_old(turn, &range, source, payload) else { return };
             if let Written::UpTo(last, is_coded) = written {

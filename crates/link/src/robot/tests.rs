@@ -1,6 +1,6 @@
 //! What is in the robot's datagrams, and what comes first.
 
-use super::{EventBuffer, RobotSession, RunSource};
+use super::{EventBuffer, Rank, RobotSession, RunSource};
 use crate::endpoint::Identity;
 use crate::frame::{Events, StreamId};
 use crate::profile::Profile;
@@ -10,7 +10,7 @@ use expect_test::expect;
 use std::time::Duration;
 
 const MACHINES: StreamId = StreamId(1);
-const EVENTS: StreamId = StreamId(2);
+const EVENTS: StreamId = StreamId(5);
 
 /// Much is to be known of a run besides its present state.
 struct LongHistory;
@@ -288,4 +288,77 @@ fn a_snapshot_is_coded_from_one_that_the_station_has() {
         ([5526, 3544, 3558, 3530], 44)
         ([4071, 665, 2114, 723], 39)"]]
     .assert_eq(&all.join("\n"));
+}
+
+const NEEDED: StreamId = StreamId(6);
+const AHEAD: StreamId = StreamId(2);
+
+/// A robot that has begun to send a run, what the run needs, and what may be needed some day: the one that is first by its number is the
+/// least urgent.
+fn with_ranks(key: &PairingKey) -> RobotSession {
+    let (key_id, start) = (KeyId(1), Generation(1));
+    let identity = Identity { key_id, key, robot: "scout", start, heard: None };
+    let mut robot = RobotSession::new(&identity, Profile::DELAY_2S);
+    for (stream, rank) in [(RUN, Rank::Events), (NEEDED, Rank::Needed), (AHEAD, Rank::Ahead)] {
+        robot.begin(stream, 40);
+        robot.set_rank(stream, rank);
+    }
+    robot
+}
+
+/// The streams of the events that a station receives, until `is_enough`; it answers if `is_heard`.
+fn order(
+    mut robot: RobotSession,
+    key: &PairingKey,
+    is_heard: bool,
+    is_enough: impl Fn(&[StreamId], Duration) -> bool,
+) -> Vec<StreamId> {
+    let (key_id, start) = (KeyId(1), Generation(1));
+    let identity = Identity { key_id, key, robot: "scout", start, heard: None };
+    let mut station = StationSession::new(&identity, Profile::DELAY_2S);
+    let (mut now, mut order) = (Duration::ZERO, Vec::new());
+    while !is_enough(&order, now) {
+        if let Some(mut datagram) = robot.transmit(now, &mut LongHistory).unwrap() {
+            let note = |shown: FromRobot<'_>| {
+                if let FromRobot::Events(events) = shown {
+                    order.push(events.stream);
+                }
+            };
+            station.receive(now, &mut datagram, note).unwrap();
+        }
+        if let Some(mut answer) = station.transmit(now).unwrap().filter(|_| is_heard) {
+            robot.receive(now, &mut answer, |_| {}).unwrap();
+        }
+        now += Duration::from_millis(1);
+    }
+    order
+}
+
+#[test]
+fn what_may_be_needed_some_day_waits_for_everything_else() {
+    let key = PairingKey::from_bytes([7; 32]);
+    let all = |order: &[StreamId], _| order.len() == 120;
+    let heard = order(with_ranks(&key), &key, true, all);
+    let mut wanted = heard.clone();
+    wanted.sort_by_key(|stream| [RUN, NEEDED, AHEAD].iter().position(|it| it == stream));
+    assert_eq!(heard, wanted);
+    // Nobody is heard: rounds of the history leave a part of the rate.
+    let unheard = order(with_ranks(&key), &key, false, all);
+    let last = |wanted| unheard.iter().rposition(|stream| *stream == wanted);
+    assert!(last(RUN) < last(NEEDED) && last(NEEDED) < last(AHEAD), "{unheard:?}");
+}
+
+#[test]
+fn a_station_is_asked_for_what_it_may_have_from_before() {
+    let key = PairingKey::from_bytes([7; 32]);
+    let mut robot = with_ranks(&key);
+    robot.end(RUN);
+    robot.end(NEEDED);
+    robot.ask_first(AHEAD);
+    let silence = Profile::DELAY_2S.silence();
+    assert_eq!(order(robot, &key, false, |_, now| now >= silence), []);
+    let mut robot = with_ranks(&key);
+    robot.ask_first(AHEAD);
+    let all = |order: &[StreamId], _| order.len() == 120;
+    assert_eq!(order(robot, &key, true, all).len(), 120);
 }

@@ -174,6 +174,19 @@ impl StationSession {
         self.has_news = true;
     }
 
+    /// All of a stream, which is over, is on the disk from earlier starts.
+    pub fn restore_whole(&mut self, stream: StreamId, events: u64) {
+        self.restore(stream, RangeSet::up_to(events));
+        if let Some(incoming) = self.streams.get_mut(&stream) {
+            incoming.is_over = true;
+        }
+    }
+
+    /// Nothing of a stream is here any more: if the robot still has it, it comes again.
+    pub fn forget(&mut self, stream: StreamId) {
+        self.streams.remove(&stream);
+    }
+
     /// The events of a run up to this one are on the disk.
     pub fn set_safe(&mut self, stream: StreamId, safe: u64) {
         if let Some(incoming) = self.streams.get_mut(&stream) {

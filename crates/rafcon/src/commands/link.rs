@@ -9,8 +9,8 @@ use anyhow::{Context as _, Result, bail};
 use rafcon_link::Profile;
 use rafcon_protocol::api::{Control, ControlMove, ValueFetch};
 use rafcon_relay::{
-    Authority, Paired, Pairing, RobotSettings, StationSettings, Stopper, ValueCost, ValueDesk,
-    relay_robot, relay_station,
+    Authority, Paired, Pairing, Projects, RobotSettings, StationSettings, Stopper, ValueCost,
+    ValueDesk, relay_robot, relay_station,
 };
 use rafcon_server::{RobotValues, RunAuthority, Settings};
 use std::fs::{self, OpenOptions};
@@ -173,6 +173,7 @@ impl Relays {
         &mut self,
         raw: &cli::Link,
         (state, runs): (&Path, &Path),
+        projects: &Projects,
         authority: &Arc<ServerAuthority>,
         environment: &Environment,
     ) -> Result<()> {
@@ -195,6 +196,7 @@ impl Relays {
             all.push(RobotSettings {
                 folder: robot_folder(state, pairing.station.as_deref()),
                 runs: runs.to_owned(),
+                projects: projects.clone(),
                 paired,
                 station: station_address(station, &mut fingerprints, environment)?,
                 profile: profile(raw.profile),

@@ -7,8 +7,9 @@ use crate::environment::{self, Environment};
 use crate::failure::complain;
 use crate::machine;
 use anyhow::{Context as _, Result, bail};
-use rafcon_relay::ValueDesk;
+use rafcon_relay::{Projects, ValueDesk};
 use rafcon_server::{RunAuthority, Server, Settings};
+use rafcon_storage::{config, roots};
 use std::io::{self, Write as _};
 use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
@@ -25,7 +26,8 @@ pub(super) fn serve(
     let (state, runs) = (state(&raw.state, environment)?, settings.runs.clone());
     let mut relays = Relays::default();
     let authority = Arc::new(ServerAuthority::default());
-    relays.robot(&raw.link, (&state, &runs), &authority, environment)?;
+    let projects = projects(&settings);
+    relays.robot(&raw.link, (&state, &runs), &projects, &authority, environment)?;
     if let Some(listen) = robots {
         let desk = ValueDesk::default();
         relays.station(&raw.link, listen, &settings, desk.clone())?;
@@ -44,6 +46,14 @@ pub(super) fn serve(
     relays.stop();
     served?;
     Ok(ExitCode::SUCCESS)
+}
+
+/// Where the server finds its machines. What is wrong with its configuration, the server says.
+fn projects(settings: &Settings) -> Projects {
+    let found = config::find(settings.config.as_deref(), &environment::variable);
+    let config = found.map(|(config, _file)| config).unwrap_or_default();
+    let (libraries, _notes) = roots(&config, &environment::variable, &settings.libraries);
+    Projects { folders: settings.projects.clone(), libraries }
 }
 
 fn settings(raw: &cli::Serve, environment: &Environment) -> Result<Settings> {

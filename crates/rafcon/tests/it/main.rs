@@ -28,6 +28,7 @@ mod server_twice;
 mod signals;
 mod starts;
 mod station;
+mod station_machines;
 mod station_trouble;
 mod station_values;
 mod station_websocket;

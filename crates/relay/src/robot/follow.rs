@@ -1,5 +1,6 @@
 //! The connection to the runner of a run that continues.
 
+use super::parcels::SentParcel;
 use crate::inbox::Input;
 use crate::meter::millis;
 use rafcon_protocol::{
@@ -29,6 +30,8 @@ pub(super) enum FromRun {
     Answered(String, Answer),
     /// The connection to the runner of this run ended.
     Gone(String),
+    /// These parcels are sent, and no others.
+    Parcels(Vec<SentParcel>),
 }
 
 /// A runner that is followed until this is dropped.

@@ -2,11 +2,14 @@
 
 mod authority;
 mod follow;
+mod parcels;
+mod project_machines;
 mod runs;
 mod values;
 mod watches;
 
 pub use authority::Authority;
+pub use project_machines::Projects;
 
 use crate::carrier::{Carrier, Dialler, StationAddress, any_port};
 use crate::clock::SessionClock;
@@ -19,6 +22,7 @@ use crate::report::{REPORT_EVERY, Reporter};
 use crate::start::Start;
 use crate::words::{StationWord, at_robot, author_at_robot};
 use follow::FromRun;
+use parcels::SentParcels;
 use rafcon_link::{CommandState, Profile, ReceivedCommand, RobotSession, StreamId};
 use rafcon_protocol::api::ControlMove;
 use rafcon_protocol::{Answer, Envelope, Expiry, LinkReport};
@@ -44,6 +48,8 @@ pub struct RobotSettings {
     pub folder: PathBuf,
     /// The folder with the runs.
     pub runs: PathBuf,
+    /// Where the server finds its machines: they are sent before any run has them.
+    pub projects: Projects,
     /// What it shares with the station.
     pub paired: Paired,
     /// Where the station receives.
@@ -65,7 +71,12 @@ pub fn relay_robot(settings: &RobotSettings, stopper: &Stopper) -> Result<(), Re
     let mut session = RobotSession::new(&identity, settings.profile.clone());
     let list = settings.folder.join("runs");
     let clock = SessionClock::begin();
-    let mut runs = RobotRuns::new(&settings.runs, list, inbox.sender(), settings.tell, clock);
+    let machines = settings.folder.join("machines");
+    let (projects, tell) = (settings.projects.clone(), settings.tell);
+    let parcels = parcels::begin(&machines, projects, inbox.sender(), tell)
+        .map_err(|source| RelayError::Folder { path: machines, source })?;
+    let parcels = SentParcels::new(parcels);
+    let mut runs = RobotRuns::new(&settings.runs, list, inbox.sender(), (tell, clock), parcels);
     runs.set_pickle_max(pickle_max(&settings.profile));
     runs.restore(&mut session);
     let (watched, age_max) = (settings.folder.join("watched"), age_max(&settings.profile));
@@ -322,6 +333,7 @@ impl RobotRelay<'_> {
                 self.session.set_command_state(now, id, state, &reason);
             }
             FromRun::Gone(run) => self.runs.gone(&run, &mut self.session),
+            FromRun::Parcels(parcels) => self.runs.set_parcels(parcels, &mut self.session),
         }
     }
 }

@@ -1,21 +1,24 @@
 //! The runs of a robot: which there are, what of them is sent, and from where.
 
 use super::follow::{Followed, FromRun};
+use super::parcels::{NeededMachine, ParcelWork, SentParcel, SentParcels};
 use super::values::RobotValues;
 use super::watches::RobotWatches;
-use crate::about::{about_parts, machine_parts};
+use crate::about::{PARCEL_MAX, about_parts, machine_parts, named_parts};
 use crate::clock::SessionClock;
 use crate::ids;
 use crate::inbox::Input;
 use crate::meter::millis;
 use crate::snapshot_words;
 use crate::words::{RunFate, RunStands};
-use rafcon_link::{EventBuffer, EventHash, Events, RobotSession, RunSource, StreamId, ValueName};
+use rafcon_link::{
+    EventBuffer, EventHash, Events, Rank, RobotSession, RunSource, StreamId, ValueName,
+};
 use rafcon_protocol::api::Control;
 use rafcon_protocol::{Envelope, LinkRun, Snapshot};
 use rafcon_storage::journal::{
-    About, Chain, EventItems, EventSource, JournalError, Pack, RunState, Summary, run_folders,
-    writer_of,
+    About, Chain, EventItems, EventSource, Hash, JournalError, Pack, RunState, Summary,
+    run_folders, writer_of,
 };
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -50,6 +53,7 @@ pub(super) struct RobotRuns {
     older: Vec<String>,
     /// The runs that are known without being sent now.
     seen: BTreeSet<String>,
+    parcels: SentParcels,
     values: RobotValues,
     /// Longer pickles are sent by their hash.
     pickle_max: usize,
@@ -60,9 +64,12 @@ struct RobotRun {
     folder: PathBuf,
     /// Longer pickles are sent by their hash.
     pickle_max: usize,
-    /// What is known about it, in parts, and how many machines are among that.
+    /// What is known about it, in parts, how many machines are among that, and how many bytes of files they have.
     about: Vec<Vec<u8>>,
     machines: usize,
+    machine_bytes: usize,
+    /// The machines that come in parcels, as long as the station may not have them.
+    named: Vec<Hash>,
     /// Its journal, while it is read.
     source: Option<EventSource>,
     was_read: bool,
@@ -84,8 +91,8 @@ impl RobotRuns {
         folder: &Path,
         list: PathBuf,
         inbox: SyncSender<Input<FromRun>>,
-        tell: fn(&str),
-        clock: SessionClock,
+        (tell, clock): (fn(&str), SessionClock),
+        parcels: SentParcels,
     ) -> Self {
         let (all, streams, folder) = (BTreeMap::new(), BTreeMap::new(), folder.to_owned());
         Self {
@@ -98,6 +105,7 @@ impl RobotRuns {
             streams,
             older: Vec::new(),
             seen: BTreeSet::new(),
+            parcels,
             values: RobotValues::default(),
             pickle_max: usize::MAX,
         }
@@ -150,8 +158,8 @@ impl RobotRuns {
             let is_over = matches!(writer_of(&folder), Ok(None)) && !self.all.contains_key(&id);
             // What cannot be read is not sent, as if it were not there.
             if is_over && self.begin(&id, &folder, session).unwrap_or(false) {
-                session.set_last(ids::events_of(&id));
-                session.set_last(ids::about_of(&id));
+                session.set_rank(ids::events_of(&id), Rank::Last);
+                session.set_rank(ids::about_of(&id), Rank::Last);
                 if let Some(run) = self.all.get_mut(&id) {
                     run.is_older = true;
                 }
@@ -166,11 +174,12 @@ impl RobotRuns {
         for (id, run) in &mut self.all {
             // A run that is over has what it had when it was looked at last.
             if run.runner.is_some() {
-                run.look_for_machines(id, session);
+                run.look_for_machines(id, session, &self.parcels);
             } else if run.fate != RunFate::Removed && !run.folder.is_dir() {
                 run.fate = RunFate::Removed;
                 run.tell(id, RunStands::of(run.fate, None, 0), session);
             }
+            run.let_go(id, session, &self.parcels);
             run.rest();
         }
         self.hash(session);
@@ -282,6 +291,8 @@ impl RobotRuns {
             pickle_max: self.pickle_max,
             about,
             machines: 0,
+            machine_bytes: 0,
+            named: Vec::new(),
             source: None,
             was_read: false,
             is_older: false,
@@ -327,6 +338,11 @@ impl RobotRuns {
         }
     }
 
+    /// These parcels are sent from now on, and no others.
+    pub(super) fn set_parcels(&mut self, parcels: Vec<SentParcel>, session: &mut RobotSession) {
+        self.parcels.set(parcels, session);
+    }
+
     /// A run is in this state.
     pub(super) fn stands(&mut self, id: &str, snapshot: Box<Snapshot>, session: &mut RobotSession) {
         if let Some(run) = self.all.get_mut(id) {
@@ -346,7 +362,7 @@ impl RobotRuns {
         }
         self.happened(id, session);
         if let Some(run) = self.all.get_mut(id) {
-            run.look_for_machines(id, session);
+            run.look_for_machines(id, session, &self.parcels);
             let is_over = matches!(Summary::of(&run.folder).state, RunState::Finished { .. });
             run.fate = if is_over { RunFate::Finished } else { RunFate::Crashed };
             run.tell(id, RunStands::of(run.fate, None, 0), session);
@@ -437,12 +453,34 @@ impl RobotRun {
         self.was_read = false;
     }
 
-    /// Adds the machines that the run has kept since.
-    fn look_for_machines(&mut self, id: &str, session: &mut RobotSession) {
-        if let Ok(packs) = Pack::read_after(&self.folder, self.machines) {
-            self.machines += packs.len();
-            self.about.extend(packs.iter().flat_map(machine_parts));
-            session.advance(ids::about_of(id), self.about.len() as u64);
+    /// Adds the machines that the run has kept since. They come in parcels, until they are very large together: then the run brings
+    /// them itself. So each start of the robot sends the same parts.
+    fn look_for_machines(&mut self, id: &str, session: &mut RobotSession, parcels: &SentParcels) {
+        let Ok(packs) = Pack::read_after(&self.folder, self.machines) else { return };
+        self.machines += packs.len();
+        for pack in packs {
+            self.machine_bytes += pack.fresh.values().map(Vec::len).sum::<usize>();
+            if self.machine_bytes > PARCEL_MAX {
+                self.about.extend(machine_parts(&pack));
+                continue;
+            }
+            let machine = pack.manifest.hash();
+            self.about.extend(named_parts(machine));
+            self.named.push(machine);
+            let needed = NeededMachine { is_older: self.is_older, machine };
+            parcels.tell(ParcelWork::Needed(needed, self.folder.clone()));
+        }
+        session.advance(ids::about_of(id), self.about.len() as u64);
+    }
+
+    /// Lets go of the machines that the station has.
+    fn let_go(&mut self, id: &str, session: &RobotSession, parcels: &SentParcels) {
+        let is_told = session.progress(ids::about_of(id)).is_some_and(|(_, missing)| missing == 0);
+        let is_gone = self.fate == RunFate::Removed;
+        let had = |machine: &mut Hash| is_gone || is_told && parcels.are_had(*machine, session);
+        for machine in self.named.extract_if(.., had) {
+            let is_older = self.is_older;
+            parcels.tell(ParcelWork::Had(NeededMachine { is_older, machine }));
         }
     }
 
@@ -465,6 +503,10 @@ impl RunSource for RobotRuns {
         last: u64,
         bytes_max: usize,
     ) -> Option<EventBuffer> {
+        if stream.is_files() {
+            let items = self.parcels.part(stream, first)?;
+            return Some(EventBuffer { first, count: 1, t_before: 0, items });
+        }
         let run = self.run(stream)?;
         if ids::is_about(stream) {
             let part = run.about.get(usize::try_from(first - 1).ok()?)?;

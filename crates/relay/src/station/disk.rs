@@ -25,7 +25,7 @@ const END_WITHIN: Duration = Duration::from_secs(5);
 /// What the disk is to do, in the order of its run.
 #[derive(Debug)]
 pub(super) enum Work {
-    /// Keep the next part of what is to be known about a run.
+    /// Keep the next part of what is to be known about a run, or of a parcel.
     Part(EventItems),
     /// Keep the next events of a run.
     Events(EventItems),
@@ -66,6 +66,8 @@ pub(crate) enum FromDisk {
     Closed(StreamId),
     /// Nothing more of a run is kept: why.
     Refused(StreamId, String),
+    /// Nothing of these parcels is here any more.
+    ParcelsGone(Vec<StreamId>),
     /// A pairing is kept, and can be used.
     KeyKept(Pairing),
     /// What is wrong with the disk; nothing if it is well again.
@@ -118,7 +120,7 @@ impl Disk {
         Ok(Self { queue })
     }
 
-    /// Gives work for a run, by the stream of its events; gives it back if too much waits.
+    /// Gives work for a run, by the stream of its events, or for a parcel; gives it back if too much waits.
     pub(super) fn give(&self, run: StreamId, work: Work) -> Result<(), Work> {
         let max = if matches!(work, Work::Events(_)) { EVENTS_MAX } else { ALL_MAX };
         let cost = work.cost();

@@ -86,6 +86,12 @@ impl InOrder {
         waiting.map(|(stream, _)| *stream).collect()
     }
 
+    /// A stream begins anew.
+    pub(super) fn forget(&mut self, stream: StreamId) {
+        self.clear(stream);
+        self.streams.remove(&stream);
+    }
+
     /// Drops what waits of a stream.
     pub(super) fn clear(&mut self, stream: StreamId) {
         if let Some(ahead) = self.streams.get_mut(&stream) {

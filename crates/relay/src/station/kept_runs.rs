@@ -3,6 +3,7 @@
 use super::checking::Checking;
 use super::disk::{FromDisk, KeyWork, OpenRun, Work};
 use super::had::Had;
+use super::parcels::{RestoredParcel, StationParcels, TakenPart};
 use super::replica_run::ReplicaRun;
 use super::{GivenCommand, ToStation};
 use crate::about::{AboutReader, AboutRecord, Taken};
@@ -15,10 +16,11 @@ use rafcon_link::{Horizon, KeyId, StreamId};
 use rafcon_protocol::LinkHealth;
 use rafcon_storage::journal::folder::{DIVERGED_FILE, replace_file};
 use rafcon_storage::journal::{
-    About, EventItems, Full, JournalError, ReplicaError, RunState, Summary, run_folders,
+    About, EventItems, Full, JournalError, Pack, ReplicaError, RunState, Summary, run_folders,
 };
 use std::collections::{BTreeMap, VecDeque};
 use std::fs;
+use std::io;
 use std::path::PathBuf;
 use std::sync::mpsc::SyncSender;
 use std::time::Duration;
@@ -46,6 +48,13 @@ pub(super) struct KeptRuns {
     place: Place,
     start: Start,
     had: Had,
+    parcels: StationParcels,
+    /// The parts of parcels that are not written.
+    parts: VecDeque<(StreamId, EventItems)>,
+    /// What of them the disk did not take is tried again with the next sync.
+    are_stuck: bool,
+    /// How many parcels came as a whole.
+    came: u64,
     all: BTreeMap<StreamId, KeptRun>,
     sync_at: Duration,
     problem: Option<String>,
@@ -64,6 +73,8 @@ struct KeptRun {
     todo: VecDeque<Work>,
     /// The disk refused something: it is asked again with the next sync.
     is_stuck: bool,
+    /// After so many parcels it still needed others.
+    needs_parcels: Option<u64>,
     is_refused: bool,
     checking: Checking,
     /// It was just closed as a whole: its id, its events and parts.
@@ -117,10 +128,16 @@ impl From<ReplicaError> for Trouble {
 }
 
 impl KeptRuns {
-    pub(super) fn new(place: Place, start: Start) -> Self {
+    pub(super) fn new(place: Place, start: Start, parcels: StationParcels) -> Self {
         let (all, sync_at) = (BTreeMap::new(), Duration::ZERO);
         let had = Had::read(start.folder());
-        Self { place, start, had, all, sync_at, problem: None }
+        let (parts, are_stuck, came, problem) = (VecDeque::new(), false, 0, None);
+        Self { place, start, had, parcels, parts, are_stuck, came, all, sync_at, problem }
+    }
+
+    /// The parcels that are here.
+    pub(super) fn restored_parcels(&self) -> Vec<RestoredParcel> {
+        self.parcels.restored()
     }
 
     /// Goes on with the replicas that are here.
@@ -159,6 +176,12 @@ impl KeptRuns {
 
     /// Adds work for a run.
     pub(super) fn add(&mut self, run: StreamId, work: Work) {
+        if run.is_files() {
+            if let Work::Part(part) = work {
+                self.parts.push_back((run, part));
+            }
+            return;
+        }
         let run = self.all.entry(run).or_default();
         match work {
             Work::Part(part) => run.parts.push_back(part),
@@ -170,10 +193,16 @@ impl KeptRuns {
     pub(super) fn go_on(&mut self, now: bool) -> usize {
         let begun = self.place.clock.now();
         let is_due = now || begun >= self.sync_at;
+        self.are_stuck &= !is_due;
         let (mut written, mut problem) = (0, None);
+        if let Err(error) = self.take_parcels(&mut written) {
+            self.are_stuck = true;
+            problem = Some(error.to_string());
+        }
         for (stream, run) in &mut self.all {
             run.is_stuck &= !is_due;
-            let mut trouble = run.work(*stream, &self.place, &mut written);
+            let mut trouble =
+                run.work(*stream, &self.place, (&self.parcels, self.came), &mut written);
             if let Some((id, counts)) = run.whole.take() {
                 self.had.add(&id, counts);
             }
@@ -214,6 +243,21 @@ impl KeptRuns {
         written
     }
 
+    /// Keeps parts of parcels, as far as the disk takes them.
+    fn take_parcels(&mut self, written: &mut usize) -> io::Result<()> {
+        while !self.are_stuck
+            && let Some((stream, part)) = self.parts.front()
+        {
+            let TakenPart { is_whole, gone } = self.parcels.take(*stream, part)?;
+            self.came += u64::from(is_whole);
+            *written += self.parts.pop_front().map_or(0, |(_, part)| Work::Part(part).cost());
+            if !gone.is_empty() {
+                self.place.say(FromDisk::ParcelsGone(gone));
+            }
+        }
+        Ok(())
+    }
+
     fn tell(&mut self, problem: Option<String>) {
         if problem != self.problem {
             self.place.say(FromDisk::Problem(problem.clone()));
@@ -233,7 +277,7 @@ impl KeptRuns {
                 || run.checking.goes_on()
                 || run.replica.as_ref().is_some_and(ReplicaRun::is_unsafe)
         };
-        self.all.values().any(is_unsafe)
+        self.are_stuck || self.all.values().any(is_unsafe)
     }
 
     pub(super) fn keep_heard(&mut self, key: KeyId, heard: Horizon) {
@@ -288,12 +332,24 @@ impl KeptRun {
     }
 
     /// Does what is to be done, as far as the disk takes it.
-    fn work(&mut self, stream: StreamId, place: &Place, written: &mut usize) -> Option<Trouble> {
+    fn work(
+        &mut self,
+        stream: StreamId,
+        place: &Place,
+        (parcels, came): (&StationParcels, u64),
+        written: &mut usize,
+    ) -> Option<Trouble> {
         while !self.is_stuck
+            && self.needs_parcels != Some(came)
             && let Some(part) = self.parts.front().cloned()
         {
-            if let Err(trouble) = self.take_part(stream, &part, place) {
-                return Some(trouble);
+            match self.take_part(stream, &part, place, parcels) {
+                Ok(true) => self.needs_parcels = None,
+                Ok(false) => {
+                    self.needs_parcels = Some(came);
+                    break;
+                }
+                Err(trouble) => return Some(trouble),
             }
             *written += self.parts.pop_front().map_or(0, |part| Work::Part(part).cost());
         }
@@ -301,6 +357,11 @@ impl KeptRun {
             && self.about.is_some()
             && let Some(work) = self.todo.pop_front()
         {
+            if matches!(work, Work::Close) && !self.parts.is_empty() {
+                // Its machine is still to come.
+                self.todo.push_front(work);
+                break;
+            }
             if let Err(trouble) = self.perform(stream, &work, place) {
                 self.todo.push_front(work);
                 return Some(trouble);
@@ -310,14 +371,16 @@ impl KeptRun {
         None
     }
 
+    /// Answers whether the part is done with; else a parcel is to come before.
     fn take_part(
         &mut self,
         stream: StreamId,
         part: &EventItems,
         place: &Place,
-    ) -> Result<(), Trouble> {
+        parcels: &StationParcels,
+    ) -> Result<bool, Trouble> {
         if part.first <= self.taken {
-            return Ok(());
+            return Ok(true);
         }
         let is_whole = self.record.is_some()
             || match self.reader.take(&part.bytes) {
@@ -329,9 +392,11 @@ impl KeptRun {
             };
         if let Some(record) = &self.record {
             match record {
-                AboutRecord::Machine(pack) => {
-                    self.replica.as_ref().map_or(Ok(()), |replica| replica.keep_machine(pack))?;
-                }
+                AboutRecord::Machine(pack) => self.keep_machine(pack, place)?,
+                AboutRecord::Named(machine) => match parcels.pack(*machine) {
+                    Some(pack) => self.keep_machine(&pack, place)?,
+                    None => return Ok(false),
+                },
                 AboutRecord::About(about) if self.about.is_none() => {
                     let is_plain = !about.id.contains(['/', '\0']) && !about.id.starts_with('.');
                     if ids::events_of(&about.id) != stream || !is_plain {
@@ -348,10 +413,19 @@ impl KeptRun {
             self.record = None;
         }
         self.taken = part.first;
-        if is_whole && let Some(replica) = &self.replica {
-            replica.keep_taken(self.taken);
+        if is_whole && let Some(folder) = self.folder(place) {
+            ReplicaRun::keep_taken(&folder, self.taken);
         }
-        Ok(())
+        Ok(true)
+    }
+
+    /// Keeps a machine of the run, also if its runner has died since.
+    fn keep_machine(&self, pack: &Pack, place: &Place) -> Result<(), JournalError> {
+        match (&self.replica, &self.about) {
+            (Some(replica), _) => replica.keep_machine(pack),
+            (None, Some(about)) => ReplicaRun::keep_machine_of(&place.runs, about, pack),
+            (None, None) => Ok(()),
+        }
     }
 
     fn perform(&mut self, stream: StreamId, work: &Work, place: &Place) -> Result<(), Trouble> {

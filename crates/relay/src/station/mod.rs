@@ -7,6 +7,7 @@ mod health;
 mod in_order;
 mod kept_runs;
 mod open_words;
+mod parcels;
 mod received;
 mod replica_run;
 mod robot;

@@ -6,7 +6,7 @@ use rafcon_storage::journal::{
     About, EventItems, JournalError, Options, Pack, Replica, ReplicaError,
 };
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
 
 /// In the folder of a replica: up to which part what is known about the run is here.
@@ -14,7 +14,6 @@ const TAKEN_FILE: &str = "about-parts";
 
 /// Written by one thread, which may wait for the disk.
 pub(super) struct ReplicaRun {
-    folder: PathBuf,
     replica: Replica,
     safe: u64,
     shared: Arc<Shared>,
@@ -31,15 +30,11 @@ impl ReplicaRun {
         give: impl Fn(GivenWord) -> bool + Send + Sync + 'static,
     ) -> Result<Self, JournalError> {
         let folder = runs.join(&about.id);
-        let options = Options {
-            size_max: about.size_max.unwrap_or(Options::default().size_max),
-            ..Options::default()
-        };
-        let replica = Replica::open(&folder, about, &options)?;
+        let replica = Replica::open(&folder, about, &options(about))?;
         let safe = replica.next() - 1;
         let shared = Arc::new(Shared::new(folder.clone(), about, safe, link));
         let viewers = Viewers::open(&folder, Arc::clone(&shared), give)?;
-        Ok(Self { folder, replica, safe, shared, _viewers: viewers })
+        Ok(Self { replica, safe, shared, _viewers: viewers })
     }
 
     /// Keeps a machine of the run.
@@ -47,10 +42,20 @@ impl ReplicaRun {
         self.replica.keep_root(pack).map(drop)
     }
 
-    /// Notes that what is known about the run is kept up to this part.
-    pub(super) fn keep_taken(&self, taken: u64) {
+    /// Keeps a machine of a run that is not open.
+    pub(super) fn keep_machine_of(
+        runs: &Path,
+        about: &About,
+        pack: &Pack,
+    ) -> Result<(), JournalError> {
+        let replica = Replica::open(&runs.join(&about.id), about, &options(about))?;
+        replica.keep_root(pack).map(drop)
+    }
+
+    /// Notes that what is known about the run in this folder is kept up to this part.
+    pub(super) fn keep_taken(folder: &Path, taken: u64) {
         // What is not noted is sent again.
-        drop(fs::write(self.folder.join(TAKEN_FILE), taken.to_string()));
+        drop(fs::write(folder.join(TAKEN_FILE), taken.to_string()));
     }
 
     /// Up to which part what is known about the run in this folder is kept.
@@ -91,4 +96,9 @@ impl ReplicaRun {
         // What could not be closed is like a run whose runner died: complete, and read as such.
         drop(self.replica.close());
     }
+}
+
+fn options(about: &About) -> Options {
+    let usual = Options::default();
+    Options { size_max: about.size_max.unwrap_or(usual.size_max), ..usual }
 }

@@ -5,6 +5,7 @@ use super::health::{health, run_of};
 use super::in_order::InOrder;
 use super::kept_runs::{KeptRuns, Place, Restored};
 use super::open_words::OpenWords;
+use super::parcels::{RestoredParcel, StationParcels};
 use super::received::{Early, Received, StationRun};
 use super::value_disk::FromValueDisk;
 use super::values::StationValues;
@@ -104,11 +105,15 @@ impl StationRobot {
         let values = StationValues::begin(&pairing.robot, places, desk, (number, inbox.clone()));
         let values = values.map_err(|source| RelayError::Thread { source })?;
         let (robot, runs) = (pairing.robot.clone(), settings.runs.clone());
+        let machines = folder.join("machines");
+        let parcels = StationParcels::open(&machines)
+            .map_err(|source| RelayError::Folder { path: machines, source })?;
         let mut kept = KeptRuns::new(
             Place { number, robot, runs, clock, inbox, paired: paired.clone() },
             start,
+            parcels,
         );
-        let restored = kept.restore();
+        let (restored, parcels) = (kept.restore(), kept.restored_parcels());
         let disk = Disk::begin(kept).map_err(|source| RelayError::Thread { source })?;
         let mut robot = Self {
             values,
@@ -135,6 +140,7 @@ impl StationRobot {
             words: OpenWords::default(),
         };
         robot.restore(restored);
+        robot.restore_parcels(parcels);
         Ok(robot)
     }
 
@@ -151,6 +157,18 @@ impl StationRobot {
             }
             if let Some(why) = refused {
                 self.hear_disk(FromDisk::Refused(events, why));
+            }
+        }
+    }
+
+    /// Goes on with the parcels that are here.
+    fn restore_parcels(&mut self, restored: Vec<RestoredParcel>) {
+        for RestoredParcel { stream, parts, is_whole } in restored {
+            self.in_order.restore(stream, parts);
+            if is_whole {
+                self.session.restore_whole(stream, parts);
+            } else {
+                self.session.restore(stream, RangeSet::up_to(parts));
             }
         }
     }
@@ -176,6 +194,12 @@ impl StationRobot {
                 let why = format!("robot {}: {why}", self.name);
                 (self.tell)(&why);
                 self.refused.insert(stream, why);
+            }
+            FromDisk::ParcelsGone(streams) => {
+                for stream in streams {
+                    self.in_order.forget(stream);
+                    self.session.forget(stream);
+                }
             }
             FromDisk::KeyKept(new) => {
                 self.session.use_key(new.key_id, &new.key);
@@ -287,7 +311,7 @@ impl StationRobot {
 
     /// Events or parts: they are given to the disk in order.
     fn take_items(&mut self, stream: StreamId, items: EventItems) {
-        if self.refused.contains_key(&ids::events_beside(stream)) {
+        if self.refused.contains_key(&run_of_stream(stream)) {
             return;
         }
         if let Some(lost) = self.in_order.add(stream, items) {
@@ -297,10 +321,10 @@ impl StationRobot {
     }
 
     fn pass(&mut self, stream: StreamId) {
-        let (disk, is_about) = (&self.disk, ids::is_about(stream));
+        let (disk, is_part) = (&self.disk, stream.is_files() || ids::is_about(stream));
         self.in_order.pass(stream, |items| {
-            let work = if is_about { Work::Part(items) } else { Work::Events(items) };
-            disk.give(ids::events_beside(stream), work).map_err(|work| match work {
+            let work = if is_part { Work::Part(items) } else { Work::Events(items) };
+            disk.give(run_of_stream(stream), work).map_err(|work| match work {
                 Work::Part(items) | Work::Events(items) => items,
                 Work::Check(_) | Work::Close | Work::Leave => {
                     unreachable!("it was not given")
@@ -503,6 +527,11 @@ impl StationRobot {
             run.shared.answer(name, answer);
         }
     }
+}
+
+/// The stream with the events of the run that a stream is of; that of a parcel is of no run.
+fn run_of_stream(stream: StreamId) -> StreamId {
+    if stream.is_files() { stream } else { ids::events_beside(stream) }
 }
 
 /// Whether all that the robot has said about a run besides its events is here.

@@ -26,7 +26,7 @@ pub use moment::{
     ANSWERS_MAX, ActiveStateData, BadMoment, ChildEnd, GroundSilence, Moment, ScopedValue,
     StopRequest, Whole,
 };
-pub use pack::{Hash, Manifest, Pack, Packed};
+pub use pack::{Hash, Manifest, Pack, Packed, Parcel};
 pub use read::{
     Entry, Filter, FilterState, Found, KINDS, Looked, Outline, Reader, RunState, Search, Span,
     Summary, Tally, is_about_values, kind, kind_of, path_of, place_of, run_folders, runs, size_of,

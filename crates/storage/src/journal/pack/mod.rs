@@ -5,11 +5,13 @@
 
 mod carry;
 pub(crate) mod packed;
+mod parcel;
 mod store;
 #[cfg(test)]
 mod tests;
 
 pub use packed::Packed;
+pub use parcel::Parcel;
 pub(super) use store::Roots;
 
 use crate::journal::record::binary::{BinaryReader, BinaryWriter, Broken};

@@ -1,0 +1,86 @@
+//! In which order the robot sends what the station lacks.
+
+use super::outgoing::{Outgoing, Turn};
+use super::source::RunSource;
+use super::values::Values;
+use crate::frame::StreamId;
+use std::collections::BTreeMap;
+
+/// Without an up-link, one in so many datagrams begins with what the runs need besides their events, and one with what may be needed
+/// some day: rounds of a whole history have no end.
+const NEEDED_TURN: u64 = 4;
+const AHEAD_TURN: u64 = 16;
+
+/// When what the station lacks of a stream is sent, beside that of others: in this order.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default)]
+pub enum Rank {
+    /// Events.
+    #[default]
+    Events,
+    /// What runs that are sent need besides.
+    Needed,
+    /// What may be needed some day: after the large values that people ask for.
+    Ahead,
+    /// Runs that were over long ago.
+    Last,
+}
+
+/// The order of streams.
+#[derive(Debug, Default)]
+pub(super) struct Bulk {
+    /// Of those that are not [`Rank::Events`].
+    ranks: BTreeMap<StreamId, Rank>,
+    /// How many datagrams had room.
+    turns: u64,
+}
+
+impl Bulk {
+    pub(super) fn set_rank(&mut self, stream: StreamId, rank: Rank) {
+        self.ranks.insert(stream, rank);
+    }
+
+    pub(super) fn forget(&mut self, stream: StreamId) {
+        self.ranks.remove(&stream);
+    }
+
+    /// Fills the rest of a datagram.
+    pub(super) fn write(
+        &mut self,
+        (streams, values): (&mut BTreeMap<StreamId, Outgoing>, &mut Values),
+        turn: Turn<'_>,
+        source: &mut impl RunSource,
+        payload: &mut Vec<u8>,
+    ) {
+        self.turns += 1;
+        if !turn.is_heard {
+            if self.turns.is_multiple_of(AHEAD_TURN) {
+                self.write_rank(Rank::Ahead, streams, turn, (source, payload));
+            } else if self.turns.is_multiple_of(NEEDED_TURN) {
+                self.write_rank(Rank::Needed, streams, turn, (source, payload));
+            }
+        }
+        self.write_rank(Rank::Events, streams, turn, (source, payload));
+        self.write_rank(Rank::Needed, streams, turn, (source, payload));
+        if turn.is_heard {
+            values.write(turn, source, payload);
+        } else {
+            // Whoever cannot say what arrived would pay for it twice.
+            values.forget();
+        }
+        self.write_rank(Rank::Ahead, streams, turn, (source, payload));
+        self.write_rank(Rank::Last, streams, turn, (source, payload));
+    }
+
+    fn write_rank(
+        &self,
+        rank: Rank,
+        streams: &mut BTreeMap<StreamId, Outgoing>,
+        turn: Turn<'_>,
+        (source, payload): (&mut impl RunSource, &mut Vec<u8>),
+    ) {
+        let is_it = |id: &StreamId| self.ranks.get(id).copied().unwrap_or_default() == rank;
+        for (_, stream) in streams.iter_mut().filter(|(id, _)| is_it(id)) {
+            stream.write_bulk(turn, source, payload);
+        }
+    }
+}

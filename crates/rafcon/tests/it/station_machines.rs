@@ -1,0 +1,120 @@
+//! Machines at a station: there before a run has them, once by the hash of their files.
+
+use crate::harness::{Place, Run};
+use crate::station::{pair, robot_with, station, wait_at_station};
+use rafcon_storage::journal::Pack;
+use serde_json::Value;
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::thread;
+
+/// The names of what lies in a folder; nothing while it is not there.
+fn names(folder: &Path) -> BTreeSet<String> {
+    let entries = fs::read_dir(folder).into_iter().flatten().map(Result::unwrap);
+    entries.map(|entry| entry.file_name().into_string().unwrap()).collect()
+}
+
+/// The hashes of the parcels in a folder; one that is coming is none.
+fn parcels(folder: &Path) -> BTreeSet<String> {
+    let names = names(folder).into_iter();
+    names.filter_map(|name| Some(name.split_once('-')?.1.to_owned())).collect()
+}
+
+/// Waits until the station has this many parcels, the same as the robot.
+fn wait_for_parcels(place: &Place, count: usize) {
+    let at = |folder: &str| parcels(&place.path(folder));
+    let both = || (at("robot/link/robot/machines"), at("ground/link/station/scout/machines"));
+    while !matches!(both(), (robots, stations) if robots.len() == count && robots == stations) {
+        thread::yield_now();
+    }
+}
+
+/// A machine of two scripts, of which one has many bytes that cannot be deflated much.
+fn two_scripts(place: &Place) {
+    let mut noise = String::new();
+    let mut number = 1_u32;
+    for _ in 0..1_500 {
+        number = number.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        noise +=
+            &format!("      # {number:08x}{:08x}{:08x}\n", number.rotate_left(7) ^ 77, !number);
+    }
+    let script = |name: &str, more: &str| {
+        format!(
+            "  execution {name} \"{name}\"\n    outcome done\n    script |\n      def execute(self, inputs, outputs, gvm):\n          return \"done\"\n{more}"
+        )
+    };
+    let machine = format!(
+        "hierarchy ROOT \"Two\"\n  outcome success\n  start -> FIRSTX\n  FIRSTX.done -> SECOND\n  SECOND.done -> .success\n{}{}",
+        script("FIRSTX", ""),
+        script("SECOND", &noise)
+    );
+    let made = Place::with(&machine);
+    fs::create_dir_all(place.path("project")).unwrap();
+    let copied = std::process::Command::new("cp")
+        .args(["-r".as_ref(), made.machine().as_os_str(), place.path("project/two").as_os_str()])
+        .status();
+    assert!(copied.unwrap().success());
+}
+
+/// Runs the machine, and waits until the station has all of it; answers the machines of the run on both sides.
+fn run(place: &Place) -> [Vec<Pack>; 2] {
+    let before = names(&place.path("robot-runs"));
+    let run = Run::of(place.command("run project/two --output json --runs robot-runs"));
+    assert_eq!(run.end().0, Some(0));
+    let new = &names(&place.path("robot-runs")) - &before;
+    let id = new.first().unwrap();
+    wait_at_station(place, "Two  ended with success");
+    let at_station = place.path("ground-runs").join(id);
+    while !place
+        .call("runs --runs ground-runs --json")
+        .stdout
+        .lines()
+        .any(|line| line.contains(id.as_str()) && line.contains("finished"))
+    {
+        thread::yield_now();
+    }
+    [place.path("robot-runs").join(id), at_station].map(|run| Pack::read_after(&run, 0).unwrap())
+}
+
+/// How many bytes of machines the robot has sent since its start, once it says that the station has everything.
+fn machine_bytes(place: &Place) -> u64 {
+    loop {
+        let said = place.call("link --json --state robot").stdout;
+        let report: Value = serde_json::from_str(said.lines().next().unwrap()).unwrap();
+        let runs = report["runs"].as_array().unwrap();
+        if !runs.is_empty() && runs.iter().all(|run| run["missing"] == 0) {
+            return report["sent"]["by_kind"]["machines"].as_u64().unwrap_or(0);
+        }
+        thread::yield_now();
+    }
+}
+
+#[test]
+fn a_machine_is_at_the_station_before_any_run_and_an_edit_sends_what_was_edited() {
+    let place = Place::empty();
+    two_scripts(&place);
+    pair(&place, "scout");
+    let (ground, address) = station(&place, "127.0.0.1:0");
+    let stations = format!("--station udp://{address} project");
+    let first = robot_with(&place, &stations);
+    wait_for_parcels(&place, 1);
+    drop((ground, first));
+    let (ground, _) = station(&place, &address.to_string());
+    let second = robot_with(&place, &stations);
+    let [robots, stations_own] = run(&place);
+    assert_eq!((robots.len(), &robots), (1, &stations_own));
+    assert_eq!(machine_bytes(&place), 0);
+    let states = fs::read_dir(place.path("project/two")).unwrap().map(Result::unwrap);
+    let mut scripts = states.map(|state| state.path().join("script.py"));
+    let is_short = |path: &PathBuf| fs::read(path).is_ok_and(|text| text.len() < 1_000);
+    let script = scripts.find(is_short).unwrap();
+    let text = fs::read_to_string(&script).unwrap();
+    fs::write(&script, format!("{text}# edited\n")).unwrap();
+    let [robots, stations_own] = run(&place);
+    assert_eq!((robots.len(), &robots), (1, &stations_own));
+    let sent = machine_bytes(&place);
+    assert!((1..1_500).contains(&sent), "{sent} bytes of an edit");
+    wait_for_parcels(&place, 2);
+    drop((ground, second));
+}

@@ -1,0 +1,229 @@
+//! What the robot sends of machines: those that its runs have, and ahead of any run those in its projects. A thread of its own reads
+//! and packs them, so that no event waits for it.
+
+use super::follow::FromRun;
+use super::project_machines::{ProjectMachines, Projects};
+use crate::ids;
+use crate::inbox::Input;
+use crate::parcels::{Kept, Parcels};
+use rafcon_link::{Rank, RobotSession, StreamId};
+use rafcon_storage::journal::{Hash, Pack};
+use std::collections::{BTreeMap, BTreeSet};
+use std::io;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::mpsc::{self, Receiver, RecvTimeoutError, Sender, SyncSender};
+use std::thread;
+use std::time::Duration;
+
+/// The projects are looked at this often, while no run needs anything.
+const LOOK_EVERY: Duration = Duration::from_secs(3);
+/// The parcels that nothing needs now go if all are more than so many, or so many bytes.
+const PARCELS_MAX: usize = 32;
+const BYTES_MAX: u64 = 16 << 20;
+
+/// What the thread is told.
+#[derive(Debug)]
+pub(super) enum ParcelWork {
+    /// The run in this folder has the machine with this hash.
+    Needed(NeededMachine, PathBuf),
+    /// The station has this machine of a run.
+    Had(NeededMachine),
+}
+
+/// A machine of a run.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) struct NeededMachine {
+    /// The run was over before the robot had this station.
+    pub(super) is_older: bool,
+    pub(super) machine: Hash,
+}
+
+/// A parcel that is sent.
+#[derive(Debug, Clone)]
+pub(super) struct SentParcel {
+    pub(super) kept: Arc<Kept>,
+    rank: Rank,
+}
+
+/// The parcels on their way, as the relay sees them.
+#[derive(Debug)]
+pub(super) struct SentParcels {
+    maker: Sender<ParcelWork>,
+    sent: BTreeMap<StreamId, SentParcel>,
+    /// What was sent in this start, now or before.
+    begun: BTreeSet<StreamId>,
+}
+
+impl SentParcels {
+    pub(super) fn new(maker: Sender<ParcelWork>) -> Self {
+        Self { maker, sent: BTreeMap::new(), begun: BTreeSet::new() }
+    }
+
+    pub(super) fn tell(&self, work: ParcelWork) {
+        // The thread ends only with this relay.
+        self.maker.send(work).unwrap_or_default();
+    }
+
+    /// These parcels are sent from now on, and no others.
+    pub(super) fn set(&mut self, parcels: Vec<SentParcel>, session: &mut RobotSession) {
+        let sent = parcels.into_iter().map(|parcel| (parcel.kept.stream(), parcel));
+        let before = std::mem::replace(&mut self.sent, sent.collect());
+        for stream in before.keys().filter(|stream| !self.sent.contains_key(stream)) {
+            session.end(*stream);
+        }
+        for (stream, parcel) in &self.sent {
+            if !before.contains_key(stream) {
+                session.begin(*stream, parcel.kept.parts());
+                if !self.begun.insert(*stream) || parcel.kept.is_old {
+                    session.ask_first(*stream);
+                }
+            }
+            session.set_state(*stream, &[], true);
+            session.set_rank(*stream, parcel.rank);
+        }
+    }
+
+    /// Whether the station reports all parcels of a machine.
+    pub(super) fn are_had(&self, machine: Hash, session: &RobotSession) -> bool {
+        let parcels = || self.sent.values().map(|parcel| &parcel.kept);
+        let is_had = |name: &Hash| {
+            let progress = session.progress(ids::parcel(*name));
+            progress.is_some_and(|(_, missing)| missing == 0)
+        };
+        let of_machine = parcels().find(|kept| kept.machine == machine);
+        of_machine.is_some_and(|kept| is_had(&kept.name) && kept.needs.iter().all(is_had))
+    }
+
+    /// A part of a parcel.
+    pub(super) fn part(&self, stream: StreamId, number: u64) -> Option<Vec<u8>> {
+        self.sent.get(&stream)?.kept.part(number)
+    }
+}
+
+struct ParcelMaker {
+    parcels: Parcels,
+    projects: ProjectMachines,
+    /// The machines that runs need, and how many do.
+    needed: BTreeMap<NeededMachine, usize>,
+    inbox: SyncSender<Input<FromRun>>,
+    tell: fn(&str),
+    problem: Option<String>,
+}
+
+/// Begins the thread, which ends with the sender of its work. Parcels lie in this folder.
+pub(super) fn begin(
+    folder: &Path,
+    projects: Projects,
+    inbox: SyncSender<Input<FromRun>>,
+    tell: fn(&str),
+) -> io::Result<Sender<ParcelWork>> {
+    let mut parcels = Parcels::open(folder)?;
+    parcels.drop_incomplete();
+    let (sender, works) = mpsc::channel();
+    let projects = ProjectMachines::new(projects);
+    let needed = BTreeMap::new();
+    let mut maker = ParcelMaker { parcels, projects, needed, inbox, tell, problem: None };
+    let work = move || maker.work(&works);
+    thread::Builder::new().name("parcels".to_owned()).spawn(work)?;
+    Ok(sender)
+}
+
+impl ParcelMaker {
+    fn work(&mut self, works: &Receiver<ParcelWork>) {
+        loop {
+            let looked = self.projects.look(&mut self.parcels);
+            let mut is_new = self.told(looked).unwrap_or(false);
+            let mut next = works.recv_timeout(if is_new { Duration::ZERO } else { LOOK_EVERY });
+            while let Ok(work) = next {
+                self.perform(work);
+                is_new = true;
+                next = works.try_recv().map_err(|error| match error {
+                    mpsc::TryRecvError::Empty => RecvTimeoutError::Timeout,
+                    mpsc::TryRecvError::Disconnected => RecvTimeoutError::Disconnected,
+                });
+            }
+            let is_over = matches!(next, Err(RecvTimeoutError::Disconnected));
+            if is_over || is_new && !self.show() {
+                return;
+            }
+        }
+    }
+
+    fn perform(&mut self, work: ParcelWork) {
+        match work {
+            ParcelWork::Needed(needed, run) => {
+                *self.needed.entry(needed).or_default() += 1;
+                let made = self.make(needed.machine, &run);
+                self.told(made);
+            }
+            ParcelWork::Had(needed) => {
+                if let Some(count) = self.needed.get_mut(&needed) {
+                    *count -= 1;
+                }
+                self.needed.retain(|_, count| *count > 0);
+            }
+        }
+    }
+
+    fn make(&mut self, machine: Hash, run: &Path) -> io::Result<()> {
+        if self.parcels.of_machine(machine).is_some() {
+            return Ok(());
+        }
+        let packs = Pack::read_after(run, 0).map_err(io::Error::other)?;
+        let Some(pack) = packs.iter().find(|pack| pack.manifest.hash() == machine) else {
+            return Ok(());
+        };
+        let all = |hash: &Hash| packs.iter().find_map(|pack| pack.fresh.get(hash));
+        let files = pack.manifest.files().iter();
+        let fresh = files.filter_map(|(_, hash)| Some((*hash, all(hash)?.clone()))).collect();
+        let pack = Pack { manifest: pack.manifest.clone(), fresh };
+        self.parcels.make(&pack).map(drop)
+    }
+
+    /// Says what is wrong, once.
+    fn told<T>(&mut self, done: io::Result<T>) -> Option<T> {
+        let problem = done.as_ref().err().map(|error| {
+            format!("machines are not sent to the station: {error}; make room on the disk, or free the folder `machines` of the link")
+        });
+        if let Some(problem) = problem.as_ref().filter(|_| self.problem != problem) {
+            (self.tell)(problem);
+        }
+        self.problem = problem;
+        done.ok()
+    }
+
+    /// Says which parcels are sent, and drops what nothing needs if there is too much; answers whether anyone listens.
+    fn show(&mut self) -> bool {
+        let of_runs = |is_older: bool| {
+            let needed = self.needed.keys().filter(move |it| it.is_older == is_older);
+            self.with_needs(needed.map(|it| &it.machine))
+        };
+        let ranks = [
+            (Rank::Needed, of_runs(false)),
+            (Rank::Ahead, self.with_needs(self.projects.ahead())),
+            (Rank::Last, of_runs(true)),
+        ];
+        let rank = |kept: &Kept| {
+            let found = ranks.iter().find(|(_, names)| names.contains(&kept.name));
+            found.map(|(rank, _)| *rank)
+        };
+        while self.parcels.all().len() > PARCELS_MAX || self.parcels.bytes() > BYTES_MAX {
+            if self.parcels.drop_oldest(|kept| rank(kept).is_none()).is_none() {
+                break;
+            }
+            self.parcels.drop_incomplete();
+        }
+        let sent =
+            |kept: &Arc<Kept>| Some(SentParcel { kept: Arc::clone(kept), rank: rank(kept)? });
+        let sent = self.parcels.all().iter().filter_map(sent).collect();
+        self.inbox.send(Input::Other(FromRun::Parcels(sent))).is_ok()
+    }
+
+    /// The names of the parcels with these machines, and of those that they need.
+    fn with_needs<'h>(&self, machines: impl IntoIterator<Item = &'h Hash>) -> BTreeSet<Hash> {
+        let of = |machine: &Hash| self.parcels.of_machine(*machine);
+        let found = machines.into_iter().filter_map(of);
+        found.flat_map(|kept| kept.needs.iter().copied().chain([kept.name])).collect()
+    }
+}

@@ -1,0 +1,177 @@
+//! The machines in the projects of a robot's server, which are likely to be run: found by their files, newest first, and packed as a
+//! run would keep them.
+
+use crate::about::PARCEL_MAX;
+use crate::parcels::Parcels;
+use rafcon_storage::files::HEADER;
+use rafcon_storage::journal::Hash;
+use rafcon_storage::{Libraries, Packer, Root, load};
+use std::collections::BTreeMap;
+use std::fs;
+use std::io;
+use std::os::unix::fs::MetadataExt as _;
+use std::path::{Path, PathBuf};
+
+/// So many machines are sent ahead, the newest ones.
+const MACHINES_MAX: usize = 16;
+/// So many bytes of files they have together at most.
+const BYTES_MAX: usize = PARCEL_MAX;
+/// So many files and folders are looked at.
+const ENTRIES_MAX: usize = 50_000;
+
+/// Where a server finds its machines.
+#[derive(Debug, Clone, Default)]
+pub struct Projects {
+    /// The folders with machines.
+    pub folders: Vec<PathBuf>,
+    /// The folders with libraries.
+    pub libraries: Vec<Root>,
+}
+
+/// The machines in projects as they were when they were looked at last.
+#[derive(Debug)]
+pub(super) struct ProjectMachines {
+    projects: Projects,
+    seen: Option<(Stamp, Vec<(Stamp, PathBuf)>)>,
+    packed: BTreeMap<PathBuf, PackedMachine>,
+    /// The hashes of the manifests of those that are sent.
+    ahead: Vec<Hash>,
+}
+
+#[derive(Debug, Clone)]
+struct PackedMachine {
+    /// Of its files and of the libraries.
+    stamps: (Stamp, Stamp),
+    machine: Hash,
+    bytes: usize,
+}
+
+/// When files changed last, and a hash of which files there are, how long, and when each of them changed.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
+struct Stamp {
+    newest: (i64, i64),
+    files: [u8; 32],
+}
+
+impl ProjectMachines {
+    pub(super) fn new(projects: Projects) -> Self {
+        Self { projects, seen: None, packed: BTreeMap::new(), ahead: Vec::new() }
+    }
+
+    /// The hashes of the manifests of those that are sent.
+    pub(super) fn ahead(&self) -> &[Hash] {
+        &self.ahead
+    }
+
+    /// Makes parcels of those that have changed; answers whether any have.
+    pub(super) fn look(&mut self, parcels: &mut Parcels) -> io::Result<bool> {
+        let mut left = ENTRIES_MAX;
+        let roots = self.projects.libraries.iter().map(|root| root.dir.clone()).collect::<Vec<_>>();
+        let libraries = stamp(&roots, &mut left);
+        let mut found = Vec::new();
+        for folder in &self.projects.folders {
+            find_machines(folder, &roots, &mut left, &mut found);
+        }
+        found.sort_by(|a, b| b.cmp(a));
+        found.truncate(MACHINES_MAX);
+        let seen = Some((libraries.clone(), found.clone()));
+        if self.seen == seen {
+            return Ok(false);
+        }
+        let (mut room, mut ahead, mut packed) = (BYTES_MAX, Vec::new(), BTreeMap::new());
+        for (files, folder) in found {
+            let stamps = (files, libraries.clone());
+            let before = self.packed.get(&folder).filter(|before| before.stamps == stamps);
+            let Some(machine) = (match before {
+                Some(before) => Some(before.clone()),
+                None => self.pack(&folder, stamps, room, parcels)?,
+            }) else {
+                continue;
+            };
+            if machine.bytes <= room {
+                room -= machine.bytes;
+                ahead.push(machine.machine);
+            }
+            packed.insert(folder, machine);
+        }
+        (self.seen, self.packed, self.ahead) = (seen, packed, ahead);
+        Ok(true)
+    }
+
+    /// Makes a parcel of a machine, if it can be read.
+    fn pack(
+        &self,
+        folder: &Path,
+        stamps: (Stamp, Stamp),
+        room: usize,
+        parcels: &mut Parcels,
+    ) -> io::Result<Option<PackedMachine>> {
+        let roots = self.projects.libraries.clone();
+        let homes = roots.iter().map(|root| real(&root.dir));
+        let homes = homes.chain(self.projects.folders.iter().map(|folder| real(folder))).collect();
+        let libraries = Libraries::new(roots).within(homes);
+        let Ok(loaded) = load(folder, &libraries) else { return Ok(None) };
+        let pack = Packer::default().pack(&loaded.machine, Some(&loaded.saved), &libraries);
+        let (machine, bytes) = (pack.manifest.hash(), pack.fresh.values().map(Vec::len).sum());
+        if bytes <= room {
+            parcels.make(&pack)?;
+        }
+        Ok(Some(PackedMachine { stamps, machine, bytes }))
+    }
+}
+
+fn real(folder: &Path) -> PathBuf {
+    fs::canonicalize(folder).unwrap_or_else(|_gone| folder.to_owned())
+}
+
+/// Adds the machines in a folder that are not in `hidden`; a link is not followed.
+fn find_machines(
+    folder: &Path,
+    hidden: &[PathBuf],
+    left: &mut usize,
+    found: &mut Vec<(Stamp, PathBuf)>,
+) {
+    let mut open = vec![folder.to_owned()];
+    while let Some(folder) = open.pop().filter(|_| *left > 0) {
+        if folder.join(HEADER).symlink_metadata().is_ok_and(|header| header.is_file()) {
+            found.push((stamp(std::slice::from_ref(&folder), left), folder));
+            continue;
+        }
+        for entry in fs::read_dir(&folder).into_iter().flatten().flatten() {
+            *left = left.saturating_sub(1);
+            let name = entry.file_name();
+            let is_hidden = name.as_encoded_bytes().starts_with(b".");
+            let is_folder = entry.file_type().is_ok_and(|kind| kind.is_dir());
+            if is_folder && !is_hidden && !hidden.contains(&entry.path()) {
+                open.push(entry.path());
+            }
+        }
+    }
+}
+
+/// How the files in these folders are.
+fn stamp(folders: &[PathBuf], left: &mut usize) -> Stamp {
+    let (mut newest, mut files) = ((0, 0), Vec::new());
+    let mut open = folders.to_vec();
+    while let Some(folder) = open.pop().filter(|_| *left > 0) {
+        for entry in fs::read_dir(&folder).into_iter().flatten().flatten() {
+            *left = left.saturating_sub(1);
+            let Ok(about) = entry.metadata() else { continue };
+            if about.is_dir() {
+                open.push(entry.path());
+                continue;
+            }
+            let changed = (about.mtime(), about.mtime_nsec());
+            newest = newest.max(changed);
+            files.push((entry.path(), changed, about.len()));
+        }
+    }
+    files.sort();
+    let mut hasher = blake3::Hasher::new();
+    for (path, (seconds, nanos), length) in files {
+        hasher.update(path.as_os_str().as_encoded_bytes()).update(&[0]);
+        hasher.update(&seconds.to_le_bytes()).update(&nanos.to_le_bytes());
+        hasher.update(&length.to_le_bytes());
+    }
+    Stamp { newest, files: *hasher.finalize().as_bytes() }
+}
