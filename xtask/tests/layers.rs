@@ -10,7 +10,7 @@ use serde_json::Value;
 const TESTKIT: &str = "rafcon-testkit";
 
 /// Each package and the packages of this workspace that it may name, for building and for testing.
-const LAYERS: [(&str, &[&str]); 15] = [
+const LAYERS: [(&str, &[&str]); 16] = [
     ("rafcon-model", &[]),
     // Bytes and numbers only.
     ("rafcon-link", &[]),
@@ -33,6 +33,8 @@ const LAYERS: [(&str, &[&str]); 15] = [
         "rafcon-python",
         &["rafcon-runner", "rafcon-storage", "rafcon-engine", "rafcon-protocol", "rafcon-model"],
     ),
+    // Plans and PDDL, pure.
+    ("rafcon-planner", &["rafcon-model"]),
     // What starts runners and follows them, for the two programs that do.
     ("rafcon-supervisor", &["rafcon-storage", "rafcon-protocol", "rafcon-model"]),
     // The one checker of machines, for the two programs that tell people what it finds.

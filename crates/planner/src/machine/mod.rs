@@ -1,0 +1,309 @@
+//! The machine of a plan: library states in the order that the plan needs, and ways out where one fails.
+
+mod layout;
+mod step;
+mod values;
+mod wiring;
+
+pub use values::Data;
+
+use crate::finding::Finding;
+use crate::merge::Pool;
+use crate::pddl::Name;
+use crate::plan::Plan;
+use crate::skill::{Recovery, Then};
+use crate::structure::Structure;
+use crate::task::Task;
+use rafcon_model::{
+    DECIDER_ID, DataType, Kind, OutcomeId, Port, PortId, RuntimeValue, RuntimeValues, Script,
+    State, StateId, StatePath, Target, Value,
+};
+use smol_str::SmolStr;
+use std::sync::Arc;
+use wiring::{Draft, Ids, SUCCESS, Sized, with_outcomes};
+
+/// A goal that is reached already.
+const NOTHING: &str = include_str!("scripts/nothing.py");
+const DECIDE: &str = include_str!("scripts/decide.py");
+
+/// The root of a library by its path and name; `Err` is the reason why there is none.
+pub type FindLibrary<'b> = &'b dyn Fn(&str) -> Result<Arc<State>, String>;
+
+/// What a machine is made of.
+#[derive(Clone, Copy)]
+pub struct Build<'b> {
+    /// The name of the machine.
+    pub name: &'b str,
+    /// Domain and problem.
+    pub task: &'b Task,
+    /// The skills.
+    pub pool: &'b Pool,
+    /// A valid plan.
+    pub plan: &'b Plan,
+    /// What of it is done in sequence and what at the same time.
+    pub structure: &'b Structure,
+    /// The runtime data of objects.
+    pub data: &'b Data,
+    /// For skills that declare nothing.
+    pub recovery: Recovery,
+    /// Where failures are planned around.
+    pub replanning: Option<&'b Replanning>,
+    /// Finds the libraries that check preconditions.
+    pub library: FindLibrary<'b>,
+}
+
+impl std::fmt::Debug for Build<'_> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Build").field("name", &self.name).finish_non_exhaustive()
+    }
+}
+
+/// How a machine plans again while it runs.
+#[derive(Debug, Clone)]
+pub struct Replanning {
+    /// The library whose output `facts` is the world as it is now.
+    pub observe: (SmolStr, Arc<State>),
+    /// The library that plans again.
+    pub replan: (SmolStr, Arc<State>),
+    /// Its inputs, by name.
+    pub inputs: Vec<(SmolStr, Value)>,
+}
+
+/// Why there is no machine.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum BuildError {
+    /// No skill has this action.
+    #[error("no skill has the action `{0}`")]
+    NoSkill(Name),
+    /// A library is missing.
+    #[error("the library {library} is missing: {reason}")]
+    NoLibrary {
+        /// Which one.
+        library: SmolStr,
+        /// Why.
+        reason: String,
+    },
+    /// A library lacks a port.
+    #[error("the library {library} has no {direction} `{port}`: add it")]
+    NoPort {
+        /// Which one.
+        library: SmolStr,
+        /// Input or output.
+        direction: &'static str,
+        /// Which port.
+        port: SmolStr,
+    },
+    /// A skill replans, and nobody said how.
+    #[error("{0} plans again when it fails: name the library that observes the facts")]
+    NoObserver(SmolStr),
+    /// A port cannot be set.
+    #[error("{0}")]
+    Value(String),
+}
+
+impl From<Finding> for BuildError {
+    fn from(finding: Finding) -> Self {
+        Self::Value(format!("{}: {}", finding.libraries.join(", "), finding.text))
+    }
+}
+
+/// A machine, and where each step of the plan is in it.
+#[derive(Debug, Clone)]
+pub struct Built {
+    /// The outermost state.
+    pub root: State,
+    /// The paths of the steps, in the order of the plan.
+    pub steps: Vec<StatePath>,
+}
+
+/// Makes the machine. The same plan gives the same machine.
+pub fn build(build: &Build<'_>) -> Result<Built, BuildError> {
+    let mut ids = Ids::new(u64::try_from(build.plan.steps.len()).unwrap_or_default());
+    let mut steps = vec![StatePath(Vec::new()); build.plan.steps.len()];
+    let mut draft = Draft::new(ids.next());
+    let root = StatePath::root(draft.id.clone());
+    let replanning = build.replanning;
+    let mut again = None;
+    let failed = match replanning {
+        Some(replanning) => {
+            let (observe, replanned) = replan(&mut draft, &mut ids, replanning)?;
+            again = replanned;
+            Target::State(observe)
+        }
+        None => match build.pool.skills.iter().find(|skill| replans(build, skill)) {
+            Some(skill) => return Err(BuildError::NoObserver(skill.library.clone())),
+            None => Target::Outcome(OutcomeId::ABORTED),
+        },
+    };
+    let parts = match build.structure {
+        Structure::Series(parts) => parts.as_slice(),
+        other => std::slice::from_ref(other),
+    };
+    let mut maker = Maker { build, ids, steps: &mut steps };
+    let first = maker.series(&mut draft, &root, parts, &failed)?;
+    if let Some((state, outcome)) = again {
+        // The library leads it to the first step of its plan.
+        draft.line((&state, outcome), Target::State(first));
+    }
+    let mut root = draft.finish(build.name, Kind::Hierarchy, &["success"]);
+    root.state.layout = layout::entry((0.0, 0.0), root.size, true);
+    Ok(Built { root: root.state, steps })
+}
+
+fn replans(build: &Build<'_>, skill: &crate::skill::Skill) -> bool {
+    let is_used = build.plan.steps.iter().any(|step| step.action == skill.action.name);
+    is_used && skill.recovery.unwrap_or(build.recovery).then == Then::Replan
+}
+
+/// The states that observe and plan again; returns the first, and the last with its outcome that there is another plan.
+fn replan(
+    draft: &mut Draft,
+    ids: &mut Ids,
+    replanning: &Replanning,
+) -> Result<(StateId, Option<(StateId, OutcomeId)>), BuildError> {
+    let (observe, observer) = &replanning.observe;
+    let (replan, planner) = &replanning.replan;
+    let no_port = |library: &SmolStr, direction, port: &str| BuildError::NoPort {
+        library: library.clone(),
+        direction,
+        port: port.into(),
+    };
+    let told =
+        observer.outputs.by_name("facts").ok_or_else(|| no_port(observe, "output", "facts"))?;
+    let heard = planner.inputs.by_name("facts").ok_or_else(|| no_port(replan, "input", "facts"))?;
+    let mut values: RuntimeValues = planner
+        .inputs
+        .iter()
+        .map(|port| (port.id, RuntimeValue { value: port.default.clone(), used: false }))
+        .collect();
+    for (name, value) in &replanning.inputs {
+        let port = planner.inputs.by_name(name).ok_or_else(|| no_port(replan, "input", name))?;
+        values.insert(port.id, RuntimeValue { value: value.clone(), used: true });
+    }
+    let first = draft.add(Sized::leaf(step::library(
+        ids.next(),
+        "Observe",
+        observe,
+        observer,
+        RuntimeValues::new(),
+    )));
+    let second =
+        draft.add(Sized::leaf(step::library(ids.next(), "Plan again", replan, planner, values)));
+    let seen = crate::skill::done(observer).map_or(SUCCESS, |outcome| outcome.id);
+    draft.line((&first, seen), Target::State(second.clone()));
+    draft.failures(&first, seen, &Target::Outcome(OutcomeId::ABORTED));
+    draft.flow((&first, told.id), (&second, heard.id));
+    for outcome in &planner.outcomes {
+        match outcome.name.as_str() {
+            "replanned" | "preempted" => {}
+            "reached" => draft.line((&second, outcome.id), Target::Outcome(SUCCESS)),
+            _ => draft.line((&second, outcome.id), Target::Outcome(OutcomeId::ABORTED)),
+        }
+    }
+    let replanned = planner.outcomes.by_name("replanned").map(|outcome| (second, outcome.id));
+    Ok((first, replanned))
+}
+
+struct Maker<'b> {
+    build: &'b Build<'b>,
+    ids: Ids,
+    steps: &'b mut [StatePath],
+}
+
+impl Maker<'_> {
+    /// Puts parts one after the other into a hierarchy; returns the first.
+    fn series(
+        &mut self,
+        draft: &mut Draft,
+        path: &StatePath,
+        parts: &[Structure],
+        failed: &Target,
+    ) -> Result<StateId, BuildError> {
+        let mut before: Option<(StateId, OutcomeId)> = None;
+        let mut first = None;
+        for part in parts {
+            let (child, done) = self.part(path, part)?;
+            let id = draft.add(child);
+            first.get_or_insert_with(|| id.clone());
+            match &before {
+                Some((state, done)) => draft.line((state, *done), Target::State(id.clone())),
+                None => draft.start(&id),
+            }
+            draft.failures(&id, done, failed);
+            before = Some((id, done));
+        }
+        if let Some((first, (state, done))) = first.zip(before) {
+            draft.line((&state, done), Target::Outcome(SUCCESS));
+            return Ok(first);
+        }
+        let nothing = wiring::script(self.ids.next(), "Nothing to do", NOTHING, &["success"]);
+        let id = draft.add(Sized::leaf(nothing));
+        draft.start(&id);
+        draft.line((&id, SUCCESS), Target::Outcome(SUCCESS));
+        Ok(id)
+    }
+
+    /// A part as a state, and the outcome by which it is done.
+    fn part(
+        &mut self,
+        path: &StatePath,
+        part: &Structure,
+    ) -> Result<(Sized, OutcomeId), BuildError> {
+        match part {
+            Structure::Step(index) => {
+                let (state, done) = step::state(self.build, &mut self.ids, *index)?;
+                if let Some(slot) = self.steps.get_mut(*index) {
+                    *slot = path.child(state.state.id.clone());
+                }
+                Ok((state, done))
+            }
+            Structure::Series(parts) => {
+                let mut draft = Draft::new(self.ids.next());
+                let path = path.child(draft.id.clone());
+                self.series(&mut draft, &path, parts, &Target::Outcome(OutcomeId::ABORTED))?;
+                Ok((
+                    draft.finish(&self.name(part, " then "), Kind::Hierarchy, &["success"]),
+                    SUCCESS,
+                ))
+            }
+            Structure::Parallel(parts) => {
+                let mut draft = Draft::new(self.ids.next());
+                let path = path.child(draft.id.clone());
+                let decider = StateId::new(DECIDER_ID);
+                let mut wanted = Vec::new();
+                for part in parts {
+                    let (child, done) = self.part(&path, part)?;
+                    let name = child.state.outcomes.get(done).map(|outcome| outcome.name.clone());
+                    wanted.push((
+                        Value::str(child.state.id.as_str()),
+                        Value::str(&name.unwrap_or_default()),
+                    ));
+                    let id = draft.add(child);
+                    draft.line((&id, done), Target::State(decider.clone()));
+                    draft.failures(&id, done, &Target::State(decider.clone()));
+                }
+                let script = Script { text: Some(DECIDE.into()) };
+                let mut state = State::new(decider, "Decider", Kind::Decider(script));
+                let wanted = Value::Dict(wanted.into());
+                state.inputs.insert(Port::new(PortId(0), "wanted", DataType::Dict, wanted));
+                let decider = draft.add(Sized::leaf(with_outcomes(state, &["success"])));
+                draft.line((&decider, SUCCESS), Target::Outcome(SUCCESS));
+                draft.line((&decider, OutcomeId::ABORTED), Target::Outcome(OutcomeId::ABORTED));
+                Ok((draft.finish(&self.name(part, ", "), Kind::Barrier, &["success"]), SUCCESS))
+            }
+        }
+    }
+
+    /// The name of a container: what is in it, or how much of it.
+    fn name(&self, part: &Structure, between: &str) -> String {
+        let steps = part.steps();
+        let titles = steps.iter().filter_map(|step| {
+            let skill = self.build.pool.skill(&self.build.plan.steps[*step].action)?;
+            Some(step::title(self.build, skill, *step))
+        });
+        match steps.len() {
+            0..=3 => titles.collect::<Vec<_>>().join(between),
+            many => format!("{many} steps"),
+        }
+    }
+}

@@ -1,0 +1,57 @@
+//! What the input ports of a step are set to: the runtime data of its objects, else their names.
+
+use crate::finding::Finding;
+use crate::pddl::Object;
+use crate::plan::{Step, spelling};
+use crate::skill::{self, Skill};
+use rafcon_model::{DataType, Port, RuntimeValue, RuntimeValues, State, Value};
+use smol_str::SmolStr;
+
+/// The runtime data of objects, by their names.
+pub type Data = [(SmolStr, Value)];
+
+/// The values of a library state for a step. `library` is the skill's own, or one that checks it.
+pub(super) fn of(
+    skill: &Skill,
+    (library, root): (&SmolStr, &State),
+    step: &Step,
+    objects: &[Object],
+    data: &Data,
+) -> Result<RuntimeValues, Finding> {
+    let mut values = RuntimeValues::new();
+    for (parameter, name) in skill.action.parameters.iter().zip(&step.objects) {
+        let Some(port) = skill::port(root, &parameter.name) else { continue };
+        let known = data
+            .iter()
+            .find(|(object, _)| object.eq_ignore_ascii_case(name))
+            .map(|(_, value)| value);
+        let value = fitting(port, known, &spelling(name, objects)).ok_or_else(|| {
+            let text = format!(
+                "the input `{}` takes {}, and the runtime data of `{name}` has none: give one",
+                port.name, port.data_type
+            );
+            Finding::error(&[library], text)
+        })?;
+        values.insert(port.id, RuntimeValue { value, used: true });
+    }
+    for port in &root.inputs {
+        values
+            .entry(port.id)
+            .or_insert_with(|| RuntimeValue { value: port.default.clone(), used: false });
+    }
+    Ok(values)
+}
+
+fn fitting(port: &Port, known: Option<&Value>, name: &str) -> Option<Value> {
+    let anything = matches!(port.data_type, DataType::Object | DataType::None | DataType::Named(_));
+    let fits = |value: &Value| match DataType::of(value) {
+        Some(data_type) => {
+            anything
+                || data_type == port.data_type
+                || (data_type, &port.data_type) == (DataType::Int, &DataType::Float)
+        }
+        None => anything,
+    };
+    let named = || (anything || port.data_type == DataType::Str).then(|| Value::str(name));
+    known.filter(|value| fits(value)).cloned().or_else(named)
+}

@@ -1,0 +1,135 @@
+//! Problems: objects, facts and a goal.
+
+use super::action::condition;
+use super::number::{atom, number};
+use super::signature::typed;
+use super::text::{Expression, PddlError, lower, read_one};
+use super::{Atom, Condition, Name, Number};
+use smol_str::SmolStr;
+
+/// Something in the world.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Object {
+    /// In lower case.
+    pub name: Name,
+    /// As it was written.
+    pub spelling: SmolStr,
+    /// Its type; `object` where none was given.
+    pub kind: Name,
+}
+
+/// A world and what is wanted of it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Problem {
+    /// Its name.
+    pub name: Name,
+    /// The domain that it names.
+    pub domain: Name,
+    /// All objects.
+    pub objects: Vec<Object>,
+    /// What is a fact now.
+    pub facts: Vec<Atom>,
+    /// The numbers now.
+    pub numbers: Vec<(Atom, f64)>,
+    /// What is wanted.
+    pub goal: Condition,
+    /// `minimize …` or `maximize …`, as it was written.
+    pub metric: Option<String>,
+}
+
+/// Reads a condition, such as a goal.
+pub fn read_condition(text: &str) -> Result<Condition, PddlError> {
+    condition(&read_one(text, "a condition such as `(and (at kitchen bob))`")?)
+}
+
+/// Reads `(define (problem …) …)`; a goal may be missing, and then asks for nothing.
+pub fn read_problem(text: &str) -> Result<Problem, PddlError> {
+    let expression = read_one(text, "a problem: `(define (problem …) …)`")?;
+    let (define, rest) = expression.head()?;
+    if define != "define" {
+        return Err(expression.error("a problem begins with `(define (problem NAME) …`"));
+    }
+    let mut problem = Problem {
+        name: Name::default(),
+        domain: Name::default(),
+        objects: Vec::new(),
+        facts: Vec::new(),
+        numbers: Vec::new(),
+        goal: Condition::nothing(),
+        metric: None,
+    };
+    for part in rest {
+        let (name, rest) = part.head()?;
+        let word = || rest.first().and_then(Expression::word).unwrap_or_default();
+        match name.as_str() {
+            "problem" => problem.name = word(),
+            "domain" => {
+                return Err(part
+                    .error("this is a domain: the facts are a problem, `(define (problem …) …)`"));
+            }
+            ":domain" => problem.domain = word(),
+            ":requirements" => {}
+            ":objects" => problem.objects = objects(rest)?,
+            ":init" => rest.iter().try_for_each(|fact| add_fact(&mut problem, fact))?,
+            ":goal" => {
+                let goal = rest.first().ok_or_else(|| part.error("the goal is empty"))?;
+                problem.goal = condition(goal)?;
+            }
+            ":metric" => {
+                problem.metric = Some(rest.iter().map(written).collect::<Vec<_>>().join(" "))
+            }
+            _ => return Err(part.error(format!("`{name}` is not known in a problem"))),
+        }
+    }
+    Ok(problem)
+}
+
+fn objects(items: &[Expression]) -> Result<Vec<Object>, PddlError> {
+    let mut all: Vec<Object> = Vec::new();
+    for (item, types) in typed(items)? {
+        let spelling = item.spelling().cloned().unwrap_or_default();
+        let name = lower(&spelling);
+        if all.iter().any(|other| other.name == name) {
+            return Err(item.error(format!(
+                "the object `{spelling}` is there twice: capitals make no difference"
+            )));
+        }
+        let kind = match types.as_slice() {
+            [] => super::OBJECT.into(),
+            [one] => one.clone(),
+            _ => return Err(item.error(format!("the object `{spelling}` needs one type"))),
+        };
+        all.push(Object { name, spelling, kind });
+    }
+    Ok(all)
+}
+
+fn add_fact(problem: &mut Problem, expression: &Expression) -> Result<(), PddlError> {
+    let (name, rest) = expression.head()?;
+    match (name.as_str(), rest) {
+        ("=", [function, value]) => match number(value)? {
+            Number::Literal(value) => problem.numbers.push((atom(function)?, value)),
+            _ => return Err(value.error("a number is expected here")),
+        },
+        ("not", _) => {}
+        ("at", [time, _]) if time.word().is_some_and(|word| word.parse::<f64>().is_ok()) => {
+            return Err(expression.error("facts that come later in time are not known here"));
+        }
+        _ => {
+            let fact = atom(expression)?;
+            if !problem.facts.contains(&fact) {
+                problem.facts.push(fact);
+            }
+        }
+    }
+    Ok(())
+}
+
+fn written(expression: &Expression) -> String {
+    match expression {
+        Expression::Word(word, _) => lower(word).into(),
+        Expression::List(items, _) => {
+            format!("({})", items.iter().map(written).collect::<Vec<_>>().join(" "))
+        }
+    }
+}

@@ -1,0 +1,213 @@
+//! What is planned: a domain and a problem that fit each other.
+
+use crate::finding::Finding;
+use crate::ground::{Binding, Ground, World};
+use crate::pddl::{Action, Atom, Condition, Domain, Name, Number, Problem, Signature, Term, Typed};
+use crate::plan::Step;
+use std::collections::BTreeSet;
+
+/// A domain with a problem.
+#[derive(Debug, Clone)]
+pub struct Task {
+    /// What can be done.
+    pub domain: Domain,
+    /// What is there, and what is wanted.
+    pub problem: Problem,
+}
+
+impl Task {
+    /// Puts both together. Facts that no action knows of are left out, as a warning says; whatever else does not fit is an error.
+    pub fn new(domain: Domain, mut problem: Problem) -> (Self, Vec<Finding>) {
+        let mut findings = Vec::new();
+        problem.domain = domain.name.clone();
+        if problem.name.is_empty() {
+            problem.name = "problem".into();
+        }
+        check_objects(&domain, &problem, &mut findings);
+        let facts = std::mem::take(&mut problem.facts);
+        let (known, unknown) =
+            facts.into_iter().partition(|fact| knows(&domain.predicates, &fact.name));
+        problem.facts = known;
+        let numbers = std::mem::take(&mut problem.numbers);
+        let (known, more) =
+            numbers.into_iter().partition(|(fact, _)| knows(&domain.functions, &fact.name));
+        problem.numbers = known;
+        let unknown: Vec<Atom> = unknown;
+        let left: BTreeSet<Name> = unknown
+            .into_iter()
+            .chain(more.into_iter().map(|(fact, _)| fact))
+            .map(|fact| fact.name)
+            .collect();
+        findings.extend(left.into_iter().map(|name| {
+            Finding::warning(
+                &[],
+                format!("facts: no skill knows `{name}`: facts with it are left out"),
+            )
+        }));
+        for fact in &problem.facts {
+            check_atom(&domain, &problem, &domain.predicates, fact, &[], ("facts", &mut findings));
+        }
+        for (fact, _) in &problem.numbers {
+            check_atom(&domain, &problem, &domain.functions, fact, &[], ("facts", &mut findings));
+        }
+        check_goal(&domain, &problem, &problem.goal, &mut Vec::new(), &mut findings);
+        (Self { domain, problem }, findings)
+    }
+
+    pub(crate) fn ground(&self) -> Ground<'_> {
+        Ground { domain: &self.domain, objects: &self.problem.objects }
+    }
+
+    /// The world as it is now.
+    pub fn world(&self) -> World {
+        World::new(&self.problem)
+    }
+
+    /// The action of a step with what its variables stand for; `Err` says what does not fit.
+    pub(crate) fn bind(&self, step: &Step) -> Result<(&Action, Binding), String> {
+        let action = self
+            .domain
+            .action(&step.action)
+            .ok_or_else(|| format!("there is no action `{}`", step.action))?;
+        if action.parameters.len() != step.objects.len() {
+            return Err(format!(
+                "`{}` takes {} objects, not {}",
+                action.name,
+                action.parameters.len(),
+                step.objects.len()
+            ));
+        }
+        let mut binding =
+            Binding { objects: Vec::new(), duration: step.duration.unwrap_or_default() };
+        for (parameter, name) in action.parameters.iter().zip(&step.objects) {
+            let object = self.problem.objects.iter().find(|object| object.name == *name);
+            let object = object.ok_or_else(|| format!("there is no object `{name}`"))?;
+            if !self.domain.fits(&object.kind, &parameter.types) {
+                return Err(format!(
+                    "`{name}` is a {}, and `?{}` takes {}",
+                    object.kind,
+                    parameter.name,
+                    parameter.types.join(" or ")
+                ));
+            }
+            binding.objects.push((parameter.name.clone(), name.clone()));
+        }
+        Ok((action, binding))
+    }
+}
+
+fn knows(signatures: &[Signature], name: &str) -> bool {
+    signatures.iter().any(|signature| signature.name == name)
+}
+
+fn check_objects(domain: &Domain, problem: &Problem, findings: &mut Vec<Finding>) {
+    for object in &problem.objects {
+        if object.kind != crate::pddl::OBJECT
+            && !domain.types.iter().any(|(name, _)| *name == object.kind)
+        {
+            let known: Vec<_> = domain.types.iter().map(|(name, _)| name.as_str()).collect();
+            let text = format!(
+                "facts: `{}` is a `{}`, which is no type; there are {}",
+                object.spelling,
+                object.kind,
+                known.join(", ")
+            );
+            findings.push(Finding::error(&[], text));
+        }
+    }
+}
+
+/// Checks an atom of facts or goal against the signatures.
+fn check_atom(
+    domain: &Domain,
+    problem: &Problem,
+    signatures: &[Signature],
+    atom: &Atom,
+    variables: &[Typed],
+    (place, findings): (&str, &mut Vec<Finding>),
+) {
+    let mut wrong = |text: String| findings.push(Finding::error(&[], format!("{place}: {text}")));
+    let Some(signature) = signatures.iter().find(|signature| signature.name == atom.name) else {
+        let known: Vec<_> = signatures.iter().map(ToString::to_string).collect();
+        return wrong(format!("no skill knows `{atom}`; there are {}", known.join(" ")));
+    };
+    if signature.arguments.len() != atom.arguments.len() {
+        return wrong(format!("`{atom}` does not fit `{signature}`"));
+    }
+    for (wanted, term) in signature.arguments.iter().zip(&atom.arguments) {
+        let fits = match term {
+            Term::Variable(name) => match variables.iter().find(|typed| typed.name == *name) {
+                Some(typed) => {
+                    typed.types.is_empty()
+                        || typed.types.iter().any(|kind| domain.fits(kind, &wanted.types))
+                }
+                None => {
+                    wrong(format!("`?{name}` in `{atom}` stands for nothing"));
+                    continue;
+                }
+            },
+            Term::Object(name) => {
+                match problem.objects.iter().find(|object| object.name == *name) {
+                    Some(object) => domain.fits(&object.kind, &wanted.types),
+                    None => {
+                        wrong(format!(
+                            "`{atom}` names `{name}`, which is no object: add it to `(:objects …)`"
+                        ));
+                        continue;
+                    }
+                }
+            }
+        };
+        if !fits {
+            wrong(format!("`{term}` in `{atom}` is no {}", wanted.types.join(" or ")));
+        }
+    }
+}
+
+fn check_goal(
+    domain: &Domain,
+    problem: &Problem,
+    goal: &Condition,
+    variables: &mut Vec<Typed>,
+    findings: &mut Vec<Finding>,
+) {
+    match goal {
+        Condition::Fact(atom) => {
+            check_atom(domain, problem, &domain.predicates, atom, variables, ("goal", findings));
+        }
+        Condition::Same(..) => {}
+        Condition::Not(inner) => check_goal(domain, problem, inner, variables, findings),
+        Condition::And(parts) | Condition::Or(parts) => {
+            parts.iter().for_each(|part| check_goal(domain, problem, part, variables, findings));
+        }
+        Condition::Forall(names, inner) | Condition::Exists(names, inner) => {
+            let outer = variables.len();
+            variables.extend_from_slice(names);
+            check_goal(domain, problem, inner, variables, findings);
+            variables.truncate(outer);
+        }
+        Condition::Compare(_, a, b) => {
+            for number in [a, b] {
+                check_number(domain, problem, number, variables, findings);
+            }
+        }
+    }
+}
+
+fn check_number(
+    domain: &Domain,
+    problem: &Problem,
+    number: &Number,
+    variables: &[Typed],
+    findings: &mut Vec<Finding>,
+) {
+    match number {
+        Number::Literal(_) | Number::Duration => {}
+        Number::Function(atom) => {
+            check_atom(domain, problem, &domain.functions, atom, variables, ("goal", findings));
+        }
+        Number::Combined(_, parts) => {
+            parts.iter().for_each(|part| check_number(domain, problem, part, variables, findings));
+        }
+    }
+}
