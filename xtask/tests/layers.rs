@@ -36,7 +36,7 @@ const LAYERS: [(&str, &[&str]); 16] = [
     // Plans and PDDL, pure.
     ("rafcon-planner", &["rafcon-model"]),
     // What starts runners and follows them, for the two programs that do.
-    ("rafcon-supervisor", &["rafcon-storage", "rafcon-protocol", "rafcon-model"]),
+    ("rafcon-supervisor", &["rafcon-planner", "rafcon-storage", "rafcon-protocol", "rafcon-model"]),
     // The one checker of machines, for the two programs that tell people what it finds.
     ("rafcon-check", &["rafcon-storage", "rafcon-protocol", "rafcon-model"]),
     // Starts runners as processes: never the extension, the runner or the engine.

@@ -3,7 +3,8 @@
 use crate::finding::Finding;
 use crate::ground::{Binding, Ground, World};
 use crate::pddl::{Action, Atom, Condition, Domain, Name, Number, Problem, Signature, Term, Typed};
-use crate::plan::Step;
+use crate::plan::{Step, spelling};
+use smol_str::SmolStr;
 use std::collections::BTreeSet;
 
 /// A domain with a problem.
@@ -61,6 +62,11 @@ impl Task {
     /// The world as it is now.
     pub fn world(&self) -> World {
         World::new(&self.problem)
+    }
+
+    /// How people wrote the name of an object.
+    pub fn spelling(&self, name: &str) -> SmolStr {
+        spelling(name, &self.problem.objects)
     }
 
     /// The action of a step with what its variables stand for; `Err` says what does not fit.

@@ -2,6 +2,7 @@
 
 mod kept;
 mod link;
+mod plan;
 mod remote;
 mod serve;
 
@@ -9,6 +10,7 @@ pub(crate) use kept::{
     Compare, Export, ExportFormat, History, KeptRun, ListRuns, Log, LogLevel, Replay,
 };
 pub(crate) use link::{Link, LinkProfile, LinkStatus, Pair, Station};
+pub(crate) use plan::{Plan, Then};
 pub(crate) use remote::{Access, Control, Fetch, KeptRemote, Login, Remote, Wanted};
 pub(crate) use serve::{Role, Serve, State, User, UserAction};
 
@@ -48,6 +50,7 @@ pub(crate) enum Command {
     Login(Login),
     Control(Control),
     Check(Check),
+    Plan(Plan),
     Show(Show),
     Fmt(Fmt),
     New(New),

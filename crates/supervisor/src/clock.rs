@@ -1,10 +1,16 @@
 //! The one place of this crate that reads a clock. It is public for the programs around it, which have no other calendar.
 
-use std::time::{Duration, SystemTime, UNIX_EPOCH};
+use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
 /// The time in ms since 1970, UTC.
 pub fn since_1970_ms() -> u64 {
     u64::try_from(since_1970().as_millis()).unwrap_or(u64::MAX)
+}
+
+/// Now, on a clock that never goes back.
+#[expect(clippy::disallowed_methods, reason = "this is the crate's one clock")]
+pub fn now() -> Instant {
+    Instant::now()
 }
 
 /// A number that is not likely to be the same for two programs that begin in the same second.

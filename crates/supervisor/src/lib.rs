@@ -1,5 +1,5 @@
 //! The runners of machines, as whoever starts them sees them: how one becomes a process, how a run that is going on is
-//! joined, what a dead runner left, and whether another resumes the run.
+//! joined, what a dead runner left, and whether another resumes the run. And the engines that plan for machines.
 //!
 //! Knows interpreter, extension, processes and the folders of runs. Knows nothing of HTTP, terminals, or what a run means to
 //! whoever follows it: the command line and the server both do, each in its own way.
@@ -17,6 +17,7 @@
 pub mod clock;
 mod connection;
 mod interpreter;
+pub mod planning;
 mod process;
 pub mod remains;
 mod restart_policy;

@@ -15,8 +15,8 @@ use crate::skill::{Recovery, Then};
 use crate::structure::Structure;
 use crate::task::Task;
 use rafcon_model::{
-    DECIDER_ID, DataType, Kind, OutcomeId, Port, PortId, RuntimeValue, RuntimeValues, Script,
-    State, StateId, StatePath, Target, Value,
+    DECIDER_ID, DataType, Kind, OutcomeId, Port, PortId, RuntimeValues, Script, State, StateId,
+    StatePath, Target, Value,
 };
 use smol_str::SmolStr;
 use std::sync::Arc;
@@ -24,6 +24,10 @@ use wiring::{Draft, Ids, SUCCESS, Sized, with_outcomes};
 
 /// A goal that is reached already.
 const NOTHING: &str = include_str!("scripts/nothing.py");
+/// The state that plans again.
+const REPLAN: &str = include_str!("scripts/replan.py");
+/// Its first input.
+const FACTS: PortId = PortId(0);
 const DECIDE: &str = include_str!("scripts/decide.py");
 
 /// The root of a library by its path and name; `Err` is the reason why there is none.
@@ -63,9 +67,7 @@ impl std::fmt::Debug for Build<'_> {
 pub struct Replanning {
     /// The library whose output `facts` is the world as it is now.
     pub observe: (SmolStr, Arc<State>),
-    /// The library that plans again.
-    pub replan: (SmolStr, Arc<State>),
-    /// Its inputs, by name.
+    /// What the state that plans again is told, by the names of its inputs.
     pub inputs: Vec<(SmolStr, Value)>,
 }
 
@@ -83,13 +85,11 @@ pub enum BuildError {
         /// Why.
         reason: String,
     },
-    /// A library lacks a port.
-    #[error("the library {library} has no {direction} `{port}`: add it")]
+    /// A library lacks an output.
+    #[error("the library {library} has no output `{port}`: add it")]
     NoPort {
         /// Which one.
         library: SmolStr,
-        /// Input or output.
-        direction: &'static str,
         /// Which port.
         port: SmolStr,
     },
@@ -116,6 +116,18 @@ pub struct Built {
     pub steps: Vec<StatePath>,
 }
 
+impl Built {
+    /// The name of the state at a path.
+    pub fn title(&self, path: &StatePath) -> String {
+        let below = path.0.iter().skip(1);
+        let mut state = Some(&self.root);
+        for id in below {
+            state = state.and_then(|state| state.container()?.states.get(id).map(|child| &**child));
+        }
+        state.map(|state| state.name.to_string()).unwrap_or_default()
+    }
+}
+
 /// Makes the machine. The same plan gives the same machine.
 pub fn build(build: &Build<'_>) -> Result<Built, BuildError> {
     let mut ids = Ids::new(u64::try_from(build.plan.steps.len()).unwrap_or_default());
@@ -127,7 +139,7 @@ pub fn build(build: &Build<'_>) -> Result<Built, BuildError> {
     let failed = match replanning {
         Some(replanning) => {
             let (observe, replanned) = replan(&mut draft, &mut ids, replanning)?;
-            again = replanned;
+            again = Some(replanned);
             Target::State(observe)
         }
         None => match build.pool.skills.iter().find(|skill| replans(build, skill)) {
@@ -142,7 +154,7 @@ pub fn build(build: &Build<'_>) -> Result<Built, BuildError> {
     let mut maker = Maker { build, ids, steps: &mut steps };
     let first = maker.series(&mut draft, &root, parts, &failed)?;
     if let Some((state, outcome)) = again {
-        // The library leads it to the first step of its plan.
+        // It leads itself to the first step of its plan.
         draft.line((&state, outcome), Target::State(first));
     }
     let mut root = draft.finish(build.name, Kind::Hierarchy, &["success"]);
@@ -160,48 +172,30 @@ fn replan(
     draft: &mut Draft,
     ids: &mut Ids,
     replanning: &Replanning,
-) -> Result<(StateId, Option<(StateId, OutcomeId)>), BuildError> {
+) -> Result<(StateId, (StateId, OutcomeId)), BuildError> {
     let (observe, observer) = &replanning.observe;
-    let (replan, planner) = &replanning.replan;
-    let no_port = |library: &SmolStr, direction, port: &str| BuildError::NoPort {
-        library: library.clone(),
-        direction,
-        port: port.into(),
-    };
-    let told =
-        observer.outputs.by_name("facts").ok_or_else(|| no_port(observe, "output", "facts"))?;
-    let heard = planner.inputs.by_name("facts").ok_or_else(|| no_port(replan, "input", "facts"))?;
-    let mut values: RuntimeValues = planner
-        .inputs
-        .iter()
-        .map(|port| (port.id, RuntimeValue { value: port.default.clone(), used: false }))
-        .collect();
-    for (name, value) in &replanning.inputs {
-        let port = planner.inputs.by_name(name).ok_or_else(|| no_port(replan, "input", name))?;
-        values.insert(port.id, RuntimeValue { value: value.clone(), used: true });
+    let told = observer
+        .outputs
+        .by_name("facts")
+        .ok_or_else(|| BuildError::NoPort { library: observe.clone(), port: "facts".into() })?;
+    let names = ["replanned", "reached", "given up"];
+    let mut again = wiring::script(ids.next(), "Plan again", REPLAN, &names);
+    again.inputs.insert(Port::new(FACTS, "facts", DataType::Str, Value::str("")));
+    for (id, (name, value)) in (1..).zip(&replanning.inputs) {
+        let data_type = DataType::of(value).unwrap_or(DataType::Object);
+        again.inputs.insert(Port::new(PortId(id), name, data_type, value.clone()));
     }
-    let first = draft.add(Sized::leaf(step::library(
-        ids.next(),
-        "Observe",
-        observe,
-        observer,
-        RuntimeValues::new(),
-    )));
-    let second =
-        draft.add(Sized::leaf(step::library(ids.next(), "Plan again", replan, planner, values)));
-    let seen = crate::skill::done(observer).map_or(SUCCESS, |outcome| outcome.id);
+    let observer = step::library(ids.next(), "Observe", observe, observer, RuntimeValues::new());
+    let seen = crate::skill::done(&observer).map_or(SUCCESS, |outcome| outcome.id);
+    let first = draft.add(Sized::leaf(observer));
+    let second = draft.add(Sized::leaf(again));
     draft.line((&first, seen), Target::State(second.clone()));
     draft.failures(&first, seen, &Target::Outcome(OutcomeId::ABORTED));
-    draft.flow((&first, told.id), (&second, heard.id));
-    for outcome in &planner.outcomes {
-        match outcome.name.as_str() {
-            "replanned" | "preempted" => {}
-            "reached" => draft.line((&second, outcome.id), Target::Outcome(SUCCESS)),
-            _ => draft.line((&second, outcome.id), Target::Outcome(OutcomeId::ABORTED)),
-        }
-    }
-    let replanned = planner.outcomes.by_name("replanned").map(|outcome| (second, outcome.id));
-    Ok((first, replanned))
+    draft.flow((&first, told.id), (&second, FACTS));
+    draft.line((&second, OutcomeId(1)), Target::Outcome(SUCCESS));
+    draft.line((&second, OutcomeId(2)), Target::Outcome(OutcomeId::ABORTED));
+    draft.line((&second, OutcomeId::ABORTED), Target::Outcome(OutcomeId::ABORTED));
+    Ok((first, (second, SUCCESS)))
 }
 
 struct Maker<'b> {

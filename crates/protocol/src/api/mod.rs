@@ -5,6 +5,7 @@ mod history;
 mod machines;
 mod past;
 mod people;
+mod plans;
 mod python;
 mod run_wait;
 mod runs;
@@ -32,6 +33,11 @@ pub use past::{
 pub use people::{
     ChangePassword, ChangeUser, Login, NewToken, NewUser, Right, Role, Session, TokenAbout,
     TokenMade, User,
+};
+pub use plans::{
+    MakePlan, PlanDomain, PlanEnd, PlanEvent, PlanFinding, PlanFound, PlanGain, PlanNeed,
+    PlanParameter, PlanPool, PlanRecovery, PlanRefused, PlanSignature, PlanSkill, PlanStep,
+    PlanThen,
 };
 pub use python::{CheckScript, ScriptPlace, ScriptProblem};
 pub use run_wait::RunWait;

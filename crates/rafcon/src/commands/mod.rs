@@ -14,6 +14,7 @@ mod link;
 mod link_status;
 mod login;
 mod new;
+mod plan;
 mod remote;
 mod replay;
 mod run;
@@ -55,6 +56,7 @@ pub(crate) fn main(cli: Cli, environment: &Environment, clock: Clock) -> Result<
         Command::Control(request) => control::control(&request, environment),
         Command::User(request) => user::user(&request, environment),
         Command::Check(request) => check::check(&request, environment),
+        Command::Plan(request) => plan::plan(&request, environment),
         Command::Show(request) => show::show(&request, environment),
         Command::Fmt(request) => fmt::fmt(&request),
         Command::New(request) => new::new(&request),

@@ -31,7 +31,8 @@ pub(super) fn new(raw: &cli::New) -> Result<ExitCode> {
     Ok(ExitCode::SUCCESS)
 }
 
-fn check_free(path: &Path) -> Result<()> {
+/// Refuses a folder that has something in it.
+pub(super) fn check_free(path: &Path) -> Result<()> {
     let entries = match std::fs::read_dir(path) {
         Ok(entries) => entries,
         Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(()),

@@ -1,0 +1,300 @@
+//! A request for a plan, answered: what is wrong with it, or plans as they are found and how it ended.
+
+use super::engine::{DEFAULT_ENGINE, Engine, Wish};
+use super::found::{self, Shown};
+use super::pool;
+use super::search::{Cancel, SearchEnd, Verdict, millis_since, search};
+use crate::{Interpreter, ProgramEnvironment, clock};
+use rafcon_model::{Machine, Value, json};
+use rafcon_planner::pddl::{read_condition, read_problem};
+use rafcon_planner::{
+    Build, Finding, Order, Plan, Pool, Recovery, Replanning, Severity, Structure, Task, Then,
+    build, validate,
+};
+use rafcon_protocol::api::{
+    MakePlan, PlanDomain, PlanEnd, PlanEvent, PlanFound, PlanPool, PlanRefused, PlanThen,
+};
+use rafcon_protocol::document::{Document, HeaderDocument};
+use rafcon_storage::Libraries;
+use smol_str::SmolStr;
+use std::time::{Duration, Instant};
+
+/// How long an engine may take if nobody says otherwise.
+const TIME_LIMIT: Duration = Duration::from_secs(10);
+const REPLANS_MAX: u32 = 5;
+
+/// What answers requests for plans.
+#[derive(Debug, Clone, Copy)]
+pub struct Planner<'p> {
+    /// Where the skills are.
+    pub libraries: &'p Libraries,
+    /// The interpreter of runs.
+    pub python: &'p Interpreter,
+    /// What the engine is found by.
+    pub surroundings: &'p ProgramEnvironment,
+}
+
+/// What the skills of a pool add up to.
+pub fn domain(pool: &PlanPool, libraries: &Libraries) -> PlanDomain {
+    found::domain(&pool::read(pool, libraries))
+}
+
+/// A problem of a request, with the goal that counts; `Err` says what is wrong.
+fn problem_of(request: &MakePlan) -> Result<rafcon_planner::pddl::Problem, String> {
+    let mut problem = read_problem(&request.facts).map_err(|error| format!("facts: {error}"))?;
+    if let Some(goal) = &request.goal {
+        problem.goal = read_condition(goal).map_err(|error| format!("goal: {error}"))?;
+    }
+    if problem.goal.is_nothing() {
+        return Err(
+            "there is no goal: add `(:goal …)` to the facts, or give one beside them".to_owned()
+        );
+    }
+    Ok(problem)
+}
+
+/// What a request is about, read and checked.
+struct Wanted {
+    pool: Pool,
+    task: Task,
+    findings: Vec<Finding>,
+    name: String,
+    data: Vec<(SmolStr, Value)>,
+    replanning: Option<Replanning>,
+}
+
+impl Planner<'_> {
+    /// Plans. Each event is told as it happens, the last one is returned.
+    pub fn plan(
+        &self,
+        request: &MakePlan,
+        cancel: &Cancel,
+        tell: &mut dyn FnMut(PlanEvent),
+    ) -> PlanEvent {
+        let begin = clock::now();
+        let wanted = match self.wanted(request) {
+            Ok(wanted) => wanted,
+            Err(findings) => {
+                return PlanEvent::Refused(PlanRefused { findings: found::findings(&findings) });
+            }
+        };
+        let end = |reason: String| PlanEnd {
+            reason,
+            after_ms: millis_since(begin),
+            findings: found::findings(&wanted.findings),
+        };
+        match self.search(request, &wanted, begin, (cancel, tell)) {
+            Err(reason) => PlanEvent::Failed(end(reason)),
+            Ok((SearchEnd::Enough, found)) => PlanEvent::Done(end(if found > 1 {
+                format!("the last of {found} plans is the best")
+            } else {
+                "a plan was found".to_owned()
+            })),
+            Ok((SearchEnd::Impossible(reason), _)) => PlanEvent::Impossible(end(reason)),
+            Ok((SearchEnd::NotFound(reason), _)) => PlanEvent::NotFound(end(reason)),
+            Ok((SearchEnd::Failed(reason), _)) => PlanEvent::Failed(end(reason)),
+            Ok((SearchEnd::Cancelled, _)) => {
+                PlanEvent::Cancelled(end("nobody waits for it any more".to_owned()))
+            }
+        }
+    }
+
+    fn wanted(&self, request: &MakePlan) -> Result<Wanted, Vec<Finding>> {
+        let pool = pool::read(&request.pool, self.libraries);
+        let mut findings = pool.findings.clone();
+        let wrong =
+            |text: String| Finding { severity: Severity::Error, libraries: Vec::new(), text };
+        let problem = match problem_of(request) {
+            Ok(problem) => problem,
+            Err(text) => {
+                findings.push(wrong(text));
+                return Err(findings);
+            }
+        };
+        let name = request.name.clone().unwrap_or_else(|| problem.name.to_string());
+        let name = Some(name.replace('/', "-").trim().to_owned()).filter(|name| !name.is_empty());
+        let (task, more) = Task::new(pool.domain.clone(), problem);
+        findings.extend(more);
+        let replanning = self.replanning(request).unwrap_or_else(|text| {
+            findings.push(wrong(text));
+            None
+        });
+        if findings.iter().any(Finding::is_error) {
+            return Err(findings);
+        }
+        let data = request.data.iter().map(|(object, value)| (object.into(), value_of(value)));
+        Ok(Wanted {
+            data: data.collect(),
+            name: name.unwrap_or_else(|| "plan".to_owned()),
+            pool,
+            task,
+            findings,
+            replanning,
+        })
+    }
+
+    fn replanning(&self, request: &MakePlan) -> Result<Option<Replanning>, String> {
+        let Some(observe) = &request.observe else { return Ok(None) };
+        let library = |path: &str| {
+            let root = pool::library(path, self.libraries)
+                .map_err(|reason| format!("the library {path} is missing: {reason}"));
+            root.map(|root| (SmolStr::new(path), root))
+        };
+        let text = |text: String| Value::str(&text);
+        let goal = problem_of(request)?.goal.to_string();
+        let object = |entries: Vec<(String, Value)>| {
+            Value::Dict(entries.into_iter().map(|(key, value)| (Value::str(&key), value)).collect())
+        };
+        let types =
+            request.pool.types.iter().map(|(child, parent)| (child.clone(), Value::str(parent)));
+        let data = request.data.iter().map(|(name, value)| (name.clone(), value_of(value)));
+        let recovery = [
+            ("retries".to_owned(), Value::Int(request.recovery.retries.into())),
+            (
+                "then".to_owned(),
+                Value::str(match request.recovery.then {
+                    PlanThen::GiveUp => "give_up",
+                    PlanThen::Ask => "ask",
+                    PlanThen::Replan => "replan",
+                }),
+            ),
+        ];
+        let seconds = request.time_limit_ms.map_or(TIME_LIMIT, Duration::from_millis).as_secs_f64();
+        Ok(Some(Replanning {
+            observe: library(observe)?,
+            inputs: vec![
+                (
+                    "pool".into(),
+                    Value::List(
+                        request.pool.libraries.iter().map(|path| Value::str(path)).collect(),
+                    ),
+                ),
+                ("types".into(), object(types.collect())),
+                ("goal".into(), text(goal)),
+                ("data".into(), object(data.collect())),
+                ("engine".into(), Value::str(request.engine.as_deref().unwrap_or(DEFAULT_ENGINE))),
+                ("time_limit_s".into(), Value::Float(seconds)),
+                (
+                    "replans_max".into(),
+                    Value::Int(request.replans_max.unwrap_or(REPLANS_MAX).into()),
+                ),
+                ("recovery".into(), object(recovery.into())),
+                ("parallel".into(), Value::Bool(request.parallel)),
+            ],
+        }))
+    }
+
+    /// Runs the engine; how it ended, and how many plans it found. `Err`: no engine was asked.
+    fn search(
+        &self,
+        request: &MakePlan,
+        wanted: &Wanted,
+        begin: Instant,
+        (cancel, tell): (&Cancel, &mut dyn FnMut(PlanEvent)),
+    ) -> Result<(SearchEnd, usize), String> {
+        let name = request.engine.as_deref().unwrap_or(DEFAULT_ENGINE);
+        let engine = Engine::find(name, self.python, self.surroundings);
+        let folder = tempfile::tempdir()
+            .map_err(|error| format!("cannot make a folder for the engine: {error}"))?;
+        let (domain, problem) =
+            (folder.path().join("domain.pddl"), folder.path().join("problem.pddl"));
+        let write = |file, text: String| {
+            std::fs::write(file, text)
+                .map_err(|error| format!("cannot write for the engine: {error}"))
+        };
+        write(&domain, wanted.task.domain.to_string())?;
+        write(&problem, wanted.task.problem.to_string())?;
+        let actions = &wanted.task.domain.actions;
+        let wish = Wish {
+            domain: &domain,
+            problem: &problem,
+            limit: request.time_limit_ms.map_or(TIME_LIMIT, Duration::from_millis),
+            anytime: request.anytime,
+            classical: wanted.task.domain.functions.is_empty()
+                && actions.iter().all(|action| action.duration.is_none()),
+        };
+        let (mut found, mut best) = (0, None);
+        let end = search(&engine, &wish, cancel, &mut |line| {
+            let shown = match self.shown(request, wanted, line, (name, begin)) {
+                Ok(shown) => shown,
+                Err(verdict) => return verdict,
+            };
+            let price = if shown.temporal { Some(shown.makespan) } else { shown.cost };
+            if best.zip(price).is_none_or(|(best, price)| price < best) {
+                best = price.or(best);
+                found += 1;
+                tell(PlanEvent::Found(Box::new(shown)));
+            }
+            if request.anytime { Verdict::More } else { Verdict::Enough }
+        });
+        Ok((end, found))
+    }
+
+    /// A plan as it is shown; `Err` says why it is none.
+    fn shown(
+        &self,
+        request: &MakePlan,
+        wanted: &Wanted,
+        line: &str,
+        (engine, begin): (&str, Instant),
+    ) -> Result<PlanFound, Verdict> {
+        let Wanted { pool, task, .. } = wanted;
+        let plan = Plan::read(line).map_err(Verdict::Wrong)?;
+        validate(task, &plan).map_err(|invalid| Verdict::Wrong(invalid.to_string()))?;
+        let structure = if plan.temporal || request.parallel {
+            Structure::of(&Order::of(task, &plan))
+        } else {
+            Structure::chain(plan.steps.len())
+        };
+        structure.check(task, &plan).map_err(|invalid| {
+            Verdict::Unfit(format!("{invalid} unless steps overlap in time as planned, which no machine can promise: change the skills so that they need not"))
+        })?;
+        let library = |path: &str| pool::library(path, self.libraries);
+        let built = build(&Build {
+            name: &wanted.name,
+            task,
+            pool,
+            plan: &plan,
+            structure: &structure,
+            data: &wanted.data,
+            recovery: recovery(request),
+            replanning: wanted.replanning.as_ref(),
+            library: &library,
+        });
+        let built = built.map_err(|error| Verdict::Unfit(error.to_string()))?;
+        let shown = Shown {
+            engine,
+            after_ms: millis_since(begin),
+            task,
+            pool,
+            plan: &plan,
+            structure: &structure,
+            built,
+            findings: &wanted.findings,
+        };
+        Ok(found::found(shown))
+    }
+}
+
+fn recovery(request: &MakePlan) -> Recovery {
+    let then = match request.recovery.then {
+        PlanThen::GiveUp => Then::GiveUp,
+        PlanThen::Ask => Then::Ask,
+        PlanThen::Replan => Then::Replan,
+    };
+    Recovery { retries: request.recovery.retries, then }
+}
+
+fn value_of(value: &serde_json::Value) -> Value {
+    json::parse(&value.to_string()).map_or(Value::None, |json| Value::from_json(&json))
+}
+
+/// The machine of a plan, to be saved.
+pub fn machine_of(found: &PlanFound, libraries: &Libraries) -> Result<Machine, String> {
+    let mut library = |state: &mut rafcon_model::State| {
+        let _differences = rafcon_storage::fill_library(state, libraries);
+    };
+    let document =
+        Document { header: HeaderDocument::default(), states: found.machine.states.clone() };
+    document.read(&mut library).map_err(|error| error.to_string())
+}

@@ -1,0 +1,127 @@
+//! Engines by name, as command lines. `kairos` is a program; all others are those of unified-planning, behind a bridge in Python.
+
+use crate::{Interpreter, ProgramEnvironment};
+use std::ffi::OsString;
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+/// The engine that is taken if none is named.
+pub const DEFAULT_ENGINE: &str = "kairos";
+
+/// Talks with the engines of unified-planning; the same text is `python -m rafcon.planning`.
+const BRIDGE: &str = include_str!("../../../python/python/rafcon/planning/__main__.py");
+
+/// A second search begins where the first has found nothing for so long.
+const SECOND_AFTER: Duration = Duration::from_secs(2);
+
+/// A program that finds plans.
+#[derive(Debug, Clone)]
+pub struct Engine {
+    /// Its name.
+    pub name: String,
+    program: PathBuf,
+    kind: Kind,
+    way_out: String,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Kind {
+    Kairos,
+    Unified,
+}
+
+/// One way to search, as a command line.
+#[derive(Debug, Clone)]
+pub(super) struct Lane {
+    pub(super) program: PathBuf,
+    pub(super) arguments: Vec<OsString>,
+    /// It begins after this time, or when the lanes before it have ended.
+    pub(super) after: Duration,
+}
+
+/// What the command line depends on.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Wish<'w> {
+    pub(super) domain: &'w Path,
+    pub(super) problem: &'w Path,
+    pub(super) limit: Duration,
+    pub(super) anytime: bool,
+    /// Neither numbers nor durations.
+    pub(super) classical: bool,
+}
+
+impl Engine {
+    /// The engine with this name. `python` is the interpreter of runs: a program beside it is preferred.
+    pub fn find(name: &str, python: &Interpreter, surroundings: &ProgramEnvironment) -> Self {
+        if name == DEFAULT_ENGINE {
+            let beside = python.program.parent().map(|folder| folder.join("kairos"));
+            let active = surroundings.virtual_env.as_ref().map(|folder| folder.join("bin/kairos"));
+            let found = [beside, active].into_iter().flatten().find(|program| program.is_file());
+            return Self {
+                name: name.to_owned(),
+                program: found.unwrap_or_else(|| "kairos".into()),
+                kind: Kind::Kairos,
+                way_out:
+                    "install it: `pip install kairos-planner`, or name another with `--engine`"
+                        .to_owned(),
+            };
+        }
+        Self {
+            name: name.to_owned(),
+            program: python.program.clone(),
+            kind: Kind::Unified,
+            way_out: python.way_out().to_owned(),
+        }
+    }
+
+    /// Why it could not be started, with the way out.
+    pub(super) fn missing(&self, error: &std::io::Error) -> String {
+        match error.kind() {
+            std::io::ErrorKind::NotFound => {
+                format!("the engine `{}` is not there: {}", self.name, self.way_out)
+            }
+            _ => format!("the engine `{}` cannot be started: {error}; {}", self.name, self.way_out),
+        }
+    }
+
+    pub(super) fn lanes(&self, wish: &Wish<'_>) -> Vec<Lane> {
+        let seconds = format!("{:.3}", wish.limit.as_secs_f64());
+        let lane = |arguments: &[&str], after| {
+            let files = [wish.domain.into(), wish.problem.into()];
+            let arguments = arguments.iter().map(OsString::from);
+            let arguments = match self.kind {
+                Kind::Kairos => {
+                    [OsString::from("solve")].into_iter().chain(files).chain(arguments).collect()
+                }
+                Kind::Unified => arguments.chain(files).collect(),
+            };
+            Lane { program: self.program.clone(), arguments, after }
+        };
+        if self.kind == Kind::Unified {
+            let mut arguments =
+                vec!["-c", BRIDGE, "--engine", &self.name, "--time-limit", &seconds];
+            arguments.extend(wish.anytime.then_some("--anytime"));
+            return vec![lane(&arguments, Duration::ZERO)];
+        }
+        // One thread: the same problem gives the same plan.
+        let anytime = if wish.anytime { "--anytime" } else { "--no-anytime" };
+        let usual = ["--format", "json", "--threads", "1", "--timeout", &seconds, anytime];
+        if wish.classical {
+            // Greedy search is quick where the usual one is lost, such as among many blocks; and the other way round.
+            let greedy = [&usual[..], &["--search", "ff"]].concat();
+            vec![lane(&greedy, Duration::ZERO), lane(&usual, SECOND_AFTER)]
+        } else {
+            vec![lane(&usual, Duration::ZERO)]
+        }
+    }
+
+    /// Whether an exit status says that there is no plan at all.
+    pub(super) fn proves_impossible(&self, code: Option<i32>) -> bool {
+        code == Some(10)
+    }
+
+    /// Whether an exit status says that there was none to be found.
+    pub(super) fn found_none(&self, code: Option<i32>) -> bool {
+        matches!(code, Some(0 | 11 | 12 | 14))
+    }
+}

@@ -1,0 +1,356 @@
+//! Engines as processes: each leads a process group of its own, is bounded in time and in what is kept of its output, and is killed
+//! with all that it started when it is done, when its time is up, and when nobody wants a plan any more.
+
+use super::engine::{Engine, Lane, Wish};
+use crate::clock;
+use parking_lot::Mutex;
+use rustix::process::{Pid, Signal, kill_process_group};
+use std::io::{self, BufRead as _, BufReader, Read};
+use std::os::unix::process::CommandExt as _;
+use std::process::{Child, Command, Stdio};
+use std::sync::Arc;
+use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};
+use std::thread;
+use std::time::{Duration, Instant};
+
+/// A longer line is no plan.
+const LINE_MAX: u64 = 8 << 20;
+/// How much of the error output is kept, from its end.
+const ERROR_BYTES: usize = 2048;
+/// An engine that does not end by itself is given so much more time than its limit.
+const GRACE: Duration = Duration::from_millis(300);
+const QUEUE: usize = 16;
+
+/// Ends a search from another thread, now or before it begins.
+#[derive(Debug, Clone, Default)]
+pub struct Cancel(Arc<Mutex<CancelState>>);
+
+#[derive(Debug, Default)]
+struct CancelState {
+    is_cancelled: bool,
+    wake: Option<SyncSender<Message>>,
+}
+
+impl Cancel {
+    /// Nobody wants a plan any more: all processes of the engine are killed at once.
+    pub fn cancel(&self) {
+        let mut state = self.0.lock();
+        state.is_cancelled = true;
+        if let Some(wake) = &state.wake {
+            // Where the queue is full, the search looks before it takes the next message.
+            wake.try_send(Message::Cancelled).unwrap_or_default();
+        }
+    }
+
+    /// Whether it was cancelled.
+    pub fn is_cancelled(&self) -> bool {
+        self.0.lock().is_cancelled
+    }
+}
+
+#[derive(Debug)]
+enum Message {
+    /// A line that looks like a plan.
+    Line(usize, String),
+    /// Nothing more is said.
+    Closed(usize),
+    /// The end of the error output.
+    Error(usize, String),
+    Cancelled,
+}
+
+/// What to do after a plan.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) enum Verdict {
+    /// The search ends.
+    Enough,
+    /// A better one is welcome.
+    More,
+    /// It is no plan: the search of this lane ends.
+    Wrong(String),
+    /// It is a plan, and no machine can be made of it.
+    Unfit(String),
+}
+
+/// How a search ended.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) enum SearchEnd {
+    /// A plan was enough, or the engine ended after one.
+    Enough,
+    /// There is no plan.
+    Impossible(String),
+    /// None was found in time.
+    NotFound(String),
+    /// The engine failed.
+    Failed(String),
+    Cancelled,
+}
+
+/// A lane that runs.
+struct Running {
+    child: Child,
+    said: String,
+    wrong: Option<String>,
+    code: Option<Option<i32>>,
+}
+
+impl Running {
+    /// Kills the process and all that it started; remembers how it ended.
+    fn end(&mut self) {
+        if self.code.is_none() {
+            if let Some(group) = i32::try_from(self.child.id()).ok().and_then(Pid::from_raw) {
+                // Gone already: nothing to kill.
+                kill_process_group(group, Signal::KILL).unwrap_or_default();
+            }
+            self.code = Some(self.child.wait().ok().and_then(|status| status.code()));
+        }
+    }
+}
+
+impl Drop for Running {
+    fn drop(&mut self) {
+        self.end();
+    }
+}
+
+/// Searches with an engine until a plan is enough.
+pub(super) fn search(
+    engine: &Engine,
+    wish: &Wish<'_>,
+    cancel: &Cancel,
+    on_plan: &mut dyn FnMut(&str) -> Verdict,
+) -> SearchEnd {
+    let (sender, receiver) = sync_channel(QUEUE);
+    {
+        let mut state = cancel.0.lock();
+        if state.is_cancelled {
+            return SearchEnd::Cancelled;
+        }
+        state.wake = Some(sender.clone());
+    }
+    let mut search = Search {
+        engine,
+        lanes: engine.lanes(wish).into_iter().enumerate().collect(),
+        running: Vec::new(),
+        found: 0,
+    };
+    let end = search.run(wish.limit, (&sender, &receiver), cancel, on_plan);
+    cancel.0.lock().wake = None;
+    end
+}
+
+struct Search<'s> {
+    engine: &'s Engine,
+    lanes: std::collections::VecDeque<(usize, Lane)>,
+    running: Vec<(usize, Running)>,
+    found: usize,
+}
+
+impl Search<'_> {
+    fn run(
+        &mut self,
+        limit: Duration,
+        (sender, receiver): (&SyncSender<Message>, &Receiver<Message>),
+        cancel: &Cancel,
+        on_plan: &mut dyn FnMut(&str) -> Verdict,
+    ) -> SearchEnd {
+        let begin = clock::now();
+        loop {
+            if cancel.is_cancelled() {
+                return SearchEnd::Cancelled;
+            }
+            let due = self.lanes.front().map(|(_, lane)| begin + lane.after);
+            let idle = self.running.iter().all(|(_, running)| running.code.is_some());
+            if self.found == 0 && due.is_some_and(|due| idle || clock::now() >= due) {
+                if let Some(end) = self.start_next(sender) {
+                    return end;
+                }
+                continue;
+            }
+            if idle {
+                return self.verdict();
+            }
+            let end = begin + limit + GRACE;
+            let next = due.filter(|_| self.found == 0).map_or(end, |due| due.min(end));
+            match receiver.recv_timeout(next.saturating_duration_since(clock::now())) {
+                Ok(message) => {
+                    if let Some(end) = self.take(message, on_plan) {
+                        return end;
+                    }
+                }
+                Err(RecvTimeoutError::Timeout) if clock::now() >= end => {
+                    return self.out_of_time(limit);
+                }
+                Err(_) => {}
+            }
+        }
+    }
+
+    /// Starts the next lane; answers how the search ends if that is impossible.
+    fn start_next(&mut self, sender: &SyncSender<Message>) -> Option<SearchEnd> {
+        let (index, lane) = self.lanes.pop_front()?;
+        match start(index, &lane, sender) {
+            Ok(child) => {
+                self.running
+                    .push((index, Running { child, said: String::new(), wrong: None, code: None }));
+                None
+            }
+            Err(error) => Some(SearchEnd::Failed(self.engine.missing(&error))),
+        }
+    }
+
+    /// How the search ends by a message, if it does.
+    fn take(
+        &mut self,
+        message: Message,
+        on_plan: &mut dyn FnMut(&str) -> Verdict,
+    ) -> Option<SearchEnd> {
+        let (index, act): (usize, Box<dyn FnOnce(&mut Running)>) = match message {
+            Message::Cancelled => return None,
+            Message::Error(index, said) => (index, Box::new(|running| running.said = said)),
+            Message::Closed(index) => (index, Box::new(Running::end)),
+            Message::Line(index, line) => match on_plan(&line) {
+                Verdict::Enough => return Some(SearchEnd::Enough),
+                Verdict::Unfit(why) => return Some(SearchEnd::Failed(why)),
+                Verdict::More => {
+                    self.found += 1;
+                    return None;
+                }
+                Verdict::Wrong(why) => (
+                    index,
+                    Box::new(|running| {
+                        running.wrong = Some(why);
+                        running.end();
+                    }),
+                ),
+            },
+        };
+        if let Some((_, running)) = self.running.iter_mut().find(|(at, _)| *at == index) {
+            act(running);
+        }
+        None
+    }
+
+    fn out_of_time(&self, limit: Duration) -> SearchEnd {
+        match self.found {
+            0 => SearchEnd::NotFound(format!(
+                "the engine `{}` has found no plan within {} s: give it more time (`--time-limit`), or fewer objects",
+                self.engine.name,
+                limit.as_secs_f64()
+            )),
+            _ => SearchEnd::Enough,
+        }
+    }
+
+    /// How it ends when all lanes have ended.
+    fn verdict(&self) -> SearchEnd {
+        let name = &self.engine.name;
+        let lanes = || self.running.iter().map(|(_, running)| running);
+        let last = |running: &Running| {
+            running
+                .said
+                .lines()
+                .rev()
+                .find(|line| !line.trim().is_empty())
+                .unwrap_or("it said nothing")
+                .trim()
+                .to_owned()
+        };
+        if self.found > 0 {
+            return SearchEnd::Enough;
+        }
+        if let Some(wrong) = lanes().find_map(|running| running.wrong.as_ref()) {
+            return SearchEnd::Failed(format!(
+                "the engine `{name}` gave a plan that is not valid: {wrong}; try another engine (`--engine`)"
+            ));
+        }
+        if lanes().any(|running| self.engine.proves_impossible(running.code.flatten())) {
+            return SearchEnd::Impossible(
+                "the goal cannot be reached from these facts with these skills".to_owned(),
+            );
+        }
+        match lanes().find(|running| !self.engine.found_none(running.code.flatten())) {
+            Some(running) => {
+                let how = running.code.flatten().map_or("was killed".to_owned(), |code| {
+                    format!("ended with exit status {code}")
+                });
+                SearchEnd::Failed(format!("the engine `{name}` {how}: {}", last(running)))
+            }
+            None => SearchEnd::NotFound(format!(
+                "the engine `{name}` has found no plan; most likely there is none"
+            )),
+        }
+    }
+}
+
+fn start(index: usize, lane: &Lane, sender: &SyncSender<Message>) -> io::Result<Child> {
+    let mut command = Command::new(&lane.program);
+    // Its input is a pipe that ends with us: the bridge ends with it, even when we are killed.
+    command
+        .args(&lane.arguments)
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .process_group(0);
+    let mut child = command.spawn()?;
+    let (stdout, stderr) = (child.stdout.take(), child.stderr.take());
+    let tell = sender.clone();
+    let started = thread::Builder::new()
+        .name("engine".to_owned())
+        .spawn(move || read_lines(stdout, index, &tell));
+    let tell = sender.clone();
+    let started = started.and_then(|_reads| {
+        thread::Builder::new()
+            .name("engine errors".to_owned())
+            .spawn(move || read_errors(stderr, index, &tell))
+    });
+    if let Err(error) = started {
+        drop(Running { child, said: String::new(), wrong: None, code: None });
+        return Err(error);
+    }
+    Ok(child)
+}
+
+/// Passes on what looks like a plan; the rest is read and forgotten.
+fn read_lines(from: Option<impl Read>, index: usize, tell: &SyncSender<Message>) {
+    let mut reader = from.map(BufReader::new);
+    let mut line = Vec::new();
+    let mut is_rest = false;
+    while let Some(reader) = &mut reader {
+        line.clear();
+        match reader.by_ref().take(LINE_MAX).read_until(b'\n', &mut line) {
+            Ok(0) | Err(_) => break,
+            Ok(_) => {}
+        }
+        let is_whole = line.ends_with(b"\n");
+        let is_plan = !is_rest && line.starts_with(b"{") && (line.len() as u64) < LINE_MAX;
+        is_rest = !is_whole;
+        if is_plan
+            && tell.send(Message::Line(index, String::from_utf8_lossy(&line).into_owned())).is_err()
+        {
+            return;
+        }
+    }
+    // The search has ended: nobody listens.
+    tell.send(Message::Closed(index)).unwrap_or_default();
+}
+
+fn read_errors(from: Option<impl Read>, index: usize, tell: &SyncSender<Message>) {
+    let mut kept: Vec<u8> = Vec::new();
+    let mut part = [0; 4096];
+    let mut from = from;
+    while let Some(count) =
+        from.as_mut().and_then(|from| from.read(&mut part).ok()).filter(|count| *count > 0)
+    {
+        kept.extend_from_slice(&part[..count]);
+        let surplus = kept.len().saturating_sub(ERROR_BYTES);
+        kept.drain(..surplus);
+    }
+    tell.send(Message::Error(index, String::from_utf8_lossy(&kept).into_owned()))
+        .unwrap_or_default();
+}
+
+/// How long ago that was.
+pub(super) fn millis_since(begin: Instant) -> u64 {
+    u64::try_from(clock::now().saturating_duration_since(begin).as_millis()).unwrap_or(u64::MAX)
+}
