@@ -31,7 +31,14 @@ const LAYERS: [(&str, &[&str]); 16] = [
     ),
     (
         "rafcon-python",
-        &["rafcon-runner", "rafcon-storage", "rafcon-engine", "rafcon-protocol", "rafcon-model"],
+        &[
+            "rafcon-runner",
+            "rafcon-supervisor",
+            "rafcon-storage",
+            "rafcon-engine",
+            "rafcon-protocol",
+            "rafcon-model",
+        ],
     ),
     // Plans and PDDL, pure.
     ("rafcon-planner", &["rafcon-model"]),

@@ -87,6 +87,8 @@ fn in_requests(words: &mut Words) {
     words.visit::<api::CheckScript>();
     words.visit::<api::FetchValue>();
     words.visit::<api::JumpMachine>();
+    words.visit::<api::MakePlan>();
+    words.visit::<api::PlanPool>();
     words.visit::<api::ReloadMachine>();
     words.visit::<api::ResumeRun>();
     words.visit::<api::Retention>();
@@ -132,6 +134,8 @@ fn in_answers(words: &mut Words) {
     words.visit::<api::MachineVersions>();
     words.visit::<api::Moment>();
     words.visit::<api::Overview>();
+    words.visit::<api::PlanDomain>();
+    words.visit::<api::PlanEvent>();
     words.visit::<api::Project>();
     words.visit::<api::Pruned>();
     words.visit::<api::RevisionPage>();

@@ -2,8 +2,8 @@
 #![expect(unsafe_code, reason = "an interpreter looks for a C function of this name")]
 
 use crate::{
-    build_files, build_run, config, describe, edit_run, fork, functions, polled_events, process,
-    questions, status,
+    build_files, build_run, config, describe, edit_run, fork, functions, planning, polled_events,
+    process, questions, status,
 };
 use pyo3::ffi;
 use pyo3::prelude::*;
@@ -26,6 +26,8 @@ mod _rafcon {
     use super::fork::after_fork_in_child;
     #[pymodule_export]
     use super::functions::{current_path, emit, last_left, machine, state_object};
+    #[pymodule_export]
+    use super::planning::{Planning, save_plan};
     #[pymodule_export]
     use super::polled_events::{command, past};
     #[pymodule_export]

@@ -28,6 +28,7 @@ mod literals;
 mod module;
 mod package;
 mod persistent;
+mod planning;
 mod polled_events;
 mod process;
 mod questions;

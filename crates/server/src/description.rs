@@ -34,6 +34,7 @@ use utoipa::openapi::{Content, OpenApi, Ref, RefOr};
         (name = "people", description = "Who asks, and who may"),
         (name = "files", description = "Projects and libraries as they lie on disk"),
         (name = "machines", description = "Open machines, which several people edit at once"),
+        (name = "plans", description = "Plans of engines, as machines"),
         (name = "runs", description = "Runs while they go on"),
         (name = "history", description = "What runs leave"),
     )

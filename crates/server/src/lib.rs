@@ -18,6 +18,7 @@ mod listen;
 mod log;
 mod page;
 mod page_files;
+mod plans;
 mod projects;
 mod python;
 mod router;

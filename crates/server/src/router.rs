@@ -23,6 +23,7 @@ fn all() -> OpenApiRouter<Arc<ServerState>> {
         .merge(projects::routes())
         .merge(crate::documents::routes())
         .merge(crate::python::routes())
+        .merge(crate::plans::routes())
         .merge(runs::routes())
         .merge(history::routes())
         .merge(socket::routes())

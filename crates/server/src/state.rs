@@ -5,6 +5,7 @@ use crate::access::{Audit, Names, People, PrivateError};
 use crate::change_counters::ChangeCounters;
 use crate::documents::Documents;
 use crate::history::History;
+use crate::plans::Plans;
 use crate::projects::Projects;
 use crate::python::Python;
 use crate::runs::{self, Runs};
@@ -37,6 +38,8 @@ pub struct ServerState {
     pub(crate) documents: Documents,
     /// What looks at scripts.
     pub(crate) python: Python,
+    /// What plans.
+    pub(crate) plans: Plans,
     /// All runs.
     pub(crate) runs: Runs,
     /// What the connections of clients share.
@@ -68,6 +71,7 @@ impl ServerState {
             news,
             history: History::default(),
             python: Python::default(),
+            plans: Plans::default(),
             projects: Projects::new(&settings),
             documents: Documents::new(&settings),
             settings,

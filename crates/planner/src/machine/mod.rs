@@ -26,6 +26,8 @@ use wiring::{Draft, Ids, SUCCESS, Sized, with_outcomes};
 const NOTHING: &str = include_str!("scripts/nothing.py");
 /// The state that plans again.
 const REPLAN: &str = include_str!("scripts/replan.py");
+/// The variable with the plans that were tried.
+const PLANS: PortId = PortId(0);
 /// Its first input.
 const FACTS: PortId = PortId(0);
 const DECIDE: &str = include_str!("scripts/decide.py");
@@ -158,8 +160,20 @@ pub fn build(build: &Build<'_>) -> Result<Built, BuildError> {
         draft.line((&state, outcome), Target::State(first));
     }
     let mut root = draft.finish(build.name, Kind::Hierarchy, &["success"]);
+    if let Some(container) = root.state.container_mut().filter(|_| replanning.is_some()) {
+        container.scoped_variables.insert(Port::new(PLANS, "plans", DataType::List, tried(build)));
+    }
     root.state.layout = layout::entry((0.0, 0.0), root.size, true);
     Ok(Built { root: root.state, steps })
+}
+
+/// The plan as the first that was tried.
+fn tried(build: &Build<'_>) -> Value {
+    let steps = build.plan.steps.iter().map(|step| {
+        let objects = step.objects.iter().map(|name| format!(" {}", build.task.spelling(name)));
+        Value::str(&format!("({}{})", step.action, objects.collect::<String>()))
+    });
+    Value::List([Value::List(steps.collect())].into())
 }
 
 fn replans(build: &Build<'_>, skill: &crate::skill::Skill) -> bool {
@@ -185,6 +199,11 @@ fn replan(
         let data_type = DataType::of(value).unwrap_or(DataType::Object);
         again.inputs.insert(Port::new(PortId(id), name, data_type, value.clone()));
     }
+    let number = again.inputs.len();
+    let plans = PortId(i64::try_from(number).unwrap_or(i64::MAX));
+    let told_plans = PortId(plans.0 + 1);
+    again.inputs.insert(Port::new(plans, "plans", DataType::List, Value::List([].into())));
+    again.outputs.insert(Port::new(told_plans, "plans", DataType::List, Value::List([].into())));
     let observer = step::library(ids.next(), "Observe", observe, observer, RuntimeValues::new());
     let seen = crate::skill::done(&observer).map_or(SUCCESS, |outcome| outcome.id);
     let first = draft.add(Sized::leaf(observer));
@@ -192,6 +211,9 @@ fn replan(
     draft.line((&first, seen), Target::State(second.clone()));
     draft.failures(&first, seen, &Target::Outcome(OutcomeId::ABORTED));
     draft.flow((&first, told.id), (&second, FACTS));
+    let container = draft.id.clone();
+    draft.flow((&container, PLANS), (&second, plans));
+    draft.flow((&second, told_plans), (&container, PLANS));
     draft.line((&second, OutcomeId(1)), Target::Outcome(SUCCESS));
     draft.line((&second, OutcomeId(2)), Target::Outcome(OutcomeId::ABORTED));
     draft.line((&second, OutcomeId::ABORTED), Target::Outcome(OutcomeId::ABORTED));

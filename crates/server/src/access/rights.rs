@@ -36,6 +36,8 @@ pub const ROUTES: &[Row] = &[
     (Method::GET, "/api/v1/libraries/usages", Right::Observe),
     (Method::GET, "/api/v1/libraries/{root}/{*path}", Right::Observe),
     (Method::POST, "/api/v1/python/check", Right::Edit),
+    (Method::POST, "/api/v1/plans", Right::Edit),
+    (Method::POST, "/api/v1/plans/domain", Right::Observe),
     // Open machines.
     (Method::GET, "/api/v1/machines", Right::Observe),
     (Method::POST, "/api/v1/machines", Right::Edit),

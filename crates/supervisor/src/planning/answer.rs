@@ -169,6 +169,7 @@ impl Planner<'_> {
                         request.pool.libraries.iter().map(|path| Value::str(path)).collect(),
                     ),
                 ),
+                ("observe".into(), Value::str(observe)),
                 ("types".into(), object(types.collect())),
                 ("goal".into(), text(goal)),
                 ("data".into(), object(data.collect())),

@@ -1,1 +1,203 @@
-//! Tests.
+//! Engines as they are and as they should not be: shell scripts in the place of `kairos`.
+
+use super::{Cancel, Planner, machine_of};
+use crate::{Interpreter, ProgramEnvironment};
+use expect_test::{Expect, expect};
+use rafcon_protocol::api::{MakePlan, PlanEvent, PlanPool};
+use rafcon_storage::{Libraries, Naming, Root, save};
+use rafcon_testkit::notation::parse;
+use std::fmt::Write as _;
+use std::fs::{self, File};
+use std::io::Read as _;
+use std::os::unix::fs::PermissionsExt as _;
+use std::path::Path;
+use std::process::Command;
+use std::{iter, thread};
+
+const GO: &str = r#"
+execution GOGOGO "Go"
+  outcome success
+  in to: str
+  script "def execute(self, inputs, outputs, gvm):\n    return 0"
+  semantic {"RAFCONTPP": {"PDDL_ACTION": {"pddl_action": "(:action go :parameters (?from ?to - place) :precondition (at ?from) :effect (and (not (at ?from)) (at ?to)))", "pddl_predicates": "(at ?x - place)", "pddl_types": "place", "requirements": [":strips", ":typing"], "description": ""}}}
+"#;
+const FACTS: &str =
+    "(define (problem walk) (:domain d) (:objects a b - place) (:init (at a)) (:goal (at b)))";
+const PLAN: &str = r#"echo '{"temporal":false,"cost":1,"steps":[{"action":"(go a b)"}]}'"#;
+const DETOUR: &str = r#"echo '{"temporal":false,"cost":3,"steps":[{"action":"(go a b)"},{"action":"(go b a)"},{"action":"(go a b)"}]}'"#;
+
+/// A pool with one skill, and an engine.
+struct World {
+    folder: tempfile::TempDir,
+    libraries: Libraries,
+}
+
+impl World {
+    fn new(engine: &str) -> Self {
+        let folder = tempfile::tempdir().unwrap();
+        let pool = folder.path().join("pool");
+        save(&parse(GO).unwrap(), &pool.join("go"), None, Naming::default()).unwrap();
+        let program = folder.path().join("kairos");
+        if !engine.is_empty() {
+            fs::write(&program, format!("#!/bin/sh\ncd {}\n{engine}\n", folder.path().display()))
+                .unwrap();
+            fs::set_permissions(&program, fs::Permissions::from_mode(0o755)).unwrap();
+        }
+        Self { libraries: Libraries::new(vec![Root { name: "pool".into(), dir: pool }]), folder }
+    }
+
+    fn plan(
+        &self,
+        request: &MakePlan,
+        cancel: &Cancel,
+        tell: &mut dyn FnMut(&PlanEvent),
+    ) -> Vec<PlanEvent> {
+        let surroundings = ProgramEnvironment::default();
+        let python =
+            Interpreter::choose(Some(&self.folder.path().join("python3")), &surroundings).unwrap();
+        let planner =
+            Planner { libraries: &self.libraries, python: &python, surroundings: &surroundings };
+        let mut events = Vec::new();
+        let last = planner.plan(request, cancel, &mut |event| {
+            tell(&event);
+            events.push(event);
+        });
+        events.into_iter().chain(iter::once(last)).collect()
+    }
+}
+
+fn request() -> MakePlan {
+    let pool = PlanPool { libraries: vec!["pool".to_owned()], ..PlanPool::default() };
+    MakePlan { pool, facts: FACTS.to_owned(), time_limit_ms: Some(60_000), ..MakePlan::default() }
+}
+
+fn told(events: &[PlanEvent]) -> String {
+    let mut text = String::new();
+    for event in events {
+        let line = match event {
+            PlanEvent::Found(found) => {
+                let steps: Vec<_> = found.steps.iter().map(|step| step.title.as_str()).collect();
+                format!("found {}, {} states", steps.join(", "), found.machine.states.len())
+            }
+            PlanEvent::Done(end) => format!("done: {}", end.reason),
+            PlanEvent::Impossible(end) => format!("impossible: {}", end.reason),
+            PlanEvent::NotFound(end) => format!("not found: {}", end.reason),
+            PlanEvent::Failed(end) => format!("failed: {}", end.reason),
+            PlanEvent::Cancelled(end) => format!("cancelled: {}", end.reason),
+            PlanEvent::Refused(refused) => {
+                let texts: Vec<_> =
+                    refused.findings.iter().map(|finding| finding.text.as_str()).collect();
+                format!("refused: {}", texts.join("; "))
+            }
+        };
+        writeln!(text, "{line}").unwrap();
+    }
+    text
+}
+
+fn check(engine: &str, request: &MakePlan, expect: &Expect) {
+    let world = World::new(engine);
+    let events = world.plan(request, &Cancel::default(), &mut |_| ());
+    let text = told(&events).replace(&world.folder.path().display().to_string(), "…");
+    expect.assert_eq(&text);
+}
+
+#[test]
+fn an_engine_is_believed_only_what_is_true() {
+    check(PLAN, &request(), &expect![[r#""#]]);
+    let lie = r#"echo '{"steps":[{"action":"(go b a)"}]}'"#;
+    check(lie, &request(), &expect![[r#""#]]);
+    // The second search may do better than the first.
+    let liar_once = format!("if [ -e lied ]; then {PLAN}; else touch lied; {lie}; fi");
+    check(&liar_once, &request(), &expect![[r#""#]]);
+    check("echo '{]'; echo hello", &request(), &expect![[r#""#]]);
+}
+
+#[test]
+fn what_an_engine_says_is_bounded() {
+    let flood = "head -c 3000000 /dev/zero | tr '\\0' 'x'; echo; head -c 3000000 /dev/zero >&2";
+    check(&format!("{flood}; {PLAN}"), &request(), &expect![[r#""#]]);
+    let long = "printf '{'; head -c 9000000 /dev/zero | tr '\\0' '{'; echo";
+    check(&format!("{long}; {PLAN}"), &request(), &expect![[r#""#]]);
+}
+
+#[test]
+fn engines_that_find_nothing_say_why() {
+    check("exit 10", &request(), &expect![[r#""#]]);
+    check("exit 14", &request(), &expect![[r#""#]]);
+    check("echo 'bad luck' >&2; exit 3", &request(), &expect![[r#""#]]);
+    check("kill -9 $$", &request(), &expect![[r#""#]]);
+    check(
+        "exec tail -f /dev/null",
+        &MakePlan { time_limit_ms: Some(20), ..request() },
+        &expect![[r#""#]],
+    );
+}
+
+#[test]
+fn a_missing_engine_is_told_with_the_way_to_get_it() {
+    let world = World::new("");
+    let events = world.plan(
+        &MakePlan { engine: Some("pyperplan".to_owned()), ..request() },
+        &Cancel::default(),
+        &mut |_| (),
+    );
+    expect![[r#""#]].assert_eq(&told(&events));
+}
+
+#[test]
+fn better_plans_follow_and_worse_ones_do_not() {
+    let anytime = MakePlan { anytime: true, ..request() };
+    check(&format!("{DETOUR}; {PLAN}; {DETOUR}"), &anytime, &expect![[r#""#]]);
+}
+
+#[test]
+fn what_cannot_be_planned_starts_no_engine() {
+    let goal = |text: &str| MakePlan { goal: Some(text.to_owned()), ..request() };
+    let engine = "echo 'it was started' >&2; exit 3";
+    check(engine, &goal("(at c)"), &expect![[r#""#]]);
+    check(engine, &goal("(at b"), &expect![[r#""#]]);
+    let pool = |path: &str| PlanPool { libraries: vec![path.to_owned()], ..PlanPool::default() };
+    check(engine, &MakePlan { pool: pool("nowhere"), ..request() }, &expect![[r#""#]]);
+    check(
+        engine,
+        &MakePlan { observe: Some("pool/look".to_owned()), ..request() },
+        &expect![[r#""#]],
+    );
+}
+
+#[test]
+fn a_cancelled_engine_is_gone_with_all_that_it_started() {
+    let world = World::new(&format!(
+        "(exec 3>alive; exec tail -f /dev/null) & exec 3>alive; {PLAN}; exec tail -f /dev/null"
+    ));
+    let alive = world.folder.path().join("alive");
+    assert!(Command::new("mkfifo").arg(&alive).status().unwrap().success());
+    thread::scope(|scope| {
+        // Its end is the end of all processes that have it open.
+        let ended = scope
+            .spawn(|| File::open(&alive).and_then(|mut file| file.read_to_end(&mut Vec::new())));
+        let cancel = Cancel::default();
+        let anytime = MakePlan { anytime: true, ..request() };
+        let events = world.plan(&anytime, &cancel, &mut |_| cancel.cancel());
+        assert_eq!(ended.join().unwrap().unwrap(), 0);
+        expect![[r#""#]].assert_eq(&told(&events));
+    });
+    let cancel = Cancel::default();
+    cancel.cancel();
+    assert!(matches!(world.plan(&request(), &cancel, &mut |_| ())[..], [PlanEvent::Cancelled(_)]));
+}
+
+#[test]
+fn the_machine_of_a_plan_is_saved_as_any_other() {
+    let world = World::new(PLAN);
+    let events = world.plan(&request(), &Cancel::default(), &mut |_| ());
+    let PlanEvent::Found(found) = &events[0] else { panic!("{events:?}") };
+    let machine = machine_of(found, &world.libraries).unwrap();
+    let folder = world.folder.path().join("walk");
+    save(&machine, &folder, None, Naming::default()).unwrap();
+    let loaded = rafcon_storage::load(&folder, &world.libraries).unwrap();
+    assert!(loaded.problems.is_empty(), "{:?}", loaded.problems);
+    assert_eq!(loaded.machine.root, machine.root);
+    assert!(Path::new(&folder).join("statemachine.json").exists());
+}

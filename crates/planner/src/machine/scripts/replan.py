@@ -2,4 +2,4 @@ from rafcon import planning
 
 
 def execute(self, inputs, outputs, gvm):
-    return planning.replan(self, inputs)
+    return planning.replan(self, inputs, outputs)

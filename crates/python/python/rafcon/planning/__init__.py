@@ -1,0 +1,12 @@
+"""Plans from skills, in Python: :func:`plan` asks an engine and returns a :class:`Plan`, which becomes a machine.
+
+Everything is done as by ``rafcon plan``: skills are library states with a planner annotation, each plan is validated before it is
+returned, and preemption of the calling state ends the engine.
+"""
+
+from rafcon.planning._plans import (
+    EngineError, NoPlan, Plan, PlanningError, Refused, Step, Unsolvable, plan,
+)
+from rafcon.planning._replanning import replan
+
+__all__ = ["EngineError", "NoPlan", "Plan", "PlanningError", "Refused", "Step", "Unsolvable", "plan", "replan"]

@@ -1,0 +1,210 @@
+"""Plans as Python objects: how one is asked for, what it says, and how it becomes a machine."""
+
+import json
+import os
+import sys
+import tempfile
+from dataclasses import dataclass, field
+
+from rafcon._bridge import native
+from rafcon.core.custom_exceptions import StatePreempted
+from rafcon.core.singleton import library_manager
+
+#: How long preemption may stay unheard, in seconds.
+_LISTEN_S = 0.02
+
+
+class PlanningError(Exception):
+    """There is no plan; the text says why. See its subclasses."""
+
+
+class Refused(PlanningError):
+    """Skills, facts or goal do not fit: ``findings`` lists what is wrong."""
+
+    def __init__(self, findings):
+        errors = [finding for finding in findings if finding["is_error"]]
+        super().__init__("\n".join(_finding(finding) for finding in errors or findings))
+        self.findings = findings
+
+
+class Unsolvable(PlanningError):
+    """The goal cannot be reached."""
+
+
+class NoPlan(PlanningError):
+    """The engine has found none in its time."""
+
+
+class EngineError(PlanningError):
+    """The engine is missing, fails, or gives plans that are not valid."""
+
+
+_ERRORS = {"impossible": Unsolvable, "not_found": NoPlan, "failed": EngineError}
+
+
+def _finding(finding):
+    return ": ".join([*finding.get("libraries", []), finding["text"]])
+
+
+@dataclass(frozen=True)
+class Step:
+    """One action of a plan."""
+
+    #: The name of the action.
+    action: str
+    #: The objects, one for each parameter.
+    objects: tuple
+    #: The library behind it.
+    library: str
+    #: The name of its state.
+    title: str
+    #: When it begins; of a plan without times, its index.
+    start: float
+    #: How long it takes; None for an action without duration.
+    duration: "float | None"
+    #: The facts that it needs, each with the index of the step that brings it, or None.
+    needs: tuple
+    #: The facts that it brings, each with the indices of the steps that need it, and whether the goal does.
+    brings: tuple
+
+    def __str__(self):
+        return "(" + " ".join([self.action, *self.objects]) + ")"
+
+
+@dataclass(frozen=True)
+class Plan:
+    """A valid plan."""
+
+    steps: tuple
+    #: What the engine says that it costs.
+    cost: "float | None"
+    #: How long it takes as planned; 0 for a plan without times.
+    makespan: float
+    #: How much longer its machine takes.
+    lost: float
+    #: What is wrong with skills or facts all the same.
+    findings: tuple
+    _found: dict = field(repr=False)
+
+    def __len__(self):
+        return len(self.steps)
+
+    def __iter__(self):
+        return iter(self.steps)
+
+    def __str__(self):
+        return "\n".join(map(str, self.steps))
+
+    def explain(self):
+        """The steps with what each needs and brings, as text."""
+        lines = []
+        for index, step in enumerate(self.steps, 1):
+            lines.append(f"{index} {step}")
+            needs = [fact if source is None else f"{fact} from {source + 1}" for fact, source in step.needs]
+            brings = []
+            for fact, steps, goal in step.brings:
+                users = [str(user + 1) for user in steps] + (["the goal"] if goal else [])
+                brings.append(f"{fact} for {', '.join(users)}")
+            for word, facts in (("needs", needs), ("brings", brings)):
+                if facts:
+                    lines.append(f"  {word} {', '.join(facts)}")
+        return "\n".join(lines)
+
+    def save(self, folder):
+        """Writes the machine of the plan to a folder."""
+        native.save_plan(json.dumps(self._found), library_manager._roots(), os.fspath(folder))
+
+    def to_machine(self):
+        """The machine of the plan, as a :class:`rafcon.core.state_machine.StateMachine` that is not saved anywhere."""
+        from rafcon.core.storage import storage
+
+        with tempfile.TemporaryDirectory(prefix="rafcon-plan-") as folder:
+            path = os.path.join(folder, "machine")
+            self.save(path)
+            return storage.load_state_machine_from_path(path)
+
+
+def _plan(found):
+    steps = tuple(
+        Step(
+            step["action"],
+            tuple(step["objects"]),
+            step["library"],
+            step["title"],
+            step["start"],
+            step.get("duration"),
+            tuple((need["fact"], need.get("from")) for need in step["needs"]),
+            tuple((gain["fact"], tuple(gain["steps"]), gain["goal"]) for gain in step["brings"]),
+        )
+        for step in found["steps"]
+    )
+    findings = tuple(found.get("findings", ()))
+    return Plan(steps, found.get("cost"), found["makespan"], found["lost"], findings, found)
+
+
+def plan(
+    pool,
+    facts,
+    goal=None,
+    *,
+    types=None,
+    data=None,
+    engine="kairos",
+    time_limit=10.0,
+    anytime=False,
+    parallel=False,
+    retries=0,
+    then="give_up",
+    observe=None,
+    replans_max=None,
+    name=None,
+    on_plan=None,
+    state=None,
+):
+    """Asks an engine for a plan and returns it; raises a :class:`PlanningError` where there is none.
+
+    ``pool`` is a library path with skills, or a list of them; ``facts`` a PDDL problem as text; ``goal`` a PDDL condition, if
+    it is not that of the problem. ``types`` says which type is a kind of which, ``data`` what objects are while a machine runs.
+    ``then`` is what failing steps do whose skills do not say: ``give_up``, ``ask`` or ``replan`` (with the library ``observe``).
+    ``on_plan`` is called with each plan that is found, also with those that a better one follows (``anytime``). With ``state``,
+    preemption of that state ends the engine and raises ``StatePreempted``.
+    """
+    request = {
+        "pool": {"libraries": [pool] if isinstance(pool, str) else list(pool), "types": dict(types or {})},
+        "facts": facts,
+        "goal": goal,
+        "data": dict(data or {}),
+        "engine": engine,
+        "time_limit_ms": max(1, round(time_limit * 1000)),
+        "anytime": anytime,
+        "parallel": parallel,
+        "recovery": {"retries": retries, "then": then},
+        "observe": observe,
+        "replans_max": replans_max,
+        "name": name,
+    }
+    planning = native.Planning(json.dumps(request), library_manager._roots(), sys.executable)
+    best = None
+    while True:
+        try:
+            line = planning.next(_LISTEN_S)
+        except BaseException:
+            planning.cancel()
+            raise
+        if line is None:
+            if state is not None and state.preempted:
+                planning.cancel()
+                raise StatePreempted()
+            continue
+        event = json.loads(line)
+        kind = event.pop("event")
+        if kind == "found":
+            best = _plan(event)
+            if on_plan is not None:
+                on_plan(best)
+        elif kind == "done":
+            return best
+        elif kind == "refused":
+            raise Refused(event["findings"])
+        else:
+            raise _ERRORS.get(kind, PlanningError)(event["reason"])
