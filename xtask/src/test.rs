@@ -20,6 +20,9 @@ use crate::{bench_web, process, python, types, web, workspace};
 const CONTENTS: python::Contents =
     python::Contents { bare: &[], full: &["numpy", "mypy>=1.11,<2"] };
 
+/// The default engine of plans.
+const ENGINE: python::Contents = python::Contents { bare: &["kairos-planner==1.0.6"], full: &[] };
+
 /// A plugin of the reference that makes machines by this package, with its examples.
 const PLANNER: (&str, &str) = ("rafcon-task-planner-plugin", "1.5.2");
 
@@ -173,6 +176,7 @@ const BETWEEN: &str = "test_[esv][cxa]*.py";
 fn python_side(product: &Product) -> Result<()> {
     let reference = Reference::installed()?;
     let planner = planner()?;
+    let engine = engine_environment()?;
     let interpreters = python::all();
     let last = interpreters.len().saturating_sub(1);
     for (at, interpreter) in interpreters.into_iter().enumerate() {
@@ -180,6 +184,7 @@ fn python_side(product: &Product) -> Result<()> {
         let mut command = discover(&python, "crates/python/tests", product);
         command.env("RAFCON_REFERENCE_PYTHON", &reference.python);
         command.env("RAFCON_TASK_PLANNER", &planner);
+        command.env("RAFCON_KAIROS_PYTHON", &engine);
         if at != 0 && at != last {
             command.args(["--pattern", BETWEEN]);
         }
@@ -190,6 +195,12 @@ fn python_side(product: &Product) -> Result<()> {
 
 fn planner() -> Result<PathBuf> {
     python::sources(&python::default()?, &workspace::target()?.join("plugins"), PLANNER)
+}
+
+/// A Python with the default engine beside it.
+fn engine_environment() -> Result<PathBuf> {
+    let folder = workspace::target()?.join("engine-venv");
+    python::environment(&python::default()?, &folder, ENGINE)
 }
 
 fn python_environment(interpreter: &python::Interpreter) -> Result<PathBuf> {

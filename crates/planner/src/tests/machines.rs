@@ -238,16 +238,19 @@ fn a_machine_plans_again_around_a_failure() {
         &expect![[r#"
             hierarchy IZHCZT "lunch"
               outcome success
-              WSGWTV.success -> TEVWVM
-              WSGWTV.aborted -> .aborted
+              var plans: list = [["(cook bob pizza)", "(eat alice pizza)"]]
+              TEVWVM.success -> WSGWTV
               TEVWVM.aborted -> .aborted
-              TEVWVM.reached -> .success
-              TEVWVM.exhausted -> .aborted
+              WSGWTV.reached -> .success
+              WSGWTV."given up" -> .aborted
+              WSGWTV.aborted -> .aborted
               start -> ACCTFZ
-              ACCTFZ.aborted -> WSGWTV
+              ACCTFZ.aborted -> TEVWVM
               ACCTFZ.success -> .success
-              TEVWVM.replanned -> ACCTFZ
-              flow WSGWTV.facts -> TEVWVM.facts
+              WSGWTV.replanned -> ACCTFZ
+              flow TEVWVM.facts -> WSGWTV.facts
+              flow .plans -> WSGWTV.plans
+              flow WSGWTV.plans -> .plans
               barrier ACCTFZ "cook bob pizza, eat alice pizza"
                 outcome success
                 RASAHP.success -> unique_decider_state_id
@@ -280,29 +283,36 @@ fn a_machine_plans_again_around_a_failure() {
                         ends = {state_id: outcome.name for state_id, (_, outcome) in self.final_outcomes_dict.items()}
                         missed = [state_id for state_id, outcome in inputs["wanted"].items() if ends.get(state_id) != outcome]
                         return "aborted" if missed else "success"
-              library TEVWVM "Plan again" from "planning/replan"
-                set in facts = None unused
-                set in goal = "(be-full alice)"
-                content
-                    outcome replanned
-                    outcome reached
-                    outcome exhausted
-                    in facts: str
-                    in goal: str
-                    script ""
-              library WSGWTV "Observe" from "pool/observe"
+              library TEVWVM "Observe" from "pool/observe"
                 set out facts = "" unused
                 content
                     outcome success
                     out 7 facts: str = ""
                     script ""
+              execution WSGWTV "Plan again"
+                outcome replanned
+                outcome reached
+                outcome "given up"
+                in facts: str = ""
+                in goal: str = "(be-full alice)"
+                in plans: list = []
+                out plans: list = []
+                script |
+                  from rafcon import planning
+
+
+                  def execute(self, inputs, outputs, gvm):
+                      return planning.replan(self, inputs, outputs)
         "#]],
     );
     let blind = Replanning {
         observe: ("pool/blind".into(), root("blind", "", &Json::object())),
         ..replanning
     };
-    check(make(RESTAURANT, LUNCH, recovery, Some(&blind)), &expect![[r#""#]]);
+    check(
+        make(RESTAURANT, LUNCH, recovery, Some(&blind)),
+        &expect!["the library pool/blind has no output `facts`: add it"],
+    );
 }
 
 #[test]

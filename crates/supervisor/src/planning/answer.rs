@@ -104,6 +104,9 @@ impl Planner<'_> {
         let mut findings = pool.findings.clone();
         let wrong =
             |text: String| Finding { severity: Severity::Error, libraries: Vec::new(), text };
+        if pool.skills.is_empty() {
+            return Err(findings);
+        }
         let problem = match problem_of(request) {
             Ok(problem) => problem,
             Err(text) => {

@@ -89,12 +89,18 @@ pub(super) enum SearchEnd {
 /// A lane that runs.
 struct Running {
     child: Child,
-    said: String,
+    /// The end of its error output, once that is over.
+    said: Option<String>,
     wrong: Option<String>,
     code: Option<Option<i32>>,
 }
 
 impl Running {
+    /// Whether nothing more comes from it.
+    fn is_over(&self) -> bool {
+        self.code.is_some() && (self.said.is_some() || self.wrong.is_some())
+    }
+
     /// Kills the process and all that it started; remembers how it ended.
     fn end(&mut self) {
         if self.code.is_none() {
@@ -160,7 +166,7 @@ impl Search<'_> {
                 return SearchEnd::Cancelled;
             }
             let due = self.lanes.front().map(|(_, lane)| begin + lane.after);
-            let idle = self.running.iter().all(|(_, running)| running.code.is_some());
+            let idle = self.running.iter().all(|(_, running)| running.is_over());
             if self.found == 0 && due.is_some_and(|due| idle || clock::now() >= due) {
                 if let Some(end) = self.start_next(sender) {
                     return end;
@@ -191,8 +197,7 @@ impl Search<'_> {
         let (index, lane) = self.lanes.pop_front()?;
         match start(index, &lane, sender) {
             Ok(child) => {
-                self.running
-                    .push((index, Running { child, said: String::new(), wrong: None, code: None }));
+                self.running.push((index, Running { child, said: None, wrong: None, code: None }));
                 None
             }
             Err(error) => Some(SearchEnd::Failed(self.engine.missing(&error))),
@@ -207,7 +212,7 @@ impl Search<'_> {
     ) -> Option<SearchEnd> {
         let (index, act): (usize, Box<dyn FnOnce(&mut Running)>) = match message {
             Message::Cancelled => return None,
-            Message::Error(index, said) => (index, Box::new(|running| running.said = said)),
+            Message::Error(index, said) => (index, Box::new(|running| running.said = Some(said))),
             Message::Closed(index) => (index, Box::new(Running::end)),
             Message::Line(index, line) => match on_plan(&line) {
                 Verdict::Enough => return Some(SearchEnd::Enough),
@@ -247,14 +252,9 @@ impl Search<'_> {
         let name = &self.engine.name;
         let lanes = || self.running.iter().map(|(_, running)| running);
         let last = |running: &Running| {
-            running
-                .said
-                .lines()
-                .rev()
-                .find(|line| !line.trim().is_empty())
-                .unwrap_or("it said nothing")
-                .trim()
-                .to_owned()
+            let mut lines = running.said.as_deref().unwrap_or_default().lines().rev();
+            let last = lines.find(|line| !line.trim().is_empty());
+            last.unwrap_or("it said nothing").trim().to_owned()
         };
         if self.found > 0 {
             return SearchEnd::Enough;
@@ -305,7 +305,7 @@ fn start(index: usize, lane: &Lane, sender: &SyncSender<Message>) -> io::Result<
             .spawn(move || read_errors(stderr, index, &tell))
     });
     if let Err(error) = started {
-        drop(Running { child, said: String::new(), wrong: None, code: None });
+        drop(Running { child, said: None, wrong: None, code: None });
         return Err(error);
     }
     Ok(child)

@@ -1,5 +1,6 @@
 """Planning again while a machine runs: the other children of a state's container are replaced by the steps of a new plan."""
 
+from rafcon import _ids
 from rafcon.planning._plans import NoPlan, Unsolvable, plan
 
 REPLANNED, REACHED, GIVEN_UP = "replanned", "reached", "given up"
@@ -71,6 +72,8 @@ def _replace(state, new):
     ]
     for child in [child for child in new.states.values() if child.state_id not in own]:
         old_id = child.state_id
+        # Never an id of an earlier plan: whoever follows the run knows those by their old names.
+        child.change_state_id(_ids.state_id({container.state_id, *container.states, *new.states}))
         ids[old_id] = container.add_state(child)
     replanned = next(key for key, outcome in state.outcomes.items() if outcome.name == REPLANNED)
     for from_state, from_outcome, to_state, to_outcome in lines:
