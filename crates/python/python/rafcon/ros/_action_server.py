@@ -1,0 +1,92 @@
+"""Offering an action from a script."""
+
+import threading
+
+from rafcon.ros import _backend
+from rafcon.ros._message import Message
+from rafcon.ros._node import node
+from rafcon.ros._services import Server
+from rafcon.ros._types import full_name
+
+
+class ReceivedGoal:
+    """A goal that somebody sent; the callback of :func:`action_server` works for it."""
+
+    def __init__(self, here, type_name, received):
+        self._here = here
+        self._type_name = type_name
+        self._received = received
+        self._canceling = threading.Event()
+        #: The goal, a :class:`Message`.
+        self.goal = Message.of(type_name + "_Goal", here.types, received.goal)
+
+    @property
+    def canceled(self):
+        """Whether its client wants it cancelled; the callback returns soon then."""
+        return self._canceling.is_set()
+
+    def wait(self, seconds):
+        """Waits; True at once when the client wants the goal cancelled."""
+        return self._canceling.wait(seconds)
+
+    def feedback(self, message=None, **fields):
+        """Tells the client how far the work is."""
+        name = self._type_name + "_Feedback"
+        self._received.feedback(self._here.types.build(name, {**(message or {}), **fields} if fields else message))
+
+    def _cancel(self):
+        self._canceling.set()
+        return True
+
+
+class GoalAborted(Exception):
+    """Raised by the callback of an action: the goal ends as *aborted*, with ``result`` for the client."""
+
+    def __init__(self, why="", result=None):
+        Exception.__init__(self, why)
+        self.result = result
+
+
+def action_server(action, callback, type, accept=None):
+    """Offers an action: ``callback(goal)`` works for a :class:`ReceivedGoal` and returns its result; returns a :class:`Server`.
+
+    Each goal runs on a thread of its own. Returning after ``goal.canceled`` became true ends it as *canceled*, otherwise
+    as *succeeded*; :class:`GoalAborted`, or any other exception, ends it as *aborted*. ``accept(goal)`` says whether a
+    goal (a :class:`Message`) is accepted; without it all are.
+    """
+    here = node()
+    server = Server(here.absolute(action))
+    type_name = full_name(type, "action")
+    here.types.require(type_name)
+
+    def asked(received):
+        goal = ReceivedGoal(here, type_name, received)
+        threading.Thread(target=_work, args=(here, server.name, goal, callback, accept), name=f"ros {server.name}", daemon=True).start()
+
+    server._offered = here.backend.action_server(server.name, type_name, asked)
+    return server
+
+
+def _work(here, name, goal, callback, accept):
+    received = goal._received
+    try:
+        wanted = accept is None or accept(goal.goal)
+    except Exception:
+        here.logger.exception("%s: `accept` failed, so the goal is rejected", name)
+        wanted = False
+    if not wanted:
+        received.reject()
+        return
+    received.accept(goal._cancel)
+    result_type = goal._type_name + "_Result"
+    try:
+        result = here.types.build(result_type, callback(goal))
+        status = _backend.CANCELED if goal.canceled else _backend.SUCCEEDED
+    except GoalAborted as aborted:
+        here.logger.warning("%s: the goal is aborted: %s", name, aborted)
+        result, status = here.types.build(result_type, aborted.result), _backend.ABORTED
+    except Exception:
+        here.logger.exception("%s: the callback failed, so the goal is aborted", name)
+        result, status = here.types.build(result_type), _backend.ABORTED
+    if here.ended is None:
+        received.finish(status, result)

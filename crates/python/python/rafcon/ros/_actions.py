@@ -1,0 +1,318 @@
+"""Actions: goals that are sent, waited for, and cancelled when their state is preempted."""
+
+import collections
+import threading
+import time
+from dataclasses import dataclass
+from typing import Any
+
+from rafcon.ros import _backend, _waits
+from rafcon.ros._backend import RosError
+from rafcon.ros._message import Message
+from rafcon.ros._node import node
+from rafcon.ros._services import FIND_S, Gone, NoServer, find_server
+from rafcon.ros._types import full_name
+from rafcon.ros._waits import LOOK_EVERY_S, Waiter
+
+#: A server may take so long (s) to accept a goal.
+_ACCEPT_S = 5.0
+#: A preempted state waits so long (s) for the end of its goal.
+CANCEL_WAIT_S = 2.0
+#: A goal has ended by its state, and its result is waited for so long (s).
+_RESULT_S = 2.0
+#: Feedback goes to the log no more often than this (s).
+_LOG_EVERY_S = 1.0
+
+_OUTCOMES = {_backend.SUCCEEDED: "succeeded", _backend.CANCELED: "canceled", _backend.ABORTED: "aborted"}
+
+
+@dataclass(frozen=True)
+class ActionResult:
+    """How a goal ended."""
+
+    #: ``succeeded``, ``aborted``, ``canceled``, ``rejected`` or ``timed_out``.
+    outcome: str
+    #: The result, a :class:`Message`; None if none came.
+    result: Any = None
+    #: The feedback that came last, a :class:`Message`, or None.
+    feedback: Any = None
+    #: In words why it ended so, where the outcome alone does not say it.
+    why: str = ""
+
+
+class _SentGoal:
+    """A goal on its way; the back end calls the upper half, on its thread."""
+
+    def __init__(self, here, name):
+        self._here = here
+        self._name = name
+        self._open = _open_goals(here)
+        self._open.add(self)
+        self._waiter = None
+        self._feedback_waiting = collections.deque(maxlen=1)
+        self._unwanted = False
+        self.goal = None
+        self.is_accepted = False
+        self.last_feedback = None
+        self.cancel_answer = None
+        #: (status, values) at the end; a status of 0 is a rejection, None a failure with words for values.
+        self.end = None
+        #: The final state that the topic of states told, with the time when it did.
+        self.told = None
+
+    def accepted(self):
+        """The server takes the goal."""
+        self.is_accepted = True
+        if self._unwanted:
+            self._send_cancel()
+        self._ring()
+
+    def rejected(self):
+        """The server does not take it."""
+        self._finish((0, None))
+
+    def feedback(self, message):
+        """The server tells about it."""
+        self.last_feedback = message
+        self._feedback_waiting.append(message)
+        self._ring()
+
+    def status(self, status):
+        """The topic of states has a state of it."""
+        if status in _OUTCOMES and self.told is None:
+            self.told = status, time.monotonic()
+            self._ring()
+
+    def result(self, status, message):
+        """It ended."""
+        self._finish((status, message))
+
+    def failed(self, why):
+        """Nothing more will be heard of it."""
+        self._finish((None, why))
+
+    def _finish(self, end):
+        self.end = end
+        self._open.discard(self)
+        self._ring()
+
+    def _ring(self):
+        waiter = self._waiter
+        if waiter is not None:
+            waiter.ring()
+
+    def wait_with(self, waiter):
+        """Who is told of news."""
+        self._waiter = waiter
+
+    def take_feedback(self):
+        """The newest feedback that has not been taken, or None."""
+        try:
+            return self._feedback_waiting.popleft()
+        except IndexError:
+            return None
+
+    def cancel(self):
+        """Asks the server to cancel it; again when it is accepted, if it was not yet."""
+        self._unwanted = True
+        self._send_cancel()
+
+    def _send_cancel(self):
+        if self.goal is not None and self.end is None and self._here.ended is None:
+            self.goal.cancel(self._cancelled)
+
+    def _cancelled(self, code, why):
+        self.cancel_answer = code, why
+        if code == 1:
+            self._here.logger.warning("%s: the server refuses to cancel its goal", self._name)
+        self._ring()
+
+    def leave(self):
+        """Nobody waits any more: a goal that has not ended is cancelled, or will be when it is accepted."""
+        self._waiter = None
+        if self.end is None and not self._unwanted:
+            self.cancel()
+
+    def ended(self):
+        """Whether the end is known; with the result, or without after a while."""
+        self._here.check()
+        if self.end is not None:
+            return True
+        return self.told is not None and time.monotonic() - self.told[1] >= _RESULT_S
+
+
+def _open_goals(here):
+    """The goals of which the end is not known."""
+    return here.shared(("open goals",), lambda: _OpenGoals(here))
+
+
+class _OpenGoals:
+    """A set for several threads."""
+
+    def __init__(self, here):
+        self._goals = set()
+        here.closers["goals"] = self.close
+        self._lock = threading.Lock()
+        self._changed = threading.Condition(self._lock)
+
+    def add(self, goal):
+        """One more."""
+        with self._lock:
+            self._goals.add(goal)
+
+    def discard(self, goal):
+        """One less."""
+        with self._changed:
+            self._goals.discard(goal)
+            self._changed.notify_all()
+
+    def close(self):
+        """The run ends: all are cancelled, and for a moment their ends are waited for."""
+        with self._changed:
+            goals = list(self._goals)
+            for goal in goals:
+                if goal.goal is not None:
+                    goal._unwanted = True
+                    goal.goal.cancel(goal._cancelled)
+            self._changed.wait_for(lambda: not self._goals, CANCEL_WAIT_S if goals else 0)
+
+
+def action(name, goal=None, type=None, timeout=None, feedback=None, cancel_wait_s=CANCEL_WAIT_S, find=FIND_S, accept=_ACCEPT_S):
+    """Sends a goal and waits for its end; returns an :class:`ActionResult`.
+
+    Without a ``type`` it is the one that the action has. A server that is not there is waited for up to ``find``
+    seconds, and may take ``accept`` seconds to accept the goal: after that the outcome is *timed_out*, as it is when the
+    goal has not ended after ``timeout`` seconds. A server that ends before the goal does is an outcome, too: *aborted*.
+    ``feedback(message)`` is called with the newest feedback, on the thread of the script; the log has it as well.
+
+    When the state is preempted, the goal is cancelled, its end is waited for up to ``cancel_wait_s`` seconds, and
+    :class:`~rafcon.core.custom_exceptions.StatePreempted` is raised. A goal that is accepted after that, or after a
+    *timed_out*, is cancelled as well.
+    """
+    here = node()
+    name = here.absolute(name)
+    timeout, find, accept = (_waits.seconds(each, word) for each, word in ((timeout, "timeout"), (find, "find"), (accept, "accept")))
+    cancel_wait_s = _waits.seconds(cancel_wait_s, "cancel_wait_s")
+    try:
+        type_name = full_name(type, "action") if type is not None else type_of_action(here, name, find)
+        here.types.require(type_name)
+        values = here.types.build(type_name + "_Goal", goal)
+        client = here.shared(("action client", name, type_name), lambda: here.backend.action_client(name, type_name))
+        waiter = Waiter(f"the action {name}")
+        find_server(here, waiter, client, "action", name, find)
+    except NoServer as error:
+        return ActionResult("timed_out", why=str(error))
+    return _Running(here, name, type_name, client, waiter, feedback).run(values, timeout, accept, cancel_wait_s)
+
+
+class _Running:
+    """One call of :func:`action`."""
+
+    def __init__(self, here, name, type_name, client, waiter, feedback):
+        self._here = here
+        self._name = name
+        self._type_name = type_name
+        self._waiter = waiter
+        self._feedback = feedback
+        self._gone = Gone(client)
+        self._client = client
+        self._logged_s = -_LOG_EVERY_S
+        self._sent = _SentGoal(here, name)
+
+    def run(self, values, timeout, accept, cancel_wait_s):
+        """From the goal to its end."""
+        sent = self._sent
+        sent.wait_with(self._waiter)
+        end_s = None if timeout is None else time.monotonic() + timeout
+        sent.goal = self._client.send(values, sent)
+        try:
+            accept = accept if timeout is None else timeout if accept is None else min(accept, timeout)
+            if not self._waiter.until(self._answered, accept, LOOK_EVERY_S):
+                return self._too_late(f"its server has not accepted the goal within {accept} s", 0)
+            left_s = None if end_s is None else max(end_s - time.monotonic(), 0)
+            if not self._waiter.until(self._over, left_s, LOOK_EVERY_S):
+                return self._too_late(f"the goal has not ended within {timeout} s", cancel_wait_s)
+            return self._result()
+        except BaseException:
+            self._cancel(cancel_wait_s)
+            raise
+        finally:
+            sent.leave()
+
+    def _answered(self):
+        return self._sent.is_accepted or self._over()
+
+    def _over(self):
+        message = self._sent.take_feedback()
+        if message is not None:
+            self._tell(message)
+        return self._sent.ended() or self._gone()
+
+    def _tell(self, values):
+        message = self._message("Feedback", values)
+        now_s = time.monotonic()
+        if now_s - self._logged_s >= _LOG_EVERY_S:
+            self._logged_s = now_s
+            self._here.logger.info("%s: %s", self._name, message)
+        if self._feedback is not None:
+            self._feedback(message)
+
+    def _message(self, part, values):
+        return None if values is None else Message.of(f"{self._type_name}_{part}", self._here.types, values)
+
+    def _cancel(self, wait_s):
+        """Cancels the goal and waits for its end, whatever else happens to the state."""
+        self._sent.cancel()
+        self._waiter.heed(False)
+        try:
+            self._waiter.until(lambda: self._sent.ended() or self._gone(), wait_s, LOOK_EVERY_S)
+        except RosError as error:
+            self._here.logger.debug("%s: %s", self._name, error)
+
+    def _too_late(self, why, wait_s):
+        heeded = self._waiter.heeding()
+        self._cancel(wait_s)
+        if self._sent.end is not None and self._sent.end[0] == _backend.SUCCEEDED:
+            return self._result()
+        self._waiter.heed(heeded)
+        if self._waiter.preempted():
+            raise self._waiter.preemption()
+        result = self._sent.end[1] if self._sent.end and self._sent.end[0] else None
+        return ActionResult("timed_out", self._message("Result", result), self._last(), f"{self._name}: {why}")
+
+    def _last(self):
+        return self._message("Feedback", self._sent.last_feedback)
+
+    def _result(self):
+        sent = self._sent
+        if sent.end is None and sent.told is not None:
+            why = f"{self._name}: the goal has ended, and its server has sent no result"
+            return ActionResult(_OUTCOMES[sent.told[0]], None, self._last(), why)
+        if sent.end is None:
+            return ActionResult("aborted", None, self._last(), f"{self._name}: its server has ended before the goal did")
+        status, values = sent.end
+        if status == 0:
+            return ActionResult("rejected", None, None, f"{self._name}: its server rejected the goal")
+        if status is None:
+            return ActionResult("aborted", None, self._last(), f"{self._name}: {values}")
+        if status not in _OUTCOMES:
+            return ActionResult("aborted", None, self._last(), f"{self._name}: its server does not know the goal any more")
+        return ActionResult(_OUTCOMES[status], self._message("Result", values), self._last())
+
+
+def type_of_action(here, name, find):
+    """The type that an action has; it is waited for."""
+    end = "/_action/send_goal"
+
+    def look():
+        return [each[: -len("_SendGoal")] for each in here.backend.services().get(name + end, ()) if each.endswith("_SendGoal")]
+
+    known = here.shared(("types of", name + end), dict)
+    if not known:
+        found = sorted(set(Waiter(f"the action {name}").until(look, find, LOOK_EVERY_S) or ()))
+        if not found:
+            raise NoServer(f"nobody offers the action {name} (looked for {find} s): start its node, or correct the name")
+        if len(found) > 1:
+            raise RosError(f"the action {name} has several types, {' and '.join(found)}; say which is meant: type=…")
+        known["type"] = found[0]
+    return known["type"]

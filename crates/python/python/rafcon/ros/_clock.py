@@ -1,0 +1,49 @@
+"""The time of ROS: that of the machine, or of ``/clock`` where a simulation makes it."""
+
+import time
+
+from rafcon.ros._node import node
+from rafcon.ros._waits import TimedOut, Waiter
+
+_NS = 1_000_000_000
+#: The first message of a simulation is waited for so long (s).
+_FIRST_S = 2.0
+
+
+def now_ns():
+    """The time in nanoseconds."""
+    here = node()
+    return here.shared(("clock",), lambda: _SimClock(here))() if here.use_sim_time else time.time_ns()
+
+
+def now():
+    """The time in seconds: of the machine, or with ``use_sim_time`` (see :func:`configure`) of the topic ``/clock``."""
+    return now_ns() / _NS
+
+
+def stamp(seconds=None):
+    """A time as ``builtin_interfaces/msg/Time`` has it; without ``seconds`` now: for the ``stamp`` of a header."""
+    sec, nanosec = divmod(now_ns() if seconds is None else round(float(seconds) * _NS), _NS)
+    return {"sec": sec, "nanosec": nanosec}
+
+
+class _SimClock:
+    """The newest time of ``/clock``."""
+
+    def __init__(self, here):
+        from rafcon.ros._topics import Subscription, heard_quality
+
+        self._heard = Subscription(here, "/clock", "rosgraph_msgs/msg/Clock", None, heard_quality(here, "/clock", "sensor"))
+
+    def __call__(self):
+        if self._heard.latest is None:
+            waiter = Waiter("the time of the simulation")
+            self._heard._waiters.add(waiter)
+            try:
+                waiter.until(lambda: self._heard.latest is not None, _FIRST_S)
+            finally:
+                self._heard._waiters.discard(waiter)
+        message = self._heard.latest
+        if message is None:
+            raise TimedOut("the time is that of a simulation (use_sim_time), and nobody publishes it on /clock; start it, or call configure(use_sim_time=False)")
+        return message["clock"]["sec"] * _NS + message["clock"]["nanosec"]

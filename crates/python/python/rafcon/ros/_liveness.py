@@ -1,0 +1,231 @@
+"""Tells whether the process of a participant has ended, long before its lease says so.
+
+DDS keeps a participant that was killed for its lease, 20 s by default. But its ports are closed at once, and a datagram to a
+closed port is answered by its host. So participants are listened to as they announce themselves (SPDP, which says where they
+are), and those that somebody waits for are sent a datagram without content. Where nothing is heard of a participant, or
+nothing answers, it counts as alive.
+"""
+
+import errno
+import ipaddress
+import socket
+import struct
+import threading
+import time
+
+_GROUP = "239.255.0.1"
+_PORT, _DOMAIN_GAIN, _DOMAINS = 7400, 250, 233
+#: A participant that somebody waits for is asked this often (s).
+_ASK_EVERY_S = 0.2
+#: So many refusals in a row are an end.
+_REFUSALS = 2
+_PARTICIPANT_WRITER = 0x000100C2
+_GUID, _META_UNICAST, _DEFAULT_UNICAST, _SENTINEL = 0x50, 0x32, 0x31, 0x01
+_DATA = 0x15
+_GONE = (errno.ECONNREFUSED,)
+
+
+class Liveness:
+    """Listens to the participants of a domain."""
+
+    def __init__(self, domain):
+        self._participants = {}
+        self._lock = threading.Lock()
+        self._closed = False
+        self._socket = _listening(domain)
+        if self._socket is not None:
+            threading.Thread(target=self._listen, name="ros participants", daemon=True).start()
+
+    def close(self):
+        """Listens no more."""
+        self._closed = True
+        if self._socket is not None:
+            # A datagram to itself ends the wait of the thread, which closes the sockets.
+            with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender:
+                sender.sendto(b"", ("127.0.0.1", self._socket.getsockname()[1]))
+
+    def _listen(self):
+        with self._socket:
+            while not self._closed:
+                self._socket.settimeout(1.0)
+                try:
+                    content = self._socket.recv(65536)
+                except socket.timeout:
+                    continue
+                except OSError:
+                    break
+                found = announced(content)
+                if found is not None:
+                    self._note(*found)
+        with self._lock:
+            participants, self._participants = list(self._participants.values()), {}
+        for each in participants:
+            each.close()
+
+    def _note(self, key, places):
+        with self._lock:
+            known = self._participants.get(key)
+            if known is None or known.places != places:
+                if known is not None:
+                    known.close()
+                self._participants[key] = _Participant(places)
+            else:
+                known.alive()
+
+    def has_ended(self, key):
+        """Whether the process of a participant (the first 12 bytes of its GUID) has been seen to end."""
+        with self._lock:
+            known = self._participants.get(key)
+            return known is not None and known.has_ended()
+
+
+class _Participant:
+    """Where a participant listens, and what was learned by asking."""
+
+    def __init__(self, places):
+        self.places = places
+        self._sockets = []
+        self._asked_s = 0.0
+        self._refusals = 0
+
+    def alive(self):
+        """It has announced itself."""
+        self._refusals = 0
+
+    def has_ended(self):
+        """Asks, if it is time to, and says what is known."""
+        now_s = time.monotonic()
+        if self._refusals < _REFUSALS and now_s - self._asked_s >= _ASK_EVERY_S:
+            self._asked_s = now_s
+            self._ask()
+        return self._refusals >= _REFUSALS
+
+    def _ask(self):
+        if not self._sockets:
+            self._sockets = [made for made in map(_connected, self.places) if made is not None]
+        # Of several places all must refuse: one may be an address that means another host here.
+        refused = [_refuses(each) for each in self._sockets]
+        if refused and all(refused):
+            self._refusals += 1
+        else:
+            self._refusals = 0
+
+    def close(self):
+        """Gives the sockets back."""
+        for each in self._sockets:
+            each.close()
+
+
+def _connected(place):
+    made = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+    try:
+        made.setblocking(False)
+        made.connect(place)
+    except OSError:
+        made.close()
+        return None
+    return made
+
+
+#: A message of RTPS 2.2 with nothing in it, from nobody.
+_EMPTY = b"RTPS\x02\x02\x00\x00" + bytes(12)
+
+
+def _refuses(connected):
+    """Whether the port refused what was sent to it before; then sends again."""
+    refused = False
+    try:
+        connected.recv(1)
+    except BlockingIOError:
+        pass
+    except OSError as error:
+        refused = error.errno in _GONE
+    try:
+        connected.send(_EMPTY)
+    except OSError as error:
+        refused = refused or error.errno in _GONE
+    return refused
+
+
+def _listening(domain):
+    """A socket that hears what all participants of a domain tell all; None where that is not possible."""
+    if not 0 <= domain < _DOMAINS:
+        return None
+    made = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+    try:
+        made.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        if hasattr(socket, "SO_REUSEPORT"):
+            made.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEPORT, 1)
+        made.bind(("", _PORT + _DOMAIN_GAIN * domain))
+        joined = [_join(made, address) for address in ("0.0.0.0", "127.0.0.1")]  # noqa: S104, any interface, and the one for this host
+        if any(joined):
+            return made
+    except OSError:
+        pass
+    made.close()
+    return None
+
+
+def _join(made, address):
+    try:
+        made.setsockopt(socket.IPPROTO_IP, socket.IP_ADD_MEMBERSHIP, socket.inet_aton(_GROUP) + socket.inet_aton(address))
+    except OSError:
+        return False
+    return True
+
+
+def announced(content):
+    """(key, places) of the participant that announces itself in an RTPS message; None if none does."""
+    if len(content) < 20 or content[:4] != b"RTPS":
+        return None
+    at = 20
+    while at + 4 <= len(content):
+        kind, flags = content[at], content[at + 1]
+        order = "<" if flags & 1 else ">"
+        (length,) = struct.unpack_from(order + "H", content, at + 2)
+        end = at + 4 + length if length else len(content)
+        if kind == _DATA and end <= len(content):
+            found = _of_data(content[at + 4 : end], order, flags)
+            if found is not None:
+                return found
+        at = end
+    return None
+
+
+def _of_data(body, order, flags):
+    if len(body) < 24 or struct.unpack_from(">I", body, 8)[0] != _PARTICIPANT_WRITER or not flags & 4:
+        return None
+    (skip,) = struct.unpack_from(order + "H", body, 2)
+    at = 4 + skip
+    if flags & 2:
+        at = _after_parameters(body, at, order)
+    if at is None or at + 4 > len(body):
+        return None
+    order = "<" if body[at + 1] & 1 else ">"
+    key, places = None, []
+    for number, value in _parameters(body, at + 4, order):
+        if number == _GUID and len(value) >= 12:
+            key = value[:12]
+        elif number in (_META_UNICAST, _DEFAULT_UNICAST) and len(value) >= 24:
+            kind, port = struct.unpack_from(order + "iI", value)
+            if kind == 1 and 0 < port < 65536 and value[20:24] != bytes(4):
+                places.append((str(ipaddress.IPv4Address(value[20:24])), port))
+    return (key, tuple(sorted(set(places)))) if key and places else None
+
+
+def _parameters(body, at, order):
+    while at + 4 <= len(body):
+        number, length = struct.unpack_from(order + "HH", body, at)
+        if number == _SENTINEL or at + 4 + length > len(body):
+            return
+        yield number, body[at + 4 : at + 4 + length]
+        at += 4 + length
+
+
+def _after_parameters(body, at, order):
+    while at + 4 <= len(body):
+        number, length = struct.unpack_from(order + "HH", body, at)
+        at += 4 + length
+        if number == _SENTINEL:
+            return at
+    return None

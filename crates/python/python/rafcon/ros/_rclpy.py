@@ -1,0 +1,391 @@
+"""The back end of ``rclpy``: any middleware, and all interfaces that the interpreter finds."""
+
+import os
+import threading
+import uuid
+
+import rclpy
+from rclpy.callback_groups import ReentrantCallbackGroup
+from rclpy.context import Context
+from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
+from rclpy.node import Node
+from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
+
+from rafcon.ros._backend import BackendLost, Endpoint, Qos, RosError
+from rafcon.ros._liveness import Liveness
+from rafcon.ros._rclpy_actions import ActionClient, ActionServer
+from rafcon.ros._rclpy_messages import Classes, interface
+
+#: The end of its thread is waited for so long (s).
+_END_S = 1.0
+
+
+class RclpyBackend:
+    """A node of ``rclpy`` in a context of its own, so that scripts may use ``rclpy`` beside it."""
+
+    name = "rclpy"
+
+    def __init__(self):
+        self.classes = Classes()
+        self.context = Context()
+        self.node = None
+        self.executor = None
+        self.liveness = None
+        self._listener = None
+        self._thread = None
+        self._closed = False
+        self._todo = []
+        self._lock = threading.Lock()
+
+    def start(self, settings, listener):
+        """Makes the node and its thread."""
+        self._listener = listener
+        try:
+            rclpy.init(args=[], context=self.context, domain_id=settings.domain, signal_handler_options=_no_signals())
+            self.node = Node(settings.name, namespace=settings.namespace, context=self.context, use_global_arguments=False)
+            self.executor = SingleThreadedExecutor(context=self.context)
+            self.executor.add_node(self.node)
+        except Exception as error:
+            raise RosError(f"rclpy cannot make a node: {error}") from error
+        self._guard = self.node.create_guard_condition(self._do, callback_group=ReentrantCallbackGroup())
+        domain = int(os.environ.get("ROS_DOMAIN_ID") or 0) if settings.domain is None else settings.domain
+        self.liveness = Liveness(domain)
+        self._thread = threading.Thread(target=self._spin, name="ros", daemon=True)
+        self._thread.start()
+
+    def _spin(self):
+        try:
+            while not self._closed:
+                self.executor.spin_once()
+        except ExternalShutdownException:
+            why = "its context was shut down"
+        except Exception as error:
+            why = f"{type(error).__name__}: {error}"
+        else:
+            return
+        if not self._closed:
+            self._closed = True
+            self._listener.lost(why)
+
+    def post(self, function, *arguments):
+        """Calls a function on the thread of the node, which alone may touch what has no locks of its own."""
+        self.check()
+        with self._lock:
+            self._todo.append((function, arguments))
+        self._guard.trigger()
+
+    def _do(self):
+        with self._lock:
+            todo, self._todo = self._todo, []
+        for function, arguments in todo:
+            try:
+                function(*arguments)
+            except Exception as error:
+                self._listener.say("error", f"{type(error).__name__}: {error}")
+
+    def check(self):
+        """Raises :class:`BackendLost` once it has ended."""
+        if self._closed:
+            raise BackendLost("the ROS node has ended")
+
+    def say(self, level, text):
+        """A line for the log."""
+        self._listener.say(level, text)
+
+    def close(self):
+        """Ends the node and its thread."""
+        if self._closed:
+            return
+        self._closed = True
+        self.liveness.close()
+        self._guard.trigger()
+        self._thread.join(_END_S)
+        self.executor.shutdown(timeout_sec=0)
+        self.node.destroy_node()
+        self.context.try_shutdown()
+
+    def describe(self, type_name):
+        """The type and all that it is made of, by name."""
+        return self.classes.describe(type_name)
+
+    def publisher(self, topic, type_name, qos):
+        """Makes a publisher."""
+        return _Publisher(self, topic, self.classes.known(type_name), _profile(qos))
+
+    def subscription(self, topic, type_name, qos, heard):
+        """Hears a topic."""
+        return _Subscription(self, topic, self.classes.known(type_name), _profile(qos), heard)
+
+    def client(self, service, type_name):
+        """Makes a client of a service."""
+        return _Client(self, service, type_name)
+
+    def service(self, name, type_name, asked):
+        """Offers a service."""
+        return _Service(self, name, type_name, asked)
+
+    def action_client(self, action, type_name):
+        """Makes a client of an action."""
+        return ActionClient(self, action, type_name)
+
+    def action_server(self, name, type_name, asked):
+        """Offers an action."""
+        return ActionServer(self, name, type_name, asked)
+
+    def publishers_of(self, topic):
+        """The publishers that are known of a topic."""
+        self.check()
+        return [_endpoint(each) for each in self.node.get_publishers_info_by_topic(topic)]
+
+    def subscriptions_of(self, topic):
+        """The subscriptions that are known of a topic."""
+        self.check()
+        return [_endpoint(each) for each in self.node.get_subscriptions_info_by_topic(topic)]
+
+    def topics(self):
+        """All topics that are known, with their types."""
+        self.check()
+        return {name: tuple(types) for name, types in self.node.get_topic_names_and_types()}
+
+    def services(self):
+        """All services that are known, with their types."""
+        self.check()
+        return {name: tuple(types) for name, types in self.node.get_service_names_and_types()}
+
+    def nodes(self):
+        """The names of all nodes that are known."""
+        self.check()
+        return [_joined(space, name) for name, space in self.node.get_node_names_and_namespaces()]
+
+    def serving(self, service):
+        """The nodes that offer a service, as (name, namespace)."""
+        found = []
+        for name, space in self.node.get_node_names_and_namespaces():
+            try:
+                offered = self.node.get_service_names_and_types_by_node(name, space)
+            except Exception:  # noqa: S112, the node has gone in between
+                continue
+            if any(each == service for each, _ in offered):
+                found.append((name, space))
+        return found
+
+    def participants(self, nodes):
+        """The keys of the participants in which nodes live, by :mod:`rafcon.ros._liveness`; None where one is not known."""
+        known = {}
+        for each in self.node.get_publishers_info_by_topic("/parameter_events"):
+            known[each.node_name, each.node_namespace] = bytes(each.endpoint_gid)[:12]
+        return [known.get(each) for each in nodes]
+
+
+def _no_signals():
+    from rclpy.signals import SignalHandlerOptions
+
+    return SignalHandlerOptions.NO
+
+
+def _profile(qos):
+    return QoSProfile(
+        reliability=ReliabilityPolicy.RELIABLE if qos.reliability == "reliable" else ReliabilityPolicy.BEST_EFFORT,
+        durability=DurabilityPolicy.TRANSIENT_LOCAL if qos.durability == "transient_local" else DurabilityPolicy.VOLATILE,
+        history=HistoryPolicy.KEEP_LAST if qos.depth else HistoryPolicy.KEEP_ALL,
+        depth=qos.depth,
+    )
+
+
+def _endpoint(info):
+    policies = info.qos_profile
+    reliable = policies.reliability != ReliabilityPolicy.BEST_EFFORT
+    latched = policies.durability == DurabilityPolicy.TRANSIENT_LOCAL
+    qos = Qos("reliable" if reliable else "best_effort", "transient_local" if latched else "volatile", 10)
+    known = info.node_name and not info.node_name.startswith("_NODE_NAME_UNKNOWN_")
+    return Endpoint(_joined(info.node_namespace, info.node_name) if known else "", info.topic_type, qos)
+
+
+def _joined(space, name):
+    return f"{space.rstrip('/')}/{name}"
+
+
+class _Part:
+    """Something of the node that is destroyed on the node's thread."""
+
+    def __init__(self, backend):
+        backend.check()
+        self._backend = backend
+        self._open = True
+
+    def _destroy(self):
+        raise NotImplementedError
+
+    def close(self):
+        """Gives it back."""
+        if self._open:
+            self._open = False
+            if not self._backend._closed:
+                self._backend.post(self._destroy)
+
+
+class _Publisher(_Part):
+    """A publisher of ``rclpy``."""
+
+    def __init__(self, backend, topic, known, profile):
+        _Part.__init__(self, backend)
+        self._known = known
+        self._publisher = backend.node.create_publisher(known.cls, topic, profile)
+
+    def publish(self, message):
+        """Sends a message."""
+        self._backend.check()
+        self._publisher.publish(self._known.made(message))
+
+    def subscribers(self):
+        """How many hear it."""
+        self._backend.check()
+        return self._publisher.get_subscription_count()
+
+    def _destroy(self):
+        self._backend.node.destroy_publisher(self._publisher)
+
+
+class _Subscription(_Part):
+    """A subscription of ``rclpy``."""
+
+    def __init__(self, backend, topic, known, profile, heard):
+        _Part.__init__(self, backend)
+        self._known = known
+        self._heard = heard
+        self._topic = topic
+        node = backend.node
+        self._subscription = node.create_subscription(known.cls, topic, self._hear, profile, callback_group=ReentrantCallbackGroup())
+
+    def _hear(self, message):
+        if self._open:
+            self._heard(self._known.plain(message))
+
+    def publishers(self):
+        """How many it hears."""
+        self._backend.check()
+        return self._backend.node.count_publishers(self._topic)
+
+    def _destroy(self):
+        self._backend.node.destroy_subscription(self._subscription)
+
+
+class Servers:
+    """Counts the servers of a service: those of the graph, without those whose process has been seen to end."""
+
+    def __init__(self, backend, service, is_ready):
+        self._backend = backend
+        self._service = service
+        self._is_ready = is_ready
+        self._nodes = []
+
+    def count(self):
+        """How many there are."""
+        self._backend.check()
+        if not self._is_ready():
+            self._nodes = []
+            return 0
+        if not self._nodes:
+            self._nodes = self._backend.serving(self._service)
+        keys = self._backend.participants(self._nodes)
+        ended = sum(1 for key in keys if key is not None and self._backend.liveness.has_ended(key))
+        if ended and ended == len(keys):
+            # Another may have come since the nodes were looked up.
+            self._nodes = self._backend.serving(self._service)
+            keys = self._backend.participants(self._nodes)
+            return sum(1 for key in keys if key is None or not self._backend.liveness.has_ended(key))
+        return max(len(keys), 1) - ended
+
+
+class _Client(_Part):
+    """A client of ``rclpy``."""
+
+    def __init__(self, backend, service, type_name):
+        _Part.__init__(self, backend)
+        self._request = backend.classes.known(type_name + "_Request")
+        self._response = backend.classes.known(type_name + "_Response")
+        group = ReentrantCallbackGroup()
+        self._client = backend.node.create_client(interface(type_name), service, callback_group=group)
+        self._servers = Servers(backend, service, self._client.service_is_ready)
+
+    def servers(self):
+        """How many serve."""
+        return self._servers.count()
+
+    def send(self, request, done):
+        """Sends a request."""
+        self._backend.check()
+        future = self._client.call_async(self._request.made(request))
+        pending = _Pending(self._client, future)
+
+        def come(_future):
+            if pending.open and not future.cancelled():
+                error = future.exception()
+                done(*((self._response.plain(future.result()), None) if error is None else (None, str(error))))
+
+        future.add_done_callback(come)
+        return pending
+
+    def _destroy(self):
+        self._backend.node.destroy_client(self._client)
+
+
+class _Pending:
+    """A request that was sent."""
+
+    def __init__(self, client, future):
+        self.open = True
+        self._client = client
+        self._future = future
+
+    def close(self):
+        """Nobody waits for the response any more."""
+        if self.open:
+            self.open = False
+            if not self._future.done():
+                self._client.remove_pending_request(self._future)
+
+
+class _Service(_Part):
+    """A service of ``rclpy`` that is answered later."""
+
+    def __init__(self, backend, name, type_name, asked):
+        _Part.__init__(self, backend)
+        request, response = (backend.classes.known(f"{type_name}_{part}") for part in ("Request", "Response"))
+
+        def take(message, _response):
+            return _Request(backend, request.plain(message), response)
+
+        group = ReentrantCallbackGroup()
+        self._service = backend.node.create_service(interface(type_name), name, take, callback_group=group)
+        send = self._service.send_response
+
+        def later(taken, header):
+            taken._send = lambda answer: send(answer, header)
+            if self._open:
+                asked(taken)
+
+        # `rclpy` sends what the callback returns; here that is the request itself, which is answered when its answer is known.
+        self._service.send_response = later
+
+    def _destroy(self):
+        self._backend.node.destroy_service(self._service)
+
+
+class _Request:
+    """A request that came in."""
+
+    def __init__(self, backend, request, response):
+        self.request = request
+        self._backend = backend
+        self._response = response
+        self._send = None
+
+    def answer(self, response):
+        """Answers it."""
+        self._backend.post(lambda: self._send(self._response.made(response)))
+
+
+def new_goal_id():
+    """16 bytes that no other goal has."""
+    return uuid.uuid4().bytes

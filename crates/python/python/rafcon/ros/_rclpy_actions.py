@@ -1,0 +1,282 @@
+"""Actions by ``rclpy``."""
+
+import threading
+
+import rclpy.action
+from action_msgs.srv import CancelGoal
+from rclpy.callback_groups import ReentrantCallbackGroup
+from rclpy.qos import qos_profile_action_status_default
+from rclpy.task import Future
+from unique_identifier_msgs.msg import UUID
+
+from rafcon.ros import _backend
+from rafcon.ros._rclpy_messages import interface
+
+
+class ActionClient:
+    """A client of ``rclpy`` with what it does not tell: states of goals, and cancelling before a goal is accepted."""
+
+    def __init__(self, backend, name, type_name):
+        from action_msgs.msg import GoalStatusArray
+
+        from rafcon.ros._rclpy import Servers
+
+        self._backend = backend
+        self._parts = {part: backend.classes.known(f"{type_name}_{part}") for part in ("Goal", "Result", "Feedback")}
+        self._goals = {}
+        self._lock = threading.Lock()
+        node, group = backend.node, ReentrantCallbackGroup()
+        self._client = rclpy.action.ActionClient(node, interface(type_name), name, callback_group=group)
+        self._cancels = node.create_client(CancelGoal, f"{name}/_action/cancel_goal", callback_group=group)
+        states = f"{name}/_action/status"
+        profile = qos_profile_action_status_default
+        self._states = node.create_subscription(GoalStatusArray, states, self._hear_states, profile, callback_group=group)
+        self._servers = Servers(backend, f"{name}/_action/send_goal", self._is_ready)
+
+    def _is_ready(self):
+        return self._client.server_is_ready() and self._cancels.service_is_ready()
+
+    def servers(self):
+        """How many serve."""
+        return self._servers.count()
+
+    def send(self, goal, events):
+        """Sends a goal under a new id."""
+        from rafcon.ros._rclpy import new_goal_id
+
+        sent = _Goal(self, events, new_goal_id())
+        self._backend.post(self._send, sent, self._parts["Goal"].made(goal))
+        with self._lock:
+            self._goals[sent.goal_id] = sent
+        return sent
+
+    def _send(self, sent, goal):
+        """On the node's thread, where no answer can overtake the note of who waits for it."""
+        if not sent.open:
+            return
+        id_ = UUID(uuid=list(sent.goal_id))
+
+        def tell(message):
+            sent.tell("feedback", self._parts["Feedback"].plain(message.feedback))
+
+        future = self._client.send_goal_async(goal, feedback_callback=tell, goal_uuid=id_)
+        future.add_done_callback(lambda _future: self._answered(sent, future))
+
+    def _answered(self, sent, future):
+        if future.exception() is not None:
+            self._finish(sent, "failed", str(future.exception()))
+            return
+        handle = future.result()
+        if not handle.accepted:
+            self._finish(sent, "rejected")
+            return
+        sent.handle = handle
+        result = handle.get_result_async()
+        sent.tell("accepted")
+        result.add_done_callback(lambda _future: self._ended(sent, result))
+
+    def _ended(self, sent, future):
+        if future.exception() is not None:
+            self._finish(sent, "failed", str(future.exception()))
+        elif not future.cancelled():
+            answer = future.result()
+            self._finish(sent, "result", answer.status, self._parts["Result"].plain(answer.result))
+
+    def _finish(self, sent, what, *arguments):
+        with self._lock:
+            self._goals.pop(sent.goal_id, None)
+        sent.tell(what, *arguments)
+        sent.open = False
+
+    def _hear_states(self, message):
+        for each in message.status_list:
+            with self._lock:
+                sent = self._goals.get(bytes(each.goal_info.goal_id.uuid))
+            if sent is not None:
+                sent.tell("status", each.status)
+
+    def cancel(self, goal_id, done):
+        """Asks the server to cancel a goal."""
+        request = CancelGoal.Request()
+        request.goal_info.goal_id = UUID(uuid=list(goal_id))
+        future = self._cancels.call_async(request)
+
+        def come(_future):
+            error = future.exception()
+            done(*((future.result().return_code, None) if error is None else (None, str(error))))
+
+        future.add_done_callback(come)
+
+    def forget(self, goal_id):
+        """Nobody waits for a goal any more."""
+        with self._lock:
+            self._goals.pop(goal_id, None)
+
+    def close(self):
+        """Gives it back; goals that are under way fail."""
+        with self._lock:
+            goals, self._goals = list(self._goals.values()), {}
+        for sent in goals:
+            sent.tell("failed", "its client was closed")
+            sent.open = False
+        if not self._backend._closed:
+            self._backend.post(self._destroy)
+
+    def _destroy(self):
+        self._client.destroy()
+        self._backend.node.destroy_client(self._cancels)
+        self._backend.node.destroy_subscription(self._states)
+
+
+class _Goal:
+    """A goal that was sent."""
+
+    def __init__(self, client, events, goal_id):
+        self.goal_id = goal_id
+        self.open = True
+        self.handle = None
+        self._client = client
+        self._events = events
+
+    def tell(self, what, *arguments):
+        """Tells who waits."""
+        if self.open:
+            getattr(self._events, what)(*arguments)
+
+    def cancel(self, done):
+        """Asks the server to cancel it, after it was sent."""
+        backend = self._client._backend
+        backend.post(self._client.cancel, self.goal_id, done)
+
+    def close(self):
+        """Lets go of it."""
+        self.open = False
+        self._client.forget(self.goal_id)
+
+
+class ActionServer:
+    """A server of ``rclpy`` whose goals end on any thread."""
+
+    def __init__(self, backend, name, type_name, asked):
+        self.backend = backend
+        self._asked = asked
+        self._goals = {}
+        self._deciding = []
+        self._open = True
+        self.parts = {part: backend.classes.known(f"{type_name}_{part}") for part in ("Goal", "Result", "Feedback")}
+        self.type = interface(type_name)
+        self._server = rclpy.action.ActionServer(
+            backend.node,
+            self.type,
+            name,
+            self._execute,
+            goal_callback=self._decide,
+            handle_accepted_callback=self._accepted,
+            cancel_callback=self._cancel,
+            callback_group=ReentrantCallbackGroup(),
+        )
+
+    async def _decide(self, request):
+        if not self._open:
+            return rclpy.action.GoalResponse.REJECT
+        goal = _ServerGoal(self, self.parts["Goal"].plain(request))
+        self._asked(goal)
+        if not await goal.decision:
+            return rclpy.action.GoalResponse.REJECT
+        self._deciding.append((request, goal))
+        return rclpy.action.GoalResponse.ACCEPT
+
+    def _accepted(self, handle):
+        at = next(at for at, (request, _goal) in enumerate(self._deciding) if request is handle.request)
+        goal = self._deciding.pop(at)[1]
+        goal.goal_id = bytes(handle.goal_id.uuid)
+        self._goals[goal.goal_id] = goal
+        goal.begin(handle)
+
+    async def _execute(self, handle):
+        goal = self._goals.pop(bytes(handle.goal_id.uuid))
+        status, result = goal.ended
+        if status == _backend.SUCCEEDED:
+            handle.succeed()
+        elif status == _backend.CANCELED and handle.is_cancel_requested:
+            handle.canceled()
+        else:
+            handle.abort()
+        return self.parts["Result"].made(result)
+
+    def _cancel(self, handle):
+        goal = self._goals.get(bytes(handle.goal_id.uuid))
+        agreed = goal is not None and goal.ended is None and goal.cancel()
+        return rclpy.action.CancelResponse.ACCEPT if agreed else rclpy.action.CancelResponse.REJECT
+
+    def close(self):
+        """Offers it no longer; what executes is aborted."""
+        if self._open and not self.backend._closed:
+            self._open = False
+            self.backend.post(self._destroy)
+
+    def _destroy(self):
+        for goal in list(self._goals.values()):
+            goal.finish_now(_backend.ABORTED, self.parts["Result"].plain(self.type.Result()))
+        # The ends of goals are told by tasks of the executor, which come before this.
+        self.backend.executor.create_task(self._server.destroy)
+
+
+class _ServerGoal:
+    """A goal that came in."""
+
+    def __init__(self, server, goal):
+        self.goal = goal
+        self.goal_id = b""
+        self.decision = Future(executor=server.backend.executor)
+        self.ended = None
+        self.cancel = lambda: False
+        self._server = server
+        self._handle = None
+        self._before = []
+
+    def accept(self, cancel):
+        """Takes it."""
+        self.cancel = cancel
+        self._server.backend.post(self.decision.set_result, True)
+
+    def reject(self):
+        """Does not take it."""
+        self._server.backend.post(self.decision.set_result, False)
+
+    def begin(self, handle):
+        """It is accepted; what was said of it before is told now."""
+        self._handle = handle
+        handle._update_state(_executes())
+        before, self._before = self._before, []
+        for function, arguments in before:
+            function(*arguments)
+
+    def feedback(self, message):
+        """Tells the clients."""
+        self._server.backend.post(self._when_begun, self._publish, message)
+
+    def _publish(self, message):
+        self._handle.publish_feedback(self._server.parts["Feedback"].made(message))
+
+    def _when_begun(self, function, *arguments):
+        if self._handle is None:
+            self._before.append((function, arguments))
+        else:
+            function(*arguments)
+
+    def finish(self, status, result):
+        """It ended."""
+        self._server.backend.post(self._when_begun, self.finish_now, status, result)
+
+    def finish_now(self, status, result):
+        """The same, on the node's thread."""
+        if self.ended is None:
+            self.ended = status, result
+            self._server._server.notify_execute(self._handle, None)
+
+
+def _executes():
+    from rclpy.impl.implementation_singleton import rclpy_implementation
+
+    return rclpy_implementation.GoalEvent.EXECUTE

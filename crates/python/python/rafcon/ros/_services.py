@@ -1,0 +1,170 @@
+"""Services: calling and offering them."""
+
+import collections
+
+from rafcon.ros import _waits
+from rafcon.ros._backend import RosError
+from rafcon.ros._message import Message
+from rafcon.ros._node import node
+from rafcon.ros._types import full_name
+from rafcon.ros._waits import LOOK_EVERY_S, TimedOut, Waiter
+from rafcon.ros._worker import Worker
+
+#: A server that is not there is waited for so long (s).
+FIND_S = 2.0
+#: A server that has gone is missed for so long (s) before the wait ends: some come back at once.
+GONE_S = 0.3
+_REQUESTS_MAX = 1000
+
+
+class NoServer(RosError):
+    """Nobody offers the service or action, or who did has ended."""
+
+
+def call(service, request=None, type=None, timeout=10.0, find=FIND_S):
+    """Calls a service; returns the response as a :class:`Message`.
+
+    Without a ``type`` it is the one that the service has. A server that is not there is waited for up to ``find``
+    seconds; then, or if it ends while the call waits, :class:`NoServer` is raised. No answer within ``timeout`` seconds
+    is :class:`TimedOut`.
+    """
+    here = node()
+    service = here.absolute(service)
+    type_name = full_name(type, "srv") if type is not None else type_of_service(here, service, find)
+    here.types.require(type_name)
+    values = here.types.build(type_name + "_Request", request)
+    client = here.shared(("client", service, type_name), lambda: here.backend.client(service, type_name))
+    waiter = Waiter(f"the service {service}")
+    find_server(here, waiter, client, "service", service, find)
+    response = _Call(here, client, waiter).result(service, values, timeout)
+    return Message.of(type_name + "_Response", here.types, response)
+
+
+def type_of_service(here, service, find):
+    """The type that a service has; it is waited for."""
+    look = lambda: here.backend.services().get(service, ())  # noqa: E731
+    known = here.shared(("types of", service), dict)
+    if not known:
+        found = Waiter(f"the service {service}").until(look, _waits.seconds(find, "find"), LOOK_EVERY_S)
+        if not found:
+            raise NoServer(f"nobody offers the service {service} (looked for {find} s)")
+        if len(set(found)) > 1:
+            raise RosError(f"the service {service} has several types, {' and '.join(sorted(set(found)))}; say which is meant: type=…")
+        known["type"] = found[0]
+    return known["type"]
+
+
+def find_server(here, waiter, client, kind, name, find):
+    """Waits until somebody serves."""
+
+    def look():
+        here.check()
+        return client.servers()
+
+    if not look() and not waiter.until(look, _waits.seconds(find, "find"), LOOK_EVERY_S):
+        raise NoServer(f"nobody offers the {kind} {name} (looked for {find} s): start its node, or correct the name")
+
+
+class Gone:
+    """Tells whether a server has been gone for a while."""
+
+    def __init__(self, client):
+        self._client = client
+        self._since_s = None
+
+    def __call__(self):
+        """Whether nobody serves any more."""
+        import time
+
+        if self._client.servers():
+            self._since_s = None
+            return False
+        now_s = time.monotonic()
+        self._since_s = now_s if self._since_s is None else self._since_s
+        return now_s - self._since_s >= GONE_S
+
+
+class _Call:
+    """One request."""
+
+    def __init__(self, here, client, waiter):
+        self._here = here
+        self._client = client
+        self._waiter = waiter
+        self._answers = collections.deque(maxlen=1)
+        self._gone = Gone(client)
+
+    def result(self, service, values, timeout):
+        """The response."""
+        pending = self._client.send(values, self._done)
+        try:
+            answer = self._waiter.until(self._come, _waits.seconds(timeout, "timeout"), LOOK_EVERY_S)
+        finally:
+            pending.close()
+        if not answer:
+            raise TimedOut(f"the service {service} has not answered within {timeout} s")
+        response, why = answer
+        if response is None:
+            raise NoServer(f"the service {service}: {why}")
+        return response
+
+    def _done(self, response, why):
+        self._answers.append((response, why))
+        self._waiter.ring()
+
+    def _come(self):
+        if self._answers:
+            return self._answers[0]
+        self._here.check()
+        return (None, "its server has ended before it answered") if self._gone() else None
+
+
+class Server:
+    """Offers a service or an action until ``close``, or until the run ends. ``with`` closes it."""
+
+    def __init__(self, name):
+        self.name = name
+        self._offered = None
+        self._worker = None
+
+    def close(self):
+        """Offers it no longer."""
+        if self._offered is not None:
+            self._offered.close()
+        if self._worker is not None:
+            self._worker.close()
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_error):
+        self.close()
+
+
+def serve(service, callback, type):
+    """Offers a service: ``callback(request)`` returns the response, as a mapping or a :class:`Message`; returns a :class:`Server`.
+
+    It is called on a thread of its own. If it raises, the error is logged and, if the response has a field ``success``,
+    answered as false with the error in ``message``; otherwise the caller gets no answer.
+    """
+    here = node()
+    server = Server(here.absolute(service))
+    type_name = full_name(type, "srv")
+    here.types.require(type_name)
+
+    def answer(request):
+        message = Message.of(type_name + "_Request", here.types, request.request)
+        try:
+            response = here.types.build(type_name + "_Response", callback(message))
+        except Exception as error:
+            here.logger.exception("the callback of the service %s failed", server.name)
+            names = [field.name for field in here.types.get(type_name + "_Response").fields]
+            if "success" not in names:
+                return
+            said = {"success": False, **({"message": f"{error.__class__.__name__}: {error}"} if "message" in names else {})}
+            response = here.types.build(type_name + "_Response", said)
+        request.answer(response)
+
+    server._worker = Worker(f"ros {server.name}", answer, _REQUESTS_MAX)
+    server._offered = here.backend.service(server.name, type_name, server._worker.put)
+    return server

@@ -1,0 +1,284 @@
+"""Topics: publishing, and hearing in three ways (every message, the newest, the next that fits)."""
+
+import collections
+import threading
+
+from rafcon import _objects
+from rafcon.ros import _waits
+from rafcon.ros._backend import Qos, RosError
+from rafcon.ros._message import Message
+from rafcon.ros._node import node
+from rafcon.ros._types import full_name, is_ros_object
+from rafcon.ros._waits import LOOK_EVERY_S, TimedOut, Waiter
+from rafcon.ros._worker import Worker
+
+#: A new publisher waits so long (s) for somebody who hears it.
+_MATCH_S = 1.0
+#: So many messages wait for a slow reader; then the oldest go.
+_QUEUE_MAX = 1000
+
+_QOS = {
+    "default": Qos(),
+    "latched": Qos(durability="transient_local", depth=1),
+    "sensor": Qos(reliability="best_effort", depth=5),
+}
+
+
+def qos(value, default="default"):
+    """A quality of service of a name, a mapping, or itself."""
+    if value is None:
+        value = default
+    if isinstance(value, Qos):
+        return value
+    if isinstance(value, str) and value in _QOS:
+        return _QOS[value]
+    if isinstance(value, int) and not isinstance(value, bool) and value >= 0:
+        return Qos(depth=value)
+    if isinstance(value, dict) and set(value) <= set(Qos._fields):
+        return _checked_qos(Qos(**value))
+    raise RosError(f"{value!r} is no quality of service; write one of {', '.join(_QOS)}, a depth, or a ros.Qos")
+
+
+def _checked_qos(made):
+    if made.reliability not in ("reliable", "best_effort") or made.durability not in ("volatile", "transient_local"):
+        raise RosError(f"{made} is no quality of service; reliability is reliable or best_effort, durability volatile or transient_local")
+    return made
+
+
+def publish(topic, message=None, type=None, qos=None, wait=_MATCH_S):
+    """Publishes a message; the publisher stays for the next one.
+
+    ``message`` is a mapping, a :class:`Message`, an object of ROS, or for a type with one field its value:
+    ``publish("/chatter", "hello", "std_msgs/String")``. Without a ``type`` it is that of the message, or the one that
+    others use on the topic. A publisher that is new waits up to ``wait`` seconds until somebody hears it.
+    """
+    here = node()
+    topic = here.absolute(topic)
+    type_name = _type_of(here, topic, type, message, wait)
+    values = here.types.build(type_name, message)
+    made = _quality_of(qos)
+    publisher = here.shared(("publisher", topic, type_name, made), lambda: _Published(here, topic, type_name, made))
+    publisher.publish(values, wait)
+
+
+class _Published:
+    """A publisher that all states share."""
+
+    def __init__(self, here, topic, type_name, quality):
+        self._publisher = here.backend.publisher(topic, type_name, quality)
+        self._topic = topic
+        self._type_name = type_name
+        self._new = True
+        _warn_of_other_types(here, topic, type_name, here.backend.subscriptions_of(topic))
+
+    def publish(self, values, wait):
+        """Sends a message."""
+        if self._new:
+            waiter = Waiter(f"somebody who hears {self._topic}")
+            waiter.until(self._publisher.subscribers, _waits.seconds(wait, "wait"), LOOK_EVERY_S)
+            self._new = False
+        self._publisher.publish(values)
+
+
+def _type_of(here, topic, given, message, timeout):
+    """The full name of the type that is meant on a topic."""
+    if given is not None:
+        return full_name(given)
+    if isinstance(message, Message):
+        return message._type_name
+    if is_ros_object(message):
+        return full_name(message)
+    return type_on(here, topic, timeout)
+
+
+def type_on(here, topic, timeout):
+    """The type that others use on a topic; it is waited for."""
+
+    def look():
+        known = here.backend.topics().get(topic, ())
+        return known or [each.type_name for each in here.backend.publishers_of(topic) + here.backend.subscriptions_of(topic)]
+
+    known = sorted(set(Waiter(f"the type of {topic}").until(look, timeout, LOOK_EVERY_S) or ()))
+    if not known:
+        raise TimedOut(f"nobody uses the topic {topic}, so its type is not known; give it: type=\"package/Name\"")
+    if len(known) > 1:
+        raise RosError(f"the topic {topic} has several types, {' and '.join(known)}; say which is meant: type=\"{known[0]}\"")
+    return known[0]
+
+
+def _warn_of_other_types(here, topic, type_name, endpoints):
+    others = sorted({(each.type_name, each.node) for each in endpoints if each.type_name != type_name})
+    for other, owner in others:
+        here.logger.warning("%s is used as %s here and as %s by %s: the two do not hear each other", topic, type_name, other, owner or "another node")
+
+
+def heard_quality(here, topic, value):
+    """The quality of service of a subscription: what is wanted, or what all publishers there are fit to."""
+    if value is not None:
+        return qos(value)
+    publishers = here.backend.publishers_of(topic)
+    best_effort = any(each.qos.reliability == "best_effort" for each in publishers)
+    latched = publishers and all(each.qos.durability == "transient_local" for each in publishers)
+    return Qos("best_effort" if best_effort else "reliable", "transient_local" if latched else "volatile", 10)
+
+
+#: :func:`qos` by a name that no parameter hides.
+_quality_of = qos
+
+
+class Subscription:
+    """Hears a topic until ``close``; made by :func:`subscribe`. ``with`` closes it."""
+
+    def __init__(self, here, topic, type_name, callback, quality):
+        self.topic = topic
+        self.type_name = type_name
+        self._here = here
+        self._messages = collections.deque(maxlen=quality.depth or _QUEUE_MAX)
+        self._waiters = set()
+        self._lock = threading.Lock()
+        self._closed = False
+        self._worker = None if callback is None else Worker(f"ros {topic}", callback, _QUEUE_MAX)
+        self.latest = None
+        here.types.require(type_name)
+        _warn_of_other_types(here, topic, type_name, here.backend.publishers_of(topic))
+        self._subscription = here.backend.subscription(topic, type_name, quality, self._hear)
+
+    def _hear(self, values):
+        message = Message.of(self.type_name, self._here.types, values)
+        with self._lock:
+            if self._closed:
+                return
+            self.latest = message
+            if self._worker is None:
+                self._messages.append(message)
+            waiters = list(self._waiters)
+        if self._worker is not None:
+            self._worker.put(message)
+        for waiter in waiters:
+            waiter.ring()
+
+    def next(self, timeout=10.0, condition=None):
+        """The next message, of those for which ``condition(message)`` is true; :class:`TimedOut` if none comes.
+
+        Messages that came since the last call are kept, as many as the quality of service says. Not with a callback.
+        """
+        if self._worker is not None:
+            raise RosError(f"the messages of {self.topic} go to the callback of this subscription, so none is left to wait for")
+        waiter = Waiter(f"a message on {self.topic}")
+        with self._lock:
+            self._waiters.add(waiter)
+        try:
+            message = waiter.until(lambda: self._taken(condition), _waits.seconds(timeout, "timeout"))
+        finally:
+            with self._lock:
+                self._waiters.discard(waiter)
+        if message is None:
+            raise TimedOut(f"no message{' that fits' if condition else ''} came on {self.topic} ({self.type_name}) in {timeout} s")
+        return message
+
+    def _taken(self, condition):
+        while self._messages:
+            try:
+                message = self._messages.popleft()
+            except IndexError:
+                break
+            if condition is None or condition(message):
+                return message
+        self._here.check()
+        if self._closed:
+            raise RosError(f"this subscription of {self.topic} is closed")
+        return None
+
+    def publishers(self):
+        """How many publishers it hears now."""
+        return self._subscription.publishers()
+
+    def close(self):
+        """Hears no more."""
+        with self._lock:
+            if self._closed:
+                return
+            self._closed = True
+            waiters = list(self._waiters)
+        if self._here.ended is None:
+            self._subscription.close()
+        if self._worker is not None:
+            self._worker.close()
+        for waiter in waiters:
+            waiter.ring()
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_error):
+        self.close()
+
+
+def subscribe(topic, type=None, callback=None, qos=None, timeout=10.0):
+    """Hears a topic; returns a :class:`Subscription`.
+
+    With a ``callback``, it is called with each message, on a thread of its own; without one, ``next`` gives them. Without
+    a ``type`` it is the one that others use on the topic; it is waited for, up to ``timeout`` seconds.
+
+    It ends by ``close()``, with the run, or when the state that made it makes it again in its next run: a script that
+    forgets it leaves one, not one a run.
+    """
+    here = node()
+    topic = here.absolute(topic)
+    type_name = full_name(type) if type is not None else type_on(here, topic, timeout)
+    made = Subscription(here, topic, type_name, callback, heard_quality(here, topic, qos))
+    _replace_earlier(here, made)
+    return made
+
+
+def _replace_earlier(here, made):
+    state = _objects.current_state()
+    if state is None:
+        return
+    owned = here.shared(("subscriptions of", state.get_path()), dict)
+    run = state._live()["run_count"]
+    earlier_run, earlier = owned.get(made.topic, (run, []))
+    for each in earlier if earlier_run != run else ():
+        each.close()
+    owned[made.topic] = run, [*(earlier if earlier_run == run else ()), made]
+
+
+def latest(topic, type=None, timeout=1.0, qos=None):
+    """The newest message of a topic, or None if none has come within ``timeout`` seconds.
+
+    The first call begins to hear the topic; the later ones wait only while there is no message at all.
+    """
+    here = node()
+    topic = here.absolute(topic)
+    try:
+        type_name = full_name(type) if type is not None else here.shared(("type", topic), lambda: type_on(here, topic, timeout))
+    except TimedOut:
+        return None
+    quality = _quality_of(qos) if qos is not None else None
+    key = "latest", topic, type_name, quality
+    heard = here.shared(key, lambda: Subscription(here, topic, type_name, None, heard_quality(here, topic, quality)._replace(depth=1)))
+    if heard.latest is None:
+        waiter = Waiter(f"a message on {topic}")
+        with heard._lock:
+            heard._waiters.add(waiter)
+        try:
+            waiter.until(lambda: heard.latest is not None, _waits.seconds(timeout, "timeout"))
+        finally:
+            with heard._lock:
+                heard._waiters.discard(waiter)
+    here.check()
+    return None if heard.latest is None else heard.latest.__deepcopy__(None)
+
+
+def wait_for(topic, type=None, condition=None, timeout=10.0, qos=None):
+    """The next message of a topic, of those for which ``condition(message)`` is true; :class:`TimedOut` if none comes.
+
+    Messages that were sent before the call count only on a latched topic.
+    """
+    here = node()
+    topic = here.absolute(topic)
+    timeout = _waits.seconds(timeout, "timeout")
+    type_name = full_name(type) if type is not None else type_on(here, topic, timeout)
+    quality = heard_quality(here, topic, qos)
+    with Subscription(here, topic, type_name, None, quality) as heard:
+        return heard.next(timeout, condition)

@@ -1,0 +1,250 @@
+"""A buffer of transforms: a tree of frames over time, and the way from one to another (what ``tf2`` does)."""
+
+import bisect
+import math
+import threading
+from dataclasses import dataclass
+
+#: Transforms older than this (ns), measured from the newest of their frame, are forgotten.
+_KEPT_NS = 10_000_000_000
+#: A jump back in time by more than this (ns) is a simulation that began anew: all is forgotten.
+_JUMP_NS = 1_000_000_000
+_DEPTH_MAX = 1000
+
+
+class NoTransform(Exception):
+    """There is no way between two frames (yet); the text says why."""
+
+
+@dataclass(frozen=True)
+class Transform:
+    """Where ``source`` is in ``target``: it takes points of ``source`` to points of ``target``."""
+
+    target: str
+    source: str
+    #: (x, y, z)
+    translation: tuple
+    #: A unit quaternion (x, y, z, w).
+    rotation: tuple
+    #: Of this time (s); 0 if nothing on the way ever moves.
+    stamp: float = 0.0
+
+    def apply(self, point):
+        """A point (x, y, z) of ``source`` as one of ``target``."""
+        return tuple(a + b for a, b in zip(_turned(self.rotation, tuple(point)), self.translation))
+
+    def inverse(self):
+        """The way back."""
+        back = _conjugate(self.rotation)
+        moved = tuple(-each for each in _turned(back, self.translation))
+        return Transform(self.source, self.target, moved, back, self.stamp)
+
+    def matrix(self):
+        """Four rows of four numbers."""
+        x, y, z, w = self.rotation
+        rows = (
+            (1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)),
+            (2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)),
+            (2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)),
+        )
+        return tuple((*row, moved) for row, moved in zip(rows, self.translation)) + ((0.0, 0.0, 0.0, 1.0),)
+
+    def yaw(self):
+        """The turn about the z axis, in radians."""
+        x, y, z, w = self.rotation
+        return math.atan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z))
+
+    def as_dict(self):
+        """Its values by name."""
+        return {
+            "target": self.target,
+            "source": self.source,
+            "translation": self.translation,
+            "rotation": self.rotation,
+            "stamp": self.stamp,
+        }
+
+
+class Buffer:
+    """The transforms that came; any thread may use it."""
+
+    def __init__(self):
+        self._lock = threading.Lock()
+        self._frames = {}
+        self._newest_ns = 0
+
+    def add(self, child, parent, stamp_ns, translation, rotation, static):
+        """Takes a transform; False if it makes no sense: no numbers, no turn, or a frame in itself."""
+        child, parent = _frame(child), _frame(parent)
+        numbers = (*translation, *rotation)
+        length = math.sqrt(sum(each * each for each in rotation))
+        if not child or not parent or child == parent or not all(map(math.isfinite, numbers)) or length < 1e-6:
+            return False
+        sample = stamp_ns, parent, tuple(translation), tuple(each / length for each in rotation)
+        with self._lock:
+            self._forget_after_jump(stamp_ns, static)
+            line = self._frames.get(child)
+            if line is None or line.static != static:
+                line = self._frames[child] = _Line(static)
+            line.add(sample)
+        return True
+
+    def _forget_after_jump(self, stamp_ns, static):
+        if static:
+            return
+        if stamp_ns < self._newest_ns - _KEPT_NS - _JUMP_NS:
+            self._frames = {name: line for name, line in self._frames.items() if line.static}
+            self._newest_ns = stamp_ns
+        self._newest_ns = max(self._newest_ns, stamp_ns)
+
+    def frames(self):
+        """The names of all frames."""
+        with self._lock:
+            parents = {sample[1] for line in self._frames.values() for sample in line.samples}
+            return sorted(parents | set(self._frames))
+
+    def find(self, target, source, stamp_ns=None):
+        """The transform at a time, or the newest that all frames on the way have; raises :class:`NoTransform`."""
+        target, source = _frame(target), _frame(source)
+        with self._lock:
+            if target == source:
+                return Transform(target, source, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0), (stamp_ns or 0) / 1e9)
+            common = self._common_ns(target, source) if stamp_ns is None else stamp_ns
+            up, down = self._ways(target, source, common)
+            translation, rotation = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0)
+            for frame in up:
+                translation, rotation = _then(self._frames[frame].at(frame, common), translation, rotation)
+            if down:
+                back = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0)
+                for frame in down:
+                    back = _then(self._frames[frame].at(frame, common), *back)
+                turn = _conjugate(back[1])
+                translation = _turned(turn, tuple(a - b for a, b in zip(translation, back[0])))
+                rotation = _product(turn, rotation)
+        return Transform(target, source, translation, rotation, (common or 0) / 1e9)
+
+    def _ways(self, target, source, stamp_ns):
+        """The frames up from the source, and up from the target, to where both meet."""
+        above_source, above_target = self._line_up(source, stamp_ns), self._line_up(target, stamp_ns)
+        met = next((frame for frame in above_source if frame in above_target), None)
+        if met is None:
+            raise NoTransform(self._why_apart(target, source, above_target, above_source))
+        return above_source[: above_source.index(met)], above_target[: above_target.index(met)]
+
+    def _line_up(self, frame, stamp_ns):
+        line = [frame]
+        while line[-1] in self._frames and len(line) < _DEPTH_MAX:
+            parent = self._frames[line[-1]].parent(stamp_ns)
+            if parent in line:
+                raise NoTransform(f"the frames {' → '.join([*line, parent])} go round in a circle")
+            line.append(parent)
+        return line
+
+    def _why_apart(self, target, source, above_target, above_source):
+        known = set(self._frames) | {sample[1] for line in self._frames.values() for sample in line.samples}
+        for frame in (target, source):
+            if frame not in known:
+                return f"there is no frame {frame!r}; known are {', '.join(sorted(known)) or 'none'}"
+        return f"{source} hangs below {above_source[-1]} and {target} below {above_target[-1]}: the two trees are not connected"
+
+    def _common_ns(self, target, source):
+        up, down = self._ways(target, source, None)
+        moving = [self._frames[frame].samples[-1][0] for frame in up + down if not self._frames[frame].static]
+        return min(moving, default=None)
+
+
+class _Line:
+    """The transforms of one frame to its parent, by time."""
+
+    def __init__(self, static):
+        self.static = static
+        self.samples = []
+
+    def add(self, sample):
+        """One more, in order; a second one of a time replaces the first."""
+        if self.static:
+            self.samples[:] = [sample]
+            return
+        at = _place(self.samples, sample[0])
+        if at < len(self.samples) and self.samples[at][0] == sample[0]:
+            self.samples[at] = sample
+        else:
+            self.samples.insert(at, sample)
+        oldest = self.samples[-1][0] - _KEPT_NS
+        if self.samples[0][0] < oldest:
+            del self.samples[: _place(self.samples, oldest)]
+
+    def parent(self, stamp_ns):
+        """The frame above at a time."""
+        if self.static or stamp_ns is None:
+            return self.samples[-1][1]
+        return self.samples[min(_place(self.samples, stamp_ns), len(self.samples) - 1)][1]
+
+    def at(self, frame, stamp_ns):
+        """(translation, rotation) at a time, between the two that came around it."""
+        if self.static or stamp_ns is None:
+            return self.samples[-1][2:]
+        after = _place(self.samples, stamp_ns)
+        if after < len(self.samples) and self.samples[after][0] == stamp_ns:
+            return self.samples[after][2:]
+        if after == len(self.samples):
+            late = (stamp_ns - self.samples[-1][0]) / 1e9
+            raise NoTransform(f"the newest transform of {frame} is {late:.3f} s older than the time that is asked for")
+        if after == 0:
+            early = (self.samples[0][0] - stamp_ns) / 1e9
+            raise NoTransform(f"the oldest transform of {frame} is {early:.3f} s newer than the time that is asked for")
+        one, two = self.samples[after - 1], self.samples[after]
+        if one[1] != two[1]:
+            return two[2:]
+        share = (stamp_ns - one[0]) / (two[0] - one[0])
+        moved = tuple(a + (b - a) * share for a, b in zip(one[2], two[2]))
+        return moved, _between(one[3], two[3], share)
+
+
+def _place(samples, stamp_ns):
+    return bisect.bisect_left(samples, (stamp_ns,))
+
+
+def _frame(name):
+    return name.lstrip("/")
+
+
+def _then(step, translation, rotation):
+    moved, turn = step
+    return tuple(a + b for a, b in zip(_turned(turn, translation), moved)), _product(turn, rotation)
+
+
+def _product(a, b):
+    ax, ay, az, aw = a
+    bx, by, bz, bw = b
+    return (
+        aw * bx + ax * bw + ay * bz - az * by,
+        aw * by - ax * bz + ay * bw + az * bx,
+        aw * bz + ax * by - ay * bx + az * bw,
+        aw * bw - ax * bx - ay * by - az * bz,
+    )
+
+
+def _conjugate(rotation):
+    x, y, z, w = rotation
+    return -x, -y, -z, w
+
+
+def _turned(rotation, point):
+    x, y, z = (float(each) for each in point)
+    return _product(_product(rotation, (x, y, z, 0.0)), _conjugate(rotation))[:3]
+
+
+def _between(one, two, share):
+    """The shorter way from one rotation to another, at constant speed."""
+    dot = sum(a * b for a, b in zip(one, two))
+    if dot < 0:
+        two, dot = tuple(-each for each in two), -dot
+    if dot > 0.9995:
+        mixed = tuple(a + (b - a) * share for a, b in zip(one, two))
+    else:
+        angle = math.acos(dot)
+        first, second = math.sin((1 - share) * angle) / math.sin(angle), math.sin(share * angle) / math.sin(angle)
+        mixed = tuple(a * first + b * second for a, b in zip(one, two))
+    length = math.sqrt(sum(each * each for each in mixed))
+    return tuple(each / length for each in mixed)

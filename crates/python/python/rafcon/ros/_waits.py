@@ -1,0 +1,104 @@
+"""Waits for what back ends tell: they end by preemption of the waiting script's state, and have a time."""
+
+import threading
+import time
+import weakref
+
+from rafcon import _objects, _signals
+from rafcon.core.custom_exceptions import StatePreempted
+from rafcon.ros._backend import RosError
+
+#: What nobody tells, such as whether a server is still there, is looked at this often (s).
+LOOK_EVERY_S = 0.05
+
+_waiting = weakref.WeakSet()
+_waiting_lock = threading.Lock()
+
+
+class TimedOut(RosError, TimeoutError):
+    """The time of a wait is over."""
+
+
+class Waiter:
+    """The waits of one call on one thread; ``ring`` may be called on any thread."""
+
+    def __init__(self, what):
+        self._what = what
+        self._state = _objects.current_state()
+        self._signals = None if self._state is None else self._state._signals
+        self._heeds = self._state is not None and not self._state._told_preempted()
+        self._event = threading.Event()
+        with _waiting_lock:
+            _waiting.add(self)
+
+    def ring(self):
+        """What is waited for may have happened."""
+        self._event.set()
+        if self._signals is not None:
+            self._signals.nudged = True
+
+    def heeding(self):
+        """Whether preemption ends a wait."""
+        return self._heeds
+
+    def heed(self, heeds):
+        """Says whether preemption ends a wait from now on."""
+        self._heeds = heeds
+
+    def preempted(self):
+        """Whether the state is preempted and its script has not been told."""
+        return self._heeds and self._signals.preempted
+
+    def until(self, come, timeout=None, look_every=None):
+        """The first true answer of ``come()``; something false once the time (s) is over.
+
+        ``come`` is asked after each ``ring``, and every ``look_every`` seconds. Raises :class:`StatePreempted`.
+        """
+        end_s = None if timeout is None else time.monotonic() + timeout
+        while True:
+            # Rings from here on are not lost: silenced first, looked afterwards.
+            self._event.clear()
+            if self._signals is not None:
+                self._signals.nudged = False
+            found = come()
+            if found:
+                return found
+            if self.preempted():
+                raise self.preemption()
+            left_s = None if end_s is None else end_s - time.monotonic()
+            if left_s is not None and left_s <= 0:
+                return found
+            self._sleep(min((each for each in (left_s, look_every) if each is not None), default=None))
+
+    def _sleep(self, seconds):
+        if self._signals is None:
+            self._event.wait(seconds)
+        else:
+            mask = _signals.NUDGED | (_signals.PREEMPTED if self._heeds else 0)
+            # Another wait of this state may have silenced the bell of this one.
+            if not self._event.is_set():
+                self._signals.wait(mask, _signals.seconds(seconds))
+
+    def preemption(self):
+        """The exception that ends the script; from now on the script has been told."""
+        self._state.preempted  # noqa: B018, reading it notes that
+        self._heeds = False
+        return StatePreempted(f"preempted while waiting for {self._what}")
+
+
+def ring_all():
+    """All that wait look again: the node has ended."""
+    with _waiting_lock:
+        waiting = list(_waiting)
+    for waiter in waiting:
+        waiter.ring()
+
+
+def seconds(value, name):
+    """A time that a user gave: not negative, or None for ever."""
+    if value is None:
+        return None
+    value = float(value)
+    if not value >= 0:
+        raise ValueError(f"{name} is {value}; write a time in seconds that is not negative, or None for no limit")
+    return min(value, threading.TIMEOUT_MAX)
