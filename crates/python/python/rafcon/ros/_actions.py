@@ -8,6 +8,7 @@ from typing import Any
 
 from rafcon.ros import _backend, _waits
 from rafcon.ros._backend import RosError
+from rafcon.ros._gate import Gate
 from rafcon.ros._message import Message
 from rafcon.ros._node import node
 from rafcon.ros._services import FIND_S, Gone, NoServer, find_server
@@ -20,6 +21,10 @@ _ACCEPT_S = 5.0
 CANCEL_WAIT_S = 2.0
 #: A goal has ended by its state, and its result is waited for so long (s).
 _RESULT_S = 2.0
+#: A cancellation that is not answered is asked for again after so long (s).
+_CANCEL_AGAIN_S = 0.5
+#: Answers to a cancellation.
+_REFUSED, _UNKNOWN = 1, 2
 #: Feedback goes to the log no more often than this (s).
 _LOG_EVERY_S = 1.0
 
@@ -46,6 +51,9 @@ class _SentGoal:
     def __init__(self, here, name):
         self._here = here
         self._name = name
+        self._sends, self._cancels = (here.shared(("gate", name, what), Gate) for what in ("send", "cancel"))
+        self._send_key = self._cancel_key = None
+        self._cancel_sent_s = None
         self._open = _open_goals(here)
         self._open.add(self)
         self._waiter = None
@@ -60,9 +68,34 @@ class _SentGoal:
         #: The final state that the topic of states told, with the time when it did.
         self.told = None
 
+    def send(self, client, values):
+        """Sends it, when its turn has come."""
+
+        def start():
+            # Another goal's thread may be the one that opens the gate: what fails is this goal's.
+            try:
+                if self.end is None and not self._unwanted:
+                    self.goal = client.send(values, self)
+                else:
+                    self.failed("it was not wanted any more")
+            except RosError as error:
+                self.failed(str(error))
+
+        self._send_key = self._sends.submit(start)
+
+    def pump(self):
+        """Sends what may go, and asks again where no answer came."""
+        self._sends.pump()
+        self._cancels.pump()
+        unanswered = self._cancel_sent_s is not None and self.cancel_answer is None
+        if unanswered and self.is_accepted and time.monotonic() - self._cancel_sent_s >= _CANCEL_AGAIN_S:
+            self._cancels.answered(self._cancel_key)
+            self._send_cancel()
+
     def accepted(self):
         """The server takes the goal."""
         self.is_accepted = True
+        self._sends.answered(self._send_key)
         if self._unwanted:
             self._send_cancel()
         self._ring()
@@ -94,6 +127,8 @@ class _SentGoal:
     def _finish(self, end):
         self.end = end
         self._open.discard(self)
+        self._sends.answered(self._send_key)
+        self._cancels.answered(self._cancel_key)
         self._ring()
 
     def _ring(self):
@@ -118,12 +153,22 @@ class _SentGoal:
         self._send_cancel()
 
     def _send_cancel(self):
+        self._cancel_key = self._cancels.submit(self._pass_cancel)
+
+    def _pass_cancel(self):
+        self._cancel_sent_s = time.monotonic()
         if self.goal is not None and self.end is None and self._here.ended is None:
-            self.goal.cancel(self._cancelled)
+            try:
+                self.goal.cancel(self._cancelled)
+            except RosError as error:
+                self._here.logger.debug("%s: %s", self._name, error)
 
     def _cancelled(self, code, why):
+        self._cancels.answered(self._cancel_key)
+        if code == _UNKNOWN and not self.is_accepted:
+            return
         self.cancel_answer = code, why
-        if code == 1:
+        if code == _REFUSED:
             self._here.logger.warning("%s: the server refuses to cancel its goal", self._name)
         self._ring()
 
@@ -136,6 +181,7 @@ class _SentGoal:
     def ended(self):
         """Whether the end is known; with the result, or without after a while."""
         self._here.check()
+        self.pump()
         if self.end is not None:
             return True
         return self.told is not None and time.monotonic() - self.told[1] >= _RESULT_S
@@ -224,8 +270,8 @@ class _Running:
         sent = self._sent
         sent.wait_with(self._waiter)
         end_s = None if timeout is None else time.monotonic() + timeout
-        sent.goal = self._client.send(values, sent)
         try:
+            sent.send(self._client, values)
             accept = accept if timeout is None else timeout if accept is None else min(accept, timeout)
             if not self._waiter.until(self._answered, accept, LOOK_EVERY_S):
                 return self._too_late(f"its server has not accepted the goal within {accept} s", 0)

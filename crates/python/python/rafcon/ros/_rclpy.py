@@ -16,6 +16,7 @@ from rafcon.ros._liveness import Liveness
 from rafcon.ros._rclpy_actions import ActionClient, ActionServer
 from rafcon.ros._rclpy_messages import Classes, interface
 
+_ANSWERS_MAX = 1000
 #: The end of its thread is waited for so long (s).
 _END_S = 1.0
 
@@ -192,6 +193,11 @@ def _profile(qos):
     )
 
 
+def services():
+    """The quality of service of clients: those of ROS 2 keep ten answers, and lose the rest of a burst."""
+    return QoSProfile(depth=_ANSWERS_MAX, reliability=ReliabilityPolicy.RELIABLE, durability=DurabilityPolicy.VOLATILE)
+
+
 def _endpoint(info):
     policies = info.qos_profile
     reliable = policies.reliability != ReliabilityPolicy.BEST_EFFORT
@@ -203,6 +209,24 @@ def _endpoint(info):
 
 def _joined(space, name):
     return f"{space.rstrip('/')}/{name}"
+
+
+def _made(what, make):
+    try:
+        return make()
+    except Exception as error:
+        raise RosError(f"cannot {what}: {str(error).partition(', at /')[0]}") from error
+
+
+def _made_on_topic(backend, what, topic, type_name, make):
+    try:
+        return _made(f"{what} {type_name} on {topic}", make)
+    except RosError as error:
+        own = backend.node.get_fully_qualified_name()
+        others = {each.type_name for each in backend.publishers_of(topic) + backend.subscriptions_of(topic) if each.node == own}
+        for other in others - {type_name}:
+            raise RosError(f"cannot {what} {type_name} on {topic}: this run uses it as {other} already") from error
+        raise
 
 
 class _Part:
@@ -230,7 +254,7 @@ class _Publisher(_Part):
     def __init__(self, backend, topic, known, profile):
         _Part.__init__(self, backend)
         self._known = known
-        self._publisher = backend.node.create_publisher(known.cls, topic, profile)
+        self._publisher = _made_on_topic(backend, "publish", topic, known.type.name, lambda: backend.node.create_publisher(known.cls, topic, profile))
 
     def publish(self, message):
         """Sends a message."""
@@ -254,8 +278,10 @@ class _Subscription(_Part):
         self._known = known
         self._heard = heard
         self._topic = topic
-        node = backend.node
-        self._subscription = node.create_subscription(known.cls, topic, self._hear, profile, callback_group=ReentrantCallbackGroup())
+        arguments, group = (known.cls, topic, self._hear, profile), ReentrantCallbackGroup()
+        make = backend.node.create_subscription
+        made = lambda: make(*arguments, callback_group=group)  # noqa: E731
+        self._subscription = _made_on_topic(backend, "hear", topic, known.type.name, made)
 
     def _hear(self, message):
         if self._open:
@@ -305,7 +331,8 @@ class _Client(_Part):
         self._request = backend.classes.known(type_name + "_Request")
         self._response = backend.classes.known(type_name + "_Response")
         group = ReentrantCallbackGroup()
-        self._client = backend.node.create_client(interface(type_name), service, callback_group=group)
+        make = backend.node.create_client
+        self._client = _made(f"call {service} ({type_name})", lambda: make(interface(type_name), service, qos_profile=services(), callback_group=group))
         self._servers = Servers(backend, service, self._client.service_is_ready)
 
     def servers(self):
@@ -357,7 +384,8 @@ class _Service(_Part):
             return _Request(backend, request.plain(message), response)
 
         group = ReentrantCallbackGroup()
-        self._service = backend.node.create_service(interface(type_name), name, take, callback_group=group)
+        make = backend.node.create_service
+        self._service = _made(f"offer {name} ({type_name})", lambda: make(interface(type_name), name, take, callback_group=group))
         send = self._service.send_response
 
         def later(taken, header):

@@ -12,6 +12,9 @@ from unique_identifier_msgs.msg import UUID
 from rafcon.ros import _backend
 from rafcon.ros._rclpy_messages import interface
 
+#: The result of a goal that has ended is asked for again after so long (s).
+_ASK_AGAIN_S = 0.5
+
 
 class ActionClient:
     """A client of ``rclpy`` with what it does not tell: states of goals, and cancelling before a goal is accepted."""
@@ -19,15 +22,18 @@ class ActionClient:
     def __init__(self, backend, name, type_name):
         from action_msgs.msg import GoalStatusArray
 
-        from rafcon.ros._rclpy import Servers
+        from rafcon.ros._rclpy import Servers, services
 
         self._backend = backend
         self._parts = {part: backend.classes.known(f"{type_name}_{part}") for part in ("Goal", "Result", "Feedback")}
         self._goals = {}
         self._lock = threading.Lock()
         node, group = backend.node, ReentrantCallbackGroup()
-        self._client = rclpy.action.ActionClient(node, interface(type_name), name, callback_group=group)
-        self._cancels = node.create_client(CancelGoal, f"{name}/_action/cancel_goal", callback_group=group)
+        names = ("goal_service", "result_service", "cancel_service", "feedback_sub")
+        qualities = {f"{each}_qos_profile": services() for each in names}
+        self._client = rclpy.action.ActionClient(node, interface(type_name), name, callback_group=group, **qualities)
+        cancel = f"{name}/_action/cancel_goal"
+        self._cancels = node.create_client(CancelGoal, cancel, qos_profile=services(), callback_group=group)
         states = f"{name}/_action/status"
         profile = qos_profile_action_status_default
         self._states = node.create_subscription(GoalStatusArray, states, self._hear_states, profile, callback_group=group)
@@ -71,14 +77,18 @@ class ActionClient:
             self._finish(sent, "rejected")
             return
         sent.handle = handle
-        result = handle.get_result_async()
+        self._ask_for_result(sent)
         sent.tell("accepted")
-        result.add_done_callback(lambda _future: self._ended(sent, result))
+
+    def _ask_for_result(self, sent):
+        if sent.open:
+            result = sent.handle.get_result_async()
+            result.add_done_callback(lambda _future: self._ended(sent, result))
 
     def _ended(self, sent, future):
         if future.exception() is not None:
             self._finish(sent, "failed", str(future.exception()))
-        elif not future.cancelled():
+        elif not future.cancelled() and sent.open:
             answer = future.result()
             self._finish(sent, "result", answer.status, self._parts["Result"].plain(answer.result))
 
@@ -94,6 +104,16 @@ class ActionClient:
                 sent = self._goals.get(bytes(each.goal_info.goal_id.uuid))
             if sent is not None:
                 sent.tell("status", each.status)
+                if each.status >= _backend.SUCCEEDED and sent.handle is not None and not sent.asked_again:
+                    # A server loses the oldest of many requests and answers; this one has ended, so its result is there.
+                    sent.asked_again = True
+                    again = threading.Timer(_ASK_AGAIN_S, self._ask_again, (sent,))
+                    again.daemon = True
+                    again.start()
+
+    def _ask_again(self, sent):
+        if sent.open and not self._backend._closed:
+            self._backend.post(self._ask_for_result, sent)
 
     def cancel(self, goal_id, done):
         """Asks the server to cancel a goal."""
@@ -135,6 +155,7 @@ class _Goal:
         self.goal_id = goal_id
         self.open = True
         self.handle = None
+        self.asked_again = False
         self._client = client
         self._events = events
 

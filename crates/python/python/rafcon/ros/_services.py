@@ -1,9 +1,11 @@
 """Services: calling and offering them."""
 
 import collections
+import time
 
 from rafcon.ros import _waits
 from rafcon.ros._backend import RosError
+from rafcon.ros._gate import Gate
 from rafcon.ros._message import Message
 from rafcon.ros._node import node
 from rafcon.ros._types import full_name
@@ -36,7 +38,8 @@ def call(service, request=None, type=None, timeout=10.0, find=FIND_S):
     client = here.shared(("client", service, type_name), lambda: here.backend.client(service, type_name))
     waiter = Waiter(f"the service {service}")
     find_server(here, waiter, client, "service", service, find)
-    response = _Call(here, client, waiter).result(service, values, timeout)
+    gate = here.shared(("gate", service), Gate)
+    response = _Call(here, client, waiter, gate).result(service, values, timeout)
     return Message.of(type_name + "_Response", here.types, response)
 
 
@@ -74,8 +77,6 @@ class Gone:
 
     def __call__(self):
         """Whether nobody serves any more."""
-        import time
-
         if self._client.servers():
             self._since_s = None
             return False
@@ -87,26 +88,37 @@ class Gone:
 class _Call:
     """One request."""
 
-    def __init__(self, here, client, waiter):
+    def __init__(self, here, client, waiter, gate):
         self._here = here
         self._client = client
         self._waiter = waiter
+        self._gate = gate
+        self._pending = None
         self._answers = collections.deque(maxlen=1)
         self._gone = Gone(client)
 
     def result(self, service, values, timeout):
         """The response."""
-        pending = self._client.send(values, self._done)
+        key = self._gate.submit(lambda: self._send(values))
         try:
             answer = self._waiter.until(self._come, _waits.seconds(timeout, "timeout"), LOOK_EVERY_S)
         finally:
-            pending.close()
+            self._gate.answered(key)
+            if self._pending is not None:
+                self._pending.close()
         if not answer:
             raise TimedOut(f"the service {service} has not answered within {timeout} s")
         response, why = answer
         if response is None:
             raise NoServer(f"the service {service}: {why}")
         return response
+
+    def _send(self, values):
+        # Another call's thread may be the one that opens the gate: what fails is this call's.
+        try:
+            self._pending = self._client.send(values, self._done)
+        except RosError as error:
+            self._done(None, str(error))
 
     def _done(self, response, why):
         self._answers.append((response, why))
@@ -116,6 +128,7 @@ class _Call:
         if self._answers:
             return self._answers[0]
         self._here.check()
+        self._gate.pump()
         return (None, "its server has ended before it answered") if self._gone() else None
 
 

@@ -1,0 +1,82 @@
+"""What the tests against real peers share: the peer's process, the package, and who may hear whom.
+
+The tests run by themselves (``cargo xtask ros``), in an interpreter with the back end that ``RAFCON_ROS_BACKEND`` names;
+peers run in ``RAFCON_ROS_PEER_PYTHON``, which has ``rclpy``.
+"""
+
+import json
+import os
+import pathlib
+import subprocess
+import sys
+import threading
+import unittest
+
+HERE = pathlib.Path(__file__).resolve().parent
+PACKAGE = HERE.parents[1] / "python"
+sys.path[:0] = [str(PACKAGE), str(HERE.parent)]
+
+PEER_PYTHON = os.environ.get("RAFCON_ROS_PEER_PYTHON", sys.executable)
+#: A peer that takes longer than this is stuck; no test's answer depends on it.
+STUCK_S = 120
+
+
+class Peer:
+    """A program of others; ``peer.heard("/topic", 3)`` has it carry out ``do_heard``."""
+
+    def __init__(self):
+        words = [PEER_PYTHON, str(HERE / "peer.py")]
+        self.process = subprocess.Popen(words, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+        self._watchdog = threading.Timer(STUCK_S, self.process.kill)
+        self._watchdog.daemon = True
+        self._watchdog.start()
+        assert json.loads(self.process.stdout.readline()) == "up"
+
+    def tell(self, *words):
+        """Has it do something; its answer."""
+        self.process.stdin.write(json.dumps(words) + "\n")
+        self.process.stdin.flush()
+        return json.loads(self.process.stdout.readline())
+
+    def __getattr__(self, word):
+        return lambda *arguments: self.tell(word, *arguments)
+
+    def kill(self):
+        """It is gone from one moment to the next."""
+        self.process.kill()
+        self.close()
+
+    def close(self):
+        """It ends properly."""
+        self.process.stdin.close()
+        self.process.wait()
+        self.process.stdout.close()
+        self._watchdog.cancel()
+
+
+class WithPeer(unittest.TestCase):
+    """Tests with one peer for all, and one node."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.peer = Peer()
+        cls.addClassCleanup(cls.peer.close)
+
+    @classmethod
+    def tearDownClass(cls):
+        from rafcon import ros
+
+        ros.close()
+
+    def later(self, function, *arguments):
+        """Runs beside the test."""
+        answers = []
+        thread = threading.Thread(target=lambda: answers.append(function(*arguments)))
+        thread.start()
+
+        def answer():
+            thread.join()
+            return answers[0]
+
+        self.addCleanup(thread.join)
+        return answer
