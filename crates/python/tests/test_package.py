@@ -40,15 +40,18 @@ s.state_machine_execution_engine.pause()
 """
 
 
+#: Packages of an installation of ROS 2.
+ROS = ("rclpy", "action_msgs")
+
+
 class Package(unittest.TestCase):
     def test_every_module_is_imported(self):
         for module in pkgutil.walk_packages(rafcon.__path__, "rafcon."):
             try:
                 importlib.import_module(module.name)
             except ModuleNotFoundError as error:
-                self.assertEqual(
-                    (error.name.split(".")[0], module.name.rpartition(".")[0]), ("rclpy", "rafcon.utils.ros2")
-                )
+                missing, package = error.name.split(".")[0], module.name.rpartition(".")[0]
+                self.assertIn((missing, package), {(name, each) for name in ROS for each in ("rafcon.utils.ros2", "rafcon.ros")})
 
     def test_the_list_of_files_is_right(self):
         self.assertEqual((stage.PACKAGE / "MANIFEST").read_text().splitlines(), files())

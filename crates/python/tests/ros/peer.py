@@ -78,7 +78,7 @@ class Peer(Node):
 
         def accepted(handle):
             with self.changed:
-                self.open[bytes(handle.goal_id.uuid)] = handle
+                self.open.setdefault(name, set()).add(bytes(handle.goal_id.uuid))
             self.count(name + " accepted")
             handle.execute()
 
@@ -114,7 +114,7 @@ class Peer(Node):
             return Fibonacci.Result(sequence=numbers)
         finally:
             with self.changed:
-                self.open.pop(bytes(handle.goal_id.uuid), None)
+                self.open[name].discard(bytes(handle.goal_id.uuid))
                 self.changed.notify_all()
 
     def until_cancelled(self, name, handle):
@@ -168,11 +168,11 @@ class Peer(Node):
             self.changed.wait_for(lambda: self.counts.get(what, 0) >= count, 20)
         return self.counts.get(what, 0)
 
-    def do_open(self, wait_s=0):
-        """How many goals are open; waits for a while until there is none."""
+    def do_open(self, name):
+        """How many goals of an action are open; waits until there is none."""
         with self.changed:
-            self.changed.wait_for(lambda: not self.open, wait_s)
-        return len(self.open)
+            self.changed.wait_for(lambda: not self.open.get(name), 20)
+        return len(self.open.get(name, ()))
 
     def do_cancelled(self):
         return self.cancelled_s
@@ -218,7 +218,7 @@ def quality(latched, best_effort, depth=2000):
 def main():
     rclpy.init()
     peer = Peer()
-    executor = MultiThreadedExecutor(12)
+    executor = MultiThreadedExecutor(64)
     executor.add_node(peer)
 
     def spin():

@@ -200,13 +200,13 @@ class Actions(WithPeer):
         ended = ros.action("/peer/forever", 5, timeout=1, feedback=told.append)
         self.assertEqual((ended.outcome, list(ended.result.sequence)), ("timed_out", [0, 1]))
         self.assertEqual([list(each.sequence) for each in told], [[7]])
-        self.assertEqual(self.peer.open(20), 0)
+        self.assertEqual(self.peer.open("forever"), 0)
 
     def test_a_goal_that_is_accepted_too_late_is_cancelled(self):
         ended = ros.action("/peer/slow_accept", 300, accept=0.05)
         self.assertEqual((ended.outcome, ended.why), ("timed_out", "/peer/slow_accept: its server has not accepted the goal within 0.05 s"))
         self.peer.counted("slow_accept accepted")
-        self.assertEqual(self.peer.open(20), 0)
+        self.assertEqual(self.peer.open("slow_accept"), 0)
 
     def test_nobody_serves(self):
         for arguments in (("/actions/nothing", 5), ("/actions/nothing", 5, "test_msgs/Fibonacci")):
@@ -270,9 +270,6 @@ class Gone(unittest.TestCase):
 
 def heard_of(peer):
     """Waits until the peer has announced itself to us, which it does every three seconds."""
-    from rafcon.ros import _node
-from rafcon.ros._waits import Waiter
-
     backend = _node.node().backend
     while backend.name == "rclpy" and None in backend.participants([("peer", "/")]) or not known(backend):
         threading.Event().wait(0.02)

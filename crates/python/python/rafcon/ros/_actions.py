@@ -10,8 +10,8 @@ from rafcon.ros import _backend, _waits
 from rafcon.ros._backend import RosError
 from rafcon.ros._gate import Gate
 from rafcon.ros._message import Message
-from rafcon.ros._node import node
-from rafcon.ros._services import FIND_S, Gone, NoServer, find_server
+from rafcon.ros._node import FIND_S, node
+from rafcon.ros._services import Gone, NoServer, find_server
 from rafcon.ros._types import full_name
 from rafcon.ros._waits import LOOK_EVERY_S, Waiter
 
@@ -157,7 +157,8 @@ class _SentGoal:
 
     def _pass_cancel(self):
         self._cancel_sent_s = time.monotonic()
-        if self.goal is not None and self.end is None and self._here.ended is None:
+        # Also when the node is about to end: its back end is there until the last goal has been cancelled.
+        if self.goal is not None and self.end is None:
             try:
                 self.goal.cancel(self._cancelled)
             except RosError as error:
@@ -247,8 +248,15 @@ def action(name, goal=None, type=None, timeout=None, feedback=None, cancel_wait_
         waiter = Waiter(f"the action {name}")
         find_server(here, waiter, client, "action", name, find)
     except NoServer as error:
-        return ActionResult("timed_out", why=str(error))
-    return _Running(here, name, type_name, client, waiter, feedback).run(values, timeout, accept, cancel_wait_s)
+        return _logged(here, ActionResult("timed_out", why=str(error)))
+    running = _Running(here, name, type_name, client, waiter, feedback)
+    return _logged(here, running.run(values, timeout, accept, cancel_wait_s))
+
+
+def _logged(here, result):
+    if result.why:
+        here.logger.warning("%s: %s", result.outcome, result.why)
+    return result
 
 
 class _Running:
@@ -355,7 +363,7 @@ def type_of_action(here, name, find):
 
     known = here.shared(("types of", name + end), dict)
     if not known:
-        found = sorted(set(Waiter(f"the action {name}").until(look, find, LOOK_EVERY_S) or ()))
+        found = sorted(set(Waiter(f"the action {name}").until(look, here.find_s(find), LOOK_EVERY_S) or ()))
         if not found:
             raise NoServer(f"nobody offers the action {name} (looked for {find} s): start its node, or correct the name")
         if len(found) > 1:

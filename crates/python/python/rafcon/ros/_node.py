@@ -5,7 +5,7 @@ import importlib.util
 import os
 import sys
 import threading
-import weakref
+import time
 
 from rafcon.ros import _waits
 from rafcon.ros._backend import BackendLost, RosError, Settings
@@ -21,6 +21,10 @@ SIM_TIME_VARIABLE = "RAFCON_ROS_SIM_TIME"
 #: Folders of interface files, separated by colons.
 TYPES_VARIABLE = "RAFCON_ROS_TYPES"
 
+#: A server that is not there is waited for so long (s).
+FIND_S = 2.0
+#: So long (s) after its start a node has heard of all others: DDS announces each every three seconds.
+_HEARD_ALL_S = 3.5
 _LEVELS = ("debug", "info", "warning", "error")
 
 
@@ -33,12 +37,12 @@ class Node:
         self.use_sim_time = use_sim_time
         self.types = Types(backend.describe)
         self.logger = logger
+        self._began_s = time.monotonic()
         #: Why the node has ended, or None.
         self.ended = None
         self._lock = threading.RLock()
         self._shared = {}
         self._shared_locks = {}
-        self._watched = weakref.WeakSet()
         #: Called before the back end closes, each with a name that says what is given back.
         self.closers = {}
 
@@ -76,6 +80,12 @@ class Node:
             with self._lock:
                 self._shared[key] = made
             return made
+
+    def find_s(self, find):
+        """How long (s) somebody is looked for: a new node hears of others only with their next announcement, in up to 3 s."""
+        if find is None or find < FIND_S:
+            return find
+        return max(find, _HEARD_ALL_S - (time.monotonic() - self._began_s))
 
     def check(self):
         """Raises :class:`BackendLost` if the node has ended."""

@@ -1,8 +1,8 @@
 """Parameters of other nodes."""
 
 from rafcon.ros._backend import RosError
-from rafcon.ros._node import node
-from rafcon.ros._services import FIND_S, call
+from rafcon.ros._node import FIND_S, node
+from rafcon.ros._services import call
 
 #: The field of ``rcl_interfaces/msg/ParameterValue`` for each ``ParameterType``.
 _FIELDS = {

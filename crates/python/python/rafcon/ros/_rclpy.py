@@ -2,11 +2,13 @@
 
 import os
 import threading
+import time
 import uuid
 
 import rclpy
 from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.context import Context
+from rclpy.duration import Duration
 from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
@@ -17,6 +19,12 @@ from rafcon.ros._rclpy_actions import ActionClient, ActionServer
 from rafcon.ros._rclpy_messages import Classes, interface
 
 _ANSWERS_MAX = 1000
+#: So many failures of the executor in a row are its end.
+_FAILURES_MAX = 10
+#: Who waits for the node's thread looks this often (s) whether it is still there.
+_LOOK_EVERY_S = 0.5
+#: What was published last is delivered within this time (s) at the end.
+_DELIVER_S = 0.5
 #: The end of its thread is waited for so long (s).
 _END_S = 1.0
 
@@ -55,18 +63,46 @@ class RclpyBackend:
         self._thread.start()
 
     def _spin(self):
-        try:
-            while not self._closed:
+        failures = 0
+        while not self._closed:
+            try:
                 self.executor.spin_once()
-        except ExternalShutdownException:
-            why = "its context was shut down"
-        except Exception as error:
-            why = f"{type(error).__name__}: {error}"
-        else:
-            return
+                failures = 0
+            except ExternalShutdownException:
+                return self._lose("its context was shut down")
+            except Exception as error:
+                # What is destroyed while it is waited for raises now and then.
+                failures += 1
+                self._listener.say("debug", f"{type(error).__name__}: {error}")
+                if failures >= _FAILURES_MAX:
+                    return self._lose(f"{type(error).__name__}: {error}")
+        return None
+
+    def _lose(self, why):
         if not self._closed:
             self._closed = True
             self._listener.lost(why)
+
+    def on_thread(self, function):
+        """What a function returns that is called on the thread of the node: `rclpy` makes nothing beside a thread that spins."""
+        if threading.current_thread() is self._thread:
+            return function()
+        answers, come = [], threading.Event()
+
+        def call():
+            try:
+                answers.append((function(), None))
+            except Exception as error:
+                answers.append((None, error))
+            come.set()
+
+        self.post(call)
+        while not come.wait(_LOOK_EVERY_S):
+            self.check()
+        value, error = answers[0]
+        if error is not None:
+            raise error
+        return value
 
     def post(self, function, *arguments):
         """Calls a function on the thread of the node, which alone may touch what has no locks of its own."""
@@ -97,6 +133,7 @@ class RclpyBackend:
         """Ends the node and its thread."""
         if self._closed:
             return
+        self._deliver()
         self._closed = True
         self.liveness.close()
         self._guard.trigger()
@@ -105,33 +142,41 @@ class RclpyBackend:
         self.node.destroy_node()
         self.context.try_shutdown()
 
+    def _deliver(self):
+        """Gives what was published last the time to arrive: who publishes and ends would lose it."""
+        end_s = time.monotonic() + _DELIVER_S
+        for publisher in list(self.node.publishers):
+            publisher.wait_for_all_acked(Duration(seconds=max(end_s - time.monotonic(), 0.0)))
+
     def describe(self, type_name):
         """The type and all that it is made of, by name."""
         return self.classes.describe(type_name)
 
     def publisher(self, topic, type_name, qos):
         """Makes a publisher."""
-        return _Publisher(self, topic, self.classes.known(type_name), _profile(qos))
+        known = self.classes.known(type_name)
+        return self.on_thread(lambda: _Publisher(self, topic, known, _profile(qos)))
 
     def subscription(self, topic, type_name, qos, heard):
         """Hears a topic."""
-        return _Subscription(self, topic, self.classes.known(type_name), _profile(qos), heard)
+        known = self.classes.known(type_name)
+        return self.on_thread(lambda: _Subscription(self, topic, known, _profile(qos), heard))
 
     def client(self, service, type_name):
         """Makes a client of a service."""
-        return _Client(self, service, type_name)
+        return self.on_thread(lambda: _Client(self, service, type_name))
 
     def service(self, name, type_name, asked):
         """Offers a service."""
-        return _Service(self, name, type_name, asked)
+        return self.on_thread(lambda: _Service(self, name, type_name, asked))
 
     def action_client(self, action, type_name):
         """Makes a client of an action."""
-        return ActionClient(self, action, type_name)
+        return self.on_thread(lambda: ActionClient(self, action, type_name))
 
     def action_server(self, name, type_name, asked):
         """Offers an action."""
-        return ActionServer(self, name, type_name, asked)
+        return self.on_thread(lambda: ActionServer(self, name, type_name, asked))
 
     def publishers_of(self, topic):
         """The publishers that are known of a topic."""

@@ -7,13 +7,11 @@ from rafcon.ros import _waits
 from rafcon.ros._backend import RosError
 from rafcon.ros._gate import Gate
 from rafcon.ros._message import Message
-from rafcon.ros._node import node
+from rafcon.ros._node import FIND_S, node
 from rafcon.ros._types import full_name
 from rafcon.ros._waits import LOOK_EVERY_S, TimedOut, Waiter
 from rafcon.ros._worker import Worker
 
-#: A server that is not there is waited for so long (s).
-FIND_S = 2.0
 #: A server that has gone is missed for so long (s) before the wait ends: some come back at once.
 GONE_S = 0.3
 _REQUESTS_MAX = 1000
@@ -27,7 +25,8 @@ def call(service, request=None, type=None, timeout=10.0, find=FIND_S):
     """Calls a service; returns the response as a :class:`Message`.
 
     Without a ``type`` it is the one that the service has. A server that is not there is waited for up to ``find``
-    seconds; then, or if it ends while the call waits, :class:`NoServer` is raised. No answer within ``timeout`` seconds
+    seconds (at the start of a run a little longer, until the node has heard of all others); then, or if it ends while the
+    call waits, :class:`NoServer` is raised. No answer within ``timeout`` seconds
     is :class:`TimedOut`.
     """
     here = node()
@@ -48,9 +47,9 @@ def type_of_service(here, service, find):
     look = lambda: here.backend.services().get(service, ())  # noqa: E731
     known = here.shared(("types of", service), dict)
     if not known:
-        found = Waiter(f"the service {service}").until(look, _waits.seconds(find, "find"), LOOK_EVERY_S)
+        found = Waiter(f"the service {service}").until(look, here.find_s(_waits.seconds(find, "find")), LOOK_EVERY_S)
         if not found:
-            raise NoServer(f"nobody offers the service {service} (looked for {find} s)")
+            raise NoServer(f"nobody offers the service {service} (looked for {find} s): start its node, or correct the name")
         if len(set(found)) > 1:
             raise RosError(f"the service {service} has several types, {' and '.join(sorted(set(found)))}; say which is meant: type=…")
         known["type"] = found[0]
@@ -64,7 +63,7 @@ def find_server(here, waiter, client, kind, name, find):
         here.check()
         return client.servers()
 
-    if not look() and not waiter.until(look, _waits.seconds(find, "find"), LOOK_EVERY_S):
+    if not look() and not waiter.until(look, here.find_s(_waits.seconds(find, "find")), LOOK_EVERY_S):
         raise NoServer(f"nobody offers the {kind} {name} (looked for {find} s): start its node, or correct the name")
 
 
