@@ -141,7 +141,7 @@ class Peer(Node):
 
     def do_subscribers(self, topic, count):
         """Waits until so many hear what was published."""
-        publisher = next(made for (name, *_), made in self.made.items() if name == topic)
+        publisher = next(made for key, made in self.made.items() if key[0] == topic)
         while publisher.get_subscription_count() != count:
             time.sleep(0.01)
         return count
@@ -186,7 +186,9 @@ class Peer(Node):
 
     def do_goal(self, action, order, cancel=False):
         """Sends a goal; its state at the end, the result, and how often feedback came."""
-        client = ActionClient(self, Fibonacci, action, callback_group=self.group)
+        if action not in self.made:
+            self.made[action] = ActionClient(self, Fibonacci, action, callback_group=self.group)
+        client = self.made[action]
         told = []
         client.wait_for_server(10)
         handle = wait(client.send_goal_async(Fibonacci.Goal(order=order), feedback_callback=told.append))

@@ -39,7 +39,7 @@ class Liveness:
     def close(self):
         """Listens no more."""
         self._closed = True
-        if self._socket is not None:
+        if self._socket is not None and self._socket.fileno() >= 0:
             # A datagram to itself ends the wait of the thread, which closes the sockets.
             with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender:
                 sender.sendto(b"", ("127.0.0.1", self._socket.getsockname()[1]))

@@ -14,6 +14,8 @@ from rafcon.ros._worker import Worker
 
 #: A server that has gone is missed for so long (s) before the wait ends: some come back at once.
 GONE_S = 0.3
+#: Who served so long (s) ago at most is taken to serve.
+_FOUND_S = 0.5
 _REQUESTS_MAX = 1000
 
 
@@ -57,7 +59,10 @@ def type_of_service(here, service, find):
 
 
 def find_server(here, waiter, client, kind, name, find):
-    """Waits until somebody serves."""
+    """Waits until somebody serves. Who did a moment ago is not looked for again: that costs more than a call."""
+    found = here.shared(("found", kind, name), dict)
+    if time.monotonic() - found.get("at_s", -_FOUND_S) < _FOUND_S:
+        return
 
     def look():
         here.check()
@@ -65,6 +70,7 @@ def find_server(here, waiter, client, kind, name, find):
 
     if not look() and not waiter.until(look, here.find_s(_waits.seconds(find, "find")), LOOK_EVERY_S):
         raise NoServer(f"nobody offers the {kind} {name} (looked for {find} s): start its node, or correct the name")
+    found["at_s"] = time.monotonic()
 
 
 class Gone:
@@ -72,14 +78,18 @@ class Gone:
 
     def __init__(self, client):
         self._client = client
+        self._looked_s = time.monotonic()
         self._since_s = None
 
     def __call__(self):
         """Whether nobody serves any more."""
+        now_s = time.monotonic()
+        if now_s - self._looked_s < LOOK_EVERY_S:
+            return False
+        self._looked_s = now_s
         if self._client.servers():
             self._since_s = None
             return False
-        now_s = time.monotonic()
         self._since_s = now_s if self._since_s is None else self._since_s
         return now_s - self._since_s >= GONE_S
 
