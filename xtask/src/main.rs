@@ -21,6 +21,7 @@ mod process;
 mod product;
 mod python;
 mod reference;
+mod ros;
 mod test;
 mod tidy;
 mod types;
@@ -72,6 +73,8 @@ enum Task {
     LinkCompare(zenoh::LinkCompareOptions),
     /// Build and test `rafcon-zenoh`, which lies in a workspace of its own.
     Zenoh,
+    /// Test and measure `rafcon.ros` against nodes of others, of two distributions of ROS 2.
+    Ros(ros::RosOptions),
     /// Do for long what the tests do briefly: random runs of the engine, saves that are killed, a server's clients.
     Soak(long_tests::SoakOptions),
     /// Damage files of runs, and check that what is read of them is true or said to be damaged.
@@ -113,6 +116,7 @@ fn run(task: Task) -> anyhow::Result<()> {
         Task::LinkProxy(options) => link::link_proxy(&options),
         Task::LinkCompare(options) => zenoh::compare(&options),
         Task::Zenoh => zenoh::test(),
+        Task::Ros(options) => ros::run(&options),
         Task::Soak(options) => long_tests::soak(&options),
         Task::Corrupt(options) => long_tests::corrupt(&options),
         Task::Torture(options) => long_tests::torture(&options),

@@ -81,11 +81,14 @@ class Node:
                 self._shared[key] = made
             return made
 
-    def find_s(self, find):
-        """How long (s) somebody is looked for: a new node hears of others only with their next announcement, in up to 3 s."""
-        if find is None or find < FIND_S:
-            return find
-        return max(find, _HEARD_ALL_S - (time.monotonic() - self._began_s))
+    def find_s(self, seconds, default=FIND_S):
+        """How long (s) others are looked for: a new node hears of some only with their next announcement, in up to 3 s.
+
+        Who wants less than the default gets it.
+        """
+        if seconds is None or seconds < default:
+            return seconds
+        return max(seconds, _HEARD_ALL_S - (time.monotonic() - self._began_s))
 
     def check(self):
         """Raises :class:`BackendLost` if the node has ended."""

@@ -14,6 +14,8 @@ from rafcon.ros._worker import Worker
 
 #: A new publisher waits so long (s) for somebody who hears it.
 _MATCH_S = 1.0
+#: Whether somebody hears is looked at this often (s).
+_NEAR_S = 0.01
 #: So many messages wait for a slow reader; then the oldest go.
 _QUEUE_MAX = 1000
 
@@ -50,7 +52,8 @@ def publish(topic, message=None, type=None, qos=None, wait=_MATCH_S):
 
     ``message`` is a mapping, a :class:`Message`, an object of ROS, or for a type with one field its value:
     ``publish("/chatter", "hello", "std_msgs/String")``. Without a ``type`` it is that of the message, or the one that
-    others use on the topic. A publisher that is new waits up to ``wait`` seconds until somebody hears it.
+    others use on the topic. A publisher that is new waits up to ``wait`` seconds until somebody hears it; at the start of
+    a run, until its node has heard of all others (3.5 s), or the first message would be lost.
     """
     here = node()
     topic = here.absolute(topic)
@@ -65,6 +68,7 @@ class _Published:
     """A publisher that all states share."""
 
     def __init__(self, here, topic, type_name, quality):
+        self._here = here
         self._publisher = here.backend.publisher(topic, type_name, quality)
         self._topic = topic
         self._type_name = type_name
@@ -75,7 +79,8 @@ class _Published:
         """Sends a message."""
         if self._new:
             waiter = Waiter(f"somebody who hears {self._topic}")
-            waiter.until(self._publisher.subscribers, _waits.seconds(wait, "wait"), LOOK_EVERY_S)
+            wait = self._here.find_s(_waits.seconds(wait, "wait"), _MATCH_S)
+            waiter.until(self._publisher.subscribers, wait, _NEAR_S)
             self._new = False
         self._publisher.publish(values)
 

@@ -3,8 +3,15 @@
 import rclpy
 import rclpy.duration
 from rclpy.node import Node
-from tf2_ros.buffer import Buffer
-from tf2_ros.transform_listener import TransformListener
+
+from rafcon.utils.log import get_logger
+
+try:
+    from tf2_ros.buffer import Buffer
+    from tf2_ros.transform_listener import TransformListener
+except ImportError as error:
+    Buffer = None
+    _MISSING = error
 
 #: How long (s) transforms are kept.
 _TRANSFORMS_S = 60
@@ -13,10 +20,15 @@ _TRANSFORMS_S = 60
 class RafconRosNode(Node):
     """A node that all states share: a first state makes it and puts it into ``rafcon_ros_node``, by reference.
 
-    ``tf_buffer`` keeps the transforms that ``tf_listener`` hears of.
+    ``tf_buffer`` keeps the transforms that ``tf_listener`` hears of. Where ``tf2_ros`` is not installed both are None,
+    and the log says so.
     """
 
     def __init__(self, node_name, namespace=""):
         Node.__init__(self, node_name, namespace=namespace)
+        self.tf_buffer = self.tf_listener = None
+        if Buffer is None:
+            get_logger("ros").warning("the node %s has no transforms: %s", node_name, _MISSING)
+            return
         self.tf_buffer = Buffer(cache_time=rclpy.duration.Duration(seconds=_TRANSFORMS_S))
         self.tf_listener = TransformListener(self.tf_buffer, self)
