@@ -17,6 +17,7 @@ mod dist;
 mod link;
 mod link_demo;
 mod long_tests;
+mod planner;
 mod process;
 mod product;
 mod python;
@@ -69,6 +70,8 @@ enum Task {
     Spacebotcamp(link::SpacebotcampOptions),
     /// Be a bad network between a robot and a station.
     LinkProxy(link::LinkProxyOptions),
+    /// Measure how long plans take, against the promised figures.
+    Planner(planner::PlannerOptions),
     /// Carry the same events over the same bad link by the link, Zenoh, QUIC and plain datagrams, and compare.
     LinkCompare(zenoh::LinkCompareOptions),
     /// Build and test `rafcon-zenoh`, which lies in a workspace of its own.
@@ -114,6 +117,7 @@ fn run(task: Task) -> anyhow::Result<()> {
         Task::Simulate(options) => long_tests::simulate(&options),
         Task::Spacebotcamp(options) => link::spacebotcamp(&options),
         Task::LinkProxy(options) => link::link_proxy(&options),
+        Task::Planner(options) => planner::run(options),
         Task::LinkCompare(options) => zenoh::compare(&options),
         Task::Zenoh => zenoh::test(),
         Task::Ros(options) => ros::run(&options),

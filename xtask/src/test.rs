@@ -198,7 +198,7 @@ fn planner() -> Result<PathBuf> {
 }
 
 /// A Python with the default engine beside it.
-fn engine_environment() -> Result<PathBuf> {
+pub(crate) fn engine_environment() -> Result<PathBuf> {
     let folder = workspace::target()?.join("engine-venv");
     python::environment(&python::default()?, &folder, ENGINE)
 }

@@ -1,5 +1,5 @@
 //! A planner whose plans are machines: skills are library states with annotations, their domain is merged from a pool, each plan
-//! of an engine is validated, explained, ordered and made a machine ([docs/planning.md](../../../docs/planning.md)).
+//! of an engine is validated, explained, ordered and made a machine (`docs/guide/planning.md`).
 //!
 //! Knows PDDL, plans and the model. Knows nothing of engines as programs, of files, time or execution.
 

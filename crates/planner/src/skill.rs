@@ -1,5 +1,5 @@
 //! Skills: library states with a planner annotation. Reads what the reference's planner plugin writes into the semantic data of
-//! a library's root (`docs/planning.md`), and what this program adds beside it.
+//! a library's root (`docs/guide/planning.md`), and what this program adds beside it.
 
 use crate::finding::Finding;
 use crate::pddl::{

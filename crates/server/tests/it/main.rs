@@ -10,6 +10,7 @@ mod leftovers;
 mod machines;
 mod page;
 mod past;
+mod plans;
 mod raw;
 mod rights;
 mod saving;

@@ -12,7 +12,7 @@ pub const DEFAULT_ENGINE: &str = "kairos";
 const BRIDGE: &str = include_str!("../../../python/python/rafcon/planning/__main__.py");
 
 /// A second search begins where the first has found nothing for so long.
-const SECOND_AFTER: Duration = Duration::from_secs(2);
+const SECOND_AFTER: Duration = Duration::from_secs(1);
 
 /// A program that finds plans.
 #[derive(Debug, Clone)]

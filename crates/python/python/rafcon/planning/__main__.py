@@ -14,7 +14,8 @@ import threading
 
 def end_with_parent():
     """The end of the standard input is the end of whoever wanted a plan."""
-    sys.stdin.buffer.read()
+    while os.read(0, 65536):
+        pass
     os.killpg(os.getpgrp(), signal.SIGKILL)
 
 
@@ -91,6 +92,9 @@ def main():
         with make(name=options.engine) as planner:
             return solve(planner, problem, options)
     except Exception as error:
+        if type(error).__name__ == "UPNoRequestedEngineAvailableException":
+            print("unified-planning has no engine `%s`: pip install unified-planning[%s]" % (options.engine, options.engine), file=sys.stderr)
+            return 13
         print("%s: %s" % (type(error).__name__, " ".join(str(error).split())), file=sys.stderr)
         return 13
 
