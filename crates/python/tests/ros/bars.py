@@ -9,9 +9,12 @@ import tempfile
 import threading
 import time
 
+import support
 from peers import Peer
 from support import Runner, container, save, script, sequence
 
+#: A run of a thousand preemptions takes its time.
+support.STUCK_S = 600
 COUNT = int(sys.argv[1]) if len(sys.argv) > 1 else 1000
 #: Runs that are started, kills, and cancellations that are timed.
 STARTS, KILLS, CANCELS = 10, 4, 100
@@ -190,7 +193,7 @@ def kills():
     bar("ros_killed_s", max(ends), 2, "most", "s")
     begin_s = time.monotonic()
     ros.action("/bars/nobody", 5)
-    bar("ros_missing_s", time.monotonic() - begin_s, 2.2, "most", "s")
+    bar("ros_missing_s", time.monotonic() - begin_s, 2, "most", "s")
 
 
 def main():

@@ -49,7 +49,7 @@ class Libraries(unittest.TestCase):
         self.check("failed", off, "call", service="/peer/set", request={"data": False})
         self.check(
             "no_server",
-            "{'response': None, 'why': 'nobody offers the service /library/nothing (looked for 2.0 s): start its node, or correct the name'}",
+            "{'response': None, 'why': 'nobody offers the service /library/nothing (looked for 1.8 s): start its node, or correct the name'}",
             "call",
             service="/library/nothing",
         )

@@ -17,6 +17,8 @@ _GROUP = "239.255.0.1"
 _PORT, _DOMAIN_GAIN, _DOMAINS = 7400, 250, 233
 #: A participant that somebody waits for is asked this often (s).
 _ASK_EVERY_S = 0.2
+#: The thread looks this often (s) whether it is still wanted.
+_LOOK_EVERY_S = 0.5
 #: So many refusals in a row are an end.
 _REFUSALS = 2
 _PARTICIPANT_WRITER = 0x000100C2
@@ -32,24 +34,20 @@ class Liveness:
         self._participants = {}
         self._lock = threading.Lock()
         self._closed = False
-        self._socket = _listening(domain)
-        if self._socket is not None:
-            threading.Thread(target=self._listen, name="ros participants", daemon=True).start()
+        listening = _listening(domain)
+        if listening is not None:
+            threading.Thread(target=self._listen, args=(listening,), name="ros participants", daemon=True).start()
 
     def close(self):
-        """Listens no more."""
+        """Listens no more; the thread closes the sockets when something has come, or its time is over."""
         self._closed = True
-        if self._socket is not None and self._socket.fileno() >= 0:
-            # A datagram to itself ends the wait of the thread, which closes the sockets.
-            with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender:
-                sender.sendto(b"", ("127.0.0.1", self._socket.getsockname()[1]))
 
-    def _listen(self):
-        with self._socket:
+    def _listen(self, listening):
+        with listening:
+            listening.settimeout(_LOOK_EVERY_S)
             while not self._closed:
-                self._socket.settimeout(1.0)
                 try:
-                    content = self._socket.recv(65536)
+                    content = listening.recv(65536)
                 except socket.timeout:
                     continue
                 except OSError:

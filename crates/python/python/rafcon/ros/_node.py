@@ -22,7 +22,7 @@ SIM_TIME_VARIABLE = "RAFCON_ROS_SIM_TIME"
 TYPES_VARIABLE = "RAFCON_ROS_TYPES"
 
 #: A server that is not there is waited for so long (s).
-FIND_S = 2.0
+FIND_S = 1.8
 #: So long (s) after its start a node has heard of all others: DDS announces each every three seconds.
 _HEARD_ALL_S = 3.5
 _LEVELS = ("debug", "info", "warning", "error")
