@@ -1,0 +1,14 @@
+//! Messages on the wire: CDR (XCDR version 1), as ROS uses it.
+//!
+//! A value is read from and written to JSON by its type; nothing of it is known when this program is compiled.
+
+pub(crate) mod read;
+pub(crate) mod write;
+
+/// The next place at or after `at` that is a multiple of `width`, which is a power of two.
+fn aligned(at: usize, width: usize) -> usize {
+    (at + width - 1) & !(width - 1)
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,106 @@
+//! What publishes: a queue before a writer, so that a subscriber that is stuck holds up nobody else.
+
+use std::collections::VecDeque;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
+
+use rustdds::bytes::Bytes;
+use rustdds::dds::result::WriteError;
+use rustdds::{GUID, RTPSEntity as _, Timestamp};
+use tokio::sync::Notify;
+
+use super::participant::{Node, Writer};
+use super::payload::Payload;
+
+/// How long the last messages of a publisher that is given back may take to arrive.
+const FAREWELL: Duration = Duration::from_millis(800);
+/// Messages that wait although a smaller depth is asked for.
+const WAITING: usize = 1000;
+/// Bytes that wait, beyond the newest message.
+const WAITING_BYTES: usize = 64 << 20;
+
+/// Publishes on a topic.
+pub(crate) struct Publisher {
+    pub(crate) id: GUID,
+    queue: Arc<Queue>,
+    task: tokio::task::JoinHandle<()>,
+}
+
+struct Queue {
+    waiting: Mutex<Waiting>,
+    more: Notify,
+}
+
+#[derive(Default)]
+struct Waiting {
+    messages: VecDeque<Bytes>,
+    bytes: usize,
+    ended: bool,
+}
+
+impl Queue {
+    fn waiting(&self) -> MutexGuard<'_, Waiting> {
+        self.waiting.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl Publisher {
+    /// Publishes by `writer`.
+    pub(crate) fn new(node: Node, writer: Writer) -> Self {
+        let queue = Arc::new(Queue { waiting: Mutex::default(), more: Notify::new() });
+        let id = writer.guid();
+        let task = tokio::spawn(publish(node, writer, Arc::clone(&queue)));
+        Self { id, queue, task }
+    }
+
+    /// Sends a message. Returns how many older ones are dropped for it because subscribers do not keep up.
+    pub(crate) fn send(&self, message: Bytes) -> usize {
+        let mut waiting = self.queue.waiting();
+        let mut dropped = 0;
+        while waiting.messages.len() >= WAITING || waiting.bytes > WAITING_BYTES {
+            let Some(oldest) = waiting.messages.pop_front() else { break };
+            waiting.bytes -= oldest.len();
+            dropped += 1;
+        }
+        waiting.bytes += message.len();
+        waiting.messages.push_back(message);
+        drop(waiting);
+        self.queue.more.notify_one();
+        dropped
+    }
+
+    /// Gives it back after its last messages have arrived, or after a while.
+    pub(crate) fn end(self) -> tokio::task::JoinHandle<()> {
+        self.queue.waiting().ended = true;
+        self.queue.more.notify_one();
+        self.task
+    }
+}
+
+async fn publish(node: Node, writer: Writer, queue: Arc<Queue>) {
+    loop {
+        let next = {
+            let mut waiting = queue.waiting();
+            let next = waiting.messages.pop_front();
+            waiting.bytes -= next.as_ref().map_or(0, Bytes::len);
+            if next.is_none() && waiting.ended {
+                break;
+            }
+            next
+        };
+        let Some(bytes) = next else {
+            queue.more.notified().await;
+            continue;
+        };
+        let mut payload = Payload { bytes, little: true };
+        loop {
+            match writer.async_write(payload, Some(Timestamp::now())).await {
+                // A subscriber that has not confirmed thousands of messages.
+                Err(WriteError::WouldBlock { data }) if !queue.waiting().ended => payload = data,
+                _ => break,
+            }
+        }
+    }
+    let _ = tokio::time::timeout(FAREWELL, writer.async_wait_for_acknowledgments()).await;
+    node.forget(writer.guid());
+}

@@ -1,0 +1,68 @@
+//! Qualities of service: of ROS, and as RustDDS has them.
+
+use rustdds::policy::{
+    Deadline, Durability, History, Lifespan, Liveliness, Reliability, ResourceLimits,
+};
+use rustdds::{Duration, QosPolicies, QosPolicyBuilder};
+
+/// How long a reliable writer waits for room.
+const BLOCKING: Duration = Duration::from_millis(100);
+/// Messages that are kept for readers although a smaller depth is asked for, so that a burst loses nothing.
+const BURST: i32 = 4096;
+/// The same of types with large arrays.
+const BURST_LARGE: i32 = 32;
+
+/// The quality of service of a publisher or subscription.
+#[derive(Clone, Copy, Debug, Eq, PartialEq)]
+pub(crate) struct Qos {
+    pub(crate) reliable: bool,
+    /// Whether late subscribers get what was published before.
+    pub(crate) latched: bool,
+    /// Messages that are kept; 0: all.
+    pub(crate) depth: u32,
+}
+
+impl Qos {
+    /// That of services.
+    pub(crate) const SERVICE: Self = Self { reliable: true, latched: false, depth: 0 };
+
+    /// As RustDDS has it. `large` says that messages can be megabytes.
+    pub(crate) fn policies(self, large: bool) -> QosPolicies {
+        let reliability = match self.reliable {
+            true => Reliability::Reliable { max_blocking_time: BLOCKING },
+            false => Reliability::BestEffort,
+        };
+        let durability =
+            if self.latched { Durability::TransientLocal } else { Durability::Volatile };
+        let depth = i32::try_from(self.depth).unwrap_or(i32::MAX);
+        let history = if depth == 0 { History::KeepAll } else { History::KeepLast { depth } };
+        let most = depth.max(if large { BURST_LARGE } else { BURST });
+        let limits =
+            ResourceLimits { max_samples: most, max_instances: 1, max_samples_per_instance: most };
+        QosPolicyBuilder::new()
+            .reliability(reliability)
+            .durability(durability)
+            .history(history)
+            .resource_limits(limits)
+            .deadline(Deadline(Duration::INFINITE))
+            .lifespan(Lifespan { duration: Duration::INFINITE })
+            .liveliness(Liveliness::Automatic { lease_duration: Duration::INFINITE })
+            .build()
+    }
+
+    /// That of a reader or writer elsewhere.
+    pub(crate) fn of(
+        reliability: Option<Reliability>,
+        durability: Option<Durability>,
+        reader: bool,
+    ) -> Self {
+        // Where nothing is said, DDS means: readers best effort, writers reliable.
+        let reliable = match reliability {
+            Some(Reliability::Reliable { .. }) => true,
+            Some(Reliability::BestEffort) => false,
+            None => !reader,
+        };
+        let latched = durability.is_some_and(|durability| durability != Durability::Volatile);
+        Self { reliable, latched, depth: 0 }
+    }
+}

@@ -1,0 +1,189 @@
+//! What arrives: messages, responses and requests, each read by its type and told to the program that asked.
+
+use std::collections::{BTreeMap, HashMap};
+use std::sync::{Arc, Mutex, PoisonError};
+
+use futures::StreamExt as _;
+use rustdds::no_key::DeserializedCacheChange;
+use rustdds::{GUID, SampleIdentity, SequenceNumber};
+
+use crate::cdr::read::{self, Decoded};
+use crate::dds::participant::Reader;
+use crate::dds::payload::Payload;
+use crate::frames::{Frame, Outbox};
+use crate::json;
+use crate::types::library::Type;
+
+/// Requests that a program has not answered.
+const UNANSWERED_MAX: usize = 10_000;
+
+/// Calls that wait for their responses: the numbers of their requests, and what the program calls them.
+pub(crate) type Calls = Arc<Mutex<HashMap<i64, u64>>>;
+
+/// Requests that wait for their answers: to whom these go.
+pub(crate) type Asked = Arc<Mutex<Requests>>;
+
+/// See [`Asked`].
+#[derive(Default)]
+pub(crate) struct Requests {
+    next: u64,
+    waiting: BTreeMap<u64, Request>,
+}
+
+/// To whom an answer goes.
+#[derive(Clone, Copy)]
+pub(crate) struct Request {
+    pub(crate) to: SampleIdentity,
+    /// The writer that the request came from.
+    pub(crate) from: GUID,
+}
+
+impl Requests {
+    /// Takes a request out.
+    pub(crate) fn take(&mut self, number: u64) -> Option<Request> {
+        self.waiting.remove(&number)
+    }
+
+    fn add(&mut self, request: Request) -> u64 {
+        self.next += 1;
+        self.waiting.insert(self.next, request);
+        if self.waiting.len() > UNANSWERED_MAX {
+            self.waiting.pop_first();
+        }
+        self.next
+    }
+}
+
+/// A frame with the message at the end of its text, which begins as `head` does.
+fn frame(head: String, payload: &Payload, of: &Type) -> Result<Frame, String> {
+    let mut decoded = Decoded { text: head, arrays: Vec::new() };
+    read::read(&payload.bytes, payload.little, of, &mut decoded)?;
+    decoded.text.push('}');
+    Ok(Frame { text: decoded.text, bytes: decoded.arrays })
+}
+
+/// Says what is wrong with messages, not each time: the first, second, fourth, eighth …
+struct Complaints<'a> {
+    about: &'a str,
+    outbox: &'a Outbox,
+    count: u64,
+}
+
+impl Complaints<'_> {
+    fn say(&mut self, why: &str) {
+        self.count += 1;
+        if self.count.is_power_of_two() {
+            let (about, count) = (self.about, self.count);
+            self.outbox
+                .say("warning", &format!("{about}: a message was dropped ({count} so far): {why}"));
+        }
+    }
+}
+
+/// Tells each message of a topic, for ever.
+pub(crate) async fn messages(
+    reader: Reader,
+    of: Arc<Type>,
+    topic: String,
+    handle: u64,
+    outbox: Outbox,
+) {
+    let mut complaints = Complaints { about: &topic, outbox: &outbox, count: 0 };
+    let stream = reader.as_async_stream();
+    tokio::pin!(stream);
+    while let Some(heard) = stream.next().await {
+        let frame = heard.map_err(|why| why.to_string()).and_then(|heard| {
+            let payload: Payload = heard.into_value();
+            frame(format!(r#"{{"heard":{handle},"message":"#), &payload, &of)
+        });
+        match frame {
+            Ok(frame) => outbox.message(frame).await,
+            Err(why) => complaints.say(&why),
+        }
+    }
+}
+
+/// Tells each response to a call, for ever. `writer` is what sends the requests.
+pub(crate) async fn responses(
+    reader: Reader,
+    of: Arc<Type>,
+    service: String,
+    writer: GUID,
+    calls: Calls,
+    outbox: Outbox,
+) {
+    let own = reader.guid();
+    let mut complaints = Complaints { about: &service, outbox: &outbox, count: 0 };
+    let stream = reader.as_async_stream();
+    tokio::pin!(stream);
+    while let Some(heard) = stream.next().await {
+        let heard = match heard {
+            Ok(heard) => heard,
+            Err(why) => {
+                complaints.say(&why.to_string());
+                continue;
+            }
+        };
+        let Some(to) = heard.related_sample_identity() else { continue };
+        if to.writer_guid != own && to.writer_guid != writer {
+            continue;
+        }
+        let number = i64::from(to.sequence_number);
+        let call = calls.lock().unwrap_or_else(PoisonError::into_inner).remove(&number);
+        let Some(call) = call else { continue };
+        let payload: Payload = heard.into_value();
+        match frame(format!(r#"{{"response":{call},"message":"#), &payload, &of) {
+            Ok(frame) => outbox.message(frame).await,
+            Err(why) => outbox.tell(failed(call, &why)),
+        }
+    }
+}
+
+/// The frame that says that a call will get no response.
+pub(crate) fn failed(call: u64, why: &str) -> String {
+    format!(r#"{{"failed":{call},"why":{}}}"#, json::quoted(why))
+}
+
+/// Tells each request to a service, for ever.
+pub(crate) async fn requests(
+    reader: Reader,
+    of: Arc<Type>,
+    service: String,
+    handle: u64,
+    asked: Asked,
+    outbox: Outbox,
+) {
+    let mut complaints = Complaints { about: &service, outbox: &outbox, count: 0 };
+    let stream = reader.as_async_stream();
+    tokio::pin!(stream);
+    while let Some(heard) = stream.next().await {
+        let frame = heard.map_err(|why| why.to_string()).and_then(|heard| {
+            let request = Request { to: answer_to(&heard), from: heard.writer_guid() };
+            let payload: Payload = heard.into_value();
+            let number = asked.lock().unwrap_or_else(PoisonError::into_inner).add(request);
+            frame(format!(r#"{{"request":{handle},"number":{number},"message":"#), &payload, &of)
+        });
+        match frame {
+            Ok(frame) => outbox.message(frame).await,
+            Err(why) => complaints.say(&why),
+        }
+    }
+}
+
+/// How the answer to a request is to be marked: as the client says, or by the request itself.
+fn answer_to(heard: &DeserializedCacheChange<Payload>) -> SampleIdentity {
+    let own =
+        SampleIdentity { writer_guid: heard.writer_guid(), sequence_number: heard.sequence_number };
+    match heard.related_sample_identity() {
+        None => own,
+        // Fast DDS names the reader of the answer, and leaves the number to the request.
+        Some(said) if said.writer_guid == GUID::GUID_UNKNOWN => own,
+        Some(said)
+            if i64::from(said.sequence_number) <= 0
+                || said.sequence_number == SequenceNumber::UNKNOWN =>
+        {
+            SampleIdentity { writer_guid: said.writer_guid, ..own }
+        }
+        Some(said) => said,
+    }
+}

@@ -1,0 +1,97 @@
+//! `rafcon-ros` speaks ROS 2 for the scripts of a run whose Python has no rclpy.
+//!
+//! It is started by `rafcon.ros`, reads frames from its standard input, writes frames to its standard output, and ends
+//! when the input ends. `docs/ros.md` describes the frames.
+
+mod cdr;
+mod dds;
+mod describe;
+mod frames;
+mod hear;
+mod json;
+mod session;
+mod settings;
+mod tell;
+mod types;
+
+use std::io::Write as _;
+use std::process::ExitCode;
+
+use crate::frames::Outbox;
+use crate::session::Session;
+use crate::types::hash;
+
+const USAGE: &str = "rafcon-ros speaks ROS 2 for the scripts of RAFCON; they start it themselves.
+
+    rafcon-ros type NAME…   prints the hash of types, such as std_msgs/msg/String
+    rafcon-ros types        prints the names of the types that are in this program
+    rafcon-ros --version
+";
+
+fn main() -> ExitCode {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let words: Vec<&str> = arguments.iter().map(String::as_str).collect();
+    match &words[..] {
+        ["serve"] => serve(),
+        ["type", names @ ..] if !names.is_empty() => types(names),
+        ["types"] => {
+            types::bundled::names().for_each(|name| print(&name));
+            ExitCode::SUCCESS
+        }
+        ["--version"] => {
+            print(concat!("rafcon-ros ", env!("CARGO_PKG_VERSION")));
+            ExitCode::SUCCESS
+        }
+        _ => {
+            let _ = std::io::stderr().write_all(USAGE.as_bytes());
+            ExitCode::from(2)
+        }
+    }
+}
+
+fn print(line: &str) {
+    let _ = writeln!(std::io::stdout(), "{line}");
+}
+
+fn types(names: &[&str]) -> ExitCode {
+    let mut library = settings::library(Vec::new());
+    for name in names {
+        match library.find(name) {
+            Ok(found) => print(&format!("{name} {}", hash::rihs01(&found))),
+            Err(why) => {
+                let _ = writeln!(std::io::stderr(), "rafcon-ros: {why}");
+                return ExitCode::FAILURE;
+            }
+        }
+    }
+    ExitCode::SUCCESS
+}
+
+fn serve() -> ExitCode {
+    let runtime =
+        tokio::runtime::Builder::new_multi_thread().worker_threads(2).enable_all().build();
+    let runtime = match runtime {
+        Ok(runtime) => runtime,
+        Err(why) => {
+            let _ = writeln!(std::io::stderr(), "rafcon-ros: cannot start: {why}");
+            return ExitCode::FAILURE;
+        }
+    };
+    let _inside = runtime.enter();
+    let outbox = Outbox::new(std::io::stdout());
+    let mut session = Session::new(outbox.clone());
+    let mut input = std::io::BufReader::with_capacity(1 << 16, std::io::stdin());
+    let code = loop {
+        match frames::read(&mut input) {
+            Ok(Some((asked, bytes))) => session.handle(&asked, &bytes),
+            Ok(None) => break ExitCode::SUCCESS,
+            Err(why) => {
+                outbox.say("error", &format!("rafcon-ros ends: {why}"));
+                break ExitCode::FAILURE;
+            }
+        }
+    };
+    session.end(runtime.handle());
+    // Threads of the middleware may still run; all that matters has been said.
+    std::process::exit(i32::from(code != ExitCode::SUCCESS));
+}

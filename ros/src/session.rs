@@ -1,0 +1,396 @@
+//! What the program that started this one asks for, one frame after the other.
+
+use std::collections::HashMap;
+use std::path::PathBuf;
+use std::sync::{Arc, PoisonError};
+
+use rustdds::bytes::Bytes;
+use rustdds::{
+    GUID, RTPSEntity as _, SampleIdentity, SequenceNumber, Timestamp, WriteOptionsBuilder,
+};
+use tokio::task::JoinHandle;
+
+use crate::cdr;
+use crate::dds::endpoints::Publisher;
+use crate::dds::graph::process;
+use crate::dds::participant::{self, Node, Part, Writer};
+use crate::dds::payload::Payload;
+use crate::dds::qos::Qos;
+use crate::dds::{liveness, names};
+use crate::frames::Outbox;
+use crate::hear::{self, Asked, Calls};
+use crate::json::{self, Json};
+use crate::tell::{self, Counted, Counts};
+use crate::types::library::{Kind, Library, Type};
+use crate::types::{Shape, Sort, TypeName};
+use crate::{describe, settings};
+
+/// How long a response waits until its client is known.
+const CLIENT_KNOWN: std::time::Duration = std::time::Duration::from_secs(1);
+
+/// Something that was made, by its handle.
+enum Made {
+    Publisher { publisher: Publisher, of: Arc<Type>, topic: String },
+    Subscription { id: GUID, task: JoinHandle<()> },
+    Client { writer: Writer, reader: GUID, of: Arc<Type>, calls: Calls, task: JoinHandle<()> },
+    Service { writer: Arc<Writer>, reader: GUID, of: Arc<Type>, asked: Asked, task: JoinHandle<()> },
+}
+
+/// The state of this program.
+pub(crate) struct Session {
+    library: Library,
+    node: Option<Node>,
+    made: HashMap<u64, Made>,
+    counts: Counts,
+    outbox: Outbox,
+    ending: Vec<JoinHandle<()>>,
+}
+
+impl Session {
+    /// One that has no node yet.
+    pub(crate) fn new(outbox: Outbox) -> Self {
+        let library = settings::library(Vec::new());
+        Self {
+            library,
+            node: None,
+            made: HashMap::new(),
+            counts: Counts::default(),
+            outbox,
+            ending: Vec::new(),
+        }
+    }
+
+    /// Does what a frame asks for.
+    pub(crate) fn handle(&mut self, asked: &Json, bytes: &[u8]) {
+        let done =
+            asked.text("do").map(ToOwned::to_owned).and_then(|what| self.act(&what, asked, bytes));
+        let number = asked.number("ask").ok();
+        match (done, number) {
+            (Ok(answer), Some(number)) => {
+                self.outbox.tell(format!(r#"{{"answer":{number},"value":{answer}}}"#))
+            }
+            (Err(why), Some(number)) => {
+                self.outbox
+                    .tell(format!(r#"{{"answer":{number},"error":{}}}"#, json::quoted(&why)));
+            }
+            (Err(why), None) => self.outbox.say("error", &why),
+            (Ok(_), None) => {}
+        }
+    }
+
+    fn act(&mut self, what: &str, asked: &Json, bytes: &[u8]) -> Result<String, String> {
+        match what {
+            "start" => self.start(asked)?,
+            "describe" => return self.describe(asked.text("type")?),
+            "graph" => return Ok(tell::graph(self.node()?)),
+            "publisher" => self.publisher(asked)?,
+            "subscription" => self.subscription(asked)?,
+            "client" => self.client(asked)?,
+            "service" => self.service(asked)?,
+            "publish" => self.publish(asked, bytes)?,
+            "call" => self.call(asked, bytes)?,
+            "forget" => self.forget(asked)?,
+            "respond" => self.respond(asked, bytes)?,
+            "close" => self.close(asked.number("handle")?),
+            _ => {
+                return Err(format!(
+                    "nothing is known of `{what}`: rafcon and rafcon-ros are of different versions"
+                ));
+            }
+        }
+        Ok("null".to_owned())
+    }
+
+    fn node(&self) -> Result<&Node, String> {
+        self.node.as_ref().ok_or_else(|| "there is no node yet".to_owned())
+    }
+
+    fn start(&mut self, asked: &Json) -> Result<(), String> {
+        if self.node.is_some() {
+            return Err("there is a node already".to_owned());
+        }
+        self.library =
+            settings::library(asked.texts("folders").into_iter().map(PathBuf::from).collect());
+        let about = self.library.find(participant::ANNOUNCEMENT)?;
+        let (node, reader) = Node::new(settings::of(asked)?, Arc::clone(&about))?;
+        tokio::spawn(node.graph().clone().follow(node.participant().clone()));
+        tokio::spawn(node.graph().clone().follow_nodes(reader, about));
+        tokio::spawn(liveness::watch(node.graph().clone(), node.participant().clone()));
+        tokio::spawn(tell::changes(node.clone(), Arc::clone(&self.counts), self.outbox.clone()));
+        self.node = Some(node);
+        Ok(())
+    }
+
+    fn describe(&mut self, name: &str) -> Result<String, String> {
+        let endings: &[&str] = match TypeName::parse(name)? {
+            TypeName { sort: Sort::Service, name, .. } if !name.contains('_') => {
+                &["_Request", "_Response"]
+            }
+            TypeName { sort: Sort::Action, name, .. } if !name.contains('_') => {
+                &["_Goal", "_Result", "_Feedback"]
+            }
+            _ => &[""],
+        };
+        let found = endings.iter().map(|ending| self.library.find(&format!("{name}{ending}")));
+        let found = found.collect::<Result<Vec<_>, _>>()?;
+        Ok(describe::all(&found.iter().map(AsRef::as_ref).collect::<Vec<_>>()))
+    }
+
+    /// Counts the peers of what was made.
+    fn count(&mut self, handle: u64, counted: Counted, made: Made) {
+        self.counts.lock().unwrap_or_else(PoisonError::into_inner).insert(handle, (counted, 0));
+        self.made.insert(handle, made);
+        if let Some(node) = &self.node {
+            node.graph().touch();
+        }
+    }
+
+    fn publisher(&mut self, asked: &Json) -> Result<(), String> {
+        let (topic, of, part) = self.topic(asked, false)?;
+        let writer = self.node()?.writer(part, is_large(&of))?;
+        let publisher = Publisher::new(self.node()?.clone(), writer);
+        let id = publisher.id;
+        let made = Made::Publisher { publisher, of, topic };
+        self.count(asked.number("handle")?, Counted::One(id), made);
+        Ok(())
+    }
+
+    fn subscription(&mut self, asked: &Json) -> Result<(), String> {
+        let handle = asked.number("handle")?;
+        let (topic, of, part) = self.topic(asked, true)?;
+        let reader = self.node()?.reader(part, is_large(&of))?;
+        let id = reader.guid();
+        let task = tokio::spawn(hear::messages(reader, of, topic, handle, self.outbox.clone()));
+        self.count(handle, Counted::One(id), Made::Subscription { id, task });
+        Ok(())
+    }
+
+    /// The name, the type and the part of a topic that is asked for.
+    fn topic(&mut self, asked: &Json, reader: bool) -> Result<(String, Arc<Type>, Part), String> {
+        let (topic, type_name) = (asked.text("topic")?, asked.text("type")?);
+        names::check(topic)?;
+        let of = self.library.find(type_name)?;
+        let is = |key: &str| asked.get(key) == Some(&Json::Bool(true));
+        let depth = u32::try_from(asked.number("depth")?).unwrap_or(u32::MAX);
+        let qos = Qos { reliable: is("reliable"), latched: is("latched"), depth };
+        let type_name = names::message_type(type_name)?;
+        let part = Part { reader, topic: names::topic(topic), type_name, qos };
+        Ok((topic.to_owned(), of, part))
+    }
+
+    /// The types and parts of a service that is asked for: of its requests, and of its responses.
+    fn halves(
+        &mut self,
+        asked: &Json,
+        client: bool,
+    ) -> Result<(String, [Arc<Type>; 2], [Part; 2]), String> {
+        let (service, type_name) = (asked.text("service")?, asked.text("type")?);
+        names::check(service)?;
+        let (request, response) = (format!("{type_name}_Request"), format!("{type_name}_Response"));
+        let types = [self.library.find(&request)?, self.library.find(&response)?];
+        let (requests, responses) = names::service(service);
+        let part = |reader, topic, name: &str| {
+            Ok::<_, String>(Part {
+                reader,
+                topic,
+                type_name: names::message_type(name)?,
+                qos: Qos::SERVICE,
+            })
+        };
+        let parts = [part(!client, requests, &request)?, part(client, responses, &response)?];
+        Ok((service.to_owned(), types, parts))
+    }
+
+    fn client(&mut self, asked: &Json) -> Result<(), String> {
+        let (service, [of, answer], [requests, responses]) = self.halves(asked, true)?;
+        let reader = self.node()?.reader(responses, false)?;
+        let writer = self.node()?.writer(requests, false)?;
+        let (id, calls) = (reader.guid(), Calls::default());
+        let listen = hear::responses(
+            reader,
+            answer,
+            service,
+            writer.guid(),
+            Arc::clone(&calls),
+            self.outbox.clone(),
+        );
+        let counted = Counted::Both(writer.guid(), id);
+        let made = Made::Client { writer, reader: id, of, calls, task: tokio::spawn(listen) };
+        self.count(asked.number("handle")?, counted, made);
+        Ok(())
+    }
+
+    fn service(&mut self, asked: &Json) -> Result<(), String> {
+        let handle = asked.number("handle")?;
+        let (service, [request, of], [requests, responses]) = self.halves(asked, false)?;
+        let writer = Arc::new(self.node()?.writer(responses, false)?);
+        let reader = self.node()?.reader(requests, false)?;
+        let (id, waiting) = (reader.guid(), Asked::default());
+        let listen = hear::requests(
+            reader,
+            request,
+            service,
+            handle,
+            Arc::clone(&waiting),
+            self.outbox.clone(),
+        );
+        let counted = Counted::Both(writer.guid(), id);
+        let made =
+            Made::Service { writer, reader: id, of, asked: waiting, task: tokio::spawn(listen) };
+        self.count(handle, counted, made);
+        Ok(())
+    }
+
+    fn publish(&mut self, asked: &Json, bytes: &[u8]) -> Result<(), String> {
+        let Some(Made::Publisher { publisher, of, topic }) =
+            self.made.get(&asked.number("handle")?)
+        else {
+            return Ok(());
+        };
+        let message = encoded(asked, bytes, of).map_err(|why| format!("{topic}: {why}"))?;
+        let dropped = publisher.send(message);
+        if dropped > 0 {
+            self.outbox.say(
+                "warning",
+                &format!("{topic}: {dropped} messages dropped: a subscriber does not keep up"),
+            );
+        }
+        Ok(())
+    }
+
+    fn call(&mut self, asked: &Json, bytes: &[u8]) -> Result<(), String> {
+        let call = asked.number("call")?;
+        let Some(Made::Client { writer, reader, of, calls, .. }) =
+            self.made.get(&asked.number("handle")?)
+        else {
+            return Ok(());
+        };
+        let sent = encoded(asked, bytes, of).and_then(|bytes| {
+            // The answer can be there before `write` returns.
+            let mut calls = calls.lock().unwrap_or_else(PoisonError::into_inner);
+            let to =
+                SampleIdentity { writer_guid: *reader, sequence_number: SequenceNumber::UNKNOWN };
+            let options = WriteOptionsBuilder::new()
+                .source_timestamp(Timestamp::now())
+                .related_sample_identity(to);
+            let payload = Payload { bytes, little: true };
+            let sent = writer
+                .write_with_options(payload, options.build())
+                .map_err(|why| why.to_string())?;
+            calls.insert(i64::from(sent.sequence_number), call);
+            Ok(())
+        });
+        if let Err(why) = sent {
+            self.outbox.tell(hear::failed(call, &why));
+        }
+        Ok(())
+    }
+
+    /// A response to a call is not wanted any more.
+    fn forget(&mut self, asked: &Json) -> Result<(), String> {
+        let call = asked.number("call")?;
+        if let Some(Made::Client { calls, .. }) = self.made.get(&asked.number("handle")?) {
+            calls
+                .lock()
+                .unwrap_or_else(PoisonError::into_inner)
+                .retain(|_, waiting| *waiting != call);
+        }
+        Ok(())
+    }
+
+    fn respond(&mut self, asked: &Json, bytes: &[u8]) -> Result<(), String> {
+        let node = self.node()?.clone();
+        let Some(Made::Service { writer, of, asked: waiting, .. }) =
+            self.made.get(&asked.number("handle")?)
+        else {
+            return Ok(());
+        };
+        let number = asked.number("number")?;
+        let request = waiting.lock().unwrap_or_else(PoisonError::into_inner).take(number);
+        let Some(request) = request else { return Ok(()) };
+        let payload = Payload { bytes: encoded(asked, bytes, of)?, little: true };
+        let writer = Arc::clone(writer);
+        let send = move || {
+            let options = WriteOptionsBuilder::new().source_timestamp(Timestamp::now());
+            // A client that is gone needs no response.
+            let _ = writer
+                .write_with_options(payload, options.related_sample_identity(request.to).build());
+            writer.guid()
+        };
+        let Made::Service { writer, .. } = &self.made[&asked.number("handle")?] else {
+            return Ok(());
+        };
+        let (id, client) = (writer.guid(), process(request.from));
+        if node.graph().peers(id).contains(&client) {
+            send();
+            return Ok(());
+        }
+        tokio::spawn(async move {
+            let mut versions = node.graph().watch();
+            let known = async {
+                while !node.graph().peers(id).contains(&client) {
+                    if versions.changed().await.is_err() {
+                        break;
+                    }
+                }
+            };
+            let _ = tokio::time::timeout(CLIENT_KNOWN, known).await;
+            send();
+        });
+        Ok(())
+    }
+
+    fn close(&mut self, handle: u64) {
+        self.counts.lock().unwrap_or_else(PoisonError::into_inner).remove(&handle);
+        let (Some(made), Some(node)) = (self.made.remove(&handle), self.node.clone()) else {
+            return;
+        };
+        match made {
+            Made::Publisher { publisher, .. } => self.ending.push(publisher.end()),
+            Made::Subscription { id, task } => {
+                task.abort();
+                node.forget(id);
+            }
+            Made::Client { writer, reader, task, .. } => {
+                task.abort();
+                node.forget(reader);
+                self.ending.push(farewell(node, Arc::new(writer)));
+            }
+            Made::Service { writer, reader, task, .. } => {
+                task.abort();
+                node.forget(reader);
+                self.ending.push(farewell(node, writer));
+            }
+        }
+        self.ending.retain(|ending| !ending.is_finished());
+    }
+
+    /// Gives everything back; returns when that is done.
+    pub(crate) fn end(mut self, runtime: &tokio::runtime::Handle) {
+        let handles: Vec<u64> = self.made.keys().copied().collect();
+        handles.into_iter().for_each(|handle| self.close(handle));
+        runtime.block_on(futures::future::join_all(self.ending));
+    }
+}
+
+/// Lets the last messages of a writer arrive before it goes.
+fn farewell(node: Node, writer: Arc<Writer>) -> JoinHandle<()> {
+    tokio::spawn(async move {
+        let arrived = writer.async_wait_for_acknowledgments();
+        let _ = tokio::time::timeout(std::time::Duration::from_millis(500), arrived).await;
+        node.forget(writer.guid());
+    })
+}
+
+fn encoded(asked: &Json, bytes: &[u8], of: &Type) -> Result<Bytes, String> {
+    let message = asked.get("message").ok_or("there is no message")?;
+    cdr::write::write(message, bytes, of).map(Bytes::from)
+}
+
+/// Whether messages can be megabytes: they hold lists of bytes without end.
+fn is_large(of: &Type) -> bool {
+    of.fields.iter().any(|field| match &field.kind {
+        Kind::Primitive(primitive) => field.shape == Shape::Unbounded && primitive.width() == 1,
+        Kind::Message(nested) => is_large(nested),
+    })
+}

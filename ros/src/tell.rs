@@ -1,0 +1,128 @@
+//! What of the network's graph is told to the program that asks: all of it on demand, and what changes.
+
+use std::collections::{BTreeMap, HashMap};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Duration;
+
+use rustdds::GUID;
+
+use crate::dds::graph::{Process, process};
+use crate::dds::names;
+use crate::dds::participant::Node;
+use crate::dds::qos::Qos;
+use crate::frames::Outbox;
+use crate::json;
+
+/// How long changes are collected before they are told.
+const COLLECT: Duration = Duration::from_millis(10);
+
+/// By what the peers of something are counted.
+#[derive(Clone, Copy)]
+pub(crate) enum Counted {
+    /// All that match a reader or writer.
+    One(GUID),
+    /// Processes that match both.
+    Both(GUID, GUID),
+}
+
+/// What is counted, and the count that was told last.
+pub(crate) type Counts = Arc<Mutex<HashMap<u64, (Counted, usize)>>>;
+
+/// Tells the count of each handle when it changes, and that something did, for ever.
+pub(crate) async fn changes(node: Node, counts: Counts, outbox: Outbox) {
+    let mut versions = node.graph().watch();
+    loop {
+        tell_counts(&node, &counts, &outbox);
+        outbox.tell(r#"{"changed":true}"#.to_owned());
+        if versions.changed().await.is_err() {
+            return;
+        }
+        tokio::time::sleep(COLLECT).await;
+        versions.mark_unchanged();
+    }
+}
+
+/// Tells the counts that have changed.
+pub(crate) fn tell_counts(node: &Node, counts: &Counts, outbox: &Outbox) {
+    let mut counts = counts.lock().unwrap_or_else(PoisonError::into_inner);
+    for (handle, (counted, told)) in counts.iter_mut() {
+        let now = count(node, *counted);
+        if now != *told {
+            *told = now;
+            outbox.tell(format!(r#"{{"matched":{handle},"count":{now}}}"#));
+        }
+    }
+}
+
+fn count(node: &Node, counted: Counted) -> usize {
+    let graph = node.graph();
+    match counted {
+        Counted::One(id) => graph.peers(id).len(),
+        Counted::Both(one, other) => {
+            let mut both: Vec<Process> = graph.peers(one);
+            let others = graph.peers(other);
+            both.retain(|process| others.contains(process));
+            both.sort_unstable();
+            both.dedup();
+            both.len()
+        }
+    }
+}
+
+/// All that is known: `{"ends": [[topic, reader, node, type, reliable, latched]], "services": {name: [type]}, "nodes": [name]}`.
+pub(crate) fn graph(node: &Node) -> String {
+    let mut ends = Vec::new();
+    let mut services: BTreeMap<String, Vec<String>> = BTreeMap::new();
+    let mut end = |topic: &str, reader: bool, name: &str, type_name: &str, qos: Qos| {
+        if let (Some(topic), Some(type_name)) =
+            (names::plain_topic(topic), names::plain_type(type_name))
+        {
+            let (topic, name, type_name) =
+                (json::quoted(topic), json::quoted(name), json::quoted(&type_name));
+            ends.push(format!(
+                "[{topic},{reader},{name},{type_name},{},{}]",
+                qos.reliable, qos.latched
+            ));
+        } else if reader && let Some((service, type_name)) = names::plain_service(topic, type_name)
+        {
+            let types = services.entry(service).or_default();
+            if !types.contains(&type_name) {
+                types.push(type_name);
+            }
+        }
+    };
+    let own = node.name();
+    for part in node.parts() {
+        end(&part.topic, part.reader, &own, &part.type_name, part.qos);
+    }
+    let own_process = process(rustdds::RTPSEntity::guid(node.participant()));
+    let elsewhere = |id: GUID| process(id) != own_process && !node.graph().is_dead(process(id));
+    for reader in node.participant().discovered_readers() {
+        let (id, about) = (reader.reader_proxy.remote_reader_guid, &reader.subscription_topic_data);
+        if elsewhere(id) {
+            let policies = about.qos();
+            let qos = Qos::of(policies.reliability(), policies.durability(), true);
+            end(about.topic_name(), true, &node.graph().node_of(id), about.type_name(), qos);
+        }
+    }
+    for writer in node.participant().discovered_writers() {
+        let (id, about) = (writer.writer_proxy.remote_writer_guid, &writer.publication_topic_data);
+        if elsewhere(id) {
+            let qos = Qos::of(about.reliability, about.durability, false);
+            end(&about.topic_name, false, &node.graph().node_of(id), &about.type_name, qos);
+        }
+    }
+    let mut nodes = node.graph().nodes();
+    nodes.push(own);
+    nodes.sort_unstable();
+    nodes.dedup();
+    let quoted = |texts: &[String]| {
+        texts.iter().map(|text| json::quoted(text)).collect::<Vec<_>>().join(",")
+    };
+    let service = |(name, types): (&String, &Vec<String>)| {
+        format!("{}:[{}]", json::quoted(name), quoted(types))
+    };
+    let services: Vec<String> = services.iter().map(service).collect();
+    let (ends, services, nodes) = (ends.join(","), services.join(","), quoted(&nodes));
+    format!(r#"{{"ends":[{ends}],"services":{{{services}}},"nodes":[{nodes}]}}"#)
+}

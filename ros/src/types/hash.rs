@@ -1,0 +1,95 @@
+//! The hash of a type as REP 2016 has it: `RIHS01_`, and SHA-256 of the canonical text of its description.
+
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+
+use sha2::{Digest as _, Sha256};
+
+use super::library::{Kind, Type};
+use super::{Primitive, Shape};
+
+/// `RIHS01_…` of a type.
+pub(crate) fn rihs01(top: &Type) -> String {
+    let digest = Sha256::digest(canonical(top).as_bytes());
+    digest.iter().fold("RIHS01_".to_owned(), |mut text, byte| {
+        let _ = write!(text, "{byte:02x}");
+        text
+    })
+}
+
+/// The description as text: the type, then all types below it, by name.
+fn canonical(top: &Type) -> String {
+    let mut below = BTreeMap::new();
+    collect(top, &mut below);
+    let below: Vec<String> = below.values().map(|one| individual(one)).collect();
+    let (own, below) = (individual(top), below.join(", "));
+    format!(r#"{{"type_description": {own}, "referenced_type_descriptions": [{below}]}}"#)
+}
+
+fn collect<'a>(one: &'a Type, below: &mut BTreeMap<&'a str, &'a Type>) {
+    for field in &one.fields {
+        if let Kind::Message(nested) = &field.kind
+            && below.insert(&nested.name, nested).is_none()
+        {
+            collect(nested, below);
+        }
+    }
+}
+
+fn individual(one: &Type) -> String {
+    let mut fields: Vec<String> = Vec::with_capacity(one.fields.len().max(1));
+    for field in &one.fields {
+        let (number, nested) = match &field.kind {
+            Kind::Primitive(primitive) => (number(*primitive, field.text_max), ""),
+            Kind::Message(nested) => (1, nested.name.as_str()),
+        };
+        let (offset, capacity) = match field.shape {
+            Shape::One => (0, 0),
+            Shape::Fixed(size) => (48, size),
+            Shape::Bounded(size) => (96, size),
+            Shape::Unbounded => (144, 0),
+        };
+        fields.push(described(&field.name, number + offset, capacity, field.text_max, nested));
+    }
+    // A structure of IDL cannot be empty.
+    if fields.is_empty() {
+        fields.push(described(
+            "structure_needs_at_least_one_member",
+            number(Primitive::UInt8, 0),
+            0,
+            0,
+            "",
+        ));
+    }
+    format!(r#"{{"type_name": "{}", "fields": [{}]}}"#, one.name, fields.join(", "))
+}
+
+fn described(name: &str, id: u32, capacity: u32, text_max: u32, nested: &str) -> String {
+    format!(
+        r#"{{"name": "{name}", "type": {{"type_id": {id}, "capacity": {capacity}, "string_capacity": {text_max}, "nested_type_name": "{nested}"}}}}"#
+    )
+}
+
+/// The number in `type_description_interfaces/msg/FieldType` of one value.
+fn number(primitive: Primitive, text_max: u32) -> u32 {
+    match primitive {
+        Primitive::Int8 => 2,
+        Primitive::UInt8 => 3,
+        Primitive::Int16 => 4,
+        Primitive::UInt16 => 5,
+        Primitive::Int32 => 6,
+        Primitive::UInt32 => 7,
+        Primitive::Int64 => 8,
+        Primitive::UInt64 => 9,
+        Primitive::Float32 => 10,
+        Primitive::Float64 => 11,
+        // In interface files `char` is a `uint8`.
+        Primitive::Char => 3,
+        Primitive::Bool => 15,
+        Primitive::Byte => 16,
+        Primitive::Text if text_max == 0 => 17,
+        Primitive::WideText if text_max == 0 => 18,
+        Primitive::Text => 21,
+        Primitive::WideText => 22,
+    }
+}

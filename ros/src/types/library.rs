@@ -1,0 +1,240 @@
+//! Finds types by name: in the folders of the user, in installations of ROS, among those that lie in this program.
+
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use super::{Base, Literal, Message, Primitive, Shape, Sort, TypeName, bundled, derived, parse};
+
+/// Types inside of types.
+const DEPTH_MAX: usize = 64;
+/// Bytes of an interface file.
+const FILE_MAX: u64 = 1 << 20;
+
+/// A message type with all that it is made of.
+#[derive(Debug)]
+pub(crate) struct Type {
+    pub(crate) name: String,
+    pub(crate) fields: Vec<TypeField>,
+    pub(crate) constants: Vec<(String, Primitive, Literal)>,
+}
+
+/// A field of it.
+#[derive(Debug)]
+pub(crate) struct TypeField {
+    pub(crate) name: String,
+    pub(crate) kind: Kind,
+    pub(crate) shape: Shape,
+    pub(crate) text_max: u32,
+    pub(crate) default: Option<Literal>,
+}
+
+/// What one value of a field is.
+#[derive(Debug)]
+pub(crate) enum Kind {
+    Primitive(Primitive),
+    Message(Arc<Type>),
+}
+
+impl Type {
+    /// The least number of bytes that a value can take, so that a claimed number of values can be checked.
+    pub(crate) fn least_width(&self) -> usize {
+        let fields = self.fields.iter().map(|field| match field.shape {
+            Shape::One => field.kind.least_width(),
+            Shape::Fixed(size) => field.kind.least_width().saturating_mul(size as usize),
+            Shape::Bounded(_) | Shape::Unbounded => 4,
+        });
+        fields.fold(0_usize, usize::saturating_add).max(1)
+    }
+}
+
+impl Kind {
+    pub(crate) fn least_width(&self) -> usize {
+        match self {
+            Self::Primitive(primitive) => primitive.width(),
+            Self::Message(nested) => nested.least_width(),
+        }
+    }
+}
+
+/// Where types are looked up, and what was found.
+pub(crate) struct Library {
+    /// `FOLDER/PACKAGE/msg/NAME.msg`; no two of them may disagree.
+    folders: Vec<PathBuf>,
+    /// The same, of installations; the first one counts.
+    installed: Vec<PathBuf>,
+    read: HashMap<String, Arc<Message>>,
+    types: HashMap<String, Arc<Type>>,
+}
+
+impl Library {
+    /// One that looks into `folders` first, then below `share` of each of `prefixes`, then into this program.
+    pub(crate) fn new(folders: Vec<PathBuf>, prefixes: &[PathBuf]) -> Self {
+        let installed = prefixes.iter().map(|prefix| prefix.join("share")).collect();
+        Self { folders, installed, read: HashMap::new(), types: HashMap::new() }
+    }
+
+    /// The type of this full name, also of a part of a service or action.
+    pub(crate) fn find(&mut self, full: &str) -> Result<Arc<Type>, String> {
+        self.resolve(full, &mut Vec::new())
+    }
+
+    fn resolve(&mut self, full: &str, above: &mut Vec<String>) -> Result<Arc<Type>, String> {
+        if let Some(known) = self.types.get(full) {
+            return Ok(Arc::clone(known));
+        }
+        if above.iter().any(|name| name == full) {
+            return Err(format!("`{full}` contains itself, by {}", above.join(", ")));
+        }
+        if above.len() >= DEPTH_MAX {
+            return Err(format!("`{}` is nested more than {DEPTH_MAX} deep", above[0]));
+        }
+        let message = self.message(full).map_err(|why| match above.last() {
+            Some(user) => format!("{why} (it is needed by {user})"),
+            None => why,
+        })?;
+        above.push(full.to_owned());
+        let mut fields = Vec::with_capacity(message.fields.len());
+        for field in &message.fields {
+            let kind = match &field.base {
+                Base::Primitive(primitive) => Kind::Primitive(*primitive),
+                Base::Message(nested) => Kind::Message(self.resolve(nested, above)?),
+            };
+            let (name, default) = (field.name.clone(), field.default.clone());
+            fields.push(TypeField {
+                name,
+                kind,
+                shape: field.shape,
+                text_max: field.text_max,
+                default,
+            });
+        }
+        above.pop();
+        let found =
+            Type { name: message.name.clone(), fields, constants: message.constants.clone() };
+        let found = Arc::new(found);
+        self.types.insert(full.to_owned(), Arc::clone(&found));
+        Ok(found)
+    }
+
+    /// The message of this name, without what it is made of.
+    fn message(&mut self, full: &str) -> Result<Arc<Message>, String> {
+        if let Some(known) = self.read.get(full) {
+            return Ok(Arc::clone(known));
+        }
+        let name = TypeName::parse(full)?;
+        // Parts of a service or action lie in its file.
+        let whole = match name.sort {
+            Sort::Message => name.name,
+            Sort::Service | Sort::Action => name.name.split('_').next().unwrap_or(name.name),
+        };
+        let file = TypeName { name: whole, ..name };
+        for message in self.file(&file)? {
+            self.read.insert(message.name.clone(), Arc::new(message));
+        }
+        let found = self.read.get(full).map(Arc::clone);
+        found.ok_or_else(|| format!("{file} has no part `{}`", name.name))
+    }
+
+    /// What the interface file of `name` holds, and what follows from it.
+    fn file(&self, name: &TypeName<'_>) -> Result<Vec<Message>, String> {
+        let full = name.to_string();
+        let mut messages = self.parsed(name)?;
+        match name.sort {
+            Sort::Message => {}
+            Sort::Service => messages.extend(derived::of_service(&full)),
+            Sort::Action => messages.extend(derived::of_action(&full)),
+        }
+        Ok(messages)
+    }
+
+    fn parsed(&self, name: &TypeName<'_>) -> Result<Vec<Message>, String> {
+        let TypeName { package, sort, name: short } = name;
+        let parse = |text: &str| parse::file(text, package, *sort, short);
+        let relative =
+            PathBuf::from(package).join(sort.word()).join(format!("{short}.{}", sort.word()));
+        let mut own: Option<(PathBuf, Vec<Message>)> = None;
+        for path in self.folders.iter().map(|folder| folder.join(&relative)) {
+            let Some(text) = read(&path)? else { continue };
+            let messages = parse(&text).map_err(|why| format!("{}: {why}", path.display()))?;
+            if let Some((other, known)) = &own
+                && *known != messages
+            {
+                let (one, two) = (other.display(), path.display());
+                return Err(format!(
+                    "{name} is two different types, in {one} and in {two}: remove one of the files"
+                ));
+            }
+            own.get_or_insert((path, messages));
+        }
+        if let Some((_, messages)) = own {
+            return Ok(messages);
+        }
+        for path in self.installed.iter().map(|folder| folder.join(&relative)) {
+            if let Some(text) = read(&path)? {
+                return parse(&text).map_err(|why| format!("{}: {why}", path.display()));
+            }
+        }
+        match bundled::find(package, sort.word(), short) {
+            Some(text) => parse(text),
+            None => Err(self.unknown(name, &relative)),
+        }
+    }
+
+    fn unknown(&self, name: &TypeName<'_>, relative: &Path) -> String {
+        let places = self.folders.iter().chain(&self.installed);
+        let places: Vec<String> = places.map(|place| place.display().to_string()).collect();
+        let looked = if places.is_empty() {
+            String::new()
+        } else {
+            format!(", nor in {}", places.join(", "))
+        };
+        let relative = relative.display();
+        format!(
+            "no type `{name}` is known: it is not among those of rafcon-ros{looked}. Put its file at FOLDER/{relative} and name FOLDER in RAFCON_ROS_TYPES, or source the ROS workspace that has it"
+        )
+    }
+}
+
+/// The text of a file, or `None` if there is none.
+fn read(path: &Path) -> Result<Option<String>, String> {
+    let Ok(about) = path.metadata() else { return Ok(None) };
+    if about.len() > FILE_MAX {
+        return Err(format!("{} is larger than {FILE_MAX} bytes", path.display()));
+    }
+    let text = std::fs::read_to_string(path);
+    text.map(Some).map_err(|why| format!("cannot read {}: {why}", path.display()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{bundled, hash};
+    use super::Library;
+
+    /// The hashes that the packages themselves say they have.
+    #[test]
+    fn hashes_of_all_bundled_types_are_those_of_their_packages() {
+        let mut library = Library::new(Vec::new(), &[]);
+        let stated = include_str!("../../interfaces/hashes.txt");
+        let wrong: Vec<String> = stated
+            .lines()
+            .filter_map(|line| line.split_once(' '))
+            .filter_map(|(name, hash)| {
+                let found = library.find(name).map(|found| hash::rihs01(&found));
+                (found.as_deref() != Ok(hash)).then(|| format!("{name}: {found:?}, not {hash}"))
+            })
+            .collect();
+        assert_eq!(wrong, Vec::<String>::new());
+        // No package of these two says its hashes.
+        let silent = |name: &String| {
+            ["tf2_msgs/", "example_interfaces/"].iter().any(|start| name.starts_with(start))
+        };
+        for name in bundled::names() {
+            assert!(library.find(&name).is_ok(), "{name} is incomplete");
+            assert!(
+                silent(&name) || stated.contains(&format!("{name} ")),
+                "no hash of {name} is stated"
+            );
+        }
+    }
+}
