@@ -1,0 +1,374 @@
+"""The back end of ``rafcon-ros``, a helper process: for interpreters without ``rclpy``."""
+
+import array
+import itertools
+import threading
+
+from rafcon.ros._backend import BYTES, TYPE_CODES, BackendLost, Endpoint, Field, MessageType, Qos, RosError, UnknownType
+from rafcon.ros._native_actions import ActionClient, ActionServer
+from rafcon.ros._native_helper import Helper
+
+
+class NativeBackend:
+    """A node in a process of its own, whose crash ends no script."""
+
+    name = "native"
+
+    def __init__(self):
+        self._helper = None
+        self._listener = None
+        self._handles = itertools.count(1)
+        self._calls = itertools.count(1)
+        self._parts = {}
+        self._waiting = {}
+        self._graph = None
+        self._graph_version = 0
+        self._lock = threading.Lock()
+
+    @property
+    def pid(self):
+        """The number of the helper process."""
+        return self._helper.pid
+
+    def start(self, settings, listener):
+        """Starts the helper and makes the node."""
+        self._listener = listener
+        self._helper = Helper(self._heard, self._ended)
+        try:
+            self._helper.ask(
+                "start",
+                name=settings.name,
+                namespace=settings.namespace,
+                domain=settings.domain,
+                folders=list(settings.type_folders),
+            )
+        except RosError:
+            self._helper.close()
+            raise
+
+    def close(self):
+        """Ends the helper."""
+        if self._helper is not None:
+            self._helper.close()
+
+    # What it says.
+
+    def _heard(self, event):
+        if "heard" in event:
+            self._part(event["heard"], "_hear", event["message"])
+        elif "response" in event:
+            self._done(event["response"], event["message"], None)
+        elif "failed" in event:
+            self._done(event["failed"], None, event["why"])
+        elif "request" in event:
+            self._part(event["request"], "_take", event["number"], event["message"])
+        elif "matched" in event:
+            self._part(event["matched"], "_count", event["count"])
+        elif "changed" in event:
+            with self._lock:
+                self._graph = None
+                self._graph_version += 1
+            self._listener.changed()
+        elif "say" in event:
+            self._listener.say(event["say"], event["text"])
+
+    def _part(self, handle, what, *arguments):
+        with self._lock:
+            part = self._parts.get(handle)
+        if part is not None:
+            getattr(part, what)(*arguments)
+
+    def _done(self, call, response, why):
+        with self._lock:
+            done = self._waiting.pop(call, None)
+        if done is not None:
+            done(response, why)
+
+    def _ended(self, why):
+        with self._lock:
+            waiting, self._waiting = list(self._waiting.values()), {}
+            parts, self._parts = list(self._parts.values()), {}
+        for done in waiting:
+            done(None, why)
+        for part in parts:
+            part._lost(why)
+        self._listener.lost(why)
+
+    # What it does.
+
+    def make(self, what, part, **fields):
+        """Has the helper make something, and keeps it under its handle."""
+        part._handle = handle = next(self._handles)
+        with self._lock:
+            self._parts[handle] = part
+        try:
+            self._helper.ask(what, handle=handle, **fields)
+        except RosError:
+            with self._lock:
+                self._parts.pop(handle, None)
+            raise
+
+    def tell(self, what, **fields):
+        """Has the helper do something."""
+        self._helper.tell(what, **fields)
+
+    def check(self):
+        """Raises :class:`BackendLost` once the helper has ended."""
+        self._helper.check()
+
+    def release(self, handle):
+        """Gives back what is under a handle."""
+        with self._lock:
+            part = self._parts.pop(handle, None)
+        if part is not None:
+            try:
+                self._helper.tell("close", handle=handle)
+            except BackendLost:
+                pass
+
+    def call(self, handle, request, done):
+        """Sends a request; returns the number under which its response is waited for."""
+        call = next(self._calls)
+        with self._lock:
+            self._waiting[call] = done
+        try:
+            self._helper.tell("call", handle=handle, call=call, message=request)
+        except RosError:
+            with self._lock:
+                self._waiting.pop(call, None)
+            raise
+        return call
+
+    def forget(self, handle, call):
+        """Nobody waits for a response any more."""
+        with self._lock:
+            waited = self._waiting.pop(call, None)
+        if waited is not None:
+            try:
+                self._helper.tell("forget", handle=handle, call=call)
+            except BackendLost:
+                pass
+
+    def describe(self, type_name):
+        """The type and all that it is made of, by name."""
+        self.check()
+        try:
+            told = self._helper.ask("describe", type=type_name)
+        except BackendLost:
+            raise
+        except RosError as error:
+            raise UnknownType(str(error)) from None
+        return {
+            name: MessageType(name, tuple(map(_field, each["fields"])), each["constants"]) for name, each in told.items()
+        }
+
+    def publisher(self, topic, type_name, qos):
+        """Makes a publisher."""
+        return _Publisher(self, topic, type_name, qos)
+
+    def subscription(self, topic, type_name, qos, heard):
+        """Hears a topic."""
+        return Subscription(self, topic, type_name, qos, heard)
+
+    def client(self, service, type_name):
+        """Makes a client of a service."""
+        return Client(self, service, type_name)
+
+    def service(self, name, type_name, asked):
+        """Offers a service."""
+        return Service(self, name, type_name, asked)
+
+    def action_client(self, action, type_name):
+        """Makes a client of an action."""
+        return ActionClient(self, action, type_name)
+
+    def action_server(self, name, type_name, asked):
+        """Offers an action."""
+        return ActionServer(self, name, type_name, asked)
+
+    # Who is there.
+
+    def _known(self):
+        with self._lock:
+            known, version = self._graph, self._graph_version
+        if known is None:
+            known = self._helper.ask("graph")
+            with self._lock:
+                if version == self._graph_version:
+                    self._graph = known
+        return known
+
+    def _ends_of(self, topic, is_reader):
+        return [
+            Endpoint(node, type_name, _qos(reliable, latched, 10))
+            for name, reads, node, type_name, reliable, latched in self._known()["ends"]
+            if name == topic and reads == is_reader
+        ]
+
+    def publishers_of(self, topic):
+        """The publishers that are known of a topic."""
+        return self._ends_of(topic, False)
+
+    def subscriptions_of(self, topic):
+        """The subscriptions that are known of a topic."""
+        return self._ends_of(topic, True)
+
+    def topics(self):
+        """All topics that are known, with their types."""
+        found = {}
+        for name, _reads, _node, type_name, _reliable, _latched in self._known()["ends"]:
+            found.setdefault(name, set()).add(type_name)
+        return {name: tuple(sorted(types)) for name, types in sorted(found.items())}
+
+    def services(self):
+        """All services that are known, with their types."""
+        return {name: tuple(types) for name, types in self._known()["services"].items()}
+
+    def nodes(self):
+        """The names of all nodes that are known."""
+        return list(self._known()["nodes"])
+
+
+def _field(told):
+    name, type_name, kind, size, text_max, default = told
+    if isinstance(default, list):
+        if type_name in BYTES:
+            default = bytes(default)
+        elif type_name in TYPE_CODES:
+            default = array.array(TYPE_CODES[type_name], default)
+    return Field(name, type_name, kind, size, text_max, default)
+
+
+def _qos(reliable, latched, depth):
+    return Qos("reliable" if reliable else "best_effort", "transient_local" if latched else "volatile", depth)
+
+
+class _Part:
+    """Something that the helper made."""
+
+    def __init__(self, backend, what, **fields):
+        backend.check()
+        self._backend = backend
+        self._matched = 0
+        self._open = True
+        backend.make(what, self, **fields)
+
+    def _count(self, count):
+        self._matched = count
+
+    def _lost(self, why):
+        self._open = False
+
+    def matched(self):
+        """How many peers there are."""
+        self._backend.check()
+        return self._matched
+
+    def close(self):
+        """Gives it back."""
+        if self._open:
+            self._open = False
+            self._backend.release(self._handle)
+
+
+def _topic(topic, type_name, qos):
+    latched = qos.durability == "transient_local"
+    return {"topic": topic, "type": type_name, "reliable": qos.reliability == "reliable", "latched": latched, "depth": qos.depth}
+
+
+class _Publisher(_Part):
+    """Publishes on one topic."""
+
+    def __init__(self, backend, topic, type_name, qos):
+        _Part.__init__(self, backend, "publisher", **_topic(topic, type_name, qos))
+
+    def publish(self, message):
+        """Sends a message."""
+        self._backend.tell("publish", handle=self._handle, message=message)
+
+    def subscribers(self):
+        """How many hear it."""
+        return self.matched()
+
+
+class Subscription(_Part):
+    """Hears one topic."""
+
+    def __init__(self, backend, topic, type_name, qos, heard):
+        self._heard = heard
+        _Part.__init__(self, backend, "subscription", **_topic(topic, type_name, qos))
+
+    def _hear(self, message):
+        if self._open:
+            self._heard(message)
+
+    def publishers(self):
+        """How many it hears."""
+        return self.matched()
+
+
+class Client(_Part):
+    """Calls one service."""
+
+    def __init__(self, backend, service, type_name):
+        _Part.__init__(self, backend, "client", service=service, type=type_name)
+
+    def servers(self):
+        """How many serve."""
+        return self.matched()
+
+    def send(self, request, done):
+        """Sends a request."""
+        pending = _Pending(self._backend, self._handle, done)
+        pending.call = self._backend.call(self._handle, request, pending._come)
+        return pending
+
+
+class _Pending:
+    """A request that was sent."""
+
+    def __init__(self, backend, handle, done):
+        self.call = None
+        self._backend = backend
+        self._handle = handle
+        self._done = done
+        self._open = True
+
+    def _come(self, response, why):
+        if self._open:
+            self._open = False
+            self._done(response, why)
+
+    def close(self):
+        """Nobody waits for the response any more."""
+        if self._open:
+            self._open = False
+            self._backend.forget(self._handle, self.call)
+
+
+class Service(_Part):
+    """Offers a service."""
+
+    def __init__(self, backend, name, type_name, asked):
+        self._asked = asked
+        _Part.__init__(self, backend, "service", service=name, type=type_name)
+
+    def _take(self, number, message):
+        if self._open:
+            self._asked(_Request(self, number, message))
+
+    def _answer(self, number, response):
+        self._backend.tell("respond", handle=self._handle, number=number, message=response)
+
+
+class _Request:
+    """A request that came in."""
+
+    def __init__(self, service, number, request):
+        self.request = request
+        self._service = service
+        self._number = number
+
+    def answer(self, response):
+        """Answers it."""
+        self._service._answer(self._number, response)

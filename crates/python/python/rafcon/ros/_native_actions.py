@@ -1,0 +1,321 @@
+"""Actions by services and topics, as ROS makes them of those."""
+
+import threading
+import time
+import uuid
+
+from rafcon.ros import _backend
+from rafcon.ros._backend import BackendLost, Qos
+
+_FEEDBACK = Qos("reliable", "volatile", 100)
+_STATES = Qos("reliable", "transient_local", 1)
+_CANCEL = "action_msgs/srv/CancelGoal"
+_STATUS = "action_msgs/msg/GoalStatusArray"
+_NOW = {"sec": 0, "nanosec": 0}
+#: Results are kept so long (s), and so many of them.
+_KEPT_S, _KEPT_MAX = 900.0, 1000
+#: An ended goal is in the list of states so long (s).
+_LISTED_S = 10.0
+#: Answers to a request to cancel.
+_CANCELS, _REFUSED, _UNKNOWN, _ENDED = 0, 1, 2, 3
+
+
+class ActionClient:
+    """Sends goals to one action."""
+
+    def __init__(self, backend, name, type_name):
+        self._backend = backend
+        self._goals = {}
+        self._lock = threading.Lock()
+        part = f"{name}/_action/"
+        self._parts = []
+        try:
+            self._sends = self._kept(backend.client(part + "send_goal", type_name + "_SendGoal"))
+            self._cancels = self._kept(backend.client(part + "cancel_goal", _CANCEL))
+            self._results = self._kept(backend.client(part + "get_result", type_name + "_GetResult"))
+            feedback = type_name + "_FeedbackMessage"
+            self._kept(backend.subscription(part + "feedback", feedback, _FEEDBACK, self._hear_feedback))
+            self._kept(backend.subscription(part + "status", _STATUS, _STATES, self._hear_states))
+        except Exception:
+            self.close()
+            raise
+
+    def _kept(self, part):
+        self._parts.append(part)
+        return part
+
+    def servers(self):
+        """How many serve."""
+        return min(part.matched() for part in self._parts)
+
+    def send(self, goal, events):
+        """Sends a goal under a new id."""
+        sent = _Goal(self, events)
+        with self._lock:
+            self._goals[sent.goal_id] = sent
+        request = {"goal_id": {"uuid": sent.goal_id}, "goal": goal}
+        try:
+            self._sends.send(request, sent._answered)
+        except Exception:
+            self._forget(sent.goal_id)
+            raise
+        return sent
+
+    def _forget(self, goal_id):
+        with self._lock:
+            self._goals.pop(goal_id, None)
+
+    def _goal(self, goal_id):
+        with self._lock:
+            return self._goals.get(bytes(goal_id))
+
+    def _hear_feedback(self, message):
+        sent = self._goal(message["goal_id"]["uuid"])
+        if sent is not None:
+            sent._tell("feedback", message["feedback"])
+
+    def _hear_states(self, message):
+        for each in message["status_list"]:
+            sent = self._goal(each["goal_info"]["goal_id"]["uuid"])
+            if sent is not None:
+                sent._tell("status", each["status"])
+
+    def close(self):
+        """Gives it back; goals that are under way fail."""
+        with self._lock:
+            goals, self._goals = list(self._goals.values()), {}
+        for sent in goals:
+            sent._finish("failed", "its client was closed")
+        for part in self._parts:
+            part.close()
+
+
+class _Goal:
+    """A goal that was sent."""
+
+    def __init__(self, client, events):
+        self.goal_id = uuid.uuid4().bytes
+        self._client = client
+        self._events = events
+        self._open = True
+
+    def _tell(self, what, *arguments):
+        if self._open:
+            getattr(self._events, what)(*arguments)
+
+    def _finish(self, what, *arguments):
+        self._client._forget(self.goal_id)
+        self._tell(what, *arguments)
+        self._open = False
+
+    def _answered(self, response, why):
+        if not self._open:
+            return
+        if why is not None:
+            self._finish("failed", why)
+        elif not response["accepted"]:
+            self._finish("rejected")
+        else:
+            try:
+                self._client._results.send({"goal_id": {"uuid": self.goal_id}}, self._ended)
+            except _backend.RosError as error:
+                self._finish("failed", str(error))
+            else:
+                self._tell("accepted")
+
+    def _ended(self, response, why):
+        if why is not None:
+            self._finish("failed", why)
+        else:
+            self._finish("result", response["status"], response["result"])
+
+    def cancel(self, done):
+        """Asks the server to cancel it."""
+        request = {"goal_info": {"goal_id": {"uuid": self.goal_id}, "stamp": _NOW}}
+        self._client._cancels.send(request, lambda response, why: done(response and response["return_code"], why))
+
+    def close(self):
+        """Lets go of it."""
+        self._open = False
+        self._client._forget(self.goal_id)
+
+
+def _stamp():
+    now_ns = time.time_ns()
+    return {"sec": now_ns // 1_000_000_000, "nanosec": now_ns % 1_000_000_000}
+
+
+class ActionServer:
+    """Offers one action."""
+
+    def __init__(self, backend, name, type_name, asked):
+        self._asked = asked
+        self._goals = {}
+        self._lock = threading.RLock()
+        self._open = True
+        part = f"{name}/_action/"
+        self._parts = []
+        try:
+            self._feedback = self._kept(backend.publisher(part + "feedback", type_name + "_FeedbackMessage", _FEEDBACK))
+            self._states = self._kept(backend.publisher(part + "status", _STATUS, _STATES))
+            self._kept(backend.service(part + "get_result", type_name + "_GetResult", self._take_result))
+            self._kept(backend.service(part + "cancel_goal", _CANCEL, self._take_cancel))
+            self._kept(backend.service(part + "send_goal", type_name + "_SendGoal", self._take_goal))
+        except Exception:
+            self.close()
+            raise
+
+    def _kept(self, part):
+        self._parts.append(part)
+        return part
+
+    def _take_goal(self, request):
+        goal_id = bytes(request.request["goal_id"]["uuid"])
+        goal = _ServerGoal(self, request, goal_id)
+        with self._lock:
+            if self._open and goal_id not in self._goals:
+                self._goals[goal_id] = goal
+                self._drop_old()
+            else:
+                goal = None
+        if goal is None:
+            request.answer({"accepted": False, "stamp": _stamp()})
+        else:
+            self._asked(goal)
+
+    def _drop_old(self):
+        ended = [goal for goal in self._goals.values() if goal.ended_s is not None]
+        oldest_s = time.monotonic() - _KEPT_S
+        for at, goal in enumerate(ended):
+            if goal.ended_s < oldest_s or len(ended) - at > _KEPT_MAX:
+                del self._goals[goal.goal_id]
+
+    def _take_result(self, request):
+        with self._lock:
+            goal = self._goals.get(bytes(request.request["goal_id"]["uuid"]))
+            if goal is not None and goal.ended_s is None:
+                goal.waiting.append(request)
+                return
+        # Of an unknown goal the state is 0, and the result is empty.
+        request.answer({"status": 0, "result": {}} if goal is None else {"status": goal.status, "result": goal.result})
+
+    def _take_cancel(self, request):
+        info = request.request["goal_info"]
+        goal_id = bytes(info["goal_id"]["uuid"])
+        stamp = info["stamp"]["sec"], info["stamp"]["nanosec"]
+        with self._lock:
+            named = self._goals.get(goal_id)
+            all_of_them = not any(goal_id) and stamp == (0, 0)
+            wanted = [
+                goal
+                for goal in self._goals.values()
+                if goal is named or all_of_them or (stamp != (0, 0) and goal.stamp_pair() <= stamp)
+            ]
+        canceling = [goal for goal in wanted if goal._ask_to_cancel()]
+        if canceling:
+            code = _CANCELS
+            self._tell_states()
+        elif any(goal_id) and named is None:
+            code = _UNKNOWN
+        elif named is not None and named.ended_s is not None:
+            code = _ENDED
+        else:
+            code = _REFUSED if wanted else _CANCELS
+        request.answer({"return_code": code, "goals_canceling": [goal.info() for goal in canceling]})
+
+    def _tell_states(self):
+        with self._lock:
+            after_s = time.monotonic() - _LISTED_S
+            listed = [
+                {"goal_info": goal.info(), "status": goal.status}
+                for goal in self._goals.values()
+                if goal.status and (goal.ended_s is None or goal.ended_s > after_s)
+            ]
+            try:
+                self._states.publish({"status_list": listed})
+            except BackendLost:
+                pass
+
+    def close(self):
+        """Offers it no longer; what executes is aborted."""
+        with self._lock:
+            if not self._open:
+                return
+            self._open = False
+            goals = list(self._goals.values())
+        for goal in goals:
+            if goal.status:
+                goal.finish(_backend.ABORTED, {})
+        for part in reversed(self._parts):
+            part.close()
+
+
+class _ServerGoal:
+    """A goal that came in."""
+
+    def __init__(self, server, request, goal_id):
+        self.goal_id = goal_id
+        self.goal = request.request["goal"]
+        self.stamp = _stamp()
+        #: 0 until it is accepted.
+        self.status = 0
+        self.result = {}
+        self.waiting = []
+        self.ended_s = None
+        self._cancel = lambda: False
+        self._server = server
+        self._request = request
+
+    def info(self):
+        """Its id and when it was accepted."""
+        return {"goal_id": {"uuid": self.goal_id}, "stamp": self.stamp}
+
+    def stamp_pair(self):
+        """When it was accepted, for comparison."""
+        return self.stamp["sec"], self.stamp["nanosec"]
+
+    def accept(self, cancel):
+        """Takes it; it executes from now on."""
+        with self._server._lock:
+            self._cancel = cancel
+            self.stamp = _stamp()
+            self.status = _backend.EXECUTING
+        self._request.answer({"accepted": True, "stamp": self.stamp})
+        self._server._tell_states()
+
+    def reject(self):
+        """Does not take it."""
+        with self._server._lock:
+            self._server._goals.pop(self.goal_id, None)
+            waiting, self.waiting = self.waiting, []
+        self._request.answer({"accepted": False, "stamp": _stamp()})
+        for request in waiting:
+            request.answer({"status": 0, "result": {}})
+
+    def _ask_to_cancel(self):
+        if self.status == _backend.CANCELING:
+            return True
+        if self.status != _backend.EXECUTING or not self._cancel():
+            return False
+        with self._server._lock:
+            if self.status == _backend.EXECUTING:
+                self.status = _backend.CANCELING
+        return True
+
+    def feedback(self, message):
+        """Tells the clients."""
+        self._server._feedback.publish({"goal_id": {"uuid": self.goal_id}, "feedback": message})
+
+    def finish(self, status, result):
+        """It ended."""
+        with self._server._lock:
+            if self.ended_s is not None:
+                return
+            canceled_without_being_asked = status == _backend.CANCELED and self.status != _backend.CANCELING
+            self.status = _backend.ABORTED if canceled_without_being_asked else status
+            self.result = result
+            self.ended_s = time.monotonic()
+            waiting, self.waiting = self.waiting, []
+        self._server._tell_states()
+        for request in waiting:
+            request.answer({"status": self.status, "result": self.result})

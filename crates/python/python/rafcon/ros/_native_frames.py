@@ -1,0 +1,71 @@
+"""Frames between this process and its helper: the text of a JSON object, and the bytes of arrays behind it.
+
+``docs/ros.md`` describes them.
+"""
+
+import array
+import json
+import struct
+
+_HEAD = struct.Struct("<II")
+#: Bytes of a frame.
+_FRAME_MAX = 1 << 30
+#: What the codes of arrays are where their sizes differ between computers: by kind and bytes of a value.
+_CODES = {
+    **{("u", 1): "B", ("u", 2): "H", ("u", 4): "I", ("u", 8): "Q"},
+    **{("i", 1): "b", ("i", 2): "h", ("i", 4): "i", ("i", 8): "q"},
+    **{("f", 4): "f", ("f", 8): "d"},
+}
+
+
+def packed(fields):
+    """The frame of a dict; arrays in it go behind the text."""
+    chunks = []
+    size = 0
+
+    def behind(value):
+        nonlocal size
+        view = memoryview(value)
+        kind = "f" if view.format in "fd" else "u" if view.format.isupper() else "i"
+        code = _CODES[kind, view.itemsize]
+        content = view.cast("B")
+        start, size = size, size + content.nbytes
+        chunks.append(content)
+        return {"$": [code, start, content.nbytes]}
+
+    text = json.dumps(fields, default=behind, separators=(",", ":")).encode("ascii")
+    if len(text) + size > _FRAME_MAX:
+        raise ValueError(f"a message of {len(text) + size} bytes is larger than {_FRAME_MAX}")
+    return b"".join((_HEAD.pack(len(text) + size, len(text)), text, *chunks))
+
+
+def read(stream):
+    """The next dict from a stream, or None at its end."""
+    head = stream.read(_HEAD.size)
+    if len(head) < _HEAD.size:
+        return None
+    total, length = _HEAD.unpack(head)
+    content = stream.read(total)
+    if len(content) < total:
+        return None
+    return unpacked(content[:length], memoryview(content)[length:])
+
+
+def unpacked(text, behind):
+    """The dict of a text, with the arrays behind it."""
+
+    def made(entries):
+        place = entries.get("$")
+        if place is None:
+            return entries
+        code, start, size = place
+        content = behind[start : start + size]
+        if code == "B":
+            return bytes(content)
+        values = array.array(code)
+        values.frombytes(content)
+        return values
+
+    if b'{"$":' in text:
+        return json.loads(text, object_hook=made)
+    return json.loads(text)

@@ -1,0 +1,208 @@
+"""The helper process ``rafcon-ros``: found, started, spoken to, and ended.
+
+One thread reads what it says and hands answers to those who wait; another calls back, one after the other, so that a
+callback may ask the helper as well.
+"""
+
+import itertools
+import os
+import queue
+import shutil
+import socket
+import subprocess
+import sys
+import tempfile
+import threading
+import weakref
+
+from rafcon.ros import _native_frames
+from rafcon.ros._backend import BackendLost, RosError
+
+#: Where the helper is, if it is not beside ``rafcon`` nor in PATH.
+BINARY_VARIABLE = "RAFCON_ROS"
+_NAME = "rafcon-ros.exe" if os.name == "nt" else "rafcon-ros"
+#: It says good-bye to its peers within this time (s); then it is killed.
+_END_S = 1.7
+#: It answers at once; only making a node takes a moment (s).
+_ANSWER_S = 15.0
+#: What it printed before its end that is told.
+_LAST_WORDS = 2000
+
+#: All that are running, so that a forked child can let go of them.
+_running = weakref.WeakSet()
+
+
+def found():
+    """The path of the helper's program."""
+    named = os.environ.get(BINARY_VARIABLE)
+    if named:
+        if os.path.isfile(named):
+            return named
+        raise RosError(f"{BINARY_VARIABLE} names {named}, which is no file")
+    rafcon = os.environ.get("RAFCON_BINARY") or shutil.which("rafcon")
+    beside = [os.path.dirname(os.path.realpath(path)) for path in (rafcon, sys.executable) if path]
+    for folder in beside:
+        path = os.path.join(folder, _NAME)
+        if os.path.isfile(path):
+            return path
+    path = shutil.which(_NAME)
+    if path is None:
+        raise RosError(
+            f"there is neither rclpy in {sys.executable} nor the program rafcon-ros. Install one of them: `cargo xtask ros --build` "
+            f"builds rafcon-ros, archives of releases have it beside rafcon; {BINARY_VARIABLE} can name it"
+        )
+    return path
+
+
+class Helper:
+    """The process. ``heard(event)`` and then ``ended(why)`` are called on its thread for callbacks."""
+
+    def __init__(self, heard, ended):
+        self._heard = heard
+        self._ended = ended
+        self._answers = {}
+        self._numbers = itertools.count(1)
+        self._lock = threading.Lock()
+        self._sending = threading.Lock()
+        self._closed = False
+        self._lost = None
+        self._callbacks = queue.SimpleQueue()
+        self._stderr = tempfile.TemporaryFile()
+        own, other = socket.socketpair()
+        path = found()
+        try:
+            # In a session of its own: an interrupt from the keyboard is for the run, and the helper ends with its socket.
+            self._process = subprocess.Popen(
+                [path, "serve"], stdin=other, stdout=other, stderr=self._stderr, start_new_session=True
+            )
+        except OSError as error:
+            own.close()
+            raise RosError(f"cannot start {path}: {error}") from error
+        finally:
+            other.close()
+        self._socket = own
+        _running.add(self)
+        self._threads = [threading.Thread(target=each, name=name, daemon=True) for each, name in ((self._read, "ros"), (self._call_back, "ros callbacks"))]
+        for each in self._threads:
+            each.start()
+
+    @property
+    def pid(self):
+        """The number of the process."""
+        return self._process.pid
+
+    def check(self):
+        """Raises :class:`BackendLost` once it has ended."""
+        if self._lost is not None or self._closed:
+            raise BackendLost(f"the ROS node has ended: {self._lost or 'it was closed'}")
+
+    def tell(self, what, **fields):
+        """Has it do something that it does not answer."""
+        self.check()
+        try:
+            frame = _native_frames.packed({"do": what, **fields})
+        except (TypeError, ValueError) as error:
+            raise RosError(f"this cannot be sent: {error}") from error
+        try:
+            with self._sending:
+                self._socket.sendall(frame)
+        except OSError as error:
+            raise BackendLost(f"the ROS node has ended: {self._lost or error}") from error
+
+    def ask(self, what, **fields):
+        """Has it do something, and waits for its answer."""
+        number = next(self._numbers)
+        answer = queue.SimpleQueue()
+        with self._lock:
+            self._answers[number] = answer
+        try:
+            self.check()
+            self.tell(what, ask=number, **fields)
+            found = answer.get(timeout=_ANSWER_S)
+        except queue.Empty:
+            raise BackendLost(f"rafcon-ros has not answered within {_ANSWER_S:g} s") from None
+        finally:
+            with self._lock:
+                self._answers.pop(number, None)
+        if found is None:
+            raise BackendLost(f"the ROS node has ended: {self._lost}")
+        if "error" in found:
+            raise RosError(found["error"])
+        return found["value"]
+
+    def _read(self):
+        with self._socket.makefile("rb", 1 << 18) as stream:
+            try:
+                while True:
+                    event = _native_frames.read(stream)
+                    if event is None:
+                        break
+                    if "answer" in event:
+                        with self._lock:
+                            waiting = self._answers.get(event["answer"])
+                        if waiting is not None:
+                            waiting.put(event)
+                    else:
+                        self._callbacks.put(event)
+            except (OSError, ValueError):
+                pass
+        self._lost = self._why()
+        with self._lock:
+            for waiting in self._answers.values():
+                waiting.put(None)
+        self._callbacks.put(None)
+
+    def _call_back(self):
+        while True:
+            event = self._callbacks.get()
+            if event is None:
+                break
+            if not self._closed:
+                self._heard(event)
+        if not self._closed:
+            self._closed = True
+            self._ended(self._lost)
+            self._release()
+
+    def _why(self):
+        try:
+            code = self._process.wait(_END_S)
+        except subprocess.TimeoutExpired:
+            self._process.kill()
+            code = self._process.wait()
+        self._stderr.seek(0, os.SEEK_END)
+        self._stderr.seek(max(0, self._stderr.tell() - _LAST_WORDS))
+        words = self._stderr.read().decode(errors="replace").strip()
+        how = f"by signal {-code}" if code < 0 else f"with code {code}"
+        return f"rafcon-ros ended {how}" + (f": {words}" if words else "")
+
+    def close(self):
+        """Ends it; returns when it is gone."""
+        if self._closed:
+            return
+        self._closed = True
+        try:
+            self._socket.shutdown(socket.SHUT_WR)
+        except OSError:
+            pass
+        current = threading.current_thread()
+        for each in self._threads:
+            if each is not current:
+                each.join(_END_S + 0.2)
+        self._release()
+
+    def _release(self):
+        self._socket.close()
+        self._stderr.close()
+
+
+def _let_go():
+    """In a forked child: the helper is the parent's, and must see when the parent ends."""
+    for each in list(_running):
+        each._closed = True
+        each._lost = "this is a forked process"
+        os.close(each._socket.detach())
+
+
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(after_in_child=_let_go)
