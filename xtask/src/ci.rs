@@ -2,12 +2,13 @@
 
 use anyhow::Result;
 
-use crate::{process, test, tidy, web, zenoh};
+use crate::{process, ros_helper, test, tidy, web, zenoh};
 
 /// Everything but the tests: format, lints, layers, house rules, documentation.
 pub(crate) fn lint() -> Result<()> {
     process::run(process::cargo().args(["fmt", "--all", "--check"]))?;
     zenoh::lint()?;
+    ros_helper::lint()?;
     let clippy = ["clippy", "--workspace", "--all-targets", "--quiet", "--", "-D", "warnings"];
     process::run(process::cargo().args(clippy))?;
     process::run(process::cargo().args([

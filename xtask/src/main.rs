@@ -23,6 +23,7 @@ mod product;
 mod python;
 mod reference;
 mod ros;
+mod ros_helper;
 mod test;
 mod tidy;
 mod types;
@@ -78,6 +79,8 @@ enum Task {
     Zenoh,
     /// Test and measure `rafcon.ros` against nodes of others, of two distributions of ROS 2.
     Ros(ros::RosOptions),
+    /// Build, lint and test `rafcon-ros`, which lies in a workspace of its own.
+    RosHelper,
     /// Do for long what the tests do briefly: random runs of the engine, saves that are killed, a server's clients.
     Soak(long_tests::SoakOptions),
     /// Damage files of runs, and check that what is read of them is true or said to be damaged.
@@ -121,6 +124,7 @@ fn run(task: Task) -> anyhow::Result<()> {
         Task::LinkCompare(options) => zenoh::compare(&options),
         Task::Zenoh => zenoh::test(),
         Task::Ros(options) => ros::run(&options),
+        Task::RosHelper => ros_helper::test(),
         Task::Soak(options) => long_tests::soak(&options),
         Task::Corrupt(options) => long_tests::corrupt(&options),
         Task::Torture(options) => long_tests::torture(&options),

@@ -4,6 +4,7 @@ use std::collections::VecDeque;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
+use futures::FutureExt as _;
 use rustdds::bytes::Bytes;
 use rustdds::dds::result::WriteError;
 use rustdds::{GUID, RTPSEntity as _, Timestamp};
@@ -22,6 +23,7 @@ const WAITING_BYTES: usize = 64 << 20;
 /// Publishes on a topic.
 pub(crate) struct Publisher {
     pub(crate) id: GUID,
+    writer: Arc<Writer>,
     queue: Arc<Queue>,
     task: tokio::task::JoinHandle<()>,
 }
@@ -35,6 +37,8 @@ struct Queue {
 struct Waiting {
     messages: VecDeque<Bytes>,
     bytes: usize,
+    /// A message has been taken out, and is not written yet.
+    writing: bool,
     ended: bool,
 }
 
@@ -48,14 +52,21 @@ impl Publisher {
     /// Publishes by `writer`.
     pub(crate) fn new(node: Node, writer: Writer) -> Self {
         let queue = Arc::new(Queue { waiting: Mutex::default(), more: Notify::new() });
-        let id = writer.guid();
-        let task = tokio::spawn(publish(node, writer, Arc::clone(&queue)));
-        Self { id, queue, task }
+        let (id, writer) = (writer.guid(), Arc::new(writer));
+        let task = tokio::spawn(publish(node, Arc::clone(&writer), Arc::clone(&queue)));
+        Self { id, writer, queue, task }
     }
 
     /// Sends a message. Returns how many older ones are dropped for it because subscribers do not keep up.
     pub(crate) fn send(&self, message: Bytes) -> usize {
         let mut waiting = self.queue.waiting();
+        // What is sent at once stays in order with what others of this process send.
+        if waiting.messages.is_empty() && !waiting.writing {
+            let written = write(&self.writer, message.clone()).now_or_never();
+            if !matches!(written, None | Some(Err(WriteError::WouldBlock { .. }))) {
+                return 0;
+            }
+        }
         let mut dropped = 0;
         while waiting.messages.len() >= WAITING || waiting.bytes > WAITING_BYTES {
             let Some(oldest) = waiting.messages.pop_front() else { break };
@@ -77,12 +88,17 @@ impl Publisher {
     }
 }
 
-async fn publish(node: Node, writer: Writer, queue: Arc<Queue>) {
+async fn write(writer: &Writer, bytes: Bytes) -> Result<(), WriteError<Payload>> {
+    writer.async_write(Payload { bytes, little: true }, Some(Timestamp::now())).await
+}
+
+async fn publish(node: Node, writer: Arc<Writer>, queue: Arc<Queue>) {
     loop {
         let next = {
             let mut waiting = queue.waiting();
             let next = waiting.messages.pop_front();
             waiting.bytes -= next.as_ref().map_or(0, Bytes::len);
+            waiting.writing = next.is_some();
             if next.is_none() && waiting.ended {
                 break;
             }
@@ -92,14 +108,10 @@ async fn publish(node: Node, writer: Writer, queue: Arc<Queue>) {
             queue.more.notified().await;
             continue;
         };
-        let mut payload = Payload { bytes, little: true };
-        loop {
-            match writer.async_write(payload, Some(Timestamp::now())).await {
-                // A subscriber that has not confirmed thousands of messages.
-                Err(WriteError::WouldBlock { data }) if !queue.waiting().ended => payload = data,
-                _ => break,
-            }
-        }
+        // A subscriber that has not confirmed thousands of messages is waited for.
+        while let Err(WriteError::WouldBlock { .. }) = write(&writer, bytes.clone()).await
+            && !queue.waiting().ended
+        {}
     }
     let _ = tokio::time::timeout(FAREWELL, writer.async_wait_for_acknowledgments()).await;
     node.forget(writer.guid());

@@ -158,15 +158,11 @@ impl Node {
             .into_iter()
             .find(|other| other.topic == part.topic && other.type_name != part.type_name);
         let plain = |name: &str| names::plain_type(name).unwrap_or_else(|| name.to_owned());
-        match other {
-            None => Ok(()),
-            Some(other) => Err(format!(
-                "{} is used as {} in this run already, and cannot be {} as well",
-                names::plain_topic(&part.topic).unwrap_or(&part.topic),
-                plain(&other.type_name),
-                plain(&part.type_name),
-            )),
-        }
+        let Some(other) = other else { return Ok(()) };
+        let (what, wanted) = (if part.reader { "hear" } else { "publish" }, plain(&part.type_name));
+        let topic = names::plain_topic(&part.topic).unwrap_or(&part.topic);
+        let other = plain(&other.type_name);
+        Err(format!("cannot {what} {wanted} on {topic}: this run uses it as {other} already"))
     }
 
     fn add(&self, id: GUID, part: Part) {

@@ -191,7 +191,7 @@ impl Library {
         };
         let relative = relative.display();
         format!(
-            "no type `{name}` is known: it is not among those of rafcon-ros{looked}. Put its file at FOLDER/{relative} and name FOLDER in RAFCON_ROS_TYPES, or source the ROS workspace that has it"
+            "there is no type {name}: it is not among those of rafcon-ros{looked}. Put its file at FOLDER/{relative} and name FOLDER in RAFCON_ROS_TYPES, or source the ROS workspace that has it"
         )
     }
 }

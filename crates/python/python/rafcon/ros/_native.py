@@ -65,12 +65,15 @@ class NativeBackend:
         elif "matched" in event:
             self._part(event["matched"], "_count", event["count"])
         elif "changed" in event:
-            with self._lock:
-                self._graph = None
-                self._graph_version += 1
+            self._changed()
             self._listener.changed()
         elif "say" in event:
             self._listener.say(event["say"], event["text"])
+
+    def _changed(self):
+        with self._lock:
+            self._graph = None
+            self._graph_version += 1
 
     def _part(self, handle, what, *arguments):
         with self._lock:
@@ -107,6 +110,7 @@ class NativeBackend:
             with self._lock:
                 self._parts.pop(handle, None)
             raise
+        self._changed()
 
     def tell(self, what, **fields):
         """Has the helper do something."""
@@ -120,6 +124,7 @@ class NativeBackend:
         """Gives back what is under a handle."""
         with self._lock:
             part = self._parts.pop(handle, None)
+        self._changed()
         if part is not None:
             try:
                 self._helper.tell("close", handle=handle)
