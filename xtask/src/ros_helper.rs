@@ -1,7 +1,7 @@
 //! What lies in `ros/`, a workspace of its own: the program `rafcon-ros`, by which scripts speak ROS where there is no rclpy.
 //!
-//! It is built with `RustDDS` as published but for two changes, without which peers of Fast DDS do not learn that something
-//! was given back, and a run does not hear itself. The changed copy lies in the target folder, never in the repository.
+//! It is built with `RustDDS` as published but for three changes, without which peers of Fast DDS do not learn that something
+//! was given back and are found seconds later, and a run does not hear itself. The changed copy lies in the target folder, never in the repository.
 
 use std::ffi::OsStr;
 use std::fs;
@@ -17,7 +17,7 @@ use crate::{process, workspace};
 /// A change: the file, what is there, and what is to be there.
 type Change = (&'static str, &'static str, &'static str);
 
-const CHANGES: [Change; 2] = [
+const CHANGES: [Change; 3] = [
     // Fast DDS takes the key of what is gone from the inline QoS only ("too large key-only data" otherwise), as the
     // specification has it. A built-in key is a parameter of 16 bytes before the sentinel of 4.
     (
@@ -34,6 +34,16 @@ const CHANGES: [Change; 2] = [
         "src/rtps/message_receiver.rs",
         "if source_prefix == GuidPrefix::UNKNOWN || source_prefix == self.own_guid_prefix {\n      return;",
         "if source_prefix == GuidPrefix::UNKNOWN {\n      return;",
+    ),
+    // Fast DDS (vendor 1.15) answers a reader that asks what there is only if that asks as its own do, by the number 0; else
+    // what was published before is there seconds later.
+    (
+        "src/rtps/reader.rs",
+        "reader_sn_state: SequenceNumberSet::new_empty(SequenceNumber::new(1)),\n        count: acknack_count,",
+        "reader_sn_state: SequenceNumberSet::new_empty(SequenceNumber::new(
+          i64::from(!remote_writer_guid.prefix.as_ref().starts_with(&[1, 15])),
+        )),
+        count: acknack_count,",
     ),
 ];
 
