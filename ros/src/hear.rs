@@ -1,6 +1,6 @@
 //! What arrives: messages, responses and requests, each read by its type and told to the program that asked.
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use futures::StreamExt as _;
@@ -18,7 +18,7 @@ use crate::types::library::Type;
 const UNANSWERED_MAX: usize = 10_000;
 
 /// Calls that wait for their responses: the numbers of their requests, and what the program calls them.
-pub(crate) type Calls = Arc<Mutex<HashMap<i64, u64>>>;
+pub(crate) type Calls = Arc<Mutex<BTreeMap<i64, u64>>>;
 
 /// Requests that wait for their answers: to whom these go.
 pub(crate) type Asked = Arc<Mutex<Requests>>;

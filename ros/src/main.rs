@@ -77,6 +77,12 @@ fn serve() -> ExitCode {
             return ExitCode::FAILURE;
         }
     };
+    // Half of a middleware is none: the run makes a new node when it needs one.
+    let hook = std::panic::take_hook();
+    std::panic::set_hook(Box::new(move |about| {
+        hook(about);
+        std::process::exit(70);
+    }));
     let _inside = runtime.enter();
     let outbox = Outbox::new(std::io::stdout());
     let mut session = Session::new(outbox.clone());

@@ -1,6 +1,6 @@
 //! What the program that started this one asks for, one frame after the other.
 
-use std::collections::HashMap;
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::{Arc, PoisonError};
 
@@ -12,7 +12,7 @@ use tokio::task::JoinHandle;
 
 use crate::cdr;
 use crate::dds::endpoints::Publisher;
-use crate::dds::graph::process;
+use crate::dds::graph::{Process, process};
 use crate::dds::participant::{self, Node, Part, Writer};
 use crate::dds::payload::Payload;
 use crate::dds::qos::Qos;
@@ -36,11 +36,14 @@ enum Made {
     Service { writer: Arc<Writer>, reader: GUID, of: Arc<Type>, asked: Asked, task: JoinHandle<()> },
 }
 
+/// The name of a service; the types, and the readers or writers, of its requests and of its responses.
+type Halves = (String, [Arc<Type>; 2], [Part; 2]);
+
 /// The state of this program.
 pub(crate) struct Session {
     library: Library,
     node: Option<Node>,
-    made: HashMap<u64, Made>,
+    made: BTreeMap<u64, Made>,
     counts: Counts,
     outbox: Outbox,
     ending: Vec<JoinHandle<()>>,
@@ -53,7 +56,7 @@ impl Session {
         Self {
             library,
             node: None,
-            made: HashMap::new(),
+            made: BTreeMap::new(),
             counts: Counts::default(),
             outbox,
             ending: Vec::new(),
@@ -179,11 +182,7 @@ impl Session {
     }
 
     /// The types and parts of a service that is asked for: of its requests, and of its responses.
-    fn halves(
-        &mut self,
-        asked: &Json,
-        client: bool,
-    ) -> Result<(String, [Arc<Type>; 2], [Part; 2]), String> {
+    fn halves(&mut self, asked: &Json, client: bool) -> Result<Halves, String> {
         let (service, type_name) = (asked.text("service")?, asked.text("type")?);
         names::check(service)?;
         let (request, response) = (format!("{type_name}_Request"), format!("{type_name}_Response"));
@@ -326,15 +325,7 @@ impl Session {
             return Ok(());
         }
         tokio::spawn(async move {
-            let mut versions = node.graph().watch();
-            let known = async {
-                while !node.graph().peers(id).contains(&client) {
-                    if versions.changed().await.is_err() {
-                        break;
-                    }
-                }
-            };
-            let _ = tokio::time::timeout(CLIENT_KNOWN, known).await;
+            let _ = tokio::time::timeout(CLIENT_KNOWN, known(&node, id, client)).await;
             send();
         });
         Ok(())
@@ -371,6 +362,12 @@ impl Session {
         handles.into_iter().for_each(|handle| self.close(handle));
         runtime.block_on(futures::future::join_all(self.ending));
     }
+}
+
+/// Waits until a process is matched with a writer.
+async fn known(node: &Node, writer: GUID, client: Process) {
+    let mut versions = node.graph().watch();
+    while !node.graph().peers(writer).contains(&client) && versions.changed().await.is_ok() {}
 }
 
 /// Lets the last messages of a writer arrive before it goes.

@@ -42,6 +42,7 @@ pub(crate) fn library(mut folders: Vec<PathBuf>) -> Library {
     Library::new(folders, &paths("AMENT_PREFIX_PATH"))
 }
 
+#[expect(clippy::disallowed_methods, reason = "this module is where the environment is read")]
 fn variable(name: &str) -> Option<String> {
     std::env::var(name).ok().filter(|text| !text.is_empty())
 }

@@ -1,6 +1,6 @@
 //! What of the network's graph is told to the program that asks: all of it on demand, and what changes.
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
@@ -26,7 +26,7 @@ pub(crate) enum Counted {
 }
 
 /// What is counted, and the count that was told last.
-pub(crate) type Counts = Arc<Mutex<HashMap<u64, (Counted, usize)>>>;
+pub(crate) type Counts = Arc<Mutex<BTreeMap<u64, (Counted, usize)>>>;
 
 /// Tells the count of each handle when it changes, and that something did, for ever.
 pub(crate) async fn changes(node: Node, counts: Counts, outbox: Outbox) {

@@ -1,7 +1,8 @@
 //! What lies in `ros/`, a workspace of its own: the program `rafcon-ros`, by which scripts speak ROS where there is no rclpy.
 //!
-//! It is built with `RustDDS` as published but for three changes, without which peers of Fast DDS do not learn that something
-//! was given back and are found seconds later, and a run does not hear itself. The changed copy lies in the target folder, never in the repository.
+//! It is built with `RustDDS` as published but for a few changes, without which peers of Fast DDS do not learn that something
+//! was given back and are found seconds later, large messages take seconds, and a run does not
+//! hear itself. The changed copy lies in the target folder, never in the repository.
 
 use std::ffi::OsStr;
 use std::fs;
@@ -17,7 +18,7 @@ use crate::{process, workspace};
 /// A change: the file, what is there, and what is to be there.
 type Change = (&'static str, &'static str, &'static str);
 
-const CHANGES: [Change; 3] = [
+const CHANGES: [Change; 5] = [
     // Fast DDS takes the key of what is gone from the inline QoS only ("too large key-only data" otherwise), as the
     // specification has it. A built-in key is a parameter of 16 bytes before the sentinel of 4.
     (
@@ -44,6 +45,17 @@ const CHANGES: [Change; 3] = [
           i64::from(!remote_writer_guid.prefix.as_ref().starts_with(&[1, 15])),
         )),
         count: acknack_count,",
+    ),
+    // Parts of 256 bytes overflow the sockets of peers at once, and then come at 0.8 MB a second.
+    (
+        "src/rtps/constant.rs",
+        "pub const FRAGMENT_SIZE: usize = 256;",
+        "pub const FRAGMENT_SIZE: usize = 32_000;",
+    ),
+    (
+        "src/rtps/constant.rs",
+        "pub const REPAIR_BATCH_MAX_BYTES: usize = 8192;",
+        "pub const REPAIR_BATCH_MAX_BYTES: usize = 1 << 17;",
     ),
 ];
 

@@ -1,6 +1,6 @@
 //! Who is there: which readers and writers match those of this process, which nodes they belong to, and who is dead.
 
-use std::collections::{HashMap, HashSet};
+use std::collections::{BTreeMap, BTreeSet};
 use std::net::SocketAddr;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
@@ -25,6 +25,9 @@ pub(crate) fn process(of: GUID) -> Process {
     prefix
 }
 
+/// A node: its name, and the ids of its readers and writers.
+type NamedNode = (String, BTreeSet<[u8; 16]>);
+
 /// What is known, shared by all that needs it.
 #[derive(Clone)]
 pub(crate) struct Graph {
@@ -35,10 +38,10 @@ pub(crate) struct Graph {
 #[derive(Default)]
 struct Known {
     /// Of each reader or writer of this process, those elsewhere that it is matched with.
-    matched: HashMap<GUID, HashSet<GUID>>,
-    /// Of each process, its nodes: the name, and the ids of its readers and writers.
-    nodes: HashMap<Process, Vec<(String, HashSet<[u8; 16]>)>>,
-    dead: HashSet<Process>,
+    matched: BTreeMap<GUID, BTreeSet<GUID>>,
+    /// Of each process, its nodes.
+    nodes: BTreeMap<Process, Vec<NamedNode>>,
+    dead: BTreeSet<Process>,
 }
 
 impl Graph {
@@ -73,7 +76,7 @@ impl Graph {
     }
 
     /// Processes that matter here: something of theirs is matched.
-    pub(crate) fn processes(&self) -> HashSet<Process> {
+    pub(crate) fn processes(&self) -> BTreeSet<Process> {
         self.known().matched.values().flatten().map(|peer| process(*peer)).collect()
     }
 
@@ -166,7 +169,7 @@ impl Graph {
 }
 
 /// The nodes in a message of `rmw_dds_common/msg/ParticipantEntitiesInfo`.
-fn nodes(told: &Json, arrays: &[u8]) -> Vec<(String, HashSet<[u8; 16]>)> {
+fn nodes(told: &Json, arrays: &[u8]) -> Vec<NamedNode> {
     let Some(Json::List(nodes)) = told.get("node_entities_info_seq") else { return Vec::new() };
     let id = |gid: &Json| match gid.get("data") {
         Some(Json::Array { start, bytes, .. }) => {
@@ -189,8 +192,10 @@ fn nodes(told: &Json, arrays: &[u8]) -> Vec<(String, HashSet<[u8; 16]>)> {
 }
 
 /// Where the readers and writers of each process elsewhere listen.
-pub(crate) fn addresses(participant: &DomainParticipant) -> HashMap<Process, HashSet<SocketAddr>> {
-    let mut found: HashMap<Process, HashSet<SocketAddr>> = HashMap::new();
+pub(crate) fn addresses(
+    participant: &DomainParticipant,
+) -> BTreeMap<Process, BTreeSet<SocketAddr>> {
+    let mut found: BTreeMap<Process, BTreeSet<SocketAddr>> = BTreeMap::new();
     for reader in participant.discovered_readers() {
         let proxy = reader.reader_proxy;
         let known = found.entry(process(proxy.remote_reader_guid)).or_default();

@@ -4,7 +4,7 @@
 //! refuses, twice in a row, is dead; one that is only slow refuses nothing. A computer that is gone refuses nothing either:
 //! that is what the lease is for.
 
-use std::collections::HashMap;
+use std::collections::BTreeMap;
 use std::io::ErrorKind;
 use std::net::{IpAddr, Ipv4Addr, Ipv6Addr, SocketAddr};
 use std::time::Duration;
@@ -22,7 +22,7 @@ const NOTHING: [u8; 24] = *b"RTPS\x02\x03\0\0\0\0\0\0\0\0\0\0\0\0\0\0\x01\x01\0\
 
 /// Asks all processes that matter, for ever.
 pub(crate) async fn watch(graph: Graph, participant: DomainParticipant) {
-    let mut asked: HashMap<Process, Questions> = HashMap::new();
+    let mut asked: BTreeMap<Process, Questions> = BTreeMap::new();
     let mut period = tokio::time::interval(PERIOD);
     period.set_missed_tick_behavior(tokio::time::MissedTickBehavior::Delay);
     loop {

@@ -1,6 +1,6 @@
 //! Finds types by name: in the folders of the user, in installations of ROS, among those that lie in this program.
 
-use std::collections::HashMap;
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -63,15 +63,15 @@ pub(crate) struct Library {
     folders: Vec<PathBuf>,
     /// The same, of installations; the first one counts.
     installed: Vec<PathBuf>,
-    read: HashMap<String, Arc<Message>>,
-    types: HashMap<String, Arc<Type>>,
+    read: BTreeMap<String, Arc<Message>>,
+    types: BTreeMap<String, Arc<Type>>,
 }
 
 impl Library {
     /// One that looks into `folders` first, then below `share` of each of `prefixes`, then into this program.
     pub(crate) fn new(folders: Vec<PathBuf>, prefixes: &[PathBuf]) -> Self {
         let installed = prefixes.iter().map(|prefix| prefix.join("share")).collect();
-        Self { folders, installed, read: HashMap::new(), types: HashMap::new() }
+        Self { folders, installed, read: BTreeMap::new(), types: BTreeMap::new() }
     }
 
     /// The type of this full name, also of a part of a service or action.
