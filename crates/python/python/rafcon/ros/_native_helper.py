@@ -201,7 +201,9 @@ def _let_go():
     for each in list(_running):
         each._closed = True
         each._lost = "this is a forked process"
-        os.close(each._socket.detach())
+        descriptor = each._socket.detach()
+        if descriptor >= 0:
+            os.close(descriptor)
 
 
 if hasattr(os, "register_at_fork"):

@@ -1,0 +1,117 @@
+"""The helper process of the native back end is killed, and kills nobody. Run with ``RAFCON_ROS_BACKEND=native``."""
+
+import array
+import math
+import os
+import select
+import signal
+import subprocess
+import sys
+import threading
+import unittest
+
+import peers
+
+from rafcon.ros import _native_frames
+from rafcon.ros._backend import BackendLost, Qos, Settings, UnknownType
+from rafcon.ros._native import NativeBackend
+
+
+class Heard:
+    """Keeps what a back end says about itself."""
+
+    def __init__(self):
+        self.why = []
+        self.lines = []
+        self.ended = threading.Event()
+        self.was_changed = threading.Event()
+
+    def lost(self, why):
+        self.why.append(why)
+        self.ended.set()
+
+    def changed(self):
+        self.was_changed.set()
+
+    def say(self, level, text):
+        self.lines.append((level, text))
+
+
+class Frames(unittest.TestCase):
+    def test_what_is_packed_is_unpacked(self):
+        message = {"a": b"\0\xff", "b": array.array("d", [1.5, math.inf]), "c": [True, "ä😀"], "d": {"e": -1, "f": b""}}
+        frame = _native_frames.packed({"message": message})
+        length = int.from_bytes(frame[4:8], "little")
+        self.assertEqual(_native_frames.unpacked(frame[8 : 8 + length], memoryview(frame)[8 + length :]), {"message": message})
+
+
+@unittest.skipUnless(os.environ.get("RAFCON_ROS_BACKEND") == "native", "the back end is another")
+class Killed(unittest.TestCase):
+    def setUp(self):
+        self.heard = Heard()
+        self.backend = NativeBackend()
+        self.backend.start(Settings("killed"), self.heard)
+        self.addCleanup(self.backend.close)
+
+    def kill(self):
+        os.kill(self.backend.pid, signal.SIGKILL)
+
+    def lost(self):
+        self.assertTrue(self.heard.ended.wait(peers.STUCK_S))
+        self.assertEqual(self.heard.why, ["rafcon-ros ended by signal 9"])
+
+    def test_while_nothing_is_done(self):
+        self.kill()
+        self.lost()
+        with self.assertRaisesRegex(BackendLost, "the ROS node has ended: rafcon-ros ended by signal 9"):
+            self.backend.publisher("/killed/topic", "std_msgs/msg/String", Qos())
+
+    def test_while_a_call_waits(self):
+        answers = []
+        self.backend.service("/killed/never", "std_srvs/srv/Trigger", lambda request: None)
+        client = self.backend.client("/killed/never", "std_srvs/srv/Trigger")
+        client.send({}, lambda response, why: answers.append((response, why)))
+        self.kill()
+        self.lost()
+        self.assertEqual(answers, [(None, "rafcon-ros ended by signal 9")])
+
+    def test_while_something_is_published(self):
+        publisher = self.backend.publisher("/killed/topic", "std_msgs/msg/String", Qos())
+        self.kill()
+        with self.assertRaises(BackendLost):
+            while True:
+                publisher.publish({"data": "x"})
+        self.lost()
+
+    def test_while_something_is_asked(self):
+        self.kill()
+        with self.assertRaises(BackendLost):
+            while True:
+                self.backend.describe("std_msgs/msg/String")
+        self.lost()
+
+    def test_unknown_types(self):
+        with self.assertRaisesRegex(UnknownType, "there is no type no_msgs/msg/Thing: .*RAFCON_ROS_TYPES"):
+            self.backend.describe("no_msgs/msg/Thing")
+
+    def test_the_helper_ends_with_a_run_that_is_killed(self):
+        program = (
+            "import os, signal, sys\n"
+            f"sys.path.insert(0, {str(peers.PACKAGE)!r})\n"
+            "from rafcon.ros._native import NativeBackend\n"
+            "from rafcon.ros._backend import Settings\n"
+            "backend = NativeBackend()\n"
+            "backend.start(Settings('run'), type('L', (), {'changed': lambda s: None, 'say': lambda s, *a: None})())\n"
+            "print(backend.pid, flush=True)\n"
+            "os.kill(os.getpid(), signal.SIGKILL)\n"
+        )
+        run = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=False)
+        self.assertEqual(run.returncode, -signal.SIGKILL)
+        helper = os.pidfd_open(int(run.stdout)) if os.path.exists(f"/proc/{run.stdout.strip()}") else None
+        if helper is not None:
+            self.assertTrue(select.select([helper], [], [], peers.STUCK_S)[0])
+            os.close(helper)
+
+
+if __name__ == "__main__":
+    unittest.main()
