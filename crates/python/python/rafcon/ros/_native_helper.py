@@ -39,17 +39,17 @@ def found():
         if os.path.isfile(named):
             return named
         raise RosError(f"{BINARY_VARIABLE} names {named}, which is no file")
-    rafcon = os.environ.get("RAFCON_BINARY") or shutil.which("rafcon")
-    beside = [os.path.dirname(os.path.realpath(path)) for path in (rafcon, sys.executable) if path]
-    for folder in beside:
-        path = os.path.join(folder, _NAME)
+    # The supervisor of a run says where the extension is, which lies beside `rafcon`.
+    near = (os.environ.get("RAFCON_EXTENSION_FILE"), shutil.which("rafcon"), sys.executable)
+    for beside in filter(None, near):
+        path = os.path.join(os.path.dirname(os.path.realpath(beside)), _NAME)
         if os.path.isfile(path):
             return path
     path = shutil.which(_NAME)
     if path is None:
         raise RosError(
-            f"there is neither rclpy in {sys.executable} nor the program rafcon-ros. Install one of them: `cargo xtask ros --build` "
-            f"builds rafcon-ros, archives of releases have it beside rafcon; {BINARY_VARIABLE} can name it"
+            f"there is neither rclpy in {sys.executable} nor the program rafcon-ros. Install one of them: "
+            f"`cargo xtask ros-helper` builds rafcon-ros and puts it beside rafcon; {BINARY_VARIABLE} can name it"
         )
     return path
 
@@ -68,13 +68,12 @@ class Helper:
         self._lost = None
         self._callbacks = queue.SimpleQueue()
         self._stderr = tempfile.TemporaryFile()
-        own, other = socket.socketpair()
         path = found()
+        own, other = socket.socketpair()
         try:
             # In a session of its own: an interrupt from the keyboard is for the run, and the helper ends with its socket.
-            self._process = subprocess.Popen(
-                [path, "serve"], stdin=other, stdout=other, stderr=self._stderr, start_new_session=True
-            )
+            streams = {"stdin": other, "stdout": other, "stderr": self._stderr}
+            self._process = subprocess.Popen([path, "serve"], start_new_session=True, **streams)
         except OSError as error:
             own.close()
             raise RosError(f"cannot start {path}: {error}") from error
@@ -82,8 +81,9 @@ class Helper:
             other.close()
         self._socket = own
         _running.add(self)
-        self._threads = [threading.Thread(target=each, name=name, daemon=True) for each, name in ((self._read, "ros"), (self._call_back, "ros callbacks"))]
-        for each in self._threads:
+        self._threads = [threading.Thread(target=each, daemon=True) for each in (self._read, self._call_back)]
+        for each, name in zip(self._threads, ("ros", "ros callbacks")):
+            each.name = name
             each.start()
 
     @property
