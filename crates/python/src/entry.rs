@@ -31,7 +31,7 @@ mod _rafcon {
     #[pymodule_export]
     use super::polled_events::{command, past};
     #[pymodule_export]
-    use super::process::main;
+    use super::process::{main, serve_package};
     #[pymodule_export]
     use super::questions::ask;
     #[pymodule_export]

@@ -111,6 +111,12 @@ pub(crate) fn main(py: Python<'_>, fd: RawFd) -> PyResult<i32> {
     Ok(exit_code(end))
 }
 
+/// Serves the package `rafcon` to a program that has loaded this module by itself and is no runner.
+#[pyfunction]
+pub(crate) fn serve_package(py: Python<'_>) -> PyResult<()> {
+    package::install(py)
+}
+
 /// A signal ends the process, whatever threads of scripts still do. Python's own handler would raise `KeyboardInterrupt` in
 /// the thread that waits for the run.
 pub(crate) fn default_signals(py: Python<'_>) -> PyResult<()> {

@@ -21,6 +21,7 @@ pub mod planning;
 mod process;
 pub mod remains;
 mod restart_policy;
+mod ros_bridge;
 mod runs;
 
 pub use connection::{BeginError, JoinError, begin, connect};
@@ -30,4 +31,5 @@ pub use interpreter::{
 pub use process::{Exit, Group, Process, Start, StartError, is_alive};
 pub use remains::{KeptRun, machine_of, policy_of, resume_launch};
 pub use restart_policy::{Next, RestartPolicy, RunnerDeath};
+pub use ros_bridge::{RosBridge, RosBridgeSettings};
 pub use runs::{FindError, MakeError, Runs, meant};

@@ -31,7 +31,7 @@ const UNREACHED: i32 = 88;
 
 /// Held while a socket can be inherited: another runner that starts at that moment would keep it open, and its owner's end
 /// would not be heard.
-static INHERITING: Mutex<()> = Mutex::new(());
+pub(crate) static INHERITING: Mutex<()> = Mutex::new(());
 
 /// What is needed to start a runner.
 #[derive(Debug, Clone)]

@@ -16,6 +16,7 @@ packages![
     "geometry_msgs",
     "lifecycle_msgs",
     "nav_msgs",
+    "rafcon_msgs",
     "rcl_interfaces",
     "rmw_dds_common",
     "rosgraph_msgs",
@@ -50,4 +51,35 @@ pub(crate) fn names() -> impl Iterator<Item = String> {
 /// Each interface of a package: `msg/Name`, and its text.
 fn interfaces(text: &'static str) -> impl Iterator<Item = (&'static str, &'static str)> {
     text.split("== ").skip(1).map(|part| part.split_once('\n').unwrap_or((part, "")))
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::super::parse;
+    use super::find;
+    use crate::types::Sort;
+
+    /// Users build that package; what is here must be the same.
+    #[test]
+    fn the_types_of_the_bridge_are_those_of_their_package() {
+        let package = Path::new(env!("CARGO_MANIFEST_DIR")).join("rafcon_msgs");
+        let sorts = [("msg", Sort::Message), ("srv", Sort::Service), ("action", Sort::Action)];
+        let mut count = 0;
+        for (word, sort) in sorts {
+            for file in std::fs::read_dir(package.join(word)).unwrap() {
+                let path = file.unwrap().path();
+                let name = path.file_stem().unwrap().to_str().unwrap();
+                let text = std::fs::read_to_string(&path).unwrap();
+                let bundled =
+                    find("rafcon_msgs", word, name).unwrap_or_else(|| panic!("{name} is not here"));
+                let parse = |text| parse::file(text, "rafcon_msgs", sort, name).unwrap();
+                assert_eq!(parse(&text), parse(bundled), "{name}");
+                count += 1;
+            }
+        }
+        let here = super::names().filter(|name| name.starts_with("rafcon_msgs/")).count();
+        assert_eq!(count, here);
+    }
 }

@@ -28,6 +28,10 @@ pub(crate) struct Serve {
     /// Keep the token of the last start, so that old addresses still work
     #[arg(long)]
     pub(crate) keep_token: bool,
+    /// Offer the machines to ROS 2: as the action `run_machine`, and each that declares one as an action of its own; with services and
+    /// a topic for the runs, all below this namespace (default: `/rafcon`)
+    #[arg(long, value_name = "NAMESPACE", num_args = 0..=1, require_equals = true, default_missing_value = "/rafcon")]
+    pub(crate) ros: Option<String>,
     #[command(flatten)]
     pub(crate) link: Link,
     #[command(flatten)]

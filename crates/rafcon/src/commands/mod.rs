@@ -17,6 +17,7 @@ mod new;
 mod plan;
 mod remote;
 mod replay;
+mod ros;
 mod run;
 mod runs;
 mod serve;

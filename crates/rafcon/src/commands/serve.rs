@@ -2,6 +2,7 @@
 
 use super::kept::runs_folder;
 use super::link::{Relays, ServerAuthority, StationDesk};
+use super::ros;
 use crate::cli;
 use crate::environment::{self, Environment};
 use crate::failure::complain;
@@ -33,6 +34,7 @@ pub(super) fn serve(
         relays.station(&raw.link, listen, &settings, desk.clone())?;
         settings.robots = Some(Arc::new(StationDesk(desk)));
     }
+    let mut bridge = None;
     let served = rafcon_server::serve(settings, |server| {
         authority.set(RunAuthority::new(server.state()));
         // A station needs no machines: it has those of its robots.
@@ -42,7 +44,9 @@ pub(super) fn serve(
             );
         }
         greet(server);
+        bridge = raw.ros.as_deref().and_then(|namespace| ros::bridge(server, namespace));
     });
+    drop(bridge);
     relays.stop();
     served?;
     Ok(ExitCode::SUCCESS)

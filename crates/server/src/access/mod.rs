@@ -30,7 +30,7 @@ pub(crate) use layers::guarded;
 pub(crate) use notice::notice;
 pub(crate) use origin::Names;
 pub use passwords::HashError;
-pub use people::{OWNER, People};
+pub use people::{OWNER, People, ROS};
 pub use private::PrivateError;
 pub use rights::{ROUTES, Row, of_command, of_frame, of_route, of_start};
 pub use roster::{Roster, RosterError};

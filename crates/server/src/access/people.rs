@@ -22,6 +22,8 @@ use tokio::time::Instant;
 
 /// The name of the user with the owner's token.
 pub const OWNER: &str = "owner";
+/// The name of the user as whom the bridge to ROS 2 acts.
+pub const ROS: &str = "ros";
 
 /// How many passwords of strangers are hashed at a time: each takes memory and a processor.
 const STRANGERS_MAX: usize = 2;
@@ -41,6 +43,8 @@ pub(crate) enum CredentialClaim {
 #[derive(Debug)]
 pub struct People {
     owner: Secret,
+    /// The bridge's; it stands in no file.
+    ros: Secret,
     users: Arc<Users>,
     sessions: Sessions,
     familiar: Familiar,
@@ -59,6 +63,8 @@ impl People {
         let state = &settings.state;
         Ok(Self {
             owner: owners_token(state, settings.access.keep_token)?,
+            ros: Secret::new()
+                .map_err(|source| PrivateError::new("make a token for", state, source))?,
             users: Arc::new(Users::open(state, settings.access.cost)?),
             sessions: Sessions::open(state.join("sessions.json"))?,
             familiar: Familiar::open(state.join("familiar.json"))?,
@@ -75,6 +81,11 @@ impl People {
         &self.owner
     }
 
+    /// The token of the bridge to ROS 2, for the process that this server's program starts: it admits an operator.
+    pub(crate) fn ros(&self) -> &Secret {
+        &self.ros
+    }
+
     /// Users and tokens.
     pub(crate) fn users(&self) -> &Arc<Users> {
         &self.users
@@ -89,6 +100,9 @@ impl People {
                 let digest = Digest::of(text);
                 if digest == self.owner.digest() {
                     return is_near.then(owner);
+                }
+                if digest == self.ros.digest() {
+                    return is_near.then(ros);
                 }
                 let (id, token) = roster.token_of(digest)?;
                 of_token(&roster, id, token, now_ms)
@@ -107,7 +121,7 @@ impl People {
         let now_ms = since_1970_ms();
         let roster = self.users.roster();
         match &who.by {
-            Credential::Owner => Some(who.clone()),
+            Credential::Owner | Credential::Ros => Some(who.clone()),
             Credential::Session(digest) => {
                 of_login(&roster, digest, &self.sessions.with(digest, now_ms)?)
             }
@@ -209,6 +223,10 @@ impl People {
 fn owner() -> Who {
     let user = OWNER.to_owned();
     Who { user, role: Role::Admin, expires_ms: None, by: Credential::Owner }
+}
+
+fn ros() -> Who {
+    Who { user: ROS.to_owned(), role: Role::Operator, expires_ms: None, by: Credential::Ros }
 }
 
 /// When someone's password was set; the owner has none.

@@ -1,8 +1,8 @@
 //! Users and tokens as a value: who there is, what they may do, and the hashes of their secrets. Pure: a change gives the
 //! next roster or a refusal.
 
-use super::OWNER;
 use super::secret::Digest;
+use super::{OWNER, ROS};
 use rafcon_protocol::api::{Role, TokenAbout, User};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -48,7 +48,7 @@ pub(super) struct Token {
 pub enum RosterError {
     /// The name is not valid.
     #[error(
-        "`{0}` cannot be a user's name: use 1 to {NAME_MAX} of the letters a to z and A to Z, digits, `.`, `-` and `_`, and not `{OWNER}`"
+        "`{0}` cannot be a user's name: use 1 to {NAME_MAX} of the letters a to z and A to Z, digits, `.`, `-` and `_`, and neither `{OWNER}` nor `{ROS}`"
     )]
     BadName(String),
     /// The name is taken.
@@ -214,7 +214,7 @@ impl Token {
 
 fn is_name(name: &str) -> bool {
     let fits = |byte: u8| byte.is_ascii_alphanumeric() || b".-_".contains(&byte);
-    (1..=NAME_MAX).contains(&name.len()) && name.bytes().all(fits) && name != OWNER
+    (1..=NAME_MAX).contains(&name.len()) && name.bytes().all(fits) && ![OWNER, ROS].contains(&name)
 }
 
 #[cfg(test)]
@@ -266,13 +266,15 @@ mod tests {
             "add anna operator
              add anna viewer
              add owner viewer
+             add ros operator
              add ../anna viewer
              add bo.b-1_ viewer",
             &expect![[r"
                 add anna operator: done
                 add anna viewer: there is a user anna already: choose another name, or change that user
-                add owner viewer: `owner` cannot be a user's name: use 1 to 64 of the letters a to z and A to Z, digits, `.`, `-` and `_`, and not `owner`
-                add ../anna viewer: `../anna` cannot be a user's name: use 1 to 64 of the letters a to z and A to Z, digits, `.`, `-` and `_`, and not `owner`
+                add owner viewer: `owner` cannot be a user's name: use 1 to 64 of the letters a to z and A to Z, digits, `.`, `-` and `_`, and neither `owner` nor `ros`
+                add ros operator: `ros` cannot be a user's name: use 1 to 64 of the letters a to z and A to Z, digits, `.`, `-` and `_`, and neither `owner` nor `ros`
+                add ../anna viewer: `../anna` cannot be a user's name: use 1 to 64 of the letters a to z and A to Z, digits, `.`, `-` and `_`, and neither `owner` nor `ros`
                 add bo.b-1_ viewer: done
                 anna bo.b-1_ "]],
         );

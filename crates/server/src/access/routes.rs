@@ -130,7 +130,7 @@ async fn make_token(
     who: Who,
     Body(wanted): Body<NewToken>,
 ) -> Result<(StatusCode, Json<TokenMade>), Failure> {
-    if let Credential::Token(_) = who.by {
+    if let Credential::Token(_) | Credential::Ros = who.by {
         let message = "a token cannot make tokens: log in first";
         return Err(Failure::conflict("not_a_login", message));
     }

@@ -23,6 +23,8 @@ pub struct Who {
 pub enum Credential {
     /// The owner's token.
     Owner,
+    /// The token of the bridge to ROS 2.
+    Ros,
     /// A login, by the digest of its secret.
     Session(String),
     /// A token for a program, by its id.

@@ -146,6 +146,11 @@ impl Server {
         format!("{}/?token={}", self.card.url, self.state.people().owner().text())
     }
 
+    /// The token by which the bridge to ROS 2 is let in, from this computer only. It is for the child process that carries it.
+    pub fn ros_token(&self) -> &str {
+        self.state.people().ros().text()
+    }
+
     /// SHA-256 of its certificate, in hexadecimal; none without TLS.
     pub fn fingerprint(&self) -> Option<&str> {
         self.card.fingerprint.as_deref()

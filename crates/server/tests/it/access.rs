@@ -109,6 +109,22 @@ fn a_token_that_was_deleted_or_is_over_lets_nobody_in() {
 }
 
 #[test]
+fn the_bridge_to_ros_is_an_operator_of_this_computer_until_the_server_ends() {
+    let server = TestServer::new();
+    let bridge = server.ros().to_owned();
+    let said = |method, path, body: Option<Value>| {
+        server.ask(Some(&bridge), method, path, body.as_ref()).said()
+    };
+    assert_eq!(who(&server, &bridge), "ros operator");
+    assert_eq!(said("GET", "/api/v1/projects", None), "200");
+    assert_eq!(said("GET", "/api/v1/users", None), "403 not_your_right");
+    assert_eq!(said("POST", "/api/v1/tokens", Some(json!({"name": "x"}))), "409 not_a_login");
+    let server = TestServer::at(server.end(), |settings| settings.access.keep_token = true);
+    assert_ne!(server.ros(), bridge);
+    assert_eq!(who(&server, &bridge), "401 not_known");
+}
+
+#[test]
 fn a_token_makes_no_token_and_changes_no_password() {
     let server = TestServer::new();
     let said =

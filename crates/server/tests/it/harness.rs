@@ -21,6 +21,7 @@ pub(crate) struct TestServer {
     address: SocketAddr,
     url: String,
     owner: String,
+    ros: String,
     tokens: [String; 4],
     stop: Option<oneshot::Sender<()>>,
     thread: Option<JoinHandle<()>>,
@@ -57,14 +58,15 @@ impl TestServer {
             let runtime = tokio::runtime::Builder::new_multi_thread().enable_all().build().unwrap();
             runtime.block_on(async move {
                 let server = Server::bind(settings).await.unwrap();
-                begun.send((server.address(), server.url().to_owned(), server.link())).unwrap();
+                let (url, ros) = (server.url().to_owned(), server.ros_token().to_owned());
+                begun.send((server.address(), url, server.link(), ros)).unwrap();
                 server.run(async { stopped.await.unwrap_or_default() }).await.unwrap();
             });
         };
         let thread = Some(builder.spawn(run).unwrap());
-        let (address, url, link) = server.recv().unwrap();
+        let (address, url, link, ros) = server.recv().unwrap();
         let owner = link.split_once("token=").unwrap().1.to_owned();
-        Self { place, address, url, owner, tokens, stop: Some(stop), thread }
+        Self { place, address, url, owner, ros, tokens, stop: Some(stop), thread }
     }
 
     /// The folder of the project `project`.
@@ -99,6 +101,11 @@ impl TestServer {
     /// The token of the start link.
     pub(crate) fn owner(&self) -> &str {
         &self.owner
+    }
+
+    /// The token of the bridge to ROS.
+    pub(crate) fn ros(&self) -> &str {
+        &self.ros
     }
 
     /// Asks as someone with this role, or as no one.

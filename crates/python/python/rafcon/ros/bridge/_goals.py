@@ -1,0 +1,217 @@
+"""Goals: each begins a run, follows it to its end, and stops it when its client cancels."""
+
+import json
+import threading
+import time
+import uuid
+from dataclasses import dataclass
+
+from rafcon.ros import GoalAborted
+from rafcon.ros.bridge import _mapping
+from rafcon.ros.bridge._client import NoAnswer, Refused
+from rafcon.ros.bridge._mapping import Unfit
+
+#: So many goals at a time; each has a thread of its own, and a runner.
+GOALS_MAX = 8
+#: A machine may take so long to load (s).
+_START_S = 130.0
+#: A goal looks this often whether it is cancelled (s).
+_LOOK_S = 0.02
+#: A runner that died may be followed by another within this time (s).
+_CRASHED_S = 1.0
+#: Outcomes that are no success.
+_FAILURES = ("aborted", "preempted")
+
+
+@dataclass
+class Asked:
+    """What a goal wants, and how it is told."""
+
+    machine: object
+    inputs: dict
+    #: The type of its action.
+    type: str
+    #: ``result(run, outcome, outputs, words)`` and ``feedback(run, active)`` give fields; no feedback is None.
+    result: object
+    feedback: object
+
+
+class Refusal(Exception):
+    """A goal is not accepted; the text says why."""
+
+
+class Goals:
+    """All goals of all actions."""
+
+    def __init__(self, client, watch, build, tell):
+        self._client = client
+        #: ``build(type, values)`` makes a message, or raises what says why not.
+        self._build = build
+        self._watch = watch
+        self._tell = tell
+        self._lock = threading.Condition()
+        self._count = 0
+        self._begun = {}
+        #: Why no goal is worked for any more, or None.
+        self.over = None
+
+    def accept(self, action, ask):
+        """A function for ``accept`` of an action: the goal is accepted once its run has begun. ``ask(goal)`` says what it wants."""
+
+        def accept(goal):
+            try:
+                self._enter()
+            except Refusal as refusal:
+                self._tell(f"a goal of {action} is rejected: {refusal}")
+                return False
+            try:
+                asked = ask(goal)
+                self._begun[id(goal)] = asked, self._start(asked)
+                return True
+            except (Refusal, Unfit, Refused, NoAnswer) as error:
+                self._leave()
+                self._tell(f"a goal of {action} is rejected: {error}")
+                return False
+            except BaseException:
+                self._leave()
+                raise
+
+        return accept
+
+    def _enter(self):
+        with self._lock:
+            if self.over is not None:
+                raise Refusal(self.over)
+            if self._count >= GOALS_MAX:
+                raise Refusal(f"{GOALS_MAX} goals are under way, and there are no more at a time: wait for one to end, or cancel one")
+            self._count += 1
+
+    def _leave(self):
+        with self._lock:
+            self._count -= 1
+            self._lock.notify_all()
+
+    def _start(self, asked):
+        for run in self._watch.look():
+            if run.is_live and not run.robot and run.holder not in (None, "ros"):
+                raise Refusal(
+                    f"{run.holder} holds control of the run {run.id}, which is in progress: goals are accepted when they have released "
+                    "control, or the run is over"
+                )
+        machine = {"project": asked.machine.project, "path": asked.machine.path}
+        body = {"id": f"ros-{uuid.uuid4().hex}", "machine": machine, "inputs": asked.inputs}
+        begun = self._client.post("/runs", body, _START_S)
+        self._watch.now()
+        return begun["id"]
+
+    def work(self, received):
+        """The callback of an action: from the beginning of the run to its end."""
+        asked, run = self._begun.pop(id(received.goal))
+        try:
+            return self._follow(received, asked, run)
+        finally:
+            self._leave()
+
+    def _follow(self, received, asked, run):
+        told, stopping, crashed_s = None, False, None
+        while self.over is None:
+            now = self._watch.find(run)
+            if received.canceled and not stopping:
+                stopping = True
+                self._stop(run)
+            if now is not None and now.phase == "finished":
+                return self._ended(received, asked, now)
+            is_gone = now is not None and not now.is_live
+            crashed_s = (crashed_s or time.monotonic()) if is_gone else None
+            if is_gone and time.monotonic() - crashed_s >= _CRASHED_S:
+                words = f"the process of the run {run} has died: resume it with `rafcon resume {run}`, or send the goal again"
+                raise self._aborted(asked, run, "", {}, words)
+            if now is not None and now.active != told:
+                told = now.active
+                feedback = asked.feedback(run, list(told))
+                if feedback is not None:
+                    received.feedback(feedback)
+            self._watch.wait(_LOOK_S)
+        raise self._aborted(asked, run, "", {}, f"{self.over}; the run {run} goes on without it")
+
+    def _stop(self, run):
+        try:
+            command = {"id": f"ros-{uuid.uuid4().hex}", "command": {"type": "stop"}}
+            self._client.post(f"/runs/{run}/commands", command, _START_S)
+        except (Refused, NoAnswer) as error:
+            # One that is over needs no stop; else its end is waited for.
+            self._tell(f"the run {run} is not stopped by the cancelled goal: {error}")
+        self._watch.now()
+
+    def _ended(self, received, asked, now):
+        try:
+            outputs = self._outputs(now)
+            # It is made whole here, so that what does not fit is told to the client.
+            result = asked.result(now.id, now.outcome, outputs, "")
+            self._build(asked.type + "_Result", result)
+        except (Unfit, Refused, NoAnswer, TypeError, ValueError) as error:
+            words = f"the run {now.id} ended with the outcome `{now.outcome}`, and its outputs are no result: {error}"
+            raise self._aborted(asked, now.id, now.outcome, {}, words) from None
+        if now.outcome in _FAILURES and not received.canceled:
+            words = f"the run {now.id} ended with the outcome `{now.outcome}`"
+            raise self._aborted(asked, now.id, now.outcome, outputs, words)
+        return result
+
+    def _outputs(self, now):
+        page = self._client.get(f"/runs/{now.id}/events", kinds="finished", values="true", **{"from": 1, "count": 10})
+        while not page["events"] and page["next"] <= page["last"]:
+            page = self._client.get(f"/runs/{now.id}/events", kinds="finished", values="true", **{"from": page["next"], "count": 10})
+        return page["events"][-1]["event"].get("outputs") or {} if page["events"] else {}
+
+    @staticmethod
+    def _aborted(asked, run, outcome, outputs, words):
+        return GoalAborted(words, asked.result(run, outcome, outputs, words))
+
+    def end(self, why, seconds):
+        """All goals end as aborted with these words; waits until they have."""
+        self.over = why
+        self._watch.close()
+        with self._lock:
+            self._lock.wait_for(lambda: self._count == 0, seconds)
+
+
+def inputs_of_text(text):
+    """The inputs of ``run_machine``: a JSON object, or nothing."""
+    if not text.strip():
+        return {}
+    try:
+        inputs = json.loads(text, parse_constant=_refuse_constant)
+    except ValueError as error:
+        raise Refusal(f"`inputs` is no JSON: {error}") from error
+    if not isinstance(inputs, dict):
+        raise Refusal('`inputs` is JSON, and no object: write {"port": value, …}')
+    return inputs
+
+
+def _refuse_constant(text):
+    raise ValueError(f"{text} is no value of JSON")
+
+
+def run_machine(goal, type_name, choose):
+    """What a goal of ``run_machine`` wants."""
+    machine = choose(goal.machine)
+    if isinstance(machine, str):
+        raise Refusal(machine)
+
+    def result(run, outcome, outputs, words):
+        return {"outcome": outcome, "outputs": json.dumps(outputs), "run": run, "message": words}
+
+    return Asked(machine, inputs_of_text(goal.inputs), type_name, result, lambda run, active: {"run": run, "active": active})
+
+
+def of_declared(declared, type_name, result_fields, feedback_fields):
+    """A function that says what goals of an action of a machine's own want."""
+
+    def result(run, outcome, outputs, words):
+        return _mapping.result_of(result_fields, run, outcome, outputs, words)
+
+    def ask(goal):
+        feedback = lambda run, active: _mapping.feedback_of(feedback_fields, run, active)  # noqa: E731
+        return Asked(declared.machine, _mapping.inputs_of(goal, declared.inputs), type_name, result, feedback)
+
+    return ask

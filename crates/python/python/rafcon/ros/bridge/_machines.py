@@ -1,0 +1,110 @@
+"""The machines that a server offers: their names, and which of them declare an action of their own."""
+
+import json
+import pathlib
+from dataclasses import dataclass, field
+
+from rafcon.core.storage import storage
+
+#: Where a machine says in the semantic data of its root that it is an action: ``{"ros": {"action": {"name": …, "type": …}}}``.
+SECTION, ENTRY = "ros", "action"
+_FILE = "semantic_data.json"
+#: Folders in folders.
+_DEPTH_MAX = 32
+
+
+@dataclass(frozen=True)
+class Machine:
+    """A machine as it lies on disk."""
+
+    project: str
+    #: Its folder in the project.
+    path: str
+    #: The folder itself.
+    folder: str
+
+    @property
+    def name(self):
+        """How a goal names it."""
+        return f"{self.project}/{self.path}"
+
+
+@dataclass(frozen=True)
+class Declared:
+    """What a machine says about an action of its own."""
+
+    machine: Machine
+    action: str
+    type: str
+    inputs: frozenset = field(default_factory=frozenset)
+    outputs: frozenset = field(default_factory=frozenset)
+
+
+class WrongDeclaration(Exception):
+    """A machine declares an action that cannot be; the text says why."""
+
+
+def machines(client):
+    """All machines of all projects."""
+    found = []
+    for project in client.get("/projects"):
+        _gather(client, project, [client.get(f"/projects/{project['id']}/tree")], found, 0)
+    return sorted(found, key=lambda each: each.name)
+
+
+def _gather(client, project, nodes, found, depth):
+    for node in nodes:
+        if node["kind"] == "machine":
+            found.append(Machine(project["id"], node["path"], str(pathlib.Path(project["folder"], node["path"]))))
+            continue
+        if node.get("is_cut") and depth < _DEPTH_MAX:
+            node = client.get(f"/projects/{project['id']}/tree", path=node["path"])
+        _gather(client, project, node.get("children", ()), found, depth + 1)
+
+
+def chosen(known, text):
+    """The machine that a goal names: ``PROJECT/PATH``, or its folder's path or name where only one has that. Else a text why not."""
+    text = text.strip("/")
+    by_name = [each for each in known if each.name == text]
+    fitting = by_name or [each for each in known if text and ("/" + each.path).endswith("/" + text)]
+    if len(fitting) == 1:
+        return fitting[0]
+    if not fitting:
+        some = ", ".join(each.name for each in known[:5])
+        return f"there is no machine `{text}`; there are {some or 'none'}{' and others' if len(known) > 5 else ''}"
+    return f"`{text}` can be {' or '.join(each.name for each in fitting)}: write one of these"
+
+
+def declared(machine):
+    """The action that a machine declares, or None."""
+    if not _may_declare(machine.folder):
+        return None
+    try:
+        root = storage.load_state_machine_from_path(machine.folder).root_state
+    except (ValueError, OSError) as error:
+        raise WrongDeclaration(f"{machine.name} cannot be read: {error}") from error
+    section = root.semantic_data.get(SECTION)
+    entry = section.get(ENTRY) if hasattr(section, "get") else None
+    if not entry:
+        return None
+    where = f"the semantic data {SECTION}.{ENTRY} of {machine.name}"
+    if not hasattr(entry, "get") or not isinstance(entry.get("type"), str) or not entry["type"]:
+        raise WrongDeclaration(f'{where} has no `type`: write {{"name": "fetch", "type": "my_msgs/action/Fetch"}}')
+    name = entry.get("name") or machine.path.rpartition("/")[2]
+    if not isinstance(name, str):
+        raise WrongDeclaration(f"{where}: `name` is no text")
+    ports = [frozenset(port.name for port in each.values()) for each in (root.input_data_ports, root.output_data_ports)]
+    return Declared(machine, name, entry["type"], *ports)
+
+
+def _may_declare(folder):
+    """Whether the root of a machine has semantic data about ROS; most machines need not be read for that."""
+    place = pathlib.Path(folder)
+    # Older machines have a folder for the root.
+    for file in (place / _FILE, *place.glob("*/" + _FILE)):
+        try:
+            if SECTION in json.loads(file.read_text("utf-8")):
+                return True
+        except (OSError, ValueError, TypeError):
+            continue
+    return False

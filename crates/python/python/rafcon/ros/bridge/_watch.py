@@ -1,0 +1,125 @@
+"""How the runs of a server stand: looked at on a thread of its own, for goals that wait and for the topic."""
+
+import threading
+
+from rafcon.ros.bridge._client import NoAnswer, Refused
+from rafcon.ros.bridge._mapping import active_states
+
+#: While runs are in progress they are looked at this often (s); otherwise the server is asked this often (s).
+BUSY_S, IDLE_S = 0.1, 0.5
+#: So many runs that are over are told.
+_OVER_MAX = 20
+_LIVE = ("starting", "live")
+
+
+class RunNow:
+    """One run at the moment it was looked at."""
+
+    def __init__(self, summary, snapshot=None, control=None):
+        self.id = summary["id"]
+        self.name = summary["name"]
+        machine = summary.get("machine")
+        self.machine = f"{machine['project']}/{machine['path']}" if machine else ""
+        self.phase = summary["phase"]
+        self.robot = summary.get("robot") or ""
+        self.is_live = self.phase in _LIVE
+        self.outcome = summary["outcome"]["name"] if self.phase == "finished" else ""
+        self.reason = summary.get("reason") or ""
+        self.events = summary["events"]
+        self.holder = _holder(control or {})
+        self.active = tuple(active_states(snapshot)) if self.is_live else ()
+        status = (snapshot or {}).get("status")
+        #: ``running``, ``paused``, ``stepping``, ``stopping``, or its phase.
+        self.status = status if self.is_live and status in ("running", "paused", "stepping", "stopping") else self.phase
+
+    @property
+    def shown(self):
+        """What readers of the topic are told, for comparison."""
+        return self.id, self.machine, self.status, self.outcome, self.active, self.reason
+
+
+def _holder(control):
+    """Who holds control of a run, unless they have been silent for so long that anyone may take it."""
+    silent_ms = control.get("now_ms", 0) - control.get("heard_ms", 0)
+    return None if silent_ms >= control.get("silence_ms", 0) else control.get("holder")
+
+
+class Watch:
+    """The runs, and what wakes those who wait for one."""
+
+    def __init__(self, client, changed):
+        self._client = client
+        self._changed = changed
+        self._news = threading.Condition()
+        self._looking = threading.Lock()
+        self._wanted = threading.Event()
+        self._runs = {}
+        self._closed = False
+        self.files_revision = None
+
+    def look(self):
+        """Looks once, and tells those who wait; returns the runs."""
+        with self._looking:
+            return self._look()
+
+    def _look(self):
+        status = self._client.get("/status")
+        runs = [self._looked_at(each) for each in self._told(status["runs"])]
+        with self._news:
+            before = [each.shown for each in self._runs.values()]
+            self._runs = {each.id: each for each in runs}
+            self.files_revision = status["files_revision"]
+            self._news.notify_all()
+        self._changed(runs if before != [each.shown for each in runs] else None)
+        return runs
+
+    @staticmethod
+    def _told(summaries):
+        over = [each for each in summaries if each["phase"] not in _LIVE]
+        left_out = {each["id"] for each in over[_OVER_MAX:]}
+        return [each for each in summaries if each["id"] not in left_out]
+
+    def _looked_at(self, summary):
+        if summary["phase"] not in _LIVE:
+            return RunNow(summary)
+        try:
+            now = self._client.get(f"/runs/{summary['id']}")
+        except Refused:
+            return RunNow(summary)
+        return RunNow(now["run"], now.get("snapshot"), {**now["control"], "now_ms": now["now_ms"]})
+
+    def run(self):
+        """Looks until it is closed."""
+        told = None
+        while not self._closed:
+            pause_s = IDLE_S
+            try:
+                pause_s = BUSY_S if any(each.is_live for each in self.look()) else IDLE_S
+                told = None
+            except (NoAnswer, Refused) as error:
+                if str(error) != told:
+                    told = str(error)
+                    print(f"ROS: the runs are not known at the moment: {error}", flush=True)
+            self._wanted.wait(pause_s)
+            self._wanted.clear()
+
+    def now(self):
+        """It is looked at once more without a pause."""
+        self._wanted.set()
+
+    def close(self):
+        """Those who wait go on."""
+        self._closed = True
+        self._wanted.set()
+        with self._news:
+            self._news.notify_all()
+
+    def find(self, run):
+        """A run as it was looked at last, or None."""
+        with self._news:
+            return self._runs.get(run)
+
+    def wait(self, seconds):
+        """Waits for the next look, at most so long."""
+        with self._news:
+            self._news.wait(seconds)

@@ -1,0 +1,23 @@
+//! `rafcon serve --ros`: the bridge that offers a server's machines to ROS 2.
+
+use crate::failure::complain;
+use rafcon_server::Server;
+use rafcon_supervisor::{RosBridge, RosBridgeSettings};
+use serde_json::json;
+
+/// Starts the bridge of a server; a server without one is better than none.
+pub(super) fn bridge(server: &Server, namespace: &str) -> Option<RosBridge> {
+    let settings = server.state().settings();
+    let begun = RosBridge::begin(RosBridgeSettings {
+        python: settings.python.clone(),
+        surroundings: settings.surroundings.clone(),
+        told: json!({
+            "server": server.url(),
+            "fingerprint": server.fingerprint(),
+            "token": server.ros_token(),
+            "namespace": namespace,
+        }),
+        tell: complain,
+    });
+    begun.inspect_err(|error| complain(&format!("the bridge to ROS has no thread: {error}"))).ok()
+}
