@@ -9,7 +9,7 @@ use anyhow::{Context as _, Result, ensure};
 use serde_json::Value;
 
 use crate::product::{Product, Profile};
-use crate::{process, python, workspace};
+use crate::{process, python, ros_helper, workspace};
 
 /// A distribution, with what its peers are made of.
 struct Distribution {
@@ -68,12 +68,14 @@ pub(crate) fn run(options: &RosOptions) -> Result<()> {
     let product = Product::build(Profile::Debug)?;
     let mut missed = Vec::new();
     for distribution in &DISTRIBUTIONS {
-        let folder = workspace::target()?.join("ros-venvs").join(distribution.name);
-        let python = python::environment(&python::default()?, &folder, distribution.contents)?;
+        let folder_of_peers = workspace::target()?.join("ros-venvs").join(distribution.name);
+        let python =
+            python::environment(&python::default()?, &folder_of_peers, distribution.contents)?;
         if !options.no_tests {
             let folder = "crates/python/tests/ros";
             let words = ["-m", "unittest", "discover", "--start-directory", folder];
             process::run(alone(&python, &product).args(words))?;
+            process::run(&mut bridge(&folder_of_peers, &python, &product)?)?;
         }
         let mut bars = alone(&python, &product);
         bars.arg("crates/python/tests/ros/bars.py").arg(options.count.to_string());
@@ -83,6 +85,16 @@ pub(crate) fn run(options: &RosOptions) -> Result<()> {
     }
     ensure!(missed.is_empty(), "missed: {}", missed.join(", "));
     Ok(())
+}
+
+/// The tests of `rafcon serve --ros` with `rafcon-ros`, which knows the types of the bridge; `peers` is the environment of the others.
+fn bridge(peers: &Path, peer: &Path, product: &Product) -> Result<Command> {
+    let mut tests = alone(&python::default()?.program, product);
+    tests.args(["-m", "unittest", "discover", "--start-directory", "crates/python/tests/ros"]);
+    tests.args(["--pattern", "test_bridge.py"]).env("RAFCON_ROS_BACKEND", "native");
+    tests.env("RAFCON_ROS", ros_helper::build(Profile::Debug)?);
+    tests.env("RAFCON_ROS_PEER_PYTHON", peer).env("RAFCON_ROS_TYPES", peers.join("share"));
+    Ok(tests)
 }
 
 /// Prints a figure.

@@ -10,6 +10,7 @@ import queue
 import re
 import signal
 import subprocess
+import sys
 import tempfile
 import threading
 import time
@@ -22,7 +23,7 @@ from support import BINARY, EXTENSION
 from rafcon import ros
 
 #: The interpreter of runs and of the bridge.
-PYTHON = os.environ.get("RAFCON_PYTHON", "python3")
+PYTHON = os.environ.get("RAFCON_PYTHON", sys.executable)
 NATIVE = os.environ.get("RAFCON_ROS_BACKEND") == "native"
 #: Of the state of goals.
 SUCCEEDED, CANCELED, ABORTED = 4, 5, 6
@@ -172,7 +173,9 @@ class Services(WithServer):
     def test_the_run_in_progress_is_paused_and_stopped(self):
         self.assertEqual(self.peer.call("/robot/pause", 1), [[False, "no run is in progress"]])
         run = self.served.ask("POST", "/runs", {"id": "one", "machine": {"project": "robot", "path": "wait"}})["id"]
-        for word in ("pause", "resume", "step", "stop"):
+        self.assertEqual(self.peer.call("/robot/pause", 1), [[True, run]])
+        self.assertEqual(self.peer.call("/robot/step", 1), [[False, "nothing is held in this run; wait until a branch comes to its next state"]])
+        for word in ("resume", "stop"):
             self.assertEqual(self.peer.call("/robot/" + word, 1), [[True, run]], word)
         self.assertIsNone(self.served.ask("GET", f"/runs/{run}/control")["holder"])
 
@@ -196,7 +199,7 @@ class RunMachine(WithServer):
         for goal, why in (
             ({"machine": "none"}, "there is no machine `none`; there are robot/fail, robot/fib, robot/wait"),
             ({"machine": "fib", "inputs": "[]"}, "`inputs` is JSON, and no object"),
-            ({"machine": "fib", "inputs": '{"other": 1}'}, "other"),
+            ({"machine": "fib", "inputs": '{"other": 1}'}, "robot/fib has no input `other`; it has order"),
         ):
             self.assertEqual(ros.action("/robot/run_machine", goal, find=20).outcome, "rejected", goal)
             self.served.until("a goal of run_machine is rejected: .*" + re.escape(why))

@@ -7,7 +7,7 @@ import uuid
 from dataclasses import dataclass
 
 from rafcon.ros import GoalAborted
-from rafcon.ros.bridge import _mapping
+from rafcon.ros.bridge import _machines, _mapping
 from rafcon.ros.bridge._client import NoAnswer, Refused
 from rafcon.ros.bridge._mapping import Unfit
 
@@ -197,11 +197,15 @@ def run_machine(goal, type_name, choose):
     machine = choose(goal.machine)
     if isinstance(machine, str):
         raise Refusal(machine)
+    inputs = inputs_of_text(goal.inputs)
+    wrong = _machines.check_inputs(machine, inputs)
+    if wrong:
+        raise Refusal(wrong)
 
     def result(run, outcome, outputs, words):
         return {"outcome": outcome, "outputs": json.dumps(outputs), "run": run, "message": words}
 
-    return Asked(machine, inputs_of_text(goal.inputs), type_name, result, lambda run, active: {"run": run, "active": active})
+    return Asked(machine, inputs, type_name, result, lambda run, active: {"run": run, "active": active})
 
 
 def of_declared(declared, type_name, result_fields, feedback_fields):

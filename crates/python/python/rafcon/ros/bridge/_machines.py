@@ -97,6 +97,20 @@ def declared(machine):
     return Declared(machine, name, entry["type"], *ports)
 
 
+def check_inputs(machine, names):
+    """Says in words what is wrong with the names of inputs, or nothing."""
+    if not names:
+        return ""
+    try:
+        ports = storage.load_state_machine_from_path(machine.folder).root_state.input_data_ports
+    except (ValueError, OSError):
+        # Whoever starts it says why it cannot be read.
+        return ""
+    known = sorted(port.name for port in ports.values())
+    strange = sorted(set(names) - set(known))
+    return f"{machine.name} has no input `{strange[0]}`; it has {', '.join(known) or 'none'}" if strange else ""
+
+
 def _may_declare(folder):
     """Whether the root of a machine has semantic data about ROS; most machines need not be read for that."""
     place = pathlib.Path(folder)
