@@ -116,7 +116,7 @@ impl Binding {
     }
 }
 
-impl<'a> Ground<'a> {
+impl Ground<'_> {
     /// Each way to choose objects for these names, added to a binding.
     fn each(self, names: &[Typed], binding: &Binding) -> Vec<Binding> {
         let mut all = vec![binding.clone()];
@@ -246,7 +246,9 @@ impl<'a> Ground<'a> {
             Condition::Same(..) => {}
             Condition::Not(inner) => self.touch_condition(inner, binding, into),
             Condition::And(parts) | Condition::Or(parts) => {
-                parts.iter().for_each(|part| self.touch_condition(part, binding, into));
+                for part in parts {
+                    self.touch_condition(part, binding, into);
+                }
             }
             Condition::Forall(names, inner) | Condition::Exists(names, inner) => {
                 self.each(names, binding)
@@ -254,7 +256,9 @@ impl<'a> Ground<'a> {
                     .for_each(|binding| self.touch_condition(inner, binding, into));
             }
             Condition::Compare(_, a, b) => {
-                [a, b].into_iter().for_each(|number| touch_number(number, binding, into))
+                for number in [a, b] {
+                    touch_number(number, binding, into);
+                }
             }
         }
     }
@@ -262,7 +266,9 @@ impl<'a> Ground<'a> {
     pub(crate) fn touch_effect(self, effect: &Effect, binding: &Binding, into: &mut Touched) {
         match effect {
             Effect::All(parts) => {
-                parts.iter().for_each(|part| self.touch_effect(part, binding, into))
+                for part in parts {
+                    self.touch_effect(part, binding, into);
+                }
             }
             Effect::Add(atom) => drop(into.adds.insert(binding.fact(atom))),
             Effect::Delete(atom) => drop(into.deletes.insert(binding.fact(atom))),
@@ -306,7 +312,9 @@ fn touch_number(number: &Number, binding: &Binding, into: &mut Touched) {
         Number::Literal(_) | Number::Duration => {}
         Number::Function(atom) => drop(into.counts.insert(binding.fact(atom))),
         Number::Combined(_, parts) => {
-            parts.iter().for_each(|part| touch_number(part, binding, into))
+            for part in parts {
+                touch_number(part, binding, into);
+            }
         }
     }
 }

@@ -269,17 +269,16 @@ fn merged(
         }
         let before = known.clone();
         for (known, other) in known.arguments.iter_mut().zip(&signature.arguments) {
-            match join(domain, known, other) {
-                Some(types) => known.types = types,
-                None => {
-                    let text = format!(
-                        "`{before}` and `{signature}` take unrelated types: `{}` and `{}`; if they belong together, say what they are both a kind of",
-                        known.types.join("` or `"),
-                        other.types.join("` or `"),
-                    );
-                    findings.push(Finding::warning(&[by, library], text));
-                    known.types.clear();
-                }
+            if let Some(types) = join(domain, known, other) {
+                known.types = types
+            } else {
+                let text = format!(
+                    "`{before}` and `{signature}` take unrelated types: `{}` and `{}`; if they belong together, say what they are both a kind of",
+                    known.types.join("` or `"),
+                    other.types.join("` or `"),
+                );
+                findings.push(Finding::warning(&[by, library], text));
+                known.types.clear();
             }
         }
     }

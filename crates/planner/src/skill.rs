@@ -212,13 +212,17 @@ impl Used {
             Condition::Same(a, b) => [a, b].into_iter().for_each(|term| drop(self.types(term))),
             Condition::Not(inner) => self.condition(inner),
             Condition::And(parts) | Condition::Or(parts) => {
-                parts.iter().for_each(|part| self.condition(part))
+                for part in parts {
+                    self.condition(part);
+                }
             }
             Condition::Forall(names, inner) | Condition::Exists(names, inner) => {
                 self.inside(names, |used| used.condition(inner));
             }
             Condition::Compare(_, a, b) => {
-                [a, b].into_iter().for_each(|number| self.number(number))
+                for number in [a, b] {
+                    self.number(number);
+                }
             }
         }
     }

@@ -125,8 +125,7 @@ fn check_objects(domain: &Domain, problem: &Problem, findings: &mut Vec<Finding>
 
 /// Checks an atom of facts or goal against the signatures.
 fn check_atom(
-    domain: &Domain,
-    problem: &Problem,
+    (domain, problem): (&Domain, &Problem),
     signatures: &[Signature],
     atom: &Atom,
     variables: &[Typed],
@@ -142,25 +141,23 @@ fn check_atom(
     }
     for (wanted, term) in signature.arguments.iter().zip(&atom.arguments) {
         let fits = match term {
-            Term::Variable(name) => match variables.iter().find(|typed| typed.name == *name) {
-                Some(typed) => {
+            Term::Variable(name) => {
+                if let Some(typed) = variables.iter().find(|typed| typed.name == *name) {
                     typed.types.is_empty()
                         || typed.types.iter().any(|kind| domain.fits(kind, &wanted.types))
-                }
-                None => {
+                } else {
                     wrong(format!("`?{name}` in `{atom}` stands for nothing"));
                     continue;
                 }
-            },
+            }
             Term::Object(name) => {
-                match problem.objects.iter().find(|object| object.name == *name) {
-                    Some(object) => domain.fits(&object.kind, &wanted.types),
-                    None => {
-                        wrong(format!(
-                            "`{atom}` names `{name}`, which is no object: add it to `(:objects …)`"
-                        ));
-                        continue;
-                    }
+                if let Some(object) = problem.objects.iter().find(|object| object.name == *name) {
+                    domain.fits(&object.kind, &wanted.types)
+                } else {
+                    wrong(format!(
+                        "`{atom}` names `{name}`, which is no object: add it to `(:objects …)`"
+                    ));
+                    continue;
                 }
             }
         };
@@ -179,12 +176,14 @@ fn check_goal(
 ) {
     match goal {
         Condition::Fact(atom) => {
-            check_atom(domain, problem, &domain.predicates, atom, variables, ("goal", findings));
+            check_atom((domain, problem), &domain.predicates, atom, variables, ("goal", findings));
         }
         Condition::Same(..) => {}
         Condition::Not(inner) => check_goal(domain, problem, inner, variables, findings),
         Condition::And(parts) | Condition::Or(parts) => {
-            parts.iter().for_each(|part| check_goal(domain, problem, part, variables, findings));
+            for part in parts {
+                check_goal(domain, problem, part, variables, findings);
+            }
         }
         Condition::Forall(names, inner) | Condition::Exists(names, inner) => {
             let outer = variables.len();
@@ -210,7 +209,7 @@ fn check_number(
     match number {
         Number::Literal(_) | Number::Duration => {}
         Number::Function(atom) => {
-            check_atom(domain, problem, &domain.functions, atom, variables, ("goal", findings));
+            check_atom((domain, problem), &domain.functions, atom, variables, ("goal", findings));
         }
         Number::Combined(_, parts) => {
             parts.iter().for_each(|part| check_number(domain, problem, part, variables, findings));

@@ -5,20 +5,22 @@
 //! the bridge ends, also when the server is killed. Each line that it writes is told.
 
 use crate::process::{INHERITING, Start};
-use crate::{ProgramEnvironment, StartError};
+use crate::{ProgramEnvironment, StartError, clock};
 use std::io::{self, BufRead as _, BufReader, Write as _};
 use std::os::unix::process::CommandExt as _;
 use std::path::PathBuf;
 use std::process::{Child, ChildStdin, Command, Stdio};
-use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};
 use std::thread::{self, JoinHandle};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 const BOOTSTRAP: &str = include_str!("ros_bridge.py");
 /// How long a bridge may take for the last words to its peers; then it is killed.
 const LAST_WORDS: Duration = Duration::from_secs(4);
 /// The first pause before another is started; each further one is twice as long.
 const PAUSE_MIN: Duration = Duration::from_secs(1);
+/// So much news waits at most: one end, and that no bridge is wanted.
+const NEWS_MAX: usize = 4;
 /// The longest.
 const PAUSE_MAX: Duration = Duration::from_mins(1);
 
@@ -38,7 +40,7 @@ pub struct RosBridgeSettings {
 /// The bridge, until dropped; then it says good-bye to its peers, and no run ends.
 #[derive(Debug)]
 pub struct RosBridge {
-    news: Sender<News>,
+    news: SyncSender<News>,
     thread: Option<JoinHandle<()>>,
 }
 
@@ -54,7 +56,7 @@ enum News {
 impl RosBridge {
     /// Starts it, on a thread of its own.
     pub fn begin(settings: RosBridgeSettings) -> io::Result<Self> {
-        let (news, heard) = channel();
+        let (news, heard) = sync_channel(NEWS_MAX);
         let from_process = news.clone();
         let work = move || keep(&settings, &from_process, &heard);
         let thread = thread::Builder::new().name("ros bridge".to_owned()).spawn(work)?;
@@ -73,11 +75,11 @@ impl Drop for RosBridge {
 }
 
 /// Starts one bridge after the other, with pauses that grow while they end at once.
-fn keep(settings: &RosBridgeSettings, news: &Sender<News>, heard: &Receiver<News>) {
+fn keep(settings: &RosBridgeSettings, news: &SyncSender<News>, heard: &Receiver<News>) {
     let mut pause = PAUSE_MIN;
     let mut told = String::new();
     loop {
-        let begun = Instant::now();
+        let begun = clock::now();
         let why = match started(settings, news) {
             Ok((child, stdin)) => match attend(child, stdin, heard) {
                 Some(why) => why,
@@ -118,7 +120,7 @@ fn attend(mut child: Child, stdin: ChildStdin, heard: &Receiver<News>) -> Option
 
 fn started(
     settings: &RosBridgeSettings,
-    news: &Sender<News>,
+    news: &SyncSender<News>,
 ) -> Result<(Child, ChildStdin), String> {
     let start = Start::find(settings.python.as_deref(), &settings.surroundings);
     let start = start.map_err(|error| no_bridge(&error.to_string()))?;
@@ -169,12 +171,12 @@ mod tests {
     use crate::ProgramEnvironment;
     use std::fs;
     use std::os::unix::fs::PermissionsExt as _;
-    use std::sync::mpsc::{Receiver, Sender, channel};
+    use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
     use std::sync::{Mutex, PoisonError};
     use tempfile::TempDir;
 
     /// Where lines go: the settings take a plain function.
-    static TOLD: Mutex<Option<Sender<String>>> = Mutex::new(None);
+    static TOLD: Mutex<Option<SyncSender<String>>> = Mutex::new(None);
     /// One test at a time has it.
     static TURN: Mutex<()> = Mutex::new(());
 
@@ -185,7 +187,7 @@ mod tests {
 
     /// A bridge whose interpreter is this script, and what is told.
     fn begun(script: &str) -> (TempDir, RosBridge, Receiver<String>) {
-        let (sender, told) = channel();
+        let (sender, told) = sync_channel(64);
         *TOLD.lock().unwrap() = Some(sender);
         let folder = tempfile::tempdir().unwrap();
         let python = folder.path().join("python");

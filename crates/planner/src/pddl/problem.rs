@@ -76,7 +76,7 @@ pub fn read_problem(text: &str) -> Result<Problem, PddlError> {
                 problem.goal = condition(goal)?;
             }
             ":metric" => {
-                problem.metric = Some(rest.iter().map(written).collect::<Vec<_>>().join(" "))
+                problem.metric = Some(rest.iter().map(written).collect::<Vec<_>>().join(" "));
             }
             _ => return Err(part.error(format!("`{name}` is not known in a problem"))),
         }

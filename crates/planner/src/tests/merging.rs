@@ -16,7 +16,7 @@ fn check_findings(text: &str, types: &str, expect: &Expect) {
 
 #[test]
 fn the_restaurant_becomes_one_domain() {
-    expect![[r#"
+    expect![[r"
         (define (domain test)
           (:requirements :strips :typing)
           (:types chef - person food - object guest - person location - object person - object waiter - person)
@@ -41,8 +41,8 @@ fn the_restaurant_becomes_one_domain() {
             :parameters (?interlocutor1 - person ?interlocutor2 - person ?food - food ?loc - location)
             :precondition (and (at ?loc ?interlocutor1) (at ?loc ?interlocutor2) (wants ?interlocutor2 ?food))
             :effect (and (wants ?interlocutor1 ?food)))
-        )"#]].assert_eq(&pool(RESTAURANT, PERSONS).domain.to_string());
-    check_findings(RESTAURANT, PERSONS, &expect![[r#""#]]);
+        )"]].assert_eq(&pool(RESTAURANT, PERSONS).domain.to_string());
+    check_findings(RESTAURANT, PERSONS, &expect![[r""]]);
 }
 
 #[test]
@@ -52,12 +52,12 @@ fn what_is_written_reads_back() {
         :effect (and (at start (not (at ?t ?a))) (at end (at ?t ?b)) (at end (decrease (fuel ?t) 1))
           (at end (forall (?p - thing) (when (in ?p ?t) (at ?p ?b))))))";
     let action = read_action(drive).unwrap();
-    expect![[r#"
+    expect![[r"
         (:durative-action drive
             :parameters (?t - truck ?a - place ?b - place)
             :duration (= ?duration (/ (far ?a ?b) 2))
             :condition (and (at start (and (at ?t ?a) (>= (fuel ?t) 1))) (over all (or (road ?a ?b) (not (wet ?a)))))
-            :effect (and (at start (not (at ?t ?a))) (at end (at ?t ?b)) (at end (decrease (fuel ?t) 1)) (at end (forall (?p - thing) (when (in ?p ?t) (at ?p ?b))))))"#]].assert_eq(&action.to_string());
+            :effect (and (at start (not (at ?t ?a))) (at end (at ?t ?b)) (at end (decrease (fuel ?t) 1)) (at end (forall (?p - thing) (when (in ?p ?t) (at ?p ?b))))))"]].assert_eq(&action.to_string());
     assert_eq!(read_action(&action.to_string()).unwrap(), action);
 }
 
@@ -71,31 +71,31 @@ types robot - machine";
     check_findings(
         two,
         "",
-        &expect![[r#"
+        &expect![[r"
         error: pool/b, pool/c: the type `robot` is a kind of `thing` and of `machine`: decide for one
         error: pool/a, pool/b: each is the action `go`: rename it in all but one
         warning: pool/a, pool/b: `(at ?x - robot ?y - place)` and `(at ?x - place ?y - robot)` take unrelated types: `robot` and `place`; if they belong together, say what they are both a kind of
         warning: pool/a, pool/b: `(at ?x - robot ?y - place)` and `(at ?x - place ?y - robot)` take unrelated types: `place` and `robot`; if they belong together, say what they are both a kind of
         error: pool/a, pool/c: `(at ?x - object ?y - object)` and `(at ?x - robot)` differ in how many they take: give both the same, or rename one
         error: `on` is a predicate and a number: rename one
-    "#]],
+    "]],
     );
     check_findings(
         "skill a\n(:action go :parameters (?x - a) :effect (on ?x))",
         "a b, b c, c a",
-        &expect![[r#"
+        &expect![[r"
             error: the types `a`, `b`, `c` form a circle: each is a kind of the next
-        "#]],
+        "]],
     );
     check_findings(
         "skill a where to\n(:action go :parameters (?where) :effect (and (on ?z) (off home)))\npredicates (on ?z)",
         "",
-        &expect![[r#"
+        &expect![[r"
             warning: pool/a: `off` is used in the action and missing among its predicates
             error: pool/a: `?z` is no parameter of `go`: add it to `:parameters`
             error: pool/a: `go` names the object `home`: make it a parameter, `?home`
             warning: pool/a: no parameter sets the input `to`: name one `?to`, or give the input a default value
-        "#]],
+        "]],
     );
 }
 
@@ -104,39 +104,39 @@ fn what_is_no_action_is_told_with_its_place() {
     for (text, expect) in [
         (
             "(:action go",
-            expect![[r#"
+            expect![[r"
             error: pool/a: pddl_action: line 1, column 1: this `(` is never closed
-        "#]],
+        "]],
         ),
         (
             "(:action go :parameters (x))",
-            expect![[r#"
+            expect![[r"
             error: pool/a: pddl_action: line 1, column 26: `x` is no variable: write `?x`
-        "#]],
+        "]],
         ),
         (
             "(:action go :parameters () :effect (at start (on)))",
-            expect![[r#"
+            expect![[r"
             error: pool/a: pddl_action: line 1, column 46: a variable or an object is expected here
-        "#]],
+        "]],
         ),
         (
             "(:durative-action go :parameters () :effect (at start (on)))",
-            expect![[r#"
+            expect![[r"
             error: pool/a: pddl_action: line 1, column 1: the `:duration` is missing, such as `(= ?duration 5)`
-        "#]],
+        "]],
         ),
         (
             "(:durative-action go :parameters () :duration (= ?duration 1) :effect (on))",
-            expect![[r#"
+            expect![[r"
                 error: pool/a: pddl_action: line 1, column 71: in an action with duration, say when: `(at start …)`, `(over all …)` or `(at end …)`
-            "#]],
+            "]],
         ),
         (
             "(:action go :parameters () :precondition (> (fuel) much))",
-            expect![[r#"
+            expect![[r"
             error: pool/a: pddl_action: line 1, column 52: `much` is no number: write one, or a function in brackets
-        "#]],
+        "]],
         ),
     ] {
         check_findings(&format!("skill a\n{text}"), "", &expect);
@@ -146,9 +146,9 @@ fn what_is_no_action_is_told_with_its_place() {
     check_findings(
         "skill a\n(:action go :parameters () :effect (on))\nplanning {\"retries\": -1}",
         "",
-        &expect![[r#"
+        &expect![[r"
             error: pool/a: planning: `retries` is a number from 0 to 1000
-        "#]],
+        "]],
     );
     check_findings(
         "skill a\n(:action go :parameters () :effect (on))\nplanning {\"then\": \"pray\"}",
@@ -165,7 +165,7 @@ fn facts_and_goal_fit_the_domain_or_are_told() {
     let problem = "(define (problem p) (:objects james - Waiter pizza - Foood kitchen - Location)
         (:init (at kitchen james) (at pizza james) (sleeps james) (at kitchen) (= (money james) 3))
         (:goal (and (wants nobody pizza) (forall (?p - Person) (not (flies ?p))) (has ?p pizza))))";
-    expect![[r#"
+    expect![[r"
         error: facts: `pizza` is a `foood`, which is no type; there are chef, food, guest, location, person, waiter
         warning: facts: no skill knows `money`: facts with it are left out
         warning: facts: no skill knows `sleeps`: facts with it are left out
@@ -176,6 +176,6 @@ fn facts_and_goal_fit_the_domain_or_are_told() {
         error: goal: no skill knows `(flies ?p)`; there are (at ?loc - location ?interlocutor1 - person) (be-full ?person - person) (has ?chef - person ?food - food) (wants ?chef - person ?food - food)
         error: goal: `?p` in `(has ?p pizza)` stands for nothing
         error: goal: `pizza` in `(has ?p pizza)` is no food
-    "#]].assert_eq(&lines(task(&pool, problem).1));
-    expect![[r#""#]].assert_eq(&lines(task(&pool, HUNGRY).1));
+    "]].assert_eq(&lines(task(&pool, problem).1));
+    expect![[r""]].assert_eq(&lines(task(&pool, HUNGRY).1));
 }

@@ -154,7 +154,7 @@ fn each_step_says_why_it_is_there() {
             .unwrap();
         }
     }
-    expect![[r#"
+    expect![[r"
         1 (got-to entrance table james)
             needs (at entrance james) from the beginning
             brings (at table james) for 2, 3
@@ -192,6 +192,6 @@ fn each_step_says_why_it_is_there() {
         9 (eat alice pizza)
             needs (has alice pizza) from 8
             brings (be-full alice) for  the goal
-    "#]]
+    "]]
     .assert_eq(&text);
 }

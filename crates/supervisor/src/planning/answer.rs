@@ -84,7 +84,7 @@ impl Planner<'_> {
             findings: found::findings(&wanted.findings),
         };
         match self.search(request, &wanted, begin, (cancel, tell)) {
-            Err(reason) => PlanEvent::Failed(end(reason)),
+            Err(reason) | Ok((SearchEnd::Failed(reason), _)) => PlanEvent::Failed(end(reason)),
             Ok((SearchEnd::Enough, found)) => PlanEvent::Done(end(if found > 1 {
                 format!("the last of {found} plans is the best")
             } else {
@@ -92,7 +92,6 @@ impl Planner<'_> {
             })),
             Ok((SearchEnd::Impossible(reason), _)) => PlanEvent::Impossible(end(reason)),
             Ok((SearchEnd::NotFound(reason), _)) => PlanEvent::NotFound(end(reason)),
-            Ok((SearchEnd::Failed(reason), _)) => PlanEvent::Failed(end(reason)),
             Ok((SearchEnd::Cancelled, _)) => {
                 PlanEvent::Cancelled(end("nobody waits for it any more".to_owned()))
             }

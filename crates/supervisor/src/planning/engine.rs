@@ -116,12 +116,12 @@ impl Engine {
     }
 
     /// Whether an exit status says that there is no plan at all.
-    pub(super) fn proves_impossible(&self, code: Option<i32>) -> bool {
+    pub(super) fn proves_impossible(code: Option<i32>) -> bool {
         code == Some(10)
     }
 
     /// Whether an exit status says that there was none to be found.
-    pub(super) fn found_none(&self, code: Option<i32>) -> bool {
+    pub(super) fn found_none(code: Option<i32>) -> bool {
         matches!(code, Some(0 | 11 | 12 | 14))
     }
 }

@@ -18,7 +18,9 @@ pub(super) fn read(pool: &PlanPool, libraries: &Libraries) -> Pool {
     for wanted in &pool.libraries {
         let wanted = wanted.trim_matches('/');
         let before = paths.len();
-        tree.iter().for_each(|entry| collect(entry, wanted, &mut paths));
+        for entry in &tree {
+            collect(entry, wanted, &mut paths);
+        }
         if paths.len() == before {
             findings.push(error(&[], format!("there are no libraries in `{wanted}`: name a library root, or a folder below one")));
         }

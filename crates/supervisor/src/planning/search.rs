@@ -86,29 +86,39 @@ pub(super) enum SearchEnd {
     Cancelled,
 }
 
+/// What becomes of a lane by a message.
+type Act = Box<dyn FnOnce(&mut Running)>;
+
 /// A lane that runs.
 struct Running {
     child: Child,
     /// The end of its error output, once that is over.
     said: Option<String>,
     wrong: Option<String>,
-    code: Option<Option<i32>>,
+    has_ended: bool,
+    /// Its exit status; none if it was killed.
+    code: Option<i32>,
 }
 
 impl Running {
+    fn new(child: Child) -> Self {
+        Self { child, said: None, wrong: None, has_ended: false, code: None }
+    }
+
     /// Whether nothing more comes from it.
     fn is_over(&self) -> bool {
-        self.code.is_some() && (self.said.is_some() || self.wrong.is_some())
+        self.has_ended && (self.said.is_some() || self.wrong.is_some())
     }
 
     /// Kills the process and all that it started; remembers how it ended.
     fn end(&mut self) {
-        if self.code.is_none() {
+        if !self.has_ended {
             if let Some(group) = i32::try_from(self.child.id()).ok().and_then(Pid::from_raw) {
                 // Gone already: nothing to kill.
                 kill_process_group(group, Signal::KILL).unwrap_or_default();
             }
-            self.code = Some(self.child.wait().ok().and_then(|status| status.code()));
+            self.has_ended = true;
+            self.code = self.child.wait().ok().and_then(|status| status.code());
         }
     }
 }
@@ -197,7 +207,7 @@ impl Search<'_> {
         let (index, lane) = self.lanes.pop_front()?;
         match start(index, &lane, sender) {
             Ok(child) => {
-                self.running.push((index, Running { child, said: None, wrong: None, code: None }));
+                self.running.push((index, Running::new(child)));
                 None
             }
             Err(error) => Some(SearchEnd::Failed(self.engine.missing(&error))),
@@ -210,7 +220,7 @@ impl Search<'_> {
         message: Message,
         on_plan: &mut dyn FnMut(&str) -> Verdict,
     ) -> Option<SearchEnd> {
-        let (index, act): (usize, Box<dyn FnOnce(&mut Running)>) = match message {
+        let (index, act): (usize, Act) = match message {
             Message::Cancelled => return None,
             Message::Error(index, said) => (index, Box::new(|running| running.said = Some(said))),
             Message::Closed(index) => (index, Box::new(Running::end)),
@@ -264,14 +274,14 @@ impl Search<'_> {
                 "the engine `{name}` gave a plan that is not valid: {wrong}; try another engine (`--engine`)"
             ));
         }
-        if lanes().any(|running| self.engine.proves_impossible(running.code.flatten())) {
+        if lanes().any(|running| Engine::proves_impossible(running.code)) {
             return SearchEnd::Impossible(
                 "the goal cannot be reached from these facts with these skills".to_owned(),
             );
         }
-        match lanes().find(|running| !self.engine.found_none(running.code.flatten())) {
+        match lanes().find(|running| !Engine::found_none(running.code)) {
             Some(running) => {
-                let how = running.code.flatten().map_or("was killed".to_owned(), |code| {
+                let how = running.code.map_or("was killed".to_owned(), |code| {
                     format!("ended with exit status {code}")
                 });
                 SearchEnd::Failed(format!("the engine `{name}` {how}: {}", last(running)))
@@ -305,7 +315,7 @@ fn start(index: usize, lane: &Lane, sender: &SyncSender<Message>) -> io::Result<
             .spawn(move || read_errors(stderr, index, &tell))
     });
     if let Err(error) = started {
-        drop(Running { child, said: None, wrong: None, code: None });
+        drop(Running::new(child));
         return Err(error);
     }
     Ok(child)

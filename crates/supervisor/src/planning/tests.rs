@@ -107,35 +107,35 @@ fn an_engine_is_believed_only_what_is_true() {
     check(
         PLAN,
         &request(),
-        &expect![[r#"
+        &expect![[r"
         found Go a b, 2 states
         done: a plan was found
-    "#]],
+    "]],
     );
     let lie = r#"echo '{"steps":[{"action":"(go b a)"}]}'"#;
     check(
         lie,
         &request(),
-        &expect![[r#"
+        &expect![[r"
         failed: the engine `kairos` gave a plan that is not valid: step 1: (at b) does not hold; try another engine (`--engine`)
-    "#]],
+    "]],
     );
     // The second search may do better than the first.
     let liar_once = format!("if [ -e lied ]; then {PLAN}; else touch lied; {lie}; fi");
     check(
         &liar_once,
         &request(),
-        &expect![[r#"
+        &expect![[r"
         found Go a b, 2 states
         done: a plan was found
-    "#]],
+    "]],
     );
     check(
         "echo '{]'; echo hello",
         &request(),
-        &expect![[r#"
+        &expect![[r"
         failed: the engine `kairos` gave a plan that is not valid: the plan is not JSON: line 1, column 2: expected a key in quotes; try another engine (`--engine`)
-    "#]],
+    "]],
     );
 }
 
@@ -145,19 +145,19 @@ fn what_an_engine_says_is_bounded() {
     check(
         &format!("{flood}; {PLAN}"),
         &request(),
-        &expect![[r#"
+        &expect![[r"
         found Go a b, 2 states
         done: a plan was found
-    "#]],
+    "]],
     );
     let long = "printf '{'; head -c 9000000 /dev/zero | tr '\\0' '{'; echo";
     check(
         &format!("{long}; {PLAN}"),
         &request(),
-        &expect![[r#"
+        &expect![[r"
         found Go a b, 2 states
         done: a plan was found
-    "#]],
+    "]],
     );
 }
 
@@ -166,37 +166,37 @@ fn engines_that_find_nothing_say_why() {
     check(
         "exit 10",
         &request(),
-        &expect![[r#"
+        &expect![[r"
         impossible: the goal cannot be reached from these facts with these skills
-    "#]],
+    "]],
     );
     check(
         "exit 14",
         &request(),
-        &expect![[r#"
+        &expect![[r"
         not found: the engine `kairos` has found no plan; most likely there is none
-    "#]],
+    "]],
     );
     check(
         "echo 'bad luck' >&2; exit 3",
         &request(),
-        &expect![[r#"
+        &expect![[r"
         failed: the engine `kairos` ended with exit status 3: bad luck
-    "#]],
+    "]],
     );
     check(
         "kill -9 $$",
         &request(),
-        &expect![[r#"
+        &expect![[r"
         failed: the engine `kairos` was killed: it said nothing
-    "#]],
+    "]],
     );
     check(
         "exec tail -f /dev/null",
         &MakePlan { time_limit_ms: Some(20), ..request() },
-        &expect![[r#"
+        &expect![[r"
             not found: the engine `kairos` has found no plan within 0.02 s: give it more time (`--time-limit`), or fewer objects
-        "#]],
+        "]],
     );
 }
 
@@ -208,9 +208,9 @@ fn a_missing_engine_is_told_with_the_way_to_get_it() {
         &Cancel::default(),
         &mut |_| (),
     );
-    expect![[r#"
+    expect![[r"
         failed: the engine `pyperplan` is not there: --python or RAFCON_PYTHON must name a Python 3.9 or newer
-    "#]].assert_eq(&told(&events));
+    "]].assert_eq(&told(&events));
 }
 
 #[test]
@@ -219,11 +219,11 @@ fn better_plans_follow_and_worse_ones_do_not() {
     check(
         &format!("{DETOUR}; {PLAN}; {DETOUR}"),
         &anytime,
-        &expect![[r#"
+        &expect![[r"
         found Go a b, Go b a, Go a b, 4 states
         found Go a b, 2 states
         done: the last of 2 plans is the best
-    "#]],
+    "]],
     );
 }
 
@@ -234,31 +234,31 @@ fn what_cannot_be_planned_starts_no_engine() {
     check(
         engine,
         &goal("(at c)"),
-        &expect![[r#"
+        &expect![[r"
         refused: goal: `(at c)` names `c`, which is no object: add it to `(:objects …)`
-    "#]],
+    "]],
     );
     check(
         engine,
         &goal("(at b"),
-        &expect![[r#"
+        &expect![[r"
         refused: goal: line 1, column 1: this `(` is never closed
-    "#]],
+    "]],
     );
     let pool = |path: &str| PlanPool { libraries: vec![path.to_owned()], ..PlanPool::default() };
     check(
         engine,
         &MakePlan { pool: pool("nowhere"), ..request() },
-        &expect![[r#"
+        &expect![[r"
         refused: there are no libraries in `nowhere`: name a library root, or a folder below one; the pool has no skills: none of its libraries has a planner annotation
-    "#]],
+    "]],
     );
     check(
         engine,
         &MakePlan { observe: Some("pool/look".to_owned()), ..request() },
-        &expect![[r#"
+        &expect![[r"
             refused: the library pool/look is missing: …/pool/look: No such file or directory (os error 2)
-        "#]],
+        "]],
     );
 }
 
@@ -277,10 +277,10 @@ fn a_cancelled_engine_is_gone_with_all_that_it_started() {
         let anytime = MakePlan { anytime: true, ..request() };
         let events = world.plan(&anytime, &cancel, &mut |_| cancel.cancel());
         assert_eq!(ended.join().unwrap().unwrap(), 0);
-        expect![[r#"
+        expect![[r"
             found Go a b, 2 states
             cancelled: nobody waits for it any more
-        "#]]
+        "]]
         .assert_eq(&told(&events));
     });
     let cancel = Cancel::default();
