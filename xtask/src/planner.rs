@@ -122,6 +122,7 @@ fn measure(
         .arg("--out")
         .arg(folder.join(format!("{pool}_machine")));
     command.env("RAFCON_PYTHON", python);
+    #[expect(clippy::disallowed_methods, reason = "a measurement of a whole program")]
     let begin = Instant::now();
     let output = command.output().context("rafcon does not start")?;
     let ms = begin.elapsed().as_millis();

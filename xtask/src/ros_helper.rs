@@ -101,7 +101,8 @@ fn cargo(command: &str) -> Result<Command> {
     let own = fs::read_to_string(workspace::path("ros/Cargo.toml"))?;
     let main = workspace::path("ros/src/main.rs");
     let more = format!(
-        "\n[[bin]]\nname = \"rafcon-ros\"\npath = {main:?}\n\n[patch.crates-io]\nrustdds = {{ path = \"rustdds\" }}\n"
+        "\n[[bin]]\nname = \"rafcon-ros\"\npath = {:?}\n\n[patch.crates-io]\nrustdds = {{ path = \"rustdds\" }}\n",
+        main.to_string_lossy()
     );
     fs::write(&manifest, own + &more)?;
     fs::copy(workspace::path("ros/Cargo.lock"), folder.join("Cargo.lock"))?;

@@ -90,6 +90,7 @@ const MODULES: [Module; 5] = [
             "watch",
             "python",
             "documents",
+            "plans",
             "history",
             "runs",
             "socket",

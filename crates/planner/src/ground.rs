@@ -312,7 +312,7 @@ fn touch_number(number: &Number, binding: &Binding, into: &mut Touched) {
         Number::Literal(_) | Number::Duration => {}
         Number::Function(atom) => drop(into.counts.insert(binding.fact(atom))),
         Number::Combined(_, parts) => {
-            for part in parts {
+            for part in parts.iter() {
                 touch_number(part, binding, into);
             }
         }

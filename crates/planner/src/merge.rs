@@ -270,7 +270,7 @@ fn merged(
         let before = known.clone();
         for (known, other) in known.arguments.iter_mut().zip(&signature.arguments) {
             if let Some(types) = join(domain, known, other) {
-                known.types = types
+                known.types = types;
             } else {
                 let text = format!(
                     "`{before}` and `{signature}` take unrelated types: `{}` and `{}`; if they belong together, say what they are both a kind of",

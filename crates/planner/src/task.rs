@@ -46,10 +46,16 @@ impl Task {
             )
         }));
         for fact in &problem.facts {
-            check_atom(&domain, &problem, &domain.predicates, fact, &[], ("facts", &mut findings));
+            check_atom(
+                (&domain, &problem),
+                &domain.predicates,
+                fact,
+                &[],
+                ("facts", &mut findings),
+            );
         }
         for (fact, _) in &problem.numbers {
-            check_atom(&domain, &problem, &domain.functions, fact, &[], ("facts", &mut findings));
+            check_atom((&domain, &problem), &domain.functions, fact, &[], ("facts", &mut findings));
         }
         check_goal(&domain, &problem, &problem.goal, &mut Vec::new(), &mut findings);
         (Self { domain, problem }, findings)

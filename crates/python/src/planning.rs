@@ -98,7 +98,7 @@ pub(crate) fn save_plan(
 ) -> PyResult<()> {
     let found: PlanFound = serde_json::from_str(found)
         .map_err(|error| PyValueError::new_err(format!("this is no plan: {error}")))?;
-    py.detach(|| {
+    py.detach(move || {
         let machine = machine_of(&found, &roots.libraries).map_err(PyValueError::new_err)?;
         save(&machine, &folder, None, Naming::default())
             .map(drop)

@@ -140,17 +140,10 @@ fn a_plan_without_steps_is_a_machine() {
 
 #[test]
 fn failures_lead_to_what_is_declared() {
-    let skills = |planning: &str| {
-        RESTAURANT.replace("skill give", &format!("planning {planning}\nskill give"))
-    };
-    let cook = "(cook bob pizza)";
+    let declared = r#"planning {"check": "pool/is_there", "retries": 2, "then": "ask"}"#;
+    let skills = RESTAURANT.replace("skill give", &format!("{declared}\nskill give"));
     check(
-        make(
-            &skills("{\"check\": \"pool/is_there\", \"retries\": 2, \"then\": \"ask\"}"),
-            cook,
-            Recovery::default(),
-            None,
-        ),
+        make(&skills, "(cook bob pizza)", Recovery::default(), None),
         &expect![[r#"
             hierarchy THSKWG "lunch"
               outcome success
@@ -214,8 +207,15 @@ fn failures_lead_to_what_is_declared() {
                       script ""
         "#]],
     );
+}
+
+#[test]
+fn what_a_recovery_needs_and_is_not_there_is_named() {
+    let cook = "(cook bob pizza)";
+    let skills =
+        RESTAURANT.replace("skill give", "planning {\"check\": \"pool/missing\"}\nskill give");
     check(
-        make(&skills("{\"check\": \"pool/missing\"}"), cook, Recovery::default(), None),
+        make(&skills, cook, Recovery::default(), None),
         &expect!["the library pool/missing is missing: nobody has it"],
     );
     check(
@@ -224,17 +224,23 @@ fn failures_lead_to_what_is_declared() {
     );
 }
 
-#[test]
-fn a_machine_plans_again_around_a_failure() {
+const REPLAN: Recovery = Recovery { retries: 0, then: Then::Replan };
+
+fn observed_by(path: &str, root: Arc<State>) -> Replanning {
+    let inputs = vec![("goal".into(), Value::str("(be-full alice)"))];
+    Replanning { observe: (path.into(), root), inputs }
+}
+
+fn observed() -> Replanning {
     let mut observer = (*root("observe", "", &Json::object())).clone();
     observer.outputs.insert(Port::new(PortId(7), "facts", DataType::Str, Value::str("")));
-    let replanning = Replanning {
-        observe: ("pool/observe".into(), Arc::new(observer)),
-        inputs: vec![("goal".into(), Value::str("(be-full alice)"))],
-    };
-    let recovery = Recovery { retries: 0, then: Then::Replan };
+    observed_by("pool/observe", Arc::new(observer))
+}
+
+#[test]
+fn a_machine_plans_again_around_a_failure() {
     check(
-        make(RESTAURANT, "(cook bob pizza)\n(eat alice pizza)", recovery, Some(&replanning)),
+        make(RESTAURANT, "(cook bob pizza)\n(eat alice pizza)", REPLAN, Some(&observed())),
         &expect![[r#"
             hierarchy IZHCZT "lunch"
               outcome success
@@ -305,12 +311,13 @@ fn a_machine_plans_again_around_a_failure() {
                       return planning.replan(self, inputs, outputs)
         "#]],
     );
-    let blind = Replanning {
-        observe: ("pool/blind".into(), root("blind", "", &Json::object())),
-        ..replanning
-    };
+}
+
+#[test]
+fn who_observes_must_say_the_facts() {
+    let blind = observed_by("pool/blind", root("blind", "", &Json::object()));
     check(
-        make(RESTAURANT, LUNCH, recovery, Some(&blind)),
+        make(RESTAURANT, LUNCH, REPLAN, Some(&blind)),
         &expect!["the library pool/blind has no output `facts`: add it"],
     );
 }
