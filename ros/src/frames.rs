@@ -68,19 +68,19 @@ pub(crate) struct Outbox {
 
 impl Outbox {
     /// One whose frames a thread of its own writes to `to`; when that fails, the program ends.
-    pub(crate) fn new(mut to: impl Write + Send + 'static) -> Self {
+    pub(crate) fn new(mut to: impl Write + Send + 'static) -> std::io::Result<Self> {
         let (frames, mut waiting) = mpsc::unbounded_channel::<(Frame, usize)>();
         let room = Arc::new(Semaphore::new(WAITING_MAX));
         let given_back = Arc::clone(&room);
-        std::thread::spawn(move || {
+        std::thread::Builder::new().name("frames".to_owned()).spawn(move || {
             while let Some((frame, size)) = waiting.blocking_recv() {
                 if write(&frame, &mut to).is_err() {
                     std::process::exit(0);
                 }
                 given_back.add_permits(size);
             }
-        });
-        Self { frames, room }
+        })?;
+        Ok(Self { frames, room })
     }
 
     /// Sends an answer, or something of which there are few.

@@ -80,14 +80,17 @@ impl Complaints<'_> {
     }
 }
 
+/// What is heard, and who is told.
+pub(crate) struct Heard {
+    pub(crate) of: Arc<Type>,
+    /// Of the topic or service.
+    pub(crate) name: String,
+    pub(crate) outbox: Outbox,
+}
+
 /// Tells each message of a topic, for ever.
-pub(crate) async fn messages(
-    reader: Reader,
-    of: Arc<Type>,
-    topic: String,
-    handle: u64,
-    outbox: Outbox,
-) {
+pub(crate) async fn messages(reader: Reader, heard: Heard, handle: u64) {
+    let Heard { of, name: topic, outbox } = heard;
     let mut complaints = Complaints { about: &topic, outbox: &outbox, count: 0 };
     let stream = reader.as_async_stream();
     tokio::pin!(stream);
@@ -104,14 +107,8 @@ pub(crate) async fn messages(
 }
 
 /// Tells each response to a call, for ever. `writer` is what sends the requests.
-pub(crate) async fn responses(
-    reader: Reader,
-    of: Arc<Type>,
-    service: String,
-    writer: GUID,
-    calls: Calls,
-    outbox: Outbox,
-) {
+pub(crate) async fn responses(reader: Reader, heard: Heard, writer: GUID, calls: Calls) {
+    let Heard { of, name: service, outbox } = heard;
     let own = reader.guid();
     let mut complaints = Complaints { about: &service, outbox: &outbox, count: 0 };
     let stream = reader.as_async_stream();
@@ -145,14 +142,8 @@ pub(crate) fn failed(call: u64, why: &str) -> String {
 }
 
 /// Tells each request to a service, for ever.
-pub(crate) async fn requests(
-    reader: Reader,
-    of: Arc<Type>,
-    service: String,
-    handle: u64,
-    asked: Asked,
-    outbox: Outbox,
-) {
+pub(crate) async fn requests(reader: Reader, heard: Heard, handle: u64, asked: Asked) {
+    let Heard { of, name: service, outbox } = heard;
     let mut complaints = Complaints { about: &service, outbox: &outbox, count: 0 };
     let stream = reader.as_async_stream();
     tokio::pin!(stream);

@@ -70,8 +70,9 @@ fn types(names: &[&str]) -> ExitCode {
 fn serve() -> ExitCode {
     let runtime =
         tokio::runtime::Builder::new_multi_thread().worker_threads(2).enable_all().build();
-    let runtime = match runtime {
-        Ok(runtime) => runtime,
+    let started = runtime.and_then(|runtime| Ok((runtime, Outbox::new(std::io::stdout())?)));
+    let (runtime, outbox) = match started {
+        Ok(started) => started,
         Err(why) => {
             let _ = writeln!(std::io::stderr(), "rafcon-ros: cannot start: {why}");
             return ExitCode::FAILURE;
@@ -84,7 +85,6 @@ fn serve() -> ExitCode {
         std::process::exit(70);
     }));
     let _inside = runtime.enter();
-    let outbox = Outbox::new(std::io::stdout());
     let mut session = Session::new(outbox.clone());
     let mut input = std::io::BufReader::with_capacity(1 << 16, std::io::stdin());
     let code = loop {

@@ -18,7 +18,7 @@ use crate::dds::payload::Payload;
 use crate::dds::qos::Qos;
 use crate::dds::{liveness, names};
 use crate::frames::Outbox;
-use crate::hear::{self, Asked, Calls};
+use crate::hear::{self, Asked, Calls, Heard};
 use crate::json::{self, Json};
 use crate::tell::{self, Counted, Counts};
 use crate::types::library::{Kind, Library, Type};
@@ -32,7 +32,7 @@ const CLIENT_KNOWN: std::time::Duration = std::time::Duration::from_secs(1);
 enum Made {
     Publisher { publisher: Publisher, of: Arc<Type>, topic: String },
     Subscription { id: GUID, task: JoinHandle<()> },
-    Client { writer: Writer, reader: GUID, of: Arc<Type>, calls: Calls, task: JoinHandle<()> },
+    Client { writer: Arc<Writer>, reader: GUID, of: Arc<Type>, calls: Calls, task: JoinHandle<()> },
     Service { writer: Arc<Writer>, reader: GUID, of: Arc<Type>, asked: Asked, task: JoinHandle<()> },
 }
 
@@ -139,6 +139,10 @@ impl Session {
         Ok(describe::all(&found.iter().map(AsRef::as_ref).collect::<Vec<_>>()))
     }
 
+    fn heard(&self, of: Arc<Type>, name: String) -> Heard {
+        Heard { of, name, outbox: self.outbox.clone() }
+    }
+
     /// Counts the peers of what was made.
     fn count(&mut self, handle: u64, counted: Counted, made: Made) {
         self.counts.lock().unwrap_or_else(PoisonError::into_inner).insert(handle, (counted, 0));
@@ -163,7 +167,7 @@ impl Session {
         let (topic, of, part) = self.topic(asked, true)?;
         let reader = self.node()?.reader(part, is_large(&of))?;
         let id = reader.guid();
-        let task = tokio::spawn(hear::messages(reader, of, topic, handle, self.outbox.clone()));
+        let task = tokio::spawn(hear::messages(reader, self.heard(of, topic), handle));
         self.count(handle, Counted::One(id), Made::Subscription { id, task });
         Ok(())
     }
@@ -203,16 +207,10 @@ impl Session {
     fn client(&mut self, asked: &Json) -> Result<(), String> {
         let (service, [of, answer], [requests, responses]) = self.halves(asked, true)?;
         let reader = self.node()?.reader(responses, false)?;
-        let writer = self.node()?.writer(requests, false)?;
+        let writer = Arc::new(self.node()?.writer(requests, false)?);
         let (id, calls) = (reader.guid(), Calls::default());
-        let listen = hear::responses(
-            reader,
-            answer,
-            service,
-            writer.guid(),
-            Arc::clone(&calls),
-            self.outbox.clone(),
-        );
+        let listen =
+            hear::responses(reader, self.heard(answer, service), writer.guid(), Arc::clone(&calls));
         let counted = Counted::Both(writer.guid(), id);
         let made = Made::Client { writer, reader: id, of, calls, task: tokio::spawn(listen) };
         self.count(asked.number("handle")?, counted, made);
@@ -225,14 +223,8 @@ impl Session {
         let writer = Arc::new(self.node()?.writer(responses, false)?);
         let reader = self.node()?.reader(requests, false)?;
         let (id, waiting) = (reader.guid(), Asked::default());
-        let listen = hear::requests(
-            reader,
-            request,
-            service,
-            handle,
-            Arc::clone(&waiting),
-            self.outbox.clone(),
-        );
+        let listen =
+            hear::requests(reader, self.heard(request, service), handle, Arc::clone(&waiting));
         let counted = Counted::Both(writer.guid(), id);
         let made =
             Made::Service { writer, reader: id, of, asked: waiting, task: tokio::spawn(listen) };
@@ -345,7 +337,7 @@ impl Session {
             Made::Client { writer, reader, task, .. } => {
                 task.abort();
                 node.forget(reader);
-                self.ending.push(farewell(node, Arc::new(writer)));
+                self.ending.push(farewell(node, writer));
             }
             Made::Service { writer, reader, task, .. } => {
                 task.abort();
