@@ -3,6 +3,7 @@
 The binary and the extension are those of the debug build, or of ``RAFCON_BINARY`` and ``RAFCON_EXTENSION``.
 """
 
+import contextlib
 import json
 import os
 import pathlib
@@ -15,6 +16,7 @@ import tempfile
 import threading
 import time
 import unittest
+import urllib.error
 import urllib.request
 
 from peers import PACKAGE, STUCK_S, WithPeer
@@ -121,7 +123,9 @@ class Served:
     def stop_all(self):
         """Stops what runs, and returns when nothing does."""
         for run in self.live():
-            self.ask("POST", f"/runs/{run}/commands", {"id": f"end-{run}", "command": {"type": "stop"}})
+            # One that has ended meanwhile cannot be stopped.
+            with contextlib.suppress(urllib.error.HTTPError):
+                self.ask("POST", f"/runs/{run}/commands", {"id": f"end-{run}", "command": {"type": "stop"}})
         while self.live():
             pass
 

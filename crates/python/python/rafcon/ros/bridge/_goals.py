@@ -19,6 +19,8 @@ _START_S = 130.0
 _LOOK_S = 0.02
 #: A runner that died may be followed by another within this time (s).
 _CRASHED_S = 1.0
+#: A run that is not told of for this time (s) is gone.
+_MISSING_S = 10.0
 #: Outcomes that are no success.
 _FAILURES = ("aborted", "preempted")
 
@@ -100,9 +102,10 @@ class Goals:
                 )
         machine = {"project": asked.machine.project, "path": asked.machine.path}
         body = {"id": f"ros-{uuid.uuid4().hex}", "machine": machine, "inputs": asked.inputs}
-        begun = self._client.post("/runs", body, _START_S)
+        run = self._client.post("/runs", body, _START_S)["id"]
+        self._watch.followed.add(run)
         self._watch.now()
-        return begun["id"]
+        return run
 
     def work(self, received):
         """The callback of an action: from the beginning of the run to its end."""
@@ -110,10 +113,11 @@ class Goals:
         try:
             return self._follow(received, asked, run)
         finally:
+            self._watch.followed.discard(run)
             self._leave()
 
     def _follow(self, received, asked, run):
-        told, stopping, crashed_s = None, False, None
+        told, stopping, crashed_s, seen_s = None, False, None, time.monotonic()
         while self.over is None:
             now = self._watch.find(run)
             if received.canceled and not stopping:
@@ -126,6 +130,9 @@ class Goals:
             if is_gone and time.monotonic() - crashed_s >= _CRASHED_S:
                 words = f"the process of the run {run} has died: resume it with `rafcon resume {run}`, or send the goal again"
                 raise self._aborted(asked, run, "", {}, words)
+            seen_s = time.monotonic() if now is not None or self._watch.is_blind else seen_s
+            if time.monotonic() - seen_s >= _MISSING_S:
+                raise self._aborted(asked, run, "", {}, f"the server has no run {run} any more: somebody has deleted it")
             if now is not None and now.active != told:
                 told = now.active
                 feedback = asked.feedback(run, list(told))

@@ -1,6 +1,7 @@
 """The bridge as a whole: what it offers to ROS, for as long as its server lives."""
 
-import queue
+import contextlib
+import os
 import threading
 
 from rafcon import ros
@@ -25,7 +26,9 @@ _LOOK_S = 1.0
 
 def tell(text):
     """Says a line to whoever started the server."""
-    print(f"ROS: {text}", flush=True)
+    # A server that was killed reads no more.
+    with contextlib.suppress(OSError):
+        print(f"ROS: {text}", flush=True)
 
 
 class Bridge:
@@ -35,10 +38,9 @@ class Bridge:
         self._client = Client(told["server"], told["token"], told.get("fingerprint"))
         ros.configure(name="bridge", namespace=told["namespace"], backend=_backend())
         self._here = _node.node()
-        self._runs_to_tell = queue.SimpleQueue()
         self._news = threading.Event()
         self._topic = _state.Topic(tell)
-        self._watch = Watch(self._client, self._looked)
+        self._watch = Watch(self._client, self._looked, tell)
         self._goals = Goals(self._client, self._watch, self._here.types.build, tell)
         self._commands = Commands(self._client, self._watch, self._known)
         self._machines = []
@@ -153,8 +155,6 @@ class Bridge:
 
 def _backend():
     """The back end that knows the bridge's own types without more ado, unless another is wanted."""
-    import os
-
     if os.environ.get(_node.BACKEND_VARIABLE):
         return None
     try:

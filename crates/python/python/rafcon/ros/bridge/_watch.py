@@ -47,15 +47,20 @@ def _holder(control):
 class Watch:
     """The runs, and what wakes those who wait for one."""
 
-    def __init__(self, client, changed):
+    def __init__(self, client, changed, tell):
         self._client = client
+        self._tell = tell
         self._changed = changed
         self._news = threading.Condition()
         self._looking = threading.Lock()
         self._wanted = threading.Event()
         self._runs = {}
         self._closed = False
+        #: Whether the server did not answer when it was asked last.
+        self.is_blind = False
         self.files_revision = None
+        #: Runs of goals, which are told however many are over.
+        self.followed = set()
 
     def look(self):
         """Looks once, and tells those who wait; returns the runs."""
@@ -73,9 +78,8 @@ class Watch:
         self._changed(runs if before != [each.shown for each in runs] else None)
         return runs
 
-    @staticmethod
-    def _told(summaries):
-        over = [each for each in summaries if each["phase"] not in _LIVE]
+    def _told(self, summaries):
+        over = [each for each in summaries if each["phase"] not in _LIVE and each["id"] not in self.followed]
         left_out = {each["id"] for each in over[_OVER_MAX:]}
         return [each for each in summaries if each["id"] not in left_out]
 
@@ -95,11 +99,12 @@ class Watch:
             pause_s = IDLE_S
             try:
                 pause_s = BUSY_S if any(each.is_live for each in self.look()) else IDLE_S
-                told = None
+                told, self.is_blind = None, False
             except (NoAnswer, Refused) as error:
+                self.is_blind = True
                 if str(error) != told:
                     told = str(error)
-                    print(f"ROS: the runs are not known at the moment: {error}", flush=True)
+                    self._tell(f"the runs are not known at the moment: {error}")
             self._wanted.wait(pause_s)
             self._wanted.clear()
 
