@@ -129,6 +129,14 @@ class Served:
         while self.live():
             pass
 
+    def bridge(self):
+        """The number of the bridge's process."""
+        children = [file.read_text().split() for file in pathlib.Path(f"/proc/{self.process.pid}/task").glob("*/children")]
+        for pid in sum(children, []):
+            if b"the bridge to ROS 2" in pathlib.Path(f"/proc/{pid}/cmdline").read_bytes():
+                return int(pid)
+        raise AssertionError("there is no bridge")
+
     def end(self, how=signal.SIGTERM):
         self.process.send_signal(how)
         self.process.wait()
@@ -267,6 +275,21 @@ class Ends(unittest.TestCase):
         thread.join()
         print(f"after {signal.Signals(how).name}: {found.outcome} in {time.monotonic() - begun_s:.2f} s", flush=True)
         return run, found
+
+    def test_a_bridge_that_dies_is_started_again_and_no_run_ends(self):
+        told, ended = queue.Queue(), queue.Queue()
+        thread = threading.Thread(target=lambda: ended.put(ros.action("/robot/run_machine", {"machine": "wait"}, find=20, feedback=told.put)))
+        thread.start()
+        run = told.get(timeout=30).run
+        os.kill(self.served.bridge(), signal.SIGKILL)
+        self.assertEqual(ended.get(timeout=30).outcome, "aborted")
+        thread.join()
+        self.served.until(r"the bridge to ROS has ended \(killed by signal 9 \(SIGKILL\)\)")
+        self.served.until("robot/wait is the action /machines/wait")
+        self.assertEqual(self.served.live(), [run])
+        self.assertEqual(ros.action("/robot/run_machine", {"machine": "fib"}, find=20).outcome, "succeeded")
+        self.served.stop_all()
+        self.served.end()
 
     def test_a_goal_whose_server_dies_is_aborted_and_its_run_goes_on(self):
         for how in (signal.SIGKILL, signal.SIGTERM):
