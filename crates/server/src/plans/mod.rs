@@ -9,7 +9,7 @@ use axum::body::{Body as AnswerBody, Bytes};
 use axum::extract::State;
 use axum::http::header::CONTENT_TYPE;
 use axum::response::{IntoResponse as _, Response};
-use futures_util::stream;
+use futures_util::{StreamExt as _, stream};
 use rafcon_protocol::api::{MakePlan, PlanDomain, PlanEvent, PlanPool, Refusal};
 use rafcon_supervisor::Interpreter;
 use rafcon_supervisor::planning::{Cancel, Planner, domain};
@@ -100,7 +100,9 @@ async fn make_plan(
     let body = stream::unfold(wanted, |mut wanted| async move {
         let line = wanted.lines.recv().await?;
         Some((Ok::<_, Infallible>(line), wanted))
-    });
+    })
+    // A body may be asked again after its end.
+    .fuse();
     Ok(([(CONTENT_TYPE, "application/jsonl")], AnswerBody::from_stream(body)).into_response())
 }
 

@@ -60,6 +60,22 @@ fn a_plan_is_told_with_its_machine() {
 }
 
 #[test]
+fn a_packed_answer_has_an_end() {
+    let folder = tempfile::tempdir().unwrap();
+    let server = server(&folder, PLAN);
+    let body = request().to_string();
+    let mut browser = Raw::to(&server);
+    browser.say(format!(
+        "POST /api/v1/plans HTTP/1.1\r\nHost: {}\r\nAuthorization: Bearer {}\r\nContent-Type: application/json\r\n\
+         Accept-Encoding: gzip\r\nConnection: close\r\nContent-Length: {}\r\n\r\n{body}",
+        server.address(),
+        server.token(Role::Engineer),
+        body.len()
+    ));
+    assert!(browser.rest().ends_with("\r\n0\r\n\r\n"));
+}
+
+#[test]
 fn skills_add_up_to_a_domain() {
     let folder = tempfile::tempdir().unwrap();
     let server = server(&folder, PLAN);
