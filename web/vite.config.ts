@@ -10,12 +10,20 @@ const passedOn = { target: server, ws: true, changeOrigin: true, headers: { orig
 /** Few files, for each request costs a round trip: what the page begins with, what the editor shows at first, all other panels
  * and dialogs, and the editor of scripts. Higher numbers take first what several need. */
 const EDITOR =
-  /src\/panels\/(inspector\/(?!code\/|script_code|script_conflict|markdown)|libraries\/|globals\/|problems\/)|@lezer\/(python|lr|common|highlight)\//;
+  /src\/panels\/(inspector\/(?!code\/|script_code|script_conflict|skill_form|markdown)|libraries\/|globals\/|problems\/)|@lezer\/(python|lr|common|highlight)\//;
 const GROUPS = [
   { name: "page", test: /src\/app\/main\.tsx$/, priority: 4 },
   { name: "editor", test: EDITOR, priority: 3 },
-  { name: "later", test: /src\/(panels\/(?!inspector\/)|app\/(dialogs\/|palette))/, priority: 2 },
-  { name: "script", test: /(script_code|script_conflict|text_difference)\.tsx$/, priority: 1 },
+  {
+    name: "later",
+    test: /src\/(panels\/(?!inspector\/|parts\/(pddl_|code_look))|app\/(dialogs\/|palette))/,
+    priority: 2,
+  },
+  {
+    name: "script",
+    test: /(script_code|script_conflict|skill_form|pddl_field|text_difference)\.tsx$/,
+    priority: 1,
+  },
 ];
 
 /** The page is written for React and shipped with Preact, which its own module makes complete. */

@@ -222,9 +222,11 @@ fn interface_environment() -> Result<PathBuf> {
 fn browser(product: &Product) -> Result<()> {
     web::build()?;
     let reference = Reference::installed()?;
+    let engine = engine_environment()?;
     let mut journeys = web::program("vitest")?;
     journeys.args(["run", "--config", "e2e/vitest.config.ts"]);
     journeys.env("RAFCON_BINARY", &product.binary).env("RAFCON_EXTENSION", &product.extension);
+    journeys.env("RAFCON_KAIROS", engine.with_file_name("kairos"));
     journeys.env("RAFCON_REFERENCE_PYTHON", &reference.python);
     process::run(journeys.env("RAFCON_REFERENCE_SHARE", &reference.share))?;
     bench_web::soak_briefly(product)

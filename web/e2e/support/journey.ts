@@ -21,6 +21,8 @@ export interface Setting {
   readonly browser?: BrowserContextOptions;
   /** The page is that of a station, and the machines are on a robot far away, `scout`. */
   readonly isStation?: boolean;
+  /** What the server finds on its path beside what is there for everybody. */
+  readonly programs?: () => readonly string[];
 }
 
 /** What a journey has at hand. */
@@ -74,9 +76,10 @@ async function begin(setting: Setting): Promise<readonly [Server, Server]> {
   return beginStation(place);
 }
 
-function placeOf({ open, machines, libraries }: Setting): Place {
+function placeOf({ open, machines, libraries, programs }: Setting): Place {
   const example = open && !machines?.[open] ? [open] : [];
-  return newPlace({ ...examples(...example), ...machines }, libraries);
+  const place = newPlace({ ...examples(...example), ...machines }, libraries);
+  return programs ? { ...place, programs: programs() } : place;
 }
 
 const PASSWORD = "correct horse";

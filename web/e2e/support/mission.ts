@@ -18,7 +18,7 @@ export interface Step {
 
 const ELEMENTS = "rafcon.core.state_elements";
 
-/** Writes a mission of steps, one after the other, into a folder of its own. */
+/** Writes a mission of steps, one after the other or none, into a folder of its own. */
 export function missionFolder(name: string, steps: readonly Step[]): string {
   const folder = join(mkdtempSync(join(tmpdir(), "rafcon-mission-")), name);
   mkdirSync(folder);
@@ -33,7 +33,8 @@ export function missionFolder(name: string, steps: readonly Step[]): string {
     { from: id, outcome: 0, to: next[at] ?? null },
     { from: id, outcome: -1, to: next[at] ?? null },
   ]);
-  const all = [{ from: null, outcome: null, to: steps[0]?.id ?? null }, ...ways];
+  const start = steps.map(({ id }) => ({ from: null, outcome: null, to: id })).slice(0, 1);
+  const all = [...start, ...ways];
   const transitions = all.map(({ from, outcome, to }, at) => [
     at + 1,
     {

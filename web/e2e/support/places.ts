@@ -27,6 +27,8 @@ export interface Place {
   readonly project: string;
   /** Library roots by name: copies in the project, so that they can be edited too. */
   readonly libraries: Readonly<Record<string, string>>;
+  /** What the server finds on its path beside what is there for everybody. */
+  readonly programs?: readonly string[];
 }
 
 const LIBRARIES = { examples: join(EXAMPLES, "libraries") };

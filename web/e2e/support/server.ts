@@ -3,7 +3,7 @@
 import { type ChildProcess, execFileSync, spawn } from "node:child_process";
 import { once } from "node:events";
 import { readdirSync, readFileSync, rmSync } from "node:fs";
-import { join } from "node:path";
+import { delimiter, dirname, join } from "node:path";
 import { createInterface } from "node:readline";
 import type { Readable } from "node:stream";
 import { binary, type Place } from "./places.ts";
@@ -127,7 +127,9 @@ export class Server {
     for (const [name, root] of Object.entries(libraries)) {
       words.push("--library-path", `${name}=${root}`);
     }
-    const env = { ...process.env, ...foldersIn(this.place) };
+    const { programs = [] } = this.place;
+    const path = [process.env["PATH"], ...programs.map(dirname)].join(delimiter);
+    const env = { ...process.env, PATH: path, ...foldersIn(this.place) };
     const isStation = this.#command === "station";
     const stdio = ["ignore", "pipe", isStation ? "pipe" : "inherit"] as const;
     const child = spawn(binary(), words, { env, stdio: [...stdio] });

@@ -17,6 +17,7 @@ import {
   ListVideo,
   type LucideIcon,
   Radar,
+  Route,
   ScrollText,
   Search as SearchSign,
   SlidersHorizontal,
@@ -48,6 +49,9 @@ const Libraries = onDemand(
   async () => (await import("../panels/libraries/libraries.tsx")).Libraries,
 );
 const Log = onDemand(async () => (await import("../panels/log/log.tsx")).Log);
+const PlannerPanel = onDemand(
+  async () => (await import("../panels/planner/planner.tsx")).PlannerPanel,
+);
 const Problems = onDemand(async () => (await import("../panels/problems/problems.tsx")).Problems);
 const RunHistory = onDemand(async () => (await import("../panels/history/history.tsx")).RunHistory);
 const Running = onDemand(async () => (await import("../panels/running/running.tsx")).Running);
@@ -94,6 +98,7 @@ export const PANELS: readonly Panel[] = [
     component: Inspector,
     side: "right",
   },
+  { id: "planner", title: "Planner", icon: Route, component: PlannerPanel, side: "right" },
   {
     id: "watches",
     title: "Watches",
@@ -144,6 +149,7 @@ export const LATER: readonly OnDemand<never>[] = [
   Globals,
   Inspector,
   Libraries,
+  PlannerPanel,
   Problems,
   Running,
   Runs,

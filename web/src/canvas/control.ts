@@ -9,6 +9,8 @@ export interface CanvasControl {
   readonly fit: (paths: readonly string[]) => void;
   /** Flies so far that the element can be seen and read, and no farther. */
   readonly reveal: (element: ElementRef) => void;
+  /** Flies to the machine that is offered, or to one of its states. */
+  readonly revealGhost: (path?: string) => void;
   /** Zooms about the middle of the view. */
   readonly zoom: (factor: number) => void;
   /** Moves what is shown by so many CSS pixels. */

@@ -13,6 +13,7 @@ import type { Dragged } from "../store/page/dragged.ts";
 import type { OpenTab } from "../store/page/page.ts";
 import { type Camera, select, selected, toggle } from "../store/page/view.ts";
 import { visibleBox, zoomedAt } from "./camera.ts";
+import { ghostBox } from "./ghost.ts";
 import { hitAt, routeOf, statesAt } from "./hit/hit.ts";
 import type { CanvasHit } from "./hit/look.ts";
 import { extentOn } from "./hit/shown.ts";
@@ -375,6 +376,18 @@ export class InteractionController {
     if (!box) return;
     const camera = revealing(box, view.camera.peek(), this.#host.size());
     if (camera !== view.camera.peek()) this.#host.fly(camera);
+  }
+
+  /** Flies to the machine that is offered, or so far that a state of it can be read. */
+  revealGhost(path?: string): void {
+    const { view } = this.#host.tab;
+    const ghost = view.ghost.peek();
+    const box = ghost && ghostBox(this.layout(), ghost, path ?? ghost.machine.root);
+    if (!box) return;
+    const size = this.#host.size();
+    const camera =
+      path === undefined ? filling([box], size) : revealing(box, view.camera.peek(), size);
+    if (camera) this.#host.fly(camera);
   }
 
   /** Where an element is to be seen: ports with their state, connections as they are drawn. */

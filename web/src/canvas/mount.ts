@@ -144,6 +144,7 @@ function controlOf(
   return {
     fit: (paths) => controller.fit(paths),
     reveal: (element) => controller.reveal(element),
+    revealGhost: (path) => controller.revealGhost(path),
     zoom: (factor) => controller.zoom(factor),
     pan: (by) => {
       flight.stop();

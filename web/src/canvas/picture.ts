@@ -9,6 +9,7 @@ import { perOwner } from "../model/per_owner.ts";
 import { onTheme, scaledContext } from "../store/canvas_element.ts";
 import type { MachineSession } from "../store/document/machine_session.ts";
 import type { OpenTab } from "../store/page/page.ts";
+import { ghostLayers } from "./ghost.ts";
 import { IdleRouter } from "./idle_router.ts";
 import { type LayoutTree, layoutTreeOf } from "./layout_tree.ts";
 import type { Overlay } from "./overlay.ts";
@@ -69,6 +70,11 @@ const FRAME_MS = 11;
 const LEAST_ROUTING_MS = 2;
 const MOST_ROUTING_MS = 6;
 
+function withGhost(list: DrawList, ghost: Pick<DrawList, "layers" | "unfinished">): DrawList {
+  const layers = [...list.layers, ...ghost.layers];
+  return { ...list, layers, unfinished: list.unfinished || ghost.unfinished };
+}
+
 const EMPTY: DrawList = { layers: [], wanted: [], soon: [], unfinished: false };
 
 /** Puts a picture into an element, and keeps it true. */
@@ -98,7 +104,10 @@ export function pictureIn(place: HTMLElement, options: PictureOptions): CanvasPi
     if (!context || !measure || size.width === 0 || size.height === 0) return;
     const from = performance.now();
     const routing = routingTime(FRAME_MS - lasted);
-    list = scene(inputOf(options, layout(), size, measure, routing.mayGoOn));
+    const input = inputOf(options, layout(), size, measure, routing.mayGoOn);
+    list = scene(input);
+    const ghost = view.ghost.peek();
+    if (ghost) list = withGhost(list, ghostLayers(input, ghost));
     scaledContext(canvas, size);
     context.fillStyle = colours["ground"] ?? "";
     context.fillRect(0, 0, size.width, size.height);
@@ -228,6 +237,7 @@ function follow({ tab, overlay, extras }: PictureOptions): void {
   view.modes.value;
   view.contents.value;
   view.marks.value;
+  view.ghost.value;
   overlay();
   extras?.();
 }

@@ -8,6 +8,7 @@ import { FILE } from "./file.ts";
 import { HELP } from "./help.ts";
 import { INSERT } from "./insert.ts";
 import { MISSION } from "./mission.ts";
+import { PLANNER } from "./planner.ts";
 import { RUN } from "./run.ts";
 import { RUN_CRASH } from "./run_crash.ts";
 import { RUN_PLACE } from "./run_place.ts";
@@ -28,7 +29,7 @@ export function allCommands(): Commands {
     ...RUN_SHOW,
     ...RUN_TIME,
   ];
-  for (const topic of [FILE, EDIT, INSERT, ARRANGE, VIEW, runs, MISSION, CONTROL, HELP])
+  for (const topic of [FILE, EDIT, INSERT, PLANNER, ARRANGE, VIEW, runs, MISSION, CONTROL, HELP])
     commands.add(topic);
   return commands;
 }

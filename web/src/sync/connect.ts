@@ -10,7 +10,7 @@ import { Socket, type Wire, type WireNews } from "./socket.ts";
 /** Connects, and goes on connecting until `close`. */
 export function connect(address: Address): Server & { readonly close: () => void } {
   const delay = new Delay();
-  const { request, askAgain } = requests(address, {
+  const { request, lines, askAgain } = requests(address, {
     clock: WALL_CLOCK,
     limit_ms: (isRepeated, bytes) => delay.request_ms(isRepeated, bytes),
     alive: () => socket.alive(),
@@ -39,6 +39,7 @@ export function connect(address: Address): Server & { readonly close: () => void
     link: socket.link,
     pulse: socket.pulse,
     request,
+    lines,
     follow: (follower) => socket.follow(follower),
     onAnswer: (listener) => socket.onAnswer(listener),
     say: (frame) => socket.say(frame),

@@ -107,3 +107,46 @@ describe("a request", () => {
     expect(await once).toBe("404 no");
   });
 });
+
+describe("what comes line by line", () => {
+  const asked = (control = new AbortController()) => {
+    const network = setUp();
+    const told: unknown[] = [];
+    const done = network.lines("/plans", {}, (line) => told.push(line), control.signal);
+    return { ...network, told, done, control };
+  };
+
+  it("is told at each line, wherever the pieces break", async () => {
+    const { answers, told, done } = asked();
+    answers[0]?.begin(200);
+    answers[0]?.piece('{"a":1}\n{"b"');
+    await settle();
+    expect(told).toEqual([{ a: 1 }]);
+    answers[0]?.piece(":2}\n3");
+    answers[0]?.end();
+    await done;
+    expect(told).toEqual([{ a: 1 }, { b: 2 }, 3]);
+  });
+
+  it("ends without a word when it is not wanted any more", async () => {
+    const { answers, told, done, control } = asked();
+    answers[0]?.begin(200);
+    answers[0]?.piece("1\n");
+    await settle();
+    control.abort();
+    await done;
+    expect(told).toEqual([1]);
+  });
+
+  it("is refused as other requests are", async () => {
+    const busy = asked();
+    busy.answers[0]?.begin(429);
+    busy.answers[0]?.piece('{"code":"too_many_plans","message":"later"}');
+    busy.answers[0]?.end();
+    expect(await fate(busy.done)).toBe("429 too_many_plans");
+    const unreadable = asked();
+    unreadable.answers[0]?.begin(200);
+    unreadable.answers[0]?.piece("<html>\n");
+    expect(await fate(unreadable.done)).toBe("200 unreadable");
+  });
+});

@@ -24,6 +24,7 @@ interface RequestPorts {
 
 export interface Requests {
   readonly request: Server["request"];
+  readonly lines: Server["lines"];
   /** Gives up requests that are repeated and have no answer yet: what they were sent over was silent. */
   readonly askAgain: () => void;
 }
@@ -64,7 +65,28 @@ export function requests(address: Address, ports: RequestPorts): Requests {
     }
   };
 
+  const lines: Server["lines"] = async (path, body, tell, signal) => {
+    let status = 0;
+    let refused = "";
+    try {
+      const init = { method: "POST", headers, signal, body: JSON.stringify(body) };
+      const answer = await fetch(`${address.url}/api/v1${path}`, init);
+      status = answer.status;
+      ports.alive();
+      if (!answer.ok) refused = await answer.text();
+      else await readLines(answer, ports.alive, tell);
+    } catch (error) {
+      if (signal.aborted) return;
+      if (error instanceof SyntaxError) throw new RefusalError(refusal("", status), status);
+      throw new RefusalError(BROKEN, 0);
+    } finally {
+      ports.onResponse("POST", path, status);
+    }
+    if (status < 200 || status > 299) throw new RefusalError(refusal(refused, status), status);
+  };
+
   return {
+    lines,
     askAgain: () => {
       for (const control of repeated) control.abort();
     },
@@ -108,6 +130,27 @@ async function read(answer: Response, came: () => void): Promise<string> {
     text += decoder.decode(value, { stream: true });
   }
 }
+
+/** Tells each line of an answer once it is whole. */
+async function readLines<T>(answer: Response, came: () => void, tell: (line: T) => void) {
+  const reader = answer.body?.getReader();
+  const decoder = new TextDecoder();
+  let rest = "";
+  for (;;) {
+    const piece = await reader?.read();
+    if (!piece || piece.done) break;
+    came();
+    const whole = (rest + decoder.decode(piece.value, { stream: true })).split("\n");
+    rest = whole.pop() ?? "";
+    for (const line of whole) if (line !== "") tell(JSON.parse(line) as T);
+  }
+  if (rest !== "") tell(JSON.parse(rest) as T);
+}
+
+const BROKEN: Refusal = {
+  code: "no_answer",
+  message: "the connection to the server was lost meanwhile: try again",
+};
 
 const NO_ANSWER: Refusal = {
   code: "no_answer",

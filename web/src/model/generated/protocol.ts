@@ -1269,6 +1269,33 @@ export type MachineVersions = {
   /** Whether there are older ones that are not told. */
   is_cut: boolean, };
 
+/** What is wanted, with what, and of which engine. */
+export type MakePlan = {
+  /** The skills. */
+  pool: PlanPool,
+  /** A PDDL problem: objects, facts, and a goal where none is given beside it. */
+  facts: string,
+  /** A PDDL condition; left out: the goal of the problem. */
+  goal?: string,
+  /** What objects are while a machine runs, by their names: the values of inputs. */
+  data: Record<string, unknown>,
+  /** `kairos`, or the name of an engine of unified-planning; left out: `kairos`. */
+  engine?: string,
+  /** How long the engine may take, in ms; left out: 10 s. */
+  time_limit_ms?: number,
+  /** Whether it looks for better plans until then. */
+  anytime: boolean,
+  /** Whether a plan without times is done at the same time where it can be. */
+  parallel: boolean,
+  /** What failing steps do whose skills do not say. */
+  recovery: PlanRecovery,
+  /** The library that observes the facts (output `facts`), for machines that plan again. */
+  observe?: string,
+  /** How often such a machine plans again; left out: 5 times. */
+  replans_max?: number,
+  /** The name of the machine; left out: the name of the problem. */
+  name?: string, };
+
 /** How a run stood after one event. */
 export type Moment = {
   /** The event; 0: before the first. */
@@ -1486,6 +1513,153 @@ export type Parting = {
 
 /** What one active state is doing. */
 export type Phase = "running" | "waiting" | "interrupted" | "held" | "preempted";
+
+/** What skills add up to. */
+export type PlanDomain = {
+  /** All skills, sorted by library. */
+  skills: Array<PlanSkill>,
+  /** Each type and the one that it is a kind of. */
+  types: { [key in string]: string },
+  /** What can be a fact. */
+  predicates: Array<PlanSignature>,
+  /** What can be counted. */
+  functions: Array<PlanSignature>,
+  /** The domain as PDDL. */
+  pddl: string,
+  /** What is wrong. */
+  findings: Array<PlanFinding>, };
+
+/** How planning ended. */
+export type PlanEnd = {
+  /** In words, with the way out. */
+  reason: string,
+  /** After how many ms. */
+  after_ms: number,
+  /** What is wrong all the same. */
+  findings?: Array<PlanFinding>, };
+
+/** What is told while an engine plans, one a line. The last is never `found`. */
+export type PlanEvent = { "event": "found" } & PlanFound | { "event": "done" } & PlanEnd | { "event": "impossible" } & PlanEnd | { "event": "not_found" } & PlanEnd | { "event": "refused" } & PlanRefused | { "event": "failed" } & PlanEnd | { "event": "cancelled" } & PlanEnd;
+
+/** Something that is wrong with skills, facts or a goal. */
+export type PlanFinding = {
+  /** Whether it prevents plans. */
+  is_error: boolean,
+  /** The libraries that it is about. */
+  libraries?: Array<string>,
+  /** What it is, and the way out. */
+  text: string, };
+
+/** A plan that is valid, and its machine. */
+export type PlanFound = {
+  /** The engine that found it. */
+  engine: string,
+  /** After how many ms. */
+  after_ms: number,
+  /** What the engine says that it costs. */
+  cost?: number,
+  /** Whether its times mean something. */
+  temporal: boolean,
+  /** How long it takes as planned, in its units of time; 0 for a plan without times. */
+  makespan: number,
+  /** How much longer its machine takes, because what runs at the same time waits for each other. */
+  lost: number,
+  /** In the order of their beginnings. */
+  steps: Array<PlanStep>,
+  /** One hierarchy state with the whole plan inside, as the edit `paste` takes it. */
+  machine: Selection,
+  /** What is wrong all the same. */
+  findings?: Array<PlanFinding>, };
+
+/** A fact that a step brings. */
+export type PlanGain = {
+  /** What. */
+  fact: string,
+  /** The indices of the steps that need it. */
+  steps: number[],
+  /** Whether the goal does. */
+  goal: boolean, };
+
+/** A fact that a step needs. */
+export type PlanNeed = {
+  /** What. */
+  fact: string,
+  /** The index of the step that brought it; left out: it was there from the beginning. */
+  from?: number, };
+
+/** A parameter of an action, or an argument of a predicate. */
+export type PlanParameter = {
+  /** Without the question mark. */
+  name: string,
+  /** Any of these; none: anything. */
+  types: Array<string>,
+  /** The input port that it sets, if there is one. */
+  port?: string, };
+
+/** A pool of skills: library states with a planner annotation. */
+export type PlanPool = {
+  /** Library paths: roots, folders below them or single libraries, such as `restaurant/skills`. */
+  libraries: Array<string>,
+  /** Which type is a kind of which. */
+  types: { [key in string]: string }, };
+
+/** What happens when a step fails. */
+export type PlanRecovery = {
+  /** How often it is tried again. */
+  retries: number,
+  /** And when that did not help. */
+  then: PlanThen, };
+
+/** Why there is nothing to plan. */
+export type PlanRefused = {
+  /** What is wrong. */
+  findings: Array<PlanFinding>, };
+
+/** A predicate or a numeric function. */
+export type PlanSignature = {
+  /** Its name. */
+  name: string,
+  /** What it takes. */
+  arguments: Array<PlanParameter>, };
+
+/** A library state that an engine can plan with. */
+export type PlanSkill = {
+  /** Library path and name. */
+  library: string,
+  /** The name of its root state. */
+  title: string,
+  /** The name of its action. */
+  action: string,
+  /** What it does, for people. */
+  description: string,
+  /** What its action is done with. */
+  parameters: Array<PlanParameter>,
+  /** The action as PDDL. */
+  pddl: string, };
+
+/** A step of a plan, and why it is there. */
+export type PlanStep = {
+  /** The name of the action. */
+  action: string,
+  /** The library behind it. */
+  library: string,
+  /** The name of the step, for people. */
+  title: string,
+  /** The objects, one for each parameter. */
+  objects: Array<string>,
+  /** When it begins; of a plan without times, its index. */
+  start: number,
+  /** How long it takes, if it takes time. */
+  duration?: number,
+  /** Its state in the machine, from the hierarchy state down. */
+  path: string,
+  /** What it needs. */
+  needs: Array<PlanNeed>,
+  /** What it brings that is needed. */
+  brings: Array<PlanGain>, };
+
+/** The last resort of a step that fails. */
+export type PlanThen = "give_up" | "ask" | "replan";
 
 /** An input, output or scoped variable. */
 export type PortDocument = {

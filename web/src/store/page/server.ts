@@ -80,6 +80,14 @@ export interface Server {
     body?: unknown,
     patience?: typeof REPEATED,
   ) => Promise<T>;
+  /** Asks for what comes line by line as JSON, for as long as the server needs, and tells each line; `signal` ends it. Throws as
+   * `request` does. */
+  readonly lines: <T>(
+    path: string,
+    body: unknown,
+    tell: (line: T) => void,
+    signal: AbortSignal,
+  ) => Promise<void>;
   /** Follows a topic until the returned function is called, over every break of the connection. */
   readonly follow: (follower: Follower) => () => void;
   /** Tells the answers to frames that were said with an id, until the returned function is called. */

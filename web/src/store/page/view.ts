@@ -3,6 +3,7 @@
 import { type Signal, signal } from "@preact/signals-core";
 import { type ElementKey, type ElementRef, elementOf, keyOf } from "../../model/element.ts";
 import type { Size } from "../../model/geometry.ts";
+import type { Machine } from "../../model/machine.ts";
 import { parentOf } from "../../model/path.ts";
 
 /** What the screen shows: `scale` CSS pixels for one unit of the root, and the root's coordinates in the screen's left top corner. */
@@ -30,6 +31,16 @@ export type HeatMode = "off" | "count" | "time";
 /** How an element differs from its counterpart in another machine. */
 type Mark = "added" | "removed" | "changed";
 
+/** A machine that is offered and not part of the one that is shown: drawn where it would stand. */
+export interface GhostMachine {
+  /** The container that it would stand in. */
+  readonly container: string;
+  /** Its root has the place in the container. */
+  readonly machine: Machine;
+  /** Of its states, the one that is looked at. */
+  readonly chosen: string | null;
+}
+
 /** Where a view looks before anybody has chosen: the canvas fits the root then. */
 export const FIRST_CAMERA: Camera = { x: 0, y: 0, scale: 1 };
 
@@ -40,6 +51,8 @@ export interface SessionView {
   readonly modes: Signal<ViewModes>;
   /** How elements differ from what the machine is compared with; null if it is compared with nothing. */
   readonly marks: Signal<ReadonlyMap<ElementKey, Mark> | null>;
+  /** What a planner offers; null if nothing is. */
+  readonly ghost: Signal<GhostMachine | null>;
   /** What of the run colours states. */
   readonly heat: Signal<HeatMode>;
   /** Library states whose content is shown or hidden here, other than the file says. */
@@ -68,6 +81,7 @@ export function newView(): SessionView {
     hovered: signal<ElementRef | null>(null),
     modes: signal(MODES),
     marks: signal<ReadonlyMap<ElementKey, Mark> | null>(null),
+    ghost: signal<GhostMachine | null>(null),
     heat: signal<HeatMode>("off"),
     contents: signal<ReadonlyMap<string, boolean>>(new Map()),
     follows: signal(false),

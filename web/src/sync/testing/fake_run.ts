@@ -61,6 +61,10 @@ export class FakeRun implements Server {
       this.waiting.push(asked);
     });
 
+  lines: Server["lines"] = async () => {
+    throw new RefusalError({ code: "no_planner", message: "nothing plans here" }, 404);
+  };
+
   follow: Server["follow"] = (follower) => {
     const following = { follower, topic: "", next: 0, isCaughtUp: false };
     this.#followings.push(following);

@@ -102,6 +102,10 @@ export class FakeServer implements Server {
     return [] as T;
   };
 
+  lines: Server["lines"] = async () => {
+    throw new RefusalError(CLOSED, 404);
+  };
+
   follow: Server["follow"] = (follower) => {
     const topic = follower.topic();
     if (topic.topic === "machine_history") this.#followers.set(follower, { next: topic.from });

@@ -36,9 +36,9 @@ import {
   type ViewUpdate,
 } from "@codemirror/view";
 import type { Repair, ScriptProblem } from "../../../model/generated/protocol.ts";
+import { look } from "../../parts/code_look.ts";
 import { diagnostics } from "./check.ts";
 import { nameCompletion, type ScriptNames } from "./complete.ts";
-import { look } from "./look.ts";
 
 interface ScriptEditorOptions {
   readonly text: string;

@@ -1,0 +1,61 @@
+/** Planning for the machine in front: the panel, and taking an answer into the machine. */
+
+import { machineOf as machineOfDocument } from "../model/plain.ts";
+import { acceptPlan } from "../plan/accept_plan.ts";
+import { isRefused } from "../plan/plan.ts";
+import type { OpenTab } from "../store/page/page.ts";
+import type { GhostMachine } from "../store/page/view.ts";
+import type { Planner } from "../store/planner/planner.ts";
+import type { CommandContext, UserCommand } from "./command.ts";
+import { performIn } from "./perform.ts";
+import { canEdit, placeForNew } from "./subject.ts";
+
+export const PLANNER: readonly UserCommand[] = [
+  {
+    id: "planner.show",
+    title: "Plan…",
+    detail: "Plans with the skills of libraries: say what is to be reached, and see how.",
+    menu: "Insert/2",
+    enabled: canEdit,
+    run: ({ shell }) => shell.showPanel("planner"),
+  },
+];
+
+/** The container that an answer would go into: what is selected if it takes states, else the outermost one. */
+export function containerForPlan(context: CommandContext): string {
+  return placeForNew(context)?.path ?? context.tab?.session.machine.root ?? "";
+}
+
+/** What a planner offers as it would stand in the machine; a text says why it cannot. */
+export function ghostOf({ session }: OpenTab, planner: Planner): GhostMachine | string | null {
+  const found = planner.found.value;
+  session.version.value;
+  if (!found || planner.taken.value?.found === found) return null;
+  const { machine } = session;
+  const container = containerOf(machine.root, planner, (path) => machine.state(path) !== undefined);
+  const accepted = acceptPlan(machine, container, found.machine);
+  if (isRefused(accepted)) return accepted.refused;
+  const { states } = accepted;
+  const offered = machineOfDocument({ header: { creation_time: "" }, states: [...states] });
+  return { container, machine: offered, chosen: null };
+}
+
+function containerOf(root: string, planner: Planner, isThere: (path: string) => boolean): string {
+  const wanted = planner.container.value;
+  return wanted !== null && isThere(wanted) ? wanted : root;
+}
+
+/** Makes the answer a part of the machine. */
+export async function accept(
+  { page }: CommandContext,
+  tab: OpenTab,
+  planner: Planner,
+): Promise<void> {
+  const found = planner.found.peek();
+  if (!found) return;
+  const { machine } = tab.session;
+  const container = containerOf(machine.root, planner, (path) => machine.state(path) !== undefined);
+  const planned = acceptPlan(machine, container, found.machine);
+  const isDone = await performIn(page, tab, planned);
+  if (isDone && !isRefused(planned)) planner.taken.value = { found, path: planned.path };
+}
