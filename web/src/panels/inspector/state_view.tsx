@@ -12,6 +12,7 @@ import { Place } from "./place.tsx";
 import { Ports } from "./ports.tsx";
 import { Script } from "./script.tsx";
 import { Semantic } from "./semantic.tsx";
+import { Skill } from "./skill.tsx";
 
 export function StateView({ inspected }: { inspected: InspectedState }) {
   const { path, state } = inspected;
@@ -31,6 +32,7 @@ export function StateView({ inspected }: { inspected: InspectedState }) {
       <Connections key={`transitions ${path}`} inspected={inspected} kind="transition" />
       <Connections key={`flows ${path}`} inspected={inspected} kind="data_flow" />
       <LostLink key={`lost link ${path}`} inspected={inspected} />
+      <Skill key={`skill ${path}`} inspected={inspected} />
       <Semantic key={`semantic ${path}`} inspected={inspected} />
       <Place key={`place ${path}`} inspected={inspected} />
     </>
