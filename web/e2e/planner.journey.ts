@@ -110,7 +110,7 @@ journey("another goal shows what is other than before", HERE, async ({ app }) =>
   await writeGoal(app.sheet, "(at cup table)\n(rover-at dock)");
   await plan(app);
   await panelOf(app).getByText("Against the plan before: 1 added, 0 removed, 4 kept").waitFor();
-  expect(await steps(app).last().textContent()).toBe("Drive table dock");
+  expect(await steps(app).last().textContent()).toBe("added+5Drive table dock");
 });
 
 journey("what does not fit is told, and leads to the library", HERE, async ({ app }) => {

@@ -1,11 +1,12 @@
 /** Planning for the machine in front: the panel, and taking an answer into the machine. */
 
+import { isWithin, parentOf } from "../model/path.ts";
 import { machineOf as machineOfDocument } from "../model/plain.ts";
 import { acceptPlan } from "../plan/accept_plan.ts";
 import { isRefused } from "../plan/plan.ts";
 import type { OpenTab } from "../store/page/page.ts";
 import type { GhostMachine } from "../store/page/view.ts";
-import type { Planner } from "../store/planner/planner.ts";
+import type { Planner, Taken } from "../store/planner/planner.ts";
 import type { CommandContext, UserCommand } from "./command.ts";
 import { performIn } from "./perform.ts";
 import { canEdit, placeForNew } from "./subject.ts";
@@ -21,9 +22,13 @@ export const PLANNER: readonly UserCommand[] = [
   },
 ];
 
-/** The container that an answer would go into: what is selected if it takes states, else the outermost one. */
-export function containerForPlan(context: CommandContext): string {
-  return placeForNew(context)?.path ?? context.tab?.session.machine.root ?? "";
+/** The container that an answer would go into: what is selected if it takes states, else the outermost one. An answer does not go
+ * into one that was taken before, but beside it. */
+export function containerForPlan(context: CommandContext, taken: Taken | null): string {
+  const chosen = placeForNew({ ...context, canvas: null })?.path;
+  const isInTaken = chosen !== undefined && taken !== null && isWithin(chosen, taken.path);
+  const container = isInTaken ? parentOf(taken.path) : chosen;
+  return container ?? context.tab?.session.machine.root ?? "";
 }
 
 /** What a planner offers as it would stand in the machine; a text says why it cannot. */

@@ -53,7 +53,7 @@ function OfTab({ tab }: { readonly tab: OpenTab }) {
   const fault = useGhost(tab, planner);
   const answer = useAnswerInSight(planner);
   const plan = () => {
-    planner.container.value = containerForPlan({ ...context(), canvas: null });
+    planner.container.value = containerForPlan(context(), planner.taken.peek());
     void planner.plan();
   };
   return (

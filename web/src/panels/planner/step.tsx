@@ -1,6 +1,5 @@
 /** A step of a plan: what is done with what; opened, what it needs and from whom, and what it brings to whom. */
 
-import { Minus, Plus } from "lucide-react";
 import type { PlanFound, PlanStep } from "../../model/generated/protocol.ts";
 import type { ComparedStep } from "../../model/step_difference.ts";
 import { Button } from "../../ui/button.tsx";
@@ -19,7 +18,6 @@ interface StepProps {
 
 export function Step({ row, found, isOpen, onToggle, onGoTo }: StepProps) {
   const { step, difference, index } = row;
-  const Sign = difference === "added" ? Plus : Minus;
   return (
     <li className={`planner-step is-${difference}`}>
       <button
@@ -30,7 +28,9 @@ export function Step({ row, found, isOpen, onToggle, onGoTo }: StepProps) {
         onClick={onToggle}
       >
         <span className="planner-number">
-          {difference === "kept" ? index + 1 : <Sign size={13} aria-label={difference} />}
+          {difference !== "kept" && <span className="visually-hidden">{difference}</span>}
+          {difference === "added" && "+"}
+          {difference === "removed" ? "−" : index + 1}
         </span>
         <span className="planner-title">{step.title}</span>
         {found.temporal && <span className="planner-time">{timesOf(step)}</span>}
