@@ -144,8 +144,17 @@ fn revisions_that_never_were_are_a_reason_to_begin_again() {
         reset to 0
     "]],
     );
-    // Its number is free again.
+    // Its number is free again. Whoever is answered has been heard up to there.
     client.subscribe(1, &history(&machine, opened + 1));
+    client.say(&rename(&machine, "e1", "Scan"));
+    check(
+        &mut client,
+        opened,
+        1,
+        &expect![[r#"
+        "e1" refused: "not_your_right"
+    "#]],
+    );
     let close = format!("/api/v1/machines/{machine}/close");
     server.call(Some(Role::Engineer), "POST", &close, Some(&json!({ "discard": true })));
     check(
