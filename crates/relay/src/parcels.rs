@@ -299,9 +299,8 @@ mod tests {
     fn a_file_that_two_machines_have_is_kept_once() {
         let folder = tempfile::tempdir().unwrap();
         let mut parcels = Parcels::open(folder.path()).unwrap();
-        let long: String =
-            (0..3_000).map(|number| format!("{},", number * 7_919 % 10_007)).collect();
-        let shared = format!("x = [{long}]");
+        let numbers: Vec<_> = (0..3_000).map(|number| number * 7_919 % 10_007).collect();
+        let shared = format!("x = {numbers:?}");
         let first = parcels.make(&machine(&["a = 1".to_owned(), shared.clone()])).unwrap().unwrap();
         let other = machine(&["b = 2".to_owned(), "c = 3".to_owned(), shared]);
         let second = parcels.make(&other).unwrap().unwrap();

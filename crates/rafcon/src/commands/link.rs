@@ -172,8 +172,7 @@ impl Relays {
     pub(super) fn robot(
         &mut self,
         raw: &cli::Link,
-        (state, runs): (&Path, &Path),
-        projects: &Projects,
+        (state, runs, projects): (&Path, &Path, &Projects),
         authority: &Arc<ServerAuthority>,
         environment: &Environment,
     ) -> Result<()> {

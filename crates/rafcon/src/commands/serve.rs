@@ -28,7 +28,7 @@ pub(super) fn serve(
     let mut relays = Relays::default();
     let authority = Arc::new(ServerAuthority::default());
     let projects = projects(&settings);
-    relays.robot(&raw.link, (&state, &runs), &projects, &authority, environment)?;
+    relays.robot(&raw.link, (&state, &runs, &projects), &authority, environment)?;
     if let Some(listen) = robots {
         let desk = ValueDesk::default();
         relays.station(&raw.link, listen, &settings, desk.clone())?;

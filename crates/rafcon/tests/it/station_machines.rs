@@ -32,13 +32,9 @@ fn wait_for_parcels(place: &Place, count: usize) {
 
 /// A machine of two scripts, of which one has many bytes that cannot be deflated much.
 fn two_scripts(place: &Place) {
-    let mut noise = String::new();
-    let mut number = 1_u32;
-    for _ in 0..1_500 {
-        number = number.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-        noise +=
-            &format!("      # {number:08x}{:08x}{:08x}\n", number.rotate_left(7) ^ 77, !number);
-    }
+    let next = |number: &u32| Some(number.wrapping_mul(1_664_525).wrapping_add(1_013_904_223));
+    let noise: Vec<u32> = std::iter::successors(Some(1), next).take(4_500).collect();
+    let noise = format!("      # {noise:x?}\n");
     let script = |name: &str, more: &str| {
         format!(
             "  execution {name} \"{name}\"\n    outcome done\n    script |\n      def execute(self, inputs, outputs, gvm):\n          return \"done\"\n{more}"

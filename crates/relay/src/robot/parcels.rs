@@ -8,11 +8,11 @@ use crate::inbox::Input;
 use crate::parcels::{Kept, Parcels};
 use rafcon_link::{Rank, RobotSession, StreamId};
 use rafcon_storage::journal::{Hash, Pack};
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::sync::mpsc::{self, Receiver, RecvTimeoutError, Sender, SyncSender};
+use std::sync::mpsc::{self, Receiver, RecvTimeoutError, SyncSender, TrySendError};
 use std::thread;
 use std::time::Duration;
 
@@ -21,6 +21,9 @@ const LOOK_EVERY: Duration = Duration::from_secs(3);
 /// The parcels that nothing needs now go if all are more than so many, or so many bytes.
 const PARCELS_MAX: usize = 32;
 const BYTES_MAX: u64 = 16 << 20;
+
+/// So much waits for the thread; more waits here.
+const WORKS_MAX: usize = 256;
 
 /// What the thread is told.
 #[derive(Debug)]
@@ -49,20 +52,32 @@ pub(super) struct SentParcel {
 /// The parcels on their way, as the relay sees them.
 #[derive(Debug)]
 pub(super) struct SentParcels {
-    maker: Sender<ParcelWork>,
+    maker: SyncSender<ParcelWork>,
+    /// What finds no room at the thread. The relay waits for nobody.
+    waiting: VecDeque<ParcelWork>,
     sent: BTreeMap<StreamId, SentParcel>,
     /// What was sent in this start, now or before.
     begun: BTreeSet<StreamId>,
 }
 
 impl SentParcels {
-    pub(super) fn new(maker: Sender<ParcelWork>) -> Self {
-        Self { maker, sent: BTreeMap::new(), begun: BTreeSet::new() }
+    pub(super) fn new(maker: SyncSender<ParcelWork>) -> Self {
+        let (waiting, sent, begun) = (VecDeque::new(), BTreeMap::new(), BTreeSet::new());
+        Self { maker, waiting, sent, begun }
     }
 
-    pub(super) fn tell(&self, work: ParcelWork) {
-        // The thread ends only with this relay.
-        self.maker.send(work).unwrap_or_default();
+    pub(super) fn tell(&mut self, work: ParcelWork) {
+        self.waiting.push_back(work);
+        self.tell_waiting();
+    }
+
+    /// Tells the thread what found no room before.
+    pub(super) fn tell_waiting(&mut self) {
+        while let Some(work) = self.waiting.pop_front() {
+            if let Err(TrySendError::Full(work)) = self.maker.try_send(work) {
+                return self.waiting.push_front(work);
+            }
+        }
     }
 
     /// These parcels are sent from now on, and no others.
@@ -117,10 +132,10 @@ pub(super) fn begin(
     projects: Projects,
     inbox: SyncSender<Input<FromRun>>,
     tell: fn(&str),
-) -> io::Result<Sender<ParcelWork>> {
+) -> io::Result<SyncSender<ParcelWork>> {
     let mut parcels = Parcels::open(folder)?;
     parcels.drop_incomplete();
-    let (sender, works) = mpsc::channel();
+    let (sender, works) = mpsc::sync_channel(WORKS_MAX);
     let projects = ProjectMachines::new(projects);
     let needed = BTreeMap::new();
     let mut maker = ParcelMaker { parcels, projects, needed, inbox, tell, problem: None };

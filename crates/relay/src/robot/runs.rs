@@ -171,15 +171,16 @@ impl RobotRuns {
 
     /// Looks for runs that continue and are not followed, and for machines that runs have kept since.
     pub(super) fn look(&mut self, session: &mut RobotSession, is_heard: bool) {
+        self.parcels.tell_waiting();
         for (id, run) in &mut self.all {
             // A run that is over has what it had when it was looked at last.
             if run.runner.is_some() {
-                run.look_for_machines(id, session, &self.parcels);
+                run.look_for_machines(id, session, &mut self.parcels);
             } else if run.fate != RunFate::Removed && !run.folder.is_dir() {
                 run.fate = RunFate::Removed;
                 run.tell(id, RunStands::of(run.fate, None, 0), session);
             }
-            run.let_go(id, session, &self.parcels);
+            run.let_go(id, session, &mut self.parcels);
             run.rest();
         }
         self.hash(session);
@@ -362,7 +363,7 @@ impl RobotRuns {
         }
         self.happened(id, session);
         if let Some(run) = self.all.get_mut(id) {
-            run.look_for_machines(id, session, &self.parcels);
+            run.look_for_machines(id, session, &mut self.parcels);
             let is_over = matches!(Summary::of(&run.folder).state, RunState::Finished { .. });
             run.fate = if is_over { RunFate::Finished } else { RunFate::Crashed };
             run.tell(id, RunStands::of(run.fate, None, 0), session);
@@ -455,7 +456,12 @@ impl RobotRun {
 
     /// Adds the machines that the run has kept since. They come in parcels, until they are very large together: then the run brings
     /// them itself. So each start of the robot sends the same parts.
-    fn look_for_machines(&mut self, id: &str, session: &mut RobotSession, parcels: &SentParcels) {
+    fn look_for_machines(
+        &mut self,
+        id: &str,
+        session: &mut RobotSession,
+        parcels: &mut SentParcels,
+    ) {
         let Ok(packs) = Pack::read_after(&self.folder, self.machines) else { return };
         self.machines += packs.len();
         for pack in packs {
@@ -474,11 +480,12 @@ impl RobotRun {
     }
 
     /// Lets go of the machines that the station has.
-    fn let_go(&mut self, id: &str, session: &RobotSession, parcels: &SentParcels) {
+    fn let_go(&mut self, id: &str, session: &RobotSession, parcels: &mut SentParcels) {
         let is_told = session.progress(ids::about_of(id)).is_some_and(|(_, missing)| missing == 0);
         let is_gone = self.fate == RunFate::Removed;
         let had = |machine: &mut Hash| is_gone || is_told && parcels.are_had(*machine, session);
-        for machine in self.named.extract_if(.., had) {
+        let all_had: Vec<_> = self.named.extract_if(.., had).collect();
+        for machine in all_had {
             let is_older = self.is_older;
             parcels.tell(ParcelWork::Had(NeededMachine { is_older, machine }));
         }

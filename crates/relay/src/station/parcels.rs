@@ -197,10 +197,9 @@ mod tests {
 
     /// A machine with this number in it, and the parts of its parcel.
     fn machine(number: u64) -> (Pack, StreamId, Vec<EventItems>) {
-        let text: String =
-            (0..200).map(|at| format!("{},", (number + at) * 7_919 % 10_007)).collect();
+        let numbers: Vec<_> = (0..200).map(|at| (number + at) * 7_919 % 10_007).collect();
         let text =
-            format!("execution ROOT \"M\"\n  outcome success\n  script |\n    x = [{text}]\n");
+            format!("execution ROOT \"M\"\n  outcome success\n  script |\n    x = {numbers:?}\n");
         let machine = notation::parse(&text).unwrap();
         let pack = Packer::default().pack(&machine, None, &Libraries::default());
         let folder = tempfile::tempdir().unwrap();
