@@ -34,16 +34,19 @@ def steps_of(plan):
 
 
 def plan_kind():
+    """The kinds of plans; imported only when a plan is there."""
     from unified_planning.plans import PlanKind
 
     return PlanKind
 
 
 def words(action):
+    """An action with its objects, as PDDL writes it."""
     return "(%s)" % " ".join([action.action.name, *map(str, action.actual_parameters)])
 
 
 def tell(plan):
+    """Prints a plan as one line."""
     steps = list(steps_of(plan))
     temporal = hasattr(plan, "timed_actions")
     print(json.dumps({"temporal": temporal, "steps": steps}), flush=True)
@@ -70,6 +73,7 @@ def solve(planner, problem, options):
 
 
 def main():
+    """Plans as the command line says; returns the exit status."""
     parser = argparse.ArgumentParser(prog="python -m rafcon.planning", description="plans with an engine of unified-planning")
     parser.add_argument("--engine", required=True, help="its name, such as fast-downward, pyperplan or aries")
     parser.add_argument("--time-limit", type=float, help="in seconds")
