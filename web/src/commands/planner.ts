@@ -31,11 +31,19 @@ export function containerForPlan(context: CommandContext, taken: Taken | null): 
   return container ?? context.tab?.session.machine.root ?? "";
 }
 
+/** Whether the answer is a part of the machine: undo takes it out again. Reads signals. */
+export function isTaken({ session }: Pick<OpenTab, "session">, planner: Planner): boolean {
+  session.version.value;
+  const taken = planner.taken.value;
+  const isAnswer = taken !== null && taken.found === planner.found.value;
+  return isAnswer && session.machine.state(taken.path) !== undefined;
+}
+
 /** What a planner offers as it would stand in the machine; a text says why it cannot. */
 export function ghostOf({ session }: OpenTab, planner: Planner): GhostMachine | string | null {
   const found = planner.found.value;
   session.version.value;
-  if (!found || planner.taken.value?.found === found) return null;
+  if (!found || isTaken({ session }, planner)) return null;
   const { machine } = session;
   const container = containerOf(machine.root, planner, (path) => machine.state(path) !== undefined);
   const accepted = acceptPlan(machine, container, found.machine);
@@ -61,6 +69,8 @@ export async function accept(
   const { machine } = tab.session;
   const container = containerOf(machine.root, planner, (path) => machine.state(path) !== undefined);
   const planned = acceptPlan(machine, container, found.machine);
+  const before = planner.taken.peek();
+  if (!isRefused(planned)) planner.taken.value = { found, path: planned.path };
   const isDone = await performIn(page, tab, planned);
-  if (isDone && !isRefused(planned)) planner.taken.value = { found, path: planned.path };
+  if (!isDone) planner.taken.value = before;
 }

@@ -1,6 +1,7 @@
 /** The plan: what it is, and each step with why it is there; beside the plan before, what is other now. */
 
 import { useMemo, useState } from "react";
+import { isTaken } from "../../commands/planner.ts";
 import type { PlanFound, PlanStep } from "../../model/generated/protocol.ts";
 import { type ComparedStep, compareSteps } from "../../model/step_difference.ts";
 import type { OpenTab } from "../../store/page/page.ts";
@@ -54,7 +55,7 @@ function Steps({ tab, planner, found, before }: StepsProps) {
     [before, found],
   );
   const show = (step: PlanStep) => {
-    if (taken?.found === found) {
+    if (taken !== null && isTaken(tab, planner)) {
       const inside = step.path.slice(step.path.indexOf("/"));
       reveal(host, { kind: "state", path: taken.path + inside });
       return;

@@ -1,14 +1,14 @@
 /** Planning itself: begin, cancel, how it goes, and taking the plan. */
 
 import { Check, Route, Square } from "lucide-react";
-import { accept } from "../../commands/planner.ts";
+import { accept, isTaken } from "../../commands/planner.ts";
 import { namesTo } from "../../model/machine.ts";
 import { clock1s } from "../../store/page/clock1s.ts";
 import type { OpenTab } from "../../store/page/page.ts";
 import { missingIn } from "../../store/planner/inputs.ts";
 import type { Planner } from "../../store/planner/planner.ts";
 import { Button } from "../../ui/button.tsx";
-import { useSignal } from "../../ui/signals.ts";
+import { useComputed, useSignal } from "../../ui/signals.ts";
 import { useHost } from "../context.tsx";
 import { planningInWords } from "./words.ts";
 
@@ -25,18 +25,17 @@ export function Bar({ tab, planner, fault, onPlan }: BarProps) {
   const inputs = useSignal(planner.inputs);
   const planning = useSignal(planner.planning);
   const found = useSignal(planner.found);
-  const taken = useSignal(planner.taken);
+  const isIn = useComputed(() => isTaken(tab, planner), [tab, planner]);
   const container = useSignal(planner.container);
   const missing = missingIn(inputs);
-  const isOffered = found !== null && taken?.found !== found;
+  const isOffered = found !== null && !isIn;
   const isPlanning = planning.state === "planning";
   const place = namesTo(tab.session.machine, container ?? tab.session.machine.root).at(-1);
-  const isTaken = found !== null && !isOffered;
   const said = [
     planning.state === "idle" ? missing : planningInWords(planning, 0),
     fault,
     isOffered && fault === null ? `The plan is on the canvas, in ${place}.` : null,
-    isTaken ? "The plan is in the machine. Undo takes it back." : null,
+    isIn ? "The plan is in the machine. Undo takes it back." : null,
   ];
   return (
     <div className="planner-bar">
