@@ -1,12 +1,13 @@
 //! Machines at a station: there before a run has them, once by the hash of their files.
 
 use crate::harness::{Place, Run};
-use crate::station::{pair, robot_with, station, wait_at_station};
+use crate::station::{pair, robot_with, station};
 use rafcon_storage::journal::Pack;
 use serde_json::Value;
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::process::Command;
 use std::thread;
 
 /// The names of what lies in a folder; nothing while it is not there.
@@ -45,22 +46,25 @@ fn two_scripts(place: &Place) {
         script("FIRSTX", ""),
         script("SECOND", &noise)
     );
-    let made = Place::with(&machine);
+    put(place, &Place::with(&machine).machine(), "two");
+}
+
+/// Copies a machine into the project.
+fn put(place: &Place, machine: &Path, name: &str) {
     fs::create_dir_all(place.path("project")).unwrap();
-    let copied = std::process::Command::new("cp")
-        .args(["-r".as_ref(), made.machine().as_os_str(), place.path("project/two").as_os_str()])
-        .status();
+    let to = place.path("project").join(name);
+    let copied = Command::new("cp").arg("-r").arg(machine).arg(to).status();
     assert!(copied.unwrap().success());
 }
 
-/// Runs the machine, and waits until the station has all of it; answers the machines of the run on both sides.
-fn run(place: &Place) -> [Vec<Pack>; 2] {
+/// Runs a machine, and waits until the station has all of it; answers the machines of the run on both sides.
+fn run(place: &Place, machine: &str) -> [Vec<Pack>; 2] {
     let before = names(&place.path("robot-runs"));
-    let run = Run::of(place.command("run project/two --output json --runs robot-runs"));
+    let run =
+        Run::of(place.command(&format!("run project/{machine} --output json --runs robot-runs")));
     assert_eq!(run.end().0, Some(0));
     let new = &names(&place.path("robot-runs")) - &before;
     let id = new.first().unwrap();
-    wait_at_station(place, "Two  ended with success");
     let at_station = place.path("ground-runs").join(id);
     while !place
         .call("runs --runs ground-runs --json")
@@ -98,7 +102,7 @@ fn a_machine_is_at_the_station_before_any_run_and_an_edit_sends_what_was_edited(
     drop((ground, first));
     let (ground, _) = station(&place, &address.to_string());
     let second = robot_with(&place, &stations);
-    let [robots, stations_own] = run(&place);
+    let [robots, stations_own] = run(&place, "two");
     assert_eq!((robots.len(), &robots), (1, &stations_own));
     assert_eq!(machine_bytes(&place), 0);
     let states = fs::read_dir(place.path("project/two")).unwrap().map(Result::unwrap);
@@ -107,10 +111,26 @@ fn a_machine_is_at_the_station_before_any_run_and_an_edit_sends_what_was_edited(
     let script = scripts.find(is_short).unwrap();
     let text = fs::read_to_string(&script).unwrap();
     fs::write(&script, format!("{text}# edited\n")).unwrap();
-    let [robots, stations_own] = run(&place);
+    let [robots, stations_own] = run(&place, "two");
     assert_eq!((robots.len(), &robots), (1, &stations_own));
     let sent = machine_bytes(&place);
     assert!((1..1_500).contains(&sent), "{sent} bytes of an edit");
     wait_for_parcels(&place, 2);
     drop((ground, second));
+}
+
+#[test]
+fn a_machine_is_sent_with_its_libraries_and_the_run_needs_nothing_more() {
+    let place = Place::empty();
+    let examples = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples");
+    put(&place, &examples.join("library_reuse"), "reuse");
+    pair(&place, "scout");
+    let (_ground, address) = station(&place, "127.0.0.1:0");
+    let libraries = format!("--library-path examples={}", examples.join("libraries").display());
+    let _robot = robot_with(&place, &format!("--station udp://{address} project {libraries}"));
+    wait_for_parcels(&place, 1);
+    let [robots, stations_own] = run(&place, &format!("reuse {libraries}"));
+    assert!(robots[0].manifest.files().iter().any(|(path, _)| path.starts_with("libraries/")));
+    assert_eq!(robots, stations_own);
+    wait_for_parcels(&place, 1);
 }
