@@ -1,10 +1,11 @@
 //! What the coders of both sides have learnt from: events that the station has at hand and offers, named by their hash.
 
 use super::Coder;
+use super::offers::Offers;
 use crate::frame::Events;
 use crate::robot::EventBuffer;
 use ring::digest::{SHA256, digest};
-use std::collections::{BTreeMap, VecDeque};
+use std::collections::BTreeMap;
 
 /// A coder learns from at most so many bytes of items.
 pub(crate) const CONTEXT_MAX: usize = 8_192;
@@ -16,8 +17,6 @@ const RENEW_AFTER: usize = 8_192;
 const GIVE_UP_AFTER: usize = 65_536;
 /// So many bytes of the newest events are kept at hand.
 const RECENT_MAX: usize = 32_768;
-/// The one that is used, the one before, and the one that is offered.
-const KEPT: usize = 3;
 /// A context ends with one of so many of the newest groups of events.
 const ENDS: usize = 16;
 
@@ -71,15 +70,7 @@ pub(crate) struct Contexts {
     bytes: usize,
     /// So many bytes came since a context was made.
     fresh: usize,
-    /// The newest is the last one.
-    kept: VecDeque<Context>,
-}
-
-#[derive(Debug)]
-struct Context {
-    name: ContextName,
-    items: Vec<u8>,
-    is_used: bool,
+    offers: Offers,
 }
 
 impl Contexts {
@@ -104,28 +95,21 @@ impl Contexts {
 
     /// The items of a context that a datagram names.
     pub(crate) fn find(&mut self, id: ContextId) -> Option<&[u8]> {
-        let found = self.kept.iter_mut().find(|context| context.name.id() == id)?;
-        found.is_used = true;
-        Some(&found.items)
+        self.offers.find(id)
     }
 
     /// The context that the robot may use; a newer one if there is reason to.
     pub(crate) fn offer(&mut self) -> Option<ContextName> {
-        let is_due = self.kept.back().is_none_or(|newest| {
-            self.fresh >= if newest.is_used { RENEW_AFTER } else { GIVE_UP_AFTER }
-        });
-        if is_due && let Some(context) = self.make() {
+        let is_due = self.offers.is_due(self.fresh, RENEW_AFTER, GIVE_UP_AFTER);
+        if is_due && let Some((name, items)) = self.make() {
             self.fresh = 0;
-            self.kept.push_back(context);
-            if self.kept.len() > KEPT {
-                self.kept.pop_front();
-            }
+            self.offers.push(name, items);
         }
-        self.kept.back().map(|newest| newest.name)
+        self.offers.newest()
     }
 
     /// The most that follows upon another without a gap, near the end.
-    fn make(&self) -> Option<Context> {
+    fn make(&self) -> Option<(ContextName, Vec<u8>)> {
         let ends = self.recent.keys().rev().take(ENDS);
         let chains = ends.map(|last| (self.chain(*last), *last));
         let ((first, length), last) = chains.max_by_key(|((_, length), _)| *length)?;
@@ -140,7 +124,7 @@ impl Contexts {
         }
         groups.reverse();
         let items = groups.concat();
-        Some(Context { name: ContextName::of(first, last, &items), items, is_used: false })
+        Some((ContextName::of(first, last, &items), items))
     }
 
     /// From which event on all are at hand up to `last`, and the length of their items.

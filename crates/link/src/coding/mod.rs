@@ -5,6 +5,7 @@
 
 mod context;
 mod model;
+mod offers;
 mod repetition;
 mod snapshots;
 

@@ -1,14 +1,13 @@
 //! Snapshots that both sides have: the next one is much like them, so a coder that has learnt from one of them needs few bytes for it.
 
+use super::offers::Offers;
 use super::{CONTEXT_MAX, ContextId, ContextName, LastCoder};
 use std::collections::VecDeque;
 
 /// Another one is offered after so many snapshots.
-const RENEW_AFTER: u32 = 8;
+const RENEW_AFTER: usize = 8;
 /// And after so many although the one that was offered was never used.
-const GIVE_UP_AFTER: u32 = 64;
-/// The one that is used, the one before, and the one that is offered.
-const KEPT: usize = 3;
+const GIVE_UP_AFTER: usize = 64;
 /// The robot keeps so many bytes of what it sent: the station may still offer it.
 const SENT_MAX: usize = 256 << 10;
 
@@ -22,16 +21,9 @@ fn is_short(bytes: &[u8]) -> bool {
 pub(crate) struct OfferedSnapshots {
     newest: Option<(ContextName, Vec<u8>)>,
     /// How many came since one was offered.
-    fresh: u32,
-    /// The newest is the last one.
-    kept: VecDeque<Offered>,
-}
-
-#[derive(Debug)]
-struct Offered {
-    name: ContextName,
-    bytes: Vec<u8>,
-    is_used: bool,
+    fresh: usize,
+    offers: Offers,
+    coder: LastCoder,
 }
 
 impl OfferedSnapshots {
@@ -44,26 +36,21 @@ impl OfferedSnapshots {
         }
     }
 
-    /// The snapshot from which a datagram was coded.
-    pub(crate) fn find(&mut self, id: ContextId) -> Option<&[u8]> {
-        let found = self.kept.iter_mut().find(|offered| offered.name.id() == id)?;
-        found.is_used = true;
-        Some(&found.bytes)
+    /// A snapshot of this length that was coded from another one; nothing if that is not here, because this side started again.
+    /// Another one follows.
+    pub(crate) fn decode(&mut self, id: ContextId, coded: &[u8], length: usize) -> Option<Vec<u8>> {
+        let known = self.offers.find(id)?;
+        self.coder.with(id, known).decode(coded, length)
     }
 
     /// The one from which the robot may code; a newer one if there is reason to.
     pub(crate) fn offer(&mut self) -> Option<ContextName> {
-        let is_due = self.kept.back().is_none_or(|newest| {
-            self.fresh >= if newest.is_used { RENEW_AFTER } else { GIVE_UP_AFTER }
-        });
+        let is_due = self.offers.is_due(self.fresh, RENEW_AFTER, GIVE_UP_AFTER);
         if is_due && let Some((name, bytes)) = self.newest.take() {
             self.fresh = 0;
-            self.kept.push_back(Offered { name, bytes, is_used: false });
-            if self.kept.len() > KEPT {
-                self.kept.pop_front();
-            }
+            self.offers.push(name, bytes);
         }
-        self.kept.back().map(|newest| newest.name)
+        self.offers.newest()
     }
 }
 

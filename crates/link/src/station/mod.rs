@@ -141,7 +141,6 @@ struct Incoming {
     contexts: Contexts,
     coder: LastCoder,
     snapshots: OfferedSnapshots,
-    snapshot_coder: LastCoder,
     /// How often it is still to be reported.
     reports: u8,
 }
@@ -351,10 +350,10 @@ impl StationSession {
                 }
             }
             Frame::CodedSnapshot { context, stream, sequence, length, bytes } => {
-                let coded = self.decode_snapshot(stream, context, (bytes, length as usize));
-                if let Some(bytes) = coded {
-                    self.take_snapshot(stream, sequence, bytes, show);
-                }
+                let Some(incoming) = self.incoming(stream) else { return };
+                let (snapshots, length) = (&mut incoming.snapshots, length as usize);
+                let Some(bytes) = snapshots.decode(context, bytes, length) else { return };
+                self.take_snapshot(stream, sequence, bytes, show);
             }
             Frame::CommandState { id, state, reason } => {
                 self.commands.answered(now, id, state, self.answer_time());
@@ -378,18 +377,6 @@ impl StationSession {
             }
             _ => {}
         }
-    }
-
-    /// What cannot be decoded, because this side started again, is followed by another one.
-    fn decode_snapshot(
-        &mut self,
-        stream: StreamId,
-        context: ContextId,
-        (coded, length): (&[u8], usize),
-    ) -> Option<Vec<u8>> {
-        let Incoming { snapshots, snapshot_coder, .. } = self.incoming(stream)?;
-        let known = snapshots.find(context)?;
-        snapshot_coder.with(context, known).decode(coded, length)
     }
 
     fn take_snapshot(
@@ -533,7 +520,6 @@ impl StationSession {
             if is_complete && incoming.reports == 0 {
                 (incoming.contexts, incoming.coder) = (Contexts::default(), LastCoder::default());
                 incoming.snapshots = OfferedSnapshots::default();
-                incoming.snapshot_coder = LastCoder::default();
                 continue;
             }
             let length = payload.len();
