@@ -68,13 +68,13 @@ journey(
       const seen = await listen(app);
       await goesOn(app, 150);
       expect(await seen()).toEqual(["up"]);
-      // An answer may wait behind a full window of the wire, which takes another way down; the next one says it.
+      // One answer may be late on a busy computer; the next one says it.
       await app.until(
-        ({ page }) => Math.round((page.server.pulse.value?.delay_ms ?? 0) / 1_000) <= 6,
+        ({ page }) => Math.round((page.server.pulse.value?.delay_ms ?? 0) / 1_000) === 4,
         null,
       );
-      // Browser and server have the same clock here; the page cannot know in which direction an answer waited.
-      expect(Math.abs((await pulse(app)).ahead_ms)).toBeLessThan(1_500);
+      // Browser and server have the same clock here.
+      expect(Math.abs((await pulse(app)).ahead_ms)).toBeLessThan(1_000);
       wire.slow({});
       await endsWhole(app, server, run);
     });

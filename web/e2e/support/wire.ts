@@ -21,8 +21,8 @@ export interface Pace {
 
 const AT_ONCE: Pace = { oneWay_ms: 0, bytesPerSecond: Number.POSITIVE_INFINITY, handshakes: 0 };
 const ADDRESS = "127.0.0.2";
-/** So many bytes of a connection are on their way at once, as with TCP. */
-const WINDOW = 64 << 10;
+/** So many bytes of a connection are on their way at once at least, and where nothing limits a connection but its window: as with TCP. */
+const WINDOW = { least: 64 << 10, most: 4 << 20 };
 
 export class Wire {
   readonly #server: Server;
@@ -96,6 +96,14 @@ export class Wire {
     return sent_ms + oneWay_ms;
   }
 
+  /** So many bytes of a connection are on their way at once: twice what fits into a round trip. */
+  get window(): number {
+    const { oneWay_ms, bytesPerSecond } = this.#pace;
+    if (bytesPerSecond === Number.POSITIVE_INFINITY) return WINDOW.most;
+    const wanted = 2 * bytesPerSecond * ((2 * oneWay_ms) / 1_000);
+    return Math.min(WINDOW.most, Math.max(WINDOW.least, wanted));
+  }
+
   #join(browser: Socket): void {
     if (this.#cut === "refusing") {
       browser.destroy();
@@ -130,7 +138,7 @@ class Pipe {
     const put = (data: Buffer | null) => {
       last_ms = Math.max(last_ms, wire.arrival(direction, data?.length ?? 0, begun_ms));
       this.#queue.push({ at_ms: last_ms, data });
-      if (this.#waiting > WINDOW) from.pause();
+      if (this.#waiting > wire.window) from.pause();
       this.pump();
     };
     from.on("data", put);
@@ -152,7 +160,7 @@ class Pipe {
       if (next.data === null) this.destroy();
       else this.#to.write(next.data);
     }
-    if (this.#from.isPaused() && this.#waiting <= WINDOW) this.#from.resume();
+    if (this.#from.isPaused() && this.#waiting <= this.#wire.window) this.#from.resume();
   }
 
   destroy(): void {

@@ -33,8 +33,11 @@ impl Offers {
         newest.is_none_or(|newest| fresh >= if newest.is_used { if_used } else { if_unused })
     }
 
-    /// Offers this one.
+    /// Offers this one, unless a datagram could not tell it from another one that is kept: they are named by three bytes.
     pub(super) fn push(&mut self, name: ContextName, bytes: Vec<u8>) {
+        if self.kept.iter().any(|offer| offer.name.id() == name.id()) {
+            return;
+        }
         self.kept.push_back(Offer { name, bytes, is_used: false });
         if self.kept.len() > KEPT {
             self.kept.pop_front();
@@ -44,5 +47,26 @@ impl Offers {
     /// The one that is offered.
     pub(super) fn newest(&self) -> Option<ContextName> {
         self.kept.back().map(|newest| newest.name)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{ContextName, Offers};
+    use std::collections::BTreeMap;
+
+    #[test]
+    fn two_that_a_datagram_names_alike_are_not_kept_at_once() {
+        let mut by_id = BTreeMap::new();
+        let alike = (1_u64..).find_map(|number| {
+            let name = ContextName::of(number, number, &number.to_be_bytes());
+            by_id.insert(name.id().0, name).map(|other| [other, name])
+        });
+        let [first, second] = alike.unwrap();
+        let mut offers = Offers::default();
+        offers.push(first, b"first".to_vec());
+        offers.push(second, b"second".to_vec());
+        assert_eq!(offers.newest(), Some(first));
+        assert_eq!(offers.find(second.id()), Some(&b"first"[..]));
     }
 }
