@@ -1,11 +1,12 @@
 //! Machines at a station: there before a run has them, once by the hash of their files.
 
 use crate::harness::{Place, Run};
-use crate::station::{pair, robot_with, station};
+use crate::station::{in_background, pair, robot_with, station};
 use rafcon_storage::journal::Pack;
 use serde_json::Value;
 use std::collections::BTreeSet;
 use std::fs;
+use std::net::{SocketAddr, UdpSocket};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::thread;
@@ -117,6 +118,35 @@ fn a_machine_is_at_the_station_before_any_run_and_an_edit_sends_what_was_edited(
     assert!((1..1_500).contains(&sent), "{sent} bytes of an edit");
     wait_for_parcels(&place, 2);
     drop((ground, second));
+}
+
+/// Where a robot sends whatever is to reach a station that it never hears.
+fn one_way_to(station: SocketAddr) -> SocketAddr {
+    let [near, far] = [(); 2].map(|()| UdpSocket::bind("127.0.0.1:0").unwrap());
+    let address = near.local_addr().unwrap();
+    in_background(move || {
+        let mut buffer = [0; 2_000];
+        while let Ok(length) = near.recv(&mut buffer) {
+            far.send_to(&buffer[..length], station).unwrap_or_default();
+        }
+    });
+    address
+}
+
+#[test]
+fn machines_reach_a_station_that_the_robot_never_hears_also_one_that_lost_its_disk() {
+    let place = Place::empty();
+    two_scripts(&place);
+    pair(&place, "scout");
+    let (ground, address) = station(&place, "127.0.0.1:0");
+    let stations = format!("--station udp://{} project", one_way_to(address));
+    let robot = robot_with(&place, &stations);
+    wait_for_parcels(&place, 1);
+    drop((ground, robot));
+    fs::remove_dir_all(place.path("ground/link/station/scout/machines")).unwrap();
+    let (_ground, _) = station(&place, &address.to_string());
+    let _robot = robot_with(&place, &stations);
+    wait_for_parcels(&place, 1);
 }
 
 #[test]
