@@ -182,10 +182,9 @@ impl<'p> Site<'p> {
             0 if self.runners < RUNNERS_OF_RUN => {
                 tally.runners += 1;
                 self.runners += 1;
+                let runner = self.runner();
                 self.deaths.push(now_ms());
-                let writer = writer_of(&self.runs[0]).ok().flatten();
-                let runner = writer.and_then(|pid| Pid::from_raw(pid.cast_signed()));
-                kill_process(runner.expect("the run continues"), Signal::KILL).unwrap();
+                kill_process(runner, Signal::KILL).unwrap();
             }
             0..=2 => {
                 tally.robots += 1;
@@ -197,6 +196,17 @@ impl<'p> Site<'p> {
                 self.station.kill();
                 self.station = station(self.place, self.receives);
             }
+        }
+    }
+
+    /// The process of the run. The last events of one that was killed may be seen before the next one has begun.
+    fn runner(&self) -> Pid {
+        loop {
+            let writer = writer_of(&self.runs[0]).ok().flatten();
+            if let Some(runner) = writer.and_then(|pid| Pid::from_raw(pid.cast_signed())) {
+                return runner;
+            }
+            thread::yield_now();
         }
     }
 
