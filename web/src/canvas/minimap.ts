@@ -7,19 +7,15 @@ import { scaledContext } from "../store/canvas_element.ts";
 import type { OpenTab } from "../store/page/page.ts";
 import type { Camera } from "../store/page/view.ts";
 import { fitted, screenBox, visibleBox, worldFromScreen } from "./camera.ts";
-import { NO_OVERLAY } from "./overlay.ts";
+import { overview } from "./overview.ts";
 import { inkOf } from "./paint/ink.ts";
 import { paint } from "./paint/paint.ts";
 import type { CanvasPicture } from "./picture.ts";
-import { PLAIN } from "./scene/input.ts";
-import type { BoxMark } from "./scene/list.ts";
-import { scene } from "./scene/scene.ts";
 
 const SIZE: Size = { width: 168, height: 104 };
 /** The small picture is drawn so much larger, for its detail, and then made smaller. */
 const FINER = 4;
 const MARGIN = 6;
-const WAITING_LINE = 2.5 * FINER;
 const TIGHT = { width: 520, height: 300 };
 /** After a change of the machine the small picture follows within so many ms. */
 const REST_MS = 200;
@@ -64,6 +60,7 @@ export function minimapIn(
   const stopFollowing = effect(() => {
     tab.session.version.value;
     tab.view.contents.value;
+    tab.view.ghost.value;
     picture.theme.value;
     soon();
   });
@@ -186,8 +183,6 @@ function lookAt({ view }: OpenTab, picture: CanvasPicture, at: Point): void {
   };
 }
 
-const QUIET = { transitions: false, dataFlows: "none", names: false } as const;
-
 function paintWhole(whole: HTMLCanvasElement, { view }: OpenTab, picture: CanvasPicture): void {
   const size = { width: SIZE.width * FINER, height: SIZE.height * FINER };
   const context = scaledContext(whole, size);
@@ -196,29 +191,9 @@ function paintWhole(whole: HTMLCanvasElement, { view }: OpenTab, picture: Canvas
   const colours = picture.colours();
   context.fillStyle = inkOf(colours, "ground");
   context.fillRect(0, 0, size.width, size.height);
-  const list = scene({
-    ...PLAIN,
-    layout: picture.layout(),
-    camera: fitted(root, size, MARGIN * FINER),
-    view: size,
-    modes: { ...view.modes.peek(), ...QUIET },
-    overlay: NO_OVERLAY,
-    runs: picture.runs(),
-    measure: () => 0,
-    mayRoute: () => false,
-  });
-  const nothing = { dots: [], icons: [], texts: [], lines: [], under: [] };
-  const boxes = list.layers.map((layer) => ({
-    ...layer,
-    ...nothing,
-    boxes: layer.boxes.map(asLarge),
-  }));
-  paint(context, { ...list, layers: boxes }, colours);
-}
-
-/** What waits for somebody is seen from afar: dashes would be too fine. */
-function asLarge(box: BoxMark): BoxMark {
-  return box.stroke === "waiting" ? { ...box, dash: false, line: WAITING_LINE, alpha: 1 } : box;
+  const seen = { layout: picture.layout(), camera: fitted(root, size, MARGIN * FINER), view: size };
+  const shown = { modes: view.modes.peek(), runs: picture.runs(), ghost: view.ghost.peek() };
+  paint(context, overview({ ...seen, ...shown, line: FINER }), colours);
 }
 
 function paintMap(

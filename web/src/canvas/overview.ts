@@ -1,0 +1,45 @@
+/** What the small picture of a whole machine shows: boxes only, of the machine and of one that is offered beside it. */
+
+import type { GhostMachine } from "../store/page/view.ts";
+import { ghostLayers } from "./ghost.ts";
+import { NO_OVERLAY } from "./overlay.ts";
+import { PLAIN, type SceneInput } from "./scene/input.ts";
+import type { BoxMark, DrawList, Layer } from "./scene/list.ts";
+import { scene } from "./scene/scene.ts";
+
+interface Overview extends Pick<SceneInput, "layout" | "camera" | "view" | "modes" | "runs"> {
+  readonly ghost: GhostMachine | null;
+  /** Pixels of the small picture for one that is seen. */
+  readonly line: number;
+}
+
+const QUIET = { transitions: false, dataFlows: "none", names: false } as const;
+/** How wide the line is around what is to be seen from afar. */
+const LOUD_LINE = 2.5;
+
+export function overview({ ghost, line, ...shown }: Overview): DrawList {
+  const input: SceneInput = {
+    ...PLAIN,
+    ...shown,
+    modes: { ...shown.modes, ...QUIET },
+    overlay: NO_OVERLAY,
+    measure: () => 0,
+    mayRoute: () => false,
+  };
+  const list = scene(input);
+  const offered = ghost ? ghostLayers(input, ghost).layers : [];
+  const layers = [...list.layers, ...offered].map((layer) => boxesOnly(layer, LOUD_LINE * line));
+  return { ...list, layers };
+}
+
+function boxesOnly(layer: Layer, loud: number): Layer {
+  const boxes = layer.boxes.map((box) => asLarge(box, loud));
+  return { ...layer, boxes, dots: [], icons: [], texts: [], lines: [], under: [] };
+}
+
+/** What waits for somebody and what is offered is seen from afar: dashes would be too fine. */
+function asLarge(box: BoxMark, line: number): BoxMark {
+  const isOffered = box.what.startsWith("ghost ") && box.stroke !== null;
+  const isLoud = box.stroke === "waiting" || isOffered;
+  return isLoud ? { ...box, dash: false, line, alpha: 1 } : box;
+}
