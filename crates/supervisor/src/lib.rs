@@ -29,7 +29,7 @@ pub use interpreter::{
     Interpreter, NoExtension, NoInterpreter, ProgramEnvironment, find_extension,
 };
 pub use process::{Exit, Group, Process, Start, StartError, is_alive};
-pub use remains::{KeptRun, machine_of, policy_of, resume_launch};
+pub use remains::{KeptRun, kept_machine, machine_of, policy_of, resume_launch};
 pub use restart_policy::{Next, RestartPolicy, RunnerDeath};
 pub use ros_bridge::{RosBridge, RosBridgeSettings};
 pub use runs::{FindError, MakeError, Runs, meant};

@@ -1,12 +1,15 @@
 //! What a run keeps in its folder that whoever resumes it again must know: what it says about itself, the marks of running
 //! scripts, and the journal. What cannot be read has nothing to say here.
 
+use rafcon_model::Machine;
 use rafcon_protocol::{Crash, Event, Launch, OnCrash, Resume, active};
 use rafcon_storage::journal::folder::ABOUT_FILE;
-use rafcon_storage::journal::{About, Reader, Record, has_begun};
+use rafcon_storage::journal::{About, Hash, Packed, Reader, Record, has_begun};
+use rafcon_storage::{Libraries, load_packed};
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::time::Duration;
 
 /// So many of the last events are looked through for logs.
@@ -84,6 +87,20 @@ pub fn machine_of(folder: &Path) -> PathBuf {
     let about = about(folder);
     let machine = about.as_ref().and_then(|about| about.get("machine")?.as_str());
     machine.map(PathBuf::from).unwrap_or_default()
+}
+
+/// The machine with this hash that the run has kept; without a hash, the one that it goes by.
+pub fn kept_machine(folder: &Path, hash: Option<&str>) -> Option<Machine> {
+    let goes_by = || {
+        let mut reader = Reader::open(folder).ok()?;
+        let last = reader.last_sequence().ok()?;
+        reader.moment(last).ok()?.whole().root.clone()
+    };
+    let hash = Hash::parse(&hash.map(ToOwned::to_owned).or_else(goes_by)?)?;
+    let packed = Arc::new(Packed::read(folder, hash).ok()?);
+    let libraries = Libraries::default().packed(Arc::clone(&packed));
+    let folder = Path::new(Packed::MACHINE);
+    Some(load_packed(&packed, Packed::MACHINE, folder, &libraries).ok()?.machine)
 }
 
 /// What becomes of scripts that a crash has interrupted, as the run keeps it.

@@ -26,7 +26,7 @@ pub(crate) use notebook::CredentialStore;
 use rafcon_model::Machine;
 use rafcon_protocol::api::{
     CommandAnswer, Control, ControlMove, Login, MachineAt, MachineDocument, MachineFile,
-    MachineSummary, NewToken, ResumeRun, RunNow, RunSummary, StartRun, TokenMade,
+    MachineSummary, Moment, NewToken, ResumeRun, RunNow, RunSummary, StartRun, TokenMade,
 };
 use rafcon_protocol::document::{Document, leave};
 use rafcon_protocol::{Envelope, StateData};
@@ -101,9 +101,15 @@ impl Server {
         }
     }
 
-    /// The machine that a run goes by.
-    pub(crate) fn machine_of_run(&self, run: &str) -> Outcome<Machine> {
-        let document: Document = self.get(&format!("/runs/{}/machine", escaped(run)))?;
+    /// How a run stands.
+    pub(crate) fn moment_of_run(&self, run: &str) -> Result<Moment, Fault> {
+        self.get(&format!("/runs/{}/moments", escaped(run)))
+    }
+
+    /// The machine of a run with this hash; without one, the one that it began with.
+    pub(crate) fn machine_of_run(&self, run: &str, hash: Option<&str>) -> Outcome<Machine> {
+        let query = hash.map(|hash| format!("?root={}", escaped(hash))).unwrap_or_default();
+        let document: Document = self.get(&format!("/runs/{}/machine{query}", escaped(run)))?;
         Ok(document.read(&mut leave)?)
     }
 

@@ -12,7 +12,7 @@ use crate::failure::complain;
 use crate::follow::{End, RunFollower, RunLoop, RunRole};
 use anyhow::Result;
 use rafcon_protocol::{Hello, Join, encode};
-use rafcon_supervisor::{connect, machine_of};
+use rafcon_supervisor::connect;
 use std::io::Write as _;
 use std::process::ExitCode;
 use std::sync::Arc;
@@ -35,7 +35,7 @@ pub(super) fn attach(
     let mut control = connect(&folder)?;
     let keyboard = keyboard(raw.output, environment, true);
     let mut queue = EventQueue::new(keyboard.is_some())?;
-    let view = view(raw.output, environment, names_of_run(machine_of(&folder)), keyboard);
+    let view = view(raw.output, environment, names_of_run(&folder), keyboard);
     let join = Join { from: raw.from, every_event: view.every_event() };
     queue.join(control.try_clone()?, Some(&folder))?;
     let prefix = format!("attach-{}", std::process::id());

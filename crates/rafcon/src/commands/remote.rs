@@ -92,14 +92,19 @@ pub(super) fn run(server: &Server, text: &str) -> Result<RunSummary> {
 
 /// The names of a run's states.
 pub(super) fn names(server: &Arc<Server>, run: &str) -> Names {
-    let (server, run) = (Arc::clone(server), run.to_owned());
-    Names::new(move || machine(&server, &run))
+    let (begins, id) = (Arc::clone(server), run.to_owned());
+    let (later, run) = (Arc::clone(server), run.to_owned());
+    Names::new(move || {
+        let now = begins.moment_of_run(&id).ok().and_then(|moment| moment.root);
+        machine(&begins, &id, now.as_deref())
+    })
+    .following(move |hash| machine(&later, &run, Some(hash)))
 }
 
-/// The machine of a run; that of a run that has just begun is kept a little later.
-fn machine(server: &Server, run: &str) -> Option<Machine> {
+/// The machine of a run with this hash, else the one that it began with; that of a run that has just begun is kept a little later.
+fn machine(server: &Server, run: &str, hash: Option<&str>) -> Option<Machine> {
     for _try in 0..MACHINE_TRIES {
-        match server.machine_of_run(run) {
+        match server.machine_of_run(run, hash) {
             Ok(machine) => return Some(machine),
             Err(error) if is_kept_later(&error) => thread::park_timeout(MACHINE_PAUSE),
             Err(_other) => return None,

@@ -60,6 +60,7 @@ impl<W: Write> View for Lines<W> {
     }
 
     fn event(&mut self, time: Duration, event: Event) -> io::Result<()> {
+        self.names.hear(&event);
         match event {
             Event::Entered { path, .. } => self.moment(time, &path, ""),
             Event::Left { outcome, .. } if outcome.id >= 0 => Ok(()),

@@ -1,29 +1,59 @@
 //! Names of states by path: people read names, the protocol says ids. Loads the machine by itself, beside the runner.
 
 use rafcon_model::{Kind, Machine, State, StatePath};
+use rafcon_protocol::Event;
 use std::collections::BTreeMap;
+use std::fmt;
 use std::sync::Arc;
 use std::thread::JoinHandle;
 
 /// Names, once the machine is loaded; ids for what it does not have.
-#[derive(Debug)]
 pub(crate) struct Names {
     loading: Option<JoinHandle<Option<Machine>>>,
-    machine: Option<Machine>,
+    /// The machine as it is now, and as it was before the last change: what is left meanwhile may be gone from the newer.
+    machines: [Option<Machine>; 2],
     known: BTreeMap<String, Arc<str>>,
+    later: Option<LoadChanged>,
+}
+
+/// Finds the machine of a run by its hash.
+type LoadChanged = Arc<dyn Fn(&str) -> Option<Machine> + Send + Sync>;
+
+impl fmt::Debug for Names {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Names").field("known", &self.known.len()).finish_non_exhaustive()
+    }
 }
 
 impl Names {
     /// Names that `load` finds out on a thread of its own; if it finds nothing, ids are shown.
     pub(crate) fn new(load: impl FnOnce() -> Option<Machine> + Send + 'static) -> Self {
         let loading = std::thread::Builder::new().name("names".to_owned()).spawn(load).ok();
-        Self { loading, machine: None, known: BTreeMap::new() }
+        Self { loading, machines: [None, None], known: BTreeMap::new(), later: None }
+    }
+
+    /// The same names, and those of the machine that `load` finds by its hash, whenever the run's machine has changed.
+    pub(crate) fn following(
+        self,
+        load: impl Fn(&str) -> Option<Machine> + Send + Sync + 'static,
+    ) -> Self {
+        Self { later: Some(Arc::new(load)), ..self }
+    }
+
+    /// Hears of a change of the machine.
+    pub(crate) fn hear(&mut self, event: &Event) {
+        let Event::Root { hash, change } = event else { return };
+        let Some(load) = self.later.clone().filter(|_| !change.is_empty()) else { return };
+        self.wait();
+        let hash = hash.clone();
+        let spawn = std::thread::Builder::new().name("names".to_owned());
+        self.loading = spawn.spawn(move || load(&hash)).ok();
     }
 
     /// The path of ids that the user means by a path of ids, a path of names, or a name that only one state has.
     pub(crate) fn resolve(&mut self, text: &str) -> Result<String, String> {
         self.wait();
-        let Some(machine) = &self.machine else { return Ok(text.to_owned()) };
+        let [Some(machine), _] = &self.machines else { return Ok(text.to_owned()) };
         if machine.state(&StatePath::parse(text)).is_some() {
             return Ok(text.to_owned());
         }
@@ -39,8 +69,11 @@ impl Names {
     }
 
     fn wait(&mut self) {
-        if let Some(loading) = self.loading.take() {
-            self.machine = loading.join().unwrap_or(None);
+        let Some(loading) = self.loading.take() else { return };
+        if let Some(newer) = loading.join().unwrap_or(None) {
+            let [now, before] = &mut self.machines;
+            *before = now.replace(newer);
+            self.known.clear();
         }
     }
 
@@ -57,8 +90,8 @@ impl Names {
     }
 
     fn find(&self, path: &str) -> Option<String> {
-        let machine = self.machine.as_ref()?;
-        names_of(machine, &StatePath::parse(path))
+        let path = StatePath::parse(path);
+        self.machines.iter().flatten().find_map(|machine| names_of(machine, &path))
     }
 }
 
@@ -99,6 +132,7 @@ pub(crate) fn names_of(machine: &Machine, path: &StatePath) -> Option<String> {
 #[cfg(test)]
 mod tests {
     use super::Names;
+    use rafcon_protocol::Event;
     use rafcon_testkit::notation;
 
     const MACHINE: &str = r#"
@@ -128,6 +162,25 @@ hierarchy ROOT "Mission"
             resolve("Nobody").unwrap_err(),
             "no state is named `Nobody`: write a path of ids, a path of names, or a name"
         );
+    }
+
+    #[test]
+    fn a_machine_that_changes_is_read_again() {
+        let later = MACHINE.replace("WAITED \"Wait a bit\"", "FETCHX \"Fetch\"");
+        let mut names = Names::new(|| notation::parse(MACHINE).ok())
+            .following(move |hash| notation::parse(&later).ok().filter(|_| hash == "2"));
+        let hear = |names: &mut Names, hash: &str, change: &str| {
+            names.hear(&Event::Root { hash: hash.to_owned(), change: change.to_owned() });
+        };
+        hear(&mut names, "1", "");
+        assert_eq!(&*names.path("ROOT/FETCHX"), "ROOT/FETCHX");
+        hear(&mut names, "2", "state added");
+        assert_eq!(&*names.path("ROOT/FETCHX"), "Mission/Fetch");
+        assert_eq!(&*names.path("ROOT/WAITED"), "Mission/Wait a bit");
+        assert!(names.resolve("Wait a bit").is_err());
+        // What cannot be read is as it was.
+        hear(&mut names, "3", "state removed");
+        assert_eq!(&*names.path("ROOT/FETCHX"), "Mission/Fetch");
     }
 
     #[test]

@@ -16,10 +16,10 @@ use crate::view::{Json, Lines, Live, Names, Paint, View};
 use anyhow::Result;
 use drive::{Place, RunSetup};
 use rafcon_protocol::Launch;
-use rafcon_supervisor::resume_launch;
+use rafcon_supervisor::{kept_machine, machine_of, resume_launch};
 use request::Request;
 use std::io::{self, IsTerminal as _};
-use std::path::PathBuf;
+use std::path::Path;
 use std::process::ExitCode;
 
 /// Runs a machine until it ends.
@@ -38,7 +38,7 @@ pub(super) fn run(raw: &cli::Run, environment: &Environment, clock: Clock) -> Re
     let launch = request.launch(&place)?;
     let (python, output, timeout) = (&raw.python, raw.output, request.timeout);
     let setup = RunSetup { python, output, timeout, environment, clock };
-    ended(setup, launch, &place, || request.names())
+    ended(setup, launch, &place, || following(request.names(), place.folder()))
 }
 
 /// Resumes a run and follows it until it ends.
@@ -52,15 +52,25 @@ pub(super) fn resume(
     }
     let place = Place::Kept(find_run(&raw.runs, environment, &raw.run)?);
     let launch = resume_launch(place.folder(), request::on_crash(raw.policy), raw.from);
-    let machine = launch.machine.clone();
     let timeout = raw.timeout.map(request::timeout).transpose()?;
     let setup = RunSetup { python: &raw.python, output: raw.output, timeout, environment, clock };
-    ended(setup, launch, &place, || names_of_run(machine.clone()))
+    ended(setup, launch, &place, || names_of_run(place.folder()))
 }
 
-/// The names of the machine that lies where that of a run was.
-pub(super) fn names_of_run(machine: PathBuf) -> Names {
-    Names::new(move || crate::machine::Source::of(machine).load_quietly().ok().map(|l| l.machine))
+/// The names of the machine that a run goes by, as the run keeps it, else as it lies where it was.
+pub(super) fn names_of_run(folder: &Path) -> Names {
+    let run = folder.to_owned();
+    let load = move || {
+        let source = || crate::machine::Source::of(machine_of(&run)).load_quietly().ok();
+        kept_machine(&run, None).or_else(|| Some(source()?.machine))
+    };
+    following(Names::new(load), folder)
+}
+
+/// The same names, also after the machine of the run has changed.
+fn following(names: Names, folder: &Path) -> Names {
+    let run = folder.to_owned();
+    names.following(move |hash| kept_machine(&run, Some(hash)))
 }
 
 /// Runs it to its end, and tells the user about one that is not the machine's.

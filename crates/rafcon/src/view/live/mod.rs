@@ -139,6 +139,7 @@ impl View for Live {
     }
 
     fn event(&mut self, time: Duration, event: Event) -> io::Result<()> {
+        self.names.hear(&event);
         match event {
             Event::Log { path, level, message, .. } => self.say(time, &path, level, &message),
             Event::Finished { .. } => {
