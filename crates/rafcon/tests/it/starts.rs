@@ -280,6 +280,17 @@ fn inputs_of_a_client_import_nothing() {
 }
 
 #[test]
+fn an_input_that_the_machine_does_not_have_is_refused_and_leaves_nothing() {
+    let mut site = Site::new();
+    site.serve();
+    let (status, refusal) = site.ask(&json!({ "inputs": { "tiems": 2 } })).unwrap();
+    assert_eq!((status, refusal["code"].as_str().unwrap()), (422, "load_failed"));
+    let message = refusal["message"].as_str().unwrap();
+    assert_eq!(message, "the machine has no input `tiems`: it has `times`");
+    assert_eq!(site.runs(), [""; 0]);
+}
+
+#[test]
 fn a_started_machine_is_read_in_its_project_and_nowhere_else() {
     for (to, why) in [
         ("../../secret", "leads out of the folders that may be read"),

@@ -145,11 +145,27 @@ pub enum PrepareError {
         /// What the host says.
         why: ValueError,
     },
+    /// The root has no input of this name.
+    #[error("the machine has no input `{name}`: {}", listed(inputs))]
+    NoSuchInput {
+        /// The name.
+        name: String,
+        /// The inputs that it has.
+        inputs: Vec<String>,
+    },
     /// `afterwards` without `start_from`.
     #[error(
         "the start says what happens after its first state, but not which that is: name it in `start_from`, or leave `afterwards` out"
     )]
     NoFirstState,
+}
+
+fn listed(inputs: &[String]) -> String {
+    if inputs.is_empty() {
+        "it has none".to_owned()
+    } else {
+        format!("it has `{}`", inputs.join("`, `"))
+    }
 }
 
 /// A run that cannot be resumed, or an entry that no run can begin again at.

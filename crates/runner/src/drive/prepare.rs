@@ -58,6 +58,7 @@ pub(crate) fn prepare<H: Host>(
     let (config, _file) = config::find(launch.config.as_deref(), &environment)
         .map_err(|error| PrepareError::Config(Box::new(error)))?;
     if let Some(built) = host.built().filter(|_| packed.is_none()) {
+        are_known(&built.machine, launch)?;
         return ready(host, launch, built, config);
     }
     let (roots, notes) = roots(&config, &environment, &launch.libraries);
@@ -74,6 +75,7 @@ pub(crate) fn prepare<H: Host>(
         None => (load(&launch.machine, &own), Arc::clone(&own)),
     };
     let loaded = loaded.map_err(|error| PrepareError::Load(Box::new(error)))?;
+    are_known(&loaded.machine, launch)?;
     let problems = lines(&config.notes)
         .chain(lines(&notes))
         .chain(lines(&loaded.problems))
@@ -119,6 +121,19 @@ fn start<H: Host>(
         hold: launch.hold,
         ..Start::default()
     })
+}
+
+/// A misspelt input would let the machine run with a default instead. A run that goes on has passed this once.
+fn are_known(machine: &Machine, launch: &Launch) -> Result<(), PrepareError> {
+    let known = &machine.root.inputs;
+    let mut names = launch.inputs.iter().map(|(name, _)| name);
+    match names.find(|name| known.by_name(name).is_none()) {
+        Some(name) if launch.resume.is_none() => Err(PrepareError::NoSuchInput {
+            name: name.clone(),
+            inputs: known.iter().map(|port| port.name.to_string()).collect(),
+        }),
+        _ => Ok(()),
+    }
 }
 
 /// What happens after the state at which the run begins.
