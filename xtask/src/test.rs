@@ -193,7 +193,8 @@ fn python_side(product: &Product) -> Result<()> {
     Ok(())
 }
 
-fn planner() -> Result<PathBuf> {
+/// The unpacked sources of the planner plugin.
+pub(crate) fn planner() -> Result<PathBuf> {
     python::sources(&python::default()?, &workspace::target()?.join("plugins"), PLANNER)
 }
 
