@@ -7,7 +7,7 @@ use std::process::Stdio;
 use anyhow::{Context as _, Result, bail};
 
 use crate::product::{Product, Profile};
-use crate::{link_demo, process, web, workspace};
+use crate::{link_demo, process, test, web, workspace};
 
 /// What `cargo xtask demo` can be asked for.
 #[derive(clap::Args)]
@@ -52,6 +52,11 @@ pub(crate) fn run(options: &DemoOptions) -> Result<()> {
     if options.terminal {
         return process::run(process::command(&product.binary).arg("run").arg(&mission));
     }
+    let rover = missions.join("rover");
+    if !rover.exists() {
+        let mut new = process::command(&product.binary);
+        process::run(new.arg("new").arg(&rover).args(["--template", "rover"]))?;
+    }
     serve(&product.binary, &missions, options.quiet)
 }
 
@@ -61,7 +66,12 @@ fn serve(rafcon: &Path, missions: &Path, quiet: bool) -> Result<()> {
     let libraries = examples.join("libraries");
     let mut serve = process::command(rafcon);
     serve.arg("serve").arg(missions).args(["--bind", "127.0.0.1:0", "--library-path"]);
-    serve.arg(format!("examples={}", libraries.display()));
+    serve.arg(format!("examples={}", libraries.display())).arg("--library-path");
+    serve.arg(format!("planning={}", workspace::path("libraries/planning").display()));
+    match test::engine_environment() {
+        Ok(python) => drop(serve.env("RAFCON_PYTHON", python)),
+        Err(error) => eprintln!("the rover will not plan, there is no engine: {error:#}"),
+    }
     let mut server = serve.stdout(Stdio::piped()).spawn().context("cannot start the server")?;
     let out = server.stdout.take().context("the server says nothing")?;
     for (number, line) in BufReader::new(out).lines().enumerate() {

@@ -1,4 +1,4 @@
-//! What a user installs: an archive with binary (which carries the page), extension and examples, and a Python wheel. The
+//! What a user installs: an archive with binary (which carries the page), extension, examples and libraries, and a Python wheel. The
 //! debugging symbols of the archive's programs are packed apart.
 
 use std::path::{Path, PathBuf};
@@ -41,7 +41,9 @@ fn archive(product: &Product, folder: &Path) -> Result<()> {
     for paper in PAPERS {
         copy(&workspace::path(paper), &stage.join(paper))?;
     }
-    workspace::copy("examples", &stage.join("examples"))?;
+    for machines in ["examples", "libraries"] {
+        workspace::copy(machines, &stage.join(machines))?;
+    }
     pack(&stage)?;
     pack(&symbols)
 }

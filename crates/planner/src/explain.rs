@@ -1,24 +1,24 @@
 //! Why a step is in a plan: what it needs and who brought it, what it brings and who needs it.
 
-use crate::ground::{Binding, Changes, Fact, Touched};
+use crate::ground::{Binding, Changes, Literal};
 use crate::plan::Plan;
 use crate::task::Task;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
-/// A fact that a step needs.
+/// What a step needs.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Need {
-    /// What.
-    pub fact: Fact,
+    /// What holds, or must not hold.
+    pub fact: Literal,
     /// The step that brought it; `None`: it was there from the beginning.
     pub from: Option<usize>,
 }
 
-/// A fact that a step brings.
+/// What a step brings.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Gain {
-    /// What.
-    pub fact: Fact,
+    /// What holds, or must not hold.
+    pub fact: Literal,
     /// The steps that need it.
     pub steps: Vec<usize>,
     /// Whether the goal does.
@@ -39,13 +39,15 @@ pub fn explain(task: &Task, plan: &Plan) -> Vec<Reason> {
     let ground = task.ground();
     let mut world = task.world();
     let mut reasons: Vec<Reason> = Vec::with_capacity(plan.steps.len());
-    let mut brought: BTreeMap<Fact, usize> = BTreeMap::new();
+    let mut brought: BTreeMap<Literal, usize> = BTreeMap::new();
     for (index, step) in plan.steps.iter().enumerate() {
         reasons.push(Reason::default());
         let Ok((action, binding)) = task.bind(step) else { continue };
-        let mut touched = Touched::default();
-        action.needs.iter().for_each(|need| ground.touch_condition(need, &binding, &mut touched));
-        for fact in touched.reads.into_iter().filter(|fact| world.facts.contains(fact)) {
+        let mut asked = BTreeSet::new();
+        for need in &action.needs {
+            ground.ask((need, true), &binding, &world, &mut asked);
+        }
+        for fact in asked {
             let from = brought.get(&fact).copied();
             if let Some(from) = from {
                 note(&mut reasons[from], &fact, |gain| gain.steps.push(index));
@@ -56,17 +58,20 @@ pub fn explain(task: &Task, plan: &Plan) -> Vec<Reason> {
             let mut changes = Changes::default();
             // What has no value stays out of an explanation; the validator has had its say.
             let _missing = ground.changes(effect, &binding, &world, &mut changes);
-            for fact in &changes.adds {
-                if !world.facts.contains(fact) {
-                    brought.insert(fact.clone(), index);
+            let changed = changes.adds.iter().chain(&changes.deletes).cloned();
+            let before: Vec<_> =
+                changed.map(|fact| Literal { holds: world.facts.contains(&fact), fact }).collect();
+            world.apply(&changes);
+            for Literal { fact, holds } in before {
+                if world.facts.contains(&fact) != holds {
+                    brought.insert(Literal { fact, holds: !holds }, index);
                 }
             }
-            world.apply(&changes);
         }
     }
-    let mut wanted = Touched::default();
-    ground.touch_condition(&task.problem.goal, &Binding::default(), &mut wanted);
-    for fact in wanted.reads.into_iter().filter(|fact| world.facts.contains(fact)) {
+    let mut wanted = BTreeSet::new();
+    ground.ask((&task.problem.goal, true), &Binding::default(), &world, &mut wanted);
+    for fact in wanted {
         if let Some(from) = brought.get(&fact) {
             note(&mut reasons[*from], &fact, |gain| gain.goal = true);
         }
@@ -74,7 +79,7 @@ pub fn explain(task: &Task, plan: &Plan) -> Vec<Reason> {
     reasons
 }
 
-fn note(reason: &mut Reason, fact: &Fact, change: impl FnOnce(&mut Gain)) {
+fn note(reason: &mut Reason, fact: &Literal, change: impl FnOnce(&mut Gain)) {
     let at = reason.brings.iter().position(|gain| gain.fact == *fact);
     let at = at.unwrap_or_else(|| {
         reason.brings.push(Gain { fact: fact.clone(), steps: Vec::new(), goal: false });

@@ -24,6 +24,21 @@ impl fmt::Display for Fact {
     }
 }
 
+/// That a fact holds, or that it does not.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Literal {
+    /// Which fact.
+    pub fact: Fact,
+    /// Whether it holds.
+    pub holds: bool,
+}
+
+impl fmt::Display for Literal {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if self.holds { self.fact.fmt(f) } else { write!(f, "(not {})", self.fact) }
+    }
+}
+
 /// What holds at a moment.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct World {
@@ -258,6 +273,36 @@ impl Ground<'_> {
             Condition::Compare(_, a, b) => {
                 for number in [a, b] {
                     touch_number(number, binding, into);
+                }
+            }
+        }
+    }
+
+    /// What of a condition, or of its opposite, is true in a world: what it is met by.
+    pub(crate) fn ask(
+        self,
+        (condition, holds): (&Condition, bool),
+        binding: &Binding,
+        world: &World,
+        into: &mut BTreeSet<Literal>,
+    ) {
+        match condition {
+            Condition::Fact(atom) => {
+                let fact = binding.fact(atom);
+                if world.facts.contains(&fact) == holds {
+                    into.insert(Literal { fact, holds });
+                }
+            }
+            Condition::Same(..) | Condition::Compare(..) => {}
+            Condition::Not(inner) => self.ask((inner, !holds), binding, world, into),
+            Condition::And(parts) | Condition::Or(parts) => {
+                for part in parts {
+                    self.ask((part, holds), binding, world, into);
+                }
+            }
+            Condition::Forall(names, inner) | Condition::Exists(names, inner) => {
+                for binding in self.each(names, binding) {
+                    self.ask((inner, holds), &binding, world, into);
                 }
             }
         }

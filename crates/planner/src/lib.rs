@@ -21,8 +21,8 @@ mod tests;
 
 pub use explain::{Gain, Need, Reason, explain};
 pub use finding::{Finding, Severity};
-pub use ground::{Fact, World};
-pub use machine::{Build, BuildError, Built, Data, FindLibrary, Replanning, build};
+pub use ground::{Fact, Literal, World};
+pub use machine::{Build, BuildError, Built, Data, FindLibrary, REPLAN, Replanning, build};
 pub use merge::Pool;
 pub use order::Order;
 pub use plan::{Plan, Step};

@@ -22,12 +22,20 @@ pub(crate) fn revision() -> PyResult<u64> {
 #[pyfunction]
 pub(crate) fn edit(py: Python<'_>, changes: Vec<Change<'_>>) -> PyResult<()> {
     let driver = current::driver()?;
-    let what: Vec<String> = changes.iter().map(|(verb, path, _)| words(verb, path)).collect();
+    let mut what: Vec<String> = changes.iter().map(|(verb, path, _)| words(verb, path)).collect();
+    // Of what is done many times, once is enough for people.
+    what.dedup();
     let edit = batch(changes)?;
     let mut tried = driver.machine().as_ref().clone();
     apply(&mut tried, edit.clone(), &PythonTypes).map_err(|error| refused(&error))?;
     let answer = thread::leave(py, || driver.edit(&[edit], &what.join(", "), false));
     answer.map(drop).or_else(|refused| Err(in_use(py, refused.to_string())?))
+}
+
+/// `rafcon._native.has_kept_changes`: whether a run that is resumed after a crash goes by all changes so far.
+#[pyfunction]
+pub(crate) fn has_kept_changes() -> PyResult<bool> {
+    Ok(current::driver()?.has_kept_changes())
 }
 
 /// The exception for a change that the running machine refuses.

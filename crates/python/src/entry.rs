@@ -21,7 +21,7 @@ mod _rafcon {
     #[pymodule_export]
     use super::describe::describe;
     #[pymodule_export]
-    use super::edit_run::{edit, revision, settle, taken};
+    use super::edit_run::{edit, has_kept_changes, revision, settle, taken};
     #[pymodule_export]
     use super::fork::after_fork_in_child;
     #[pymodule_export]

@@ -15,8 +15,8 @@ use crate::skill::{Recovery, Then};
 use crate::structure::Structure;
 use crate::task::Task;
 use rafcon_model::{
-    DECIDER_ID, DataType, Kind, OutcomeId, Port, PortId, RuntimeValues, Script, State, StateId,
-    StatePath, Target, Value,
+    DECIDER_ID, DataType, Kind, OutcomeId, Port, PortId, RuntimeValue, RuntimeValues, Script,
+    State, StateId, StatePath, Target, Value,
 };
 use smol_str::SmolStr;
 use std::sync::Arc;
@@ -24,12 +24,10 @@ use wiring::{Draft, Ids, SUCCESS, Sized, with_outcomes};
 
 /// A goal that is reached already.
 const NOTHING: &str = include_str!("scripts/nothing.py");
-/// The state that plans again.
-const REPLAN: &str = include_str!("scripts/replan.py");
+/// The library that plans again: its path and name.
+pub const REPLAN: &str = "planning/replan";
 /// The variable with the plans that were tried.
 const PLANS: PortId = PortId(0);
-/// Its first input.
-const FACTS: PortId = PortId(0);
 const DECIDE: &str = include_str!("scripts/decide.py");
 
 /// The root of a library by its path and name; `Err` is the reason why there is none.
@@ -69,7 +67,9 @@ impl std::fmt::Debug for Build<'_> {
 pub struct Replanning {
     /// The library whose output `facts` is the world as it is now.
     pub observe: (SmolStr, Arc<State>),
-    /// What the state that plans again is told, by the names of its inputs.
+    /// The library that plans again, [`REPLAN`].
+    pub replan: (SmolStr, Arc<State>),
+    /// What that is told, by the names of its inputs.
     pub inputs: Vec<(SmolStr, Value)>,
 }
 
@@ -87,13 +87,15 @@ pub enum BuildError {
         /// Why.
         reason: String,
     },
-    /// A library lacks an output.
-    #[error("the library {library} has no output `{port}`: add it")]
-    NoPort {
+    /// A library lacks a port or an outcome.
+    #[error("the library {library} has no {what} `{name}`: add it")]
+    Lacks {
         /// Which one.
         library: SmolStr,
-        /// Which port.
-        port: SmolStr,
+        /// An input, an output or an outcome.
+        what: &'static str,
+        /// How it is called.
+        name: SmolStr,
     },
     /// A skill replans, and nobody said how.
     #[error("{0} plans again when it fails: name the library that observes the facts")]
@@ -188,36 +190,49 @@ fn replan(
     replanning: &Replanning,
 ) -> Result<(StateId, (StateId, OutcomeId)), BuildError> {
     let (observe, observer) = &replanning.observe;
-    let told = observer
-        .outputs
-        .by_name("facts")
-        .ok_or_else(|| BuildError::NoPort { library: observe.clone(), port: "facts".into() })?;
-    let names = ["replanned", "reached", "given up"];
-    let mut again = wiring::script(ids.next(), "Plan again", REPLAN, &names);
-    again.inputs.insert(Port::new(FACTS, "facts", DataType::Str, Value::str("")));
-    for (id, (name, value)) in (1..).zip(&replanning.inputs) {
-        let data_type = DataType::of(value).unwrap_or(DataType::Object);
-        again.inputs.insert(Port::new(PortId(id), name, data_type, value.clone()));
+    let (library, root) = &replanning.replan;
+    let told = part(observe, "output", "facts", observer.outputs.by_name("facts"))?.id;
+    let input = |name: &str| {
+        Ok::<_, BuildError>(part(library, "input", name, root.inputs.by_name(name))?.id)
+    };
+    let outcome = |name: &str| {
+        let found = root.outcomes.iter().find(|outcome| outcome.name == name);
+        Ok::<_, BuildError>(part(library, "outcome", name, found)?.id)
+    };
+    let tried = part(library, "output", "plans", root.outputs.by_name("plans"))?.id;
+    let (replanned, reached) = (outcome("replanned")?, outcome("reached")?);
+    let mut values = values::defaults(root);
+    for (name, value) in &replanning.inputs {
+        values.insert(input(name)?, RuntimeValue { value: value.clone(), used: true });
     }
-    let number = again.inputs.len();
-    let plans = PortId(i64::try_from(number).unwrap_or(i64::MAX));
-    let told_plans = PortId(plans.0 + 1);
-    again.inputs.insert(Port::new(plans, "plans", DataType::List, Value::List([].into())));
-    again.outputs.insert(Port::new(told_plans, "plans", DataType::List, Value::List([].into())));
+    let again = step::library(ids.next(), "Plan again", library, root, values);
     let observer = step::library(ids.next(), "Observe", observe, observer, RuntimeValues::new());
     let seen = crate::skill::done(&observer).map_or(SUCCESS, |outcome| outcome.id);
     let first = draft.add(Sized::leaf(observer));
     let second = draft.add(Sized::leaf(again));
     draft.line((&first, seen), Target::State(second.clone()));
     draft.failures(&first, seen, &Target::Outcome(OutcomeId::ABORTED));
-    draft.flow((&first, told.id), (&second, FACTS));
+    draft.flow((&first, told), (&second, input("facts")?));
     let container = draft.id.clone();
-    draft.flow((&container, PLANS), (&second, plans));
-    draft.flow((&second, told_plans), (&container, PLANS));
-    draft.line((&second, OutcomeId(1)), Target::Outcome(SUCCESS));
-    draft.line((&second, OutcomeId(2)), Target::Outcome(OutcomeId::ABORTED));
-    draft.line((&second, OutcomeId::ABORTED), Target::Outcome(OutcomeId::ABORTED));
-    Ok((first, (second, SUCCESS)))
+    draft.flow((&container, PLANS), (&second, input("plans")?));
+    draft.flow((&second, tried), (&container, PLANS));
+    draft.line((&second, reached), Target::Outcome(SUCCESS));
+    for other in root.outcomes.iter().map(|outcome| outcome.id) {
+        if ![replanned, reached, OutcomeId::PREEMPTED].contains(&other) {
+            draft.line((&second, other), Target::Outcome(OutcomeId::ABORTED));
+        }
+    }
+    Ok((first, (second, replanned)))
+}
+
+/// A part of a library that it must have.
+fn part<'p, P>(
+    library: &SmolStr,
+    what: &'static str,
+    name: &str,
+    found: Option<&'p P>,
+) -> Result<&'p P, BuildError> {
+    found.ok_or_else(|| BuildError::Lacks { library: library.clone(), what, name: name.into() })
 }
 
 struct Maker<'b> {

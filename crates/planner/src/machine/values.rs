@@ -18,7 +18,7 @@ pub(super) fn of(
     objects: &[Object],
     data: &Data,
 ) -> Result<RuntimeValues, Finding> {
-    let mut values = RuntimeValues::new();
+    let mut values = defaults(root);
     for (parameter, name) in skill.action.parameters.iter().zip(&step.objects) {
         let Some(port) = skill::port(root, &parameter.name) else { continue };
         let known = data
@@ -34,12 +34,13 @@ pub(super) fn of(
         })?;
         values.insert(port.id, RuntimeValue { value, used: true });
     }
-    for port in &root.inputs {
-        values
-            .entry(port.id)
-            .or_insert_with(|| RuntimeValue { value: port.default.clone(), used: false });
-    }
     Ok(values)
+}
+
+/// The values of a library state that sets none of its inputs.
+pub(super) fn defaults(root: &State) -> RuntimeValues {
+    let unused = |port: &Port| RuntimeValue { value: port.default.clone(), used: false };
+    root.inputs.iter().map(|port| (port.id, unused(port))).collect()
 }
 
 fn fitting(port: &Port, known: Option<&Value>, name: &str) -> Option<Value> {

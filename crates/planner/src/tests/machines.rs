@@ -2,11 +2,14 @@
 
 use super::{HUNGRY, LUNCH, PERSONS, RESTAURANT, plan, pool, root, task};
 use crate::order::Order;
-use crate::{Build, BuildError, Recovery, Replanning, Structure, Then, build, explain};
+use crate::{
+    Build, BuildError, REPLAN as REPLAN_PATH, Recovery, Replanning, Structure, Then, build, explain,
+};
 use expect_test::{Expect, expect};
 use rafcon_model::notation::print;
 use rafcon_model::{
-    BuiltinTypes, DataType, Header, Json, Machine, Port, PortId, State, Value, problems,
+    BuiltinTypes, DataType, Header, Json, Machine, Outcome, OutcomeId, Port, PortId, State, Value,
+    problems,
 };
 use std::sync::Arc;
 
@@ -228,7 +231,21 @@ const REPLAN: Recovery = Recovery { retries: 0, then: Then::Replan };
 
 fn observed_by(path: &str, root: Arc<State>) -> Replanning {
     let inputs = vec![("goal".into(), Value::str("(be-full alice)"))];
-    Replanning { observe: (path.into(), root), inputs }
+    Replanning {
+        observe: (path.into(), root),
+        replan: (REPLAN_PATH.into(), replanner(&["replanned", "reached", "given up"])),
+        inputs,
+    }
+}
+
+/// The library that plans again, as far as machines are concerned.
+fn replanner(outcomes: &[&str]) -> Arc<State> {
+    let mut again = (*root("Plan again", "facts goal plans=list", &Json::object())).clone();
+    let own = (0..).zip(outcomes).map(|(id, name)| Outcome::new(OutcomeId(id), name));
+    again.outcomes =
+        again.outcomes.iter().filter(|other| other.id.0 < 0).cloned().chain(own).collect();
+    again.outputs.insert(Port::new(PortId(3), "plans", DataType::List, Value::List([].into())));
+    Arc::new(again)
 }
 
 fn observed() -> Replanning {
@@ -240,75 +257,51 @@ fn observed() -> Replanning {
 #[test]
 fn a_machine_plans_again_around_a_failure() {
     check(
-        make(RESTAURANT, "(cook bob pizza)\n(eat alice pizza)", REPLAN, Some(&observed())),
+        make(RESTAURANT, "(cook bob pizza)", REPLAN, Some(&observed())),
         &expect![[r#"
-            hierarchy IZHCZT "lunch"
+            hierarchy THSKWG "lunch"
               outcome success
-              var plans: list = [["(cook bob pizza)", "(eat alice pizza)"]]
-              TEVWVM.success -> WSGWTV
-              TEVWVM.aborted -> .aborted
-              WSGWTV.reached -> .success
-              WSGWTV."given up" -> .aborted
-              WSGWTV.aborted -> .aborted
-              start -> ACCTFZ
-              ACCTFZ.aborted -> TEVWVM
-              ACCTFZ.success -> .success
-              WSGWTV.replanned -> ACCTFZ
-              flow TEVWVM.facts -> WSGWTV.facts
-              flow .plans -> WSGWTV.plans
-              flow WSGWTV.plans -> .plans
-              barrier ACCTFZ "cook bob pizza, eat alice pizza"
-                outcome success
-                RASAHP.success -> unique_decider_state_id
-                RASAHP.aborted -> unique_decider_state_id
-                HSUTHX.success -> unique_decider_state_id
-                HSUTHX.aborted -> unique_decider_state_id
-                unique_decider_state_id.success -> .success
-                unique_decider_state_id.aborted -> .aborted
-                library HSUTHX "eat alice pizza" from "pool/eat"
-                  set in person = "alice"
-                  set in food = "pizza margherita"
-                  content
-                      outcome success
-                      in person: str
-                      in food: str
-                      script ""
-                library RASAHP "cook bob pizza" from "pool/cook"
-                  set in chef = "bob"
-                  set in food = "pizza margherita"
-                  content
-                      outcome success
-                      in chef: str
-                      in food: str
-                      script ""
-                decider unique_decider_state_id "Decider"
-                  outcome success
-                  in wanted: dict = {"RASAHP": "success", "HSUTHX": "success"}
-                  script |
-                    def execute(self, inputs, outputs, gvm):
-                        ends = {state_id: outcome.name for state_id, (_, outcome) in self.final_outcomes_dict.items()}
-                        missed = [state_id for state_id, outcome in inputs["wanted"].items() if ends.get(state_id) != outcome]
-                        return "aborted" if missed else "success"
-              library TEVWVM "Observe" from "pool/observe"
+              var plans: list = [["(cook bob pizza)"]]
+              OWHXCX.success -> TWYPAX
+              OWHXCX.aborted -> .aborted
+              TWYPAX.reached -> .success
+              TWYPAX.aborted -> .aborted
+              TWYPAX."given up" -> .aborted
+              start -> DIOOLJ
+              DIOOLJ.aborted -> OWHXCX
+              DIOOLJ.success -> .success
+              TWYPAX.replanned -> DIOOLJ
+              flow OWHXCX.facts -> TWYPAX.facts
+              flow .plans -> TWYPAX.plans
+              flow TWYPAX.plans -> .plans
+              library DIOOLJ "cook bob pizza" from "pool/cook"
+                set in chef = "bob"
+                set in food = "pizza margherita"
+                content
+                    outcome success
+                    in chef: str
+                    in food: str
+                    script ""
+              library OWHXCX "Observe" from "pool/observe"
                 set out facts = "" unused
                 content
                     outcome success
                     out 7 facts: str = ""
                     script ""
-              execution WSGWTV "Plan again"
-                outcome replanned
-                outcome reached
-                outcome "given up"
-                in facts: str = ""
-                in goal: str = "(be-full alice)"
-                in plans: list = []
-                out plans: list = []
-                script |
-                  from rafcon import planning
-
-
-                  def execute(self, inputs, outputs, gvm):
-                      return planning.replan(self, inputs, outputs)
+              library TWYPAX "Plan again" from "planning/replan"
+                set in facts = None unused
+                set in goal = "(be-full alice)"
+                set in plans = None unused
+                set out plans = [] unused
+                content
+                    outcome replanned
+                    outcome reached
+                    outcome "given up"
+                    in facts: str
+                    in goal: str
+                    in plans: list
+                    out plans: list = []
+                    script ""
         "#]],
     );
 }
@@ -319,6 +312,22 @@ fn who_observes_must_say_the_facts() {
     check(
         make(RESTAURANT, LUNCH, REPLAN, Some(&blind)),
         &expect!["the library pool/blind has no output `facts`: add it"],
+    );
+}
+
+#[test]
+fn who_plans_again_must_be_complete() {
+    let mut replanning = observed();
+    replanning.replan.1 = replanner(&["replanned", "given up"]);
+    check(
+        make(RESTAURANT, LUNCH, REPLAN, Some(&replanning)),
+        &expect!["the library planning/replan has no outcome `reached`: add it"],
+    );
+    let mut replanning = observed();
+    replanning.inputs.push(("engine".into(), Value::str("kairos")));
+    check(
+        make(RESTAURANT, LUNCH, REPLAN, Some(&replanning)),
+        &expect!["the library planning/replan has no input `engine`: add it"],
     );
 }
 

@@ -1,7 +1,7 @@
 //! Plans that are right, and plans that engines only say are right.
 
 use super::{HUNGRY, LUNCH, PERSONS, RESTAURANT, plan, pool, task};
-use crate::{Plan, explain, validate};
+use crate::{Plan, Task, explain, validate};
 use expect_test::{Expect, expect};
 use std::fmt::Write as _;
 
@@ -130,13 +130,9 @@ fn what_is_no_plan_is_told() {
     }
 }
 
-#[test]
-fn each_step_says_why_it_is_there() {
-    let pool = pool(RESTAURANT, PERSONS);
-    let (task, _) = task(&pool, HUNGRY);
-    let plan = plan(LUNCH);
+fn explained(task: &Task, plan: &Plan) -> String {
     let mut text = String::new();
-    for (at, (step, reason)) in plan.steps.iter().zip(explain(&task, &plan)).enumerate() {
+    for (at, (step, reason)) in plan.steps.iter().zip(explain(task, plan)).enumerate() {
         writeln!(text, "{} {step}", at + 1).unwrap();
         for need in reason.needs {
             let from = need.from.map_or("the beginning".to_owned(), |from| (from + 1).to_string());
@@ -154,6 +150,13 @@ fn each_step_says_why_it_is_there() {
             .unwrap();
         }
     }
+    text
+}
+
+#[test]
+fn each_step_says_why_it_is_there() {
+    let pool = pool(RESTAURANT, PERSONS);
+    let (task, _) = task(&pool, HUNGRY);
     expect![[r"
         1 (got-to entrance table james)
             needs (at entrance james) from the beginning
@@ -193,5 +196,47 @@ fn each_step_says_why_it_is_there() {
             needs (has alice pizza) from 8
             brings (be-full alice) for  the goal
     "]]
-    .assert_eq(&text);
+    .assert_eq(&explained(&task, &plan(LUNCH)));
+}
+
+#[test]
+fn what_must_not_hold_is_a_reason_as_well() {
+    let pool = pool(
+        "
+skill enter room
+(:action enter :parameters (?r - room) :precondition (and (not (locked ?r)) (not (occupied ?r))
+  (forall (?d - dog) (not (in ?d ?r)))) :effect (occupied ?r))
+skill unlock room
+(:action unlock :parameters (?r - room) :precondition (locked ?r) :effect (not (locked ?r)))
+skill call dog room
+(:action call :parameters (?d - dog ?r - room) :precondition (in ?d ?r) :effect (not (in ?d ?r)))
+skill leave room
+(:action leave :parameters (?r - room) :precondition (occupied ?r) :effect (not (occupied ?r)))
+",
+        "",
+    );
+    let problem = "(define (problem visit)(:domain d)(:objects hall - room rex bello - dog)
+        (:init (locked hall) (in rex hall)) (:goal (and (not (occupied hall)) (not (locked hall)))))";
+    let (task, findings) = task(&pool, problem);
+    assert!(findings.is_empty(), "{findings:?}");
+    let plan = plan("(unlock hall)\n(call rex hall)\n(enter hall)\n(leave hall)");
+    assert!(validate(&task, &plan).is_ok());
+    expect![[r"
+        1 (unlock hall)
+            needs (locked hall) from the beginning
+            brings (not (locked hall)) for 3 the goal
+        2 (call rex hall)
+            needs (in rex hall) from the beginning
+            brings (not (in rex hall)) for 3
+        3 (enter hall)
+            needs (not (in bello hall)) from the beginning
+            needs (not (in rex hall)) from 2
+            needs (not (locked hall)) from 1
+            needs (not (occupied hall)) from the beginning
+            brings (occupied hall) for 4
+        4 (leave hall)
+            needs (occupied hall) from 3
+            brings (not (occupied hall)) for  the goal
+    "]]
+    .assert_eq(&explained(&task, &plan));
 }

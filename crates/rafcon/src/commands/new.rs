@@ -27,7 +27,13 @@ pub(super) fn new(raw: &cli::New) -> Result<ExitCode> {
     save(&machine, &raw.path, None, Naming::default())?;
     let path = raw.path.display();
     let states = counted(machine.count() as u64, "state");
-    writeln!(io::stdout(), "created {name} with {states} in {path}; run it: rafcon run {path}")?;
+    let roots = template.libraries.iter();
+    let roots = roots.map(|(root, at)| format!(" --library-path {root}={at}"));
+    let roots: String = roots.collect();
+    writeln!(
+        io::stdout(),
+        "created {name} with {states} in {path}; run it: rafcon run {path}{roots}"
+    )?;
     Ok(ExitCode::SUCCESS)
 }
 

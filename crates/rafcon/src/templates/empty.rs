@@ -7,6 +7,7 @@ pub(super) const TEMPLATE: Template = Template {
     name: "empty",
     about: "a hierarchy without states",
     sized: false,
+    libraries: &[],
     build: |wish| Ok(root(wish)),
 };
 

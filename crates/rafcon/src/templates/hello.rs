@@ -11,6 +11,7 @@ pub(super) const TEMPLATE: Template = Template {
     name: "hello",
     about: "two states: one makes a greeting, the other logs it",
     sized: false,
+    libraries: &[],
     build: |wish| Ok(root(wish)),
 };
 

@@ -6,6 +6,7 @@
 mod empty;
 mod hello;
 mod mission;
+mod rover;
 
 use anyhow::{Result, bail};
 use rafcon_model::State;
@@ -28,12 +29,15 @@ pub(crate) struct Template {
     pub(crate) about: &'static str,
     /// Whether `--states` means something to it.
     pub(crate) sized: bool,
+    /// The library roots that it needs, by name and where they lie below a copy of this project.
+    pub(crate) libraries: &'static [(&'static str, &'static str)],
     /// Makes the root state; the same wish makes the same state.
     pub(crate) build: fn(&TemplateRequest) -> Result<State>,
 }
 
 /// Every template, in the order in which help shows them.
-pub(crate) const ALL: &[Template] = &[hello::TEMPLATE, mission::TEMPLATE, empty::TEMPLATE];
+pub(crate) const ALL: &[Template] =
+    &[hello::TEMPLATE, mission::TEMPLATE, rover::TEMPLATE, empty::TEMPLATE];
 
 /// The template with this name.
 pub(crate) fn find(name: &str) -> Option<&'static Template> {

@@ -140,3 +140,18 @@ fn a_generated_mission_fetches_both_things() {
     ]];
     check_machine(&place.machine(), "--input time_scale=0.0", &expect);
 }
+
+#[test]
+fn a_rover_that_plans_by_itself_is_made_without_fault() {
+    let place = Place::empty();
+    let made = place.call("new MACHINE --template rover");
+    assert_eq!(made.code, Some(0), "{}", made.stderr);
+    let roots =
+        "--library-path examples=examples/libraries --library-path planning=libraries/planning";
+    assert!(made.stdout.trim_end().ends_with(roots), "{}", made.stdout);
+    let planning = "--library-path planning=".to_owned() + EXAMPLES + "/../libraries/planning";
+    let checked = call("check", &place.machine(), &format!("{planning} --format json"));
+    assert_eq!((checked.stdout.as_str(), checked.code), ("", Some(0)), "check finds nothing");
+    let written = place.call("fmt --check MACHINE");
+    assert_eq!(written.code, Some(0), "the files are as this program writes them");
+}

@@ -142,6 +142,11 @@ impl<S: Scripts> Driver<S> {
         })
     }
 
+    /// Whether all changes so far are kept: a run that is resumed after a crash goes by them.
+    pub fn has_kept_changes(&self) -> bool {
+        self.roots().are_kept()
+    }
+
     /// Changes the script of a state, in the run only.
     pub(crate) fn edit_script(
         self: &Arc<Self>,

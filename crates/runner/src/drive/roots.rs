@@ -12,6 +12,7 @@ use rafcon_model::Machine;
 use rafcon_protocol::{Event, LogLevel};
 use rafcon_storage::Packer;
 use rafcon_storage::journal::{Hash, Journal, JournalError, Pack};
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, OnceLock};
 use std::time::Duration;
 
@@ -28,6 +29,9 @@ pub(crate) struct Roots {
     packer: Mutex<Packer>,
     wanted: Mailbox<RootsRequest>,
     done: Mailbox<()>,
+    /// How many machines were to be kept, and how many of them are, or cannot be.
+    asked: AtomicU64,
+    settled: AtomicU64,
 }
 
 #[derive(Debug)]
@@ -62,6 +66,7 @@ impl Roots {
     /// The run goes by `machine` from now on; `change` says what was changed, and nothing for the first.
     pub(crate) fn keep(&self, record: &RunRecord, machine: &Arc<Machine>, change: &str) {
         if record.recorder().has_journal() {
+            self.asked.fetch_add(1, Ordering::SeqCst);
             self.wanted.post(RootsRequest::Keep(Arc::clone(machine), change.to_owned()));
         } else if !change.is_empty() {
             record.tell(Event::Root { hash: String::new(), change: change.to_owned() });
@@ -79,7 +84,13 @@ impl Roots {
             {
                 tell(record, hash, change);
             }
+            self.settled.fetch_add(1, Ordering::SeqCst);
         }
+    }
+
+    /// Whether all machines that the run went by so far are kept, as far as they can be.
+    pub(crate) fn are_kept(&self) -> bool {
+        self.settled.load(Ordering::SeqCst) >= self.asked.load(Ordering::SeqCst)
     }
 
     /// Waits until all machines are kept.

@@ -8,8 +8,8 @@ use crate::{Interpreter, ProgramEnvironment, clock};
 use rafcon_model::{Machine, Value, json};
 use rafcon_planner::pddl::{read_condition, read_problem};
 use rafcon_planner::{
-    Build, Finding, Order, Plan, Pool, Recovery, Replanning, Severity, Structure, Task, Then,
-    build, validate,
+    Build, Finding, Order, Plan, Pool, REPLAN, Recovery, Replanning, Severity, Structure, Task,
+    Then, build, validate,
 };
 use rafcon_protocol::api::{
     MakePlan, PlanDomain, PlanEnd, PlanEvent, PlanFound, PlanPool, PlanRefused, PlanThen,
@@ -22,6 +22,8 @@ use std::time::{Duration, Instant};
 /// How long an engine may take if nobody says otherwise.
 const TIME_LIMIT: Duration = Duration::from_secs(10);
 const REPLANS_MAX: u32 = 5;
+/// Which steps must come before which is looked at for each two of them: of more steps that takes too long.
+const ORDERED_MAX: usize = 3000;
 
 /// What answers requests for plans.
 #[derive(Debug, Clone, Copy)]
@@ -142,6 +144,12 @@ impl Planner<'_> {
                 .map_err(|reason| format!("the library {path} is missing: {reason}"));
             root.map(|root| (SmolStr::new(path), root))
         };
+        let observed = library(observe)?;
+        let replan = library(REPLAN).map_err(|missing| {
+            format!(
+                "{missing}; it comes with RAFCON: `--library-path planning=…/libraries/planning`"
+            )
+        })?;
         let text = |text: String| Value::str(&text);
         let goal = problem_of(request)?.goal.to_string();
         let object = |entries: Vec<(String, Value)>| {
@@ -163,7 +171,8 @@ impl Planner<'_> {
         ];
         let seconds = request.time_limit_ms.map_or(TIME_LIMIT, Duration::from_millis).as_secs_f64();
         Ok(Some(Replanning {
-            observe: library(observe)?,
+            observe: observed,
+            replan,
             inputs: vec![
                 (
                     "pool".into(),
@@ -244,7 +253,14 @@ impl Planner<'_> {
         let Wanted { pool, task, .. } = wanted;
         let plan = Plan::read(line).map_err(Verdict::Wrong)?;
         validate(task, &plan).map_err(|invalid| Verdict::Wrong(invalid.to_string()))?;
-        let structure = if plan.temporal || request.parallel {
+        let is_ordered = plan.temporal || request.parallel;
+        if is_ordered && plan.steps.len() > ORDERED_MAX {
+            let count = plan.steps.len();
+            return Err(Verdict::Unfit(format!(
+                "the plan has {count} steps, too many to find out what of them can be done at the same time (at most {ORDERED_MAX}): plan without `--parallel` and durations, or for a smaller goal"
+            )));
+        }
+        let structure = if is_ordered {
             Structure::of(&Order::of(task, &plan))
         } else {
             Structure::chain(plan.steps.len())

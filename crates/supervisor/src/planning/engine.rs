@@ -8,6 +8,13 @@ use std::time::Duration;
 /// The engine that is taken if none is named.
 pub const DEFAULT_ENGINE: &str = "kairos";
 
+/// Runs a program that ends, with all that it started, when whoever asked is gone, also by a kill: then nobody has the other end of
+/// the input any more.
+const WATCHED: &str =
+    r#"exec 3<&0; { read -r _ <&3; kill -KILL 0; } >/dev/null 2>&1 & exec "$@" 3<&- </dev/null"#;
+/// What a shell ends with that does not find the program.
+const NOT_THERE: i32 = 127;
+
 /// Talks with the engines of unified-planning; the same text is `python -m rafcon.planning`.
 const BRIDGE: &str = include_str!("../../../python/python/rafcon/planning/__main__.py");
 
@@ -89,13 +96,19 @@ impl Engine {
         let lane = |arguments: &[&str], after| {
             let files = [wish.domain.into(), wish.problem.into()];
             let arguments = arguments.iter().map(OsString::from);
-            let arguments = match self.kind {
+            match self.kind {
                 Kind::Kairos => {
-                    [OsString::from("solve")].into_iter().chain(files).chain(arguments).collect()
+                    let shell = ["-c", WATCHED, "sh"].map(OsString::from).into_iter();
+                    let own = [self.program.clone().into(), "solve".into()];
+                    let arguments = shell.chain(own).chain(files).chain(arguments).collect();
+                    Lane { program: "/bin/sh".into(), arguments, after }
                 }
-                Kind::Unified => arguments.chain(files).collect(),
-            };
-            Lane { program: self.program.clone(), arguments, after }
+                // The bridge looks at its input itself.
+                Kind::Unified => {
+                    let arguments = arguments.chain(files).collect();
+                    Lane { program: self.program.clone(), arguments, after }
+                }
+            }
         };
         if self.kind == Kind::Unified {
             let mut arguments =
@@ -113,6 +126,12 @@ impl Engine {
         } else {
             vec![lane(&usual, Duration::ZERO)]
         }
+    }
+
+    /// Why there is no engine, if an exit status says so.
+    pub(super) fn is_missing(&self, code: Option<i32>) -> Option<String> {
+        let is_so = self.kind == Kind::Kairos && code == Some(NOT_THERE);
+        is_so.then(|| self.missing(&std::io::ErrorKind::NotFound.into()))
     }
 
     /// Whether an exit status says that there is no plan at all.

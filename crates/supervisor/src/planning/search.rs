@@ -274,6 +274,9 @@ impl Search<'_> {
                 "the engine `{name}` gave a plan that is not valid: {wrong}; try another engine (`--engine`)"
             ));
         }
+        if let Some(missing) = lanes().find_map(|running| self.engine.is_missing(running.code)) {
+            return SearchEnd::Failed(missing);
+        }
         if lanes().any(|running| Engine::proves_impossible(running.code)) {
             return SearchEnd::Impossible(
                 "the goal cannot be reached from these facts with these skills".to_owned(),
@@ -295,7 +298,7 @@ impl Search<'_> {
 
 fn start(index: usize, lane: &Lane, sender: &SyncSender<Message>) -> io::Result<Child> {
     let mut command = Command::new(&lane.program);
-    // Its input is a pipe that ends with us: the bridge ends with it, even when we are killed.
+    // Its input is a pipe that ends with us: the engine ends with it, even when we are killed.
     command
         .args(&lane.arguments)
         .stdin(Stdio::piped())

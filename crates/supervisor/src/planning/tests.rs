@@ -162,6 +162,19 @@ fn what_an_engine_says_is_bounded() {
 }
 
 #[test]
+fn a_plan_that_is_too_long_to_be_ordered_is_refused() {
+    let there_and_back = r#"{"action":"(go a b)"},{"action":"(go b a)"},"#.repeat(2000);
+    let plan = format!(r#"{{"steps":[{there_and_back}{{"action":"(go a b)"}}]}}"#);
+    let world = World::new("exec cat plan.json");
+    fs::write(world.folder.path().join("plan.json"), plan + "\n").unwrap();
+    let parallel = MakePlan { parallel: true, ..request() };
+    let events = world.plan(&parallel, &Cancel::default(), &mut |_| ());
+    expect![[r"
+        failed: the plan has 4001 steps, too many to find out what of them can be done at the same time (at most 3000): plan without `--parallel` and durations, or for a smaller goal
+    "]].assert_eq(&told(&events));
+}
+
+#[test]
 fn engines_that_find_nothing_say_why() {
     check(
         "exit 10",
@@ -214,6 +227,16 @@ fn a_missing_engine_is_told_with_the_way_to_get_it() {
 }
 
 #[test]
+fn an_engine_that_cannot_be_started_is_told_with_the_way_to_get_it() {
+    let world = World::new("exit 0");
+    fs::write(world.folder.path().join("kairos"), "#!/nowhere/interpreter\n").unwrap();
+    let events = world.plan(&request(), &Cancel::default(), &mut |_| ());
+    expect![[r"
+        failed: the engine `kairos` is not there: install it: `pip install kairos-planner`, or name another with `--engine`
+    "]].assert_eq(&told(&events));
+}
+
+#[test]
 fn better_plans_follow_and_worse_ones_do_not() {
     let anytime = MakePlan { anytime: true, ..request() };
     check(
@@ -259,6 +282,13 @@ fn what_cannot_be_planned_starts_no_engine() {
         &expect![[r"
             refused: the library pool/look is missing: …/pool/look: No such file or directory (os error 2)
         "]],
+    );
+    check(
+        engine,
+        &MakePlan { observe: Some("pool/go".to_owned()), ..request() },
+        &expect![[r"
+        refused: the library planning/replan is missing: no library root is named `planning`; it comes with RAFCON: `--library-path planning=…/libraries/planning`
+    "]],
     );
 }
 

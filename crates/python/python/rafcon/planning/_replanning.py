@@ -1,7 +1,15 @@
 """Planning again while a machine runs: the other children of a state's container are replaced by the steps of a new plan."""
 
+import functools
+
 from rafcon import _ids
+from rafcon._bridge import native
+from rafcon.core.custom_exceptions import StatePreempted
+from rafcon.core.states.library_state import LibraryState
 from rafcon.planning._plans import NoPlan, Unsolvable, plan
+
+#: How long it is waited at a time.
+_LISTEN_S = 0.005
 
 REPLANNED, REACHED, GIVEN_UP = "replanned", "reached", "given up"
 
@@ -9,17 +17,21 @@ REPLANNED, REACHED, GIVEN_UP = "replanned", "reached", "given up"
 def replan(state, inputs, outputs=None):
     """Plans from ``inputs["facts"]`` and puts the new steps in the place of the old ones; returns the outcome of ``state``.
 
-    ``state`` stands in the container whose steps are replaced; it stays, with the states that give it its inputs. Outcomes:
-    *replanned*, which then leads to the first step; *reached*, where nothing is left to do; *given up*, where there is no plan,
-    none that was not tried before, or ``replans_max`` are over. ``inputs["plans"]`` are the plans so far; with ``outputs``, the
-    new one is added to them there.
+    ``state`` stands in the container whose steps are replaced, or is the root of a library that stands there, such as
+    ``planning/replan``; it stays, with the states that give it its inputs. Outcomes: *replanned*, which then leads to the first
+    step; *reached*, where nothing is left to do; *given up*, where there is no plan, none that was not tried before, or
+    ``replans_max`` are over. ``inputs["plans"]`` are the plans so far; with ``outputs``, the new one is added to them there. The
+    states of new steps that fail lead to the one that gives ``facts``; ``inputs["observe"]`` names its library, if it is none.
     """
+    host = state.parent if isinstance(state.parent, LibraryState) else state
+    if host is not state:
+        _must_remember(host)
     plans = [list(tried) for tried in inputs.get("plans") or ()]
     if outputs is not None:
         outputs["plans"] = plans
     # The first plan was no replanning.
     done = max(0, len(plans) - 1)
-    if done >= inputs["replans_max"]:
+    if plans and done >= inputs["replans_max"]:
         state.logger.error("it was planned %d times again, as often as allowed (replans_max)", done)
         return GIVEN_UP
     recovery = inputs.get("recovery") or {}
@@ -27,7 +39,7 @@ def replan(state, inputs, outputs=None):
         found = plan(
             inputs["pool"],
             inputs["facts"],
-            inputs["goal"],
+            inputs["goal"] or None,
             types=inputs.get("types"),
             data=inputs.get("data"),
             engine=inputs.get("engine") or "kairos",
@@ -35,7 +47,7 @@ def replan(state, inputs, outputs=None):
             parallel=bool(inputs.get("parallel")),
             retries=recovery.get("retries", 0),
             then=recovery.get("then", "give_up"),
-            observe=inputs.get("observe") or None,
+            observe=inputs.get("observe") or _library_of(_source(host, "facts")),
             state=state,
         )
     except (NoPlan, Unsolvable) as error:
@@ -49,40 +61,83 @@ def replan(state, inputs, outputs=None):
         return GIVEN_UP
     plans.append(steps)
     state.logger.info("a new plan: %s", ", ".join(steps))
-    _replace(state, found.to_machine().root_state)
+    _replace(host, found.to_machine().root_state)
+    # The new steps run once a runner that is killed would be followed by one that knows them.
+    while not native.has_kept_changes():
+        if state.preemptive_wait(_LISTEN_S):
+            raise StatePreempted()
     return REPLANNED
 
 
-def _replace(state, new):
-    """Puts the children of a new container in the place of those beside ``state``."""
-    container = state.parent
-    sources = _sources(container, state)
-    for child_id in [child for child in container.states if child != state.state_id and child not in sources]:
-        container.remove_state(child_id)
-    again, observers = _replanning_of(new)
-    ids = {new.state_id: container.state_id}
-    if again is not None:
-        ids[again.state_id] = state.state_id
-        ids.update(zip(sorted(observers), sorted(sources)))
-    own = {again.state_id, *observers} if again is not None else set()
+def _must_remember(host):
+    """A library state has no memory of its own: without one, the same plan would be tried for ever."""
+    memory = host.parent
+    key = next(key for key, port in host.input_data_ports.items() if port.name == "plans")
+    told = next(key for key, port in host.output_data_ports.items() if port.name == "plans")
+    ends = {(flow.from_state, flow.from_key, flow.to_state, flow.to_key) for flow in memory.data_flows.values()}
+    own, here = memory.state_id, host.state_id
+    if not any({(own, each, here, key), (here, told, own, each)} <= ends for each in memory.scoped_variables):
+        raise ValueError(
+            "nothing remembers the plans that were tried: connect `plans` with a scoped variable of "
+            f"`{memory.name}`, in both directions"
+        )
+
+
+def _replace(host, new):
+    """Puts the children of a new container in the place of those beside ``host``, in one change."""
+    container = host.parent
+    kept = {host.state_id, *_sources(container, host)}
+    removed = [child for child in container.states if child not in kept]
+    changes = [("children.remove", (child,)) for child in removed]
+    ids, own = _taken_over(host, new)
     lines = [
         (line.from_state, line.from_outcome, line.to_state, line.to_outcome)
         for line in new.transitions.values()
         if line.from_state not in own
     ]
+    # Never an id of an earlier plan: whoever follows the run knows those by their old names.
+    used = {container.state_id, *container.states, *new.states}
     for child in [child for child in new.states.values() if child.state_id not in own]:
         old_id = child.state_id
-        # Never an id of an earlier plan: whoever follows the run knows those by their old names.
-        child.change_state_id(_ids.state_id({container.state_id, *container.states, *new.states}))
-        ids[old_id] = container.add_state(child)
-    replanned = next(key for key, outcome in state.outcomes.items() if outcome.name == REPLANNED)
-    for from_state, from_outcome, to_state, to_outcome in lines:
-        # What begins the new container begins where it was planned; where the old one begins is the same.
-        begins = from_state is None
-        origin = (state.state_id, replanned) if begins else (ids[from_state], from_outcome)
-        container.add_transition(*origin, ids[to_state], to_outcome)
-        if begins:
-            container.set_start_state(ids[to_state])
+        child._take_over()
+        child.change_state_id(_ids.state_id(used))
+        child._store_notes()
+        used.add(child.state_id)
+        ids[old_id] = child.state_id
+        changes.append(("children.add", (child._home.document,)))
+    replanned = next(key for key, outcome in host.outcomes.items() if outcome.name == REPLANNED)
+    for key, line in container.transitions.items():
+        if (line.from_state, line.from_outcome) == (host.state_id, replanned) and line.to_state not in removed:
+            changes.append(("transition.remove", (key,)))
+    changes += _lines(container, [_moved(line, ids, (host.state_id, replanned)) for line in lines])
+    begins = next((ids[to_state] for from_state, _, to_state, _ in lines if from_state is None), None)
+    if container.start_state_id in (None, *removed):
+        changes += _lines(container, [(None, None, begins, None)])
+    container._home.change(container, changes)
+
+
+def _taken_over(host, new):
+    """What is in the place of the ids of ``new``: its container, and those of its states that are there already."""
+    ids, own = {new.state_id: host.parent.state_id}, set()
+    again = _replanning_of(new)
+    if again is not None:
+        observer = _source(again, "facts")
+        own = {again.state_id, observer.state_id}
+        ids.update({again.state_id: host.state_id, observer.state_id: (_source(host, "facts") or host).state_id})
+    return ids, own
+
+
+def _moved(line, ids, beginning):
+    """A transition between the states that ``ids`` names; what begins the new container begins where it was planned."""
+    from_state, from_outcome, to_state, to_outcome = line
+    origin = beginning if from_state is None else (ids[from_state], from_outcome)
+    return (*origin, ids[to_state], to_outcome)
+
+
+def _lines(container, lines):
+    """The changes that add transitions."""
+    is_taken = functools.partial(container._home.has_line, container, "transitions")
+    return [("transition.add", (_ids.transition_id(is_taken), *line)) for line in lines]
 
 
 def _sources(container, state):
@@ -91,9 +146,24 @@ def _sources(container, state):
     return {flow.from_state for flow in flows if flow.to_state == state.state_id and flow.from_state != container.state_id}
 
 
+def _source(state, name):
+    """The sibling that gives ``state`` this input, or None."""
+    container = state.parent
+    keys = {key for key, port in state.input_data_ports.items() if port.name == name}
+    flows = container.data_flows.values()
+    found = (flow.from_state for flow in flows if flow.to_state == state.state_id and flow.to_key in keys)
+    return next((container.states[sibling] for sibling in found if sibling in container.states), None)
+
+
+def _library_of(state):
+    """The path and name of a library state; None for any other."""
+    return f"{state.library_path}/{state.library_name}" if isinstance(state, LibraryState) else None
+
+
 def _replanning_of(new):
-    """The state of a new container that plans again, and those that it hears."""
+    """The state of a new container that plans again, or None."""
     for child in new.states.values():
-        if any(port.name == "replans_max" for port in child.input_data_ports.values()):
-            return child, _sources(new, child)
-    return None, set()
+        if isinstance(child, LibraryState) and _source(child, "facts") is not None:
+            if any(port.name == "replans_max" for port in child.input_data_ports.values()):
+                return child
+    return None

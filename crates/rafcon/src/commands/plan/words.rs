@@ -49,16 +49,17 @@ fn plan(found: &PlanFound) -> String {
     let mut text = findings(&found.findings);
     for (index, step) in found.steps.iter().enumerate() {
         let time = match step.duration {
-            Some(duration) => format!("  from {} for {duration}", step.start),
+            Some(duration) => format!("  from {} for {}", short(step.start), short(duration)),
             None => String::new(),
         };
         let _infallible = writeln!(text, "{:>4} {}{time}", index + 1, step.title);
         text += &reasons(step);
     }
     let count = counted(found.steps.len() as u64, "step");
-    let times = if found.temporal { format!(", takes {}", found.makespan) } else { String::new() };
+    let times =
+        if found.temporal { format!(", takes {}", short(found.makespan)) } else { String::new() };
     let lost = if found.lost > 0.0 {
-        format!(", its machine {} longer", found.lost)
+        format!(", its machine {} longer", short(found.lost))
     } else {
         String::new()
     };
@@ -68,6 +69,11 @@ fn plan(found: &PlanFound) -> String {
         found.engine, found.after_ms
     );
     text
+}
+
+/// Engines count in thousandths.
+fn short(time: f64) -> f64 {
+    (time * 1000.0).round() / 1000.0
 }
 
 fn reasons(step: &PlanStep) -> String {

@@ -26,6 +26,7 @@ pub(super) const TEMPLATE: Template = Template {
     name: "mission",
     about: "a simulated rover explores, fetches two things and assembles them (750 states, or --states)",
     sized: true,
+    libraries: &[],
     build: |wish| root(wish),
 };
 
