@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 
 use crate::cdr::write::from_literal;
 use crate::json::{self, Json};
-use crate::types::library::{Kind, Type, TypeField};
-use crate::types::{Literal, Primitive, Shape};
+use crate::types::library::{Kind, Library, Type, TypeField};
+use crate::types::{Literal, Primitive, Shape, hash};
 
 /// All of `types` and what they are made of, by name: `{"name": {"fields": [[name, type, kind, size, text_max, default]], "constants": {}}}`.
 pub(crate) fn all(types: &[&Type]) -> String {
@@ -13,6 +13,19 @@ pub(crate) fn all(types: &[&Type]) -> String {
     types.iter().for_each(|one| collect(one, &mut known));
     let parts: Vec<String> =
         known.iter().map(|(name, text)| format!("{}:{text}", json::quoted(name))).collect();
+    format!("{{{}}}", parts.join(","))
+}
+
+/// The hash of each type that lies in this program only, `{"name": "RIHS01_…"}`: their users elsewhere may have another version.
+pub(crate) fn hashes(library: &mut Library, names: &[String]) -> String {
+    let mut parts = Vec::new();
+    for name in names {
+        if library.is_bundled(name)
+            && let Ok(found) = library.find(name)
+        {
+            parts.push(format!("{}:{}", json::quoted(name), json::quoted(&hash::rihs01(&found))));
+        }
+    }
     format!("{{{}}}", parts.join(","))
 }
 

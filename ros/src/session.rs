@@ -22,7 +22,7 @@ use crate::hear::{self, Asked, Calls, Heard};
 use crate::json::{self, Json};
 use crate::tell::{self, Counted, Counts};
 use crate::types::library::{Kind, Library, Type};
-use crate::types::{Shape, Sort, TypeName};
+use crate::types::{Shape, Sort, TypeName, described};
 use crate::{describe, settings};
 
 /// How long a response waits until its client is known.
@@ -35,6 +35,9 @@ enum Made {
     Client { writer: Arc<Writer>, reader: GUID, of: Arc<Type>, calls: Calls, task: JoinHandle<()> },
     Service { writer: Arc<Writer>, reader: GUID, of: Arc<Type>, asked: Asked, task: JoinHandle<()> },
 }
+
+/// The largest message that is sure to arrive.
+const MESSAGE_MAX: usize = 33 << 20;
 
 /// The name of a service; the types, and the readers or writers, of its requests and of its responses.
 type Halves = (String, [Arc<Type>; 2], [Part; 2]);
@@ -86,6 +89,12 @@ impl Session {
             "start" => self.start(asked)?,
             "describe" => return self.describe(asked.text("type")?),
             "graph" => return Ok(tell::graph(self.node()?)),
+            "users" => return Ok(tell::users(self.node()?, &asked.texts("types"))),
+            "hashes" => return Ok(describe::hashes(&mut self.library, &asked.texts("types"))),
+            "learn" => {
+                let told = asked.get("description").ok_or("there is no description")?;
+                self.library.learn(described::read(told)?, asked.text("hash")?)?;
+            }
             "publisher" => self.publisher(asked)?,
             "subscription" => self.subscription(asked)?,
             "client" => self.client(asked)?,
@@ -372,8 +381,14 @@ fn farewell(node: Node, writer: Arc<Writer>) -> JoinHandle<()> {
 }
 
 fn encoded(asked: &Json, bytes: &[u8], of: &Type) -> Result<Bytes, String> {
-    let message = asked.get("message").ok_or("there is no message")?;
-    cdr::write::write(message, bytes, of).map(Bytes::from)
+    let sent = cdr::write::write(asked.get("message").ok_or("there is no message")?, bytes, of)?;
+    if sent.len() > MESSAGE_MAX {
+        let (most, found) = (MESSAGE_MAX >> 20, sent.len() >> 20);
+        return Err(format!(
+            "a message of {found} MB is not sent, {most} MB is the most that rafcon-ros carries: make it smaller, or use rclpy"
+        ));
+    }
+    Ok(sent.into())
 }
 
 /// Whether messages can be megabytes: they hold lists of bytes without end.

@@ -126,3 +126,56 @@ pub(crate) fn graph(node: &Node) -> String {
     let (ends, services, nodes) = (ends.join(","), services.join(","), quoted(&nodes));
     format!(r#"{{"ends":[{ends}],"services":{{{services}}},"nodes":[{nodes}]}}"#)
 }
+
+/// Who uses messages elsewhere, and as which: `[[type, hash, node]]`. Those of services are requests and responses.
+pub(crate) fn users(node: &Node, types: &[String]) -> String {
+    let mut found = Vec::new();
+    let mut user = |id: GUID, type_name: &str, user_data: &[u8]| {
+        let name_of_node = node.graph().node_of(id);
+        if let (Some(name), Some(hash)) = (names::plain_type(type_name), type_hash(user_data))
+            && types.contains(&name)
+            && !name_of_node.is_empty()
+            && !node.graph().is_dead(process(id))
+        {
+            let texts = [&name, &hash, &name_of_node].map(|text| json::quoted(text));
+            found.push(format!("[{}]", texts.join(",")));
+        }
+    };
+    for reader in node.participant().discovered_readers() {
+        let about = &reader.subscription_topic_data;
+        let id = reader.reader_proxy.remote_reader_guid;
+        user(id, about.type_name(), &reader.user_data);
+    }
+    for writer in node.participant().discovered_writers() {
+        let about = &writer.publication_topic_data;
+        let id = writer.writer_proxy.remote_writer_guid;
+        user(id, &about.type_name, &writer.user_data);
+    }
+    found.sort_unstable();
+    found.dedup();
+    format!("[{}]", found.join(","))
+}
+
+/// The hash of a type in what a program of ROS says about a reader or writer: `typehash=RIHS01_…;`, behind its length.
+fn type_hash(user_data: &[u8]) -> Option<String> {
+    let text = std::str::from_utf8(user_data.get(4..)?).ok()?;
+    let found = text.split(';').find_map(|entry| entry.strip_prefix("typehash="));
+    found.filter(|hash| hash.starts_with("RIHS01_")).map(ToOwned::to_owned)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::type_hash;
+
+    #[test]
+    fn a_hash_is_found_in_user_data() {
+        assert_eq!(type_hash(b"\x13\0\0\0typehash=RIHS01_ab;\0"), Some("RIHS01_ab".to_owned()));
+        assert_eq!(
+            type_hash(b"\x13\0\0\0other=1;typehash=RIHS01_ab;"),
+            Some("RIHS01_ab".to_owned())
+        );
+        for other in [&b""[..], b"\0\0", b"\x05\0\0\0hello", b"\x02\0\0\0\xff\xff"] {
+            assert_eq!(type_hash(other), None);
+        }
+    }
+}

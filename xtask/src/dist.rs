@@ -1,5 +1,5 @@
-//! What a user installs: an archive with binary (which carries the page), extension, examples and libraries, and a Python wheel. The
-//! debugging symbols of the archive's programs are packed apart.
+//! What a user installs: an archive with binary (which carries the page), extension, examples, libraries and the package of ROS
+//! whose types the bridge uses, and a Python wheel. The debugging symbols of the archive's programs are packed apart.
 
 use std::path::{Path, PathBuf};
 
@@ -12,6 +12,9 @@ const MATURIN: python::Contents = python::Contents { bare: &[], full: &["maturin
 
 /// The papers that go with the programs.
 const PAPERS: [&str; 4] = ["README.md", "CHANGELOG.md", "LICENSE-MIT", "LICENSE-APACHE"];
+
+/// The folders that go with them, under their names here.
+const FOLDERS: [&str; 3] = ["examples", "libraries", "ros/rafcon_msgs"];
 
 /// Packs both into `dist` below the target folder.
 pub(crate) fn run() -> Result<()> {
@@ -41,8 +44,8 @@ fn archive(product: &Product, folder: &Path) -> Result<()> {
     for paper in PAPERS {
         copy(&workspace::path(paper), &stage.join(paper))?;
     }
-    for machines in ["examples", "libraries"] {
-        workspace::copy(machines, &stage.join(machines))?;
+    for folder in FOLDERS {
+        workspace::copy(folder, &stage.join(folder))?;
     }
     pack(&stage)?;
     pack(&symbols)
@@ -106,4 +109,33 @@ fn copy(from: &Path, to: &Path) -> Result<()> {
     std::fs::copy(from, to)
         .with_context(|| format!("cannot copy {} to {}", from.display(), to.display()))?;
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::FOLDERS;
+    use crate::workspace;
+
+    /// Whoever sends goals to `run_machine` builds this package: it must be whole.
+    #[test]
+    fn the_package_of_ros_is_packed_with_all_its_interfaces() {
+        let packed = FOLDERS.iter().flat_map(|folder| workspace::files(folder).unwrap());
+        let packed: Vec<String> = packed.map(|file| file.display().to_string()).collect();
+        let package: Vec<&str> =
+            packed.iter().filter_map(|file| file.strip_prefix("ros/rafcon_msgs/")).collect();
+        let built =
+            std::fs::read_to_string(workspace::path("ros/rafcon_msgs/CMakeLists.txt")).unwrap();
+        let (interfaces, others): (Vec<&str>, Vec<&str>) =
+            package.into_iter().partition(|file| file.contains('/'));
+        assert_eq!(others, ["CMakeLists.txt", "package.xml"]);
+        assert!(interfaces.contains(&"action/RunMachine.action"));
+        for interface in &interfaces {
+            assert!(built.contains(&format!("\"{interface}\"")), "{interface} is not built");
+        }
+        let named = built.matches(".msg\"").count()
+            + built.matches(".srv\"").count()
+            + built.matches(".action\"").count();
+        assert_eq!(named, interfaces.len(), "some are built that are not there");
+        assert!(packed.iter().any(|file| file == "libraries/ros2/act/script.py"));
+    }
 }

@@ -49,6 +49,9 @@ const DISTRIBUTIONS: [Distribution; 2] = [
 /// What a command runs in: loopback only, so that nothing in the neighbourhood hears or disturbs it.
 const ALONE: &str = "ip link set lo up && ip link set lo multicast on && exec \"$@\"";
 
+/// The back ends, each tested and measured with each distribution.
+const BACKENDS: [&str; 2] = ["rclpy", "native"];
+
 /// What `cargo xtask ros` can be asked for.
 #[derive(clap::Args)]
 pub(crate) struct RosOptions {
@@ -58,62 +61,128 @@ pub(crate) struct RosOptions {
     /// Measure only; the tests take some minutes more.
     #[arg(long)]
     no_tests: bool,
+    /// Test only; the figures take some minutes more.
+    #[arg(long, conflicts_with = "no_tests")]
+    no_figures: bool,
     /// So many of each kind: messages, calls, goals, preemptions.
     #[arg(long, default_value_t = 1000)]
     count: u32,
+    /// With one distribution only.
+    #[arg(long, value_parser = ["jazzy", "kilted"])]
+    distribution: Option<String>,
+    /// With one back end only.
+    #[arg(long, value_parser = BACKENDS)]
+    backend: Option<String>,
 }
 
-/// Tests against both distributions, then measures, and fails if a bar is missed.
+/// Tests against both distributions with both back ends, measures, and fails if a test fails or a bar is missed.
 pub(crate) fn run(options: &RosOptions) -> Result<()> {
     let product = Product::build(Profile::Debug)?;
+    let helper = ros_helper::build(Profile::Debug)?;
+    let is_wanted = |wanted: &Option<String>, name| wanted.as_deref().is_none_or(|one| one == name);
     let mut missed = Vec::new();
     for distribution in &DISTRIBUTIONS {
-        let folder_of_peers = workspace::target()?.join("ros-venvs").join(distribution.name);
-        let python =
-            python::environment(&python::default()?, &folder_of_peers, distribution.contents)?;
-        if !options.no_tests {
-            let folder = "crates/python/tests/ros";
-            let words = ["-m", "unittest", "discover", "--start-directory", folder];
-            process::run(alone(&python, &product).args(words))?;
-            process::run(&mut bridge(&folder_of_peers, &python, &product)?)?;
+        if !is_wanted(&options.distribution, distribution.name) {
+            continue;
         }
-        let mut bars = alone(&python, &product);
-        bars.arg("crates/python/tests/ros/bars.py").arg(options.count.to_string());
-        for line in process::text(&mut bars)?.lines() {
-            report(distribution.name, line, options.json, &mut missed)?;
+        let peers = workspace::target()?.join("ros-venvs").join(distribution.name);
+        python::environment(&python::default()?, &peers, distribution.contents)?;
+        for backend in BACKENDS {
+            if is_wanted(&options.backend, backend) {
+                let side = Side { peers: &peers, backend, helper: &helper, product: &product };
+                both(&side, distribution.name, options, &mut missed)?;
+            }
         }
     }
     ensure!(missed.is_empty(), "missed: {}", missed.join(", "));
     Ok(())
 }
 
-/// The tests of `rafcon serve --ros` with `rafcon-ros`, which knows the types of the bridge; `peers` is the environment of the others.
-fn bridge(peers: &Path, peer: &Path, product: &Product) -> Result<Command> {
-    let mut tests = alone(&python::default()?.program, product);
-    tests.args(["-m", "unittest", "discover", "--start-directory", "crates/python/tests/ros"]);
-    tests.args(["--pattern", "test_bridge.py"]).env("RAFCON_ROS_BACKEND", "native");
-    tests.env("RAFCON_ROS", ros_helper::build(Profile::Debug)?);
-    tests.env("RAFCON_ROS_PEER_PYTHON", peer).env("RAFCON_ROS_TYPES", peers.join("share"));
-    Ok(tests)
+/// Tests and figures of one distribution with one back end.
+fn both(
+    side: &Side<'_>,
+    distribution: &str,
+    options: &RosOptions,
+    missed: &mut Vec<String>,
+) -> Result<()> {
+    let of = format!("{distribution}, {}", side.backend);
+    if !options.no_tests {
+        let mut tests = side.python()?;
+        tests.args(["-m", "unittest", "discover", "--start-directory", FOLDER]);
+        if let Err(why) = process::run(&mut tests) {
+            eprintln!("{why:#}");
+            missed.push(format!("tests ({of})"));
+        }
+    }
+    if options.no_figures {
+        return Ok(());
+    }
+    let mut bars = side.python()?;
+    bars.arg(format!("{FOLDER}/bars.py")).arg(options.count.to_string());
+    // One that cannot be measured must not hide the others.
+    match process::text(&mut bars) {
+        Ok(text) => {
+            for line in text.lines() {
+                report([distribution, side.backend], line, options.json, missed)?;
+            }
+        }
+        Err(why) => {
+            eprintln!("{why:#}");
+            missed.push(format!("figures ({of})"));
+        }
+    }
+    Ok(())
+}
+
+/// Where the tests and their peers lie.
+const FOLDER: &str = "crates/python/tests/ros";
+
+/// Our side of a test: a back end, and what its peers are made of.
+struct Side<'a> {
+    /// The environment of the peers, and with the back end `rclpy` ours as well.
+    peers: &'a Path,
+    backend: &'static str,
+    helper: &'a Path,
+    product: &'a Product,
+}
+
+impl Side<'_> {
+    /// A Python that has `rafcon` and this back end: with `native` one without `rclpy`.
+    fn python(&self) -> Result<Command> {
+        let peer = self.peers.join("bin/python");
+        let own = if self.backend == "rclpy" { peer.clone() } else { python::default()?.program };
+        let mut python = alone(&own, self.product);
+        python.env("RAFCON_ROS_BACKEND", self.backend).env("RAFCON_ROS_PEER_PYTHON", peer);
+        if self.backend == "native" {
+            python.env("RAFCON_ROS", self.helper);
+            python.env("RAFCON_ROS_TYPES", self.peers.join("share"));
+        }
+        Ok(python)
+    }
 }
 
 /// Prints a figure.
-fn report(distribution: &str, line: &str, json: bool, missed: &mut Vec<String>) -> Result<()> {
+fn report(of: [&str; 2], line: &str, json: bool, missed: &mut Vec<String>) -> Result<()> {
+    let [distribution, backend] = of;
     let mut bar: Value =
         serde_json::from_str(line).with_context(|| format!("no figure: {line}"))?;
     let text = |name: &str| bar[name].as_str().unwrap_or_default().to_owned();
     let (name, unit) = (text("name"), text("unit"));
     let met = bar["met"] == Value::Bool(true);
     if !met {
-        missed.push(format!("{name} ({distribution})"));
+        missed.push(format!("{name} ({distribution}, {backend})"));
     }
     if json {
         bar["distribution"] = Value::from(distribution);
+        bar["backend"] = Value::from(backend);
         println!("{bar}");
     } else {
         let mark = if met { "" } else { "  MISSED" };
         let limit = format!("{} {}", text("better"), bar["limit"]);
-        println!("{distribution:8} {name:28} {:>10} {unit:3} ({limit}){mark}", bar["value"]);
+        println!(
+            "{distribution:8} {backend:8} {name:28} {:>10} {unit:3} ({limit}){mark}",
+            bar["value"]
+        );
     }
     Ok(())
 }

@@ -77,7 +77,11 @@ pub(crate) fn build(profile: Profile) -> Result<PathBuf> {
         workspace::target()?.join(if profile == Profile::Symbols { "symbols" } else { kind });
     fs::create_dir_all(&beside)?;
     let (built, program) = (folder()?.join("target").join(kind).join(&name), beside.join(&name));
-    fs::copy(&built, &program).with_context(|| format!("cannot copy {}", built.display()))?;
+    // One that runs keeps its file: it cannot be written to, but replaced.
+    let new = program.with_extension("new");
+    fs::copy(&built, &new)
+        .and_then(|_| fs::rename(&new, &program))
+        .with_context(|| format!("cannot copy {} to {}", built.display(), program.display()))?;
     Ok(program)
 }
 

@@ -8,6 +8,9 @@ use sha2::{Digest as _, Sha256};
 use super::library::{Kind, Type};
 use super::{Primitive, Shape};
 
+/// What IDL has in a structure without fields.
+pub(super) const NO_MEMBER: &str = "structure_needs_at_least_one_member";
+
 /// `RIHS01_…` of a type.
 pub(crate) fn rihs01(top: &Type) -> String {
     let digest = Sha256::digest(canonical(top).as_bytes());
@@ -53,13 +56,7 @@ fn individual(one: &Type) -> String {
     }
     // A structure of IDL cannot be empty.
     if fields.is_empty() {
-        fields.push(described(
-            "structure_needs_at_least_one_member",
-            number(Primitive::UInt8, 0),
-            0,
-            0,
-            "",
-        ));
+        fields.push(described(NO_MEMBER, number(Primitive::UInt8, 0), 0, 0, ""));
     }
     format!(r#"{{"type_name": "{}", "fields": [{}]}}"#, one.name, fields.join(", "))
 }
@@ -92,4 +89,25 @@ fn number(primitive: Primitive, text_max: u32) -> u32 {
         Primitive::Text => 21,
         Primitive::WideText => 22,
     }
+}
+
+/// The type of one value that has this number.
+pub(super) fn primitive(id: u32) -> Option<Primitive> {
+    Some(match id {
+        2 => Primitive::Int8,
+        3 => Primitive::UInt8,
+        4 => Primitive::Int16,
+        5 => Primitive::UInt16,
+        6 => Primitive::Int32,
+        7 => Primitive::UInt32,
+        8 => Primitive::Int64,
+        9 => Primitive::UInt64,
+        10 => Primitive::Float32,
+        11 => Primitive::Float64,
+        15 => Primitive::Bool,
+        16 => Primitive::Byte,
+        17 | 21 => Primitive::Text,
+        18 | 22 => Primitive::WideText,
+        _ => return None,
+    })
 }

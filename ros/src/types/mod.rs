@@ -4,6 +4,7 @@
 
 pub(crate) mod bundled;
 pub(crate) mod derived;
+pub(crate) mod described;
 pub(crate) mod hash;
 pub(crate) mod library;
 pub(crate) mod literal;
@@ -192,6 +193,16 @@ impl<'a> TypeName<'a> {
             _ => Err(format!(
                 "`{full}` is no full name of a type: write it like `std_msgs/msg/String`"
             )),
+        }
+    }
+}
+
+impl TypeName<'_> {
+    /// The name of what its file holds: parts of a service or action lie in that one's.
+    pub(crate) fn whole(&self) -> &str {
+        match self.sort {
+            Sort::Message => self.name,
+            Sort::Service | Sort::Action => self.name.split('_').next().unwrap_or(self.name),
         }
     }
 }

@@ -10,7 +10,7 @@ import threading
 import time
 
 import support
-from peers import Peer
+from peers import Direct, Peer
 from support import Runner, container, save, script, sequence
 
 #: A run of a thousand preemptions takes its time.
@@ -18,6 +18,8 @@ support.STUCK_S = 600
 COUNT = int(sys.argv[1]) if len(sys.argv) > 1 else 1000
 #: Runs that are started, kills, and cancellations that are timed.
 STARTS, KILLS, CANCELS = 10, 4, 100
+#: Rounds of calls, and calls in each.
+ROUNDS, CALLS = 9, 200
 
 
 def bar(name, value, limit, better, unit=""):
@@ -53,38 +55,19 @@ def lost(peer):
 
 
 def speed():
-    """Calls a second, of ``ros.call`` against ``rclpy`` as a script uses it: median of rounds that alternate."""
+    """Calls a second, of ``ros.call`` against a script that uses ``rclpy`` itself: median of rounds that alternate."""
     from rafcon import ros
 
-    try:
-        import rclpy
-    except ImportError:
-        return
-    from rclpy.executors import SingleThreadedExecutor
-    from std_srvs.srv import SetBool
+    with Direct("/peer/set") as direct:
 
-    context = rclpy.Context()
-    rclpy.init(context=context)
-    node = rclpy.create_node("direct", context=context)
-    executor = SingleThreadedExecutor(context=context)
-    executor.add_node(node)
-    client = node.create_client(SetBool, "/peer/set")
-    thread = threading.Thread(target=executor.spin, daemon=True)
-    thread.start()
-    client.wait_for_service(10)
+        def ours():
+            begin_s = time.perf_counter()
+            for _ in range(CALLS):
+                ros.call("/peer/set", True)
+            return CALLS / (time.perf_counter() - begin_s)
 
-    def rate(call):
-        begin_s = time.perf_counter()
-        for _ in range(200):
-            call()
-        return 200 / (time.perf_counter() - begin_s)
-
-    ours, theirs = lambda: ros.call("/peer/set", True), lambda: client.call(SetBool.Request(data=True), 10)
-    rate(ours), rate(theirs)
-    rounds = [(rate(ours), rate(theirs)) for _ in range(7)]
-    executor.shutdown()
-    thread.join()
-    rclpy.shutdown(context=context)
+        ours(), direct.rate(CALLS)
+        rounds = [(ours(), direct.rate(CALLS)) for _ in range(ROUNDS)]
     bar("ros_calls_per_s", statistics.median(each for each, _ in rounds), 0, "least", "/s")
     bar("ros_calls_against_rclpy", statistics.median(one / two for one, two in rounds), 0.9, "least")
 

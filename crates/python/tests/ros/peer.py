@@ -9,15 +9,19 @@ import threading
 import time
 
 import rclpy
+from builtin_interfaces.msg import Time
 from rcl_interfaces.msg import SetParametersResult
 from rclpy.action import ActionClient, ActionServer, CancelResponse, GoalResponse
 from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.executors import ExternalShutdownException, MultiThreadedExecutor
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+from rosgraph_msgs.msg import Clock
 from std_msgs.msg import String
 from std_srvs.srv import SetBool, Trigger
 from test_msgs.action import Fibonacci
+from test_msgs.msg import BasicTypes as BasicTypesMessage
+from test_msgs.msg import Nested
 from test_msgs.srv import BasicTypes
 
 #: Services and actions named so never answer.
@@ -36,6 +40,7 @@ class Peer(Node):
         self.open = {}
         self.counts = {}
         self.cancelled_s = []
+        self.clock = Clock()
         self.changed = threading.Condition()
         self.declare_parameter("speed", 1.5)
         self.declare_parameter("label", "a")
@@ -139,6 +144,18 @@ class Peer(Node):
             self.made[key].publish(String(data=text))
         return len(texts)
 
+    def do_time(self, sec):
+        """Publishes a time of a simulation, again and again as simulations do."""
+        if "/clock" not in self.made:
+            self.made["/clock"] = self.create_publisher(Clock, "/clock", quality(False, False))
+            self.create_timer(0.02, lambda: self.made["/clock"].publish(self.clock), callback_group=self.group)
+        self.clock = Clock(clock=Time(sec=sec, nanosec=500_000_000))
+
+    def do_strange(self, topic):
+        """Publishes a message of a type that few have, latched."""
+        self.made[topic] = self.create_publisher(Nested, topic, quality(True, False))
+        self.made[topic].publish(Nested(basic_types_value=BasicTypesMessage(int32_value=7, float64_value=0.5)))
+
     def do_subscribers(self, topic, count):
         """Waits until so many hear what was published."""
         publisher = next(made for key, made in self.made.items() if key[0] == topic)
@@ -229,13 +246,15 @@ def main():
         except ExternalShutdownException:
             pass
 
-    threading.Thread(target=spin, daemon=True).start()
+    spinning = threading.Thread(target=spin, daemon=True)
+    spinning.start()
     print(json.dumps("up"), flush=True)
     for line in sys.stdin:
         word, *arguments = json.loads(line)
         print(json.dumps(getattr(peer, "do_" + word)(*arguments)), flush=True)
     FOR_EVER.set()
     rclpy.shutdown()
+    spinning.join()
 
 
 if __name__ == "__main__":

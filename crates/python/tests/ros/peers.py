@@ -24,8 +24,8 @@ STUCK_S = 600
 class Peer:
     """A program of others; ``peer.heard("/topic", 3)`` has it carry out ``do_heard``."""
 
-    def __init__(self):
-        words = [PEER_PYTHON, str(HERE / "peer.py")]
+    def __init__(self, program="peer.py", *arguments, python=PEER_PYTHON):
+        words = [python, str(HERE / program), *arguments]
         self.process = subprocess.Popen(words, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
         self._watchdog = threading.Timer(STUCK_S, self.process.kill)
         self._watchdog.daemon = True
@@ -54,19 +54,21 @@ class Peer:
         self._watchdog.cancel()
 
 
-class WithPeer(unittest.TestCase):
-    """Tests with one peer for all, and one node."""
+class Direct(Peer):
+    """A script that calls a service by ``rclpy`` itself, without ``rafcon.ros``: what this is measured against."""
 
-    @classmethod
-    def setUpClass(cls):
-        cls.peer = Peer()
-        cls.addClassCleanup(cls.peer.close)
+    def __init__(self, service):
+        Peer.__init__(self, "direct.py", service)
 
-    @classmethod
-    def tearDownClass(cls):
-        from rafcon import ros
+    def __enter__(self):
+        return self
 
-        ros.close()
+    def __exit__(self, *_error):
+        self.close()
+
+
+class Beside(unittest.TestCase):
+    """Tests that do something else at the same time."""
 
     def later(self, function, *arguments):
         """Runs beside the test."""
@@ -80,3 +82,18 @@ class WithPeer(unittest.TestCase):
 
         self.addCleanup(thread.join)
         return answer
+
+
+class WithPeer(Beside):
+    """Tests with one peer for all, and one node."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.peer = Peer()
+        cls.addClassCleanup(cls.peer.close)
+
+    @classmethod
+    def tearDownClass(cls):
+        from rafcon import ros
+
+        ros.close()

@@ -25,6 +25,7 @@ class Heard:
         self.lines = []
         self.ended = threading.Event()
         self.was_changed = threading.Event()
+        self.was_told = threading.Event()
 
     def lost(self, why):
         self.why.append(why)
@@ -35,6 +36,8 @@ class Heard:
 
     def say(self, level, text):
         self.lines.append((level, text))
+        if level == "error":
+            self.was_told.set()
 
 
 class Frames(unittest.TestCase):
@@ -89,6 +92,13 @@ class Killed(unittest.TestCase):
             while True:
                 self.backend.describe("std_msgs/msg/String")
         self.lost()
+
+    def test_a_message_that_is_too_large_is_told(self):
+        publisher = self.backend.publisher("/killed/large", "std_msgs/msg/ByteMultiArray", Qos())
+        publisher.publish({"layout": {"dim": [], "data_offset": 0}, "data": bytes(40 << 20)})
+        self.assertTrue(self.heard.was_told.wait(peers.STUCK_S))
+        lines = [text for level, text in self.heard.lines if level == "error"]
+        self.assertEqual(lines, ["/killed/large: a message of 40 MB is not sent, 33 MB is the most that rafcon-ros carries: make it smaller, or use rclpy"])
 
     def test_unknown_types(self):
         with self.assertRaisesRegex(UnknownType, "there is no type no_msgs/msg/Thing: .*RAFCON_ROS_TYPES"):

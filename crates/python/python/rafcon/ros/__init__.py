@@ -20,7 +20,7 @@ Every wait has a time, in seconds, and ends when the state of the script is pree
 stop a robot. The errors of this package are of :class:`RosError`.
 """
 
-from rafcon.ros._action_server import GoalAborted, ReceivedGoal, action_server
+from rafcon.ros._action_server import ActionServer, GoalAborted, ReceivedGoal, action_server
 from rafcon.ros._actions import ActionResult, action
 from rafcon.ros._backend import BackendLost, Qos, RosError, UnknownType
 from rafcon.ros._clock import now, stamp
@@ -35,6 +35,7 @@ from rafcon.ros._waits import TimedOut
 
 __all__ = [
     "ActionResult",
+    "ActionServer",
     "BackendLost",
     "GoalAborted",
     "Message",

@@ -39,6 +39,33 @@ class ReceivedGoal:
         return True
 
 
+class ActionServer(Server):
+    """Offers an action until ``close``, or until the run ends. ``with`` closes it."""
+
+    def __init__(self, name):
+        Server.__init__(self, name)
+        self._at_work = 0
+        self._changed = threading.Condition()
+
+    def work(self, *arguments):
+        """From a goal that came in to its end, which has been told when this returns."""
+        self._count(1)
+        try:
+            _work(*arguments)
+        finally:
+            self._count(-1)
+
+    def _count(self, more):
+        with self._changed:
+            self._at_work += more
+            self._changed.notify_all()
+
+    def join(self, timeout=None):
+        """Waits until the ends of all goals have been told; false if the time (s) is over before."""
+        with self._changed:
+            return self._changed.wait_for(lambda: self._at_work == 0, timeout)
+
+
 class GoalAborted(Exception):
     """Raised by the callback of an action: the goal ends as *aborted*, with ``result`` for the client."""
 
@@ -48,20 +75,20 @@ class GoalAborted(Exception):
 
 
 def action_server(action, callback, type, accept=None):
-    """Offers an action: ``callback(goal)`` works for a :class:`ReceivedGoal` and returns its result; returns a :class:`Server`.
+    """Offers an action: ``callback(goal)`` works for a :class:`ReceivedGoal` and returns its result; returns an :class:`ActionServer`.
 
     Each goal runs on a thread of its own. Returning after ``goal.canceled`` became true ends it as *canceled*, otherwise
     as *succeeded*; :class:`GoalAborted`, or any other exception, ends it as *aborted*. ``accept(goal)`` says whether a
     goal (a :class:`Message`) is accepted; without it all are.
     """
     here = node()
-    server = Server(here.absolute(action))
+    server = ActionServer(here.absolute(action))
     type_name = full_name(type, "action")
     here.types.require(type_name)
 
     def asked(received):
         goal = ReceivedGoal(here, type_name, received)
-        threading.Thread(target=_work, args=(here, server.name, goal, callback, accept), name=f"ros {server.name}", daemon=True).start()
+        threading.Thread(target=server.work, args=(here, server.name, goal, callback, accept), name=f"ros {server.name}", daemon=True).start()
 
     server._offered = here.backend.action_server(server.name, type_name, asked)
     return server

@@ -95,6 +95,7 @@ class _SentGoal:
     def accepted(self):
         """The server takes the goal."""
         self.is_accepted = True
+        self._open.tell()
         self._sends.answered(self._send_key)
         if self._unwanted:
             self._send_cancel()
@@ -213,15 +214,28 @@ class _OpenGoals:
             self._goals.discard(goal)
             self._changed.notify_all()
 
+    def tell(self):
+        """One of them was accepted."""
+        with self._changed:
+            self._changed.notify_all()
+
     def close(self):
-        """The run ends: all are cancelled, and for a moment their ends are waited for."""
+        """The run ends: all are cancelled, and for a moment their ends are waited for; that a server accepts one, a little longer."""
         with self._changed:
             goals = list(self._goals)
             for goal in goals:
                 if goal.goal is not None:
                     goal._unwanted = True
                     goal.goal.cancel(goal._cancelled)
-            self._changed.wait_for(lambda: not self._goals, CANCEL_WAIT_S if goals else 0)
+            if goals and not self._end(CANCEL_WAIT_S) and self._undecided():
+                self._changed.wait_for(lambda: not self._undecided(), _ACCEPT_S - CANCEL_WAIT_S)
+                self._end(CANCEL_WAIT_S)
+
+    def _end(self, seconds):
+        return self._changed.wait_for(lambda: not self._goals, seconds)
+
+    def _undecided(self):
+        return any(goal.goal is not None and not goal.is_accepted for goal in self._goals)
 
 
 def action(name, goal=None, type=None, timeout=None, feedback=None, cancel_wait_s=CANCEL_WAIT_S, find=FIND_S, accept=_ACCEPT_S):

@@ -13,16 +13,16 @@ import struct
 import threading
 import time
 
-_GROUP = "239.255.0.1"
-_PORT, _DOMAIN_GAIN, _DOMAINS = 7400, 250, 233
+GROUP = "239.255.0.1"
+PORT, DOMAIN_GAIN, _DOMAINS = 7400, 250, 233
 #: A participant that somebody waits for is asked this often (s).
 _ASK_EVERY_S = 0.2
 #: The thread looks this often (s) whether it is still wanted.
 _LOOK_EVERY_S = 0.5
 #: So many refusals in a row are an end.
 _REFUSALS = 2
-_PARTICIPANT_WRITER = 0x000100C2
-_GUID, _META_UNICAST, _DEFAULT_UNICAST, _SENTINEL = 0x50, 0x32, 0x31, 0x01
+PARTICIPANT_WRITER = 0x000100C2
+GUID, META_UNICAST, DEFAULT_UNICAST, _SENTINEL = 0x50, 0x32, 0x31, 0x01
 _DATA = 0x15
 _GONE = (errno.ECONNREFUSED,)
 
@@ -34,9 +34,18 @@ class Liveness:
         self._participants = {}
         self._lock = threading.Lock()
         self._closed = False
+        self._domain = domain
         listening = _listening(domain)
         if listening is not None:
             threading.Thread(target=self._listen, args=(listening,), name="ros participants", daemon=True).start()
+
+    def greet(self, own_key):
+        """Has all say where they are, to the participant of this process as well, whose key this is."""
+        from rafcon.ros._greeting import greet
+
+        if 0 <= self._domain < _DOMAINS:
+            arguments = (self._domain, own_key, self._note, lambda: self._closed)
+            threading.Thread(target=greet, args=arguments, name="ros greeting", daemon=True).start()
 
     def close(self):
         """Listens no more; the thread closes the sockets when something has come, or its time is over."""
@@ -154,7 +163,7 @@ def _listening(domain):
         made.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         if hasattr(socket, "SO_REUSEPORT"):
             made.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEPORT, 1)
-        made.bind(("", _PORT + _DOMAIN_GAIN * domain))
+        made.bind(("", PORT + DOMAIN_GAIN * domain))
         joined = [_join(made, address) for address in ("0.0.0.0", "127.0.0.1")]  # noqa: S104, any interface, and the one for this host
         if any(joined):
             return made
@@ -166,7 +175,7 @@ def _listening(domain):
 
 def _join(made, address):
     try:
-        made.setsockopt(socket.IPPROTO_IP, socket.IP_ADD_MEMBERSHIP, socket.inet_aton(_GROUP) + socket.inet_aton(address))
+        made.setsockopt(socket.IPPROTO_IP, socket.IP_ADD_MEMBERSHIP, socket.inet_aton(GROUP) + socket.inet_aton(address))
     except OSError:
         return False
     return True
@@ -191,7 +200,7 @@ def announced(content):
 
 
 def _of_data(body, order, flags):
-    if len(body) < 24 or struct.unpack_from(">I", body, 8)[0] != _PARTICIPANT_WRITER or not flags & 4:
+    if len(body) < 24 or struct.unpack_from(">I", body, 8)[0] != PARTICIPANT_WRITER or not flags & 4:
         return None
     (skip,) = struct.unpack_from(order + "H", body, 2)
     at = 4 + skip
@@ -202,9 +211,9 @@ def _of_data(body, order, flags):
     order = "<" if body[at + 1] & 1 else ">"
     key, places = None, []
     for number, value in _parameters(body, at + 4, order):
-        if number == _GUID and len(value) >= 12:
+        if number == GUID and len(value) >= 12:
             key = value[:12]
-        elif number in (_META_UNICAST, _DEFAULT_UNICAST) and len(value) >= 24:
+        elif number in (META_UNICAST, DEFAULT_UNICAST) and len(value) >= 24:
             kind, port = struct.unpack_from(order + "iI", value)
             if kind == 1 and 0 < port < 65536 and value[20:24] != bytes(4):
                 places.append((str(ipaddress.IPv4Address(value[20:24])), port))

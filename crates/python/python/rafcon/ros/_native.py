@@ -4,8 +4,9 @@ import array
 import itertools
 import threading
 
-from rafcon.ros._backend import BYTES, TYPE_CODES, BackendLost, Endpoint, Field, MessageType, Qos, RosError, UnknownType
+from rafcon.ros._backend import BYTES, TYPE_CODES, BackendLost, Endpoint, Field, MessageType, Qos, RosError
 from rafcon.ros._native_actions import ActionClient, ActionServer
+from rafcon.ros._native_descriptions import Descriptions
 from rafcon.ros._native_helper import Helper
 
 
@@ -157,12 +158,15 @@ class NativeBackend:
     def describe(self, type_name):
         """The type and all that it is made of, by name."""
         self.check()
+        descriptions = Descriptions(self, self._helper.ask, self._listener.say)
         try:
+            descriptions.correct(type_name)
             told = self._helper.ask("describe", type=type_name)
         except BackendLost:
             raise
         except RosError as error:
-            raise UnknownType(str(error)) from None
+            descriptions.complete(type_name, error)
+            told = self._helper.ask("describe", type=type_name)
         return {
             name: MessageType(name, tuple(map(_field, each["fields"])), each["constants"]) for name, each in told.items()
         }

@@ -14,11 +14,14 @@ from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 
 from rafcon.ros._backend import BackendLost, Endpoint, Qos, RosError
+from rafcon.ros._greeting import is_wanted
 from rafcon.ros._liveness import Liveness
 from rafcon.ros._rclpy_actions import ActionClient, ActionServer
 from rafcon.ros._rclpy_messages import Classes, interface
 
 _ANSWERS_MAX = 1000
+#: Each node publishes this.
+_OF_EACH_NODE = "/parameter_events"
 #: So many failures of the executor in a row are its end.
 _FAILURES_MAX = 10
 #: Who waits for the node's thread looks this often (s) whether it is still there.
@@ -59,8 +62,16 @@ class RclpyBackend:
         self._guard = self.node.create_guard_condition(self._do, callback_group=ReentrantCallbackGroup())
         domain = int(os.environ.get("ROS_DOMAIN_ID") or 0) if settings.domain is None else settings.domain
         self.liveness = Liveness(domain)
+        if rclpy.get_rmw_implementation_identifier().startswith("rmw_fastrtps") and is_wanted():
+            self.liveness.greet(self._key())
         self._thread = threading.Thread(target=self._spin, name="ros", daemon=True)
         self._thread.start()
+
+    def _key(self):
+        """The key of the participant of this process."""
+        own = self.node.get_name(), self.node.get_namespace()
+        ends = self.node.get_publishers_info_by_topic(_OF_EACH_NODE)
+        return next((bytes(each.endpoint_gid)[:12] for each in ends if (each.node_name, each.node_namespace) == own), None)
 
     def _spin(self):
         failures = 0
@@ -218,7 +229,7 @@ class RclpyBackend:
     def participants(self, nodes):
         """The keys of the participants in which nodes live, by :mod:`rafcon.ros._liveness`; None where one is not known."""
         known = {}
-        for each in self.node.get_publishers_info_by_topic("/parameter_events"):
+        for each in self.node.get_publishers_info_by_topic(_OF_EACH_NODE):
             known[each.node_name, each.node_namespace] = bytes(each.endpoint_gid)[:12]
         return [known.get(each) for each in nodes]
 

@@ -45,6 +45,7 @@ class Bridge:
         self._commands = Commands(self._client, self._watch, self._known)
         self._machines = []
         self._offered = {}
+        self._run_machine = None
         self._said = set()
         self._server_is_gone = False
 
@@ -63,6 +64,9 @@ class Bridge:
             tell(f"the bridge ends, for its node has: {self._here.ended}")
             return 1
         self._goals.end("the server of RAFCON has ended", _LAST_WORDS_S)
+        servers = [each for _declared, each in self._offered.values()] + ([self._run_machine] if self._run_machine else [])
+        for server in servers:
+            server.join(_LAST_WORDS_S)
         ros.close()
         return 0
 
@@ -90,7 +94,7 @@ class Bridge:
             return _goals.run_machine(goal, RUN_MACHINE, lambda text: _machines.chosen(self._known(), text))
 
         try:
-            ros.action_server("run_machine", self._goals.work, RUN_MACHINE, self._goals.accept("run_machine", ask))
+            self._run_machine = ros.action_server("run_machine", self._goals.work, RUN_MACHINE, self._goals.accept("run_machine", ask))
         except RosError as error:
             tell(f"run_machine is not offered: {error}. Either {WAY_OUT}")
 
