@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::{Arc, PoisonError};
+use std::time::Duration;
 
 use rustdds::bytes::Bytes;
 use rustdds::{
@@ -21,12 +22,12 @@ use crate::frames::Outbox;
 use crate::hear::{self, Asked, Calls, Heard};
 use crate::json::{self, Json};
 use crate::tell::{self, Counted, Counts};
-use crate::types::library::{Kind, Library, Type};
-use crate::types::{Shape, Sort, TypeName, described};
+use crate::types::library::{Library, Type};
+use crate::types::{Sort, TypeName, described};
 use crate::{describe, settings};
 
 /// How long a response waits until its client is known.
-const CLIENT_KNOWN: std::time::Duration = std::time::Duration::from_secs(1);
+const CLIENT_KNOWN: Duration = Duration::from_secs(1);
 
 /// Something that was made, by its handle.
 enum Made {
@@ -35,6 +36,9 @@ enum Made {
     Client { writer: Arc<Writer>, reader: GUID, of: Arc<Type>, calls: Calls, task: JoinHandle<()> },
     Service { writer: Arc<Writer>, reader: GUID, of: Arc<Type>, asked: Asked, task: JoinHandle<()> },
 }
+
+/// Readers of RustDDS forget what they have confirmed and not passed on yet when its writer goes.
+const LINGER: Duration = Duration::from_millis(200);
 
 /// The largest message that is sure to arrive.
 const MESSAGE_MAX: usize = 33 << 20;
@@ -163,7 +167,7 @@ impl Session {
 
     fn publisher(&mut self, asked: &Json) -> Result<(), String> {
         let (topic, of, part) = self.topic(asked, false)?;
-        let writer = self.node()?.writer(part, is_large(&of))?;
+        let writer = self.node()?.writer(part, of.is_large())?;
         let publisher = Publisher::new(self.node()?.clone(), writer);
         let id = publisher.id;
         let made = Made::Publisher { publisher, of, topic };
@@ -174,7 +178,7 @@ impl Session {
     fn subscription(&mut self, asked: &Json) -> Result<(), String> {
         let handle = asked.number("handle")?;
         let (topic, of, part) = self.topic(asked, true)?;
-        let reader = self.node()?.reader(part, is_large(&of))?;
+        let reader = self.node()?.reader(part, of.is_large())?;
         let id = reader.guid();
         let task = tokio::spawn(hear::messages(reader, self.heard(of, topic), handle));
         self.count(handle, Counted::One(id), Made::Subscription { id, task });
@@ -346,12 +350,12 @@ impl Session {
             Made::Client { writer, reader, task, .. } => {
                 task.abort();
                 node.forget(reader);
-                self.ending.push(farewell(node, writer));
+                self.ending.push(farewell(node, writer, Duration::ZERO));
             }
             Made::Service { writer, reader, task, .. } => {
                 task.abort();
                 node.forget(reader);
-                self.ending.push(farewell(node, writer));
+                self.ending.push(farewell(node, writer, LINGER));
             }
         }
         self.ending.retain(|ending| !ending.is_finished());
@@ -372,10 +376,11 @@ async fn known(node: &Node, writer: GUID, client: Process) {
 }
 
 /// Lets the last messages of a writer arrive before it goes.
-fn farewell(node: Node, writer: Arc<Writer>) -> JoinHandle<()> {
+fn farewell(node: Node, writer: Arc<Writer>, linger: Duration) -> JoinHandle<()> {
     tokio::spawn(async move {
         let arrived = writer.async_wait_for_acknowledgments();
-        let _ = tokio::time::timeout(std::time::Duration::from_millis(500), arrived).await;
+        let _ = tokio::time::timeout(Duration::from_millis(500), arrived).await;
+        tokio::time::sleep(linger).await;
         node.forget(writer.guid());
     })
 }
@@ -389,12 +394,4 @@ fn encoded(asked: &Json, bytes: &[u8], of: &Type) -> Result<Bytes, String> {
         ));
     }
     Ok(sent.into())
-}
-
-/// Whether messages can be megabytes: they hold lists of bytes without end.
-fn is_large(of: &Type) -> bool {
-    of.fields.iter().any(|field| match &field.kind {
-        Kind::Primitive(primitive) => field.shape == Shape::Unbounded && primitive.width() == 1,
-        Kind::Message(nested) => is_large(nested),
-    })
 }

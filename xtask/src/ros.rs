@@ -2,7 +2,7 @@
 //!
 //! The packages of a distribution take 250 MB, and a minute to install; so CI does not run this.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use anyhow::{Context as _, Result, ensure};
@@ -85,16 +85,44 @@ pub(crate) fn run(options: &RosOptions) -> Result<()> {
         if !is_wanted(&options.distribution, distribution.name) {
             continue;
         }
-        let peers = workspace::target()?.join("ros-venvs").join(distribution.name);
-        python::environment(&python::default()?, &peers, distribution.contents)?;
+        let peers = venv(distribution)?;
         for backend in BACKENDS {
             if is_wanted(&options.backend, backend) {
-                let side = Side { peers: &peers, backend, helper: &helper, product: &product };
+                let own = &peers;
+                let side = Side { own, peers: &peers, backend, helper: &helper, product: &product };
                 both(&side, distribution.name, options, &mut missed)?;
             }
         }
     }
+    if !options.no_tests && options.distribution.is_none() && is_wanted(&options.backend, "rclpy") {
+        let [one, two] = &DISTRIBUTIONS;
+        for (own, other) in [(one, two), (two, one)] {
+            let (ours, theirs) = (venv(own)?, venv(other)?);
+            let (backend, helper, product) = ("rclpy", helper.as_path(), &product);
+            let side = Side { own: &ours, peers: &theirs, backend, helper, product };
+            let of = format!("{} with peers of {}", own.name, other.name);
+            tests(&side, "test_peer.py", &of, &mut missed)?;
+        }
+    }
     ensure!(missed.is_empty(), "missed: {}", missed.join(", "));
+    Ok(())
+}
+
+/// The environment of a distribution.
+fn venv(of: &Distribution) -> Result<PathBuf> {
+    let folder = workspace::target()?.join("ros-venvs").join(of.name);
+    python::environment(&python::default()?, &folder, of.contents)?;
+    Ok(folder)
+}
+
+/// Runs the tests in the files of this pattern.
+fn tests(side: &Side<'_>, pattern: &str, of: &str, missed: &mut Vec<String>) -> Result<()> {
+    let mut tests = side.python()?;
+    tests.args(["-m", "unittest", "discover", "--start-directory", FOLDER, "--pattern", pattern]);
+    if let Err(why) = process::run(&mut tests) {
+        eprintln!("{why:#}");
+        missed.push(format!("tests ({of})"));
+    }
     Ok(())
 }
 
@@ -107,12 +135,7 @@ fn both(
 ) -> Result<()> {
     let of = format!("{distribution}, {}", side.backend);
     if !options.no_tests {
-        let mut tests = side.python()?;
-        tests.args(["-m", "unittest", "discover", "--start-directory", FOLDER]);
-        if let Err(why) = process::run(&mut tests) {
-            eprintln!("{why:#}");
-            missed.push(format!("tests ({of})"));
-        }
+        tests(side, "test*.py", &of, missed)?;
     }
     if options.no_figures {
         return Ok(());
@@ -139,7 +162,9 @@ const FOLDER: &str = "crates/python/tests/ros";
 
 /// Our side of a test: a back end, and what its peers are made of.
 struct Side<'a> {
-    /// The environment of the peers, and with the back end `rclpy` ours as well.
+    /// The environment of our side, with the back end `rclpy`.
+    own: &'a Path,
+    /// That of the peers.
     peers: &'a Path,
     backend: &'static str,
     helper: &'a Path,
@@ -149,8 +174,8 @@ struct Side<'a> {
 impl Side<'_> {
     /// A Python that has `rafcon` and this back end: with `native` one without `rclpy`.
     fn python(&self) -> Result<Command> {
-        let peer = self.peers.join("bin/python");
-        let own = if self.backend == "rclpy" { peer.clone() } else { python::default()?.program };
+        let [own, peer] = [self.own, self.peers].map(|folder| folder.join("bin/python"));
+        let own = if self.backend == "rclpy" { own } else { python::default()?.program };
         let mut python = alone(&own, self.product);
         python.env("RAFCON_ROS_BACKEND", self.backend).env("RAFCON_ROS_PEER_PYTHON", peer);
         if self.backend == "native" {

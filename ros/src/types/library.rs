@@ -50,6 +50,16 @@ impl Type {
     }
 }
 
+impl Type {
+    /// Whether messages can be megabytes: they hold lists of bytes without end.
+    pub(crate) fn is_large(&self) -> bool {
+        self.fields.iter().any(|field| match &field.kind {
+            Kind::Primitive(one) => field.shape == Shape::Unbounded && one.width() == 1,
+            Kind::Message(nested) => nested.is_large(),
+        })
+    }
+}
+
 impl Kind {
     pub(crate) fn least_width(&self) -> usize {
         match self {

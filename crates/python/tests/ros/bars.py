@@ -9,6 +9,7 @@ import tempfile
 import threading
 import time
 
+import peers  # noqa: F401, it says where the package and `support` lie
 import support
 from peers import Direct, Peer
 from support import Runner, container, save, script, sequence

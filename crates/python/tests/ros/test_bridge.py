@@ -143,6 +143,11 @@ class Served:
         self.watchdog.cancel()
         self.process.stdout.close()
 
+    def kill(self):
+        """A test that failed leaves none."""
+        if self.process is not None and self.process.poll() is None:
+            self.end(signal.SIGKILL)
+
 
 class WithServer(WithPeer):
     @classmethod
@@ -260,6 +265,7 @@ class Ends(unittest.TestCase):
         folder = tempfile.TemporaryDirectory()
         self.addCleanup(folder.cleanup)
         self.served = Served(folder.name)
+        self.addCleanup(self.served.kill)
         self.served.start()
         self.addCleanup(ros.close)
 
