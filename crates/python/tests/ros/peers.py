@@ -17,6 +17,8 @@ PACKAGE = HERE.parents[1] / "python"
 sys.path[:0] = [str(PACKAGE), str(HERE.parent)]
 
 PEER_PYTHON = os.environ.get("RAFCON_ROS_PEER_PYTHON", sys.executable)
+#: What the packages of a distribution set when their Python starts.
+SET_BY_PACKAGES = ("LD_LIBRARY_PATH", "_ROS_WHEELS_BOOTSTRAP_COMPLETE")
 #: A peer that takes longer than this is stuck; no test's answer depends on it.
 STUCK_S = 600
 
@@ -26,7 +28,9 @@ class Peer:
 
     def __init__(self, program="peer.py", *arguments, python=PEER_PYTHON):
         words = [python, str(HERE / program), *arguments]
-        self.process = subprocess.Popen(words, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+        # What the packages of one distribution have set for their own libraries is wrong for those of another.
+        env = {name: value for name, value in os.environ.items() if name not in SET_BY_PACKAGES}
+        self.process = subprocess.Popen(words, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, env=env)
         self._watchdog = threading.Timer(STUCK_S, self.process.kill)
         self._watchdog.daemon = True
         self._watchdog.start()
