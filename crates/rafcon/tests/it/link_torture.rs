@@ -107,7 +107,8 @@ struct Site<'p> {
 
 impl<'p> Site<'p> {
     fn new(place: &'p Place, dice: Dice) -> Self {
-        let receives = UdpSocket::bind("127.0.0.1:0").unwrap().local_addr().unwrap();
+        // Where no one else is given a port: it stays free while the station is dead.
+        let receives = UdpSocket::bind("127.0.0.2:0").unwrap().local_addr().unwrap();
         let path = BadPath::to(receives);
         let (station, robot) = (station(place, receives), robot(place, &path));
         let projects = robot.door().ask("GET", "/api/v1/projects", None).unwrap();
