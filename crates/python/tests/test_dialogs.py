@@ -272,7 +272,7 @@ class DialogsOfTheReference(unittest.TestCase):
         with self.subTest("two"):
             self.check("Dialog [2 options]", {**ask, "option 1": "a", "option 2": "b"}, [{"button": 1}], "option 2")
         with self.subTest("info"):
-            self.check("Dialog [Info]", {**ask, "label": "fine"}, [{"button": 0}], "done")
+            self.check("Dialog [Info]", {**ask, "button label": "fine"}, [{"button": 0}], "done")
 
 
 if __name__ == "__main__":

@@ -7,7 +7,7 @@ import { PLAIN, type SceneInput } from "./scene/input.ts";
 import type { BoxMark, DrawList, Layer } from "./scene/list.ts";
 import { scene } from "./scene/scene.ts";
 
-interface Overview extends Pick<SceneInput, "layout" | "camera" | "view" | "modes" | "runs"> {
+interface OverviewShown extends Pick<SceneInput, "layout" | "camera" | "view" | "modes" | "runs"> {
   readonly ghost: GhostMachine | null;
   /** Pixels of the small picture for one that is seen. */
   readonly line: number;
@@ -17,7 +17,7 @@ const QUIET = { transitions: false, dataFlows: "none", names: false } as const;
 /** How wide the line is around what is to be seen from afar. */
 const LOUD_LINE = 2.5;
 
-export function overview({ ghost, line, ...shown }: Overview): DrawList {
+export function overview({ ghost, line, ...shown }: OverviewShown): DrawList {
   const input: SceneInput = {
     ...PLAIN,
     ...shown,

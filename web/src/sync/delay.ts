@@ -17,7 +17,7 @@ const SILENT_MS = 12_000;
 /** Until the first answer nobody knows how slow the network is: so long it is waited for. */
 const UNMEASURED_MS = 30_000;
 /** A dial: what a busy server and three lost packets take, and the rounds of TCP, TLS and the upgrade. */
-const DIAL_MS = 15_000;
+const DIAL_MS = 20_000;
 const DIAL_ROUNDS = 3;
 /** After so many dials in a row without an answer one of them may take longer, each time twice as long. */
 const DIALS_EACH = 4;

@@ -230,7 +230,7 @@ describe("the socket", () => {
     const [first] = wires;
     const pings = () =>
       first?.said.flatMap((frame) => (frame.frame === "ping" ? frame.id : [])) ?? [];
-    clock.pass(60_000);
+    clock.pass(80_000);
     expect([socket.link.value.state, wires.length]).toEqual(["down", 4]);
     stop();
     socket.follow(SILENT);
