@@ -10,9 +10,9 @@ mod counts;
 
 pub use bars::Span;
 
-use super::{Entry, Reader, Source, Visit};
+use super::{Entry, Reader};
 use crate::journal::folder::JournalError;
-use crate::journal::record::{PlaceNumber, Places, Record};
+use crate::journal::record::{PlaceNumber, Record};
 use bars::Bars;
 use blocks::{Block, Blocks};
 use calls::OpenCalls;
@@ -22,8 +22,6 @@ use rafcon_protocol::api::{EarlierHistory, HistoryEntry, Overview};
 use rafcon_protocol::{Event, LogLevel};
 use std::collections::VecDeque;
 use std::ops::ControlFlow;
-use std::sync::mpsc::sync_channel;
-use std::{mem, thread};
 
 /// At most so many events that are worth a mark, the newest.
 const NOTABLE_MAX: usize = 5000;
@@ -31,9 +29,6 @@ const NOTABLE_MAX: usize = 5000;
 const STARTS_MAX: usize = 128;
 /// They lie so many events apart at first.
 const START_EVERY: u64 = 8192;
-/// So many events are read at a time while those before them are taken in, and so many times so many wait.
-const BATCH: usize = 512;
-const BATCHES: usize = 16;
 
 /// The outline of a run so far.
 #[derive(Debug)]
@@ -77,36 +72,17 @@ impl Outline {
         self.t_ns
     }
 
-    /// Goes on to the last event that there is so far. Events are read by this thread, and taken in by another one.
+    /// Goes on to the last event that there is so far.
     pub fn go_on(&mut self, reader: &mut Reader) -> Result<(), JournalError> {
-        reader.learn()?;
-        let (reader, from) = (&*reader, self.sequence + 1);
-        let places = reader.known_places();
-        let mut notable = VecDeque::new();
-        let read = thread::scope(|scope| {
-            let (send, batches) = sync_channel::<Vec<Entry>>(BATCHES);
-            let (outline, notable) = (&mut *self, &mut notable);
-            scope.spawn(move || {
-                batches.iter().flatten().for_each(|entry| outline.take(places, entry, notable));
-            });
-            let mut batch = Vec::with_capacity(BATCH);
-            let rows = |source: &Source, row: &mut Visit<'_>| source.rows(from, row);
-            let read = reader.read(Some(from), rows, |entry| {
-                batch.push(entry);
-                if batch.len() < BATCH {
-                    return ControlFlow::Continue(());
-                }
-                let full = mem::replace(&mut batch, Vec::with_capacity(BATCH));
-                send.send(full).map_or(ControlFlow::Break(()), ControlFlow::Continue)
-            });
-            // Whoever takes them in is there until the last one; if not, it has panicked, and so will this scope.
-            let _taken = send.send(batch);
-            read
-        });
-        for entry in notable {
-            self.note(reader, &entry)?;
-        }
-        read
+        let mut failed = None;
+        reader.each(self.sequence + 1, |reader, entry| match self.take(reader, &entry) {
+            Ok(()) => ControlFlow::Continue(()),
+            Err(error) => {
+                failed = Some(error);
+                ControlFlow::Break(())
+            }
+        })?;
+        failed.map_or(Ok(()), Err)
     }
 
     /// The calls of a part of the run's time, as wide as they are drawn.
@@ -185,23 +161,20 @@ impl Outline {
         &self.starts[behind.saturating_sub(1)]
     }
 
-    /// Takes an event in; it is kept if it is worth a mark.
-    fn take(&mut self, places: &Places, entry: Entry, notable: &mut VecDeque<Entry>) {
+    fn take(&mut self, reader: &Reader, entry: &Entry) -> Result<(), JournalError> {
         (self.sequence, self.t_ns) = (entry.sequence, entry.t_ns);
         let blocks = &mut self.blocks;
         blocks.event(entry.sequence, entry.t_ns);
-        self.open.take(&entry, places, |call| blocks.ended(call));
-        self.counts.take(&entry);
+        self.open.take(entry, reader.known_places(), |call| blocks.ended(call));
+        self.counts.take(entry);
+        if is_notable(&entry.record) {
+            self.note(reader, entry)?;
+        }
         let before = self.starts.last().map_or(0, |start| start.sequence);
         if entry.sequence >= before + self.start_every {
             self.begin_here();
         }
-        if is_notable(&entry.record) {
-            if notable.len() >= NOTABLE_MAX {
-                notable.pop_front();
-            }
-            notable.push_back(entry);
-        }
+        Ok(())
     }
 
     fn note(&mut self, reader: &Reader, entry: &Entry) -> Result<(), JournalError> {
