@@ -1,12 +1,12 @@
-//! What a user installs: an archive with binary (which carries the page), extension, examples, libraries and the package of ROS
-//! whose types the bridge uses, and a Python wheel. The debugging symbols of the archive's programs are packed apart.
+//! What a user installs: an archive with binary (which carries the page), extension, `rafcon-ros`, examples, libraries and the
+//! package of ROS whose types the bridge uses, and a Python wheel. The debugging symbols of the archive's programs are packed apart.
 
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, Result};
 
 use crate::product::{Product, Profile};
-use crate::{process, python, web, workspace};
+use crate::{process, python, ros_helper, web, workspace};
 
 const MATURIN: python::Contents = python::Contents { bare: &[], full: &["maturin>=1.9,<2"] };
 
@@ -20,15 +20,16 @@ const FOLDERS: [&str; 3] = ["examples", "libraries", "ros/rafcon_msgs"];
 pub(crate) fn run() -> Result<()> {
     web::build()?;
     let product = Product::build(Profile::Symbols)?;
+    let helper = ros_helper::build(Profile::Symbols)?;
     let folder = workspace::target()?.join("dist");
     create(&folder)?;
-    archive(&product, &folder)?;
+    archive(&product, &helper, &folder)?;
     wheel(&folder)?;
     println!("packed into {}", folder.display());
     Ok(())
 }
 
-fn archive(product: &Product, folder: &Path) -> Result<()> {
+fn archive(product: &Product, helper: &Path, folder: &Path) -> Result<()> {
     let name = format!(
         "rafcon-{}-{}-{}",
         env!("CARGO_PKG_VERSION"),
@@ -40,6 +41,7 @@ fn archive(product: &Product, folder: &Path) -> Result<()> {
     create(&stage.join("bin"))?;
     create(&stage.join("lib/rafcon"))?;
     split(&product.binary, &stage.join("bin/rafcon"), &symbols)?;
+    split(helper, &stage.join("bin/rafcon-ros"), &symbols)?;
     split(&product.extension, &stage.join("lib/rafcon/librafcon_python.so"), &symbols)?;
     for paper in PAPERS {
         copy(&workspace::path(paper), &stage.join(paper))?;
@@ -47,6 +49,7 @@ fn archive(product: &Product, folder: &Path) -> Result<()> {
     for folder in FOLDERS {
         workspace::copy(folder, &stage.join(folder))?;
     }
+    copy(&workspace::path("ros/NOTICE"), &stage.join("ros/NOTICE"))?;
     pack(&stage)?;
     pack(&symbols)
 }

@@ -1,8 +1,8 @@
 //! What lies in `ros/`, a workspace of its own: the program `rafcon-ros`, by which scripts speak ROS where there is no rclpy.
 //!
 //! It is built with `RustDDS` as published but for a few changes, without which peers of Fast DDS do not learn that something
-//! was given back and are found seconds later, large messages take seconds, and a run does not
-//! hear itself. The changed copy lies in the target folder, never in the repository.
+//! was given back and are found seconds later, large messages take seconds, a run does not hear itself, and the last message of
+//! whoever ends can be lost. The changed copy lies in the target folder, never in the repository.
 
 use std::ffi::OsStr;
 use std::fs;
@@ -18,7 +18,7 @@ use crate::{process, workspace};
 /// A change: the file, what is there, and what is to be there.
 type Change = (&'static str, &'static str, &'static str);
 
-const CHANGES: [Change; 5] = [
+const CHANGES: [Change; 10] = [
     // Fast DDS takes the key of what is gone from the inline QoS only ("too large key-only data" otherwise), as the
     // specification has it. A built-in key is a parameter of 16 bytes before the sentinel of 4.
     (
@@ -57,7 +57,41 @@ const CHANGES: [Change; 5] = [
         "pub const REPAIR_BATCH_MAX_BYTES: usize = 8192;",
         "pub const REPAIR_BATCH_MAX_BYTES: usize = 1 << 17;",
     ),
+    // What a writer had confirmed when it went can be read as long as it is kept: else the last response of a server that ends is
+    // lost if nobody has read it by then.
+    (
+        CACHE,
+        "  received_reliably_before: BTreeMap<GUID, SequenceNumber>,\n}",
+        "  received_reliably_before: BTreeMap<GUID, SequenceNumber>,\n  gone: BTreeMap<GUID, SequenceNumber>,\n}",
+    ),
+    (
+        CACHE,
+        "      received_reliably_before: BTreeMap::new(),\n",
+        "      received_reliably_before: BTreeMap::new(),\n      gone: BTreeMap::new(),\n",
+    ),
+    (
+        CACHE,
+        "    self.received_reliably_before.remove(&writer);\n",
+        "    if let Some(marker) = self.received_reliably_before.remove(&writer) {
+      if self.sequence_numbers.contains_key(&writer) {
+        self.gone.insert(writer, marker);
+      }
+    }\n",
+    ),
+    (
+        CACHE,
+        "      .get(&writer)\n      .cloned()\n      .unwrap_or(SequenceNumber::default())",
+        "      .get(&writer)\n      .or_else(|| self.gone.get(&writer))\n      .cloned()\n      .unwrap_or(SequenceNumber::default())",
+    ),
+    (
+        CACHE,
+        "      self.sequence_numbers.remove(&cc.writer_guid);\n",
+        "      self.sequence_numbers.remove(&cc.writer_guid);\n      self.gone.remove(&cc.writer_guid);\n",
+    ),
 ];
+
+/// Where RustDDS keeps what readers have not passed on yet.
+const CACHE: &str = "src/structure/dds_cache.rs";
 
 /// What is checked of it wherever the rest is: its format, and that what it depends on is fixed. To compile it takes too long for that.
 pub(crate) fn lint() -> Result<()> {

@@ -7,7 +7,7 @@ import unittest
 
 import stage  # noqa: F401, it brings the package
 from building import call
-from rafcon.ros.bridge import _machines, _mapping, _state
+from rafcon.ros.bridge import _machines, _mapping, _markers, _state
 from rafcon.ros.bridge._goals import Refusal, inputs_of_text
 from rafcon.ros.bridge._machines import Machine
 from rafcon.ros.bridge._mapping import Unfit
@@ -121,10 +121,33 @@ class Machines(unittest.TestCase):
             self.assertIn("the semantic data ros.action of p/arm/fetch has no `type`: write", found)
 
 
+def run_now(snapshot=None, **summary):
+    return RunNow({"id": "r1", "name": "Fetch", "machine": {"project": "p", "path": "fetch"}, "events": 3, **summary}, snapshot)
+
+
+class Markers(unittest.TestCase):
+    def test_each_run_in_progress_has_a_text_and_no_two_overlap(self):
+        paused = {**snapshot(("R", "Tidy")), "status": "paused"}
+        runs = [
+            run_now(snapshot(("R", "Fetch"), ("R/A", "Grip")), phase="live"),
+            run_now(phase="finished", outcome={"id": 0, "name": "success"}),
+            run_now(paused, phase="live", id="r2"),
+        ]
+        cleared, fetch, tidy = _markers.markers_of(runs, "base_link", {"sec": 7, "nanosec": 0})["markers"]
+        self.assertEqual(cleared["action"], 3)
+        self.assertEqual([fetch["text"], tidy["text"]], ["p/fetch: running\nFetch/Grip", "p/fetch: paused\nTidy"])
+        self.assertEqual([each["header"]["frame_id"] for each in (fetch, tidy)], ["base_link"] * 2)
+        self.assertNotEqual(fetch["id"], tidy["id"])
+        between_m = tidy["pose"]["position"]["z"] - fetch["pose"]["position"]["z"]
+        self.assertGreaterEqual(between_m, 2 * fetch["scale"]["z"])
+
+    def test_without_a_run_nothing_is_left(self):
+        self.assertEqual(len(_markers.markers_of([], "base_link", {})["markers"]), 1)
+
+
 class State(unittest.TestCase):
     def status(self, snapshot=None, **summary):
-        told = {"id": "r1", "name": "Fetch", "machine": {"project": "p", "path": "fetch"}, "events": 3, **summary}
-        found = _state.status_of(RunNow(told, snapshot))
+        found = _state.status_of(run_now(snapshot, **summary))
         return types.SimpleNamespace(**{**found, "values": [(each["key"], each["value"]) for each in found["values"]]})
 
     def test_a_run_in_progress_says_where_it_is(self):

@@ -196,6 +196,15 @@ class Services(WithServer):
             self.assertEqual(self.peer.call("/robot/" + word, 1), [[True, run]], word)
         self.assertIsNone(self.served.ask("GET", f"/runs/{run}/control")["holder"])
 
+    def test_rviz_is_shown_what_runs_and_nothing_once_it_is_over(self):
+        self.addCleanup(ros.close)
+        self.served.ask("POST", "/runs", {"id": "shown", "machine": {"project": "robot", "path": "wait"}})
+        shows = lambda message: any("robot/wait: running\nWait/Work" in each.text for each in message.markers)  # noqa: E731
+        with ros.subscribe("/robot/markers", "visualization_msgs/MarkerArray", qos="latched") as markers:
+            self.assertTrue(markers.next(20, shows))
+            self.served.stop_all()
+            self.assertTrue(markers.next(20, lambda message: not shows(message)))
+
 
 @unittest.skipUnless(NATIVE, "rclpy knows rafcon_msgs only where the package was built")
 class RunMachine(WithServer):

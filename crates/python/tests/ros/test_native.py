@@ -12,7 +12,8 @@ import unittest
 
 import peers
 
-from rafcon.ros import _native_frames
+from rafcon import ros
+from rafcon.ros import _native_frames, _node
 from rafcon.ros._backend import BackendLost, Qos, Settings, UnknownType
 from rafcon.ros._native import NativeBackend
 
@@ -121,6 +122,43 @@ class Killed(unittest.TestCase):
         if helper is not None:
             self.assertTrue(select.select([helper], [], [], peers.STUCK_S)[0])
             os.close(helper)
+
+
+#: Serves one goal, which ends with a line on the standard input; then the process does, too.
+_SERVER = f"""
+import sys, threading
+sys.path.insert(0, {str(peers.PACKAGE)!r})
+from rafcon import ros
+ended = threading.Event()
+def work(goal):
+    goal.feedback([1])
+    sys.stdin.readline()
+    ended.set()
+    return [[7]]
+server = ros.action_server("/ends/act", work, "example_interfaces/Fibonacci")
+ended.wait()
+server.join(10)
+ros.close()
+"""
+
+
+@unittest.skipUnless(os.environ.get("RAFCON_ROS_BACKEND") == "native", "the back end is another")
+class Ends(peers.Beside):
+    def test_the_result_of_a_server_that_ends_arrives_at_a_client_that_is_late(self):
+        self.addCleanup(ros.close)
+        server = subprocess.Popen([sys.executable, "-c", _SERVER], stdin=subprocess.PIPE)
+        self.addCleanup(server.wait)
+        self.addCleanup(server.kill)
+        begun = threading.Event()
+        goal = self.later(lambda: ros.action("/ends/act", 5, find=20, feedback=lambda _message: begun.set()))
+        self.assertTrue(begun.wait(peers.STUCK_S))
+        helper = _node.node().backend.pid
+        os.kill(helper, signal.SIGSTOP)
+        # What the server says meanwhile, its farewell included, comes at once.
+        server.communicate(b"\n")
+        os.kill(helper, signal.SIGCONT)
+        found = goal()
+        self.assertEqual((found.outcome, found.result and list(found.result.sequence)), ("succeeded", [7]))
 
 
 if __name__ == "__main__":

@@ -29,9 +29,12 @@ pub(crate) struct Serve {
     #[arg(long)]
     pub(crate) keep_token: bool,
     /// Offer the machines to ROS 2: as the action `run_machine`, and each that declares one as an action of its own; with services and
-    /// a topic for the runs, all below this namespace (default: `/rafcon`)
+    /// topics for the runs, all below this namespace (default: `/rafcon`)
     #[arg(long, value_name = "NAMESPACE", num_args = 0..=1, require_equals = true, default_missing_value = "/rafcon")]
     pub(crate) ros: Option<String>,
+    /// The frame in which rviz shows the runs, 1 m above its origin
+    #[arg(long, value_name = "FRAME", default_value = "base_link", requires = "ros")]
+    pub(crate) ros_frame: String,
     #[command(flatten)]
     pub(crate) link: Link,
     #[command(flatten)]

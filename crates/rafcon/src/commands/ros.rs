@@ -6,7 +6,7 @@ use rafcon_supervisor::{RosBridge, RosBridgeSettings};
 use serde_json::json;
 
 /// Starts the bridge of a server; a server without one is better than none.
-pub(super) fn bridge(server: &Server, namespace: &str) -> Option<RosBridge> {
+pub(super) fn bridge(server: &Server, namespace: &str, frame: &str) -> Option<RosBridge> {
     let settings = server.state().settings();
     let begun = RosBridge::begin(RosBridgeSettings {
         python: settings.python.clone(),
@@ -16,6 +16,7 @@ pub(super) fn bridge(server: &Server, namespace: &str) -> Option<RosBridge> {
             "fingerprint": server.fingerprint(),
             "token": server.ros_token(),
             "namespace": namespace,
+            "frame": frame,
         }),
         tell: complain,
     });

@@ -44,7 +44,8 @@ pub(super) fn serve(
             );
         }
         greet(server);
-        bridge = raw.ros.as_deref().and_then(|namespace| ros::bridge(server, namespace));
+        let namespace = raw.ros.as_deref();
+        bridge = namespace.and_then(|namespace| ros::bridge(server, namespace, &raw.ros_frame));
     });
     drop(bridge);
     relays.stop();

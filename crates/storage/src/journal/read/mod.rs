@@ -39,6 +39,7 @@ use std::fs;
 use std::io;
 use std::ops::{ControlFlow, RangeInclusive};
 use std::path::{Path, PathBuf};
+use way::Values;
 
 /// How many rows count as the end of a journal.
 const TAIL_ROWS: u64 = 4;
@@ -229,19 +230,37 @@ impl Reader {
     pub fn each(
         &mut self,
         from: u64,
+        visit: impl FnMut(&Self, Entry) -> ControlFlow<()>,
+    ) -> Result<(), JournalError> {
+        self.walk(from, Values::Read, visit)
+    }
+
+    /// The same without the values of ports and variables: they are as if states had left them out.
+    pub(super) fn each_without_values(
+        &mut self,
+        from: u64,
+        visit: impl FnMut(&Self, Entry) -> ControlFlow<()>,
+    ) -> Result<(), JournalError> {
+        self.walk(from, Values::Skipped, visit)
+    }
+
+    fn walk(
+        &mut self,
+        from: u64,
+        values: Values,
         mut visit: impl FnMut(&Self, Entry) -> ControlFlow<()>,
     ) -> Result<(), JournalError> {
         self.learn()?;
         let reader = &*self;
         let rows = |source: &Source, row: &mut Visit<'_>| source.rows(from, row);
-        reader.read(Some(from.max(1)), rows, |entry| visit(reader, entry))
+        reader.read(Some(from.max(1)), values, rows, |entry| visit(reader, entry))
     }
 
     /// Number of the first event at this time or later; the number after the last if there is none.
     pub fn first_at(&mut self, t_ns: u64) -> Result<u64, JournalError> {
         let near = self.source.first_near(t_ns)?;
         let mut next = near.map_or_else(|| self.source.last_sequence().map(|last| last + 1), Ok)?;
-        self.each(next, |_, entry| {
+        self.each_without_values(next, |_, entry| {
             if entry.t_ns >= t_ns {
                 return ControlFlow::Break(());
             }
@@ -258,7 +277,7 @@ impl Reader {
             tail.push(entry);
             ControlFlow::Continue(())
         };
-        self.read(None, |source, row| source.last_rows(TAIL_ROWS, row), keep)?;
+        self.read(None, Values::Read, |source, row| source.last_rows(TAIL_ROWS, row), keep)?;
         Ok(tail)
     }
 

@@ -15,10 +15,11 @@ impl Reader {
     pub(super) fn read(
         &self,
         from: Option<u64>,
+        values: Values,
         rows: impl FnOnce(&Source, &mut Visit<'_>) -> Result<ControlFlow<()>, JournalError>,
         visit: impl FnMut(Entry) -> ControlFlow<()>,
     ) -> Result<(), JournalError> {
-        let mut way = Way { reader: self, next: from, t_ns: 0, lost: None, visit };
+        let mut way = Way { reader: self, values, next: from, t_ns: 0, lost: None, visit };
         if rows(&self.source, &mut |row: Row<'_>| way.row(&row))?.is_break() {
             return Ok(());
         }
@@ -32,9 +33,18 @@ impl Reader {
     }
 }
 
+/// Whether events come with the values of ports and variables.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Values {
+    Read,
+    /// Left out, which is faster.
+    Skipped,
+}
+
 /// The position of a reader.
 struct Way<'r, V> {
     reader: &'r Reader,
+    values: Values,
     /// The number of the next event; `None` before the first row if any number may come.
     next: Option<u64>,
     t_ns: u64,
@@ -54,7 +64,11 @@ impl<V: FnMut(Entry) -> ControlFlow<()>> Way<'_, V> {
             }
             self.next = Some(row.first);
         }
-        let (mut records, mut t_before) = (BinaryReader::new(row.data), row.t_before);
+        let mut records = match self.values {
+            Values::Read => BinaryReader::new(row.data),
+            Values::Skipped => BinaryReader::without_values(row.data),
+        };
+        let mut t_before = row.t_before;
         for sequence in row.first.. {
             if records.is_at_end() {
                 break;

@@ -7,7 +7,7 @@ import threading
 from rafcon import ros
 from rafcon.ros import RosError, _native_helper, _node
 from rafcon.ros._types import full_name
-from rafcon.ros.bridge import _goals, _machines, _mapping, _state
+from rafcon.ros.bridge import _goals, _machines, _mapping, _markers, _state
 from rafcon.ros.bridge._client import Client, NoAnswer, Refused
 from rafcon.ros.bridge._commands import Commands
 from rafcon.ros.bridge._goals import Goals
@@ -39,7 +39,10 @@ class Bridge:
         ros.configure(name="bridge", namespace=told["namespace"], backend=_backend())
         self._here = _node.node()
         self._news = threading.Event()
-        self._topic = _state.Topic(tell)
+        self._topics = [
+            _state.Topic(_state.STATE, _state.TYPE, _state.state_of, tell),
+            _state.Topic(_markers.MARKERS, _markers.TYPE, lambda runs: _markers.markers_of(runs, told["frame"], ros.stamp()), tell),
+        ]
         self._watch = Watch(self._client, self._looked, tell)
         self._goals = Goals(self._client, self._watch, self._here.types.build, tell)
         self._commands = Commands(self._client, self._watch, self._known)
@@ -80,14 +83,16 @@ class Bridge:
     def _looked(self, runs):
         """The runs were looked at; on their thread."""
         if runs is not None:
-            self._topic.publish(runs)
+            for topic in self._topics:
+                topic.publish(runs)
         self._news.set()
 
     def _begin(self):
         self._offer_run_machine()
         self._commands.offer(tell)
         place, by = self._here.settings.namespace, self._here.backend.name
-        tell(f"machines are offered below {place}, by {by}: as actions, with services, and the topic {self._here.absolute(_state.STATE)}")
+        topics = " and ".join(map(self._here.absolute, (_state.STATE, _markers.MARKERS)))
+        tell(f"machines are offered below {place}, by {by}: as actions, with services, and the topics {topics}")
 
     def _offer_run_machine(self):
         def ask(goal):

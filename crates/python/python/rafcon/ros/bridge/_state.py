@@ -1,4 +1,4 @@
-"""The topic with the state of the runs, for all programs of ROS: of a type that each of them knows."""
+"""Topics about the runs, and how they stand, for all programs of ROS: of a type that each of them knows."""
 
 from rafcon import ros
 from rafcon.ros import RosError
@@ -9,9 +9,12 @@ OK, WARN, ERROR = 0, 1, 2
 
 
 class Topic:
-    """``state``: latched, so that who comes late has it at once."""
+    """A latched topic about the runs: who comes late has it at once."""
 
-    def __init__(self, tell):
+    def __init__(self, name, type_name, message_of, tell):
+        self._name = name
+        self._type_name = type_name
+        self._message_of = message_of
         self._tell = tell
         self._is_known = True
 
@@ -20,11 +23,15 @@ class Topic:
         if not self._is_known:
             return
         try:
-            message = {"header": {"stamp": ros.stamp()}, "status": [status_of(each) for each in runs]}
-            ros.publish(STATE, message, TYPE, qos="latched", wait=0)
+            ros.publish(self._name, self._message_of(runs), self._type_name, qos="latched", wait=0)
         except RosError as error:
             self._is_known = False
-            self._tell(f"the topic {STATE} is not published: {error}")
+            self._tell(f"the topic {self._name} is not published: {error}")
+
+
+def state_of(runs):
+    """All runs as ``diagnostic_msgs``."""
+    return {"header": {"stamp": ros.stamp()}, "status": [status_of(each) for each in runs]}
 
 
 def status_of(run):
@@ -34,7 +41,7 @@ def status_of(run):
     values += [("active", each) for each in run.active]
     words = run.outcome or run.reason or ", ".join(run.active)
     return {
-        "level": _level(run),
+        "level": level_of(run),
         "name": f"rafcon: {run.machine or run.name}",
         "message": f"{run.status}: {words}" if words else run.status,
         "hardware_id": run.id,
@@ -42,7 +49,8 @@ def status_of(run):
     }
 
 
-def _level(run):
+def level_of(run):
+    """How well a run stands, as ``diagnostic_msgs`` counts."""
     if run.is_live:
         return WARN if run.status in ("paused", "stepping") else OK
     return ERROR if run.phase != "finished" or run.outcome == "aborted" else WARN if run.outcome == "preempted" else OK

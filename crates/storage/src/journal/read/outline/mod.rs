@@ -75,11 +75,13 @@ impl Outline {
     /// Goes on to the last event that there is so far.
     pub fn go_on(&mut self, reader: &mut Reader) -> Result<(), JournalError> {
         let mut failed = None;
-        reader.each(self.sequence + 1, |reader, entry| match self.take(reader, &entry) {
-            Ok(()) => ControlFlow::Continue(()),
-            Err(error) => {
-                failed = Some(error);
-                ControlFlow::Break(())
+        reader.each_without_values(self.sequence + 1, |reader, entry| {
+            match self.take(reader, &entry) {
+                Ok(()) => ControlFlow::Continue(()),
+                Err(error) => {
+                    failed = Some(error);
+                    ControlFlow::Break(())
+                }
             }
         })?;
         failed.map_or(Ok(()), Err)
@@ -124,7 +126,7 @@ impl Outline {
     ) -> Result<EarlierHistory, JournalError> {
         let Start { sequence: from, mut counts, .. } = self.start(sequence).clone();
         if from < sequence {
-            reader.each(from + 1, |_, entry| {
+            reader.each_without_values(from + 1, |_, entry| {
                 if entry.sequence > sequence {
                     return ControlFlow::Break(());
                 }
@@ -146,7 +148,7 @@ impl Outline {
         bars: &mut Bars,
     ) -> Result<(), JournalError> {
         let Start { sequence, mut open, .. } = self.start(first.saturating_sub(1)).clone();
-        reader.each(sequence + 1, |reader, entry| {
+        reader.each_without_values(sequence + 1, |reader, entry| {
             if entry.sequence > last {
                 return ControlFlow::Break(());
             }

@@ -25,14 +25,22 @@ const PLACE: u8 = 8;
 const VALUE: u8 = 9;
 const WENT_BACK: u8 = 10;
 
+/// For so many items of a list at most there is room before they are read: a length can be wrong.
+const LIST_RESERVED: usize = 64;
+
 const LEVELS: [LogLevel; 5] =
     [LogLevel::Verbose, LogLevel::Debug, LogLevel::Info, LogLevel::Warning, LogLevel::Error];
 const STREAMS: [Stream; 4] = [Stream::Stdout, Stream::Stderr, Stream::Logger, Stream::Engine];
 
 /// The bytes are not an item.
+///
+/// One pointer: so results that are numbers stay in registers, and journals are read faster.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("not an item of a journal, {rest} bytes before the end: {what}")]
-pub struct Broken {
+#[error("not an item of a journal, {} bytes before the end: {}", .0.rest, .0.what)]
+pub struct Broken(Box<Wrong>);
+
+#[derive(Debug, Clone, PartialEq, Eq)]
+struct Wrong {
     what: &'static str,
     rest: usize,
 }
@@ -49,11 +57,17 @@ pub(in crate::journal) enum Sent<'b> {
 #[derive(Debug)]
 pub(in crate::journal) struct BinaryReader<'b> {
     bytes: &'b [u8],
+    skips_values: bool,
 }
 
 impl<'b> BinaryReader<'b> {
     pub(in crate::journal) fn new(bytes: &'b [u8]) -> Self {
-        Self { bytes }
+        Self { bytes, skips_values: false }
+    }
+
+    /// Leaves out the values of ports and variables, as if there were none; errors of states are there.
+    pub(in crate::journal) fn without_values(bytes: &'b [u8]) -> Self {
+        Self { bytes, skips_values: true }
     }
 
     pub(in crate::journal) fn is_at_end(&self) -> bool {
@@ -120,23 +134,23 @@ impl<'b> BinaryReader<'b> {
         Ok(match tag {
             ENTERED => Record::Entered {
                 place: self.place_number()?,
-                inputs: self.list(Self::kept)?,
+                inputs: self.values()?,
                 undoes: NonZeroU64::new(self.number()?),
             },
             LEFT => Record::Left {
                 place: self.place_number()?,
                 outcome: self.signed()?,
-                outputs: self.list(Self::kept)?,
+                outputs: self.values()?,
                 error: self.maybe(Self::kept)?,
                 undoes: NonZeroU64::new(self.number()?),
             },
             SCOPED => Record::Scoped {
                 place: self.place_number()?,
                 port: self.number()?,
-                value: self.kept()?,
+                value: self.value()?,
             },
-            GLOBAL => Record::Global { name: self.text()?.into(), value: self.maybe(Self::kept)? },
-            PERSISTENT => Record::Persistent { place: self.place_number()?, value: self.kept()? },
+            GLOBAL => Record::Global { name: self.text()?.into(), value: self.maybe(Self::value)? },
+            PERSISTENT => Record::Persistent { place: self.place_number()?, value: self.value()? },
             LOG => self.log()?,
             WENT_BACK => {
                 Record::WentBack { sequence: self.number()?, moment: self.bytes()?.to_vec() }
@@ -186,6 +200,31 @@ impl<'b> BinaryReader<'b> {
         })
     }
 
+    fn values(&mut self) -> Result<Vec<Kept>, Broken> {
+        if !self.skips_values {
+            return self.list(Self::kept);
+        }
+        for _ in 0..self.count()? {
+            self.skip_value()?;
+        }
+        Ok(Vec::new())
+    }
+
+    fn value(&mut self) -> Result<Kept, Broken> {
+        if self.skips_values { self.skip_value().map(|()| Kept::Absent) } else { self.kept() }
+    }
+
+    fn skip_value(&mut self) -> Result<(), Broken> {
+        match self.byte()? {
+            0..=3 => {}
+            4 | 7 => drop(self.number()?),
+            5 => drop(self.take(8)?),
+            6 => drop(self.bytes()?),
+            _ => return Err(self.broken("an unknown kind of value")),
+        }
+        Ok(())
+    }
+
     fn kept(&mut self) -> Result<Kept, Broken> {
         Ok(match self.byte()? {
             0 => Kept::Absent,
@@ -208,12 +247,19 @@ impl<'b> BinaryReader<'b> {
         &mut self,
         mut one: impl FnMut(&mut Self) -> Result<T, Broken>,
     ) -> Result<Vec<T>, Broken> {
-        let count = self.number()?;
-        // Each takes at least one byte, so a broken count cannot request more than the input has.
-        if count > self.bytes.len() as u64 {
-            return Err(self.broken("a list longer than its bytes"));
+        let count = self.count()?;
+        let mut list = Vec::with_capacity(count.min(LIST_RESERVED));
+        for _ in 0..count {
+            list.push(one(self)?);
         }
-        (0..count).map(|_| one(self)).collect()
+        Ok(list)
+    }
+
+    /// The length of a list. Each of its items takes at least one byte, so a broken length cannot request more than the input has.
+    fn count(&mut self) -> Result<usize, Broken> {
+        let count = self.number()?;
+        let fitting = usize::try_from(count).ok().filter(|count| *count <= self.bytes.len());
+        fitting.ok_or_else(|| self.broken("a list longer than its bytes"))
     }
 
     fn maybe<T>(
@@ -262,8 +308,11 @@ impl<'b> BinaryReader<'b> {
         Ok(taken)
     }
 
+    #[inline]
     fn byte(&mut self) -> Result<u8, Broken> {
-        Ok(self.take(1)?[0])
+        let (byte, rest) = self.bytes.split_first().ok_or_else(|| self.broken("cut off"))?;
+        self.bytes = rest;
+        Ok(*byte)
     }
 
     fn signed(&mut self) -> Result<i64, Broken> {
@@ -271,9 +320,16 @@ impl<'b> BinaryReader<'b> {
         Ok((value >> 1).cast_signed() ^ -(value & 1).cast_signed())
     }
 
+    #[inline]
     pub(in crate::journal) fn number(&mut self) -> Result<u64, Broken> {
-        let mut value = 0_u64;
-        for shift in (0..64).step_by(7) {
+        // Most numbers are one byte.
+        let first = self.byte()?;
+        if first < 0x80 { Ok(u64::from(first)) } else { self.longer_number(first) }
+    }
+
+    fn longer_number(&mut self, first: u8) -> Result<u64, Broken> {
+        let mut value = u64::from(first & 0x7f);
+        for shift in (7..64).step_by(7) {
             let byte = self.byte()?;
             value |= u64::from(byte & 0x7f) << shift;
             if byte < 0x80 {
@@ -284,6 +340,6 @@ impl<'b> BinaryReader<'b> {
     }
 
     pub(in crate::journal) fn broken(&self, what: &'static str) -> Broken {
-        Broken { what, rest: self.bytes.len() }
+        Broken(Box::new(Wrong { what, rest: self.bytes.len() }))
     }
 }
