@@ -35,7 +35,7 @@ use utoipa_axum::router::OpenApiRouter;
 use window::Outlines;
 
 /// What all requests about history share.
-#[derive(Debug, Default)]
+#[derive(Debug, Clone, Default)]
 pub(crate) struct History {
     /// Open journals.
     readers: Arc<Readers>,

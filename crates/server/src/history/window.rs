@@ -198,15 +198,33 @@ async fn outlined(
     work: impl FnOnce(&Outline, &mut Reader) -> Result<Json, Failure> + Send + 'static,
 ) -> Result<Json, Failure> {
     let folder = folder(server, run).await?;
-    let History { readers, outlines, .. } = &server.history;
-    let outlines = Arc::clone(outlines);
-    let answer = move |reader: &mut Reader| {
-        let outline = outlines.of(reader.folder());
-        let mut outline = outline.lock();
-        outline.go_on(reader)?;
-        work(&outline, reader)
-    };
-    readers.read_slowly(folder, answer).await
+    server.history.outlined(folder, work).await
+}
+
+impl History {
+    /// Continues the outline of a run in the background: whoever opens a long run asks for it next.
+    pub(crate) fn begin_outline(&self, folder: PathBuf) {
+        let history = self.clone();
+        tokio::spawn(async move {
+            // Whoever asks for it is told why there is none.
+            drop(history.outlined(folder, |_, _| Ok(())).await);
+        });
+    }
+
+    async fn outlined<T: Send + 'static>(
+        &self,
+        folder: PathBuf,
+        work: impl FnOnce(&Outline, &mut Reader) -> Result<T, Failure> + Send + 'static,
+    ) -> Result<T, Failure> {
+        let outlines = Arc::clone(&self.outlines);
+        let answer = move |reader: &mut Reader| {
+            let outline = outlines.of(reader.folder());
+            let mut outline = outline.lock();
+            outline.go_on(reader)?;
+            work(&outline, reader)
+        };
+        self.readers.read_slowly(folder, answer).await
+    }
 }
 
 impl Outlines {

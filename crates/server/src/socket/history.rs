@@ -4,7 +4,7 @@
 use super::feed::{Feed, NextMessage};
 use super::outbox::Lane;
 use super::words;
-use crate::history::{HistoryReader, Readers, before};
+use crate::history::{History, HistoryReader, before};
 use crate::runs::{EventGroup, EventsPage, Run};
 use crate::{Failure, ServerState};
 use rafcon_protocol::api::{Before, RunNow, RunPhase};
@@ -88,7 +88,7 @@ pub(super) struct RunHistory {
     cursor: Cursor,
     /// The journal had not what it should have: it is about to be resumed.
     is_stalled: bool,
-    readers: Arc<Readers>,
+    history: History,
     /// How much is told of what there is already; none: all of it, or it was decided.
     most: Option<Most>,
 }
@@ -104,8 +104,8 @@ impl RunHistory {
     pub(super) fn new(server: &ServerState, run: Arc<Run>, cursor: Cursor) -> Self {
         let (now, last) = (run.now(), run.ring().last());
         let journal = HistoryReader::new(&server.history, run.folder(), cursor.values);
-        let readers = Arc::clone(server.history.readers());
-        Self { run, now, last, journal, cursor, is_stalled: false, readers, most: None }
+        let history = server.history.clone();
+        Self { run, now, last, journal, cursor, is_stalled: false, history, most: None }
     }
 
     /// The same; of more than `most` events only so many of the newest.
@@ -123,7 +123,9 @@ impl RunHistory {
             }
             before(reader, last + 1 - newest).map(Some)
         };
-        let before = self.readers.read(self.run.folder().to_owned(), skipped).await.ok()??;
+        let folder = self.run.folder().to_owned();
+        let before = self.history.readers().read(folder.clone(), skipped).await.ok()??;
+        self.history.begin_outline(folder);
         self.cursor.next = before.sequence + 1;
         let subscription = self.cursor.subscription;
         Some(NextMessage::Part(words::text(&ToClient::Skipped { subscription, before })))
