@@ -37,9 +37,6 @@ enum Made {
     Service { writer: Arc<Writer>, reader: GUID, of: Arc<Type>, asked: Asked, task: JoinHandle<()> },
 }
 
-/// Readers of RustDDS forget what they have confirmed and not passed on yet when its writer goes.
-const LINGER: Duration = Duration::from_millis(200);
-
 /// The largest message that is sure to arrive.
 const MESSAGE_MAX: usize = 33 << 20;
 
@@ -350,12 +347,12 @@ impl Session {
             Made::Client { writer, reader, task, .. } => {
                 task.abort();
                 node.forget(reader);
-                self.ending.push(farewell(node, writer, Duration::ZERO));
+                self.ending.push(farewell(node, writer));
             }
             Made::Service { writer, reader, task, .. } => {
                 task.abort();
                 node.forget(reader);
-                self.ending.push(farewell(node, writer, LINGER));
+                self.ending.push(farewell(node, writer));
             }
         }
         self.ending.retain(|ending| !ending.is_finished());
@@ -376,11 +373,10 @@ async fn known(node: &Node, writer: GUID, client: Process) {
 }
 
 /// Lets the last messages of a writer arrive before it goes.
-fn farewell(node: Node, writer: Arc<Writer>, linger: Duration) -> JoinHandle<()> {
+fn farewell(node: Node, writer: Arc<Writer>) -> JoinHandle<()> {
     tokio::spawn(async move {
         let arrived = writer.async_wait_for_acknowledgments();
         let _ = tokio::time::timeout(Duration::from_millis(500), arrived).await;
-        tokio::time::sleep(linger).await;
         node.forget(writer.guid());
     })
 }

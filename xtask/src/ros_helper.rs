@@ -1,8 +1,8 @@
 //! What lies in `ros/`, a workspace of its own: the program `rafcon-ros`, by which scripts speak ROS where there is no rclpy.
 //!
 //! It is built with `RustDDS` as published but for a few changes, without which peers of Fast DDS do not learn that something
-//! was given back and are found seconds later, large messages take seconds, a run does not hear itself, and the last message of
-//! whoever ends can be lost. The changed copy lies in the target folder, never in the repository.
+//! was given back and are found seconds later, large messages take seconds, a run does not hear itself, who was stopped and
+//! continued is deaf, and the last message of whoever ends can be lost. The changed copy lies in the target folder, never in the repository.
 
 use std::ffi::OsStr;
 use std::fs;
@@ -18,7 +18,7 @@ use crate::{process, workspace};
 /// A change: the file, what is there, and what is to be there.
 type Change = (&'static str, &'static str, &'static str);
 
-const CHANGES: [Change; 10] = [
+const CHANGES: [Change; 12] = [
     // Fast DDS takes the key of what is gone from the inline QoS only ("too large key-only data" otherwise), as the
     // specification has it. A built-in key is a parameter of 16 bytes before the sentinel of 4.
     (
@@ -56,6 +56,21 @@ const CHANGES: [Change; 10] = [
         "src/rtps/constant.rs",
         "pub const REPAIR_BATCH_MAX_BYTES: usize = 8192;",
         "pub const REPAIR_BATCH_MAX_BYTES: usize = 1 << 17;",
+    ),
+    // Who was stopped and continued is interrupted where it waits: without these two it hears nothing any more.
+    (
+        "src/rtps/dp_event_loop.rs",
+        "        Ok(_) => {}\n        Err(e) => {\n          error!(\"dp_event_loop poll failed",
+        "        Ok(_) => {}
+        Err(e) if e.kind() == std::io::ErrorKind::Interrupted => {}
+        Err(e) => {\n          error!(\"dp_event_loop poll failed",
+    ),
+    (
+        "src/discovery/discovery.rs",
+        "        Ok(_) => (),\n        Err(e) => {\n          error!(\"Failed in waiting of poll in discovery",
+        "        Ok(_) => (),
+        Err(e) if e.kind() == std::io::ErrorKind::Interrupted => (),
+        Err(e) => {\n          error!(\"Failed in waiting of poll in discovery",
     ),
     // What a writer had confirmed when it went can be read as long as it is kept: else the last response of a server that ends is
     // lost if nobody has read it by then.

@@ -131,10 +131,10 @@ sys.path.insert(0, {str(peers.PACKAGE)!r})
 from rafcon import ros
 ended = threading.Event()
 def work(goal):
-    goal.feedback([1])
+    goal.feedback(sequence=[1])
     sys.stdin.readline()
     ended.set()
-    return [[7]]
+    return {{"sequence": [7]}}
 server = ros.action_server("/ends/act", work, "example_interfaces/Fibonacci")
 ended.wait()
 server.join(10)
@@ -158,7 +158,7 @@ class Ends(peers.Beside):
         server.communicate(b"\n")
         os.kill(helper, signal.SIGCONT)
         found = goal()
-        self.assertEqual((found.outcome, found.result and list(found.result.sequence)), ("succeeded", [7]))
+        self.assertEqual((found.outcome, found.result and list(found.result.sequence), found.why), ("succeeded", [7], ""))
 
 
 if __name__ == "__main__":
