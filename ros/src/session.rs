@@ -12,7 +12,7 @@ use rustdds::{
 use tokio::task::JoinHandle;
 
 use crate::cdr;
-use crate::dds::endpoints::Publisher;
+use crate::dds::endpoints::{Publisher, arrived};
 use crate::dds::graph::{Process, process};
 use crate::dds::participant::{self, Node, Part, Writer};
 use crate::dds::payload::Payload;
@@ -311,25 +311,23 @@ impl Session {
         let Some(request) = request else { return Ok(()) };
         let payload = Payload { bytes: encoded(asked, bytes, of)?, little: true };
         let writer = Arc::clone(writer);
-        let send = move || {
+        let client = process(request.from);
+        let send = move |writer: &Writer| {
             let options = WriteOptionsBuilder::new().source_timestamp(Timestamp::now());
+            let options = options.related_sample_identity(request.to).build();
             // A client that is gone needs no response.
-            let _ = writer
-                .write_with_options(payload, options.related_sample_identity(request.to).build());
-            writer.guid()
+            let _ = writer.write_with_options(payload, options);
         };
-        let Made::Service { writer, .. } = &self.made[&asked.number("handle")?] else {
-            return Ok(());
-        };
-        let (id, client) = (writer.guid(), process(request.from));
-        if node.graph().peers(id).contains(&client) {
-            send();
+        if node.graph().peers(writer.guid()).contains(&client) {
+            send(&writer);
             return Ok(());
         }
-        tokio::spawn(async move {
-            let _ = tokio::time::timeout(CLIENT_KNOWN, known(&node, id, client)).await;
-            send();
-        });
+        self.ending.retain(|ending| !ending.is_finished());
+        self.ending.push(tokio::spawn(async move {
+            let _ = tokio::time::timeout(CLIENT_KNOWN, known(&node, writer.guid(), client)).await;
+            send(&writer);
+            arrived(&writer).await;
+        }));
         Ok(())
     }
 
@@ -375,8 +373,7 @@ async fn known(node: &Node, writer: GUID, client: Process) {
 /// Lets the last messages of a writer arrive before it goes.
 fn farewell(node: Node, writer: Arc<Writer>) -> JoinHandle<()> {
     tokio::spawn(async move {
-        let arrived = writer.async_wait_for_acknowledgments();
-        let _ = tokio::time::timeout(Duration::from_millis(500), arrived).await;
+        arrived(&writer).await;
         node.forget(writer.guid());
     })
 }

@@ -124,13 +124,20 @@ class Killed(unittest.TestCase):
             os.close(helper)
 
 
-#: Serves one goal, which ends with a line on the standard input; then the process does, too.
+#: Serves one goal, which ends with a line on the standard input; then the process does, too. Feedback comes once its result was asked for.
 _SERVER = f"""
 import sys, threading
 sys.path.insert(0, {str(peers.PACKAGE)!r})
 from rafcon import ros
-ended = threading.Event()
+from rafcon.ros import _native_actions
+asked, ended = threading.Event(), threading.Event()
+take = _native_actions.ActionServer._take_result
+def taken(self, request):
+    take(self, request)
+    asked.set()
+_native_actions.ActionServer._take_result = taken
 def work(goal):
+    asked.wait()
     goal.feedback(sequence=[1])
     sys.stdin.readline()
     ended.set()
