@@ -69,9 +69,6 @@ pub(crate) struct RosOptions {
     /// So many of each kind: messages, calls, goals, preemptions.
     #[arg(long, default_value_t = 1000)]
     count: u32,
-    /// With programs as users have them; the tests need no more than a debug build.
-    #[arg(long)]
-    release: bool,
     /// With one distribution only.
     #[arg(long, value_parser = ["jazzy", "kilted"])]
     distribution: Option<String>,
@@ -82,9 +79,8 @@ pub(crate) struct RosOptions {
 
 /// Tests against both distributions with both back ends, measures, and fails if a test fails or a bar is missed.
 pub(crate) fn run(options: &RosOptions) -> Result<()> {
-    let profile = if options.release { Profile::Release } else { Profile::Debug };
-    let product = Product::build(profile)?;
-    let helper = ros_helper::build(profile)?;
+    let product = Product::build(Profile::Debug)?;
+    let helper = ros_helper::build(Profile::Debug)?;
     let is_wanted = |wanted: &Option<String>, name| wanted.as_deref().is_none_or(|one| one == name);
     let mut missed = Vec::new();
     for distribution in &DISTRIBUTIONS {

@@ -105,7 +105,7 @@ const CHANGES: [Change; 12] = [
     ),
 ];
 
-/// Where RustDDS keeps what readers have not passed on yet.
+/// Where `RustDDS` keeps what readers have not passed on yet.
 const CACHE: &str = "src/structure/dds_cache.rs";
 
 /// What is checked of it wherever the rest is: its format, and that what it depends on is fixed. To compile it takes too long for that.
