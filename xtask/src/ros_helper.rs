@@ -1,8 +1,9 @@
 //! What lies in `ros/`, a workspace of its own: the program `rafcon-ros`, by which scripts speak ROS where there is no rclpy.
 //!
 //! It is built with `RustDDS` as published but for a few changes, without which peers of Fast DDS do not learn that something
-//! was given back and are found seconds later, large messages take seconds, a run does not hear itself, who was stopped and
-//! continued is deaf, and the last message of whoever ends can be lost. The changed copy lies in the target folder, never in the repository.
+//! was given back and are found seconds later, large messages take seconds, a run does not hear itself, a process that was
+//! stopped and continued hears nothing any more, and the last message of one that ends can be lost. The changed copy lies in the
+//! target folder, never in the repository.
 
 use std::ffi::OsStr;
 use std::fs;
@@ -17,6 +18,9 @@ use crate::{process, workspace};
 
 /// A change: the file, what is there, and what is to be there.
 type Change = (&'static str, &'static str, &'static str);
+
+/// Where `RustDDS` keeps what readers have not passed on yet.
+const CACHE: &str = "src/structure/dds_cache.rs";
 
 const CHANGES: [Change; 12] = [
     // Fast DDS takes the key of what is gone from the inline QoS only ("too large key-only data" otherwise), as the
@@ -57,7 +61,7 @@ const CHANGES: [Change; 12] = [
         "pub const REPAIR_BATCH_MAX_BYTES: usize = 8192;",
         "pub const REPAIR_BATCH_MAX_BYTES: usize = 1 << 17;",
     ),
-    // Who was stopped and continued is interrupted where it waits: without these two it hears nothing any more.
+    // A process that was stopped and continued is interrupted where it waits: without these two it hears nothing any more.
     (
         "src/rtps/dp_event_loop.rs",
         "        Ok(_) => {}\n        Err(e) => {\n          error!(\"dp_event_loop poll failed",
@@ -104,9 +108,6 @@ const CHANGES: [Change; 12] = [
         "      self.sequence_numbers.remove(&cc.writer_guid);\n      self.gone.remove(&cc.writer_guid);\n",
     ),
 ];
-
-/// Where `RustDDS` keeps what readers have not passed on yet.
-const CACHE: &str = "src/structure/dds_cache.rs";
 
 /// What is checked of it wherever the rest is: its format, and that what it depends on is fixed. To compile it takes too long for that.
 pub(crate) fn lint() -> Result<()> {

@@ -201,18 +201,29 @@ class Peer(Node):
         answers = [client.call(Trigger.Request(), 5) for _ in range(count if found else 0)]
         return [answer and [answer.success, answer.message] for answer in answers]
 
-    def do_goal(self, action, order, cancel=False):
-        """Sends a goal; its state at the end, the result, and how often feedback came."""
+    def do_goal(self, action, order, cancel=False, feedback=0):
+        """Sends a goal; its state at the end, the result, and how often feedback came.
+
+        The result is asked for once so much feedback has come: rclpy drops what the result has overtaken.
+        """
         if action not in self.made:
             self.made[action] = ActionClient(self, Fibonacci, action, callback_group=self.group)
         client = self.made[action]
-        told = []
+        told, enough = [], threading.Event()
+
+        def hear(message):
+            told.append(message)
+            if len(told) >= feedback:
+                enough.set()
+
         client.wait_for_server(10)
-        handle = wait(client.send_goal_async(Fibonacci.Goal(order=order), feedback_callback=told.append))
+        handle = wait(client.send_goal_async(Fibonacci.Goal(order=order), feedback_callback=hear))
         if not handle.accepted:
             return ["rejected", [], 0]
         if cancel:
             wait(handle.cancel_goal_async())
+        if feedback:
+            enough.wait(10)
         ended = wait(handle.get_result_async())
         return [ended.status, list(ended.result.sequence), len(told)]
 
