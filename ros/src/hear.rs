@@ -2,13 +2,15 @@
 
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Duration;
 
 use futures::StreamExt as _;
 use rustdds::no_key::DeserializedCacheChange;
 use rustdds::{GUID, SampleIdentity, SequenceNumber};
 
 use crate::cdr::read::{self, Decoded};
-use crate::dds::participant::Reader;
+use crate::dds::graph::Process;
+use crate::dds::participant::{Node, Reader};
 use crate::dds::payload::Payload;
 use crate::frames::{Frame, Outbox};
 use crate::json;
@@ -17,8 +19,19 @@ use crate::types::library::Type;
 /// Requests that a program has not answered.
 const UNANSWERED_MAX: usize = 10_000;
 
-/// Calls that wait for their responses: the numbers of their requests, and what the program calls them.
-pub(crate) type Calls = Arc<Mutex<BTreeMap<i64, u64>>>;
+/// Calls that wait for their responses, by the numbers of their requests.
+pub(crate) type Calls = Arc<Mutex<BTreeMap<i64, Call>>>;
+
+/// A call that waits for its response.
+pub(crate) struct Call {
+    /// What the program calls it.
+    pub(crate) number: u64,
+    /// The processes that had the request: another one, started since, never answers it.
+    pub(crate) servers: Vec<Process>,
+}
+
+/// A response that is on its way when its server goes has so long to arrive.
+const LAST_WORDS: Duration = Duration::from_millis(600);
 
 /// Requests that wait for their answers: to whom these go.
 pub(crate) type Asked = Arc<Mutex<Requests>>;
@@ -129,10 +142,28 @@ pub(crate) async fn responses(reader: Reader, heard: Heard, writer: GUID, calls:
         let call = calls.lock().unwrap_or_else(PoisonError::into_inner).remove(&number);
         let Some(call) = call else { continue };
         let payload: Payload = heard.into_value();
-        match frame(format!(r#"{{"response":{call},"message":"#), &payload, &of) {
+        let Call { number, .. } = call;
+        match frame(format!(r#"{{"response":{number},"message":"#), &payload, &of) {
             Ok(frame) => outbox.message(frame).await,
-            Err(why) => outbox.tell(failed(call, &why)),
+            Err(why) => outbox.tell(failed(number, &why)),
         }
+    }
+}
+
+/// Tells the calls of a client whose servers have all gone, for ever. `writer` is what sends the requests.
+pub(crate) async fn servers_gone(node: Node, writer: GUID, calls: Calls, outbox: Outbox) {
+    let mut versions = node.graph().watch();
+    while versions.changed().await.is_ok() {
+        tokio::time::sleep(LAST_WORDS).await;
+        let there = node.graph().peers(writer);
+        let mut calls = calls.lock().unwrap_or_else(PoisonError::into_inner);
+        calls.retain(|_, Call { number, servers }| {
+            let is_waiting = servers.is_empty() || servers.iter().any(|it| there.contains(it));
+            if !is_waiting {
+                outbox.tell(failed(*number, "its server has ended before it answered"));
+            }
+            is_waiting
+        });
     }
 }
 

@@ -19,7 +19,7 @@ use crate::dds::payload::Payload;
 use crate::dds::qos::Qos;
 use crate::dds::{liveness, names};
 use crate::frames::Outbox;
-use crate::hear::{self, Asked, Calls, Heard};
+use crate::hear::{self, Asked, Call, Calls, Heard};
 use crate::json::{self, Json};
 use crate::tell::{self, Counted, Counts};
 use crate::types::library::{Library, Type};
@@ -36,6 +36,9 @@ enum Made {
     Client { writer: Arc<Writer>, reader: GUID, of: Arc<Type>, calls: Calls, task: JoinHandle<()> },
     Service { writer: Arc<Writer>, reader: GUID, of: Arc<Type>, asked: Asked, task: JoinHandle<()> },
 }
+
+/// How long the last requests and responses may take to arrive.
+const FAREWELL: Duration = Duration::from_millis(500);
 
 /// The largest message that is sure to arrive.
 const MESSAGE_MAX: usize = 33 << 20;
@@ -221,8 +224,13 @@ impl Session {
         let (id, calls) = (reader.guid(), Calls::default());
         let listen =
             hear::responses(reader, self.heard(answer, service), writer.guid(), Arc::clone(&calls));
+        let (node, outbox) = (self.node()?.clone(), self.outbox.clone());
+        let look = hear::servers_gone(node, writer.guid(), Arc::clone(&calls), outbox);
         let counted = Counted::Both(writer.guid(), id);
-        let made = Made::Client { writer, reader: id, of, calls, task: tokio::spawn(listen) };
+        let task = tokio::spawn(async {
+            futures::future::join(listen, look).await;
+        });
+        let made = Made::Client { writer, reader: id, of, calls, task };
         self.count(asked.number("handle")?, counted, made);
         Ok(())
     }
@@ -267,6 +275,7 @@ impl Session {
             return Ok(());
         };
         let sent = encoded(asked, bytes, of).and_then(|bytes| {
+            let servers = self.node()?.graph().peers(writer.guid());
             // The answer can be there before `write` returns.
             let mut calls = calls.lock().unwrap_or_else(PoisonError::into_inner);
             let to =
@@ -278,7 +287,7 @@ impl Session {
             let sent = writer
                 .write_with_options(payload, options.build())
                 .map_err(|why| why.to_string())?;
-            calls.insert(i64::from(sent.sequence_number), call);
+            calls.insert(i64::from(sent.sequence_number), Call { number: call, servers });
             Ok(())
         });
         if let Err(why) = sent {
@@ -294,7 +303,7 @@ impl Session {
             calls
                 .lock()
                 .unwrap_or_else(PoisonError::into_inner)
-                .retain(|_, waiting| *waiting != call);
+                .retain(|_, waiting| waiting.number != call);
         }
         Ok(())
     }
@@ -326,7 +335,7 @@ impl Session {
         self.ending.push(tokio::spawn(async move {
             let _ = tokio::time::timeout(CLIENT_KNOWN, known(&node, writer.guid(), client)).await;
             send(&writer);
-            arrived(&writer).await;
+            arrived(&writer, FAREWELL).await;
         }));
         Ok(())
     }
@@ -373,7 +382,7 @@ async fn known(node: &Node, writer: GUID, client: Process) {
 /// Lets the last messages of a writer arrive before it goes.
 fn farewell(node: Node, writer: Arc<Writer>) -> JoinHandle<()> {
     tokio::spawn(async move {
-        arrived(&writer).await;
+        arrived(&writer, FAREWELL).await;
         node.forget(writer.guid());
     })
 }

@@ -13,7 +13,7 @@ use tokio::sync::Notify;
 use super::participant::{Node, Writer};
 use super::payload::Payload;
 
-/// How long the last messages of a writer that is given back may take to arrive.
+/// How long the last messages of a publisher that is given back may take to arrive.
 const FAREWELL: Duration = Duration::from_millis(800);
 /// Messages that wait although a smaller depth is asked for.
 const WAITING: usize = 1000;
@@ -113,11 +113,11 @@ async fn publish(node: Node, writer: Arc<Writer>, queue: Arc<Queue>) {
             && !queue.waiting().ended
         {}
     }
-    arrived(&writer).await;
+    arrived(&writer, FAREWELL).await;
     node.forget(writer.guid());
 }
 
-/// Waits until what a writer has sent is confirmed, but not long.
-pub(crate) async fn arrived(writer: &Writer) {
-    let _ = tokio::time::timeout(FAREWELL, writer.async_wait_for_acknowledgments()).await;
+/// Waits until what a writer has sent is confirmed, at most so long.
+pub(crate) async fn arrived(writer: &Writer, longest: Duration) {
+    let _ = tokio::time::timeout(longest, writer.async_wait_for_acknowledgments()).await;
 }

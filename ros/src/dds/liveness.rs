@@ -1,10 +1,10 @@
 //! Finds out that a process was killed long before its lease ends: nothing listens at its addresses any more.
 //!
 //! A datagram to a port that nobody has open is refused by the kernel of its computer. A process whose every address
-//! refuses, twice in a row, is dead; one that is only slow refuses nothing. A computer that is gone refuses nothing either:
-//! that is what the lease is for.
+//! refuses, twice in a row, is dead; one that is only slow refuses nothing. So is one whose addresses another process has since: one
+//! that is started again takes the same ports. A computer that is gone refuses nothing: that is what the lease is for.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::io::ErrorKind;
 use std::net::{IpAddr, Ipv4Addr, Ipv6Addr, SocketAddr};
 use std::time::Duration;
@@ -30,31 +30,45 @@ pub(crate) async fn watch(graph: Graph, participant: DomainParticipant) {
         let wanted = graph.processes();
         asked.retain(|process, _| wanted.contains(process));
         if wanted.iter().any(|process| !asked.contains_key(process)) {
+            // Of two that are found at once nobody knows which came later.
+            let known: BTreeSet<Process> = asked.keys().copied().collect();
             for (process, addresses) in graph::addresses(&participant) {
                 if wanted.contains(&process)
                     && !asked.contains_key(&process)
                     && !addresses.is_empty()
                 {
-                    let sockets = futures::future::join_all(addresses.into_iter().map(open)).await;
-                    asked.insert(process, Questions { sockets, refused_before: false });
+                    let same = |of: &Questions| of.addresses == addresses;
+                    let before =
+                        asked.iter_mut().filter(|(it, of)| known.contains(*it) && same(of));
+                    before.for_each(|(_, of)| of.is_replaced = true);
+                    asked.insert(process, Questions::to(addresses).await);
                 }
             }
         }
         for (process, questions) in &mut asked {
             let refused = questions.ask();
-            graph.set_dead(*process, refused && questions.refused_before);
+            let is_dead = questions.is_replaced || refused && questions.refused_before;
+            graph.set_dead(*process, is_dead);
             questions.refused_before = refused;
         }
     }
 }
 
 struct Questions {
+    addresses: BTreeSet<SocketAddr>,
     /// One for each address; `None` if it cannot be reached from here.
     sockets: Vec<Option<UdpSocket>>,
     refused_before: bool,
+    /// Another process has its addresses.
+    is_replaced: bool,
 }
 
 impl Questions {
+    async fn to(addresses: BTreeSet<SocketAddr>) -> Self {
+        let sockets = futures::future::join_all(addresses.iter().copied().map(open)).await;
+        Self { addresses, sockets, refused_before: false, is_replaced: false }
+    }
+
     /// Asks again; true if every address has refused what was asked before.
     fn ask(&self) -> bool {
         let mut refused = 0;
