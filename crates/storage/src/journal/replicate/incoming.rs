@@ -59,10 +59,10 @@ impl IncomingContent {
         let is_right = self.hash_of_file()? == self.hash;
         if is_right {
             self.file.sync_all()?;
+            // Before the value can be seen: nobody would look for it after a crash.
+            self.remove_notes();
             fs::rename(part_file(&self.run, self.hash), self.hash.file_in(&self.run))?;
             sync_folder(&self.run.join(VALUES_FOLDER)).map_err(io::Error::other)?;
-            // What was noted is of no use any more.
-            drop(fs::remove_file(self.place("here")));
         } else {
             self.remove();
         }
@@ -71,9 +71,14 @@ impl IncomingContent {
 
     /// It is not wanted any more.
     pub fn remove(self) {
+        self.remove_notes();
+        // What is not there needs no removing.
+        drop(fs::remove_file(part_file(&self.run, self.hash)));
+    }
+
+    fn remove_notes(&self) {
         let here = self.place("here");
-        for file in [part_file(&self.run, self.hash), fresh_name(&here), here] {
-            // What is not there needs no removing.
+        for file in [fresh_name(&here), here] {
             drop(fs::remove_file(file));
         }
     }
@@ -131,6 +136,26 @@ mod tests {
         assert!(second.finish().expect("a disk"));
         assert!(is_here());
         assert_eq!(fs::read_dir(run.path().join(VALUES_FOLDER)).expect("a folder").count(), 1);
+    }
+
+    #[test]
+    fn whoever_sees_the_value_sees_nothing_else_of_it() {
+        let run = tempfile::tempdir().expect("a folder");
+        let hash = ContentHash::of(b"right");
+        let (value, _) = IncomingContent::open(run.path(), hash, 5).expect("a file");
+        value.write(0, b"right").expect("written");
+        value.note([(1, 5)].into_iter()).expect("noted");
+        let files = std::thread::scope(|scope| {
+            let watcher = scope.spawn(|| {
+                while !is_content_here(run.path(), &hash.name(), 5) {
+                    std::thread::yield_now();
+                }
+                fs::read_dir(run.path().join(VALUES_FOLDER)).expect("a folder").count()
+            });
+            assert!(value.finish().expect("a disk"));
+            watcher.join().expect("a count")
+        });
+        assert_eq!(files, 1);
     }
 
     #[test]
