@@ -160,7 +160,7 @@ pub(crate) async fn servers_gone(node: Node, writer: GUID, calls: Calls, outbox:
         calls.retain(|_, Call { number, servers }| {
             let is_waiting = servers.is_empty() || servers.iter().any(|it| there.contains(it));
             if !is_waiting {
-                outbox.tell(failed(*number, "its server has ended before it answered"));
+                outbox.tell(failed(*number, "its server has ended"));
             }
             is_waiting
         });

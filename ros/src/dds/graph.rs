@@ -42,6 +42,16 @@ struct Known {
     /// Of each process, its nodes.
     nodes: BTreeMap<Process, Vec<NamedNode>>,
     dead: BTreeSet<Process>,
+    /// Those that are there, in the order in which they were found.
+    arrived: Vec<Process>,
+}
+
+impl Known {
+    fn note_arrival(&mut self, of: Process) {
+        if !self.arrived.contains(&of) {
+            self.arrived.push(of);
+        }
+    }
 }
 
 impl Graph {
@@ -90,6 +100,13 @@ impl Graph {
         }
     }
 
+    /// Whether a process was found before another one.
+    pub(crate) fn came_before(&self, one: Process, other: Process) -> bool {
+        let known = self.known();
+        let place = |of| known.arrived.iter().position(|it| *it == of);
+        place(one).is_some_and(|one| place(other).is_some_and(|other| one < other))
+    }
+
     /// The node of a reader or writer elsewhere, empty if it is not known yet.
     pub(crate) fn node_of(&self, of: GUID) -> String {
         let known = self.known();
@@ -109,8 +126,12 @@ impl Graph {
         use DomainParticipantStatusEvent as Event;
         let mut known = self.known();
         match event {
+            Event::ParticipantDiscovered { dpd } => {
+                known.note_arrival(process(dpd.guid));
+            }
             Event::RemoteReaderMatched { local_writer: own, remote_reader: peer }
             | Event::RemoteWriterMatched { local_reader: own, remote_writer: peer } => {
+                known.note_arrival(process(peer));
                 known.matched.entry(own).or_default().insert(peer);
             }
             Event::ReaderLost { guid, .. } | Event::WriterLost { guid, .. } => {
@@ -124,6 +145,7 @@ impl Graph {
                 gone.copy_from_slice(id.as_ref());
                 known.nodes.remove(&gone);
                 known.dead.remove(&gone);
+                known.arrived.retain(|it| *it != gone);
                 known
                     .matched
                     .values_mut()

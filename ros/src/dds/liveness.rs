@@ -30,24 +30,22 @@ pub(crate) async fn watch(graph: Graph, participant: DomainParticipant) {
         let wanted = graph.processes();
         asked.retain(|process, _| wanted.contains(process));
         if wanted.iter().any(|process| !asked.contains_key(process)) {
-            // Of two that are found at once nobody knows which came later.
-            let known: BTreeSet<Process> = asked.keys().copied().collect();
             for (process, addresses) in graph::addresses(&participant) {
                 if wanted.contains(&process)
                     && !asked.contains_key(&process)
                     && !addresses.is_empty()
                 {
-                    let same = |of: &Questions| of.addresses == addresses;
-                    let before =
-                        asked.iter_mut().filter(|(it, of)| known.contains(*it) && same(of));
-                    before.for_each(|(_, of)| of.is_replaced = true);
                     asked.insert(process, Questions::to(addresses).await);
                 }
             }
         }
+        let places: Vec<_> = asked.iter().map(|(it, of)| (*it, of.addresses.clone())).collect();
         for (process, questions) in &mut asked {
             let refused = questions.ask();
-            let is_dead = questions.is_replaced || refused && questions.refused_before;
+            let is_replaced = places.iter().any(|(later, addresses)| {
+                *addresses == questions.addresses && graph.came_before(*process, *later)
+            });
+            let is_dead = is_replaced || refused && questions.refused_before;
             graph.set_dead(*process, is_dead);
             questions.refused_before = refused;
         }
@@ -59,14 +57,12 @@ struct Questions {
     /// One for each address; `None` if it cannot be reached from here.
     sockets: Vec<Option<UdpSocket>>,
     refused_before: bool,
-    /// Another process has its addresses.
-    is_replaced: bool,
 }
 
 impl Questions {
     async fn to(addresses: BTreeSet<SocketAddr>) -> Self {
         let sockets = futures::future::join_all(addresses.iter().copied().map(open)).await;
-        Self { addresses, sockets, refused_before: false, is_replaced: false }
+        Self { addresses, sockets, refused_before: false }
     }
 
     /// Asks again; true if every address has refused what was asked before.

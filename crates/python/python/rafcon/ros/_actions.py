@@ -357,7 +357,7 @@ class _Running:
             why = f"{self._name}: the goal has ended, and its server has sent no result"
             return ActionResult(_OUTCOMES[sent.told[0]], None, self._last(), why)
         if sent.end is None:
-            return ActionResult("aborted", None, self._last(), f"{self._name}: its server has ended before the goal did")
+            return ActionResult("aborted", None, self._last(), f"{self._name}: its server has ended")
         status, values = sent.end
         if status == 0:
             return ActionResult("rejected", None, None, f"{self._name}: its server rejected the goal")

@@ -36,7 +36,7 @@ Failure
 
 from __future__ import annotations
 
-from typing import Any, Callable, Dict, List, Mapping, NamedTuple, Optional, Protocol, Tuple
+from typing import AbstractSet, Any, Callable, Dict, List, Mapping, NamedTuple, Optional, Protocol, Tuple
 
 #: Type codes of ``array.array`` for the arrays that have them.
 TYPE_CODES = {
@@ -172,8 +172,8 @@ class Subscription(Closable, Protocol):
 class Client(Closable, Protocol):
     """Calls one service."""
 
-    def servers(self) -> int:
-        """How many servers are there now that a request would reach.
+    def servers(self) -> AbstractSet[Optional[bytes]]:
+        """The processes of the servers that a request would reach now; None for those that are not told apart.
 
         A server that ends properly is gone at once, one that is killed within 1.5 s while a call waits (the lease of
         its participant, 20 s by default, is too long: a reliable reader that acknowledges nothing is gone, too).
@@ -223,8 +223,8 @@ class Goal(Closable, Protocol):
 class ActionClient(Closable, Protocol):
     """Sends goals to one action. Its ``close`` does not cancel goals; it fails those that are under way."""
 
-    def servers(self) -> int:
-        """How many servers are there now whose services and topics are all matched; else as in :class:`Client`."""
+    def servers(self) -> AbstractSet[Optional[bytes]]:
+        """The processes of the servers whose services and topics are all matched now; else as in :class:`Client`."""
 
     def send(self, goal: Dict[str, Any], events: GoalEvents) -> Goal:
         """Sends a goal under a new id."""

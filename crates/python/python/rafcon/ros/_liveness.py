@@ -75,9 +75,16 @@ class Liveness:
             if known is None or known.places != places:
                 if known is not None:
                     known.close()
+                else:
+                    self._replace(places)
                 self._participants[key] = _Participant(places)
             else:
                 known.alive()
+
+    def _replace(self, places):
+        """A process that is started again takes the ports of the one that died."""
+        for each in self._participants.values():
+            each.is_replaced = each.is_replaced or each.places == places
 
     def has_ended(self, key):
         """Whether the process of a participant (the first 12 bytes of its GUID) has been seen to end."""
@@ -91,6 +98,8 @@ class _Participant:
 
     def __init__(self, places):
         self.places = places
+        #: Another one has come to its places, and it has said nothing since.
+        self.is_replaced = False
         self._sockets = []
         self._asked_s = 0.0
         self._refusals = 0
@@ -98,6 +107,7 @@ class _Participant:
     def alive(self):
         """It has announced itself."""
         self._refusals = 0
+        self.is_replaced = False
 
     def has_ended(self):
         """Asks, if it is time to, and says what is known."""
@@ -105,7 +115,7 @@ class _Participant:
         if self._refusals < _REFUSALS and now_s - self._asked_s >= _ASK_EVERY_S:
             self._asked_s = now_s
             self._ask()
-        return self._refusals >= _REFUSALS
+        return self.is_replaced or self._refusals >= _REFUSALS
 
     def _ask(self):
         if not self._sockets:

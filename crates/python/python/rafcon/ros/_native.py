@@ -323,8 +323,8 @@ class Client(_Part):
         _Part.__init__(self, backend, "client", service=service, type=type_name)
 
     def servers(self):
-        """How many serve."""
-        return self.matched()
+        """The processes that serve: the helper tells who waits for one that has gone."""
+        return {None} if self.matched() else set()
 
     def send(self, request, done):
         """Sends a request."""

@@ -216,22 +216,25 @@ class RclpyBackend:
 
     def serving(self, service):
         """The nodes that offer a service, as (name, namespace)."""
-        found = []
+        found = set()
         for name, space in self.node.get_node_names_and_namespaces():
             try:
                 offered = self.node.get_service_names_and_types_by_node(name, space)
             except Exception:  # noqa: S112, the node has gone in between
                 continue
             if any(each == service for each, _ in offered):
-                found.append((name, space))
+                found.add((name, space))
         return found
 
     def participants(self, nodes):
-        """The keys of the participants in which nodes live, by :mod:`rafcon.ros._liveness`; None where one is not known."""
+        """The keys of the participants in which nodes live, by :mod:`rafcon.ros._liveness`; None where one is not known.
+
+        A node that died and was started again is there twice, until its lease is over.
+        """
         known = {}
         for each in self.node.get_publishers_info_by_topic(_OF_EACH_NODE):
-            known[each.node_name, each.node_namespace] = bytes(each.endpoint_gid)[:12]
-        return [known.get(each) for each in nodes]
+            known.setdefault((each.node_name, each.node_namespace), set()).add(bytes(each.endpoint_gid)[:12])
+        return set().union(*(known.get(each, {None}) for each in nodes))
 
 
 def _no_signals():
@@ -353,30 +356,30 @@ class _Subscription(_Part):
 
 
 class Servers:
-    """Counts the servers of a service: those of the graph, without those whose process has been seen to end."""
+    """The processes that offer a service: those of the graph, without those that have been seen to end."""
 
     def __init__(self, backend, service, is_ready):
         self._backend = backend
         self._service = service
         self._is_ready = is_ready
-        self._nodes = []
+        self._nodes = set()
 
-    def count(self):
-        """How many there are."""
+    def alive(self):
+        """The keys of their participants; None for one that is not known."""
         self._backend.check()
         if not self._is_ready():
-            self._nodes = []
-            return 0
-        if not self._nodes:
-            self._nodes = self._backend.serving(self._service)
-        keys = self._backend.participants(self._nodes)
-        ended = sum(1 for key in keys if key is not None and self._backend.liveness.has_ended(key))
-        if ended and ended == len(keys):
+            self._nodes = set()
+            return set()
+        alive = self._of_nodes() if self._nodes else set()
+        if not alive:
             # Another may have come since the nodes were looked up.
             self._nodes = self._backend.serving(self._service)
-            keys = self._backend.participants(self._nodes)
-            return sum(1 for key in keys if key is None or not self._backend.liveness.has_ended(key))
-        return max(len(keys), 1) - ended
+            alive = self._of_nodes() if self._nodes else {None}
+        return alive
+
+    def _of_nodes(self):
+        keys = self._backend.participants(self._nodes)
+        return {key for key in keys if key is None or not self._backend.liveness.has_ended(key)}
 
 
 class _Client(_Part):
@@ -392,8 +395,8 @@ class _Client(_Part):
         self._servers = Servers(backend, service, self._client.service_is_ready)
 
     def servers(self):
-        """How many serve."""
-        return self._servers.count()
+        """The processes that serve."""
+        return self._servers.alive()
 
     def send(self, request, done):
         """Sends a request."""

@@ -43,8 +43,8 @@ class ActionClient:
         return self._client.server_is_ready() and self._cancels.service_is_ready()
 
     def servers(self):
-        """How many serve."""
-        return self._servers.count()
+        """The processes that serve."""
+        return self._servers.alive()
 
     def send(self, goal, events):
         """Sends a goal under a new id."""

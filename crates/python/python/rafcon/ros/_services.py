@@ -74,20 +74,24 @@ def find_server(here, waiter, client, kind, name, find):
 
 
 class Gone:
-    """Tells whether a server has been gone for a while."""
+    """Tells whether those that had a request have been gone for a while: one that was started since never answers it."""
 
     def __init__(self, client):
         self._client = client
+        self._had = {None}
         self._looked_s = time.monotonic()
         self._since_s = None
 
     def __call__(self):
-        """Whether nobody serves any more."""
+        """Whether none of them serves any more."""
         now_s = time.monotonic()
         if now_s - self._looked_s < LOOK_EVERY_S:
             return False
         self._looked_s = now_s
-        if self._client.servers():
+        alive = self._client.servers()
+        if None in self._had and alive:
+            self._had = alive
+        if None in alive or self._had & alive:
             self._since_s = None
             return False
         self._since_s = now_s if self._since_s is None else self._since_s
@@ -138,7 +142,7 @@ class _Call:
             return self._answers[0]
         self._here.check()
         self._gate.pump()
-        return (None, "its server has ended before it answered") if self._gone() else None
+        return (None, "its server has ended") if self._gone() else None
 
 
 class Server:
