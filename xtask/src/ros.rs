@@ -79,8 +79,10 @@ pub(crate) struct RosOptions {
 
 /// Tests against both distributions with both back ends, measures, and fails if a test fails or a bar is missed.
 pub(crate) fn run(options: &RosOptions) -> Result<()> {
-    let product = Product::build(Profile::Debug)?;
-    let helper = ros_helper::build(Profile::Debug)?;
+    // Figures are of what users have.
+    let profile = if options.no_figures { Profile::Debug } else { Profile::Release };
+    let product = Product::build(profile)?;
+    let helper = ros_helper::build(profile)?;
     let is_wanted = |wanted: &Option<String>, name| wanted.as_deref().is_none_or(|one| one == name);
     let mut missed = Vec::new();
     for distribution in &DISTRIBUTIONS {

@@ -75,7 +75,8 @@ class Topics(WithPeer):
             with self.assertRaisesRegex(ros.RosError, "cannot publish std_msgs/msg/Int32 on /topics/mixed: this run uses it as std_msgs/msg/String already"):
                 ros.publish("/topics/mixed", 5, "std_msgs/Int32", wait=0)
         self.peer.publish("/topics/other", [], True)
-        Waiter("the topic").until(lambda: "/topics/other" in _node.node().backend.topics(), 20, 0.01)
+        # The name of its node comes later than the topic.
+        Waiter("the publisher").until(lambda: any(each.node for each in _node.node().backend.publishers_of("/topics/other")), 20, 0.01)
         with self.assertLogs("rafcon.ros", "WARNING") as said, ros.subscribe("/topics/other", "std_msgs/Int32"):
             with self.assertRaisesRegex(ros.RosError, "has several types, std_msgs/msg/Int32 and std_msgs/msg/String; say which"):
                 ros.wait_for("/topics/other", timeout=0)

@@ -293,6 +293,7 @@ class _Running:
         sent.wait_with(self._waiter)
         end_s = None if timeout is None else time.monotonic() + timeout
         try:
+            self._gone.sent()
             sent.send(self._client, values)
             accept = accept if timeout is None else timeout if accept is None else min(accept, timeout)
             if not self._waiter.until(self._answered, accept, LOOK_EVERY_S):

@@ -36,6 +36,7 @@ Failure
 
 from __future__ import annotations
 
+import math
 from typing import AbstractSet, Any, Callable, Dict, List, Mapping, NamedTuple, Optional, Protocol, Tuple
 
 #: Type codes of ``array.array`` for the arrays that have them.
@@ -172,9 +173,10 @@ class Subscription(Closable, Protocol):
 class Client(Closable, Protocol):
     """Calls one service."""
 
-    def servers(self) -> AbstractSet[Optional[bytes]]:
+    def servers(self, sent_s: float = math.inf) -> AbstractSet[Optional[bytes]]:
         """The processes of the servers that a request would reach now; None for those that are not told apart.
 
+        With a time of ``time.monotonic`` without those that were started since in the place of one that died.
         A server that ends properly is gone at once, one that is killed within 1.5 s while a call waits (the lease of
         its participant, 20 s by default, is too long: a reliable reader that acknowledges nothing is gone, too).
         One that lives and is busy stays.
@@ -223,7 +225,7 @@ class Goal(Closable, Protocol):
 class ActionClient(Closable, Protocol):
     """Sends goals to one action. Its ``close`` does not cancel goals; it fails those that are under way."""
 
-    def servers(self) -> AbstractSet[Optional[bytes]]:
+    def servers(self, sent_s: float = math.inf) -> AbstractSet[Optional[bytes]]:
         """The processes of the servers whose services and topics are all matched now; else as in :class:`Client`."""
 
     def send(self, goal: Dict[str, Any], events: GoalEvents) -> Goal:

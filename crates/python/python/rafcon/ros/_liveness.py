@@ -8,6 +8,7 @@ nothing answers, it counts as alive.
 
 import errno
 import ipaddress
+import math
 import socket
 import struct
 import threading
@@ -75,16 +76,22 @@ class Liveness:
             if known is None or known.places != places:
                 if known is not None:
                     known.close()
-                else:
-                    self._replace(places)
-                self._participants[key] = _Participant(places)
+                self._participants[key] = _Participant(places, known is None and self._replace(places))
             else:
                 known.alive()
 
     def _replace(self, places):
-        """A process that is started again takes the ports of the one that died."""
-        for each in self._participants.values():
-            each.is_replaced = each.is_replaced or each.places == places
+        """Whether somebody had these places: a process that is started again takes the ports of the one that died."""
+        before = [each for each in self._participants.values() if each.places == places]
+        for each in before:
+            each.is_replaced = True
+        return bool(before)
+
+    def replaced_s(self, key):
+        """When a participant was found in the place of another one; -inf if it was not."""
+        with self._lock:
+            known = self._participants.get(key)
+            return -math.inf if known is None else known.replaced_s
 
     def has_ended(self, key):
         """Whether the process of a participant (the first 12 bytes of its GUID) has been seen to end."""
@@ -96,8 +103,9 @@ class Liveness:
 class _Participant:
     """Where a participant listens, and what was learned by asking."""
 
-    def __init__(self, places):
+    def __init__(self, places, replaces):
         self.places = places
+        self.replaced_s = time.monotonic() if replaces else -math.inf
         #: Another one has come to its places, and it has said nothing since.
         self.is_replaced = False
         self._sockets = []

@@ -2,6 +2,7 @@
 
 import array
 import itertools
+import math
 import threading
 
 from rafcon.ros._backend import BYTES, TYPE_CODES, BackendLost, Endpoint, Field, MessageType, Qos, RosError
@@ -322,7 +323,7 @@ class Client(_Part):
     def __init__(self, backend, service, type_name):
         _Part.__init__(self, backend, "client", service=service, type=type_name)
 
-    def servers(self):
+    def servers(self, sent_s=math.inf):
         """The processes that serve: the helper tells who waits for one that has gone."""
         return {None} if self.matched() else set()
 

@@ -1,5 +1,6 @@
 """Actions by services and topics, as ROS makes them of those."""
 
+import math
 import threading
 import time
 import uuid
@@ -44,7 +45,7 @@ class ActionClient:
         self._parts.append(part)
         return part
 
-    def servers(self):
+    def servers(self, sent_s=math.inf):
         """The processes that serve: the helper tells who waits for one that has gone."""
         return {None} if all(part.matched() for part in self._parts) else set()
 

@@ -1,5 +1,6 @@
 """The back end of ``rclpy``: any middleware, and all interfaces that the interpreter finds."""
 
+import math
 import os
 import threading
 import time
@@ -364,8 +365,8 @@ class Servers:
         self._is_ready = is_ready
         self._nodes = set()
 
-    def alive(self):
-        """The keys of their participants; None for one that is not known."""
+    def alive(self, sent_s):
+        """The keys of their participants that were not started since in the place of one that died; None for one that is not known."""
         self._backend.check()
         if not self._is_ready():
             self._nodes = set()
@@ -375,7 +376,7 @@ class Servers:
             # Another may have come since the nodes were looked up.
             self._nodes = self._backend.serving(self._service)
             alive = self._of_nodes() if self._nodes else {None}
-        return alive
+        return {key for key in alive if key is None or self._backend.liveness.replaced_s(key) <= sent_s}
 
     def _of_nodes(self):
         keys = self._backend.participants(self._nodes)
@@ -394,9 +395,9 @@ class _Client(_Part):
         self._client = _made(f"call {service} ({type_name})", lambda: make(interface(type_name), service, qos_profile=services(), callback_group=group))
         self._servers = Servers(backend, service, self._client.service_is_ready)
 
-    def servers(self):
+    def servers(self, sent_s=math.inf):
         """The processes that serve."""
-        return self._servers.alive()
+        return self._servers.alive(sent_s)
 
     def send(self, request, done):
         """Sends a request."""

@@ -1,5 +1,6 @@
 """Actions by ``rclpy``."""
 
+import math
 import threading
 
 import rclpy.action
@@ -42,9 +43,9 @@ class ActionClient:
     def _is_ready(self):
         return self._client.server_is_ready() and self._cancels.service_is_ready()
 
-    def servers(self):
+    def servers(self, sent_s=math.inf):
         """The processes that serve."""
-        return self._servers.alive()
+        return self._servers.alive(sent_s)
 
     def send(self, goal, events):
         """Sends a goal under a new id."""

@@ -1,6 +1,7 @@
 """Services: calling and offering them."""
 
 import collections
+import math
 import time
 
 from rafcon.ros import _waits
@@ -78,9 +79,15 @@ class Gone:
 
     def __init__(self, client):
         self._client = client
+        self._sent_s = math.inf
         self._had = {None}
         self._looked_s = time.monotonic()
         self._since_s = None
+
+    def sent(self):
+        """The request is sent now."""
+        self._sent_s = time.monotonic()
+        self._had = {None}
 
     def __call__(self):
         """Whether none of them serves any more."""
@@ -88,7 +95,7 @@ class Gone:
         if now_s - self._looked_s < LOOK_EVERY_S:
             return False
         self._looked_s = now_s
-        alive = self._client.servers()
+        alive = self._client.servers(self._sent_s)
         if None in self._had and alive:
             self._had = alive
         if None in alive or self._had & alive:
@@ -128,6 +135,7 @@ class _Call:
 
     def _send(self, values):
         # Another call's thread may be the one that opens the gate: what fails is this call's.
+        self._gone.sent()
         try:
             self._pending = self._client.send(values, self._done)
         except RosError as error:
