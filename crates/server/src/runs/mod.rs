@@ -11,6 +11,7 @@ mod folder_files;
 mod launch;
 mod leftovers;
 mod link;
+mod pace;
 mod pulse;
 mod resume;
 mod ring;

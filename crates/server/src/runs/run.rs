@@ -5,6 +5,7 @@
 use super::control::Holding;
 use super::folder_files;
 use super::link::Link;
+use super::pace::Pace;
 use super::pulse::Onlookers;
 use super::ring::Ring;
 use super::watched::RunWatched;
@@ -35,6 +36,7 @@ pub(crate) struct Run {
     id: String,
     folder: PathBuf,
     ring: Ring,
+    pace: Pace,
     now: watch::Sender<Arc<RunNow>>,
     link: Mutex<Option<Arc<Link>>>,
     /// How its process ends, if it is one of ours.
@@ -84,6 +86,7 @@ impl Run {
             id: summary.id.clone(),
             folder,
             ring,
+            pace: Pace::new(),
             now: watch::Sender::new(Arc::new(now)),
             link: Mutex::new(None),
             exit: Mutex::new(None),
@@ -111,6 +114,11 @@ impl Run {
     /// Its newest events.
     pub(crate) fn ring(&self) -> &Ring {
         &self.ring
+    }
+
+    /// When those who follow it are told.
+    pub(crate) fn pace(&self) -> &Pace {
+        &self.pace
     }
 
     /// How it stands; with `changed`, how it stands then.

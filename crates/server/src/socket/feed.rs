@@ -2,7 +2,6 @@
 //! outbox, but not what they are about.
 
 use super::outbox::{Lane, Outbox, Ticket};
-use std::time::Duration;
 use tokio::time::{Instant, sleep_until};
 
 /// What there is to tell of a subscription.
@@ -20,10 +19,11 @@ pub(super) enum NextMessage {
 
 /// What a subscription is told from.
 pub(super) trait Feed: Send {
-    /// Two frames are at least so far apart, unless the first was a part.
-    const EVERY: Duration;
     /// Where it stands in line.
     const LANE: Lane;
+
+    /// When the next frame may come after one that was no part.
+    fn next_time(&self) -> Instant;
 
     /// Waits until there may be something to tell.
     fn ready(&mut self) -> impl Future<Output = ()> + Send;
@@ -57,7 +57,7 @@ impl<F: Feed> Telling<'_, F> {
         let Ok(_turn) = self.outbox.turn(F::LANE).await else { return false };
         match self.feed.take().await {
             NextMessage::Now(frame) => {
-                self.due = Instant::now() + F::EVERY;
+                self.due = self.feed.next_time();
                 self.last = self.outbox.push(F::LANE, frame);
             }
             NextMessage::Part(frame) => self.last = self.outbox.push(F::LANE, frame),

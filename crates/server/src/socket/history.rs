@@ -14,7 +14,7 @@ use std::sync::Arc;
 use std::time::Duration;
 use tokio::select;
 use tokio::sync::watch;
-use tokio::time::timeout;
+use tokio::time::{Instant, timeout};
 
 /// About so many bytes of events are told at once: a page is four seconds of the slowest network that is served (64 kbit/s), and
 /// the latest truth waits for one page at most.
@@ -198,8 +198,11 @@ impl RunHistory {
 }
 
 impl Feed for RunHistory {
-    const EVERY: Duration = Duration::from_millis(20);
     const LANE: Lane = Lane::History;
+
+    fn next_time(&self) -> Instant {
+        self.run.pace().next_time()
+    }
 
     async fn ready(&mut self) {
         if std::mem::take(&mut self.is_stalled) {

@@ -8,8 +8,8 @@ use crate::Failure;
 use crate::documents::{MachineSession, RevisionsPage};
 use rafcon_protocol::socket::ToClient;
 use std::sync::Arc;
-use std::time::Duration;
 use tokio::sync::watch;
+use tokio::time::Instant;
 
 /// The history of an open machine, followed by one client.
 #[derive(Debug)]
@@ -37,8 +37,11 @@ impl MachineHistory {
 }
 
 impl Feed for MachineHistory {
-    const EVERY: Duration = Duration::ZERO;
     const LANE: Lane = Lane::History;
+
+    fn next_time(&self) -> Instant {
+        Instant::now()
+    }
 
     async fn ready(&mut self) {
         let is_there = self.next <= *self.last.borrow();

@@ -10,6 +10,10 @@ use std::sync::Arc;
 use std::time::Duration;
 use tokio::select;
 use tokio::sync::watch;
+use tokio::time::Instant;
+
+/// Two frames of a status are at least so far apart.
+const INTERVAL: Duration = Duration::from_millis(100);
 
 /// The whole server, followed by one client.
 #[derive(Debug)]
@@ -32,8 +36,11 @@ impl ServerStatusFeed {
 }
 
 impl Feed for ServerStatusFeed {
-    const EVERY: Duration = Duration::from_millis(100);
     const LANE: Lane = Lane::Status;
+
+    fn next_time(&self) -> Instant {
+        Instant::now() + INTERVAL
+    }
 
     async fn ready(&mut self) {
         // The server, which counts, is held here.
@@ -75,8 +82,11 @@ impl<T, F: FnMut(&T) -> String> Status<T, F> {
 }
 
 impl<T: Send + Sync, F: FnMut(&T) -> String + Send> Feed for Status<T, F> {
-    const EVERY: Duration = Duration::from_millis(100);
     const LANE: Lane = Lane::Status;
+
+    fn next_time(&self) -> Instant {
+        Instant::now() + INTERVAL
+    }
 
     async fn ready(&mut self) {
         self.is_over = self.watch.changed().await.is_err();

@@ -66,8 +66,11 @@ struct Flood {
 }
 
 impl Feed for Flood {
-    const EVERY: Duration = Duration::ZERO;
     const LANE: Lane = Lane::History;
+
+    fn next_time(&self) -> Instant {
+        Instant::now()
+    }
 
     async fn ready(&mut self) {}
 
