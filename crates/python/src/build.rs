@@ -261,6 +261,7 @@ fn fact<'py>(py: Python<'py>, state: &State, key: &str) -> PyResult<Bound<'py, P
         "transitions" => describe::transitions(py, inside)?.into_any(),
         "data_flows" => describe::data_flows(py, inside)?.into_any(),
         "semantic_data" => describe::semantic_data(py, state)?,
+        "layout" => describe::place_in_layout(state).into_pyobject(py)?.into_any(),
         "library" => describe::library(py, state)?.into_pyobject(py)?.into_any(),
         "children" => children(py, state)?.into_any(),
         "free_port_id" => state.free_port_id().0.into_pyobject(py)?.into_any(),

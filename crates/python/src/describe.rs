@@ -7,6 +7,7 @@ use crate::{current, thread};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyString};
 use rafcon_engine::{NodeId, PathId, Program};
+use rafcon_model::edit::LayoutElement;
 use rafcon_model::{
     Container, Conversion, Library, Outcome, Port, RuntimeValues, State, StateId, Value, convert,
 };
@@ -43,6 +44,21 @@ pub(crate) fn describe(py: Python<'_>, path: u32) -> PyResult<Bound<'_, PyDict>>
     insides(&facts, state.container())?;
     facts.set_item("library", library(py, state)?)?;
     Ok(facts)
+}
+
+/// `rafcon._native.layout_of`
+#[pyfunction]
+pub(crate) fn layout_of(py: Python<'_>, path: u32) -> PyResult<Option<(f64, f64, f64, f64)>> {
+    let place = place(py, path)?;
+    Ok(place_in_layout(current::facts()?.program().node(place.node).state()))
+}
+
+/// Left, top, width and height of a state, if its layout has a size.
+pub(crate) fn place_in_layout(state: &State) -> Option<(f64, f64, f64, f64)> {
+    let layout = state.layout.json();
+    let (width, height) = LayoutElement::State.size(&layout)?;
+    let (x, y) = LayoutElement::State.position(&layout).unwrap_or_default();
+    Some((x, y, width, height))
 }
 
 fn path_by_name(py: Python<'_>, at: &Place) -> PyResult<String> {

@@ -8,8 +8,8 @@ use pyo3::exceptions::{PyAttributeError, PyNotImplementedError, PyTypeError, PyV
 use pyo3::prelude::*;
 use pyo3::types::PyTuple;
 use rafcon_model::edit::{
-    ChildrenEdit, DataFlowEdit, Edit, EditError, HeaderEdit, OutcomeEdit, PortEdit,
-    RuntimeValueEdit, StateEdit, TransitionEdit,
+    ChildrenEdit, DataFlowEdit, Edit, EditError, HeaderEdit, LayoutEdit, LayoutElement,
+    OutcomeEdit, PortEdit, RuntimeValueEdit, StateEdit, TransitionEdit,
 };
 use rafcon_model::{
     DataFlowId, KindName, Origin, OutcomeId, PortId, PortKind, Rule, State, StateId, StatePath,
@@ -37,6 +37,7 @@ impl<'py> Request<'_, 'py> {
             Some(("flow", verb)) => self.flow(verb),
             Some(("runtime", verb)) => self.runtime(verb),
             Some(("children", verb)) => self.children(verb),
+            Some(("layout", verb)) => self.layout(verb),
             Some(("machine", "version")) => {
                 let version: Option<String> = self.one()?;
                 Ok(Edit::Header(HeaderEdit::SetVersion(version.map(SmolStr::from))))
@@ -203,6 +204,21 @@ impl<'py> Request<'_, 'py> {
             _ => return Err(self.unknown()),
         };
         Ok(Edit::RuntimeValue(self.path, port_kind(&kind)?, PortId(id), edit))
+    }
+
+    fn layout(self, verb: &str) -> PyResult<Edit> {
+        let set = |path: &StatePath, edit| Edit::Layout(path.clone(), edit);
+        let size = |path, size| set(path, LayoutEdit::SetSize(LayoutElement::State, size));
+        match verb {
+            "size" => Ok(size(&self.path, self.all()?)),
+            "child" => {
+                let (child, x, y, width, height): (String, _, _, _, _) = self.all()?;
+                let child = self.path.child(StateId::new(child));
+                let position = LayoutEdit::SetPosition(LayoutElement::State, (x, y));
+                Ok(Edit::Batch(vec![set(&child, position), size(&child, (width, height))]))
+            }
+            _ => Err(self.unknown()),
+        }
     }
 
     fn children(self, verb: &str) -> PyResult<Edit> {

@@ -19,7 +19,7 @@ mod _rafcon {
     #[pymodule_export]
     use super::config::read_config;
     #[pymodule_export]
-    use super::describe::describe;
+    use super::describe::{describe, layout_of};
     #[pymodule_export]
     use super::edit_run::{edit, has_kept_changes, revision, settle, taken};
     #[pymodule_export]

@@ -2,6 +2,8 @@
 is not tried again; a runner that dies meanwhile.
 """
 
+import ast
+import itertools
 import json
 import os
 import pathlib
@@ -203,6 +205,27 @@ class Replanning(unittest.TestCase):
         self.assertEqual(outcome, "success")
         self.assertEqual(self.steps(), ["Go a b", "Go a c", "Go a c", "Go c b"])
 
+    def test_everything_stands_in_its_container_and_beside_each_other(self):
+        script = """
+        from rafcon.planning import replan
+
+        def execute(self, inputs, outputs, gvm):
+            inputs["observe"] = "pool/look"
+            outcome = replan(self, inputs, outputs)
+            layout = self._home.layout
+            self.logger.info("%r", [layout(each) for each in (self.parent, *self.parent.states.values())])
+            return outcome
+        """
+        self.mission(says(STRAIGHT), says(DETOUR), script=textwrap.dedent(script))
+        outcome, logged = self.run_mission()
+        self.assertEqual(outcome, "success")
+        (_, _, width, height), *states = ast.literal_eval(logged[-1])
+        self.assertEqual(len(states), 4)
+        for left, top, wide, high in states:
+            self.assertTrue(0 < left < left + wide < width and 0 < top < top + high < height, logged[-1])
+        for one, other in itertools.combinations(states, 2):
+            is_beside = one[0] + one[2] < other[0] or other[0] + other[2] < one[0]
+            self.assertTrue(is_beside or one[1] + one[3] < other[1] or other[1] + other[3] < one[1], logged[-1])
 
     def test_an_engine_ends_with_a_program_that_is_killed(self):
         # Its end is the end of all that have it open.

@@ -20,6 +20,10 @@ class Running:
         """What a state is made of, as ``native.describe`` gives it."""
         return native.describe(state._place)
 
+    def layout(self, state):
+        """Left, top, width and height of a state, or None."""
+        return native.layout_of(state._place)
+
     def live(self, state):
         """What a state holds and does now."""
         return native.status(state._place)
@@ -138,6 +142,10 @@ class Built:
     def facts(self, state):
         """What a state is made of."""
         return Facts(self.document, state)
+
+    def layout(self, state):
+        """Left, top, width and height of a state, or None."""
+        return self.document.fact(state._facts["path"], "layout")
 
     def live(self, state):
         """What a state held and did in the last run."""

@@ -1,6 +1,7 @@
 //! A rover that plans its own mission: it observes, plans, and plans again when a step fails. Knows the model, and the ports of the
 //! libraries `examples/rover/observe` and `planning/replan`.
 
+use super::mission::layout;
 use super::{Template, TemplateRequest, empty};
 use rafcon_model::{
     DataFlow, DataFlowId, DataType, Kind, Library, LibraryContent, Origin, Outcome, OutcomeId,
@@ -30,11 +31,15 @@ const PLANS: PortId = PortId(0);
 
 fn root(wish: &TemplateRequest) -> State {
     let mut root = empty::root(wish);
+    root.layout = layout::entry((0.0, 0.0), (620.0, 400.0), true);
     let id = root.id.clone();
-    let observe = library("OBSERV", "Observe", ("examples/rover", "observe"), &[]);
+    let mut observe = library("OBSERV", "Observe", ("examples/rover", "observe"), &[]);
     let pool = Value::List([Value::str("examples/rover")].into());
     let inputs = [(POOL, pool), (WANTED, Value::str(GOAL))];
-    let again = library("REPLAN", "Plan again", ("planning", "replan"), &inputs);
+    let mut again = library("REPLAN", "Plan again", ("planning", "replan"), &inputs);
+    // Where they stand beside the steps of a plan.
+    observe.layout = layout::entry((50.0, 60.0), (120.0, 72.0), false);
+    again.layout = layout::entry((250.0, 60.0), (120.0, 72.0), false);
     let Some(inside) = root.container_mut() else { return root };
     let at = |state: &State, outcome| Origin::Outcome(state.id.clone(), OutcomeId(outcome));
     let (success, aborted) = (Target::Outcome(OutcomeId(0)), Target::Outcome(OutcomeId::ABORTED));

@@ -5,11 +5,15 @@ import functools
 from rafcon import _ids
 from rafcon._bridge import native
 from rafcon.core.custom_exceptions import StatePreempted
+from rafcon.core.states.container_state import ContainerState
 from rafcon.core.states.library_state import LibraryState
 from rafcon.planning._plans import NoPlan, Unsolvable, plan
 
 #: How long it is waited at a time.
 _LISTEN_S = 0.005
+
+#: Where states stand that no plan has placed: the space around them, that of their container's name, and their size.
+_MARGIN, _HEADING, _STATE = 50.0, 60.0, (120.0, 72.0)
 
 REPLANNED, REACHED, GIVEN_UP = "replanned", "reached", "given up"
 
@@ -110,10 +114,36 @@ def _replace(host, new):
         if (line.from_state, line.from_outcome) == (host.state_id, replanned) and line.to_state not in removed:
             changes.append(("transition.remove", (key,)))
     changes += _lines(container, [_moved(line, ids, (host.state_id, replanned)) for line in lines])
+    changes += _places(container, kept, new, ids)
     begins = next((ids[to_state] for from_state, _, to_state, _ in lines if from_state is None), None)
     if container.start_state_id in (None, *removed):
         changes += _lines(container, [(None, None, begins, None)])
     container._home.change(container, changes)
+
+
+def _places(container, kept, new, ids):
+    """The changes of the layout that put everything into the container: steps as in ``new``, and in a line above what is not there."""
+    places = {ids[child.state_id]: child._home.layout(child) for child in new.states.values()}
+    others = [child for child in container.states if child in kept and child not in places]
+    left, top, width, height = _MARGIN, _HEADING, *_STATE
+    changes = []
+    for child in others:
+        changes.append(("layout.child", (child, left, top, width, height)))
+        left += width + _MARGIN
+    below = height + _MARGIN if others else 0.0
+    changes += [("layout.child", (child, x, y + below, *size)) for child, (x, y, *size) in places.items()]
+    _, _, width, height = new._home.layout(new)
+    _make_room(container, max(width, left), height + below)
+    return changes
+
+
+def _make_room(container, width, height):
+    """Makes a container large enough, and those around it."""
+    left, top, *size = container._home.layout(container) or (0.0, 0.0, 0.0, 0.0)
+    width, height = max(width, size[0]), max(height, size[1])
+    container._home.change(container, [("layout.size", (width, height))])
+    if isinstance(container.parent, ContainerState):
+        _make_room(container.parent, left + width + _MARGIN, top + height + _MARGIN)
 
 
 def _taken_over(host, new):

@@ -95,7 +95,7 @@ fn in_lines(length: usize, columns: &[Vec<usize>], sizes: &[Pair], room: f64) ->
 }
 
 /// The layout of a state: its place in its parent, its size, and the place of its name if children stand below it.
-pub(super) fn entry(at: Pair, size: Pair, has_children: bool) -> Layout {
+pub(in crate::templates) fn entry(at: Pair, size: Pair, has_children: bool) -> Layout {
     let mut state = object([("rel_pos", tuple(at)), ("size", tuple(size))]);
     if has_children {
         let name = [("rel_pos", tuple((10.0, 8.0))), ("size", tuple((size.0 - 20.0, 30.0)))];

@@ -10,7 +10,7 @@ mod draft;
 mod drive;
 mod explore;
 mod fetch;
-mod layout;
+pub(super) mod layout;
 mod scripts;
 mod size;
 mod survey;
