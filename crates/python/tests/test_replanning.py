@@ -77,7 +77,14 @@ mission.add_data_flow("LOOKXX", port(look.output_data_ports, "facts"), "AGAINX",
 if os.environ["MEMORY"]:
     mission.add_data_flow("MISSON", plans, "AGAINX", port(again.input_data_ports, "plans"))
     mission.add_data_flow("AGAINX", port(again.output_data_ports, "plans"), "MISSON", plans)
-storage.save_state_machine_to_path(StateMachine(mission), FOLDER + "/mission")
+root = mission
+if os.environ["NESTED"]:
+    root = HierarchyState("Outer", "OUTERX")
+    root.add_outcome("success", 0)
+    root.add_state(mission)
+    root.set_start_state(mission)
+    root.add_transition("MISSON", 0, "OUTERX", 0)
+storage.save_state_machine_to_path(StateMachine(root), FOLDER + "/mission")
 """
 
 STRAIGHT, DETOUR = "(go a b)", "(go a c) (go c b)"
@@ -101,7 +108,7 @@ class Replanning(unittest.TestCase):
         self.python = self.bin / "python3"
         self.python.symlink_to(sys.executable)
 
-    def mission(self, *answers, replans_max=5, memory="yes", script="", dies_at=""):
+    def mission(self, *answers, replans_max=5, memory="yes", script="", dies_at="", nested=""):
         """Makes the machine, and an engine that does these things one after the other, then says that there is no plan."""
         cases = "\n".join(f"{number}) {answer};;" for number, answer in enumerate(answers, 1))
         program = self.bin / "kairos"
@@ -113,7 +120,7 @@ class Replanning(unittest.TestCase):
         self.roots = {"pool": self.folder / "pool", "planning": ROOT / "libraries/planning"}
         call(
             PROGRAM, FOLDER=str(self.folder), PLANNING=str(self.roots["planning"]), REPLANS_MAX=str(replans_max),
-            MEMORY=memory, SCRIPT=script,
+            MEMORY=memory, SCRIPT=script, NESTED=nested,
         )
 
     def run_mission(self, *options):
@@ -205,27 +212,42 @@ class Replanning(unittest.TestCase):
         self.assertEqual(outcome, "success")
         self.assertEqual(self.steps(), ["Go a b", "Go a c", "Go a c", "Go c b"])
 
-    def test_everything_stands_in_its_container_and_beside_each_other(self):
+    def layout(self, nested=""):
+        """Where the container of a mission stands that has planned twice, and all around and in it."""
         script = """
         from rafcon.planning import replan
 
         def execute(self, inputs, outputs, gvm):
             inputs["observe"] = "pool/look"
             outcome = replan(self, inputs, outputs)
-            layout = self._home.layout
-            self.logger.info("%r", [layout(each) for each in (self.parent, *self.parent.states.values())])
+            layout, around = self._home.layout, self.parent.parent
+            self.logger.info("%r", [layout(each) for each in (getattr(around, "states", {}) and around, self.parent, *self.parent.states.values()) if each])
             return outcome
         """
-        self.mission(says(STRAIGHT), says(DETOUR), script=textwrap.dedent(script))
+        self.mission(says(STRAIGHT), says(DETOUR), script=textwrap.dedent(script), nested=nested)
         outcome, logged = self.run_mission()
         self.assertEqual(outcome, "success")
-        (_, _, width, height), *states = ast.literal_eval(logged[-1])
+        return ast.literal_eval(logged[-1])
+
+    def assert_inside(self, outer, inner):
+        (_, _, width, height), (left, top, wide, high) = outer, inner
+        self.assertTrue(0 <= left < left + wide < width and 0 <= top < top + high < height, f"{inner} in {outer}")
+
+    def test_everything_stands_in_its_container_and_beside_each_other(self):
+        container, *states = self.layout()
         self.assertEqual(len(states), 4)
-        for left, top, wide, high in states:
-            self.assertTrue(0 < left < left + wide < width and 0 < top < top + high < height, logged[-1])
+        for each in states:
+            self.assert_inside(container, each)
         for one, other in itertools.combinations(states, 2):
             is_beside = one[0] + one[2] < other[0] or other[0] + other[2] < one[0]
-            self.assertTrue(is_beside or one[1] + one[3] < other[1] or other[1] + other[3] < one[1], logged[-1])
+            self.assertTrue(is_beside or one[1] + one[3] < other[1] or other[1] + other[3] < one[1], f"{one} beside {other}")
+
+    def test_what_is_around_the_container_grows_with_it(self):
+        around, container, *states = self.layout(nested="yes")
+        self.assert_inside(around, container)
+        self.assertEqual(len(states), 4)
+        for each in states:
+            self.assert_inside(container, each)
 
     def test_an_engine_ends_with_a_program_that_is_killed(self):
         # Its end is the end of all that have it open.

@@ -133,17 +133,18 @@ def _places(container, kept, new, ids):
     below = height + _MARGIN if others else 0.0
     changes += [("layout.child", (child, x, y + below, *size)) for child, (x, y, *size) in places.items()]
     _, _, width, height = new._home.layout(new)
-    _make_room(container, max(width, left), height + below)
+    changes.append(_room(container, max(width, left), height + below))
     return changes
 
 
-def _make_room(container, width, height):
-    """Makes a container large enough, and those around it."""
+def _room(container, width, height):
+    """The change that makes a container large enough; those around it are made so at once."""
     left, top, *size = container._home.layout(container) or (0.0, 0.0, 0.0, 0.0)
     width, height = max(width, size[0]), max(height, size[1])
-    container._home.change(container, [("layout.size", (width, height))])
-    if isinstance(container.parent, ContainerState):
-        _make_room(container.parent, left + width + _MARGIN, top + height + _MARGIN)
+    around = container.parent
+    if isinstance(around, ContainerState) and [width, height] != size:
+        around._home.change(around, [_room(around, left + width + _MARGIN, top + height + _MARGIN)])
+    return "layout.size", (width, height)
 
 
 def _taken_over(host, new):
