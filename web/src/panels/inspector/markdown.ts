@@ -1,7 +1,13 @@
-/** Markdown of a description as HTML that can do no harm: only what text needs gets through, by a list of what is allowed. */
+/** Markdown of a description as HTML that can do no harm: only what text needs gets through, by a list of what is allowed, and only
+ * as much as the page can show. */
 
 import DOMPurify from "dompurify";
-import { marked } from "marked";
+import { Lexer, Marked, type Token, type TokensList } from "marked";
+
+/** Characters of a description that are formatted. */
+export const FORMATTED_MAX = 32_000;
+/** Levels of lists, quotations and emphasis inside each other that are formatted. */
+export const NESTING_MAX = 16;
 
 const TAGS = [
   ...["p", "br", "hr", "h1", "h2", "h3", "h4", "h5", "h6", "blockquote", "pre", "code"],
@@ -18,7 +24,9 @@ purify.addHook("afterSanitizeAttributes", (node) => {
   node.setAttribute("rel", "noopener noreferrer");
 });
 
-marked.use({
+const marked = new Marked({
+  gfm: true,
+  breaks: true,
   renderer: {
     checkbox: ({ checked }) => (checked ? "☑ " : "☐ "),
     html: ({ text }) => withoutHandlers(text),
@@ -32,13 +40,68 @@ export function withoutHandlers(html: string): string {
   );
 }
 
-export function safeHtml(text: string): string {
-  const made = marked.parse(text, { async: false, gfm: true, breaks: true });
-  return purify.sanitize(made, {
+/** Reads Markdown to a bounded depth. Deeper parts stay as they are written. */
+class BoundedLexer extends Lexer {
+  isTooDeep = false;
+  #depth = 0;
+
+  override blockTokens(source: string, tokens?: Token[], isClipped?: boolean): Token[];
+  override blockTokens(source: string, tokens?: TokensList, isClipped?: boolean): TokensList;
+  override blockTokens(source: string, tokens: Token[] = [], isClipped?: boolean): Token[] {
+    return this.#within(source, tokens, () => super.blockTokens(source, tokens, isClipped));
+  }
+
+  override inlineTokens(source: string, tokens: Token[] = []): Token[] {
+    return this.#within(source, tokens, () => super.inlineTokens(source, tokens));
+  }
+
+  #within(source: string, tokens: Token[], read: () => Token[]): Token[] {
+    if (this.#depth >= NESTING_MAX) {
+      this.isTooDeep = true;
+      tokens.push({ type: "text", raw: source, text: source, escaped: false });
+      return tokens;
+    }
+    this.#depth++;
+    try {
+      return read();
+    } finally {
+      this.#depth--;
+    }
+  }
+}
+
+/** HTML of a description, not safe yet. */
+interface Formatted {
+  readonly html: string;
+  /** Characters that it has of the text. */
+  readonly length: number;
+  /** Whether parts are nested too deep to be formatted. */
+  readonly isTooDeep: boolean;
+}
+
+/** Formats the beginning of a text, in time that does not depend on how long or deep the text is. */
+export function formatted(text: string): Formatted {
+  const beginning = beginningOf(text);
+  const lexer = new BoundedLexer({ ...marked.defaults });
+  const html = marked.parser(lexer.lex(beginning));
+  return { html, length: beginning.length, isTooDeep: lexer.isTooDeep };
+}
+
+/** Whole lines, if the last one is not long. */
+function beginningOf(text: string): string {
+  if (text.length <= FORMATTED_MAX) return text;
+  const end = text.lastIndexOf("\n", FORMATTED_MAX);
+  return text.slice(0, end > FORMATTED_MAX / 2 ? end : FORMATTED_MAX);
+}
+
+export function safeHtml(text: string): Formatted {
+  const { html, ...rest } = formatted(text);
+  const safe = purify.sanitize(html, {
     ALLOWED_TAGS: TAGS,
     ALLOWED_ATTR: ["href", "title", "start"],
     ALLOW_DATA_ATTR: false,
     ALLOW_ARIA_ATTR: false,
     ALLOWED_URI_REGEXP: /^(?:https?|mailto):/i,
   });
+  return { ...rest, html: safe };
 }
