@@ -1,11 +1,12 @@
 /** The states of a machine as boxes inside boxes, each in the coordinates of its container: what `Layout` and `scene` walk.
  * A tree is never changed. A machine that changed, or a gesture over it, gets a tree that shares all that stayed the same. */
 
+import { childBoxesOf } from "../model/default_places.ts";
 import { stateKey } from "../model/element.ts";
 import type { StateDocument } from "../model/generated/protocol.ts";
 import type { Box, Point, Size } from "../model/geometry.ts";
 import {
-  childBox,
+  defaultChildBox,
   nameBox,
   type PortPlace,
   portPlaces,
@@ -42,6 +43,8 @@ export class LayoutNode {
   readonly opened: boolean;
   readonly #source: LayoutSource;
   #children: readonly LayoutNode[] | null = null;
+  /** Boxes of all children, if the file does not place one of them. */
+  #defaultBoxes: readonly Box[] | null = null;
   #ports: readonly PortPlace[] | null = null;
   #name: Box | null = null;
   #routing: EdgeRouting | null = null;
@@ -188,6 +191,17 @@ export class LayoutNode {
     return { lines, grid: this.#lineGrid };
   }
 
+  /** The box of a child: beside those of the others, if the file does not say where. */
+  childBox(state: StateDocument, index: number): Box {
+    const { position, size } = readLayout(state);
+    if (position && size) return { ...position, ...size };
+    this.#defaultBoxes ??= childBoxesOf(
+      childPaths(this.#source, this).map((path) => this.#source.machine.state(path)),
+      this.size,
+    );
+    return this.#defaultBoxes[index] ?? defaultChildBox(index, this.size);
+  }
+
   child(path: string): LayoutNode | undefined {
     return this.children[this.indexOf(path)];
   }
@@ -241,7 +255,8 @@ export class LayoutNode {
   ): readonly LayoutNode[] {
     const paths = childPaths(this.#source, this);
     const sameSize = this.box.width === was.box.width && this.box.height === was.box.height;
-    const mayStay = touched !== null && sameSize && this.scale === was.scale;
+    const mayStay =
+      touched !== null && sameSize && this.scale === was.scale && was.#defaultBoxes === null;
     const after: LayoutNode[] = [];
     let changed = paths.length !== before.length;
     paths.forEach((path, index) => {
@@ -321,13 +336,14 @@ function fresh(
   return new LayoutNode(source, path, state, box, scale);
 }
 
+/** The box of a child, and units of the container for one inside it. */
 function placeIn(
   container: LayoutNode,
   state: StateDocument,
   index: number,
 ): { readonly box: Box; readonly scale: number } {
   if (container.state.kind !== "library") {
-    return { box: childBox(state, index, container.size), scale: 1 };
+    return { box: container.childBox(state, index), scale: 1 };
   }
   return fitted(rootSize(state), container.size);
 }

@@ -1,9 +1,10 @@
 /** Where states stand in their containers, said by the file or not, and the edits that put them elsewhere. */
 
+import { childBoxesOf } from "../model/default_places.ts";
 import type { Edit, Element, StateDocument } from "../model/generated/protocol.ts";
 import type { Box, Point, Size } from "../model/geometry.ts";
 import { rounded } from "../model/layout.ts";
-import { childBox, readLayout, rootSize } from "../model/layout_reader.ts";
+import { readLayout, rootSize } from "../model/layout_reader.ts";
 import type { Machine } from "../model/machine.ts";
 import { parentOf } from "../model/path.ts";
 
@@ -15,7 +16,7 @@ export function boxIn(machine: Machine, path: string): Box {
   const { position, size } = readLayout(state);
   if (position && size) return { ...position, ...size };
   if (parent === null) return { x: 0, y: 0, ...position, ...rootSize(state) };
-  return childBox(state, machine.children(parent).indexOf(path), sizeIn(machine, parent));
+  return childBoxes(machine, parent).get(path) ?? { x: 0, y: 0, width: 0, height: 0 };
 }
 
 /** The size of a state, in the coordinates of its container and its own. */
@@ -26,13 +27,38 @@ export function sizeIn(machine: Machine, path: string): Size {
 
 /** The boxes of all children by path. */
 export function childBoxes(machine: Machine, container: string): ReadonlyMap<string, Box> {
-  const size = sizeIn(machine, container);
-  const found = new Map<string, Box>();
-  machine.children(container).forEach((path, index) => {
-    const state = machine.state(path);
-    if (state) found.set(path, childBox(state, index, size));
-  });
+  const known = knownBoxes(machine);
+  const found = known.get(container) ?? findChildBoxes(machine, container);
+  known.set(container, found);
   return found;
+}
+
+/** Boxes of children by container, as of a version of the machine. */
+interface KnownBoxes {
+  readonly version: number;
+  readonly byContainer: Map<string, ReadonlyMap<string, Box>>;
+}
+
+const KNOWN = new WeakMap<Machine, KnownBoxes>();
+
+function knownBoxes(machine: Machine): KnownBoxes["byContainer"] {
+  const { version } = machine;
+  let known = KNOWN.get(machine);
+  if (known?.version !== version) known = { version, byContainer: new Map() };
+  KNOWN.set(machine, known);
+  return known.byContainer;
+}
+
+function findChildBoxes(machine: Machine, container: string): ReadonlyMap<string, Box> {
+  const paths = machine.children(container);
+  const states = paths.map((path) => machine.state(path));
+  const boxes = childBoxesOf(states, sizeIn(machine, container));
+  return new Map(
+    paths.flatMap((path, index) => {
+      const box = boxes[index];
+      return box && states[index] ? [[path, box] as const] : [];
+    }),
+  );
 }
 
 export function positionEdit(path: string, element: Element, { x, y }: Point): Edit {
