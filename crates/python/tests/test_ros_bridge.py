@@ -1,13 +1,19 @@
 """The bridge to ROS without ROS: goals as inputs, runs as results, feedback and states, names of machines."""
 
 import array
+import http.server
+import json
 import math
+import random
+import threading
 import types
 import unittest
+import urllib.parse
 
 import stage  # noqa: F401, it brings the package
 from building import call
 from rafcon.ros.bridge import _machines, _mapping, _markers, _state
+from rafcon.ros.bridge._client import Client, Refused
 from rafcon.ros.bridge._goals import Refusal, inputs_of_text
 from rafcon.ros.bridge._machines import Machine
 from rafcon.ros.bridge._mapping import Unfit
@@ -72,9 +78,72 @@ class Mapping(unittest.TestCase):
     def test_inputs_of_run_machine_are_an_object_of_json(self):
         self.assertEqual(inputs_of_text(" "), {})
         self.assertEqual(inputs_of_text('{"a": [1, null]}'), {"a": [1, None]})
-        for text, why in (("[1]", "no object"), ("{", "no JSON"), ('{"a": NaN}', "NaN is no value of JSON")):
+        for text, why in (
+            ("[1]", "no object"),
+            ("{", "no JSON"),
+            ('{"a": NaN}', "NaN is no value of JSON"),
+            ('{"a": 1e999}', "1e999 is too large for a number of 64 bits"),
+            ('{"a": -1e999}', "-1e999 is too large"),
+            ('{"a": ' + "[" * 101 + "]" * 101 + "}", "more than 100 levels"),
+            ("[" * 100_000 + "]" * 100_000, "more than 100 levels"),
+        ):
             with self.assertRaisesRegex(Refusal, why):
                 inputs_of_text(text)
+        self.assertEqual(inputs_of_text('{"a": ' + "[" * 50 + "1.5" + "]" * 50 + "}").keys(), {"a"})
+
+
+class Asked(http.server.BaseHTTPRequestHandler):
+    """Answers each request with the parts of its path; closes the connection after those that are too long, and says so."""
+
+    protocol_version = "HTTP/1.1"
+    wbufsize = -1
+
+    def answer(self):
+        self.rfile.read(int(self.headers.get("Content-Length", 0)))
+        if len(self.path) > 10_000:
+            self.send_response(414)
+            self.send_header("Connection", "close")
+            body = b"too long"
+        else:
+            self.send_response(200)
+            body = json.dumps(self.path.split("/")).encode()
+        self.send_header("Content-Length", str(len(body)))
+        self.end_headers()
+        self.wfile.write(body)
+
+    do_GET = do_POST = answer  # noqa: N815, the names are those of the base class
+
+    def log_message(self, *_arguments):
+        pass
+
+
+class Requests(unittest.TestCase):
+    def setUp(self):
+        server = http.server.ThreadingHTTPServer(("127.0.0.1", 0), Asked)
+        server.daemon_threads = True
+        thread = threading.Thread(target=server.serve_forever)
+        thread.start()
+        self.client = Client(f"http://127.0.0.1:{server.server_port}", "token")
+        self.addCleanup(thread.join)
+        self.addCleanup(server.server_close)
+        self.addCleanup(server.shutdown)
+        self.addCleanup(self.client._forget)
+
+    def test_a_name_is_one_part_of_an_address_whatever_it_is(self):
+        dice = random.Random(7)
+        characters = "/?#%&=+.;: \\\t\r\n\0\"'ü漢😀a"
+        names = ["r/resume?x=", "r/values/1/fetch?x=", "../runs", "a b", "ü", "r%2Fresume", "r\r\nHost: x"]
+        names += ["".join(dice.choices(characters, k=dice.randint(1, 12))) for _ in range(300)]
+        for name in names:
+            path = self.client.post(("runs", name, "commands"), {})
+            self.assertEqual([urllib.parse.unquote(part) for part in path], ["", "api", "v1", "runs", name, "commands"])
+            self.assertEqual(self.client.get("runs", name), path[:-1])
+
+    def test_the_client_goes_on_after_an_answer_that_closes_the_connection(self):
+        for _ in range(3):
+            with self.assertRaisesRegex(Refused, "^POST /api/v1/runs/x+…: the server answers 414 Request-URI Too Long$"):
+                self.client.post(("runs", "x" * 100_000, "commands"), {})
+            self.assertEqual(self.client.get("runs", "r1")[-1], "r1")
 
 
 class Machines(unittest.TestCase):

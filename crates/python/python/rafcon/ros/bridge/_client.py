@@ -9,6 +9,8 @@ import urllib.parse
 
 #: A request is answered at once (s), or the server does not answer.
 ANSWER_S = 5.0
+#: Characters of an address that an error shows.
+_SHOWN_MAX = 200
 
 
 class Refused(Exception):
@@ -28,37 +30,43 @@ class Client:
         self._fingerprint = fingerprint and fingerprint.replace(":", "").lower()
         self._kept = threading.local()
 
-    def get(self, path, **query):
-        """The answer to a question."""
-        return self._ask("GET", path + ("?" + urllib.parse.urlencode(query) if query else ""), None, ANSWER_S)
+    def get(self, *path, **query):
+        """The answer to a question; ``path`` names what is asked for, part by part."""
+        return self._ask("GET", _address(path) + ("?" + urllib.parse.urlencode(query) if query else ""), None, ANSWER_S)
 
     def post(self, path, body, patience_s=ANSWER_S):
-        """Has the server do something. What has an id is done once, so it is sent again where a kept connection was gone."""
-        return self._ask("POST", path, json.dumps(body, allow_nan=False), patience_s)
+        """Has the server do something. Sends it again where a kept connection was gone: requests with an id are idempotent."""
+        return self._ask("POST", _address(path), json.dumps(body, allow_nan=False), patience_s)
 
-    def _ask(self, method, path, body, patience_s):
+    def _ask(self, method, address, body, patience_s):
         is_kept = getattr(self._kept, "connection", None) is not None
         try:
-            return self._once(method, path, body, patience_s)
+            return self._once(method, address, body, patience_s)
         except (OSError, http.client.HTTPException) as error:
-            self._forget()
             if not is_kept or isinstance(error, TimeoutError):
                 raise NoAnswer(f"the server of RAFCON does not answer: {error}") from error
         try:
-            return self._once(method, path, body, patience_s)
+            return self._once(method, address, body, patience_s)
         except (OSError, http.client.HTTPException) as error:
-            self._forget()
             raise NoAnswer(f"the server of RAFCON does not answer: {error}") from error
 
-    def _once(self, method, path, body, patience_s):
+    def _once(self, method, address, body, patience_s):
         connection = getattr(self._kept, "connection", None) or self._connected()
-        connection.sock.settimeout(patience_s)
-        connection.request(method, "/api/v1" + path, body, self._headers)
-        answer = connection.getresponse()
-        text = answer.read()
-        value = json.loads(text) if text else None
+        try:
+            connection.sock.settimeout(patience_s)
+            connection.request(method, address, body, self._headers)
+            answer = connection.getresponse()
+            text = answer.read()
+        except BaseException:
+            self._forget()
+            raise
+        if connection.sock is None:
+            # The server has closed the connection after its answer.
+            self._forget()
+        value = _value(text)
         if answer.status >= 400:
-            raise Refused(value["message"] if isinstance(value, dict) and "message" in value else f"{method} {path}: {answer.status}")
+            said = value.get("message") if isinstance(value, dict) else None
+            raise Refused(said or f"{method} {_shortened(address)}: the server answers {answer.status} {answer.reason}")
         return value
 
     def _connected(self):
@@ -81,6 +89,23 @@ class Client:
         self._kept.connection = None
         if connection is not None:
             connection.close()
+
+
+def _address(path):
+    """The path of a URL. A name is one part of it, whatever characters it has."""
+    return "".join(["/api/v1", *("/" + urllib.parse.quote(str(part), safe="", errors="replace") for part in path)])
+
+
+def _shortened(address):
+    return address if len(address) <= _SHOWN_MAX else address[:_SHOWN_MAX] + "…"
+
+
+def _value(text):
+    """The JSON of an answer; None where it is empty or in words of another kind."""
+    try:
+        return json.loads(text) if text else None
+    except ValueError:
+        return None
 
 
 def _any_certificate():

@@ -51,9 +51,9 @@ class Commands:
             if command is None:
                 return _answer(f"`{word}` is no command: write one of {', '.join(COMMANDS)}")
             run = run or self._only()
-            answer = self._client.post(f"/runs/{run}/commands", {"id": _id(), "command": {"type": command}}, _COMMAND_S)
+            answer = self._client.post(("runs", run, "commands"), {"id": _id(), "command": {"type": command}}, _COMMAND_S)
             if command in _WITH_CONTROL:
-                self._client.post(f"/runs/{run}/control", {"move": "release"})
+                self._client.post(("runs", run, "control"), {"move": "release"})
         except (Refused, NoAnswer) as error:
             return _answer(str(error))
         finally:

@@ -1,6 +1,7 @@
 """Goals: each begins a run, follows it to its end, and stops it when its client cancels."""
 
 import json
+import math
 import threading
 import time
 import uuid
@@ -13,6 +14,9 @@ from rafcon.ros.bridge._mapping import Unfit
 
 #: So many goals at a time; each has a thread of its own, and a runner.
 GOALS_MAX = 8
+#: Levels of lists and objects in `inputs`; the server parses 127.
+DEPTH_MAX = 100
+_TOO_DEEP = f"`inputs` has more than {DEPTH_MAX} levels of lists and objects: send fewer"
 #: A machine may take so long to load (s).
 _START_S = 130.0
 #: A goal looks this often whether it is cancelled (s).
@@ -102,7 +106,7 @@ class Goals:
                 )
         machine = {"project": asked.machine.project, "path": asked.machine.path}
         body = {"id": f"ros-{uuid.uuid4().hex}", "machine": machine, "inputs": asked.inputs}
-        run = self._client.post("/runs", body, _START_S)["id"]
+        run = self._client.post(("runs",), body, _START_S)["id"]
         self._watch.followed.add(run)
         self._watch.now()
         return run
@@ -144,7 +148,7 @@ class Goals:
     def _stop(self, run):
         try:
             command = {"id": f"ros-{uuid.uuid4().hex}", "command": {"type": "stop"}}
-            self._client.post(f"/runs/{run}/commands", command, _START_S)
+            self._client.post(("runs", run, "commands"), command, _START_S)
         except (Refused, NoAnswer) as error:
             # One that is over needs no stop; else its end is waited for.
             self._tell(f"the run {run} is not stopped by the cancelled goal: {error}")
@@ -165,9 +169,9 @@ class Goals:
         return result
 
     def _outputs(self, now):
-        page = self._client.get(f"/runs/{now.id}/events", kinds="finished", values="true", **{"from": 1, "count": 10})
+        page = self._client.get("runs", now.id, "events", kinds="finished", values="true", **{"from": 1, "count": 10})
         while not page["events"] and page["next"] <= page["last"]:
-            page = self._client.get(f"/runs/{now.id}/events", kinds="finished", values="true", **{"from": page["next"], "count": 10})
+            page = self._client.get("runs", now.id, "events", kinds="finished", values="true", **{"from": page["next"], "count": 10})
         return page["events"][-1]["event"].get("outputs") or {} if page["events"] else {}
 
     @staticmethod
@@ -187,9 +191,13 @@ def inputs_of_text(text):
     if not text.strip():
         return {}
     try:
-        inputs = json.loads(text, parse_constant=_refuse_constant)
+        inputs = json.loads(text, parse_constant=_refuse_constant, parse_float=_finite)
     except ValueError as error:
         raise Refusal(f"`inputs` is no JSON: {error}") from error
+    except RecursionError:
+        raise Refusal(_TOO_DEEP) from None
+    if _is_deep(inputs):
+        raise Refusal(_TOO_DEEP)
     if not isinstance(inputs, dict):
         raise Refusal('`inputs` is JSON, and no object: write {"port": value, …}')
     return inputs
@@ -197,6 +205,28 @@ def inputs_of_text(text):
 
 def _refuse_constant(text):
     raise ValueError(f"{text} is no value of JSON")
+
+
+def _is_deep(value):
+    level = [value]
+    for _ in range(DEPTH_MAX):
+        level = [each for parent in level for each in _children(parent)]
+        if not level:
+            return False
+    return True
+
+
+def _children(value):
+    if isinstance(value, dict):
+        return value.values()
+    return value if isinstance(value, list) else ()
+
+
+def _finite(text):
+    value = float(text)
+    if not math.isfinite(value):
+        raise ValueError(f"{text} is too large for a number of 64 bits")
+    return value
 
 
 def run_machine(goal, type_name, choose):

@@ -47,8 +47,8 @@ class WrongDeclaration(Exception):
 def machines(client):
     """All machines of all projects."""
     found = []
-    for project in client.get("/projects"):
-        _gather(client, project, [client.get(f"/projects/{project['id']}/tree")], found, 0)
+    for project in client.get("projects"):
+        _gather(client, project, [client.get("projects", project["id"], "tree")], found, 0)
     return sorted(found, key=lambda each: each.name)
 
 
@@ -58,7 +58,7 @@ def _gather(client, project, nodes, found, depth):
             found.append(Machine(project["id"], node["path"], str(pathlib.Path(project["folder"], node["path"]))))
             continue
         if node.get("is_cut") and depth < _DEPTH_MAX:
-            node = client.get(f"/projects/{project['id']}/tree", path=node["path"])
+            node = client.get("projects", project["id"], "tree", path=node["path"])
         _gather(client, project, node.get("children", ()), found, depth + 1)
 
 

@@ -68,7 +68,7 @@ class Watch:
             return self._look()
 
     def _look(self):
-        status = self._client.get("/status")
+        status = self._client.get("status")
         runs = [self._looked_at(each) for each in self._told(status["runs"])]
         with self._news:
             before = [each.shown for each in self._runs.values()]
@@ -87,7 +87,7 @@ class Watch:
         if summary["phase"] not in _LIVE:
             return RunNow(summary)
         try:
-            now = self._client.get(f"/runs/{summary['id']}")
+            now = self._client.get("runs", summary["id"])
         except Refused:
             return RunNow(summary)
         return RunNow(now["run"], now.get("snapshot"), {**now["control"], "now_ms": now["now_ms"]})
