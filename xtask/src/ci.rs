@@ -19,7 +19,7 @@ pub(crate) fn lint() -> Result<()> {
         "--test",
         "layers",
     ]))?;
-    tidy::run(tidy::TidyOptions::default())?;
+    tidy::run(&tidy::TidyOptions::default())?;
     web::check()?;
     let doc = ["doc", "--workspace", "--no-deps", "--quiet"];
     process::run(process::cargo().args(doc).env("RUSTDOCFLAGS", "-D warnings"))

@@ -130,6 +130,6 @@ fn run(task: Task) -> anyhow::Result<()> {
         Task::Torture(options) => long_tests::torture(&options),
         Task::Web(options) => web::run(options),
         Task::Types(options) => types::run(options),
-        Task::Tidy(options) => tidy::run(options),
+        Task::Tidy(options) => tidy::run(&options),
     }
 }

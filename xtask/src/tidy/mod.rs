@@ -5,24 +5,39 @@ mod lints;
 mod modules;
 mod named_tests;
 mod names;
+mod prose;
 mod words;
 
 use anyhow::{Result, bail};
 
 /// What `cargo xtask tidy` can be asked for.
-#[derive(clap::Args, Clone, Copy, Default)]
+#[derive(clap::Args, Clone, Default)]
 pub(crate) struct TidyOptions {
-    /// Rewrite generated files instead of complaining about them.
+    /// Rewrite generated files, and lower the budgets of prose.
     #[arg(long)]
     fix: bool,
+    /// List the hits of the prose check in one place, such as `crates/link` or `docs/link.md`.
+    #[arg(long, value_name = "PLACE")]
+    prose: Option<String>,
 }
 
 /// Runs every check, shows every finding, and fails if there is one.
-pub(crate) fn run(options: TidyOptions) -> Result<()> {
+pub(crate) fn run(options: &TidyOptions) -> Result<()> {
+    if let Some(place) = &options.prose {
+        return prose::show(place);
+    }
     if options.fix {
         lints::write()?;
+        prose::write()?;
     }
-    let checks = [modules::check, named_tests::check, links::check, words::check, names::check];
+    let checks = [
+        modules::check,
+        named_tests::check,
+        links::check,
+        words::check,
+        names::check,
+        prose::check,
+    ];
     let mut findings = lints::check();
     for check in checks {
         findings.extend(check()?);
