@@ -1,7 +1,10 @@
+import fc from "fast-check";
 import { describe, expect, test } from "vitest";
+import type { Box, Point } from "../model/geometry.ts";
 import { machineOf } from "../model/plain.ts";
 import { sketch } from "../model/testing/sketch.ts";
 import { MODES } from "../store/page/view.ts";
+import { touches } from "./grid.ts";
 import { layoutTreeOf } from "./layout_tree.ts";
 import type { RoutedLine } from "./lines.ts";
 
@@ -126,3 +129,92 @@ describe("transitions", () => {
     expect(route?.points[2]).toEqual({ x: 150, y: 150 });
   });
 });
+
+/** Which part of a cell its state takes, and where in it. */
+interface Cell {
+  readonly x: number;
+  readonly y: number;
+  readonly width: number;
+  readonly height: number;
+}
+
+/** States in cells that leave gaps between them, and transitions between any of them. */
+const MACHINES = fc.record({
+  cells: fc.array(
+    fc.record({
+      x: fc.double({ min: 0.05, max: 0.4, noNaN: true }),
+      y: fc.double({ min: 0.05, max: 0.4, noNaN: true }),
+      width: fc.double({ min: 0.2, max: 0.5, noNaN: true }),
+      height: fc.double({ min: 0.2, max: 0.5, noNaN: true }),
+    }),
+    { minLength: 2, maxLength: 16 },
+  ),
+  lines: fc.array(fc.record({ from: fc.nat(15), to: fc.nat(16) }), {
+    minLength: 1,
+    maxLength: 24,
+  }),
+});
+
+function randomMachine(
+  cells: readonly Cell[],
+  lines: readonly { readonly from: number; readonly to: number }[],
+) {
+  const text = ["R hierarchy 0 0 400 400 outcome done"];
+  cells.forEach(({ x, y, width, height }, index) => {
+    const at = [100 * ((index % 4) + x), 100 * (Math.floor(index / 4) + y)];
+    const outcomes = "outcome one outcome two";
+    text.push(
+      `  S${index} execution ${[...at, 100 * width, 100 * height].map((n) => n.toFixed(3)).join(" ")} ${outcomes}`,
+    );
+  });
+  text.push("  R > S0");
+  for (const { from, to } of lines) {
+    const target = to % (cells.length + 1);
+    const goal = target === cells.length ? "R.done" : `S${target}`;
+    text.push(`  S${from % cells.length}.${from % 2 ? "one" : "two"} > ${goal}`);
+  }
+  return machineOf(sketch(text.join("\n")));
+}
+
+test("no line leads through a state, whatever stands between", () => {
+  fc.assert(
+    fc.property(MACHINES, ({ cells, lines }) => {
+      const machine = randomMachine(cells, lines);
+      const { root } = layoutTreeOf(machine, { modes: MODES, contents: new Map() });
+      for (const { points, key } of root?.lines ?? []) {
+        const crossed = root?.children.filter(({ box }) => isThrough(points, box));
+        expect(
+          crossed?.map(({ path }) => path),
+          key,
+        ).toEqual([]);
+        expect(isRightAngled(points), key).toBe(true);
+      }
+    }),
+  );
+});
+
+const LEAST = 1e-6;
+
+function isThrough(points: readonly Point[], box: Box): boolean {
+  const inner = {
+    x: box.x + LEAST,
+    y: box.y + LEAST,
+    width: box.width - 2 * LEAST,
+    height: box.height - 2 * LEAST,
+  };
+  return points.slice(1).some((to, index) => {
+    const from = points[index] ?? to;
+    const [x, y] = [Math.min(from.x, to.x), Math.min(from.y, to.y)];
+    return touches(
+      { x, y, width: Math.abs(from.x - to.x), height: Math.abs(from.y - to.y) },
+      inner,
+    );
+  });
+}
+
+function isRightAngled(points: readonly Point[]): boolean {
+  return points.every((to, index) => {
+    const from = points[index - 1] ?? to;
+    return Math.abs(from.x - to.x) < LEAST || Math.abs(from.y - to.y) < LEAST;
+  });
+}

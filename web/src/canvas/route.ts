@@ -3,6 +3,7 @@
  * its way there, and so many lines become one trunk; others keep apart. */
 
 import { type Box, distance, type Point } from "../model/geometry.ts";
+import { freeWay } from "./free_way.ts";
 import { type RoutingLanes, SHARED_FOR_UNIT } from "./routing_lanes.ts";
 
 /** Where a line begins or ends. */
@@ -87,8 +88,18 @@ function cheapest(line: RouteRequest, lanes: RoutingLanes): Routed {
     best.offerAll(columns, (x) => acrossAt(x, from, to));
     best.offerAll(rows, (y) => alongAt(y, from, to));
   }
-  const { points } = best;
+  const points = aroundStates(best.points, line, lanes);
   return { points, waypoints: [], longest: lanes.longestAlone(points), box: boxOf(points) };
+}
+
+/** Another way if this one leads through a state, as far as there is one. */
+function aroundStates(
+  points: readonly Point[],
+  line: RouteRequest,
+  lanes: RoutingLanes,
+): readonly Point[] {
+  if (lanes.isCrowded || !lanes.crosses(points)) return points;
+  return freeWay(line, lanes) ?? points;
 }
 
 /** So many channels in a row that are too long already are enough to know. */

@@ -30,12 +30,15 @@ const CROSS = 0.8;
 /** So much is saved of the length that lines to one target share. */
 export const SHARED_FOR_UNIT = 0.75;
 const OUTSIDE = 60;
+/** Less than this part of a pace is arithmetic. */
+const TINY = 1e-6;
+const NOTHING: Box = { x: 0, y: 0, width: 0, height: 0 };
 
 export class RoutingLanes {
   /** How far lines stay away from states and from each other. */
   readonly pace: number;
   readonly #boxes: readonly Box[];
-  readonly #frame: Size;
+  readonly frame: Size;
   readonly #grid: Grid;
   readonly #groups = new Set<string>();
   readonly #lying: Piece[] = [];
@@ -44,7 +47,7 @@ export class RoutingLanes {
   /** `grid` has the same boxes. */
   constructor(boxes: readonly Box[], frame: Size, grid: Grid) {
     this.#boxes = boxes;
-    this.#frame = frame;
+    this.frame = frame;
     this.#grid = grid;
     this.pace = paceOf(boxes, frame);
   }
@@ -104,7 +107,7 @@ export class RoutingLanes {
   }
 
   #isOutside(at: number, lying: boolean): boolean {
-    return at < 0 || at > (lying ? this.#frame.height : this.#frame.width);
+    return at < 0 || at > (lying ? this.frame.height : this.frame.width);
   }
 
   #boxCost(lying: boolean, at: number, from: number, to: number, spared: number): number {
@@ -144,6 +147,65 @@ export class RoutingLanes {
       if (other.from < at && other.to > at) cost += CROSS * this.pace;
     }
     return cost - shared * SHARED_FOR_UNIT;
+  }
+
+  /** Whether a way leads through a state. */
+  crosses(points: readonly Point[]): boolean {
+    return points.some((one, index) => {
+      const other = points[index + 1];
+      return other !== undefined && this.#isThrough(one, other);
+    });
+  }
+
+  /** Whether an upright or level piece leads through a state; along its border is beside it. */
+  #isThrough(one: Point, other: Point): boolean {
+    const least = this.pace * TINY;
+    let through = false;
+    this.#grid.each(boxOf(one, other), (index) => {
+      const { x, y, width, height } = this.#boxes[index] ?? NOTHING;
+      const wide =
+        Math.min(Math.max(one.x, other.x), x + width) - Math.max(Math.min(one.x, other.x), x);
+      const high =
+        Math.min(Math.max(one.y, other.y), y + height) - Math.max(Math.min(one.y, other.y), y);
+      const inside =
+        one.y === other.y
+          ? wide > least && one.y > y + least && one.y < y + height - least
+          : high > least && one.x > x + least && one.x < x + width - least;
+      through ||= inside;
+    });
+    return through;
+  }
+
+  /** What a step costs beside states and other lines; null through a state. */
+  stepCost(one: Point, other: Point, group: string): number | null {
+    if (this.#isThrough(one, other)) return null;
+    const lying = one.y === other.y;
+    const at = lying ? one.y : one.x;
+    const from = lying ? Math.min(one.x, other.x) : Math.min(one.y, other.y);
+    const to = lying ? Math.max(one.x, other.x) : Math.max(one.y, other.y);
+    const others = this.#othersCost(lying, at, from, to + this.pace * TINY, group);
+    return to - from + Math.max(0, this.#boxCost(lying, at, from, to, -1) + others);
+  }
+
+  /** States around the ends of a line, those first that lie between them. */
+  boxesNear(line: RouteRequest, most: number): readonly Box[] {
+    const between = boxOf(line.start.at, line.goal.at);
+    for (const part of [2, 1, 0.5, 0.1]) {
+      const by = part * Math.max(between.width, between.height) + 4 * this.pace;
+      const found: Box[] = [];
+      const area = {
+        x: between.x - by,
+        y: between.y - by,
+        width: between.width + 2 * by,
+        height: between.height + 2 * by,
+      };
+      this.#grid.each(area, (index) => {
+        const box = this.#boxes[index];
+        if (box) found.push(box);
+      });
+      if (found.length <= most) return found;
+    }
+    return [];
   }
 
   /** Columns and rows through which a way may lead, those that make it short first. */
@@ -208,6 +270,11 @@ export class RoutingLanes {
       (piece) => piece.at === at && piece.from < to && piece.to > from,
     );
   }
+}
+
+function boxOf(one: Point, other: Point): Box {
+  const [x, y] = [Math.min(one.x, other.x), Math.min(one.y, other.y)];
+  return { x, y, width: Math.abs(one.x - other.x), height: Math.abs(one.y - other.y) };
 }
 
 function piece(at: number, one: number, other: number, group: string): Piece {
