@@ -22,7 +22,7 @@ import {
   reconnect,
 } from "../src/plan/connect.ts";
 import { documentsOf } from "../src/plan/documents.ts";
-import { addTemplate, group, substitute, ungroup } from "../src/plan/group.ts";
+import { addTemplate, group, substitute } from "../src/plan/group.ts";
 import { insertState } from "../src/plan/insert.ts";
 import { align, distribute, move, moveInto, resize } from "../src/plan/move.ts";
 import { isRefused, type Planned } from "../src/plan/plan.ts";
@@ -35,6 +35,7 @@ import {
   setId,
   setStart,
 } from "../src/plan/states.ts";
+import { ungroup } from "../src/plan/ungroup.ts";
 import { OptimisticDocument } from "../src/store/document/optimistic_document.ts";
 import { predictedWrites } from "../src/store/document/predict/predict.ts";
 import { examples, newPlace } from "./support/places.ts";

@@ -5,7 +5,7 @@ import { readLayout } from "../model/layout_reader.ts";
 import { isContainer, type Machine, startOf } from "../model/machine.ts";
 import { idOf, parentOf } from "../model/path.ts";
 import { boxIn, childBoxes } from "../plan/boxes.ts";
-import { group, substitute, ungroup } from "../plan/group.ts";
+import { group, substitute } from "../plan/group.ts";
 import {
   type Alignment,
   align,
@@ -18,6 +18,7 @@ import {
 import { libraryState } from "../plan/newcomers.ts";
 import { type Planned, refused } from "../plan/plan.ts";
 import { changeKind, clearStart, setStart } from "../plan/states.ts";
+import { ungroup } from "../plan/ungroup.ts";
 import type { CommandContext, MenuPlace, Rgb, UserCommand } from "./command.ts";
 import { stageOf } from "./edit.ts";
 import { libraryStates } from "./insert.ts";

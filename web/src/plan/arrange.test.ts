@@ -3,11 +3,12 @@ import { expect, test } from "vitest";
 import type { Document, StateDocument } from "../model/generated/protocol.ts";
 import { type Box, intersects } from "../model/geometry.ts";
 import { childBox, readLayout, rootSize } from "../model/layout_reader.ts";
-import type { Machine } from "../model/machine.ts";
+import { type Machine, transitionsOf } from "../model/machine.ts";
 import { machineOf } from "../model/plain.ts";
 import { sketch } from "../model/testing/sketch.ts";
 import { arrange, elkGraph } from "./arrange.ts";
 import { arranged } from "./arranged.ts";
+import { isStoredRightAngled, storedWay } from "./right_angles.ts";
 import { editsOf, reason } from "./testing/plans.ts";
 
 const MISSION = `
@@ -105,6 +106,31 @@ test("a loop back to the start by way of an error is laid out", async () => {
       A.ok > I
   `);
   expectTidy(await laidOut(recovery, "R", false), "R");
+});
+
+/** Eight steps that each repeat, skip one and go on. */
+function loops(): string {
+  const steps = [1, 2, 3, 4, 5, 6, 7, 8];
+  const goal = (step: number) => (step > 8 ? "R.done" : `S${step}`);
+  const outcomes = "outcome again outcome skip outcome ok";
+  const lines = steps.flatMap((step) => [
+    `  S${step}.again > S${step}`,
+    `  S${step}.skip > ${goal(step + 2)}`,
+    `  S${step}.ok > ${goal(step + 1)}`,
+  ]);
+  const states = steps.map((step) => `  S${step} execution ${outcomes}`);
+  return ["R hierarchy outcome done", ...states, "  R > S1", ...lines].join("\n");
+}
+
+test.each([true, false])("stored ways are at right angles, all levels: %s", async (deep) => {
+  const machine = await laidOut(sketch(loops()), "R", deep);
+  const root = machine.state("R");
+  const stored = (root ? transitionsOf(root) : []).filter(
+    (line) => storedWay(machine, "R", line).length > 0,
+  );
+  const slanted = stored.filter((line) => !isStoredRightAngled(machine, "R", line));
+  expect(stored.length).toBeGreaterThan(8);
+  expect(slanted).toEqual([]);
 });
 
 test("one level keeps its size and scales what stands in it", async () => {

@@ -6,6 +6,7 @@ import type { Box, Point, Size } from "../model/geometry.ts";
 import { isContainer, type Machine, outcomesOf, startOf, transitionsOf } from "../model/machine.ts";
 import { childPath, idOf } from "../model/path.ts";
 import { childBoxes } from "./boxes.ts";
+import { isExactlyRightAngled } from "./right_angles.ts";
 
 /** How one container is arranged, in units of its own. */
 export interface Level {
@@ -222,8 +223,21 @@ function parts(ports: readonly ElkPort[], size: Size): ReadonlyMap<string, Point
   );
 }
 
+/** Bends of a line. Of long rows that it breaks, elk loses bends of some lines: those find their way by themselves. */
 function routePoints(answer: ElkNode, id: number, by: Point): readonly Point[] {
   const found = answer.edges?.find((each) => each.id === `${id}`);
   const points = found?.sections?.flatMap(({ bendPoints }) => bendPoints ?? []) ?? [];
-  return points.map(({ x, y }) => ({ x: x + by.x, y: y + by.y }));
+  if (!found || points.length === 0) return [];
+  const [start, goal] = [found.sources[0], found.targets[0]].map((port) => portAt(answer, port));
+  const isWhole = start && goal && isExactlyRightAngled([start, ...points, goal]);
+  return isWhole ? points.map(({ x, y }) => ({ x: x + by.x, y: y + by.y })) : [];
+}
+
+/** Where a port is in the container. */
+function portAt({ children = [] }: ElkNode, id: string | undefined): Point | null {
+  for (const { x = 0, y = 0, ports = [] } of children) {
+    const found = ports.find((port) => port.id === id);
+    if (found) return { x: x + (found.x ?? 0), y: y + (found.y ?? 0) };
+  }
+  return null;
 }

@@ -115,3 +115,12 @@ export function inside(box: Box, container: Size): Box {
   const y = Math.max(0, Math.min(box.y, container.height - box.height));
   return { ...box, x, y };
 }
+
+/** Edits that put states of one container elsewhere, all by the same way. */
+export function shiftedChildren(machine: Machine, paths: readonly string[], by: Point): Edit[] {
+  return paths.flatMap((path) => {
+    const state = machine.state(path);
+    const box = boxIn(machine, path);
+    return state ? boxEdits(state, path, { ...box, x: box.x + by.x, y: box.y + by.y }) : [];
+  });
+}

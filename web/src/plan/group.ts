@@ -1,12 +1,6 @@
-/** Grouping, ungrouping and substituting: everything keeps its place on the screen. */
+/** Grouping and substituting: everything keeps its place on the screen. */
 
-import type {
-  Edit,
-  Goal,
-  OutcomeOf,
-  StateDocument,
-  TransitionDocument,
-} from "../model/generated/protocol.ts";
+import type { Edit, StateDocument, TransitionDocument } from "../model/generated/protocol.ts";
 import {
   type Box,
   boundsOf,
@@ -17,18 +11,17 @@ import {
 } from "../model/geometry.ts";
 import { changed } from "../model/layout.ts";
 import { readLayout, rootSize } from "../model/layout_reader.ts";
-import { type Machine, outcomesOf, portsOf, startOf, transitionsOf } from "../model/machine.ts";
+import { type Machine, outcomesOf, portsOf, transitionsOf } from "../model/machine.ts";
 import { childPath, idOf } from "../model/path.ts";
-import { boxEdits, boxIn, childBoxes, pins, sizeIn, waypointsEdit } from "./boxes.ts";
+import { boxIn, childBoxes, pins, shiftedChildren, sizeIn, waypointsEdit } from "./boxes.ts";
 import { drawnInto, underId } from "./documents.ts";
 import { commonContainer, containerAt, movableFrom } from "./legal.ts";
 import { statesInWords } from "./move.ts";
 import { newBox, newId, newName } from "./newcomers.ts";
-import { passingRefused } from "./passing.ts";
 import { isRefused, type Planned, type Refused, refused, together } from "./plan.ts";
 import { scaleInside } from "./resize.ts";
+import { isStoredRightAngled, leadsThrough, storedWay } from "./right_angles.ts";
 import { added } from "./states.ts";
-import { kindRefused } from "./transitions.ts";
 
 /** Puts states of one container, and scoped variables of it that are named, into a new hierarchy around them. */
 export function group(
@@ -80,14 +73,6 @@ function grouped(machine: Machine, paths: readonly string[], place: GroupPlace):
     const { width, height, ...at } = boxIn(machine, path);
     const to = { ...inGroup(at, place), width: width * factor, height: height * factor };
     return scaleInside(machine, path, to, { x: factor, y: factor });
-  });
-}
-
-function shiftedChildren(machine: Machine, paths: readonly string[], by: Point): Edit[] {
-  return paths.flatMap((path) => {
-    const state = machine.state(path);
-    const box = boxIn(machine, path);
-    return state ? boxEdits(state, path, { ...box, x: box.x + by.x, y: box.y + by.y }) : [];
   });
 }
 
@@ -185,7 +170,8 @@ interface GroupWaypoints {
   readonly outer: Edit[];
 }
 
-/** Waypoints inside the box go along; those of lines across its border are cut there. */
+/** Waypoints inside the box go along. Lines with right angles that cross its border, or lead through it, look for another way; those
+ * that were drawn freely are cut at the border. */
 function groupedWaypoints(
   machine: Machine,
   path: string,
@@ -193,157 +179,54 @@ function groupedWaypoints(
   ids: ReadonlySet<string>,
   place: GroupPlace,
 ): GroupWaypoints {
-  const { waypoints } = readLayout(machine.state(path) ?? container);
-  const box = place.content === place.bounds ? place.box : place.bounds;
   const inner = new Map<string, readonly Point[]>();
   const outer: Edit[] = [];
   const exits = new Set<string>();
   for (const transition of transitionsOf(container)) {
-    const key = `transition${transition.id}`;
-    const leaves = ids.has(transition.from_state ?? "");
-    const enters = isEntry(transition, ids);
-    const goal = JSON.stringify([transition.to_state, transition.to_outcome]);
+    const { id, from_state, to_state, to_outcome } = transition;
+    const leaves = ids.has(from_state ?? "");
+    const goal = JSON.stringify([to_state, to_outcome]);
     const isSecond = leaves && exits.has(goal);
     if (leaves) exits.add(goal);
-    const points = waypoints.get(key) ?? [];
-    if ((!leaves && !enters) || points.length === 0) continue;
-    const within = points.filter((point) => contains(box, point));
-    const moved = within.map((point) => inGroup(point, place));
-    if (leaves) inner.set(key, moved);
-    const staysInside =
-      leaves && ids.has(transition.to_state ?? "") && transition.to_outcome == null;
-    if (staysInside || isSecond) continue;
-    const beyond = points.filter((point) => !contains(box, point));
-    outer.push(waypointsEdit(path, { transition: transition.id }, beyond));
+    const staysInside = leaves && ids.has(to_state ?? "") && to_outcome == null;
+    const isCut = !staysInside && (leaves || isEntry(transition, ids));
+    const cut = cutAt(machine, path, transition, place, isCut);
+    if (leaves && cut.within.length > 0) inner.set(`transition${id}`, cut.within);
+    if (cut.beyond && !staysInside && !isSecond) {
+      outer.push(waypointsEdit(path, { transition: id }, cut.beyond));
+    }
   }
   return { inner, outer };
 }
 
-/** Puts the children of a container where it stands. */
-export function ungroup(machine: Machine, path: string): Planned {
-  const parent = movableFrom(machine, path);
-  if (typeof parent !== "string") return parent;
-  const state = containerAt(machine, path);
-  if (isRefused(state)) return state;
-  const around = containerAt(machine, parent);
-  if (isRefused(around)) return around;
-  const children = machine
-    .children(path)
-    .filter((child) => machine.state(child)?.kind !== "decider");
-  const ids = freedIds(machine, parent, path, children);
-  const lines = freedLines(around, path, state, ids.byOld);
-  for (const line of lines) {
-    const bad = kindRefused(around, line);
-    if (bad) return bad;
-  }
-  const bad = passingRefused(machine, path);
-  if (bad) return bad;
-  const { x, y } = boxIn(machine, path);
-  const edits: Edit[] = [
-    ...pins(machine, parent, new Set([path])),
-    ...shiftedChildren(machine, children, { x, y }),
-    { edit: "ungroup", path: parent, state: idOf(path), fresh: ids.fresh },
-    ...freedWaypoints(parent, around, state, lines, { x, y }),
-  ];
-  return {
-    name: `Ungroup ${state.name}`,
-    edit: together(edits),
-    select: [...ids.byOld.values()].map((id) => ({ kind: "state", path: childPath(parent, id) })),
-  };
+interface CutWay {
+  /** Bends inside the group, in its coordinates. */
+  readonly within: readonly Point[];
+  /** Bends outside; null: as before. */
+  readonly beyond: readonly Point[] | null;
 }
 
-interface Freed {
-  readonly byOld: ReadonlyMap<string, string>;
-  /** Only those that are needed, in the order of need. */
-  readonly fresh: string[];
-}
-
-/** Ids of the children in the container around: their own unless those are taken there. */
-function freedIds(
+/** What the group leaves of a stored way; `isCut`: the line crosses its border. */
+function cutAt(
   machine: Machine,
-  parent: string,
   path: string,
-  children: readonly string[],
-): Freed {
-  const siblings = machine
-    .children(parent)
-    .filter((other) => other !== path)
-    .map(idOf);
-  const taken = new Set([...siblings, idOf(parent)]);
-  const own = new Set(children.map(idOf));
-  const byOld = new Map<string, string>();
-  const fresh: string[] = [];
-  for (const child of children) {
-    const id = idOf(child);
-    const free = taken.has(id) ? newId(machine, parent, [...own, ...fresh]) : id;
-    if (free !== id) fresh.push(free);
-    taken.add(free);
-    byOld.set(id, free);
+  line: TransitionDocument,
+  place: GroupPlace,
+  isCut: boolean,
+): CutWay {
+  const points = storedWay(machine, path, line);
+  if (points.length === 0) return { within: [], beyond: null };
+  const box = place.content === place.bounds ? place.box : place.bounds;
+  const within = points.filter((point) => contains(box, point));
+  const moved = within.map((point) => inGroup(point, place));
+  if (!isStoredRightAngled(machine, path, line)) {
+    const beyond = points.filter((point) => !contains(box, point));
+    return { within: moved, beyond: isCut ? beyond : null };
   }
-  return { byOld, fresh };
-}
-
-/** A line inside of a container as it is without the container. */
-interface FreedLine {
-  readonly key: string;
-  readonly from: OutcomeOf;
-  readonly to: Goal;
-}
-
-/** The lines that stay, in the order in which they get ids. */
-function freedLines(
-  around: StateDocument,
-  path: string,
-  state: StateDocument,
-  ids: ReadonlyMap<string, string>,
-): readonly FreedLine[] {
-  return transitionsOf(state).flatMap((transition) => {
-    const from = ids.get(transition.from_state ?? "");
-    const to = freedGoal(transition, around, path, state, ids);
-    if (from === undefined || !to) return [];
-    const outcome = transition.from_outcome ?? 0;
-    return [{ key: `transition${transition.id}`, from: { state: from, outcome }, to }];
-  });
-}
-
-function freedWaypoints(
-  parent: string,
-  around: StateDocument,
-  state: StateDocument,
-  lines: readonly FreedLine[],
-  by: Point,
-): Edit[] {
-  const { waypoints } = readLayout(state);
-  const next = Math.max(0, ...transitionsOf(around).map(({ id }) => id)) + 1;
-  return lines.flatMap(({ key }, index) => {
-    const points = waypoints.get(key) ?? [];
-    if (points.length === 0) return [];
-    const moved = points.map((point) => ({ x: point.x + by.x, y: point.y + by.y }));
-    return [waypointsEdit(parent, { transition: next + index }, moved)];
-  });
-}
-
-/** Where a transition inside leads once its container is gone; null if nowhere. */
-function freedGoal(
-  { to_state, to_outcome }: TransitionDocument,
-  around: StateDocument,
-  path: string,
-  state: StateDocument,
-  ids: ReadonlyMap<string, string>,
-): Goal | null {
-  const inner = (id: string | null | undefined): Goal | null => {
-    const free = ids.get(id ?? "");
-    return free === undefined ? null : { state: free };
-  };
-  if (to_outcome == null) return inner(to_state);
-  const behind = transitionsOf(around).find(
-    ({ from_state, from_outcome }) => from_state === idOf(path) && from_outcome === to_outcome,
-  );
-  if (!behind) return null;
-  if (behind.to_outcome != null) return { outcome: behind.to_outcome };
-  if (behind.to_state !== idOf(path)) return { state: behind.to_state ?? "" };
-  const start = startOf(state);
-  return start?.to_outcome == null ? inner(start?.to_state) : null;
+  if (isCut) return { within: [], beyond: [] };
+  const isWhole = within.length === points.length;
+  const isThrough = leadsThrough(machine, path, line, place.box);
+  return { within: isWhole ? moved : [], beyond: isThrough ? [] : null };
 }
 
 /** Puts other states in the place of a state: its box and the places of its ports stay, connections where names fit. */

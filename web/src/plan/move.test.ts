@@ -6,7 +6,7 @@ import { readLayout } from "../model/layout_reader.ts";
 import { machineOf } from "../model/plain.ts";
 import { boxIn } from "./boxes.ts";
 import { clipOf, copySelection, duplicate, paste, pasteClip } from "./clipboard.ts";
-import { group, substitute, ungroup } from "./group.ts";
+import { group, substitute } from "./group.ts";
 import {
   align,
   distribute,
@@ -19,6 +19,7 @@ import {
 } from "./move.ts";
 import { isRefused } from "./plan.ts";
 import { drawn, editsOf, lines, made, reason } from "./testing/plans.ts";
+import { ungroup } from "./ungroup.ts";
 
 const machine = drawn(`
   R "Root" hierarchy 0 0 400 300 outcome done

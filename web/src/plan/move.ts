@@ -1,10 +1,10 @@
 /** Moving, resizing and lining up what is drawn. Coordinates are those of the container; of parts those of their state. */
 
 import { type ElementRef, layoutElement } from "../model/element.ts";
-import type { Edit, TransitionDocument } from "../model/generated/protocol.ts";
+import type { Edit } from "../model/generated/protocol.ts";
 import { type Box, boundsOf, type Point, type Size } from "../model/geometry.ts";
 import { changed } from "../model/layout.ts";
-import { nameBox, onBorder, portPlaces, readLayout } from "../model/layout_reader.ts";
+import { nameBox, onBorder, readLayout } from "../model/layout_reader.ts";
 import { dataFlowsOf, type Machine, startOf, transitionsOf } from "../model/machine.ts";
 import { childPath, idOf, parentOf } from "../model/path.ts";
 import {
@@ -22,6 +22,7 @@ import { commonContainer, containerAt, counted, stateAt } from "./legal.ts";
 import { newId } from "./newcomers.ts";
 import { isRefused, type Planned, type Refused, refused, together } from "./plan.ts";
 import { minimum, resizeEdits, scaleInside } from "./resize.ts";
+import { keptRightAngles } from "./right_angles.ts";
 
 /** How far states may be moved together: they stay in their container, as far as they are in it. */
 function allowedMove(machine: Machine, paths: readonly string[], by: Point): Point {
@@ -51,8 +52,8 @@ export function move(machine: Machine, paths: readonly string[], wanted: Point):
     return state ? boxEdits(state, path, { ...box, x: box.x + by.x, y: box.y + by.y }) : [];
   });
   if (by.x === 0 && by.y === 0) return refused("The states do not move.");
-  edits.push(...shiftedBetween(machine, container, new Set(paths.map(idOf)), by));
-  return { name: `Move ${statesInWords(machine, paths)}`, edit: together(edits) };
+  const lines = keptRightAngles(machine, [container], edits);
+  return { name: `Move ${statesInWords(machine, paths)}`, edit: together([...edits, ...lines]) };
 }
 
 /** `Scan`, `3 states`. */
@@ -60,69 +61,6 @@ export function statesInWords(machine: Machine, paths: readonly string[]): strin
   const [only] = paths;
   if (paths.length === 1 && only !== undefined) return machine.state(only)?.name ?? "state";
   return counted(paths.length, "state");
-}
-
-function shiftedBetween(
-  machine: Machine,
-  container: string,
-  ids: ReadonlySet<string>,
-  by: Point,
-): Edit[] {
-  const state = machine.state(container);
-  if (!state) return [];
-  const { waypoints } = readLayout(state);
-  return transitionsOf(state).flatMap((line) => {
-    const { id, from_state, to_state } = line;
-    const points = waypoints.get(`transition${id}`);
-    const [leaves, comes] = [ids.has(from_state ?? ""), ids.has(to_state ?? "")];
-    if (!points?.length || (!leaves && !comes)) return [];
-    const moved =
-      leaves && comes
-        ? points.map(({ x, y }) => ({ x: x + by.x, y: y + by.y }))
-        : bentAlong(points, endOf(machine, container, line, leaves), by, leaves);
-    return moved ? [waypointsEdit(container, { transition: id }, moved)] : [];
-  });
-}
-
-/** Where a transition begins, or ends, at a state, in the coordinates of the container. */
-function endOf(
-  machine: Machine,
-  container: string,
-  { from_state, from_outcome, to_state }: TransitionDocument,
-  isFrom: boolean,
-): Point | null {
-  const path = childPath(container, (isFrom ? from_state : to_state) ?? "");
-  const state = machine.state(path);
-  if (!state) return null;
-  const box = boxIn(machine, path);
-  const port = portPlaces(state, path, box).find(({ kind, id }) =>
-    isFrom ? kind === "outcome" && id === from_outcome : kind === "income",
-  );
-  return port ? { x: box.x + port.at.x, y: box.y + port.at.y } : null;
-}
-
-/** So far from it a line is taken for upright or level, as a part of its length. */
-const STRAIGHT = 0.02;
-
-/** Bends of a line of which one end moves: the first leg stays upright or level, and the bends go if it would lead back. Null: they
- * stay, as they were put there freely. */
-function bentAlong(
-  points: readonly Point[],
-  end: Point | null,
-  by: Point,
-  isFrom: boolean,
-): readonly Point[] | null {
-  const at = isFrom ? 0 : points.length - 1;
-  const bend = points[at];
-  if (!end || !bend) return null;
-  const leg = { x: bend.x - end.x, y: bend.y - end.y };
-  const reach = STRAIGHT * Math.max(Math.abs(leg.x), Math.abs(leg.y));
-  const isLevel = Math.abs(leg.y) <= reach;
-  if (!isLevel && Math.abs(leg.x) > reach) return null;
-  const [before, after] = isLevel ? [leg.x, leg.x - by.x] : [leg.y, leg.y - by.y];
-  if (before * after <= 0) return [];
-  const moved = isLevel ? { x: bend.x, y: bend.y + by.y } : { x: bend.x + by.x, y: bend.y };
-  return points.with(at, moved);
 }
 
 /** Puts states of one container into another; the left top corner of them all at the point, in the other's coordinates. They
@@ -239,7 +177,10 @@ export function resize(machine: Machine, path: string, box: Box, withContent: bo
   if (isRefused(state)) return state;
   const wanted = allowedBox(machine, path, box, withContent);
   const name = `Resize ${state.name}${withContent ? " with its content" : ""}`;
-  return { name, edit: together(resizeEdits(machine, path, wanted, withContent)) };
+  const edits = resizeEdits(machine, path, wanted, withContent);
+  const parent = parentOf(path);
+  const touched = [...(parent === null ? [] : [parent]), ...(withContent ? [] : [path])];
+  return { name, edit: together([...edits, ...keptRightAngles(machine, touched, edits)]) };
 }
 
 /** The box that a state may have at most and at least: inside its container, around its content. */
@@ -276,7 +217,11 @@ export function movePort(machine: Machine, element: ElementRef, at: Point): Plan
   if (isRefused(state)) return state;
   const place = onBorder(at, sizeIn(machine, element.path));
   const edit = positionEdit(element.path, layoutElement(element), place);
-  return { name: `Move ${element.kind.replace("_", " ")} of ${state.name}`, edit };
+  const parent = parentOf(element.path);
+  const touched = parent === null ? [element.path] : [parent, element.path];
+  const lines = keptRightAngles(machine, touched, [edit]);
+  const name = `Move ${element.kind.replace("_", " ")} of ${state.name}`;
+  return { name, edit: together([edit, ...lines]) };
 }
 
 /** Puts the name of a state elsewhere. */
@@ -344,7 +289,7 @@ export function align(machine: Machine, paths: readonly string[], to: Alignment)
   const moved = [...boxes].map(
     ([path, box]) => [path, { ...box, ...ALIGNED[to](box, all) }] as const,
   );
-  return placed(machine, moved, `Align ${counted(paths.length, "state")}`);
+  return placed(machine, new Map(moved), `Align ${counted(paths.length, "state")}`);
 }
 
 /** Gives states of one container even gaps; the outermost stay. */
@@ -368,7 +313,7 @@ export function distribute(
     next += box[length] + gap;
     return [path, to] as const;
   });
-  return placed(machine, moved, `Distribute ${counted(paths.length, "state")}`);
+  return placed(machine, new Map(moved), `Distribute ${counted(paths.length, "state")}`);
 }
 
 function boxesOf(
@@ -390,17 +335,14 @@ function boxesOf(
   );
 }
 
-function placed(
-  machine: Machine,
-  boxes: readonly (readonly [string, Box])[],
-  name: string,
-): Planned {
-  const edits = boxes.flatMap(([path, box]) => {
+function placed(machine: Machine, boxes: ReadonlyMap<string, Box>, name: string): Planned {
+  const edits = [...boxes].flatMap(([path, box]) => {
     const state = machine.state(path);
     return state ? boxEdits(state, path, box) : [];
   });
   if (edits.length === 0) return refused("The states are already aligned like this.");
-  return { name, edit: together(edits) };
+  const containers = new Set([...boxes.keys()].flatMap((path) => parentOf(path) ?? []));
+  return { name, edit: together([...edits, ...keptRightAngles(machine, [...containers], edits)]) };
 }
 
 /** Gives a state a colour of its own (red, green and blue from 0 to 255), or takes it away. */
