@@ -9,11 +9,12 @@ import subprocess
 import sys
 import tempfile
 import threading
+import traceback
 import unittest
 import warnings
 
 import stage
-from rafcon import _capture, _logging
+from rafcon import _capture, _logging, _printed_errors
 from rafcon.utils.log import RAFCONDeprecationWarning, get_logger
 
 
@@ -35,11 +36,46 @@ class Output(unittest.TestCase):
     def test_an_unfinished_line_waits_for_the_end_of_the_script(self):
         print("a", "b", sep="", end="", file=self.out)
         print("c\nd", end="", file=self.out)
-        self.assertEqual(self.lines(), ["abc"])
+        self.assertEqual(self.lines(), [])
         self.assertTrue(_capture.pending)
         _capture.flush_capture()
-        self.assertEqual(self.lines(), ["abc", "d"])
+        self.assertEqual(self.lines(), ["abc\nd"])
         self.assertEqual(_capture.pending, {})
+
+    def test_lines_of_one_write_are_one_entry(self):
+        print("a\nb", file=self.out)
+        self.out.write("c\nd\n")
+        print("e", "f", sep="\n", file=self.out)
+        self.assertEqual(self.lines(), ["a\nb", "c\nd", "e", "f"])
+
+    def test_a_flush_sends_an_unfinished_line(self):
+        for _ in range(2):
+            print(".", end="", file=self.out, flush=True)
+        self.assertEqual(self.lines(), [".", "."])
+        self.out.flush()
+        self.assertEqual(self.lines(), [".", "."])
+        self.assertEqual(_capture.pending, {})
+
+    def bar(self, *texts):
+        """Everything that is sent of texts that are flushed one by one."""
+        stage.native.sent.clear()
+        for text in texts:
+            print(text, end="", file=self.out, flush=True)
+        before = self.lines()
+        _capture.flush_capture()
+        return before, self.lines()
+
+    def test_a_progress_bar_is_one_entry(self):
+        self.assertEqual(self.bar("\r 0%", "\r 50%", "\r100%", "\n"), (["100%"], ["100%"]))
+        self.assertEqual(self.bar("10%\r", "20%\r"), ([], ["20%"]))
+        self.assertEqual(self.bar("\r100%", "\r    \r"), ([], ["100%"]))
+        self.assertEqual(self.bar("\r 50%", "\r    \r", "between\n", "\r100%"), (["between"], ["between", "100%"]))
+        self.assertEqual(self.bar("before\n\r 50%", "\r100%"), (["before"], ["before", "100%"]))
+        self.assertEqual(self.bar("a\r\n"), (["a"], ["a"]))
+
+    def test_bars_below_each_other_are_one_entry(self):
+        drawings = [text for step in range(100) for text in (f"\router {step}", f"\n\rinner {step}\x1b[A")]
+        self.assertEqual(self.bar(*drawings), ([], ["inner 99"]))
 
     def test_threads_do_not_share_a_line(self):
         self.out.write("mine ")
@@ -62,6 +98,12 @@ class Output(unittest.TestCase):
         self.out.write("x" * 200_000)
         self.out.write("\n")
         self.assertEqual(sum(map(len, self.lines())), 200_000)
+        stage.native.sent.clear()
+        self.out.write("xxx\n" * 50_000)
+        self.assertEqual("\n".join(self.lines()) + "\n", "xxx\n" * 50_000)
+        stage.native.sent.clear()
+        self.out.write("x" * 200_000 + "\n")
+        self.assertEqual(sum(map(len, self.lines())), 200_000)
         self.assertLessEqual(max(map(len, self.lines())), 64 * 1024)
         self.assertEqual(_capture.pending, {})
 
@@ -78,13 +120,73 @@ class Output(unittest.TestCase):
         self.assertEqual(self.lines(), [])
 
 
+class Errors(unittest.TestCase):
+    """What goes to ``sys.stderr``, where libraries write everything."""
+
+    def setUp(self):
+        stage.native.clear([stage.described("execution", "A", "a", "A")])
+        stage.enter(0)
+        self.addCleanup(stage.leave)
+        before = (sys.stderr, sys.excepthook, threading.excepthook, sys.unraisablehook, traceback.print_exception)
+        self.addCleanup(self.restore, *before)
+        sys.stderr = _capture.Writer("stderr", io.StringIO())
+        _printed_errors.install()
+
+    @staticmethod
+    def restore(*before):
+        sys.stderr, sys.excepthook, threading.excepthook, sys.unraisablehook, traceback.print_exception = before
+
+    def test_it_is_no_error_by_itself(self):
+        print("DEBUG robot.driver connected", file=sys.stderr)
+        self.assertEqual(stage.native.sent, [(0, "stderr", 20, "DEBUG robot.driver connected")])
+
+    def check(self, path, beginning, end):
+        ((at, stream, level, message),) = stage.native.sent
+        self.assertEqual((at, stream, level), (path, "stderr", 30))
+        self.assertRegex(message, f"(?s)^{beginning}.*{end}$")
+
+    def test_a_traceback_is_one_entry(self):
+        try:
+            try:
+                1 / 0
+            except ZeroDivisionError as error:
+                raise KeyError("x") from error
+        except KeyError:
+            traceback.print_exc()
+        self.check(0, "Traceback ", "The above exception was the direct cause.*KeyError: 'x'")
+
+    def test_the_error_of_a_thread_is_one_entry(self):
+        thread = threading.Thread(target=lambda: 1 / 0, name="mine")
+        thread.start()
+        thread.join()
+        self.check(-1, "Exception in thread mine:\nTraceback ", "ZeroDivisionError: division by zero")
+
+    def test_an_error_that_python_ignores_is_one_entry(self):
+        class Bad:
+            def __del__(self):
+                raise ValueError("too late")
+
+        Bad()
+        self.check(0, "Exception ignored in: .*Traceback ", "ValueError: too late")
+
+    def test_other_files_get_their_own(self):
+        file = io.StringIO()
+        try:
+            1 / 0
+        except ZeroDivisionError as error:
+            traceback.print_exc(file=file)
+            traceback.print_exception(type(error), error, error.__traceback__, None, file)
+        self.assertEqual(file.getvalue().count("ZeroDivisionError: division by zero"), 2)
+        self.assertEqual(stage.native.sent, [])
+
+
 class Log(unittest.TestCase):
     def setUp(self):
         stage.native.clear([stage.described("execution", "A", "a", "A")])
         stage.enter(0)
         self.addCleanup(stage.leave)
         self.addCleanup(logging.captureWarnings, False)
-        for name in ("rafcon", "py.warnings"):
+        for name in ("rafcon", "py.warnings", None):
             logger = logging.getLogger(name)
             self.addCleanup(self.restore, logger, logger.level, logger.propagate, list(logger.handlers))
             logger.handlers.clear()
@@ -110,6 +212,50 @@ class Log(unittest.TestCase):
         logger.debug("d")
         logger.error("e")
         self.assertEqual(stage.native.sent, [(0, "logger", 5, "v 1"), (0, "logger", 10, "d"), (0, "logger", 40, "e")])
+
+    def logs(self):
+        """Logs with a logger of somebody else, and returns level and text of all entries."""
+        robot = logging.getLogger("robot.driver")
+        robot.debug("d")
+        robot.info("i %d", 1)
+        logging.warning("of the root")
+        robot.error("e")
+        self.assertEqual({entry[:2] for entry in stage.native.sent}, {(0, "logger")})
+        return [entry[2:] for entry in stage.native.sent]
+
+    BASIC = [(20, "robot.driver: i 1"), (30, "of the root"), (40, "robot.driver: e")]
+
+    def test_every_logger_is_heard(self):
+        _logging.install()
+        self.assertEqual(self.logs(), self.BASIC)
+
+    def print_to_us(self):
+        self.addCleanup(setattr, sys, "stderr", sys.stderr)
+        sys.stderr = _capture.Writer("stderr", io.StringIO())
+
+    def test_what_basic_config_prints_comes_once_and_with_its_level(self):
+        self.print_to_us()
+        _logging.install()
+        logging.basicConfig(level=logging.DEBUG, format="%(asctime)s %(message)s")
+        self.assertEqual(self.logs(), [(10, "robot.driver: d"), *self.BASIC])
+
+    def test_a_handler_for_the_terminal_decides(self):
+        self.print_to_us()
+        _logging.install()
+        handler = logging.StreamHandler()
+        handler.setLevel(logging.ERROR)
+        logging.basicConfig(level=logging.DEBUG, handlers=[handler])
+        self.assertEqual(self.logs(), [(40, "robot.driver: e")])
+
+    def test_a_file_beside_gets_its_own(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        path = pathlib.Path(folder.name) / "log"
+        _logging.install()
+        logging.basicConfig(filename=path, level=logging.INFO, format="%(levelname)s %(message)s")
+        self.assertEqual(self.logs(), self.BASIC)
+        logging.root.handlers[0].close()
+        self.assertEqual(path.read_text(), "INFO i 1\nWARNING of the root\nERROR e\n")
 
     def test_an_exception_comes_with_its_traceback(self):
         _logging.install()

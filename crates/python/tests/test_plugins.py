@@ -61,7 +61,7 @@ class Plugins(unittest.TestCase):
                 print("one\\ntwo")
                 print("wrong", file=sys.stderr)
             """,
-            ["imported", "one", "two", "wrong", "runs"],
+            ["imported", "one\ntwo", "wrong", "runs"],
         )
 
     def test_one_that_fails_is_left_out(self):

@@ -259,9 +259,37 @@ class Scripts(unittest.TestCase):
             """,
             lines=["one line", "unfinished"],
         )
-        self.assertEqual(result.logged("stderr", "R/X"), ["to stderr", "from elsewhere"])
-        self.assertEqual(result.logged("logger", "R/X"), ["quiet", "logged by a thread"])
+        self.assertEqual(result.logged("stderr", "R/X"), ["to stderr"])
+        self.assertEqual(result.logged("logger", "R/X"), ["quiet", "elsewhere: from elsewhere", "logged by a thread"])
         self.assertEqual(result.logged("stdout"), ["one line", "from a thread", "unfinished"])
+
+    def test_a_library_that_logs_at_debug_leaves_nothing_to_acknowledge(self):
+        result = self.check(
+            """
+            import logging, sys
+            logging.basicConfig(level=logging.DEBUG)
+            driver = logging.getLogger("robot.driver")
+            driver.debug("connect")
+            driver.info("connected")
+            print("INFO by itself", file=sys.stderr)
+            print("working", end="", flush=True)
+            for done in range(3):
+                print(f"\\r{done + 1} of 3", end="", file=sys.stderr, flush=True)
+            return 0
+            """,
+            lines=["working"],
+        )
+        logs = [event for event in result.events if event["type"] == "log"]
+        self.assertEqual(
+            [(event["level"], event["stream"], event["path"], event["message"]) for event in logs],
+            [
+                ("debug", "logger", "R/X", "robot.driver: connect"),
+                ("info", "logger", "R/X", "robot.driver: connected"),
+                ("info", "stderr", "R/X", "INFO by itself"),
+                ("info", "stdout", "R/X", "working"),
+                ("info", "stderr", "R/X", "3 of 3"),
+            ],
+        )
 
     def test_a_script_may_fork(self):
         result = self.check(

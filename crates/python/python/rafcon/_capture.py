@@ -1,20 +1,30 @@
-"""What scripts print goes to the running machine, line by line, with the state that printed it.
+"""Sends what scripts print to the running machine, with the state that printed it.
 
-Lines that are not finished wait, for each thread and stream apart, until their end or the end of the script.
+Lines of one write are one entry. Unfinished text waits, for each thread and stream apart, until its end, a flush, or the end
+of the script. A progress bar is one entry.
 """
 
 import io
+import re
 import sys
 import threading
 
 from rafcon._bridge import native
 
-#: A line longer than this is cut, so that one message stays small.
-_LINE_MAX = 64 * 1024
-_LEVELS = {"stdout": 20, "stderr": 40}
+#: Longer entries are cut.
+_ENTRY_MAX = 64 * 1024
+_INFO, _WARNING = 20, 30
+_TRACEBACK = "Traceback (most recent call last)"
+#: A bar below another one: lines down, the bar, and as many lines up.
+_BAR_BELOW = re.compile(r"\n+\r([^\n]*?)(?:\x1b\[A)+")
 
-#: Unfinished lines: (thread, stream) to (path of the state, text). Empty if there is nothing to flush.
+#: Unfinished text: (thread, stream) to (path of the state, text). Empty if there is nothing to flush.
 pending = {}
+
+
+def key_of(stream):
+    """The key in ``pending`` of the calling thread."""
+    return threading.get_ident(), stream
 
 
 class Writer(io.TextIOBase):
@@ -39,13 +49,18 @@ class Writer(io.TextIOBase):
 
     @property
     def errors(self):
-        """How what UTF-8 cannot carry is written."""
+        """How text that UTF-8 cannot carry is written."""
         return "backslashreplace"
 
     @property
     def buffer(self):
         """Takes bytes."""
         return self._buffer
+
+    @property
+    def is_captured(self):
+        """Whether text goes to the running machine; False in a forked child."""
+        return not self._forked
 
     def writable(self):
         """Always."""
@@ -56,28 +71,45 @@ class Writer(io.TextIOBase):
         return self._original.fileno()
 
     def isatty(self):
-        """Never: what is printed becomes messages."""
+        """Never: printed text becomes messages."""
         return False
 
     def write(self, text):
-        """Sends the lines that are finished; returns the number of characters."""
+        """Sends the text once it ends a line; returns the number of characters."""
         if not isinstance(text, str):
             raise TypeError(f"write() argument must be str, not {type(text).__name__}")
         if self._forked:
             return self._original.write(text)
-        key = (threading.get_ident(), self._stream)
-        path, waiting = pending.pop(key, (None, ""))
+        at = key_of(self._stream)
+        path, waiting = pending.pop(at, (None, ""))
         if path is None:
             path = native.current_path()
-        rest = _send_lines(path, self._stream, waiting + text)
-        if rest:
-            pending[key] = (path, rest)
+        waiting += text
+        if waiting.endswith("\n"):
+            _send(path, self._stream, waiting[:-1])
+            return len(text)
+        waiting = _folded(waiting)
+        while len(waiting) > _ENTRY_MAX:
+            _emit(path, self._stream, waiting[:_ENTRY_MAX])
+            waiting = waiting[_ENTRY_MAX:]
+        if waiting:
+            pending[at] = (path, waiting)
         return len(text)
 
     def flush(self):
-        """Nothing to do: an unfinished line waits for its end. In a forked child as usual."""
+        """Sends the unfinished text of the calling thread, except for a progress bar."""
         if self._forked:
             self._original.flush()
+            return
+        at = key_of(self._stream)
+        path, waiting = pending.pop(at, (None, ""))
+        finished, newline, line = waiting.rpartition("\n")
+        if "\r" not in line:
+            finished, newline, line = waiting, waiting, ""
+        if newline:
+            _send(path, self._stream, finished)
+        if line:
+            pending[at] = (path, line)
 
     def released(self):
         """Writes to the original from now on: the machine does not live in this process."""
@@ -106,39 +138,50 @@ class _Bytes(io.RawIOBase):
         return self._writer.fileno()
 
 
-def _send_lines(path, stream, text):
-    """Sends every finished line of the text and returns what is left."""
-    start = 0
-    end = text.find("\n")
-    while end >= 0:
-        _send_line(path, stream, text[start:end])
-        start = end + 1
-        end = text.find("\n", start)
-    while len(text) - start > _LINE_MAX:
-        _send(path, stream, text[start : start + _LINE_MAX])
-        start += _LINE_MAX
-    return text[start:]
+def _folded(text):
+    """The text with the newest state of each progress bar; carriage returns mark the unfinished one."""
+    if "\r" not in text:
+        return text
+    if "\x1b[A" in text:
+        text = _BAR_BELOW.sub(r"\r\1", text)
+    finished, newline, line = text.rpartition("\n")
+    if "\r" in line:
+        line = _newest(line) + "\r" if line.endswith("\r") else "\r" + _newest(line)
+    return "\n".join(map(_newest, finished.split("\n"))) + newline + line
 
 
-def _send_line(path, stream, line):
-    line = line.rstrip("\r")
-    for start in range(0, max(len(line), 1), _LINE_MAX):
-        _send(path, stream, line[start : start + _LINE_MAX])
+def _newest(line):
+    """The last drawing of a progress bar, or the line itself."""
+    if "\r" not in line:
+        return line
+    drawings = [drawing for drawing in line.split("\r") if drawing.strip()]
+    return drawings[-1] if drawings else ""
 
 
-def _send(path, stream, line):
-    native.emit(path, stream, _LEVELS[stream], line.encode("utf-8", "backslashreplace").decode("utf-8"))
+def _send(path, stream, text):
+    """Sends text as one entry, in pieces of whole lines if it is long."""
+    text = "\n".join(map(_newest, _folded(text).split("\n")))
+    while len(text) > _ENTRY_MAX:
+        end = text.rfind("\n", 0, _ENTRY_MAX)
+        piece, text = (text[:end], text[end + 1 :]) if end > 0 else (text[:_ENTRY_MAX], text[_ENTRY_MAX:])
+        _emit(path, stream, piece)
+    _emit(path, stream, text)
+
+
+def _emit(path, stream, text):
+    level = _WARNING if stream == "stderr" and _TRACEBACK in text else _INFO
+    native.emit(path, stream, level, text.encode("utf-8", "backslashreplace").decode("utf-8"))
 
 
 def flush_capture():
-    """Sends the unfinished lines of the calling thread."""
+    """Sends the unfinished text of the calling thread."""
     thread = threading.get_ident()
     for key in [key for key in list(pending) if key[0] == thread]:
         _flush(key)
 
 
 def flush_all():
-    """Sends the unfinished lines of every thread; for the end of the process."""
+    """Sends the unfinished text of every thread; for the end of the process."""
     for key in list(pending):
         _flush(key)
 
@@ -146,7 +189,7 @@ def flush_all():
 def _flush(key):
     path, text = pending.pop(key, (None, ""))
     if text:
-        _send_line(path, key[1], text)
+        _send(path, key[1], text)
 
 
 def install():
@@ -156,7 +199,7 @@ def install():
 
 
 def release():
-    """In a forked child: forgets the parent's unfinished lines, and prints to the real streams."""
+    """In a forked child: forgets the parent's unfinished text, and prints to the real streams."""
     pending.clear()
     for writer in (sys.stdout, sys.stderr):
         if isinstance(writer, Writer):

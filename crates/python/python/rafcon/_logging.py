@@ -1,9 +1,14 @@
-"""What scripts log goes to the running machine, with the state that logged it."""
+"""Sends records of Python's ``logging`` to the running machine, with level, name of the logger, and state.
 
+Each record is sent once: by the logger ``rafcon``, by a handler that prints to the terminal, or by the root handler.
+"""
+
+import functools
 import logging
 import os
 
 from rafcon._bridge import native
+from rafcon._capture import Writer
 from rafcon.utils.log import VERBOSE, get_logger
 
 
@@ -12,7 +17,7 @@ owners = {}
 
 
 class Handler(logging.Handler):
-    """Sends each record of the logger ``rafcon`` as one message."""
+    """Sends each record as one message."""
 
     def __init__(self):
         logging.Handler.__init__(self)
@@ -24,11 +29,9 @@ class Handler(logging.Handler):
             message = self.format(record)
             if self._forked:
                 os.write(2, (message + "\n").encode("utf-8", "backslashreplace"))
-                return
-            path = native.current_path()
-            if path < 0:
-                path = owners.get(record.name, -1)
-            native.emit(path, "logger", record.levelno, _utf8(message))
+            elif not getattr(record, "_is_sent", False):
+                record._is_sent = True
+                _send(record, message)
         except Exception:
             self.handleError(record)
 
@@ -37,9 +40,67 @@ class Handler(logging.Handler):
         self._forked = True
 
 
+class _RootHandler(Handler):
+    """Sends records of all loggers, unless a handler that prints decides on them."""
+
+    def emit(self, record):
+        if not any(map(_prints, logging.root.handlers)):
+            Handler.emit(self, record)
+
+
+def _send(record, message):
+    path = native.current_path()
+    if path < 0:
+        path = owners.get(record.name, -1)
+    if not _is_own(record.name):
+        message = f"{record.name}: {message}"
+    native.emit(path, "logger", record.levelno, _utf8(message))
+
+
+def _is_own(name):
+    return name in ("root", "rafcon", "py.warnings") or name.startswith("rafcon.")
+
+
+def _prints(handler):
+    """Whether a handler writes to the captured ``sys.stdout`` or ``sys.stderr``."""
+    return isinstance(handler, logging.StreamHandler) and isinstance(handler.stream, Writer)
+
+
+_handler = Handler()
+_emit_to_stream = logging.StreamHandler.emit
+_basic_config = logging.basicConfig
+
+
+def _emit(handler, record):
+    """``StreamHandler.emit``: a record for the terminal goes to the machine as a record."""
+    if _prints(handler) and handler.stream.is_captured:
+        _handler.emit(record)
+    else:
+        _emit_to_stream(handler, record)
+
+
+@functools.wraps(_basic_config)
+def _configure_basically(**options):
+    """``logging.basicConfig``, which has an effect only on a root logger without handlers."""
+    root = logging.root
+    ours = [handler for handler in root.handlers if isinstance(handler, _RootHandler)]
+    for handler in ours:
+        root.removeHandler(handler)
+    try:
+        _basic_config(**options)
+    finally:
+        for handler in ours:
+            root.addHandler(handler)
+
+
+def released(self):
+        """Writes to the standard error from now on: the machine does not live in this process."""
+        self._forked = True
+
+
 def release():
     """In a forked child: what is logged goes to the standard error."""
-    for handler in get_logger("rafcon").handlers:
+    for handler in [*get_logger("rafcon").handlers, *logging.root.handlers]:
         if isinstance(handler, Handler):
             handler.released()
 
@@ -49,18 +110,23 @@ def _utf8(text):
 
 
 def install():
-    """Sets up the logger ``rafcon``: every level down to VERBOSE, one handler. Python's warnings are logged too.
+    """Sets up the logger ``rafcon``, every level down to VERBOSE, and the root logger from INFO. Python's warnings are logged too.
 
     ``RAFCON_LOGGING_CONF`` may name a JSON file for ``logging.config.dictConfig``: its levels, filters and files hold.
     Handlers that would print to the terminal make way for ours, or each line came twice.
     """
     logger = get_logger("rafcon")
     logger.setLevel(VERBOSE)
+    logging.root.setLevel(logging.INFO)
     problem = _configure(os.environ.get("RAFCON_LOGGING_CONF"))
     handler = Handler()
     _take_over(logger, handler)
     _take_over(logging.getLogger("py.warnings"), handler)
     logging.captureWarnings(True)
+    if not any(isinstance(handler, _RootHandler) for handler in logging.root.handlers):
+        logging.root.addHandler(_RootHandler())
+    logging.StreamHandler.emit = _emit
+    logging.basicConfig = _configure_basically
     if problem:
         logger.warning(problem)
 

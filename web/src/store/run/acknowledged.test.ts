@@ -45,6 +45,17 @@ test("an error that climbs is one failure, and one elsewhere is another", () => 
   expect(words(watch)).toEqual(["1 aborted R/A/B up to R ", "5 aborted R/C "]);
 });
 
+test("text on the standard error and records below warning need no acknowledgement", () => {
+  const { watch, tell } = run("chatty");
+  const base = { type: "log", path: "R/A" } as const;
+  tell(
+    { ...base, level: "debug", stream: "logger", message: "robot.driver: connect" },
+    { ...base, level: "info", stream: "stderr", message: "INFO robot.driver connected" },
+    { ...base, level: "info", stream: "stderr", message: "100%|████| 3/3" },
+  );
+  expect(words(watch)).toEqual([]);
+});
+
 test("the same of the same state counts, whatever comes between, and stays at its place", () => {
   const { watch, tell } = run("loop");
   for (const distance of ["0.31", "0.28", "0.5"]) {
