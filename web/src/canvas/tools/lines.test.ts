@@ -1,4 +1,7 @@
+import fc from "fast-check";
 import { expect, test } from "vitest";
+import { distance, type Point } from "../../model/geometry.ts";
+import { isExactlyRightAngled } from "../../plan/right_angles.ts";
 import { type Driver, driver } from "../testing/driver.ts";
 
 const MACHINE = `
@@ -15,18 +18,28 @@ function middle(canvas: Driver) {
   return { x: (from.x + to.x) / 2, y: (from.y + to.y) / 2 };
 }
 
-test("dragging a line makes a waypoint, and shows it", () => {
+test("dragging a line at right angles moves a piece of it, and shows it", () => {
   const canvas = driver(MACHINE);
   const { x, y } = middle(canvas);
   canvas.press({ x, y }).drag({ x, y: y + 80 });
   expect(canvas.controller.doing).toBe("waypoint");
-  expect(canvas.shown().routes("R")[1]?.points).toContainEqual({ x, y: y + 80 });
+  const bends = [
+    [168, y],
+    [168, y + 80],
+    [582, y + 80],
+    [582, y],
+  ];
+  const shown = canvas
+    .shown()
+    .routes("R")[1]
+    ?.points.map((point) => [point.x, point.y]);
+  for (const bend of bends) expect(shown).toContainEqual(bend);
   canvas.release();
-  expect(canvas.text()).toContain(`set_waypoints R {"transition":1} [[${x},${y + 80}]]`);
+  expect(canvas.text()).toContain(`set_waypoints R {"transition":1} ${JSON.stringify(bends)}`);
   expect(canvas.selection()).toBe("transition:R:1");
 });
 
-test("a waypoint near the straight line goes away", () => {
+test("a piece near the straight line joins it", () => {
   const canvas = driver(MACHINE);
   const { x, y } = middle(canvas);
   canvas
@@ -37,6 +50,45 @@ test("a waypoint near the straight line goes away", () => {
   canvas.release();
   expect(canvas.session.made.at(-1)?.edit).toMatchObject({ waypoints: [] });
 });
+
+test("a line keeps its right angles wherever and however often it is dragged", () => {
+  const part = fc.double({ min: 0, max: 1, noNaN: true });
+  const by = fc.double({ min: -300, max: 300, noNaN: true });
+  const drags = fc.array(fc.record({ part, x: by, y: by }), { minLength: 1, maxLength: 5 });
+  fc.assert(
+    fc.property(drags, fc.constantFrom("B", "C"), (all, target) => {
+      const canvas = driver(MACHINE.replace("A.ok > B", `A.ok > ${target}`));
+      canvas.select("transition:R:1");
+      for (const { part, x, y } of all) {
+        const points = canvas.shown().routes("R")[1]?.points ?? [];
+        const at = alongLine(points, part);
+        canvas
+          .press(at)
+          .drag({ x: at.x + x, y: at.y + y })
+          .release();
+        const shown = canvas.shown().routes("R")[1]?.points ?? [];
+        expect(isExactlyRightAngled(shown), JSON.stringify(shown)).toBe(true);
+      }
+    }),
+  );
+});
+
+/** A point of a line, by its part of the length, not too near to the ends: those are led elsewhere. */
+function alongLine(points: readonly Point[], part: number): Point {
+  const lengths = points.slice(1).map((to, index) => distance(points[index] ?? to, to));
+  let left = (0.1 + 0.8 * part) * lengths.reduce((sum, length) => sum + length, 0);
+  for (const [index, length] of lengths.entries()) {
+    const [from, to] = [points[index], points[index + 1]];
+    if (from && to && left <= length) {
+      return {
+        x: from.x + ((to.x - from.x) * left) / length,
+        y: from.y + ((to.y - from.y) * left) / length,
+      };
+    }
+    left -= length;
+  }
+  throw new Error("no line");
+}
 
 test("with Shift a waypoint keeps an even direction", () => {
   const canvas = driver(MACHINE);

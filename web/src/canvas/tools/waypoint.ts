@@ -1,4 +1,4 @@
-/** Makes, moves and merges waypoints of a connection. */
+/** Makes, moves and merges waypoints of a connection. A line at right angles keeps them, but with Shift. */
 
 import { type Box, distance, type Point } from "../../model/geometry.ts";
 import { waypointsOf } from "../../model/layout_reader.ts";
@@ -8,6 +8,7 @@ import { nearestOn } from "../hit/lines.ts";
 import type { LineRef } from "../hit/look.ts";
 import { showing } from "../overlay.ts";
 import { type Gesture, inState, type Pointer, type ToolContext, worldOf } from "./gesture.ts";
+import { bentSquare, type SquareBend, squareBend } from "./square_bend.ts";
 
 interface Bending {
   readonly element: LineRef;
@@ -17,6 +18,8 @@ interface Bending {
   /** The other waypoints before and behind it, in the container's coordinates. */
   readonly before: readonly Point[];
   readonly after: readonly Point[];
+  /** What is dragged of a line at right angles; null of others. */
+  readonly square: SquareBend | null;
   /** Ends of the connection, in the container's coordinates. */
   readonly first: Point;
   readonly last: Point;
@@ -36,10 +39,12 @@ export function bending(
   const points = routeOf(layout, element)?.points ?? [];
   const end = (at: Point | undefined) =>
     inState(layout, element.path, at ?? worldOf(pressed, context));
+  const corners = element.kind === "transition" ? points.map(end) : [];
   const start: Bending = {
     element,
     index,
     isOld,
+    square: squareBend(corners, end(undefined), isOld ? "corner" : "piece"),
     before: all.slice(0, index),
     after: all.slice(isOld ? index + 1 : index),
     first: end(points[0]),
@@ -54,6 +59,7 @@ const MERGE = 6;
 function next(start: Bending, pointer: Pointer, context: ToolContext): Gesture {
   const { element, before, after } = start;
   const at = placed(start, pointer, context);
+  if (start.square && !pointer.shift) return bentAtRightAngles(start, start.square, at, context);
   const isMerged = isStraight(start, at, context);
   const points = isMerged ? [...before, ...after] : [...before, at, ...after];
   const plan = setWaypoints(context.machine, element, points);
@@ -63,6 +69,26 @@ function next(start: Bending, pointer: Pointer, context: ToolContext): Gesture {
     overlay: showing(plan),
     move: (then, there) => next(start, then, there),
     result: () => (isMerged && !start.isOld ? {} : { plan }),
+  };
+}
+
+function bentAtRightAngles(
+  start: Bending,
+  square: SquareBend,
+  at: Point,
+  context: ToolContext,
+): Gesture {
+  const { element } = start;
+  const { machine, layout, camera } = context;
+  const points = bentSquare(square, at, MERGE / (layout.unit(element.path) * camera.scale));
+  const plan = setWaypoints(machine, element, points);
+  const isNew = points.length > 0 || start.before.length + start.after.length > 0 || start.isOld;
+  return {
+    name: "waypoint",
+    cursor: "grabbing",
+    overlay: showing(plan),
+    move: (then, there) => next(start, then, there),
+    result: () => (isNew ? { plan } : {}),
   };
 }
 
