@@ -8,7 +8,7 @@ use crate::json;
 use crate::types::library::{Kind, Type, TypeField};
 use crate::types::{Primitive, Shape};
 
-use super::aligned;
+use super::{WIDE_UNIT, aligned};
 
 /// Text and arrays of a message, both appended to what is there.
 #[derive(Default)]
@@ -161,20 +161,24 @@ impl<'a> Reader<'a, '_> {
         Ok(())
     }
 
-    /// Units of UTF-16; half of a pair becomes U+FFFD.
+    /// Units of UTF-16 in four bytes each, as Fast DDS writes them; half of a pair becomes U+FFFD.
     fn wide_text(&mut self, most: u32) -> Result<(), String> {
         let length = self.length()?;
-        let taken = self.take(length.saturating_mul(2))?;
-        let unit = |pair: &[u8]| match self.little {
-            true => u16::from_le_bytes([pair[0], pair[1]]),
-            false => u16::from_be_bytes([pair[0], pair[1]]),
-        };
-        let units = taken.chunks_exact(2).map(unit);
+        let taken = self.take(length.saturating_mul(WIDE_UNIT))?;
+        let units = taken.chunks_exact(WIDE_UNIT).map(|unit| self.wide_unit(unit));
         let text: String =
             char::decode_utf16(units).map(|c| c.unwrap_or(char::REPLACEMENT_CHARACTER)).collect();
         bounded(&text, most)?;
         json::write_text(&text, &mut self.to.text);
         Ok(())
+    }
+
+    /// A unit of UTF-16; a number that is none becomes U+FFFD.
+    fn wide_unit(&self, bytes: &[u8]) -> u16 {
+        let add = |value: u32, byte: &u8| (value << 8) | u32::from(*byte);
+        let unit =
+            if self.little { bytes.iter().rev().fold(0, add) } else { bytes.iter().fold(0, add) };
+        u16::try_from(unit).unwrap_or(0xFFFD)
     }
 }
 

@@ -67,13 +67,13 @@ fn numbers_stand_at_multiples_of_their_width() {
 }
 
 #[test]
-fn texts_have_their_length_and_wide_texts_units_of_two_bytes() {
+fn texts_have_their_length_and_wide_texts_units_of_four_bytes() {
     check(
         "string a\nwstring b\nstring<=2[] c",
         r#"{"a":"ä","b":"x\ud83d\ude00","c":["a",""]}"#,
         &[],
         expect![[r#"
-            03000000c3a400000300000078003dd800de00000200000002000000610000000100000000
+            03000000c3a4000003000000780000003dd8000000de00000200000002000000610000000100000000
             {"a":"ä","b":"x😀","c":["a",""]} []"#]],
     );
 }
@@ -175,7 +175,7 @@ fn a_peer_cannot_make_this_program_believe_a_length() {
     show(
         "wstring a",
         &[255, 255, 255, 255, 65],
-        expect!["the 5 bytes are no own/msg/Own: a: they end before byte 8589934594"],
+        expect!["the 5 bytes are no own/msg/Own: a: they end before byte 17179869184"],
     );
     show("string a", &[4, 0, 0, 0, 65, 0, 255, 0], expect![[r#"{"a":"A\u0000�"} []"#]]);
     show(
@@ -192,7 +192,7 @@ fn a_peer_cannot_make_this_program_believe_a_length() {
 
 #[test]
 fn the_other_order_of_bytes_is_read_too() {
-    let bytes = [0, 0, 0, 2, 0, 1, 0, 2, 0, 0, 0, 0, 0, 0, 0, 5, 0, 0, 0, 1, 0, 65];
+    let bytes = [0, 0, 0, 2, 0, 1, 0, 2, 0, 0, 0, 0, 0, 0, 0, 5, 0, 0, 0, 1, 0, 0, 0, 65];
     expect![[r#"{"a":{"$":["H",0,4]},"b":5,"c":"A"} [1, 0, 2, 0]"#]].assert_eq(&decode(
         &of("uint16[] a\nint64 b\nwstring c"),
         &bytes,

@@ -192,7 +192,7 @@ impl Writer<'_> {
         if primitive == Primitive::WideText {
             let units: Vec<u16> = text.encode_utf16().collect();
             self.length(units.len())?;
-            self.bytes.extend(units.iter().flat_map(|unit| unit.to_ne_bytes()));
+            self.bytes.extend(units.iter().flat_map(|unit| u32::from(*unit).to_ne_bytes()));
         } else {
             self.length(text.len() + 1)?;
             self.bytes.extend_from_slice(text.as_bytes());
