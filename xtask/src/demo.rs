@@ -7,7 +7,7 @@ use std::process::Stdio;
 use anyhow::{Context as _, Result, bail};
 
 use crate::product::{Product, Profile};
-use crate::{link_demo, process, test, web, workspace};
+use crate::{link_demo, process, ros_helper, test, web, workspace};
 
 /// What `cargo xtask demo` can be asked for.
 #[derive(clap::Args)]
@@ -35,6 +35,9 @@ pub(crate) fn run(options: &DemoOptions) -> Result<()> {
         web::build()?;
     }
     let product = Product::build(Profile::Release)?;
+    if let Err(why) = ros_helper::build(Profile::Release) {
+        eprintln!("the demo runs without rafcon-ros, which cannot be built: {why:#}");
+    }
     let missions = workspace::target()?.join("demo");
     let mission = missions.join("mission");
     if mission.exists() {

@@ -1,9 +1,9 @@
 //! What lies in `ros/`, a workspace of its own: the program `rafcon-ros`, by which scripts speak ROS where there is no rclpy.
 //!
-//! It is built with `RustDDS` as published but for a few changes, without which peers of Fast DDS do not learn that something
-//! was given back and are found seconds later, large messages take seconds, a run does not hear itself, a process that was
-//! stopped and continued hears nothing any more, and the last message of one that ends can be lost. The changed copy lies in the
-//! target folder, never in the repository.
+//! It is built with `RustDDS` as published but for the changes in [`changes`]. The changed copy lies in the target folder, never
+//! in the repository.
+
+mod changes;
 
 use std::ffi::OsStr;
 use std::fs;
@@ -16,98 +16,7 @@ use serde_json::Value;
 use crate::product::Profile;
 use crate::{process, workspace};
 
-/// A change: the file, what is there, and what is to be there.
-type Change = (&'static str, &'static str, &'static str);
-
-/// Where `RustDDS` keeps what readers have not passed on yet.
-const CACHE: &str = "src/structure/dds_cache.rs";
-
-const CHANGES: [Change; 12] = [
-    // Fast DDS takes the key of what is gone from the inline QoS only ("too large key-only data" otherwise), as the
-    // specification has it. A built-in key is a parameter of 16 bytes before the sentinel of 4.
-    (
-        "src/rtps/message.rs",
-        "DDSData::DisposeByKey { .. } => {\n        param_list.push(Parameter::create_pid_status_info_parameter(",
-        "DDSData::DisposeByKey { ref key, .. } => {
-        if let Some(guid) = key.value.len().checked_sub(20).and_then(|at| key.value.get(at..at + 16)) {
-          param_list.push(Parameter { parameter_id: ParameterId::PID_KEY_HASH, value: guid.to_vec() });
-        }
-        param_list.push(Parameter::create_pid_status_info_parameter(",
-    ),
-    // Without it a participant does not find the way to itself where there is only the loopback interface.
-    (
-        "src/rtps/message_receiver.rs",
-        "if source_prefix == GuidPrefix::UNKNOWN || source_prefix == self.own_guid_prefix {\n      return;",
-        "if source_prefix == GuidPrefix::UNKNOWN {\n      return;",
-    ),
-    // Fast DDS (vendor 1.15) answers a reader that asks what there is only if that asks as its own do, by the number 0; else
-    // what was published before is there seconds later.
-    (
-        "src/rtps/reader.rs",
-        "reader_sn_state: SequenceNumberSet::new_empty(SequenceNumber::new(1)),\n        count: acknack_count,",
-        "reader_sn_state: SequenceNumberSet::new_empty(SequenceNumber::new(
-          i64::from(!remote_writer_guid.prefix.as_ref().starts_with(&[1, 15])),
-        )),
-        count: acknack_count,",
-    ),
-    // Parts of 256 bytes overflow the sockets of peers at once, and then come at 0.8 MB a second.
-    (
-        "src/rtps/constant.rs",
-        "pub const FRAGMENT_SIZE: usize = 256;",
-        "pub const FRAGMENT_SIZE: usize = 32_000;",
-    ),
-    (
-        "src/rtps/constant.rs",
-        "pub const REPAIR_BATCH_MAX_BYTES: usize = 8192;",
-        "pub const REPAIR_BATCH_MAX_BYTES: usize = 1 << 17;",
-    ),
-    // A process that was stopped and continued is interrupted where it waits: without these two it hears nothing any more.
-    (
-        "src/rtps/dp_event_loop.rs",
-        "        Ok(_) => {}\n        Err(e) => {\n          error!(\"dp_event_loop poll failed",
-        "        Ok(_) => {}
-        Err(e) if e.kind() == std::io::ErrorKind::Interrupted => {}
-        Err(e) => {\n          error!(\"dp_event_loop poll failed",
-    ),
-    (
-        "src/discovery/discovery.rs",
-        "        Ok(_) => (),\n        Err(e) => {\n          error!(\"Failed in waiting of poll in discovery",
-        "        Ok(_) => (),
-        Err(e) if e.kind() == std::io::ErrorKind::Interrupted => (),
-        Err(e) => {\n          error!(\"Failed in waiting of poll in discovery",
-    ),
-    // What a writer had confirmed when it went can be read as long as it is kept: else the last response of a server that ends is
-    // lost if nobody has read it by then.
-    (
-        CACHE,
-        "  received_reliably_before: BTreeMap<GUID, SequenceNumber>,\n}",
-        "  received_reliably_before: BTreeMap<GUID, SequenceNumber>,\n  gone: BTreeMap<GUID, SequenceNumber>,\n}",
-    ),
-    (
-        CACHE,
-        "      received_reliably_before: BTreeMap::new(),\n",
-        "      received_reliably_before: BTreeMap::new(),\n      gone: BTreeMap::new(),\n",
-    ),
-    (
-        CACHE,
-        "    self.received_reliably_before.remove(&writer);\n",
-        "    if let Some(marker) = self.received_reliably_before.remove(&writer) {
-      if self.sequence_numbers.contains_key(&writer) {
-        self.gone.insert(writer, marker);
-      }
-    }\n",
-    ),
-    (
-        CACHE,
-        "      .get(&writer)\n      .cloned()\n      .unwrap_or(SequenceNumber::default())",
-        "      .get(&writer)\n      .or_else(|| self.gone.get(&writer))\n      .cloned()\n      .unwrap_or(SequenceNumber::default())",
-    ),
-    (
-        CACHE,
-        "      self.sequence_numbers.remove(&cc.writer_guid);\n",
-        "      self.sequence_numbers.remove(&cc.writer_guid);\n      self.gone.remove(&cc.writer_guid);\n",
-    ),
-];
+use self::changes::CHANGES;
 
 /// What is checked of it wherever the rest is: its format, and that what it depends on is fixed. To compile it takes too long for that.
 pub(crate) fn lint() -> Result<()> {
@@ -135,12 +44,12 @@ pub(crate) fn build(profile: Profile) -> Result<PathBuf> {
     Ok(program)
 }
 
-/// Builds, lints and tests it by itself; `cargo xtask ros` tests it with peers.
+/// Builds, lints and tests it by itself, for debug and release builds of `rafcon`; `cargo xtask ros` tests it with peers.
 pub(crate) fn test() -> Result<()> {
     lint()?;
     process::run(cargo("clippy")?.args(["--all-targets", "--", "-D", "warnings"]))?;
     process::run(&mut cargo("test")?)?;
-    build(Profile::Debug).map(drop)
+    [Profile::Debug, Profile::Release].into_iter().try_for_each(|profile| build(profile).map(drop))
 }
 
 fn folder() -> Result<PathBuf> {

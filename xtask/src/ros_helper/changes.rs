@@ -1,0 +1,149 @@
+//! The changes to `RustDDS` as published.
+//!
+//! Without them peers of Fast DDS do not learn that something was given back and are found seconds later, large messages take
+//! seconds, large requests and responses are lost, a run does not hear itself, a new reader hears old messages, a process that was
+//! stopped and continued hears nothing any more, and the last message of one that ends can be lost.
+
+/// A change: the file, what is there, and what is to be there.
+pub(super) type Change = (&'static str, &'static str, &'static str);
+
+/// Where `RustDDS` keeps what readers have not passed on yet.
+const CACHE: &str = "src/structure/dds_cache.rs";
+
+pub(super) const CHANGES: &[Change] = &[
+    // Fast DDS takes the key of what is gone from the inline QoS only ("too large key-only data" otherwise), as the
+    // specification has it. A built-in key is a parameter of 16 bytes before the sentinel of 4.
+    (
+        "src/rtps/message.rs",
+        "DDSData::DisposeByKey { .. } => {\n        param_list.push(Parameter::create_pid_status_info_parameter(",
+        "DDSData::DisposeByKey { ref key, .. } => {
+        if let Some(guid) = key.value.len().checked_sub(20).and_then(|at| key.value.get(at..at + 16)) {
+          param_list.push(Parameter { parameter_id: ParameterId::PID_KEY_HASH, value: guid.to_vec() });
+        }
+        param_list.push(Parameter::create_pid_status_info_parameter(",
+    ),
+    // Without it a participant does not find the way to itself where there is only the loopback interface.
+    (
+        "src/rtps/message_receiver.rs",
+        "if source_prefix == GuidPrefix::UNKNOWN || source_prefix == self.own_guid_prefix {\n      return;",
+        "if source_prefix == GuidPrefix::UNKNOWN {\n      return;",
+    ),
+    // Fast DDS (vendor 1.15) answers a reader that asks what there is only if that asks as its own do, by the number 0; else
+    // what was published before is there seconds later.
+    (
+        "src/rtps/reader.rs",
+        "reader_sn_state: SequenceNumberSet::new_empty(SequenceNumber::new(1)),\n        count: acknack_count,",
+        "reader_sn_state: SequenceNumberSet::new_empty(SequenceNumber::new(
+          i64::from(!remote_writer_guid.prefix.as_ref().starts_with(&[1, 15])),
+        )),
+        count: acknack_count,",
+    ),
+    // Parts of 256 bytes overflow the sockets of peers at once, and then come at 0.8 MB a second.
+    (
+        "src/rtps/constant.rs",
+        "pub const FRAGMENT_SIZE: usize = 256;",
+        "pub const FRAGMENT_SIZE: usize = 32_000;",
+    ),
+    (
+        "src/rtps/constant.rs",
+        "pub const REPAIR_BATCH_MAX_BYTES: usize = 8192;",
+        "pub const REPAIR_BATCH_MAX_BYTES: usize = 1 << 17;",
+    ),
+    // A process that was stopped and continued is interrupted where it waits: without these two it hears nothing any more.
+    (
+        "src/rtps/dp_event_loop.rs",
+        "        Ok(_) => {}\n        Err(e) => {\n          error!(\"dp_event_loop poll failed",
+        "        Ok(_) => {}
+        Err(e) if e.kind() == std::io::ErrorKind::Interrupted => {}
+        Err(e) => {\n          error!(\"dp_event_loop poll failed",
+    ),
+    (
+        "src/discovery/discovery.rs",
+        "        Ok(_) => (),\n        Err(e) => {\n          error!(\"Failed in waiting of poll in discovery",
+        "        Ok(_) => (),
+        Err(e) if e.kind() == std::io::ErrorKind::Interrupted => (),
+        Err(e) => {\n          error!(\"Failed in waiting of poll in discovery",
+    ),
+    // What a writer had confirmed when it went can be read as long as it is kept: else the last response of a server that ends is
+    // lost if nobody has read it by then.
+    (
+        CACHE,
+        "  received_reliably_before: BTreeMap<GUID, SequenceNumber>,\n}",
+        "  received_reliably_before: BTreeMap<GUID, SequenceNumber>,\n  gone: BTreeMap<GUID, SequenceNumber>,\n}",
+    ),
+    (
+        CACHE,
+        "      received_reliably_before: BTreeMap::new(),\n",
+        "      received_reliably_before: BTreeMap::new(),\n      gone: BTreeMap::new(),\n",
+    ),
+    (
+        CACHE,
+        "    self.received_reliably_before.remove(&writer);\n",
+        "    if let Some(marker) = self.received_reliably_before.remove(&writer) {
+      if self.sequence_numbers.contains_key(&writer) {
+        self.gone.insert(writer, marker);
+      }
+    }\n",
+    ),
+    (
+        CACHE,
+        "      .get(&writer)\n      .cloned()\n      .unwrap_or(SequenceNumber::default())",
+        "      .get(&writer)\n      .or_else(|| self.gone.get(&writer))\n      .cloned()\n      .unwrap_or(SequenceNumber::default())",
+    ),
+    (
+        CACHE,
+        "      self.sequence_numbers.remove(&cc.writer_guid);\n",
+        "      self.sequence_numbers.remove(&cc.writer_guid);\n      self.gone.remove(&cc.writer_guid);\n",
+    ),
+    // The length of inline QoS lacks the byte that marks an optional value, so peers drop fragments of requests and responses.
+    (
+        "src/messages/submessages/data_frag.rs",
+        "    if self.inline_qos.is_some() && !self.inline_qos.as_ref().unwrap().parameters.is_empty() {
+      writer.write_value(&self.inline_qos)?;
+    }",
+        "    if let Some(inline_qos) = &self.inline_qos {
+      writer.write_value(inline_qos)?;
+    }",
+    ),
+    // Each reader has a cache of its own. In one that all readers of a topic share, a new reader finds old messages.
+    (
+        "src/dds/pubsub.rs",
+        "    let topic_cache_handle = match dp.dds_cache().read() {
+      Ok(dds_cache) => dds_cache.get_existing_topic_cache(&topic.name())?,",
+        "    let topic_cache_handle = match dp.dds_cache().write() {
+      Ok(mut dds_cache) => dds_cache.cache_of_reader(topic.name(), topic.get_type(), &qos),",
+    ),
+    (
+        CACHE,
+        "  topic_caches: HashMap<String, Arc<Mutex<TopicCache>>>,
+}",
+        "  topic_caches: HashMap<String, Arc<Mutex<TopicCache>>>,
+  of_readers: Vec<std::sync::Weak<Mutex<TopicCache>>>,
+}",
+    ),
+    (
+        CACHE,
+        "  pub(crate) fn get_existing_topic_cache(",
+        "  pub(crate) fn cache_of_reader(
+    &mut self,
+    topic_name: String,
+    topic_data_type: TypeDesc,
+    qos: &QosPolicies,
+  ) -> Arc<Mutex<TopicCache>> {
+    let cache = Arc::new(Mutex::new(TopicCache::new(topic_name, topic_data_type, qos)));
+    self.of_readers.push(Arc::downgrade(&cache));
+    cache
+  }
+
+  #[allow(dead_code)]
+  pub(crate) fn get_existing_topic_cache(",
+    ),
+    (
+        CACHE,
+        "    for tc in self.topic_caches.values_mut() {
+",
+        "    self.of_readers.retain(|cache| cache.strong_count() > 0);
+    for tc in self.of_readers.iter().filter_map(std::sync::Weak::upgrade) {
+",
+    ),
+];
