@@ -23,10 +23,10 @@ const DIRECTIONS: readonly Point[] = [
 /** Corners of the cheapest way through no state; null if none is found. */
 export function freeWay(line: RouteRequest, lanes: RoutingLanes): readonly Point[] | null {
   const boxes = lanes.boxesNear(line, BOXES_MAX);
-  return new Search(line, lanes, boxes).run();
+  return new WaySearch(line, lanes, boxes).run();
 }
 
-interface Visit {
+interface SearchStep {
   readonly state: number;
   /** State of the search before it; -1: the start. */
   readonly before: number;
@@ -36,7 +36,7 @@ interface Visit {
 }
 
 /** A* over points of the grid and the direction of arrival there. */
-class Search {
+class WaySearch {
   readonly #line: RouteRequest;
   readonly #lanes: RoutingLanes;
   readonly #columns: readonly number[];
@@ -72,7 +72,7 @@ class Search {
   }
 
   /** The line leaves its port straight, and never turns back. */
-  #spread({ state, cost }: Visit, isFirst: boolean): void {
+  #spread({ state, cost }: SearchStep, isFirst: boolean): void {
     const direction = state & 3;
     for (const turn of isFirst ? [0] : [0, 1, 3]) {
       this.#step(state, cost, (direction + turn) & 3, turn !== 0);
@@ -150,9 +150,9 @@ function between(
 
 /** A binary heap: the visit with the least total comes first. */
 class Queue {
-  readonly #heap: Visit[] = [];
+  readonly #heap: SearchStep[] = [];
 
-  push(visit: Visit): void {
+  push(visit: SearchStep): void {
     const heap = this.#heap;
     let at = heap.push(visit) - 1;
     while (at > 0) {
@@ -165,7 +165,7 @@ class Queue {
     heap[at] = visit;
   }
 
-  pop(): Visit | undefined {
+  pop(): SearchStep | undefined {
     const heap = this.#heap;
     const [first] = heap;
     const last = heap.pop();
@@ -173,7 +173,7 @@ class Queue {
     return first;
   }
 
-  #sink(visit: Visit): void {
+  #sink(visit: SearchStep): void {
     const heap = this.#heap;
     let at = 0;
     for (;;) {

@@ -35,13 +35,17 @@ interface Drawing {
   readonly box: (path: string) => Box;
 }
 
-interface LineEnds {
+interface StoredEnds {
   readonly start: Point | null;
   readonly goal: Point | null;
 }
 
 /** Where a transition begins and ends, in the coordinates of the container; null if nowhere. */
-export function lineEnds(machine: Machine, container: string, line: TransitionDocument): LineEnds {
+export function lineEnds(
+  machine: Machine,
+  container: string,
+  line: TransitionDocument,
+): StoredEnds {
   return endsIn(drawingOf(machine), container, line);
 }
 
@@ -49,7 +53,7 @@ function drawingOf(machine: Machine): Drawing {
   return { state: (path) => machine.state(path), box: (path) => boxIn(machine, path) };
 }
 
-function endsIn(drawing: Drawing, container: string, line: TransitionDocument): LineEnds {
+function endsIn(drawing: Drawing, container: string, line: TransitionDocument): StoredEnds {
   const { from_state, from_outcome, to_state, to_outcome } = line;
   return {
     start: portIn(drawing, container, from_state ?? null, from_outcome ?? null),
@@ -171,8 +175,8 @@ function portKey(element: Extract<Edit, { edit: "set_position" }>["element"]): s
 function keptBends(
   points: readonly Point[],
   shown: readonly Point[],
-  before: LineEnds,
-  after: LineEnds,
+  before: StoredEnds,
+  after: StoredEnds,
 ): readonly Point[] | null {
   const [atStart, atGoal] = [way(before.start, after.start), way(before.goal, after.goal)];
   const kept = isSame(atStart, atGoal)
@@ -185,8 +189,8 @@ function keptBends(
 
 function bentBetween(
   points: readonly Point[],
-  before: LineEnds,
-  after: LineEnds,
+  before: StoredEnds,
+  after: StoredEnds,
 ): readonly Point[] | null {
   const first = bentAlong(points, before.start, way(before.start, after.start), true);
   const bent = first && bentAlong(first, before.goal, way(before.goal, after.goal), false);
@@ -194,7 +198,7 @@ function bentBetween(
   return bent && isRightAngled(whole(after, bent)) ? bent : [];
 }
 
-function whole({ start, goal }: LineEnds, points: readonly Point[]): readonly Point[] {
+function whole({ start, goal }: StoredEnds, points: readonly Point[]): readonly Point[] {
   return [...(start ? [start] : []), ...points, ...(goal ? [goal] : [])];
 }
 

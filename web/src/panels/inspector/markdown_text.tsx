@@ -49,13 +49,13 @@ function PlainText({ text }: { text: string }) {
   );
 }
 
-interface Piece {
+interface TextPiece {
   readonly at: number;
   readonly piece: string;
 }
 
-function piecesOf(text: string): readonly Piece[] {
-  const pieces: Piece[] = [];
+function piecesOf(text: string): readonly TextPiece[] {
+  const pieces: TextPiece[] = [];
   for (let at = 0; at < text.length; ) {
     const line = text.indexOf("\n", at + PIECE / 2);
     const end = line >= 0 && line < at + PIECE ? line + 1 : at + PIECE;
