@@ -26,12 +26,13 @@ pub(crate) fn after_fork_in_child(py: Python<'_>) -> PyResult<()> {
     rafcon_runner::descriptors().into_iter().try_for_each(|open| close.call1((open,)).map(drop))
 }
 
-/// Ends a copy whose script has returned: the state machine lives elsewhere. As Python does it for a child of
+/// Ends a copy whose script has returned, after its threads: the state machine lives elsewhere. As Python does it for a child of
 /// `multiprocessing`, nothing is cleaned up that belongs to the parent.
 pub(crate) fn end(py: Python<'_>, result: &ScriptResult<Handle>) -> ! {
-    let flushed = ["stdout", "stderr"]
-        .iter()
-        .try_for_each(|name| py.import("sys")?.getattr(*name)?.call_method0("flush").map(drop));
-    let failed = flushed.is_err() || result.returned == Returned::Raised;
-    signal_hook::low_level::exit(i32::from(failed))
+    let has_failed = result.returned == Returned::Raised;
+    let error = result.error.as_ref().filter(|_| has_failed).map(|error| error.bind(py));
+    let code = py
+        .import("rafcon._fork")
+        .and_then(|module| module.call_method1("finish", (error,))?.extract::<i32>());
+    signal_hook::low_level::exit(code.unwrap_or(1))
 }

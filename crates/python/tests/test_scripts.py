@@ -310,6 +310,54 @@ class Scripts(unittest.TestCase):
         self.assertEqual(result.printed["stdout"], "from the child\n")
         self.assertEqual(result.finished["globals"], {})
 
+    def test_a_process_of_multiprocessing_ends_as_its_work_does(self):
+        self.check(
+            """
+            import multiprocessing, os, sys, threading
+            go, done = os.pipe(), os.pipe()
+
+            def start():
+                threading.Thread(target=lambda: os.write(done[1], os.read(go[0], 9))).start()
+
+            def run(target, *args):
+                child = multiprocessing.get_context("fork").Process(target=target, args=args)
+                child.start()
+                child.join()
+                return child.exitcode
+
+            print(run(abs, 1), run(sys.exit, 5), run(sys.exit, "bad"), run(int, "x"))
+            os.write(go[1], b"joined")
+            print(run(start), os.read(done[0], 9))
+            return 0
+            """,
+            lines=["0 5 1 1", "0 b'joined'"],
+        )
+
+    def test_a_forked_copy_of_the_script_ends_as_a_program_does(self):
+        self.check(
+            """
+            import os, sys, threading
+            go, done = os.pipe(), os.pipe()
+
+            def ended(child):
+                return os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
+
+            child = os.fork()
+            if child == 0:
+                threading.Thread(target=lambda: os.write(done[1], os.read(go[0], 9))).start()
+                return 0
+            os.write(go[1], b"joined")
+            print(ended(child), os.read(done[0], 6))
+            for code in (5, None, "bad"):
+                child = os.fork()
+                if child == 0:
+                    sys.exit(code)
+                print(ended(child))
+            return 0
+            """,
+            lines=["0 b'joined'", "5", "0", "1"],
+        )
+
     def test_a_child_dies_of_signals_that_are_not_for_the_run(self):
         self.check(
             """

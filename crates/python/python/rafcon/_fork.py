@@ -6,6 +6,7 @@ the global variables, and dies of the signals that end a process; in the parent 
 
 import os
 import signal
+import sys
 import threading
 
 from rafcon import _capture, _logging
@@ -33,6 +34,7 @@ def _in_parent():
 
 
 def _in_child():
+    _become_main_thread()
     _capture.release()
     _logging.release()
     global_variables._after_fork_in_child()
@@ -41,3 +43,25 @@ def _in_child():
         # handlers are not known to Python.
         signal.signal(number, signal.getsignal(number) or signal.SIG_DFL)
     signal.pthread_sigmask(signal.SIG_SETMASK, _masks.before)
+
+
+def _become_main_thread():
+    """Makes the only thread of the child a main thread, whose end waits for other threads.
+
+    Up to CPython 3.12 ``threading`` takes a thread that it did not start for one without an end, and fails there.
+    """
+    if isinstance(threading.current_thread(), threading._DummyThread) and hasattr(threading.Thread, "_set_tstate_lock"):
+        threading._main_thread = threading._MainThread()
+
+
+def finish(error):
+    """The end of a child whose script has returned or raised: waits for its threads, and returns the exit code."""
+    threading._shutdown()
+    for stream in (sys.stdout, sys.stderr):
+        stream.flush()
+    if error is None:
+        return 0
+    code = error.code if isinstance(error, SystemExit) else 1
+    if code is None or isinstance(code, int):
+        return (code or 0) & 0xFF
+    return 1
