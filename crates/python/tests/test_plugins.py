@@ -103,6 +103,18 @@ class Plugins(unittest.TestCase):
         left_out = f"the plugin {self.folder}/plugin2 is left out"
         self.assertEqual(lines, ["printed", left_out, "loaded", "ready", "runs"])
 
+    def test_one_that_replaces_functions_of_the_engine_gets_advice(self):
+        path = self.plugins(
+            """
+            from rafcon.core.script import Script
+            def pre_init():
+                before = Script.execute
+            """
+        )
+        said, *others = run(self.machine, env={"RAFCON_PLUGIN_PATH": path}).logged()
+        self.assertIn("the hooks `pre_script` and `post_script` are called around each script", said.splitlines()[0])
+        self.assertEqual(others, ["runs"])
+
     def test_post_init_gets_the_arguments(self):
         hooks = """
         from rafcon.core.singleton import argument_parser

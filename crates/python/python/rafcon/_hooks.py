@@ -5,6 +5,7 @@ Whatever a plugin does while it is loaded or told something, the run goes on: wh
 
 import importlib
 import os
+import re
 import shlex
 import sys
 
@@ -19,6 +20,13 @@ _NEVER_CALLED = {
     "register_execution_history_consumer": "the journal keeps the history; read it with `rafcon export` or through the server",
     "state_thread_joined": "a state has no thread of its own; `post_script` is called after each script",
 }
+
+
+#: An error about functions by which the reference runs states.
+_ENGINE = re.compile(
+    r"'(Script|\w*State)' (object )?has no attribute "
+    r"'(execute|compiled_module|_?compile_and_load_module|run|start|setup_run|concurrency_queue|thread)'"
+)
 
 
 class Hooks:
@@ -78,11 +86,21 @@ class Hooks:
         for module in self._modules():
             try:
                 getattr(module, name, lambda *_arguments: None)(*arguments)
-            except (Exception, SystemExit):
-                logger.exception("the hook %s of %s failed", name, module.__name__)
+            except (Exception, SystemExit) as error:
+                logger.exception("the hook %s of %s failed%s", name, module.__name__, _advice(error))
 
     def _modules(self):
         return [package.hooks for package in self.plugins.values()]
+
+
+def _advice(error):
+    """How a hook that replaces functions of the engine can do without."""
+    if isinstance(error, AttributeError) and _ENGINE.search(str(error)):
+        return (
+            ": states run outside Python, so their functions cannot be replaced; "
+            "the hooks `pre_script` and `post_script` are called around each script"
+        )
+    return ""
 
 
 def _folders():
