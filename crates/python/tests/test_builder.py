@@ -126,9 +126,57 @@ barrier.add_state(x)
 refused(barrier.remove_state, "unique_decider_state_id")
 refused(barrier.set_start_state, "X")
 refused(StateMachine, 3)
+refused(setattr, e, "name", 3)
+refused(setattr, e, "script_text", 3)
+refused(storage.save_state_machine_to_path, StateMachine(HierarchyState("new")), None)
+refused(e.preemptive_wait, "1")
 refused(storage.load_state_machine_from_path, "/nowhere")
 refused(state_machine_manager.add_state_machine, 3)
 print(len(e.outcomes), len(e.input_data_ports), len(root.transitions), len(root.data_flows), len(barrier.transitions))
+"""
+
+
+#: Gives ports with defaults other types.
+TYPES = """
+for value, types in (
+    (12, "int float object"), (12.5, "float int object"), (True, "bool int object"), ("x", "str object"), (0, "float"),
+    ([1, 2], "list object"), ((1, 2), "tuple object"), ({"a": 1}, "dict object"),
+):
+    for new in types.split():
+        state = HierarchyState("s")
+        input = state.input_data_ports[state.add_input_data_port("a", type(value), value)]
+        output = state.output_data_ports[state.add_output_data_port("b", type(value), value)]
+        variable = state.scoped_variables[state.add_scoped_variable("c", type(value), value)]
+        if (value, new) != (12.5, "int"):
+            input.data_type = new
+        output.change_data_type(new)
+        print(new, repr(output.default_value))
+        if (value, new) != (12.5, "int"):
+            variable.data_type = new
+            print(input.default_value == value, variable.default_value == value)
+"""
+
+#: Keeps collections of a state, and changes it.
+COLLECTIONS = """
+state = HierarchyState("s", state_id="S")
+child = ExecutionState("c", state_id="C")
+found = state.outcomes, state.input_data_ports, state.output_data_ports, state.scoped_variables
+found += state.states, state.transitions, state.data_flows
+tell = lambda: print([len(group) for group in found])
+tell()
+state.add_outcome("n")
+first = state.add_input_data_port("a", int)
+state.add_output_data_port("b", int)
+state.add_scoped_variable("c", int)
+state.add_state(child)
+inner = child.add_input_data_port("i", int)
+line = state.add_transition("C", 0, "S", 0)
+state.add_data_flow("S", first, "C", inner)
+tell()
+print(found[0] is state.outcomes, found[1] == state.input_data_ports, line in found[5], list(found[1]) == [first])
+print(isinstance(found[0], dict), sorted(dict(found[0])), sorted({**found[0]}), [o.name for o in found[0].values()])
+state.remove_state("C")
+tell()
 """
 
 
@@ -172,7 +220,7 @@ class Building(unittest.TestCase):
             """
             5 True True [-2, -1, 3]
             b fine DataPort 'b' [0] (6 <class 'int'>) True
-            str None
+            str 6
             2.5
             None b 0
             """,
@@ -241,6 +289,67 @@ class Building(unittest.TestCase):
             """
             PreemptiveConcurrencyState inner True R/I/L None
             BarrierConcurrencyState root/inner/leaf
+            """,
+        )
+
+    def test_a_default_stays_with_another_type(self):
+        self.check(
+            """
+            port = lambda value: (state := ExecutionState()).input_data_ports[state.add_input_data_port("a", type(value), value)]
+            changed = port(12.5)
+            changed.change_data_type(int)
+            print(repr(changed.default_value), changed.data_type)
+            for new in ("float", "str", "float", "object", "float"):
+                changed.data_type = new
+                print(repr(changed.default_value), changed.data_type)
+            changed.change_data_type(bool)
+            print(changed.default_value)
+            several = port([1, 2])
+            several.data_type = tuple
+            print(several.default_value)
+            changed.change_data_type(list, [1])
+            print(changed.default_value)
+            endless = port(float("inf"))
+            endless.change_data_type(int)
+            print(endless.default_value)
+            """,
+            """
+            12 <class 'int'>
+            12.0 <class 'float'>
+            '12.0' <class 'str'>
+            12.0 <class 'float'>
+            12.0 <class 'object'>
+            12.0 <class 'float'>
+            None
+            (1, 2)
+            [1]
+            None
+            """,
+        )
+
+    def test_collections_of_a_state_are_live(self):
+        self.check(
+            COLLECTIONS
+            + textwrap.dedent("""
+            import copy, json
+            print(type(copy.copy(found[0])).__name__, type(found[0] | {}).__name__, json.dumps(list(found[0])))
+            for key in found[0]:
+                if key >= 0:
+                    state.remove_outcome(key)
+            tell()
+            refused(found[0].__setitem__, 7, "x")
+            refused(found[0].clear)
+            """),
+            """
+            [3, 0, 0, 0, 0, 0, 0]
+            [4, 1, 1, 1, 1, 1, 1]
+            True True True True
+            True [-2, -1, 0, 1] [-2, -1, 0, 1] ['preempted', 'aborted', 'success', 'n']
+            [4, 1, 1, 1, 0, 0, 0]
+            dict dict [-2, -1, 0, 1]
+            [2, 1, 1, 1, 0, 0, 0]
+            TypeError
+            TypeError
             """,
         )
 
@@ -446,6 +555,14 @@ class Reference(unittest.TestCase):
 
     def test_changes_leave_the_same(self):
         self.assertEqual(call(CHANGES), building.shown(call(CHANGES, REFERENCE, "")))
+
+    def test_defaults_are_kept_alike(self):
+        self.assertEqual(call(TYPES), building.shown(call(TYPES, REFERENCE, "")))
+
+    def test_collections_are_live_alike(self):
+        ours, theirs = call(COLLECTIONS).splitlines(), building.shown(call(COLLECTIONS, REFERENCE, "")).splitlines()
+        sizes = [index for index, line in enumerate(ours) if line.startswith("[")]
+        self.assertEqual([ours[index] for index in sizes], [theirs[index] for index in sizes])
 
     def test_the_same_is_refused(self):
         self.assertEqual(call(REFUSALS), building.shown(call(REFUSALS, REFERENCE, "")))

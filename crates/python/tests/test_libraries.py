@@ -52,6 +52,16 @@ class Libraries(unittest.TestCase):
             """,
         )
 
+    def test_a_library_state_has_no_version_of_its_own(self):
+        self.check(
+            """
+            print(library().version, library_manager.get_library_instance("libs", "go_to").version)
+            """,
+            """
+            None None
+            """,
+        )
+
     def test_own_values_change_in_place_and_are_saved(self):
         self.check(
             """
@@ -66,6 +76,33 @@ class Libraries(unittest.TestCase):
             """
             {0: 'Alice', 1: 3} {2: 5}
             {0: True, 1: True} {2: False}
+            """,
+        )
+
+    def test_a_port_that_the_file_does_not_list_has_the_default_of_the_library(self):
+        self.check(
+            """
+            state = library()
+            saved(state)
+            import json, glob
+            (path,) = [path for path in glob.glob("m/*/core_data.json") if "library_name" in open(path).read()]
+            core = json.load(open(path))
+            names = [name for name in core if "runtime_value" in name]
+            core.update((name, {}) for name in names)
+            json.dump(core, open(path, "w"))
+            found = storage.load_state_machine_from_path("m").root_state.states[state.state_id]
+            print(len(names), found.input_data_port_runtime_values, found.output_data_port_runtime_values)
+            print(found.use_runtime_value_input_data_ports, found.use_runtime_value_output_data_ports)
+            values = found.input_data_port_runtime_values
+            values[1] = 5
+            print(values, found.use_runtime_value_input_data_ports[1])
+            run(found)
+            """,
+            """
+            4 {0: 'home', 1: 3} {2: 4}
+            {0: True, 1: True} {2: True}
+            {0: 'home', 1: 5} True
+            {'where': 'home', 'speed': 5}
             """,
         )
 

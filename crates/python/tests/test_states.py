@@ -236,7 +236,8 @@ class Run(Stage):
         self.assertIsNone(self.first.run_id)
 
     def test_what_ran_before(self):
-        self.assertIsNone(self.library.get_previously_executed_state())
+        self.assertIs(self.library.get_previously_executed_state(), self.root)
+        self.assertIsNone(self.root.get_previously_executed_state())
         self.assertEqual(len(self.library.execution_history), 0)
         self.assertIsNone(self.library.execution_history.get_last_history_item())
         stage.native.before[LIBRARY] = FIRST

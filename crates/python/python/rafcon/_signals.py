@@ -17,6 +17,8 @@ def seconds(timeout):
     """A waiting time as the compiled module takes it: a float that is not negative, or None for ever."""
     if timeout is None:
         return None
+    if isinstance(timeout, (str, bytes)):
+        raise TypeError(f"a time must be a number of seconds, not {timeout!r}")
     timeout = float(timeout)
     return None if timeout > _FOREVER else max(timeout, 0.0)
 

@@ -2,7 +2,10 @@
 
 from rafcon import _objects
 from rafcon.core.state_elements.state_element import StateElement, field
+from rafcon.utils.log import get_logger
 from rafcon.utils.type_helpers import convert_string_to_type, named, port_default, type_name
+
+logger = get_logger(__name__)
 
 
 class DataPort(StateElement):
@@ -43,9 +46,7 @@ class DataPort(StateElement):
 
     @data_type.setter
     def data_type(self, data_type):
-        data_type = convert_string_to_type(data_type)
-        default = self.default_value
-        self.change_data_type(data_type, default if default is None or isinstance(default, data_type) else None)
+        self.change_data_type(data_type)
 
     @property
     def default_value(self):
@@ -67,14 +68,39 @@ class DataPort(StateElement):
             set_default(self, default)
 
     def change_data_type(self, data_type, default_value=None):
-        """Gives the port another type and another default."""
+        """Gives the port another type and another default; without one it keeps its own, converted to the type.
+
+        A default that cannot be converted is dropped, with a warning in the log.
+        """
         data_type = convert_string_to_type(data_type)
-        default = port_default(default_value, data_type)
+        if default_value is None:
+            default = _converted(self.default_value, data_type)
+        else:
+            default = port_default(default_value, data_type)
         self._set("type", {"data_type": data_type, "default_value": default}, type_name(data_type), default)
 
     def __str__(self):
         key, name, data_type, default = self._content()
         return f"DataPort '{name}' [{key}] ({default} {data_type})"
+
+
+#: Types between which defaults are converted: old to new ones.
+_CONVERTED = {int: (float, str), float: (int, str), bool: (str,), list: (tuple,), tuple: (list,)}
+
+
+def _converted(default, data_type):
+    """The default of a port that gets another type; None if it cannot be of it."""
+    if default is None or isinstance(default, data_type):
+        return default
+    try:
+        if isinstance(default, str):
+            return port_default(default, data_type)
+        if data_type in _CONVERTED.get(type(default), ()):
+            return data_type(default)
+    except (ArithmeticError, AttributeError, ValueError):
+        pass
+    logger.warning("the default %r is dropped: it cannot be converted to the type %s", default, type_name(data_type))
+    return None
 
 
 class InputDataPort(DataPort):

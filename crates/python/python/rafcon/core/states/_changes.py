@@ -13,7 +13,9 @@ class StateChanges:
     """The part of a state that changes it."""
 
     def _rename(self, name):
-        self._change("state.name", name if isinstance(name, str) else str(name))
+        if not isinstance(name, str):
+            raise TypeError(f"the name of a state must be a str, not {type(name).__name__}")
+        self._change("state.name", name)
 
     def _describe(self, description):
         if description is not None and not isinstance(description, str):

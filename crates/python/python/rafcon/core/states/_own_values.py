@@ -1,21 +1,28 @@
 """What a library state uses instead of the defaults of its library, as dictionaries: a change in place changes the state."""
 
+from rafcon.core.states._live import LiveDict
 
-class OwnValues(dict):
+
+class OwnValues(LiveDict):
     """Port id to a value of the state's own (or whether it counts). ``set_one(port_id, value)`` changes the state.
 
     Every port has one, so none can be removed.
     """
 
-    def __init__(self, values, set_one):
-        dict.__init__(self, values)
+    _advice = "every port of a library state has a value; choose with `use_…` whether it counts"
+
+    def __init__(self, read, set_one):
+        dict.__init__(self)
+        self._read_values = read
         self._set_one = set_one
+
+    def _read(self):
+        return self._read_values()
 
     def __setitem__(self, port_id, value):
         if port_id not in self:
             raise KeyError(f"the library has no such port with the id {port_id!r}; it has {sorted(self)}")
         self._set_one(port_id, value)
-        dict.__setitem__(self, port_id, value)
 
     def update(self, *values, **named):
         """Changes several."""
@@ -31,21 +38,3 @@ class OwnValues(dict):
     def __ior__(self, values):
         self.update(values)
         return self
-
-    def __delitem__(self, port_id):
-        raise TypeError("every port of a library state has a value; choose with `use_…` whether it counts")
-
-    def pop(self, *_arguments):
-        """Refused with ``TypeError``."""
-        del self[None]
-
-    def popitem(self):
-        """Refused with ``TypeError``."""
-        del self[None]
-
-    def clear(self):
-        """Refused with ``TypeError``."""
-        del self[None]
-
-    def __reduce__(self):
-        return (dict, (dict(self),))

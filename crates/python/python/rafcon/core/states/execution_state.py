@@ -60,5 +60,5 @@ class ExecutionState(State):
     @script_text.setter
     def script_text(self, text):
         if text is not None and not isinstance(text, str):
-            raise TypeError(f"a script must be a str, not {type(text).__name__}")
+            raise ValueError(f"a script must be a str, not {type(text).__name__}")
         self._change("state.script", text)

@@ -106,8 +106,29 @@ class LibraryState(State):
         ids = self._home.child_ids(self)
         return self._home.child(self, ids[0]) if ids else None
 
-    def _own(self, fact, set_one):
-        return OwnValues(self._facts["library"][fact], set_one)
+    def _own(self, side, is_use):
+        """The live dictionary of a side, of values or of whether they count."""
+        key = (side, is_use)
+        if key not in self._listed:
+            set_value = self.set_input_runtime_value if side == "input" else self.set_output_runtime_value
+            set_use = self.set_use_input_runtime_value if side == "input" else self.set_use_output_runtime_value
+            # One dictionary per description of the state.
+            known = [None, None]
+
+            def read():
+                if known[0] is not self._facts:
+                    known[:] = self._facts, self._own_values(side, is_use)
+                return known[1]
+
+            self._listed[key] = OwnValues(read, set_use if is_use else set_value)
+        return self._listed[key]
+
+    def _own_values(self, side, is_use):
+        """Port id to content; of a port that the file of the machine does not list, the default of the library."""
+        facts = self._facts
+        kept = facts["library"][f"use_{side}_runtime_values" if is_use else f"{side}_runtime_values"]
+        ports = facts[f"{side}s"]
+        return {**{key: True if is_use else default for key, (_name, _type, default) in ports.items()}, **kept}
 
     def _assign(self, name, values):
         if not isinstance(values, dict):
@@ -117,7 +138,7 @@ class LibraryState(State):
     @property
     def input_data_port_runtime_values(self):
         """Port id to the value used here instead of the port's default; may be changed in place, or assigned."""
-        return self._own("input_runtime_values", self.set_input_runtime_value)
+        return self._own("input", False)
 
     @input_data_port_runtime_values.setter
     def input_data_port_runtime_values(self, values):
@@ -126,7 +147,7 @@ class LibraryState(State):
     @property
     def output_data_port_runtime_values(self):
         """Port id to the value used here instead of the port's default; may be changed in place, or assigned."""
-        return self._own("output_runtime_values", self.set_output_runtime_value)
+        return self._own("output", False)
 
     @output_data_port_runtime_values.setter
     def output_data_port_runtime_values(self, values):
@@ -135,7 +156,7 @@ class LibraryState(State):
     @property
     def use_runtime_value_input_data_ports(self):
         """Port id to whether the runtime value is used; may be changed in place, or assigned."""
-        return self._own("use_input_runtime_values", self.set_use_input_runtime_value)
+        return self._own("input", True)
 
     @use_runtime_value_input_data_ports.setter
     def use_runtime_value_input_data_ports(self, used):
@@ -144,7 +165,7 @@ class LibraryState(State):
     @property
     def use_runtime_value_output_data_ports(self):
         """Port id to whether the runtime value is used; may be changed in place, or assigned."""
-        return self._own("use_output_runtime_values", self.set_use_output_runtime_value)
+        return self._own("output", True)
 
     @use_runtime_value_output_data_ports.setter
     def use_runtime_value_output_data_ports(self, used):

@@ -14,6 +14,7 @@ from rafcon.core.state_elements.data_port import InputDataPort, OutputDataPort
 from rafcon.core.state_elements.logical_port import Income, Outcome
 from rafcon.core.states._changes import StateChanges
 from rafcon.core.states._construction import StateConstruction
+from rafcon.core.states._live import Parts
 from rafcon.core.states._semantic_data import SemanticData
 from rafcon.core.states._summary import StateSummary
 from rafcon.utils.log import get_logger
@@ -165,26 +166,24 @@ class State(StateConstruction, StateChanges, SemanticData, StateSummary):
             state = state.parent
 
     def get_previously_executed_state(self):
-        """The state that ran before this one in the same container, or None."""
+        """The state that ran before this one in the same container; the container, if this is the first."""
         before = native.last_left(self._place)
-        return _objects.state(before) if before >= 0 else None
+        if before >= 0:
+            return _objects.state(before)
+        return self.parent if isinstance(self.parent, State) else None
 
     # ---- its parts
 
     def _parts(self, group, cls):
-        """Id to element of one kind; the elements stay the same as long as they are there."""
-        facts = self._facts[group]
-        seen, parts = self._listed.get(group, (None, {}))
-        if seen is not facts:
-            parts = {key: parts[key] if key in parts else cls._of(self, key) for key in facts}
-            self._listed[group] = facts, parts
+        """Id to element of one kind, live; always the same dictionary."""
+        parts = self._listed.get(group)
+        if parts is None:
+            parts = self._listed[group] = Parts(self, group, cls)
         return parts
 
     def _adopt(self, group, key, element):
         """The element that a user made stands for that of the state from now on."""
-        element._parent = self
-        parts = {**self._listed.get(group, (None, {}))[1], key: element}
-        self._listed[group] = None, parts
+        self._parts(group, type(element))._adopt(key, element)
 
     @property
     def outcomes(self):

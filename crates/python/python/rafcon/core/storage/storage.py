@@ -73,15 +73,23 @@ def save_state_machine_to_path(state_machine, base_path, delete_old_state_machin
     """
     if state_machine._facts is not None:
         raise MachineChangeNotSupported("storage.save_state_machine_to_path(…)")
+    base_path = _folder(base_path)
     document = state_machine._document
     with state_machine.modification_lock():
         if delete_old_state_machine and os.path.exists(base_path):
             _replace(document, os.path.abspath(base_path), as_copy)
         else:
-            native.save_document(document, str(base_path), _naming(), (as_copy, False))
+            native.save_document(document, base_path, _naming(), (as_copy, False))
     if not as_copy:
         state_machine._marked_dirty = False
         state_machine.root_state._home.revision += 1
+
+
+def _folder(path):
+    """The path as a text; ``TypeError`` for None, which is the path of a machine that was never saved."""
+    if path is None:
+        raise TypeError("a folder to save to is needed, not None; name one, the machine has no folder yet")
+    return os.fsdecode(os.fspath(path))
 
 
 def _replace(document, folder, as_copy):
