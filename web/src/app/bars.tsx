@@ -8,6 +8,7 @@ import { mayEdit } from "../store/page/rights.ts";
 import { Button, IconButton } from "../ui/button.tsx";
 import { useComputed, useSignal } from "../ui/signals.ts";
 import { Bar } from "./bar.tsx";
+import { LayoutWorkBar, ProposedLayoutBar } from "./layout_bars.tsx";
 import { MomentBar } from "./moment_bar.tsx";
 import { useSession } from "./provided.tsx";
 import { RunBars } from "./run_bars.tsx";
@@ -26,6 +27,8 @@ export function Bars({ tab }: { tab: OpenTab }) {
       <ReadOnlyBar tab={tab} />
       <DiskBar tab={tab} />
       <RecoveredBar tab={tab} />
+      <LayoutWorkBar tab={tab} />
+      <ProposedLayoutBar tab={tab} />
       <div className="bars-more">
         <IconButton
           label={isOpen ? "Show only one bar" : "Show the other bars"}

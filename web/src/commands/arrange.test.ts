@@ -4,7 +4,10 @@ import { allCommands } from "./all.ts";
 import { layOut } from "./layouter.ts";
 import { testContext } from "./testing/context.ts";
 
-vi.mock("./layouter.ts", () => ({ layOut: vi.fn<Layouter>((graph) => Promise.resolve(graph)) }));
+vi.mock("./layouter.ts", () => ({
+  layOut: vi.fn<Layouter>((graph) => Promise.resolve(graph)),
+  abandonLayout: vi.fn(),
+}));
 
 const MACHINE = `
   R hierarchy outcome done

@@ -4,6 +4,7 @@ import type { StateKind } from "../model/generated/protocol.ts";
 import { readLayout } from "../model/layout_reader.ts";
 import { isContainer, type Machine, startOf } from "../model/machine.ts";
 import { idOf, parentOf } from "../model/path.ts";
+import { isUndrawn } from "../model/undrawn.ts";
 import { boxIn, childBoxes } from "../plan/boxes.ts";
 import { group, substitute } from "../plan/group.ts";
 import {
@@ -16,13 +17,14 @@ import {
   showContent,
 } from "../plan/move.ts";
 import { libraryState } from "../plan/newcomers.ts";
-import { type Planned, refused } from "../plan/plan.ts";
+import { isRefused, type Planned, refused } from "../plan/plan.ts";
 import { changeKind, clearStart, setStart } from "../plan/states.ts";
 import { ungroup } from "../plan/ungroup.ts";
+import type { OpenTab } from "../store/page/page.ts";
 import type { CommandContext, MenuPlace, Rgb, UserCommand } from "./command.ts";
 import { stageOf } from "./edit.ts";
 import { libraryStates } from "./insert.ts";
-import { layOut } from "./layouter.ts";
+import { layoutOf } from "./layout_work.ts";
 import { perform } from "./perform.ts";
 import {
   canEdit,
@@ -221,15 +223,14 @@ const LINED_UP: readonly UserCommand[] = [
   ),
 ];
 
-/** How a machine is laid out comes with the first one, as the engine does that it needs. */
-const LAYOUT = () => Promise.all([import("../plan/arrange.ts"), import("../plan/arranged.ts")]);
-
 async function layOutFrom(context: CommandContext, container: string | null, deep: boolean) {
+  const { tab } = context;
   const machine = machineOf(context);
-  if (!machine || container === null) return;
+  if (!tab || !machine || container === null) return;
   const version = machine.version;
-  const [{ arrange }, { arranged }] = await LAYOUT();
-  const levels = await arrange(machine, container, deep, layOut);
+  const levels = await layoutOf(tab, machine, container, deep);
+  if (!levels) return;
+  const { arranged } = await import("../plan/arranged.ts");
   const isMade = await perform(context, (now) =>
     now.version === version
       ? arranged(now, container, levels)
@@ -237,6 +238,20 @@ async function layOutFrom(context: CommandContext, container: string | null, dee
   );
   // Only the root takes another size.
   if (isMade && container === machine.root) context.canvas?.fit([]);
+}
+
+/** Shows a machine without a drawing arranged; false if that is not possible. It is an edit once the user keeps it, edits or saves. */
+export async function proposeLayout(tab: OpenTab): Promise<boolean> {
+  const { proposal, machine } = tab.session;
+  if (!proposal || !isUndrawn(machine)) return false;
+  const version = machine.version;
+  const levels = await layoutOf(tab, machine, machine.root, true);
+  const { arranged } = await import("../plan/arranged.ts");
+  if (!levels || machine.version !== version) return false;
+  const plan = arranged(machine, machine.root, levels);
+  if (isRefused(plan)) return false;
+  proposal.show(plan);
+  return true;
 }
 
 /** The level that one looks at: the container of what is selected, else the one that one works in. */
@@ -271,6 +286,13 @@ const LAID_OUT: readonly UserCommand[] = [
     needs: "select something in this machine, not in a library",
     enabled: (context) => canEdit(context) && containerToLayOut(context) !== null,
     run: (context) => layOutFrom(context, containerToLayOut(context), true),
+  },
+  {
+    id: "arrange.keep-layout",
+    title: "Keep the automatic layout",
+    detail: "Makes the layout that is shown for a machine without one a step of the history.",
+    enabled: (context) => canEdit(context) && context.tab?.session.proposal?.shown.value != null,
+    run: (context) => context.tab?.session.proposal?.keep(),
   },
   {
     id: "arrange.fit-content",

@@ -3,15 +3,49 @@
 import type { ELK } from "elkjs/lib/elk-api.js";
 import type { Layouter } from "../plan/arrange.ts";
 
-let engine: Promise<ELK> | null = null;
+interface Engine {
+  readonly elk: Promise<ELK>;
+  /** Rejects once the engine is abandoned. */
+  readonly abandoned: Promise<never>;
+  readonly abandon: () => void;
+}
+
+let engine: Engine | null = null;
 
 /** Lays a graph out; the engine comes with the first one. */
 export const layOut: Layouter = async (graph) => {
   engine ??= start();
-  return (await engine).layout(graph);
+  const { elk, abandoned } = engine;
+  return Promise.race([elk.then((started) => started.layout(graph)), abandoned]);
 };
 
-async function start(): Promise<ELK> {
+/** Ends the engine with all that it computes, which then fails; the next layout has another one. */
+export function abandonLayout(): void {
+  engine?.abandon();
+  engine = null;
+}
+
+function start(): Engine {
+  const elk = load();
+  let reject: (reason: Error) => void = () => {};
+  const abandoned = new Promise<never>((_, fail) => {
+    reject = fail;
+  });
+  abandoned.catch(() => {});
+  return {
+    elk,
+    abandoned,
+    abandon: () => {
+      reject(new Error("the layout was cancelled"));
+      void elk.then(
+        (started) => started.terminateWorker(),
+        () => {},
+      );
+    },
+  };
+}
+
+async function load(): Promise<ELK> {
   const [{ default: Engine }, { default: EngineWorker }] = await Promise.all([
     import("elkjs/lib/elk-api.js"),
     import("elkjs/lib/elk-worker.min.js?worker"),

@@ -2,7 +2,7 @@
 
 import type { SavedState } from "../model/generated/protocol.ts";
 import { comparisonOf } from "../store/page/comparison.ts";
-import type { OpenTab } from "../store/page/page.ts";
+import type { OpenTab, Page } from "../store/page/page.ts";
 import { RefusalError } from "../store/page/server.ts";
 import type { CommandContext } from "./command.ts";
 import { applyDrafts } from "./drafts.ts";
@@ -19,6 +19,12 @@ export function requestId(): string {
   return Array.from(bytes, (byte) => byte.toString(16).padStart(2, "0")).join("");
 }
 
+/** Makes edits of what the page has and the machine has not: drafts, and the layout that is shown for a machine without one. */
+async function finishEdits(page: Page, tab: OpenTab): Promise<boolean> {
+  await tab.session.proposal?.keep();
+  return applyDrafts(page, tab);
+}
+
 /** Saves where the machine lies. What another program changed meanwhile is never lost without a word. */
 export async function saveTab(
   context: CommandContext,
@@ -28,7 +34,7 @@ export async function saveTab(
   if (!tab) return false;
   if (tab.session.status.peek()?.summary.file === null) return saveElsewhere(context, false);
   const { page, shell } = context;
-  if (!(await applyDrafts(page, tab))) return false;
+  if (!(await finishEdits(page, tab))) return false;
   try {
     await page.server.request("POST", `/machines/${tab.session.id}/save`, { overwrite });
     return true;
@@ -66,7 +72,7 @@ export async function compare({ page, tab, shell }: CommandContext): Promise<voi
 /** Saves in a folder that the user chooses: the machine itself, or a copy of it. */
 export async function saveElsewhere(context: CommandContext, copy: boolean): Promise<boolean> {
   const { page, tab, shell } = context;
-  if (!tab || !(await applyDrafts(page, tab))) return false;
+  if (!tab || !(await finishEdits(page, tab))) return false;
   const file = await shell.dialog("save-as", {
     title: copy ? "Save a copy" : "Save as",
     name: folderName(tab.session.machine.state(tab.session.machine.root)?.name ?? "machine"),

@@ -24,29 +24,51 @@ export interface Level {
 /** What elk does: a graph without places in, the same with places out. */
 export type Layouter = (graph: ElkNode) => Promise<ElkNode>;
 
-/** Arranges a container, or all containers in it as well. */
+/** Who waits for an arrangement, and may give it up. */
+export interface Progress {
+  readonly isCancelled: () => boolean;
+  readonly report: (now: {
+    readonly states: number;
+    readonly levelsDone: number;
+    readonly levels: number;
+  }) => void;
+}
+
+const UNWATCHED: Progress = { isCancelled: () => false, report: () => {} };
+
+/** Arranges a container, or all containers in it as well. Fails if it is cancelled. */
 export async function arrange(
   machine: Machine,
   container: string,
   deep: boolean,
   layout: Layouter,
+  progress = UNWATCHED,
 ): Promise<ReadonlyMap<string, Level>> {
   const levels = new Map<string, Level>();
-  for (const path of deep ? containersIn(machine, container) : [container]) {
+  const wanted = (deep ? containersIn(machine, container) : [container]).filter(
+    (path) => machine.children(path).length > 0,
+  );
+  const states = wanted.reduce((sum, path) => sum + machine.children(path).length, 0);
+  const report = () => progress.report({ states, levelsDone: levels.size, levels: wanted.length });
+  report();
+  for (const path of wanted) {
     const state = machine.state(path);
-    if (!state || machine.children(path).length === 0) continue;
+    if (!state) continue;
     const graph = elkGraph(machine, path, deep ? levels : null);
-    levels.set(path, readLevel(state, await laidOut(graph, layout)));
+    levels.set(path, readLevel(state, await laidOut(graph, layout, progress)));
+    if (progress.isCancelled()) throw new Error("the layout was cancelled");
+    report();
   }
   return levels;
 }
 
 /** The answer of elk. Of some graphs with loops it cannot break long rows: those stay long. */
-async function laidOut(graph: ElkNode, layout: Layouter): Promise<ElkNode> {
+async function laidOut(graph: ElkNode, layout: Layouter, progress: Progress): Promise<ElkNode> {
   const rows = { ...graph.layoutOptions, "elk.layered.wrapping.strategy": "OFF" };
   try {
     return await layout(graph);
-  } catch {
+  } catch (error) {
+    if (progress.isCancelled()) throw error;
     return layout({ ...graph, layoutOptions: rows });
   }
 }

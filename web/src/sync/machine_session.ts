@@ -30,6 +30,7 @@ import type { Clock } from "./clock.ts";
 import { type EditOnItsWay, EditOutbox } from "./edit_outbox.ts";
 import { Following } from "./following.ts";
 import type { LibraryCache } from "./library_cache.ts";
+import { ProposedLayout } from "./proposed_layout.ts";
 
 export interface OpenMachineSessionPorts {
   readonly server: Server;
@@ -57,6 +58,10 @@ export class OpenMachineSession implements MachineSession {
   readonly steps: Signal<MachineSteps>;
   readonly problems = signal<readonly MachineProblem[]>([]);
   readonly isChecked = signal(false);
+  readonly proposal = new ProposedLayout({
+    make: (name, edit) => this.#make(name, edit),
+    renew: () => this.#renew(() => {}),
+  });
   readonly #ports: OpenMachineSessionPorts;
   readonly #outbox: EditOutbox;
   readonly #stepChanges = new StepChanges();
@@ -118,6 +123,11 @@ export class OpenMachineSession implements MachineSession {
   }
 
   edit(name: string, edit: Edit): Promise<EditAnswer> {
+    void this.proposal.keep();
+    return this.#make(name, edit);
+  }
+
+  #make(name: string, edit: Edit): Promise<EditAnswer> {
     const short = [...name].slice(0, NAME_LENGTH_MAX).join("");
     const base = this.revision.peek();
     return this.#ask(short, edit, (id, machine) => {
@@ -221,6 +231,8 @@ export class OpenMachineSession implements MachineSession {
     this.#change(() => {
       this.machine.rollback();
       work();
+      const proposed = this.proposal.upon(this.machine);
+      if (proposed) this.#applyOptimistic(proposed);
       for (const { edit } of this.#outbox.edits) if (edit) this.#applyOptimistic(edit);
     });
   }

@@ -30,6 +30,19 @@ export type JumpAnswer =
   | { readonly revision: number }
   | { readonly refused: string; readonly code: string };
 
+export interface ProposedEdit {
+  readonly name: string;
+  readonly edit: Edit;
+}
+
+/** A layout that is shown although the machine does not have it: the next edit or save makes it first. */
+export interface LayoutProposal {
+  readonly shown: ReadonlySignal<ProposedEdit | null>;
+  readonly show: (edit: ProposedEdit) => void;
+  /** Makes it an edit, if there is one. */
+  readonly keep: () => Promise<void>;
+}
+
 export interface MachineSession {
   /** The server's id of the open machine; another one if it had to be opened anew in another folder. */
   readonly id: string;
@@ -59,6 +72,8 @@ export interface MachineSession {
   readonly isChecked: ReadonlySignal<boolean>;
   /** Has the machine checked as it is now; null if that cannot be done. */
   readonly check: () => Promise<readonly MachineProblem[] | null>;
+  /** An automatic layout of a machine without a drawing; missing where nothing can be edited. */
+  readonly proposal?: LayoutProposal;
   /** Makes an edit. Never throws; what is refused is also told to the user. */
   readonly edit: (name: string, edit: Edit) => Promise<EditAnswer>;
   readonly undo: () => Promise<EditAnswer>;

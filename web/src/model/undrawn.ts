@@ -1,0 +1,17 @@
+/** Machines without a drawing: those of programs, of which no state has a place. */
+
+import { readLayout } from "./layout_reader.ts";
+import type { Machine } from "./machine.ts";
+import { parentOf } from "./path.ts";
+
+/** Whether there are states to be placed, and none of them has a place. */
+export function isUndrawn(machine: Machine): boolean {
+  let count = 0;
+  for (const path of machine.paths()) {
+    if (parentOf(path) === null) continue;
+    const state = machine.state(path);
+    if (state && readLayout(state).position) return false;
+    count += 1;
+  }
+  return count > 1;
+}
