@@ -16,6 +16,7 @@
 
 pub mod clock;
 mod connection;
+pub mod descriptors;
 mod interpreter;
 pub mod planning;
 mod process;

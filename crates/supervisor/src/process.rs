@@ -7,7 +7,9 @@
 //! that reads from it would be stopped by the kernel. What it writes comes to us by pipes. A *detached* runner has nothing
 //! that ends with us: no input, and a file for what it writes, which is locked for as long as someone may write to it.
 
-use crate::{Interpreter, NoExtension, NoInterpreter, ProgramEnvironment, find_extension};
+use crate::{
+    Interpreter, NoExtension, NoInterpreter, ProgramEnvironment, descriptors, find_extension,
+};
 use parking_lot::Mutex;
 use rustix::io::FdFlags;
 use rustix::process::{Pid, Signal};
@@ -131,6 +133,8 @@ impl Start {
             interpreter: self.interpreter.clone(),
             source,
         })?;
+        // It may have ended already.
+        descriptors::restore(&child).unwrap_or_default();
         Ok(Process { child, control })
     }
 }

@@ -8,6 +8,7 @@ mod bad_files;
 mod bad_scripts;
 mod commands;
 mod corrupt;
+mod crowd;
 mod debugging;
 mod endings;
 mod examples;

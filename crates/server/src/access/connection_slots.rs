@@ -1,7 +1,6 @@
-//! Places for connections: a limit for all, a part of it for one other network, and those who are logged in before all others.
-//! When every place is taken, a new connection takes the place of the oldest one that no one has logged in on. So connections
-//! that only wait, or never read, cannot keep out who has to stop a robot. Knows addresses and users' names; knows nothing of
-//! streams.
+//! Places for connections: a limit for all, a lower one for those without a login, and a part of all for one other network. When
+//! no place is free, a new connection takes the place of the oldest one without a login. So connections that only wait, or never
+//! read, cannot keep out a user who has to stop a robot. Knows addresses and users' names; knows nothing of streams.
 
 use super::limiter::network;
 use crate::Failure;
@@ -39,20 +38,42 @@ impl<S: Sync> FromRequestParts<S> for Peer {
     type Rejection = Failure;
 
     async fn from_request_parts(parts: &mut Parts, _state: &S) -> Result<Self, Failure> {
-        parts.extensions.get::<Self>().copied().ok_or_else(|| {
-            let message = "it is not known where this request comes from: use the server's port";
-            Failure::forbidden("from_nowhere", message)
-        })
+        parts.extensions.get::<Self>().copied().ok_or_else(from_nowhere)
     }
+}
+
+/// Number of connections at a time.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Capacity {
+    /// Limit for all.
+    pub(crate) all: usize,
+    /// Limit for those without a login.
+    pub(crate) anonymous: usize,
+}
+
+impl Capacity {
+    /// At most `max` connections of a process that can open this many files. Half of the files are kept for users and their runs,
+    /// and half of that for everything that is no connection: journals, runners, machines.
+    pub(crate) fn of(max: usize, files: usize) -> Self {
+        Self { all: max.min(files - files / 4).max(1), anonymous: max.min(files / 2).max(1) }
+    }
+}
+
+/// The answer to a request whose sender is not known.
+pub(super) fn from_nowhere() -> Failure {
+    let message = "it is not known where this request comes from: use the server's port";
+    Failure::forbidden("from_nowhere", message)
 }
 
 /// All places of a server.
 #[derive(Debug, Clone)]
 pub(crate) struct ConnectionSlots {
-    max: usize,
+    capacity: Capacity,
     taken: Arc<Mutex<Taken>>,
     /// How many connections there are, with those that have lost their place and are about to end.
     count: watch::Sender<usize>,
+    /// Number of connections that were ended or refused because no place was free.
+    crowded_out: watch::Sender<u64>,
 }
 
 /// By number: the lower, the older.
@@ -81,20 +102,18 @@ pub(crate) struct ConnectionSlot {
 }
 
 impl ConnectionSlots {
-    pub(crate) fn new(max: usize) -> Self {
-        Self { max, taken: Arc::default(), count: watch::Sender::new(0) }
+    pub(crate) fn new(capacity: Capacity) -> Self {
+        let (count, crowded_out) = (watch::Sender::new(0), watch::Sender::new(0));
+        Self { capacity, taken: Arc::default(), count, crowded_out }
     }
 
-    /// A place for a new connection: a free one, or that of the oldest on which no one has logged in.
+    /// A place for a new connection: a free one, or that of the oldest without a login.
     pub(crate) fn take(&self, peer: Peer) -> Option<(Arc<ConnectionSlot>, Lost)> {
         let network = network(peer.ip);
-        let most = if peer.is_near { self.max } else { (self.max / PART).max(1) };
         let mut taken = self.taken.lock();
-        if taken.of(network) >= most {
-            taken.end_oldest(network)?;
-        } else if taken.places.len() >= self.max {
-            let crowd = taken.most_anonymous()?;
-            taken.end_oldest(crowd)?;
+        if let Some(crowd) = self.crowd(&taken, network, peer.is_near) {
+            self.crowded_out.send_modify(|count| *count += 1);
+            taken.end_oldest(crowd?)?;
         }
         let number = taken.next;
         let (kept, lost) = oneshot::channel();
@@ -102,6 +121,33 @@ impl ConnectionSlots {
         taken.places.insert(number, SlotHolder { network, user: None, _kept: kept });
         self.count.send_modify(|count| *count += 1);
         Some((Arc::new(ConnectionSlot { number, places: self.clone() }), lost))
+    }
+
+    /// The network that has to give up a place for a new connection, if none is free; `Some(None)` if no network can.
+    fn crowd(&self, taken: &Taken, network: IpAddr, is_near: bool) -> Option<Option<IpAddr>> {
+        let Capacity { all, anonymous } = self.capacity;
+        let most = if is_near { all } else { (all / PART).max(1) };
+        if taken.of(network) >= most {
+            return Some(Some(network));
+        }
+        let is_full = taken.places.len() >= all || taken.anonymous().count() >= anonymous;
+        is_full.then(|| taken.most_anonymous())
+    }
+
+    /// Waits, for a limited time, until the connections that lost their place have closed their files.
+    pub(crate) async fn wait_until_closed(&self, limit: Duration) {
+        let (mut count, all) = (self.count.subscribe(), self.capacity.all);
+        drop(timeout(limit, count.wait_for(|count| *count <= all)).await);
+    }
+
+    /// Limits of connections.
+    pub(crate) fn capacity(&self) -> Capacity {
+        self.capacity
+    }
+
+    /// Number of connections that were ended or refused because no place was free.
+    pub(crate) fn crowded_out(&self) -> watch::Receiver<u64> {
+        self.crowded_out.subscribe()
     }
 
     /// Waits until no connection is left, but not for ever.
@@ -116,10 +162,15 @@ impl Taken {
         self.places.values().filter(|holder| holder.network == network).count()
     }
 
-    /// The network with the most connections on which no one has logged in.
+    /// Connections without a login.
+    fn anonymous(&self) -> impl Iterator<Item = &SlotHolder> {
+        self.places.values().filter(|holder| holder.user.is_none())
+    }
+
+    /// The network with the most connections without a login.
     fn most_anonymous(&self) -> Option<IpAddr> {
         let mut counts = BTreeMap::<IpAddr, usize>::new();
-        for holder in self.places.values().filter(|holder| holder.user.is_none()) {
+        for holder in self.anonymous() {
             *counts.entry(holder.network).or_default() += 1;
         }
         counts.into_iter().max_by_key(|(_, count)| *count).map(|(network, _)| network)
@@ -138,7 +189,7 @@ impl ConnectionSlot {
     pub(crate) fn log_in(&self, user: &str) {
         let mut taken = self.places.taken.lock();
         let of_user = taken.places.values().filter(|holder| holder.user.as_deref() == Some(user));
-        if of_user.count() >= (self.places.max / PART).max(1) {
+        if of_user.count() >= (self.places.capacity.all / PART).max(1) {
             return;
         }
         if let Some(holder) = taken.places.get_mut(&self.number) {
@@ -156,14 +207,18 @@ impl Drop for ConnectionSlot {
 
 #[cfg(test)]
 mod tests {
-    use super::{ConnectionSlot, ConnectionSlots, Peer};
+    use super::{Capacity, ConnectionSlot, ConnectionSlots, Peer};
     use expect_test::{Expect, expect};
     use std::fmt::Write as _;
     use std::sync::Arc;
 
     /// Lines of `name comes address` (with a `!` behind it, someone logs in on it) or `name goes`: who is there then.
     fn check(max: usize, script: &str, expect: &Expect) {
-        let places = ConnectionSlots::new(max);
+        check_with(Capacity { all: max, anonymous: max }, script, expect);
+    }
+
+    fn check_with(capacity: Capacity, script: &str, expect: &Expect) {
+        let places = ConnectionSlots::new(capacity);
         let mut there: Vec<(String, Arc<ConnectionSlot>)> = Vec::new();
         let mut seen = String::new();
         for line in script.lines().map(str::trim).filter(|line| !line.is_empty()) {
@@ -251,5 +306,37 @@ mod tests {
                 e comes 127.0.0.1 -> a c d e
             "]],
         );
+    }
+    #[test]
+    fn strangers_leave_places_for_users() {
+        check_with(
+            Capacity { all: 4, anonymous: 2 },
+            "a comes 127.0.0.1
+             b comes 127.0.0.1
+             c comes 127.0.0.1
+             d comes 127.0.0.1!
+             e comes 127.0.0.1
+             f comes 127.0.0.1",
+            &expect![[r"
+                a comes 127.0.0.1 -> a
+                b comes 127.0.0.1 -> a b
+                c comes 127.0.0.1 -> b c
+                d comes 127.0.0.1! -> c d
+                e comes 127.0.0.1 -> c d e
+                f comes 127.0.0.1 -> d e f
+            "]],
+        );
+    }
+
+    #[test]
+    fn the_capacity_leaves_files_for_everything_else() {
+        let of = |max, files| {
+            let Capacity { all, anonymous } = Capacity::of(max, files);
+            (all, anonymous)
+        };
+        assert_eq!(of(1024, 500_000), (1024, 1024));
+        assert_eq!(of(1024, 1000), (750, 500));
+        assert_eq!(of(1024, 40), (30, 20));
+        assert_eq!(of(1024, 0), (1, 1));
     }
 }

@@ -24,7 +24,7 @@ mod users;
 mod who;
 
 pub use audit::Audit;
-pub(crate) use connection_slots::{ConnectionSlot, ConnectionSlots, Lost, Peer};
+pub(crate) use connection_slots::{Capacity, ConnectionSlot, ConnectionSlots, Lost, Peer};
 pub(crate) use door::in_link;
 pub(crate) use layers::guarded;
 pub(crate) use notice::notice;

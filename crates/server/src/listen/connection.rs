@@ -2,12 +2,13 @@
 //! what is asked over them.
 
 use super::paced::Paced;
-use crate::access::{ConnectionSlot, ConnectionSlots, Peer};
+use crate::access::{Capacity, ConnectionSlot, ConnectionSlots, Peer};
 use crate::settings::Listen;
 use axum::Router;
 use hyper::server::conn::http1;
 use hyper_util::rt::{TokioIo, TokioTimer};
 use hyper_util::service::TowerToHyperService;
+use rafcon_supervisor::descriptors;
 use rustix::net::sockopt::set_socket_send_buffer_size;
 use std::net::SocketAddr;
 use std::pin::pin;
@@ -16,12 +17,18 @@ use std::time::Duration;
 use tokio::io::{AsyncRead, AsyncWrite};
 use tokio::net::TcpStream;
 use tokio::sync::watch;
-use tokio::time::timeout;
+use tokio::time::{sleep, timeout};
 use tokio_rustls::TlsAcceptor;
 use tower_http::add_extension::AddExtension;
 
 /// So many bytes wait in the kernel for a client that does not read them; enough for 0.5 Mbit/s at a round trip of 4 s.
 const SEND_BUFFER: usize = 256 * 1024;
+
+/// Wait for the files of connections that lost their place.
+const CLOSE_TIMEOUT: Duration = Duration::from_millis(100);
+
+/// Interval between two reports of the same shortage in the log.
+pub(super) const REPORT_INTERVAL: Duration = Duration::from_mins(1);
 
 /// All connections of a server.
 pub(super) struct Connections {
@@ -47,7 +54,8 @@ impl Connections {
     ) -> Self {
         let mut http = http1::Builder::new();
         http.timer(TokioTimer::new()).header_read_timeout(listen.head_patience);
-        let places = ConnectionSlots::new(listen.connections_max);
+        let places =
+            ConnectionSlots::new(Capacity::of(listen.connections_max, descriptors::free()));
         let (patience, write_limit) = (listen.head_patience, listen.write_limit);
         let guest = RequestService { http, tls, patience, write_limit, closed };
         Self { places, guest }
@@ -64,6 +72,28 @@ impl Connections {
         let io = Paced::new(stream, self.guest.write_limit, (Arc::clone(&place), lost));
         let guest = self.guest.clone();
         tokio::spawn(async move { guest.welcome(io, (peer, place), router).await });
+    }
+
+    /// Waits until a new connection has a file: those that lost their place close theirs soon.
+    pub(super) async fn room(&self) {
+        self.places.wait_until_closed(CLOSE_TIMEOUT).await;
+    }
+
+    /// Reports in the log that no place was free, at most once per interval.
+    #[expect(clippy::infinite_loop, reason = "it ends by being dropped, as futures do")]
+    pub(super) async fn report(&self, log: fn(&str)) {
+        let Capacity { all, anonymous } = self.places.capacity();
+        let mut crowded_out = self.places.crowded_out();
+        loop {
+            // The sender lives as long as we do.
+            drop(crowded_out.changed().await);
+            let count = *crowded_out.borrow_and_update();
+            log(&format!(
+                "too many connections ({all} at most, {anonymous} of them without a login, a quarter from one other network): \
+                 each new one ends the oldest without a login; {count} were ended or refused since the start"
+            ));
+            sleep(REPORT_INTERVAL).await;
+        }
     }
 
     /// Waits until all are gone, but not for ever.

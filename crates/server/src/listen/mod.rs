@@ -8,6 +8,7 @@ use crate::{ServerState, Settings, router};
 use axum::Router;
 use connection::Connections;
 use notify::RecommendedWatcher;
+use rafcon_supervisor::descriptors;
 use std::fs::{File, TryLockError};
 use std::future::Future;
 use std::io;
@@ -98,6 +99,9 @@ pub enum ServeError {
 
 /// Serves until this process is asked to end (SIGINT, SIGTERM). Runs continue.
 pub fn serve(settings: Settings, ready: impl FnOnce(&Server)) -> Result<(), ServeError> {
+    if let Err(error) = descriptors::raise() {
+        (settings.tell)(&format!("the limit of open files stays as it is: {error}"));
+    }
     let mut builder = tokio::runtime::Builder::new_multi_thread();
     let runtime = builder.enable_all().thread_name("server").build().map_err(ServeError::Begin)?;
     let served = runtime.block_on(async {
@@ -169,6 +173,7 @@ impl Server {
         let router = router(Arc::clone(&self.state));
         tokio::select! {
             () = accept(&self.listener, &connections, &router) => {}
+            () = connections.report(self.state.settings().tell) => {}
             () = stop => {}
         }
         drop(self.listener);
@@ -184,9 +189,11 @@ impl Server {
 #[expect(clippy::infinite_loop, reason = "it ends by being dropped, as futures do")]
 async fn accept(listener: &TcpListener, connections: &Connections, router: &Router) {
     loop {
+        connections.room().await;
         match listener.accept().await {
             Ok((stream, peer)) => connections.begin(stream, peer, router.clone()),
-            Err(_no_handle_or_gone) => tokio::time::sleep(ACCEPT_BACKOFF).await,
+            // The client has hung up already, or no descriptor is free.
+            Err(_) => tokio::time::sleep(ACCEPT_BACKOFF).await,
         }
     }
 }

@@ -123,7 +123,7 @@ impl<T: AsyncWrite + Unpin> AsyncWrite for Paced<T> {
 #[cfg(test)]
 mod tests {
     use super::{BYTES_MIN, Paced};
-    use crate::access::{ConnectionSlots, Peer};
+    use crate::access::{Capacity, ConnectionSlots, Peer};
     use std::net::{IpAddr, Ipv4Addr};
     use std::time::Duration;
     use tokio::io::{AsyncReadExt as _, AsyncWriteExt as _, DuplexStream, duplex};
@@ -133,7 +133,7 @@ mod tests {
 
     /// A stream whose reader takes so many bytes every 10 s; how long 1 MiB takes, or when it was given up.
     async fn written(bytes: usize) -> (bool, Duration) {
-        let places = ConnectionSlots::new(1);
+        let places = ConnectionSlots::new(Capacity { all: 1, anonymous: 1 });
         let peer = Peer { ip: IpAddr::V4(Ipv4Addr::LOCALHOST), is_near: true };
         let (near, far) = duplex(4096);
         let mut paced = Paced::new(near, LIMIT, places.take(peer).unwrap());
