@@ -1,7 +1,7 @@
 //! Meeting a server: whether its certificate is the right one, and by which token one is let in.
 
 use super::{Address, CredentialStore, FRAME_TIMEOUT, Fault, Fingerprint, Server, Stream, Token};
-use crate::failure::Usage;
+use crate::failure::{Usage, complain};
 use anyhow::Result;
 use rafcon_server::AddressFile;
 use std::io::{self, IsTerminal as _, Write as _};
@@ -78,7 +78,7 @@ impl TrustDecision<'_> {
                 Usage(format!("--fingerprint {text}: write 64 hexadecimal digits"))
             })?;
             check(address, Some(print))?;
-            self.notebook.remember(address, &print)?;
+            self.remember(address, &print);
             return Ok(print);
         }
         if let Some(print) = self.notebook.certificate(address)? {
@@ -89,7 +89,7 @@ impl TrustDecision<'_> {
         }
         match check(address, None) {
             Err(Fault::Unknown { seen, .. }) if may_ask() && vouched(address, &seen)? => {
-                self.notebook.remember(address, &seen)?;
+                self.remember(address, &seen);
                 Ok(seen)
             }
             Err(fault) => Err(fault.into()),
@@ -97,6 +97,13 @@ impl TrustDecision<'_> {
             Ok(()) => {
                 Err(Usage(format!("--server {address}: the server shows no certificate")).into())
             }
+        }
+    }
+
+    /// Keeps the certificate. A disk that is full keeps no one from a robot.
+    fn remember(&self, address: &Address, print: &Fingerprint) {
+        if let Err(error) = self.notebook.remember(address, print) {
+            complain(&format!("warning: {error:#}: this certificate is accepted now only"));
         }
     }
 }

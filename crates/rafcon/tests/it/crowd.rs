@@ -1,6 +1,6 @@
 //! Strangers who hold connections of a server that may open only the usual 1,024 files, while its owner works.
 
-use crate::harness::Place;
+use crate::harness::{Place, after};
 use crate::served::{Door, Served};
 use crate::server_runs::{Site, WAITS};
 use crate::torture::number;
@@ -12,7 +12,6 @@ use serde_json::{Value, json};
 use std::fs::{self, File};
 use std::io::Write as _;
 use std::net::{SocketAddr, TcpStream};
-use std::process::Command;
 use std::time::{Duration, Instant};
 
 /// How many strangers there are, where a few more than there are files are not enough.
@@ -71,21 +70,6 @@ impl Owner<'_> {
     }
 }
 
-/// The same command with these limits of open files, soft and hard.
-fn limited(command: &Command, soft: u32, hard: u32) -> Command {
-    let script = format!("ulimit -Sn {soft}; ulimit -Hn {hard}; exec \"$0\" \"$@\"");
-    let mut shell = Command::new("sh");
-    shell.args(["-c", &script]).arg(command.get_program()).args(command.get_args());
-    for (name, value) in command.get_envs() {
-        match value {
-            Some(value) => shell.env(name, value),
-            None => shell.env_remove(name),
-        };
-    }
-    shell.current_dir(command.get_current_dir().unwrap());
-    shell
-}
-
 /// Limits of a process, soft and hard.
 fn limits(process: u32) -> (String, String) {
     let text = fs::read_to_string(format!("/proc/{process}/limits")).unwrap();
@@ -102,7 +86,7 @@ fn strangers_who_hold_every_file_of_a_server_delay_no_user_and_no_run() {
     save(&machine, &site.place.path("project/machine"), None, Naming::default()).unwrap();
     let log = site.place.path("log");
     let serve = "serve project --bind 127.0.0.1:0 --state state --runs runs";
-    let mut serve = limited(&site.place.command(serve), 256, 1024);
+    let mut serve = after(&site.place.command(serve), "ulimit -Sn 256; ulimit -Hn 1024");
     serve.stderr(File::create(&log).unwrap());
     let served = Served::start(serve).unwrap();
     assert_eq!(limits(served.pid()), ("1024".to_owned(), "1024".to_owned()));

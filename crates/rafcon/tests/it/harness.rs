@@ -108,6 +108,21 @@ impl Place {
     }
 }
 
+/// The same command, after these words of a shell in its process: limits, say.
+pub(crate) fn after(command: &Command, words: &str) -> Command {
+    let mut shell = Command::new("sh");
+    shell.args(["-c", &format!("{words}; exec \"$0\" \"$@\"")]);
+    shell.arg(command.get_program()).args(command.get_args());
+    for (name, value) in command.get_envs() {
+        match value {
+            Some(value) => shell.env(name, value),
+            None => shell.env_remove(name),
+        };
+    }
+    shell.current_dir(command.get_current_dir().unwrap()).stdin(Stdio::null());
+    shell
+}
+
 impl Answer {
     /// The lines of a JSON run.
     pub(crate) fn events(&self) -> Vec<Value> {

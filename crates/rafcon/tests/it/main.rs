@@ -12,6 +12,7 @@ mod crowd;
 mod debugging;
 mod endings;
 mod examples;
+mod full_disk;
 mod harness;
 mod hostile_values;
 mod kept_runs;

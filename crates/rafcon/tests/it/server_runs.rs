@@ -16,7 +16,7 @@ use rustix::process::{Pid, Signal, kill_process};
 use serde_json::{Value, json};
 
 /// What hashing a password costs here: next to nothing.
-const CHEAP: HashCost = HashCost { memory_kib: 8, passes: 1 };
+pub(crate) const CHEAP: HashCost = HashCost { memory_kib: 8, passes: 1 };
 
 /// A script that continues until it is asked to end, after it has said so past every capture.
 pub(crate) const WAITS: &str = r#"

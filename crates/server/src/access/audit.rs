@@ -41,9 +41,11 @@ pub struct Audit {
 /// The files, owned by the thread that writes them.
 struct Record {
     folder: PathBuf,
-    file: File,
+    /// `None` until it can be opened.
+    file: Option<File>,
     bytes: u64,
-    is_broken: bool,
+    /// Lines that could not be written since the last one that was.
+    lost: u64,
 }
 
 /// What the thread receives.
@@ -66,7 +68,7 @@ struct Note<'a> {
 impl Audit {
     /// Continues the record in the folder.
     pub(crate) fn open(folder: &Path) -> Result<Self, PrivateError> {
-        let record = Record::open(folder)?;
+        let record = Record::new(folder);
         let (words, waiting) = sync_channel(WAITING_MAX);
         let missed = Arc::new(AtomicU64::new(0));
         let theirs = Arc::clone(&missed);
@@ -136,11 +138,21 @@ fn line(note: &Note<'_>) -> Vec<u8> {
 }
 
 impl Record {
-    fn open(folder: &Path) -> Result<Self, PrivateError> {
-        let path = file(folder, 0);
-        let file = private::open(&path)?;
-        let about = file.metadata().map_err(|source| PrivateError::new("read", &path, source))?;
-        Ok(Self { folder: folder.to_owned(), file, bytes: about.len(), is_broken: false })
+    fn new(folder: &Path) -> Self {
+        Self { folder: folder.to_owned(), file: None, bytes: 0, lost: 0 }
+    }
+
+    /// The current file, opened if it is not yet.
+    fn current(&mut self) -> io::Result<&mut File> {
+        let file = match self.file.take() {
+            Some(file) => file,
+            None => {
+                let file = private::open(&file(&self.folder, 0)).map_err(io::Error::other)?;
+                self.bytes = file.metadata()?.len();
+                file
+            }
+        };
+        Ok(self.file.insert(file))
     }
 
     /// Writes until no one notes anything any more.
@@ -152,32 +164,46 @@ impl Record {
                 Word::Settle(done) => done.send(()).unwrap_or_default(),
             }
             let count = missed.swap(0, Ordering::Relaxed);
-            if count > 0 {
-                let about = format!("{count} notes, while the disk was too slow");
-                let at_ms = since_1970_ms();
-                let missed = Note { at_ms, user: "", what: "notes_missed", about: &about };
-                self.write_or_say(&line(&missed));
-            }
+            self.note_missed(count, "while the disk was too slow");
+        }
+    }
+
+    fn note_missed(&mut self, count: u64, why: &str) {
+        if count > 0 {
+            let (at_ms, about) = (since_1970_ms(), format!("{count} notes, {why}"));
+            let missed = Note { at_ms, user: "", what: "notes_missed", about: &about };
+            self.write_or_say(&line(&missed));
         }
     }
 
     fn write_or_say(&mut self, line: &[u8]) {
-        let written = self.write(line);
-        if let Err(error) = &written
-            && !self.is_broken
-        {
-            log::say(&format!("the record of access cannot be written: {error}"));
+        match self.write(line) {
+            Ok(()) => {
+                let lost = std::mem::take(&mut self.lost);
+                self.note_missed(lost, "while the disk was full");
+            }
+            Err(error) => {
+                if self.lost == 0 {
+                    log::say(&format!("the record of access cannot be written: {error}"));
+                }
+                self.lost += 1;
+            }
         }
-        self.is_broken = written.is_err();
     }
 
     fn write(&mut self, line: &[u8]) -> io::Result<()> {
+        self.current()?;
         if self.bytes + line.len() as u64 > BYTES_MAX {
             self.turn()?;
         }
-        self.file.write_all(line)?;
-        self.bytes += line.len() as u64;
-        Ok(())
+        let written = self.current()?.write_all(line);
+        if written.is_err() {
+            // No part of a line stays.
+            let bytes = self.bytes;
+            self.current()?.set_len(bytes)?;
+        }
+        self.bytes += if written.is_ok() { line.len() as u64 } else { 0 };
+        written
     }
 
     /// Begins a new file.
@@ -188,8 +214,7 @@ impl Record {
                 Ok(()) | Err(_) => {}
             }
         }
-        self.file = private::open(&file(&self.folder, 0)).map_err(io::Error::other)?;
-        self.bytes = 0;
+        (self.file, self.bytes) = (None, 0);
         Ok(())
     }
 }
@@ -242,10 +267,25 @@ mod tests {
     }
 
     #[test]
+    fn a_full_disk_loses_whole_lines_and_their_number_is_written_later() {
+        let place = tempfile::tempdir().unwrap();
+        let mut record = Record::new(place.path());
+        record.file = Some(fs::OpenOptions::new().write(true).open("/dev/full").unwrap());
+        record.write_or_say(b"lost\n");
+        record.write_or_say(b"lost\n");
+        record.file = None;
+        record.write_or_say(b"kept\n");
+        let text = fs::read_to_string(place.path().join("audit.jsonl")).unwrap();
+        assert!(text.starts_with("kept\n") && text.lines().count() == 2, "{text}");
+        assert!(text.contains("2 notes, while the disk was full"), "{text}");
+    }
+
+    #[test]
     fn the_record_is_bounded() {
         let place = tempfile::tempdir().unwrap();
-        let mut record = Record::open(place.path()).unwrap();
+        let mut record = Record::new(place.path());
         for round in 0..6 {
+            record.current().unwrap();
             record.bytes = BYTES_MAX;
             record.write_or_say(format!("{round}\n").as_bytes());
         }

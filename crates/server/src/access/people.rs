@@ -10,7 +10,7 @@ use super::sessions::{Login, Sessions};
 use super::users::Users;
 use super::who::{Credential, Who};
 use crate::gate::Gate;
-use crate::{Failure, Settings};
+use crate::{Failure, Settings, log};
 use rafcon_locks::Mutex;
 use rafcon_protocol::api::Role;
 use rafcon_supervisor::clock::since_1970_ms;
@@ -62,7 +62,7 @@ impl People {
     pub(crate) fn open(settings: &Settings) -> Result<Self, PrivateError> {
         let state = &settings.state;
         Ok(Self {
-            owner: owners_token(state, settings.access.keep_token)?,
+            owner: owners_token(state, settings.access.keep_token, settings.tell)?,
             ros: Secret::new()
                 .map_err(|source| PrivateError::new("make a token for", state, source))?,
             users: Arc::new(Users::open(state, settings.access.cost)?),
@@ -178,8 +178,12 @@ impl People {
         move || {
             let cost = users.cost();
             let is_right = memory.is_right(&password, kept.as_deref(), cost);
-            if let Some(kept) = kept.filter(|kept| is_right && !passwords::is_of(kept, cost)) {
-                users.keep_again(&user, &kept, &password)?;
+            let is_old = |kept: &String| is_right && !passwords::is_of(kept, cost);
+            if let Some(kept) = kept.filter(is_old)
+                && let Err(error) = users.keep_again(&user, &kept, &password)
+            {
+                // A full disk keeps no one from a robot.
+                log::say(&format!("the password of {user} keeps its old hash: {error}"));
             }
             Ok(is_right)
         }
@@ -263,14 +267,19 @@ fn too_often(seconds: u64) -> Failure {
     failure.retry_after(seconds)
 }
 
-/// The token in the folder if it is to stay the same, else a new one.
-fn owners_token(state: &Path, keep: bool) -> Result<Secret, PrivateError> {
+/// The token in the folder if `keep` is set, else a new one. A token that cannot be written is valid, so that the owner can stop a
+/// robot with a full disk.
+fn owners_token(state: &Path, keep: bool, log: fn(&str)) -> Result<Secret, PrivateError> {
     let file = state.join("token");
     let kept = if keep { private::read(&file)? } else { None };
     if let Some(secret) = kept.as_deref().and_then(Secret::read) {
         return Ok(secret);
     }
     let secret = Secret::new().map_err(|source| PrivateError::new("make", &file, source))?;
-    private::write(&file, secret.text().as_bytes())?;
+    if let Err(error) = private::write_without_room(&file, secret.text().as_bytes()) {
+        log(&format!(
+            "{error}: the printed address admits you; other programs of this computer need its token in RAFCON_TOKEN"
+        ));
+    }
     Ok(secret)
 }

@@ -34,6 +34,20 @@ pub(crate) fn write(path: &Path, bytes: &[u8]) -> Result<(), PrivateError> {
     replaced.map_err(|source| PrivateError::new("write", path, source))
 }
 
+/// Replaces a file. Where there is no room for another one, the content of the old one is overwritten.
+pub(crate) fn write_without_room(path: &Path, bytes: &[u8]) -> Result<(), PrivateError> {
+    let written = write(path, bytes);
+    written.or_else(|error| overwrite(path, bytes).map_err(|_also| error))
+}
+
+/// Overwrites an existing file, which needs no room on most disks. The file is small: one write replaces it.
+fn overwrite(path: &Path, bytes: &[u8]) -> io::Result<()> {
+    let mut file = OpenOptions::new().write(true).open(path)?;
+    file.write_all(bytes)?;
+    file.set_len(bytes.len() as u64)?;
+    file.sync_all()
+}
+
 /// Replaces a file without waiting for the disk: a power cut may lose it.
 pub(crate) fn write_soon(path: &Path, bytes: &[u8]) -> Result<(), PrivateError> {
     let replaced = replace(path, bytes, |_file| Ok(()));
@@ -46,12 +60,24 @@ fn replace(
     sync: impl FnOnce(&File) -> io::Result<()>,
 ) -> io::Result<()> {
     let staged = path.with_extension(format!("new-{}", std::process::id()));
+    let written = stage(&staged, bytes, sync).and_then(|()| fs::rename(&staged, path));
+    if written.is_err() {
+        // Nothing of it stays on a disk that is full.
+        fs::remove_file(&staged).unwrap_or_default();
+    }
+    written
+}
+
+fn stage(
+    staged: &Path,
+    bytes: &[u8],
+    sync: impl FnOnce(&File) -> io::Result<()>,
+) -> io::Result<()> {
     let mut options = OpenOptions::new();
-    let mut file = options.write(true).create(true).truncate(true).mode(0o600).open(&staged)?;
+    let mut file = options.write(true).create(true).truncate(true).mode(0o600).open(staged)?;
     file.set_permissions(fs::Permissions::from_mode(0o600))?;
     file.write_all(bytes)?;
-    sync(&file)?;
-    fs::rename(&staged, path)
+    sync(&file)
 }
 
 fn sync_folder(path: &Path) -> io::Result<()> {
@@ -77,6 +103,19 @@ pub(crate) fn open(path: &Path) -> Result<File, PrivateError> {
 #[cfg(test)]
 mod tests {
     use std::os::unix::fs::PermissionsExt as _;
+
+    #[test]
+    fn without_room_for_another_file_the_old_one_is_overwritten() {
+        let place = tempfile::tempdir().unwrap();
+        let file = place.path().join("token");
+        super::write(&file, b"first one").unwrap();
+        let staged = file.with_extension(format!("new-{}", std::process::id()));
+        std::fs::create_dir(staged).unwrap();
+        assert!(super::write(&file, b"second").is_err());
+        super::write_without_room(&file, b"second").unwrap();
+        assert_eq!(super::read(&file).unwrap().as_deref(), Some("second"));
+        assert!(super::write_without_room(&place.path().join("token.x"), b"").is_err());
+    }
 
     #[test]
     fn nobody_else_may_read() {

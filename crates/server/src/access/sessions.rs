@@ -3,9 +3,11 @@
 
 use super::private::{self, PrivateError};
 use super::secret::{Digest, Secret};
+use crate::log;
 use rafcon_locks::Mutex;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
+use std::fs;
 use std::path::PathBuf;
 
 /// How long a login lasts after its last use.
@@ -39,7 +41,7 @@ impl Sessions {
         Ok(Self { file, logins: Mutex::new(logins) })
     }
 
-    /// Makes a login; gives the secret that its owner shows from now on.
+    /// Makes a login; gives the secret that its owner shows from now on. One that cannot be written ends with the server.
     pub(super) fn begin(
         &self,
         user: &str,
@@ -53,7 +55,9 @@ impl Sessions {
         logins.retain(|_, login| login.expires_ms > now_ms);
         make_room(&mut logins, user);
         logins.insert(secret.digest().text(), login.clone());
-        self.keep(&logins)?;
+        if let Err(error) = self.keep(&logins) {
+            log::say(&format!("{error}: the login of {user} ends with this server"));
+        }
         Ok((secret, login))
     }
 
@@ -78,11 +82,16 @@ impl Sessions {
         self.logins.lock().get(digest).filter(|login| login.expires_ms > now_ms).cloned()
     }
 
-    /// Ends one.
+    /// Ends one. If the others cannot be written, all logins end with the server.
     pub(super) fn end(&self, digest: &str) -> Result<(), PrivateError> {
         let mut logins = self.logins.lock();
         logins.remove(digest);
-        self.keep(&logins)
+        self.keep(&logins).or_else(|error| {
+            fs::remove_file(&self.file)
+                .map_err(|source| PrivateError::new("remove", &self.file, source))?;
+            log::say(&format!("{error}: all logins end with this server"));
+            Ok(())
+        })
     }
 
     /// The login continues although its user's password is another.
@@ -150,6 +159,23 @@ mod tests {
         let sessions = Sessions::open(place.path().join("sessions.json")).unwrap();
         let (secret, login) = sessions.begin("anna", 1, 1000).unwrap();
         assert_eq!(sessions.used(secret.text(), 0).unwrap().1, login);
+    }
+
+    #[test]
+    fn a_login_on_a_full_disk_is_valid_and_an_ended_one_is_not_valid_later() {
+        let place = tempfile::tempdir().unwrap();
+        let file = place.path().join("sessions.json");
+        let sessions = Sessions::open(file.clone()).unwrap();
+        let (before, _) = sessions.begin("anna", 1, 0).unwrap();
+        // No file can be written beside it.
+        let staged = file.with_extension(format!("new-{}", std::process::id()));
+        std::fs::create_dir(staged).unwrap();
+        let (secret, _) = sessions.begin("anna", 1, 0).unwrap();
+        assert!(sessions.used(secret.text(), 1).is_some());
+        let (digest, _) = sessions.used(before.text(), 1).unwrap();
+        sessions.end(&digest).unwrap();
+        assert!(sessions.used(secret.text(), 1).is_some());
+        assert_eq!(Sessions::open(file).unwrap().used(before.text(), 1), None);
     }
 
     #[test]

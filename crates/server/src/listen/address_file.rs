@@ -28,7 +28,7 @@ pub struct AddressFile {
 }
 
 impl AddressFile {
-    /// Tells where a server listens.
+    /// Writes where a server listens. A server whose disk is full runs without.
     pub(super) fn write(
         server: &ServerState,
         address: SocketAddr,
@@ -42,7 +42,13 @@ impl AddressFile {
         };
         let text = serde_json::to_vec_pretty(&card).map_err(io::Error::from);
         let text = text.map_err(|source| PrivateError::new("write", &card.file, source))?;
-        private::write(&card.file, &text)?;
+        if let Err(error) = private::write_without_room(&card.file, &text) {
+            (server.settings().tell)(&format!(
+                "{error}: the server runs; other programs of this computer need its address and token"
+            ));
+            // It may name the server before this one.
+            card.remove()?;
+        }
         Ok(card)
     }
 
@@ -70,9 +76,13 @@ impl AddressFile {
     }
 
     /// The server is gone.
-    pub(super) fn remove(self) -> Result<(), PrivateError> {
-        let removed = fs::remove_file(&self.file);
-        removed.map_err(|source| PrivateError::new("remove", &self.file, source))
+    pub(super) fn remove(&self) -> Result<(), PrivateError> {
+        match fs::remove_file(&self.file) {
+            Err(error) if error.kind() != io::ErrorKind::NotFound => {
+                Err(PrivateError::new("remove", &self.file, error))
+            }
+            _ => Ok(()),
+        }
     }
 }
 
