@@ -28,11 +28,13 @@ import { useKeptScroll } from "../ui/kept_scroll.ts";
 import { ContextMenu, type MenuItem } from "../ui/menu.tsx";
 import { useComputed, useSignal } from "../ui/signals.ts";
 import { listenForTips } from "../ui/tips.ts";
+import { undoTranslations } from "../ui/translation.ts";
 import { Centre } from "./centre.tsx";
 import { listenToClipboard } from "./clipboard_events.ts";
 import { DockControl } from "./dock_control.ts";
 import { initialLayout, takeAsked } from "./initial_layout.ts";
 import { listenToKeys } from "./keyboard.ts";
+import { tellTranslated } from "./mishaps.ts";
 import { NARROW, SMALL } from "./mission_place.ts";
 import { PanelGuard } from "./panel_guard.tsx";
 import { PANELS, panelOf } from "./panels.tsx";
@@ -56,12 +58,14 @@ export function Dock() {
     const stack = () => {
       if (control.stack(narrow.matches)) session.context().shell.overview();
     };
-    // The dock has its new size from the next picture on.
-    const soon = () => requestAnimationFrame(() => requestAnimationFrame(stack));
+    // The dock has its new size from the next picture on: panels fold before that, and unfold after it.
+    const later = (act: () => void) => requestAnimationFrame(() => requestAnimationFrame(act));
+    const soon = () => later(stack);
+    const foldSoon = () => (small.matches ? fold() : later(fold));
     stack();
     fold();
     narrow.addEventListener("change", soon);
-    small.addEventListener("change", fold);
+    small.addEventListener("change", foldSoon);
     const asked = takeAsked(window);
     if (asked.isMission) session.commands.run("mission.open", session.context());
     if (asked.run !== null) session.commands.run("run.show", session.context(), asked.run);
@@ -71,6 +75,7 @@ export function Dock() {
         listenToClipboard(session, view.document),
         listenForTips(view.document),
         wearTheme(session.page, view),
+        undoTranslations(view.document, () => tellTranslated(session.page)),
       ];
       view.addEventListener("pagehide", () => {
         for (const stop of stops) stop();
@@ -84,7 +89,7 @@ export function Dock() {
     );
     return () => {
       narrow.removeEventListener("change", soon);
-      small.removeEventListener("change", fold);
+      small.removeEventListener("change", foldSoon);
       opened.dispose();
       failed.dispose();
       control.dispose();

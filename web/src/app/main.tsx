@@ -6,8 +6,9 @@ import "../ui/tokens.css";
 import { createRoot } from "react-dom/client";
 import { allCommands } from "../commands/all.ts";
 import { startPage } from "../sync/page.ts";
+import { undoTranslations } from "../ui/translation.ts";
 import { App } from "./app.tsx";
-import { tellMishaps } from "./mishaps.ts";
+import { tellMishaps, tellTranslated } from "./mishaps.ts";
 import { newSession } from "./session.ts";
 import { wearTheme } from "./theme.ts";
 import { keepTitle } from "./title.ts";
@@ -17,6 +18,7 @@ if (place) {
   const page = startPage();
   const session = newSession(page, allCommands());
   tellMishaps(page, window);
+  undoTranslations(document, () => tellTranslated(page));
   wearTheme(page, window);
   keepTitle(page, document);
   const { commands, context } = session;

@@ -24,3 +24,10 @@ export function tellMishaps(page: Pick<Page, "tell">, view: Window): () => void 
     view.removeEventListener("unhandledrejection", rejected);
   };
 }
+
+export function tellTranslated(page: Pick<Page, "tell">): void {
+  page.tell({
+    level: "warning",
+    text: "A translator changes the texts of this page. The page restores them, because a translated text can be out of date. Turn the translator off for this page.",
+  });
+}
