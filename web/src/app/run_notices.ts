@@ -9,6 +9,7 @@ import { nameSoon } from "../store/document/name_soon.ts";
 import { didInWords, type RunFailure } from "../store/history/failures.ts";
 import { openQuestions } from "../store/history/questions.ts";
 import type { Watch } from "../store/history/run.ts";
+import { clock1s } from "../store/page/clock1s.ts";
 import type { Notice, OpenTab } from "../store/page/page.ts";
 import { openFailures } from "../store/run/acknowledged.ts";
 import { usualInWords } from "../store/run/baseline.ts";
@@ -148,19 +149,38 @@ export function failuresInWords(
 
 /** Once for each time that a state takes longer than ever: it may hang. It is kept in the log, whatever is in sight. */
 function tellLonger({ page }: AppSession, watch: Watch, { session }: OpenTab): () => void {
-  let before: ReadonlySet<string> = new Set();
+  const alarms = new LongerAlarms();
   return effect(() => {
     const all = longerThanEver(page, watch);
-    for (const longer of all) {
-      if (before.has(longer.path)) continue;
+    for (const longer of alarms.due(all, clock1s.value)) {
       void nameSoon(session, longer.path).then((name) => {
         const text = longerInWords(name, longer);
         const action = { title: "Mission control", command: "mission.show", argument: watch.id };
         page.tell({ level: "warning", text, action });
       });
     }
-    before = new Set(all.map(({ path }) => path));
   });
+}
+
+/** An alarm is due if its state runs too long at two readings of the clock: after a silence the server answers before it has read
+ * what the run did meanwhile. */
+export class LongerAlarms {
+  /** The clock at the first reading, by path; null once the alarm was due. */
+  #since = new Map<string, number | null>();
+
+  /** Null: nothing is known now. */
+  due(all: readonly Longer[] | null, now_ms: number): readonly Longer[] {
+    if (all === null) return [];
+    const before = this.#since;
+    const isDue = ({ path }: Longer) => (before.get(path) ?? now_ms) < now_ms;
+    const found = all.filter(isDue);
+    const next = (longer: Longer) => {
+      const isKnown = before.get(longer.path) === null || found.includes(longer);
+      return isKnown ? null : (before.get(longer.path) ?? now_ms);
+    };
+    this.#since = new Map(all.map((longer) => [longer.path, next(longer)]));
+    return found;
+  }
 }
 
 /** `Drill has run longer than ever before: 12 s, usually 3 s, at most 5 s (14 times)`. */

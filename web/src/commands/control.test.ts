@@ -7,30 +7,30 @@ import { refusalOf } from "./command.ts";
 import { silenceLeft } from "./control.ts";
 import { type TestContext, testContext } from "./testing/context.ts";
 
-/** A run in front by this browser's clock, which is so far behind the server's. */
+/** A run in front; what the server said last, it said at this time of its clock. */
 function controlled(
   control: Partial<Control>,
-  ahead_ms = 0,
+  server_ms = 0,
   answers: readonly boolean[] = [],
 ): TestContext {
   const context = testContext(`R "Root" hierarchy outcome done`, { answers });
   const all = { holder: "anna", since_ms: 0, heard_ms: 0, silence_ms: 0, requests: [], ...control };
   const watch = { id: "r", now: signal({ control: all }), playhead: signal(null) };
   context.tab.run.value = watch as unknown as Watch;
-  Object.assign(context.page.server, { pulse: signal({ ahead_ms }) });
+  Object.assign(context.page.server, { pulse: signal({ ahead_ms: -500, server_ms }) });
   return context;
 }
 
 test("control can be taken over when its holder was silent, by the server's clock", () => {
-  expect(silenceLeft(controlled({ holder: null }), 0)).toBe(0);
-  expect(silenceLeft(controlled({ heard_ms: 1_000 }), 1_000)).toBe(0);
-  expect(silenceLeft(controlled({ heard_ms: 2_000, silence_ms: 30_000 }, 500), 1_500)).toBe(33_000);
+  expect(silenceLeft(controlled({ holder: null }))).toBe(0);
+  expect(silenceLeft(controlled({ heard_ms: 1_000 }, 1_000))).toBe(0);
+  expect(silenceLeft(controlled({ heard_ms: 2_000, silence_ms: 30_000 }, 2_000))).toBe(33_000);
 });
 
 test("the holder may have been heard later than the server last told", () => {
-  const context = controlled({ heard_ms: 10_000, silence_ms: 30_000 });
-  expect(silenceLeft(context, 40_000)).toBe(3_000);
-  expect(silenceLeft(context, 43_000)).toBe(0);
+  const holder = { heard_ms: 10_000, silence_ms: 30_000 };
+  expect(silenceLeft(controlled(holder, 40_000))).toBe(3_000);
+  expect(silenceLeft(controlled(holder, 43_000))).toBe(0);
 });
 
 /** Which moves somebody may make now. */

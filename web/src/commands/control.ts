@@ -154,17 +154,17 @@ function ofOther(
 /** The server tells of a holder who goes on being heard once in this part of the silence: they may have been heard so much later. */
 const UNTOLD = 1 / 10;
 
-/** So long nobody can take control over from its holder, in ms; 0: anybody may. */
-export function silenceLeft({ page, tab }: CommandContext, now_ms: number): number {
+/** So long nobody can take control over from its holder, in ms; 0: anybody may. Silence of the server is no silence of the holder. */
+export function silenceLeft({ page, tab }: CommandContext): number {
   const control = tab?.run.value?.now.value?.control;
   if (!control || control.holder === null) return 0;
-  const there_ms = now_ms + (page.server.pulse.value?.ahead_ms ?? 0);
+  const there_ms = page.server.pulse.value?.server_ms ?? 0;
   const heardTill_ms = control.heard_ms + control.silence_ms * UNTOLD;
   return Math.max(0, heardTill_ms + control.silence_ms - there_ms);
 }
 
 function stillHeard(context: CommandContext): string | null {
-  const left_ms = silenceLeft(context, Date.now());
+  const left_ms = silenceLeft(context);
   if (left_ms === 0) return null;
   const holder = context.tab?.run.value?.now.value?.control.holder;
   return `${holder} is still active: ask for control, or wait until ${holder} has been silent for longer`;

@@ -5,7 +5,7 @@ import { useMemo } from "react";
 import type { Watch } from "../../store/history/run.ts";
 import type { Page } from "../../store/page/page.ts";
 import { type Active, activeStates, lanes } from "../../store/run/active.ts";
-import { sinceSnapshot } from "../../store/run/since_snapshot.ts";
+import { confirmedSinceSnapshot, sinceSnapshot } from "../../store/run/since_snapshot.ts";
 import { isSameList, useComputed } from "../../ui/signals.ts";
 import { useThrottled } from "../../ui/throttled.ts";
 import { inOrder } from "../parts/branch.ts";
@@ -18,6 +18,8 @@ interface CalmLanes {
   readonly all: readonly Active[];
   /** So much longer they have gone on by then than they say, in ms. */
   readonly sinceSnapshot_ms: number;
+  /** The part of it in which the run was received. */
+  readonly confirmed_ms: number;
 }
 
 export function useCalmLanes(page: Page, watch: Watch): CalmLanes {
@@ -28,6 +30,7 @@ export function useCalmLanes(page: Page, watch: Watch): CalmLanes {
       computed(() => ({
         all: inOrder(lanes(activeStates(watch))),
         sinceSnapshot_ms: sinceSnapshot(page, watch),
+        confirmed_ms: confirmedSinceSnapshot(page, watch),
       })),
     [page, watch, phases],
   );

@@ -5,7 +5,6 @@ import type { ReactNode } from "react";
 import { silenceLeft } from "../../commands/control.ts";
 import { lacks } from "../../commands/run_rules.ts";
 import type { Watch } from "../../store/history/run.ts";
-import { clock1s } from "../../store/page/clock1s.ts";
 import { wallTime } from "../../store/page/times.ts";
 import { sessionOfPage } from "../../store/run/running.ts";
 import { Button } from "../../ui/button.tsx";
@@ -173,10 +172,7 @@ function Moves({
 /** Only from who is silent; the time until then is told. */
 function TakeOver({ holder }: { readonly holder: string }) {
   const { context } = useHost();
-  const left = useComputed(
-    () => Math.ceil(silenceLeft(context(), clock1s.value) / 1_000),
-    [context],
-  );
+  const left = useComputed(() => Math.ceil(silenceLeft(context()) / 1_000), [context]);
   return (
     <>
       <Move

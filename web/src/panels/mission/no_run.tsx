@@ -97,17 +97,20 @@ function Stands({ run }: { readonly run: RunInList }) {
   );
 }
 
-/** Of a run that goes on until now, or until it was heard last: the list does not say each second how long that is. */
+/** Of a run that goes on, until now. Nothing is added once the server or the run is silent. */
 function Length({ run }: { readonly run: RunInList }) {
   const { page } = useHost().context();
   const text = useComputed(() => {
     if (!isGoingOn(run)) return duration(run.length_ms);
-    const now_ms = clock1s.value + (page.server.pulse.value?.ahead_ms ?? 0);
+    const { ahead_ms, server_ms, old_ms } = page.server.pulse.value ?? NOT_RECEIVED;
+    const now_ms = Math.min(clock1s.value + ahead_ms, server_ms + old_ms);
     const there_ms = run.unheard_since_ms ?? now_ms;
     return growing(Math.max(0, there_ms - run.started_ms));
   }, [page, run]);
   return <>{text}</>;
 }
+
+const NOT_RECEIVED = { ahead_ms: 0, server_ms: 0, old_ms: 0 };
 
 type RunInList = Parameters<typeof summaryStatusWords>[0];
 

@@ -3,7 +3,6 @@
 import { Radio, RadioTower } from "lucide-react";
 import type { ClockOffset, LinkHealth } from "../../model/generated/protocol.ts";
 import type { Watch } from "../../store/history/run.ts";
-import { clock1s } from "../../store/page/clock1s.ts";
 import { isGoingOn } from "../../store/run/age.ts";
 import { useComputed, useSignal } from "../../ui/signals.ts";
 import { useHost } from "../context.tsx";
@@ -18,9 +17,9 @@ export function RobotLink({ watch }: { readonly watch: Watch }) {
     return now && isGoingOn(now) ? (now.robot ?? null) : null;
   }, [watch]);
   const pulse = useSignal(page.server.pulse);
-  const here_ms = useSignal(clock1s);
   if (robot === null) return null;
-  const now_ms = here_ms + (pulse?.ahead_ms ?? 0);
+  // Silence of the server is no silence of the robot.
+  const now_ms = pulse?.server_ms ?? 0;
   return (
     <section
       className={`robot-link${robot.is_heard ? "" : " robot-link-dark"}`}

@@ -18,16 +18,20 @@ export interface Beside {
   readonly runs?: readonly RunSummary[];
   /** How far the server's clock is ahead of this one. */
   readonly ahead_ms?: number;
+  /** The server's time when it was received last: now, if nothing else is given. */
+  readonly server_ms?: number;
 }
 
 export function shown(panel: ReactElement, beside: Beside): HTMLElement {
   const { page: plain, tab: alone, shell } = testContext(beside.machine ?? "R hierarchy");
   const session: MachineSession = { ...alone.session, ...beside.session };
   const tab: OpenTab = { ...alone, session, run: signal(beside.watch ?? null) };
-  const pulse = { heard_ms: 0, server_ms: 0, old_ms: Number.POSITIVE_INFINITY, delay_ms: 3 };
+  const ahead_ms = beside.ahead_ms ?? 0;
+  const server_ms = beside.server_ms ?? Date.now() + ahead_ms;
+  const pulse = { heard_ms: 0, server_ms, old_ms: Number.POSITIVE_INFINITY, delay_ms: 3 };
   const page = {
     ...plain,
-    server: { ...plain.server, pulse: signal({ ...pulse, ahead_ms: beside.ahead_ms ?? 0 }) },
+    server: { ...plain.server, pulse: signal({ ...pulse, ahead_ms }) },
     runs: { all: signal(beside.runs ?? []) },
     comingRun: signal(null),
     active: signal<OpenTab | null>(tab),

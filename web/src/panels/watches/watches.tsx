@@ -4,7 +4,6 @@ import { computed } from "@preact/signals-core";
 import { type DragEvent, useMemo, useState } from "react";
 import { type PortKind, portsOf } from "../../model/machine.ts";
 import type { Watch } from "../../store/history/run.ts";
-import { clock1s } from "../../store/page/clock1s.ts";
 import type { OpenTab } from "../../store/page/page.ts";
 import { selectedStates } from "../../store/page/view.ts";
 import { setStateWatched, watchedStatesOf } from "../../store/run/watched_states.ts";
@@ -84,9 +83,9 @@ function AskedOfRobot({ watch }: { watch: Watch }) {
   const { watching } = useSignal(watch.ahead);
   const robot = useComputed(() => watch.now.value?.robot ?? null, [watch]);
   const pulse = useSignal(page.server.pulse);
-  const here_ms = useSignal(clock1s);
   if (!watching || !robot) return null;
-  const waits_ms = here_ms + (pulse?.ahead_ms ?? 0) - watching.asked_ms;
+  // Silence of the server is no silence of the robot.
+  const waits_ms = (pulse?.server_ms ?? 0) - watching.asked_ms;
   const patience_ms = 2 * (robot.round_trip_ms ?? 0) + ANSWER_MS;
   const isOpen = !watching.is_confirmed && waits_ms > patience_ms;
   if (!isOpen && watching.left_out === 0) return null;

@@ -48,9 +48,23 @@ export function isGoingOn(now: RunNow): boolean {
 
 /** Since what is shown was true for sure. By the server's clock: what was held back on the way is no younger for that. */
 function pictureAge(watch: Watch, pulse: ServerPulse | null, now_ms: number): number {
-  const heard_ms = watch.isCurrent.value ? (pulse?.server_ms ?? 0) : 0;
   const there_ms = now_ms + (pulse?.ahead_ms ?? 0);
-  return Math.max(0, there_ms - Math.max(heard_ms, watch.proven_ms.value ?? there_ms));
+  return Math.max(0, there_ms - (confirmedAt(watch, pulse) ?? there_ms));
+}
+
+/** The server's time until which what is shown of the run is confirmed; null before anything is. */
+function confirmedAt(watch: Watch, pulse: ServerPulse | null): number | null {
+  const heard_ms = watch.isCurrent.value ? (pulse?.server_ms ?? 0) : 0;
+  const proven_ms = watch.proven_ms.value;
+  return proven_ms === null ? null : Math.max(heard_ms, proven_ms);
+}
+
+/** The server's time until which the run is confirmed, in ms: silence confirms nothing, neither of the server nor of a robot. Null
+ * before anything is confirmed. A signal's reader. */
+export function confirmedUntil(page: Pick<Page, "server">, watch: Watch): number | null {
+  const until_ms = confirmedAt(watch, page.server.pulse.value);
+  const robot_ms = watch.now.value?.robot?.heard_ms ?? null;
+  return until_ms === null || robot_ms === null ? until_ms : Math.min(until_ms, robot_ms);
 }
 
 /** Since the server heard the runner, by the server's clock. */

@@ -1,13 +1,28 @@
 import { signal } from "@preact/signals-core";
-import { expect, test } from "vitest";
+import { afterEach, beforeEach, expect, test, vi } from "vitest";
 import type { Phase, RunNow } from "../../model/generated/protocol.ts";
 import { Counts } from "../history/counts.ts";
 import type { Watch } from "../history/run.ts";
 import type { Page } from "../page/page.ts";
 import { longerThanEver } from "./longer.ts";
 
-/** Which states run longer than ever, of one that took 2 s so often and has been active for so long. */
-function longer(times: number, since_ms: number, phase: Phase = "running", link = "up"): string {
+interface Given {
+  readonly times?: number;
+  /** At the latest snapshot. */
+  readonly since_ms: number;
+  readonly phase?: Phase;
+  readonly link?: "up" | "silent";
+  /** The time since the snapshot, and the part of it until the server and the robot were received last, in ms. */
+  readonly later_ms?: number;
+  readonly server_ms?: number;
+  readonly robot_ms?: number;
+}
+
+/** Which states run longer than ever, of one that took 2 s so often; `unknown` while that cannot be known. */
+function longer(given: Given): string {
+  const { times = 5, since_ms, phase = "running", link = "up", later_ms = 0 } = given;
+  const { server_ms = later_ms, robot_ms } = given;
+
   const counts = new Counts();
   for (let time = 0; time < times; time += 1) {
     counts.entered(1, "R/A", 0, false);
@@ -15,26 +30,43 @@ function longer(times: number, since_ms: number, phase: Phase = "running", link 
   }
   const state = { path: "R/A", name: "A", phase, since_ms, branch: "", detail: null, held: [] };
   const run = { id: "r", phase: "live", machine: null };
-  const now = { run, link, snapshot: { active: [state], questions: [] }, snapshot_ms: null };
+  const snapshot = { active: [state], questions: [] };
+  const snapshot_ms = Date.now() - later_ms;
+  const robot = robot_ms === undefined ? null : { heard_ms: snapshot_ms + robot_ms };
+  const now = { run, link, snapshot, snapshot_ms, robot };
   const watch = {
     id: "r",
     now: signal(now as unknown as RunNow),
     playhead: signal(null),
     isCurrent: signal(true),
-    proven_ms: signal(0),
+    proven_ms: signal(snapshot_ms),
     journal: { counts },
   };
-  const server = { link: signal({ state: "up" }), pulse: signal(null) };
+  const pulse = { ahead_ms: 0, old_ms: 4_000, server_ms: snapshot_ms + server_ms };
+  const server = { link: signal({ state: "up" }), pulse: signal(pulse) };
   const page = { server, runs: { all: signal([]) } } as unknown as Page;
   const found = longerThanEver(page, watch as unknown as Watch);
+  if (found === null) return "unknown";
   return found.map(({ path, baseline }) => `${path} ${baseline.max_ms}`).join();
 }
 
-test("a state at work is told when it takes longer than ever, of five times at least", () => {
-  expect(longer(5, 9_000)).toBe("R/A 2000");
-  expect([longer(5, 2_500), longer(4, 9_000)]).toEqual(["", ""]);
+beforeEach(() => void vi.useFakeTimers());
+afterEach(() => void vi.useRealTimers());
+
+test("a state at work is reported when it takes longer than ever, of five times at least", () => {
+  expect(longer({ since_ms: 9_000 })).toBe("R/A 2000");
+  expect([longer({ since_ms: 2_500 }), longer({ times: 4, since_ms: 9_000 })]).toEqual(["", ""]);
 });
 
-test("nothing is told of what waits for someone, or of a run that is not heard", () => {
-  expect([longer(5, 9_000, "waiting"), longer(5, 9_000, "running", "silent")]).toEqual(["", ""]);
+test("nothing is reported of what waits for someone, or of a run that is not received", () => {
+  expect(longer({ since_ms: 9_000, phase: "waiting" })).toBe("");
+  expect(longer({ since_ms: 9_000, link: "silent" })).toBe("unknown");
+});
+
+test("time in which nothing was received does not count, neither of the server nor of a robot", () => {
+  const since = { since_ms: 1_000, later_ms: 3_500 };
+  expect(longer(since)).toBe("R/A 2000");
+  expect(longer({ ...since, server_ms: 200 })).toBe("");
+  expect(longer({ ...since, robot_ms: 200 })).toBe("");
+  expect(longer({ since_ms: 9_000, later_ms: 5_000, server_ms: 200 })).toBe("unknown");
 });

@@ -1,8 +1,10 @@
 /** Which branches of a run are in a state for longer than they ever were. */
 
 import type { Watch } from "../history/run.ts";
+import { clock1s } from "../page/clock1s.ts";
 import type { Page } from "../page/page.ts";
 import { activeStates, lanes } from "./active.ts";
+import { runAge } from "./age.ts";
 import {
   type Baseline,
   baselineOf,
@@ -10,7 +12,7 @@ import {
   isLongerThanEver,
   pastBaselines,
 } from "./baseline.ts";
-import { sinceSnapshot } from "./since_snapshot.ts";
+import { confirmedSinceSnapshot } from "./since_snapshot.ts";
 
 export interface Longer {
   readonly path: string;
@@ -19,11 +21,12 @@ export interface Longer {
   readonly baseline: Baseline;
 }
 
-/** Of a run that is heard, and shown as it is now. A signal's reader, told once a second. */
-export function longerThanEver(page: Page, watch: Watch): readonly Longer[] {
-  const now = watch.now.value;
-  if (now?.run.phase !== "live" || now.link !== "up" || watch.playhead.value !== null) return [];
-  const sinceSnapshot_ms = sinceSnapshot(page, watch);
+/** Of a run that is shown as it is now, by the time in which it was received; null while that may be old. A signal's reader, told
+ * once a second. */
+export function longerThanEver(page: Page, watch: Watch): readonly Longer[] | null {
+  if (watch.now.value?.run.phase !== "live" || watch.playhead.value !== null) return [];
+  if (runAge(page, watch, clock1s.value).isOld) return null;
+  const sinceSnapshot_ms = confirmedSinceSnapshot(page, watch);
   const past = pastBaselines(page, earlierRuns(page, watch)[0]?.id ?? null).value;
   return lanes(activeStates(watch)).flatMap((lane) => {
     const baseline = baselineOf(watch, past, lane.path);
