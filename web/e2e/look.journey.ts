@@ -142,6 +142,18 @@ journey(
   },
 );
 
+journey("sides are as wide as before after a visit to 200 %", HERE, async ({ app }) => {
+  const width = () =>
+    app.canvas.evaluate((canvas) => Math.round(canvas.getBoundingClientRect().width));
+  const before = await width();
+  for (let visit = 0; visit < 2; visit += 1) {
+    await app.sheet.setViewportSize({ width: 800, height: 500 });
+    await expect.poll(width).toBeGreaterThan(700);
+    await app.sheet.setViewportSize({ width: 1600, height: 1000 });
+    await expect.poll(width).toBe(before);
+  }
+});
+
 /** What is smaller than this in one direction, of all that can be pressed. What only screen readers see is no target. */
 const smallerThan = (app: App, least: number) =>
   app.sheet.evaluate((size) => {

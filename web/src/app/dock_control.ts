@@ -16,12 +16,19 @@ const SIDES: readonly PanelSide[] = ["bottom", "left", "right"];
 const NOW = "rafcon.layout";
 const OWN = "rafcon.layouts";
 const FOLDED = "rafcon.folded";
+const SIZES = "rafcon.sizes";
 const CANVAS = "canvas";
 const OPPOSITE: Readonly<Record<PanelSide, "left" | "right" | "below">> = {
   left: "left",
   right: "right",
   bottom: "below",
 };
+
+/** Shares of the dock, because the dock itself grows and shrinks while a group is hidden. */
+interface GroupShare {
+  readonly width: number;
+  readonly height: number;
+}
 
 /** The dock remembers where the canvas stands for a picture or two: what is measured earlier may be out of date. */
 const CALM_MS = 100;
@@ -32,7 +39,6 @@ export class DockControl implements DockPort {
   readonly #changes = signal(0);
   readonly #stop: () => void;
   #isNarrow = false;
-  readonly #sizes = new Map<string, { readonly width: number; readonly height: number }>();
 
   constructor(api: DockviewApi, localStore: LocalStore) {
     this.#api = api;
@@ -76,6 +82,9 @@ export class DockControl implements DockPort {
     if (isSmall === (folded !== undefined) || this.#api.getPanel(MISSION_PANEL)) return;
     const sides = folded ?? SIDES.filter((side) => this.layouts.isShown(side));
     for (const side of sides) this.#show(side, !isSmall);
+    // Each side that is shown takes room from those before it.
+    if (!isSmall)
+      for (const side of sides) for (const group of this.#groups(side)) this.#sizeAgain(group);
     this.#localStore.put(FOLDED, isSmall ? sides : undefined);
   }
 
@@ -140,10 +149,27 @@ export class DockControl implements DockPort {
     panels: () => PANELS.map(({ id, title }) => ({ id, title })),
   };
 
-  /** What was folded is as large as before. */
+  /** A group that is hidden gets its size back later, also after a reload. */
+  #keepSizes(groups: readonly DockviewGroupPanel[]): void {
+    const { width, height } = this.#api;
+    if (width === 0 || height === 0) return;
+    const kept = groups
+      .filter(({ api }) => api.isVisible)
+      .map(({ id, api }) => [id, { width: api.width / width, height: api.height / height }]);
+    this.#localStore.put(SIZES, { ...this.#sizes(), ...Object.fromEntries(kept) });
+  }
+
   #sizeAgain({ id, api }: DockviewGroupPanel): void {
-    const size = this.#sizes.get(id);
-    if (size) api.setSize(size);
+    const share = this.#sizes()[id];
+    if (!share) return;
+    const { width, height } = this.#api;
+    api.setSize({ width: share.width * width, height: share.height * height });
+  }
+
+  #sizes(): Readonly<Record<string, GroupShare>> {
+    const groups = new Set(this.#api.groups.map(({ id }) => id));
+    const all = kept<Record<string, GroupShare>>(this.#localStore, SIZES) ?? {};
+    return Object.fromEntries(Object.entries(all).filter(([id]) => groups.has(id)));
   }
 
   #own(): Readonly<Record<string, SerializedDockview>> {
@@ -156,10 +182,7 @@ export class DockControl implements DockPort {
     if (groups.length === 0 && shown) {
       for (const panel of PANELS) if (panel.side === side) this.showPanel(panel.id);
     }
-    if (!shown) {
-      for (const { id, api } of groups)
-        this.#sizes.set(id, { width: api.width, height: api.height });
-    }
+    if (!shown) this.#keepSizes(groups);
     for (const group of groups) group.api.setVisible(shown);
     if (shown) for (const group of groups) this.#sizeAgain(group);
     this.#changes.value = this.#changes.peek() + 1;
