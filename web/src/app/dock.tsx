@@ -24,6 +24,7 @@ import { isValueDrag } from "../panels/parts/value/dragged_value.ts";
 import { useIsOld } from "../panels/run_age.ts";
 import { BROWSER_STORE } from "../store/local_store.ts";
 import { IconButton } from "../ui/button.tsx";
+import { keepCompositions } from "../ui/composition.ts";
 import { useKeptScroll } from "../ui/kept_scroll.ts";
 import { ContextMenu, type MenuItem } from "../ui/menu.tsx";
 import { useComputed, useSignal } from "../ui/signals.ts";
@@ -71,6 +72,7 @@ export function Dock() {
     if (asked.run !== null) session.commands.run("run.show", session.context(), asked.run);
     const opened = api.onDidAddPopoutGroup(({ window: view }) => {
       const stops = [
+        keepCompositions(view),
         listenToKeys(session, view),
         listenToClipboard(session, view.document),
         listenForTips(view.document),

@@ -59,7 +59,7 @@ export function keysOf(session: AppSession): {
 export function listenToKeys(session: AppSession, view: Window): () => void {
   const { byKey } = keysOf(session);
   const press = (event: KeyboardEvent) => {
-    const key = event.defaultPrevented || event.isComposing ? null : keyName(event);
+    const key = event.defaultPrevented ? null : keyName(event);
     if (key === null || !counts(key, focusOf(event.target))) return;
     const ids = meant(byKey.peek().get(key) ?? [], event.repeat);
     for (const id of ids) {

@@ -6,6 +6,7 @@ import "../ui/tokens.css";
 import { createRoot } from "react-dom/client";
 import { allCommands } from "../commands/all.ts";
 import { startPage } from "../sync/page.ts";
+import { keepCompositions } from "../ui/composition.ts";
 import { undoTranslations } from "../ui/translation.ts";
 import { App } from "./app.tsx";
 import { tellMishaps, tellTranslated } from "./mishaps.ts";
@@ -18,6 +19,7 @@ if (place) {
   const page = startPage();
   const session = newSession(page, allCommands());
   tellMishaps(page, window);
+  keepCompositions(window);
   undoTranslations(document, () => tellTranslated(page));
   wearTheme(page, window);
   keepTitle(page, document);

@@ -18,11 +18,29 @@ test("a pressed key has one name, whatever the modifiers make of it", () => {
   expect(keyName({ ...none, key: "Shift", code: "ShiftLeft", shiftKey: true })).toBeNull();
 });
 
+test("letters and digits of every script have the name of their key", () => {
+  const check = (key: string, code: string, name: string) =>
+    expect(keyName({ ...none, key, code })).toBe(name);
+  check("у", "KeyE", "E");
+  check("γ", "KeyG", "G");
+  check("ש", "KeyA", "A");
+  check("ㄹ", "KeyF", "F");
+  check("١", "Digit1", "1");
+  expect(keyName({ ...none, key: "П", code: "KeyG", shiftKey: true })).toBe("Shift+G");
+});
+
+test("a Latin layout keeps its own places, and signs stay signs", () => {
+  expect(keyName({ ...none, key: "a", code: "KeyQ" })).toBe("A");
+  expect(keyName({ ...none, key: "'", code: "KeyQ" })).toBe("'");
+  expect(keyName({ ...none, key: "!", code: "Digit1", shiftKey: true })).toBe("!");
+});
+
 test("AltGr types a sign, and is not taken for Ctrl+Alt", () => {
   const altGr = { getModifierState: (name: string) => name === "AltGraph" };
   const held = { ...none, ctrlKey: true, altKey: true, ...altGr };
   expect(keyName({ ...held, key: "}", code: "Digit0" })).toBe("}");
   expect(keyName({ ...held, key: "@", code: "KeyQ" })).toBe("@");
+  expect(keyName({ ...held, key: "ą", code: "KeyA" })).toBe("Ą");
 });
 
 test("keys that people write are read, in any order and case", () => {

@@ -34,7 +34,7 @@ export function keyName(event: Pressed): string | null {
   const isAltGr = event.getModifierState?.("AltGraph") ?? false;
   const ctrl = !isAltGr && (event.ctrlKey || event.metaKey);
   const alt = !isAltGr && event.altKey;
-  const key = plainKey(event, ctrl || alt);
+  const key = isAltGr ? signOf(event.key) : plainKey(event, ctrl || alt);
   const isSign = key.length === 1 && !/[\p{L}\d]/u.test(key);
   const shift = event.shiftKey && !(isSign || key === "Plus");
   return [
@@ -45,11 +45,26 @@ export function keyName(event: Pressed): string | null {
   ].join("+");
 }
 
-/** Letters as on the key, whatever the modifiers make of them. */
+/** Letters and digits as on the key, whatever the modifiers make of them and whatever script the layout has. */
 function plainKey({ key, code }: Pressed, held: boolean): string {
-  if (held && /^Digit\d$/.test(code)) return code.slice(5);
-  if (held && /^Key[A-Z]$/.test(code) && !/^[a-z]$/i.test(key)) return code.slice(3);
+  if (/^Digit\d$/.test(code) && (held || isForeign(key, /^\p{Nd}$/u))) return code.slice(5);
+  if (/^Key[A-Z]$/.test(code) && (held || isForeign(key, /^\p{L}$/u)) && !/^[a-z]$/i.test(key))
+    return code.slice(3);
+  return signOf(key);
+}
+
+function signOf(key: string): string {
   return NAMES[key] ?? (key.length === 1 ? key.toUpperCase() : key);
+}
+
+/** Whether a key types one of these, but none of ASCII. */
+function isForeign(key: string, wanted: RegExp): boolean {
+  return wanted.test(key) && key.charCodeAt(0) > 127;
+}
+
+/** What a key types, without modifiers; letters as a Latin layout has them. */
+export function latinKey({ key, code }: Pick<Pressed, "key" | "code">): string {
+  return isForeign(key, /^\p{L}$/u) && /^Key[A-Z]$/.test(code) ? code.slice(3).toLowerCase() : key;
 }
 
 /** What a user wrote, as keys are named here: `shift+ctrl+z` is `Ctrl+Shift+Z`; null if it is no key. */

@@ -1,11 +1,13 @@
 /** What keys do on the time line: arrows go event by event, with Ctrl from entry to entry of the selected state, Home and End to the
  * ends. */
 
+import { latinKey } from "../../commands/keys.ts";
 import { stepPlayhead, toEnd, toEntry } from "../../store/history/moments.ts";
 import type { TimelineModel } from "./model.ts";
 
 interface TimelineKey {
   readonly key: string;
+  readonly code: string;
   readonly ctrlKey: boolean;
   readonly altKey: boolean;
 }
@@ -17,7 +19,7 @@ export function timelineKey(
   state: string | undefined,
 ): boolean {
   if (key.altKey) return false;
-  const isDone = key.ctrlKey ? withCtrl(key.key, model, state) : alone(key.key, model, state);
+  const isDone = key.ctrlKey ? withCtrl(key.key, model, state) : alone(latinKey(key), model, state);
   if (isDone) model.reveal();
   return isDone;
 }
