@@ -13,6 +13,10 @@ export type UserQuestion =
       readonly kind: "choose";
       readonly title: string;
       readonly text: string;
+      /** Items below the text. */
+      readonly list?: readonly string[];
+      /** The choice that loses nothing, which has the focus; null: only *Cancel* is safe. */
+      readonly safe: string | null;
       readonly choices: readonly {
         readonly value: string;
         readonly title: string;

@@ -18,6 +18,7 @@ export async function closeTab(context: CommandContext, tab: OpenTab): Promise<b
   const choice = await shell.choose({
     title: `Save “${name}” before closing?`,
     text: "It has unsaved edits.",
+    safe: "save",
     choices: [
       { value: "save", title: "Save and close" },
       {

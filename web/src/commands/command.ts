@@ -86,6 +86,8 @@ export interface Shell {
   readonly choose: <T extends string>(question: {
     title: string;
     text: string;
+    list?: readonly string[];
+    safe: NoInfer<T> | null;
     choices: readonly { value: T; title: string; detail?: string }[];
   }) => Promise<T | null>;
   /** Asks for a text; null if the user gives none. */

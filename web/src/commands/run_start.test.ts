@@ -2,6 +2,7 @@ import { signal } from "@preact/signals-core";
 import { expect, test } from "vitest";
 import type { MachineProblem, Right } from "../model/generated/protocol.ts";
 import type { Start, Watch } from "../store/history/run.ts";
+import { FIRST_SETTINGS } from "../store/page/settings.ts";
 import { keptBreakpoints, newBreakpoint } from "../store/run/breakpoints.ts";
 import { allCommands } from "./all.ts";
 import { startRun } from "./run_start.ts";
@@ -11,7 +12,9 @@ const MACHINE = "R hierarchy outcome done\n  A execution outcome ok";
 const FILE = { project: "p", path: "drill" };
 
 /** A machine in front of a server that notes what is started. */
-function setUp(options: TestContextOptions & { readonly live?: boolean } = {}) {
+function setUp(
+  options: TestContextOptions & { readonly live?: boolean; readonly isFirst?: boolean } = {},
+) {
   const context = testContext(MACHINE, options);
   const started: Start[] = [];
   const watch = { id: "r1", now: signal({ run: { id: "r1", name: "Drill", phase: "live" } }) };
@@ -27,6 +30,7 @@ function setUp(options: TestContextOptions & { readonly live?: boolean } = {}) {
   const showRun = (id: string) => void context.record.push(`show ${id}`);
   Object.assign(context.page, { runs, showRun });
   keptBreakpoints(context.tab).value = [];
+  context.page.settings.value = { ...FIRST_SETTINGS, knowsTimeline: options.isFirst !== true };
   return { context, started };
 }
 
@@ -35,6 +39,13 @@ test("what lies on disk is started, with what was asked for, and shown", async (
   expect(await startRun(context, { hold: true })).toEqual({ id: "r2" });
   expect(started).toEqual([{ machine: FILE, hold: true, breakpoints: [] }]);
   expect(context.record).toEqual(["show r2"]);
+});
+
+test("the first start in a browser brings the time line forward, later ones leave the panels", async () => {
+  const { context } = setUp({ isFirst: true });
+  await startRun(context);
+  await startRun(context);
+  expect(context.record).toEqual(["show r2", "show timeline", "show r2"]);
 });
 
 test("edits that are not saved are saved first, left out, or nothing is started", async () => {

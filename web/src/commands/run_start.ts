@@ -25,7 +25,16 @@ export async function startRun(
   const breakpoints = allowed(context, keptBreakpoints(tab).peek());
   const id = await page.runs.start({ breakpoints, ...more, machine });
   await page.showRun(id);
+  introduceTimeline(context);
   return page.runs.watch(id);
+}
+
+/** Once in a browser: whoever starts a run for the first time does not know that it has a time line. */
+function introduceTimeline({ page, shell }: CommandContext): void {
+  const settings = page.settings.peek();
+  if (settings.knowsTimeline || !shell.layouts.isShown("bottom")) return;
+  page.settings.value = { ...settings, knowsTimeline: true };
+  shell.showPanel("timeline");
 }
 
 /** A second run beside one that goes on is seldom meant: robots have one body. */
@@ -56,7 +65,9 @@ async function confirmErrors({ shell }: CommandContext, tab: OpenTab): Promise<b
   const rest = more > 0 ? [`… and ${more} more.`] : [];
   const choice = await shell.choose({
     title: errors.length === 1 ? "Start with an error?" : `Start with ${errors.length} errors?`,
-    text: [...shown, ...rest].join("\n"),
+    text: "The check of the machine found:",
+    list: [...shown, ...rest],
+    safe: SHOW_ERRORS.value,
     choices: [SHOW_ERRORS, START_ANYWAY],
   });
   if (choice === SHOW_ERRORS.value) shell.showPanel("problems");
@@ -84,6 +95,7 @@ async function asOnDisk(context: CommandContext, tab: OpenTab): Promise<MachineF
   const choice = await context.shell.choose({
     title: "Save before starting?",
     text: "The machine has unsaved edits. A run uses the saved machine.",
+    safe: canEdit(context) ? SAVE.value : null,
     choices: canEdit(context) ? [SAVE, AS_IS] : [AS_IS],
   });
   if (choice === "save") return (await saveTab(context, tab)) ? fileOfTab(tab) : null;

@@ -44,6 +44,7 @@ export async function saveTab(
   const choice = await shell.choose({
     title: "Another program changed the files",
     text: "This machine changed on disk after it was read, for example through a git pull or another editor.",
+    safe: "compare",
     choices: [
       { value: "compare", title: "Compare first", detail: "Shows both side by side." },
       {

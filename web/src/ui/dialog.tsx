@@ -8,7 +8,7 @@ import "./dialog.css";
 export interface DialogProps {
   readonly title: string;
   readonly children: ReactNode;
-  /** Buttons at its foot, the one that does it last. */
+  /** Buttons at its foot: first the one that changes nothing, last the one that does it. */
   readonly footer?: ReactNode;
   readonly onClose: () => void;
   /** In CSS pixels. */
@@ -16,9 +16,15 @@ export interface DialogProps {
   readonly height?: number | undefined;
 }
 
-/** What has the keyboard first, if nothing asks for it: what is to be filled in, else what is to be pressed. */
-const FIRST =
-  ".dialog-body :is(input, select, textarea, [tabindex='0']), .dialog-body button, .dialog-foot button:last-child";
+/** Places of the first focus, the first that exists: what the dialog marks as safe, a field, the button that changes nothing. Enter
+ * in a question does what is safe. */
+const FIRST = [
+  "[data-safe]",
+  ".dialog-body :is(input, select, textarea, [tabindex='0'])",
+  ".dialog-foot button",
+  ".dialog-body button",
+  ".dialog-head button",
+];
 
 export function Dialog({ title, children, footer, onClose, width = 460, height }: DialogProps) {
   const place = useRef<HTMLDialogElement>(null);
@@ -27,7 +33,8 @@ export function Dialog({ title, children, footer, onClose, width = 460, height }
     const dialog = place.current;
     if (!dialog) return;
     const before = dialog.ownerDocument.activeElement;
-    const wanted = dialog.contains(before) ? before : dialog.querySelector(FIRST);
+    const first = FIRST.map((place) => dialog.querySelector(place)).find((found) => found !== null);
+    const wanted = dialog.contains(before) ? before : first;
     if (!dialog.open) dialog.showModal();
     if (wanted instanceof HTMLElement) wanted.focus();
     if (wanted instanceof HTMLInputElement) wanted.select();

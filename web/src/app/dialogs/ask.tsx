@@ -39,11 +39,28 @@ function Confirm({ asks, answer }: AskedDialogProps<UserQuestion & { kind: "conf
 
 function Choose({ asks, answer }: AskedDialogProps<UserQuestion & { kind: "choose" }>) {
   return (
-    <Dialog title={asks.title} onClose={() => answer(null)}>
+    <Dialog
+      title={asks.title}
+      onClose={() => answer(null)}
+      footer={<Button onClick={() => answer(null)}>Cancel</Button>}
+    >
       <p>{asks.text}</p>
+      {asks.list && (
+        <ul className="ask-list">
+          {asks.list.map((item) => (
+            <li key={item}>{item}</li>
+          ))}
+        </ul>
+      )}
       <div className="choices">
         {asks.choices.map(({ value, title, detail }) => (
-          <button key={value} type="button" className="choice" onClick={() => answer(value)}>
+          <button
+            key={value}
+            type="button"
+            className="choice"
+            data-safe={value === asks.safe || undefined}
+            onClick={() => answer(value)}
+          >
             <span className="choice-title">{title}</span>
             {detail && <span className="choice-detail">{detail}</span>}
           </button>

@@ -86,7 +86,10 @@ export const LATER_DIALOGS: readonly OnDemand<never>[] = [
   SettingsDialog,
 ];
 
-const DIALOGS: Readonly<Record<OpenDialog["name"], FunctionComponent<AskedDialogProps<never>>>> = {
+/** All dialogs by name. */
+export const DIALOGS: Readonly<
+  Record<OpenDialog["name"], FunctionComponent<AskedDialogProps<never>>>
+> = {
   question: Ask,
   open: OpenMachine,
   "save-as": SaveAs,

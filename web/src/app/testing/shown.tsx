@@ -35,6 +35,9 @@ export function shown(part: (tab: OpenTab) => ReactElement, beside: Beside = {})
   const page = {
     ...plain,
     server: { ...plain.server, pulse: signal({ ...pulse, delay_ms: 3 }) },
+    projects: signal([]),
+    libraries: signal([]),
+    serverStatus: signal(null),
     runs: { all: signal(beside.runs ?? []), get: () => new Promise(() => {}) },
     tabs: signal([tab]),
     active: signal<OpenTab | null>(tab),

@@ -45,6 +45,7 @@ export function ScriptConflict({ theirs, mine, onMine, onTheirs, onKeep }: Scrip
           onClose={() => setOpen(false)}
           footer={
             <>
+              <Button onClick={() => setOpen(false)}>Cancel</Button>
               <Button onClick={then(onTheirs)}>Take theirs</Button>
               <Button kind="primary" onClick={then(() => onKeep(merged))}>
                 Keep mine

@@ -63,6 +63,8 @@ export interface Settings {
   readonly recent: readonly MachineFile[];
   /** The scale on which times are shown. */
   readonly times: TimeScale;
+  /** Whether a start has brought the time line forward: the first one in a browser does. */
+  readonly knowsTimeline: boolean;
 }
 
 export interface Page {

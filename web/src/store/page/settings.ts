@@ -13,6 +13,7 @@ export const FIRST_SETTINGS: Settings = {
   keys: {},
   recent: [],
   times: "mission",
+  knowsTimeline: false,
 };
 
 export const THEMES: readonly { readonly value: Settings["theme"]; readonly title: string }[] = [
