@@ -8,8 +8,10 @@ import { sentLines } from "../panels/parts/sent.ts";
 import { dismiss, dismissed } from "../store/history/dismissed.ts";
 import { answeredBy, askedQuestions } from "../store/history/questions.ts";
 import type { SentCommand, Watch } from "../store/history/run.ts";
+import { withStateNames } from "../store/page/names.ts";
 import { IconButton } from "../ui/button.tsx";
 import { useSignal } from "../ui/signals.ts";
+import { useSession } from "./provided.tsx";
 import "./sent_commands.css";
 
 const EVERY_MS = 100;
@@ -27,6 +29,7 @@ export function SentCommands({ watch }: { watch: Watch }) {
   const seen = useSignal(dismissed(watch));
   const now_ms = useTicks(sent);
   useSignal(askedQuestions(watch));
+  const { page } = useSession();
   const lines = sentLines(sent, seen, now_ms, (question) => answeredBy(watch, question));
   return (
     <ul className="sent" aria-label="Pending commands" aria-live="polite">
@@ -34,7 +37,8 @@ export function SentCommands({ watch }: { watch: Watch }) {
         <li key={id} className={`sent-line sent-${kind}`}>
           {SIGNS[kind]}
           <span>
-            <strong>{commandInWords(command)}</strong> {words}
+            <strong>{commandInWords(command)}</strong>{" "}
+            {withStateNames(page.tabs.peek(), page.active.peek(), words)}
           </span>
           {kind !== "sent" && kind !== "applied" && (
             <IconButton label="Close" icon={<X size={14} />} onClick={() => dismiss(watch, id)} />

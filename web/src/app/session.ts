@@ -4,6 +4,7 @@ import { type ReadonlySignal, type Signal, signal } from "@preact/signals-core";
 import type { CanvasControl } from "../canvas/control.ts";
 import type { CommandContext, Commands, Dialogs, Layouts, Shell } from "../commands/command.ts";
 import { MISSION_PANEL } from "../commands/mission.ts";
+import { withStateNames } from "../store/page/names.ts";
 import type { OpenTab, Page } from "../store/page/page.ts";
 import type { UserQuestion } from "./question.ts";
 
@@ -76,7 +77,7 @@ export function newSession(page: Page, commands: Commands): AppSession {
   const closedNotices = signal<ReadonlySet<number>>(new Set());
   const dialogs = signal<readonly OpenDialog[]>([]);
   const open = dialogOpener(dialogs);
-  const ask = (question: UserQuestion) => open("question", question);
+  const ask = (question: UserQuestion) => open("question", withNames(page, question));
   const shell: Shell = {
     confirm: async (question) => (await ask({ kind: "confirm", ...question })) === true,
     choose: async <T extends string>(question: Omit<UserQuestion & { kind: "choose" }, "kind">) =>
@@ -98,6 +99,15 @@ export function newSession(page: Page, commands: Commands): AppSession {
 
 /** Panels that were put elsewhere, and the canvas between them, have their sizes after so long. */
 const STANDING_MS = 200;
+
+/** The question without ids of states. */
+function withNames({ tabs, active }: Page, question: UserQuestion): UserQuestion {
+  if (question.kind === "prompt") return question;
+  const named = (text: string) => withStateNames(tabs.peek(), active.peek(), text);
+  const text = named(question.text);
+  if (question.kind === "confirm") return { ...question, text };
+  return { ...question, text, ...(question.list ? { list: question.list.map(named) } : {}) };
+}
 
 /** Opens dialogs one upon the other, and closes each when it is answered. */
 function dialogOpener(dialogs: Signal<readonly OpenDialog[]>) {

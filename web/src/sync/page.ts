@@ -16,6 +16,7 @@ import { followDrafts } from "../store/document/follow_drafts.ts";
 import { comparedRun } from "../store/history/compared_run.ts";
 import type { Runs } from "../store/history/run.ts";
 import { type LocalStore, localStoreOf, memoryStore } from "../store/local_store.ts";
+import { withStateNames } from "../store/page/names.ts";
 import { withNotice } from "../store/page/notices.ts";
 import type { Notice, OpenTab, Page, Settings } from "../store/page/page.ts";
 import { RefusalError, type Server } from "../store/page/server.ts";
@@ -51,7 +52,8 @@ export function startPage(options: PageOptions = {}): Page {
   let told = 0;
   const tell: Page["tell"] = (notice) => {
     told += 1;
-    notices.value = withNotice(notices.peek(), notice, told, clock.now());
+    const text = withStateNames(machines.tabs.peek(), machines.active.peek(), notice.text);
+    notices.value = withNotice(notices.peek(), { ...notice, text }, told, clock.now());
   };
   const serverStatus = signal<ServerStatus | null>(null);
   server.follow({

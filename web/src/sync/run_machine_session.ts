@@ -10,6 +10,7 @@ import type {
 } from "../model/generated/protocol.ts";
 import { type LibraryKey, libraryKey } from "../store/document/graft.ts";
 import type { MachineSession, PendingEdit } from "../store/document/machine_session.ts";
+import { withNames } from "../store/document/names_in.ts";
 import { OptimisticDocument, type TouchedPaths } from "../store/document/optimistic_document.ts";
 import { type Journal, OTHER } from "../store/history/journal.ts";
 import type { Runs, Watch } from "../store/history/run.ts";
@@ -89,7 +90,7 @@ export class RunMachineSession implements MachineSession {
   readonly redo = () => Promise.resolve(REFUSED);
   readonly jump = () => Promise.resolve({ ...REFUSED, code: "fixed" });
   readonly stepChange = () => undefined;
-  readonly named = (text: string) => text;
+  readonly named = (text: string) => withNames(text, (path) => this.machine.state(path)?.name);
 
   async loadLibrary(path: string): Promise<void> {
     const library = this.machine.state(path)?.library;

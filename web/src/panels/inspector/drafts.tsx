@@ -38,14 +38,14 @@ function Row({ context, draft }: { context: InspectorContext; draft: FieldDraft 
       ) : (
         <details>
           <summary>
-            {field} of {path}, which no longer exists
+            {field} of {context.tab.session.named(path)}, which no longer exists
           </summary>
           <pre>{text}</pre>
         </details>
       )}
       <IconButton
         className="inspector-mini"
-        label={`Discard the ${field} of ${state?.name ?? path}`}
+        label={`Discard the ${field} of ${state?.name ?? context.tab.session.named(path)}`}
         icon={<Trash2 size={13} />}
         onClick={() => drafts.drop(draft)}
       />

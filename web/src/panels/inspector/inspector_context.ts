@@ -37,10 +37,10 @@ export function makeEdit(page: Page, tab: OpenTab, plan: (machine: Machine) => P
   const why = whyFixed(page, tab);
   if (why !== null) return why;
   const planned = plan(tab.session.machine);
-  if (isRefused(planned)) return planned.refused;
+  if (isRefused(planned)) return tab.session.named(planned.refused);
   return tab.session
     .edit(planned.name, planned.edit)
-    .then((answer) => (wasRefused(answer) ? answer.refused : null));
+    .then((answer) => (wasRefused(answer) ? tab.session.named(answer.refused) : null));
 }
 
 export function inspectedState(context: InspectorContext, path: string): InspectedState | null {

@@ -6,8 +6,10 @@ import { dismiss, dismissed } from "../../store/history/dismissed.ts";
 import { answeredBy, askedQuestions } from "../../store/history/questions.ts";
 import type { Watch } from "../../store/history/run.ts";
 import { clock1s } from "../../store/page/clock1s.ts";
+import { withStateNames } from "../../store/page/names.ts";
 import { IconButton } from "../../ui/button.tsx";
 import { useComputed, useSignal } from "../../ui/signals.ts";
+import { useHost } from "../context.tsx";
 import { type CommandOnTheWay, type SentLine, sentLines } from "../parts/sent.ts";
 
 export function SentList({ watch }: { readonly watch: Watch }) {
@@ -53,12 +55,14 @@ const BUTTONS: Readonly<Record<string, string>> = { step_over: "Step" };
 function Line({ line, onClose }: { readonly line: SentLine; readonly onClose: () => void }) {
   const { command, kind, words } = line;
   const Sign = SIGNS[kind];
+  const { page } = useHost().context();
   const title = BUTTONS[command.type] ?? commandInWords(command);
   return (
     <li className={`mission-sent-${kind}`}>
       <Sign size={16} aria-hidden />
       <span>
-        <strong>{title}</strong> {words}
+        <strong>{title}</strong>{" "}
+        {withStateNames(page.tabs.peek(), page.active.peek(), words)}
       </span>
       {kind !== "sent" && kind !== "applied" && (
         <IconButton label="Close" icon={<X size={16} />} onClick={onClose} />

@@ -37,7 +37,10 @@ function OfTab({ tab }: { readonly tab: OpenTab }) {
   const [chosen, setChosen] = useState<string | null>(null);
   const { machine } = tab.session;
   const rows = useMemo(() => byWeight(problems).filter(matching(query)), [problems, query]);
-  const columns = useMemo(() => columnsOf(machine), [machine]);
+  const columns = useMemo(
+    () => columnsOf(machine, (text) => tab.session.named(text)),
+    [machine, tab],
+  );
   if (problems.length === 0) return <NoneFound tab={tab} />;
   const problem = rows.find((each) => idOf(each) === chosen);
   return (
@@ -105,7 +108,7 @@ function Chosen({ tab, problem }: { readonly tab: OpenTab; readonly problem: Mac
   };
   return (
     <section className="problems-chosen" aria-label="Selected problem">
-      <p>{problem.message}</p>
+      <p>{tab.session.named(problem.message)}</p>
       {(problem.repairs ?? []).map((repair) => (
         <Button
           key={repair.name}
@@ -122,7 +125,10 @@ function Chosen({ tab, problem }: { readonly tab: OpenTab; readonly problem: Mac
 
 const ICONS = { error: CircleAlert, warning: TriangleAlert, note: Info };
 
-function columnsOf(machine: Machine): readonly TableColumn<MachineProblem>[] {
+function columnsOf(
+  machine: Machine,
+  named: (text: string) => string,
+): readonly TableColumn<MachineProblem>[] {
   return [
     {
       key: "severity",
@@ -143,11 +149,11 @@ function columnsOf(machine: Machine): readonly TableColumn<MachineProblem>[] {
       title: "What",
       width: "minmax(160px, 3fr)",
       cell: (problem) => (
-        <span title={problem.message}>
+        <span title={named(problem.message)}>
           {problem.repairs && problem.repairs.length > 0 && (
             <Wrench size={12} aria-label="can be repaired" style={{ marginRight: 4 }} />
           )}
-          {withoutPlace(problem)}
+          {named(withoutPlace(problem))}
         </span>
       ),
     },

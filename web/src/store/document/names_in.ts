@@ -7,6 +7,8 @@ interface Gone {
 
 /** So many are remembered, the last ones. */
 const REMEMBERED = 1_000;
+/** With a slash, or the id of a root alone. */
+const PATH = /[^\s:,;.“”"]*\/[^\s:,;.“”"]*|\b[A-Z]{6}\b/g;
 const SOMEBODY = "someone may have removed it";
 
 export class GoneStates {
@@ -25,7 +27,7 @@ export class GoneStates {
   /** The text with names; `alive` tells those of states that are there. */
   named(text: string, alive: (path: string) => string | undefined): string {
     let who: string | null = null;
-    const named = text.replace(/[^\s:,;.“”"]*\/[^\s:,;.“”"]*/g, (path) => {
+    const named = text.replace(PATH, (path) => {
       const there = alive(path);
       if (there !== undefined) return `“${there}”`;
       const gone = this.#gone.get(path);
@@ -37,4 +39,9 @@ export class GoneStates {
     const by = `${who} removed it`;
     return named.includes(SOMEBODY) ? named.replace(SOMEBODY, by) : `${named} (${by})`;
   }
+}
+
+/** The same where nothing is ever taken away. */
+export function withNames(text: string, alive: (path: string) => string | undefined): string {
+  return new GoneStates().named(text, alive);
 }
