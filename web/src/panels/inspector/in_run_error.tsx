@@ -4,6 +4,7 @@ import { useMemo, useState } from "react";
 import type { EventDetail } from "../../model/generated/protocol.ts";
 import { ABORTED } from "../../model/machine.ts";
 import { shortValue } from "../../model/short_value.ts";
+import { type EndReason, endReasonAt } from "../../store/history/end_reason.ts";
 import type { Watch } from "../../store/history/run.ts";
 import { failureAt, type ScriptFailure } from "../../store/history/script_failure.ts";
 import { visitsOf } from "../../store/history/visits.ts";
@@ -28,7 +29,7 @@ export function RunError({ inspected, watch, left, detail }: RunErrorProps) {
   const event = detail?.sequence === left.sequence ? detail.event : null;
   const error = event?.type === "left" ? event.error : null;
   if (error == null && left.outcome?.id !== ABORTED) return null;
-  if (error == null && !failure) return null;
+  if (error == null && !failure) return <Reason inspected={inspected} watch={watch} left={left} />;
   const said = error == null ? failure?.traceback.message : shortValue(error, MESSAGE_MAX);
   return (
     <div className="in-run-error" role="note" aria-label="Error">
@@ -39,6 +40,50 @@ export function RunError({ inspected, watch, left, detail }: RunErrorProps) {
       {failure && <Place inspected={inspected} failure={failure} />}
     </div>
   );
+}
+
+type ReasonProps = Omit<RunErrorProps, "detail">;
+
+/** Of an end without an error of its own. */
+function Reason({ inspected, watch, left }: ReasonProps) {
+  const { path, machine } = inspected;
+  const reason = useMemo(() => reasonOf(watch, path, left.sequence), [watch, path, left]);
+  const isInner = reason !== null && reason.path !== path;
+  const name = isInner ? (machine.state(reason.path)?.name ?? "a state inside") : "";
+  return (
+    <div className="in-run-error" role="note" aria-label="Error">
+      <p>
+        <strong>Ended with {left.outcome?.name ?? "aborted"}</strong>:{" "}
+        {isInner && (
+          <>
+            <button
+              type="button"
+              className="inspector-link"
+              onClick={() => inspected.show({ kind: "state", path: reason.path })}
+            >
+              {name}
+            </button>
+            {": "}
+          </>
+        )}
+        {reason?.text ?? chosenInWords(inspected)}
+      </p>
+    </div>
+  );
+}
+
+/** Nothing failed: the outcome was meant. */
+function chosenInWords({ state }: InspectedState): string {
+  return state.kind === "execution"
+    ? "its script returned this outcome and reported no error"
+    : "a transition inside leads to this outcome, and no error was reported";
+}
+
+function reasonOf(watch: Watch, path: string, left: number): EndReason | null {
+  const visits = visitsOf(watch);
+  const entered = visits.lastIndex("entered", path, left) ?? 0;
+  const end = visits.lastIndex("left", path, left);
+  return end === null ? null : endReasonAt(watch.window, path, entered, end);
 }
 
 function failureOf(watch: Watch, path: string, left: number): ScriptFailure | null {

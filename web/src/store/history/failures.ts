@@ -121,7 +121,8 @@ function isTracebackOf(
   return kind === "log" && level === "error" && path === failure.path && isNear && isAbout;
 }
 
-function lastLine(text: string): string {
+/** Of a text of several lines, as of a traceback. */
+export function lastLine(text: string): string {
   return withoutModule(text.trimEnd().split("\n").at(-1) ?? "");
 }
 
@@ -136,7 +137,7 @@ function at(journal: Journal, index: number): RunFailure | null {
     return about && { sequence, first: sequence, t_ns, ...about, reach: about.path, count: 1 };
   }
   const event = kind === OTHER ? journal.other(index) : undefined;
-  const about = event && ofEvent(event);
+  const about = event && causeOfEvent(event);
   return about ? { sequence, first: sequence, t_ns, ...about, reach: about.path, count: 1 } : null;
 }
 
@@ -164,7 +165,8 @@ export function errorInWords(error: unknown): string {
   return found.kind === "text" ? found.text : withoutModule(shortValue(error, ERROR_MAX));
 }
 
-function ofEvent(event: Event): FailureCause | null {
+/** What an event reports that went wrong; null if it reports nothing of the kind. */
+export function causeOfEvent(event: Event): FailureCause | null {
   switch (event.type) {
     case "log": {
       const { level, path, message: text } = event;
