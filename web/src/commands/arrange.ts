@@ -23,7 +23,7 @@ import { ungroup } from "../plan/ungroup.ts";
 import type { OpenTab } from "../store/page/page.ts";
 import type { CommandContext, MenuPlace, Rgb, UserCommand } from "./command.ts";
 import { stageOf } from "./edit.ts";
-import { libraryStates } from "./insert.ts";
+import { libraryMachine } from "./insert.ts";
 import { layoutOf } from "./layout_work.ts";
 import { perform } from "./perform.ts";
 import {
@@ -175,10 +175,17 @@ async function substituteByLibrary(context: CommandContext, argument: unknown): 
       yes: "Substitute",
     }));
   if (!library) return;
-  const [root] = await libraryStates(context, library);
+  const { states, version } = await libraryMachine(context, library);
+  const [root] = states;
   await perform(context, (machine) => {
     if (!root) return refused(`The library ${library.name} is empty.`);
-    const state = libraryState(idOf(path), root.name, library, root, boxIn(machine, path));
+    const state = libraryState(
+      idOf(path),
+      root.name,
+      { ...library, version },
+      root,
+      boxIn(machine, path),
+    );
     return substitute(machine, path, [state], true);
   });
 }
@@ -187,8 +194,8 @@ async function substituteByContent(context: CommandContext, argument: unknown): 
   const path = onlyState(context);
   const library = path === null ? undefined : machineOf(context)?.state(path)?.library;
   if (path === null || !library) return;
-  const content = await libraryStates(context, library);
-  await perform(context, (m) => substitute(m, path, content, argument !== false));
+  const { states } = await libraryMachine(context, library);
+  await perform(context, (m) => substitute(m, path, states, argument !== false));
 }
 
 const ALIGNMENTS: readonly (readonly [Alignment, string])[] = [

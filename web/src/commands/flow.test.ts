@@ -1,4 +1,5 @@
 import { expect, test } from "vitest";
+import type { Edit } from "../model/generated/protocol.ts";
 import { RefusalError } from "../store/page/server.ts";
 import { allCommands } from "./all.ts";
 import { folderName } from "./save.ts";
@@ -111,4 +112,33 @@ test("a state is inserted into the selected transition, of a kind or by a librar
   expect(await done("insert.into-transition", { selected: ["state:R/A"] }, "execution")).toEqual([
     "cannot",
   ]);
+});
+
+test("a library state keeps the version that it is made with, however it comes into the machine", async () => {
+  const states = [
+    { path: "G", name: "Grasp", kind: "hierarchy", outcomes: [{ id: 0, name: "ok" }] },
+  ];
+  const serve = () => ({ header: { version: "1.0" }, states });
+  const library = { path: "arm", name: "grasp" };
+  const made = async (id: string, selected: string, argument: unknown) => {
+    const context = testContext(`${MACHINE}    A.ok > B\n`, {
+      serve,
+      selected: [selected],
+      answers: [library],
+    });
+    const edits: string[] = [];
+    const edit = (_: string, each: Edit) => {
+      edits.push(JSON.stringify(each));
+      return Promise.resolve({ revision: 2 });
+    };
+    Object.assign(context.tab.session, { edit });
+    await allCommands().get(id)?.run(context, argument);
+    return edits.map((each) => /"version":"([^"]*)"/.exec(each)?.[1]);
+  };
+  expect(await made("insert.library", "state:R", undefined)).toEqual(["1.0"]);
+  expect(
+    await made("insert.library", "state:R", { ...library, container: "R", at: { x: 9, y: 9 } }),
+  ).toEqual(["1.0"]);
+  expect(await made("insert.into-transition", "transition:R:0", "library")).toEqual(["1.0"]);
+  expect(await made("arrange.substitute", "state:R/A", undefined)).toEqual(["1.0"]);
 });

@@ -43,6 +43,7 @@ interface InsertLibrary {
   /** A library root and the folders below it. */
   readonly path: string;
   readonly name: string;
+  readonly version?: string | null;
   readonly container?: string;
   readonly at?: Point;
   /** The transition of the container into which it was dropped. */
@@ -106,21 +107,27 @@ async function withLibrary(
   const library =
     given ?? (await context.shell.dialog("library", { title: "Add a library", yes: "Add" }));
   if (!library || !place) return;
-  const states = await libraryStates(context, library);
+  const { states, version } = await libraryMachine(context, library);
   await perform(context, (machine) => {
-    const planned = plan(machine, place, library, states);
+    const planned = plan(machine, place, { ...library, version }, states);
     return planned ?? { refused: `The library ${library.name} is empty.` };
   });
 }
 
-/** The states of a library's machine, its root first. */
-export async function libraryStates(
+interface LibraryMachine {
+  /** The root first. */
+  readonly states: readonly StateDocument[];
+  /** A library state keeps the version that it is made with. */
+  readonly version: string | null;
+}
+
+export async function libraryMachine(
   { page }: CommandContext,
   { path, name }: { readonly path: string; readonly name: string },
-): Promise<readonly StateDocument[]> {
+): Promise<LibraryMachine> {
   const parts = [...path.split("/"), name].map(encodeURIComponent);
   const document = await page.server.request<Document>("GET", `/libraries/${parts.join("/")}`);
-  return document.states;
+  return { states: document.states, version: document.header.version ?? null };
 }
 
 /** The state whose interface is meant: the selected one, or the one whose port is. */
@@ -252,9 +259,12 @@ const INTO_TRANSITION: UserCommand = {
     const wanted = { title: "Insert a library into the transition", yes: "Insert" };
     const library = await context.shell.dialog("library", wanted);
     if (!library) return;
-    const [root] = await libraryStates(context, library);
+    const { states, version } = await libraryMachine(context, library);
+    const [root] = states;
     return perform(context, (m) =>
-      root ? insertState(m, line, { library, root }, at) : refused(`${library.name} is empty.`),
+      root
+        ? insertState(m, line, { library: { ...library, version }, root }, at)
+        : refused(`${library.name} is empty.`),
     );
   },
 };

@@ -1,7 +1,7 @@
 /** What a library is: its description, outcomes and ports. */
 
 import { useEffect, useState } from "react";
-import { libraryStates } from "../../commands/insert.ts";
+import { libraryMachine } from "../../commands/insert.ts";
 import type { LibraryName, PortDocument, StateDocument } from "../../model/generated/protocol.ts";
 import { outcomesOf, portsOf } from "../../model/machine.ts";
 import { shortType } from "../../model/types.ts";
@@ -32,8 +32,8 @@ function useRoot(library: LibraryName): KnownRoot {
     let wanted = true;
     setKnown(null);
     const tell = (found: KnownRoot) => wanted && setKnown(found);
-    libraryStates(context(), library).then(
-      ([root]) => tell(root ?? { failed: "The library is empty." }),
+    libraryMachine(context(), library).then(
+      ({ states: [root] }) => tell(root ?? { failed: "The library is empty." }),
       (error: unknown) => tell({ failed: error instanceof Error ? error.message : String(error) }),
     );
     return () => {

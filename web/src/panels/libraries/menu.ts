@@ -1,6 +1,6 @@
 /** What can be done with a library: added, opened, put in the place of the selected state, looked for where it is used. */
 
-import { libraryStates } from "../../commands/insert.ts";
+import { libraryMachine } from "../../commands/insert.ts";
 import { openLibraryMachine } from "../../commands/library_machine.ts";
 import { performIn } from "../../commands/perform.ts";
 import { canEdit, onlyState } from "../../commands/subject.ts";
@@ -77,9 +77,11 @@ async function putInPlace(
   const path = onlyState(context);
   if (!tab || path === null) return;
   try {
-    const states = await libraryStates(context, library);
+    const { states, version } = await libraryMachine(context, library);
     const { machine } = tab.session;
-    const comers = copy ? states : asLibrary(states, path, library, boxIn(machine, path));
+    const comers = copy
+      ? states
+      : asLibrary(states, path, { ...library, version }, boxIn(machine, path));
     await performIn(page, tab, substitute(machine, path, comers, keepName));
   } catch (error) {
     page.tell({ level: "error", text: error instanceof Error ? error.message : String(error) });
@@ -89,7 +91,7 @@ async function putInPlace(
 function asLibrary(
   [root]: readonly StateDocument[],
   path: string,
-  library: LibraryName,
+  library: Parameters<typeof libraryState>[2],
   box: Parameters<typeof libraryState>[4],
 ): readonly StateDocument[] {
   return root ? [libraryState(idOf(path), root.name, library, root, box)] : [];
