@@ -1,10 +1,11 @@
-/** The machines that are open in this page, each with its mark while it has edits that do not lie on disk. */
+/** The machines that are open in this page, each with a mark while a run of it is active, and one for edits that do not lie on disk. */
 
-import { Plus, X } from "lucide-react";
+import { Play, Plus, X } from "lucide-react";
 import { type KeyboardEvent, useState } from "react";
 import { entryOf } from "../commands/menus.ts";
 import { isChanged } from "../commands/save.ts";
 import type { OpenTab } from "../store/page/page.ts";
+import { runningBeside } from "../store/run/running.ts";
 import { IconButton } from "../ui/button.tsx";
 import { ContextMenu } from "../ui/menu.tsx";
 import { useComputed, useSignal } from "../ui/signals.ts";
@@ -57,7 +58,13 @@ function MachineTab({ tab, active }: { tab: OpenTab; active: boolean }) {
   const [menu, setMenu] = useState<{ x: number; y: number } | null>(null);
   const changed = useComputed(() => isChanged(tab), [tab]);
   const file = useComputed(() => tab.session.status.value?.summary.file ?? null, [tab]);
+  const running = useComputed(() => runningBeside(page, tab).length, [page, tab]);
   const name = machine.state(machine.root)?.name ?? "";
+  const facts = [
+    file ? `${file.project} / ${file.path}` : "not saved yet",
+    ...(changed && file ? ["has unsaved edits"] : []),
+    ...(running > 0 ? [runningInWords(running)] : []),
+  ];
   const close = () => commands.run("file.close", context(), tab);
   return (
     // biome-ignore lint/a11y/noStaticElementInteractions: the middle button is a shortcut for the close button
@@ -76,14 +83,20 @@ function MachineTab({ tab, active }: { tab: OpenTab; active: boolean }) {
         aria-selected={active}
         tabIndex={active ? 0 : -1}
         className="tab-name"
-        title={`${file ? `${file.project} / ${file.path}` : "not saved yet"}${changed && file ? ", has unsaved edits" : ""}`}
+        title={facts.join(", ")}
         aria-keyshortcuts="Delete"
         onKeyDown={(event) => event.key === "Delete" && close()}
         onClick={() => {
           page.active.value = tab;
         }}
       >
+        {running > 0 && (
+          <span className="tab-runs">
+            <Play size={11} aria-hidden />
+          </span>
+        )}
         {name}
+        {running > 0 && <span className="visually-hidden">, {runningInWords(running)}</span>}
         {changed && (
           <span className="tab-changed">
             <span className="visually-hidden">, changed</span>
@@ -124,4 +137,8 @@ function MachineTab({ tab, active }: { tab: OpenTab; active: boolean }) {
       )}
     </div>
   );
+}
+
+function runningInWords(count: number): string {
+  return count === 1 ? "a run is active" : `${count} runs are active`;
 }

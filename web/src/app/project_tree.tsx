@@ -75,6 +75,8 @@ interface ProjectTreeProps {
   readonly nodes: readonly ProjectNode[];
   readonly search?: string;
   readonly selected: MachineFile | null;
+  /** Has the keyboard first in the tree, and is brought into sight. */
+  readonly first?: MachineFile | null;
   readonly onSelect: (node: ProjectNode) => void;
   readonly onOpen: (node: ProjectNode) => void;
   /** What a folder is besides. */
@@ -82,7 +84,7 @@ interface ProjectTreeProps {
 }
 
 export function ProjectTree(props: ProjectTreeProps) {
-  const { nodes, search = "", selected, onSelect, onOpen, note } = props;
+  const { nodes, search = "", selected, first, onSelect, onOpen, note } = props;
   const [folded, setFolded] = useState<ReadonlySet<string>>(new Set());
   const roots = useMemo(() => filtered(nodes, search), [nodes, search]);
   const expanded = useMemo(() => openKeys(roots, folded), [roots, folded]);
@@ -110,6 +112,7 @@ export function ProjectTree(props: ProjectTreeProps) {
       text={({ name }) => name}
       expanded={expanded}
       selected={new Set(selected ? [`${selected.project}/${selected.path}`] : [])}
+      reveal={first ? `${first.project}/${first.path}` : null}
       onExpand={(node, open) =>
         setFolded((before) => {
           const next = new Set(before);

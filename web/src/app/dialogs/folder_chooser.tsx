@@ -6,6 +6,7 @@ import { TextField } from "../../ui/field.tsx";
 import { useSignal } from "../../ui/signals.ts";
 import { type ProjectNode, ProjectTree, useProjects } from "../project_tree.tsx";
 import { useSession } from "../provided.tsx";
+import { keysAboveTree } from "./tree_below.ts";
 
 interface ChosenFolder {
   readonly file: MachineFile | null;
@@ -124,6 +125,7 @@ export function FolderChooser(props: FolderChooserProps) {
         placeholder="Find a folder"
         value={search}
         onInput={setSearch}
+        onKeyDown={(event) => keysAboveTree(event, () => {})}
       />
       <div className="form-tree">
         {nodes && (

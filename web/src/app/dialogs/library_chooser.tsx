@@ -11,6 +11,7 @@ import { useSignal } from "../../ui/signals.ts";
 import { Tree } from "../../ui/tree.tsx";
 import { useSession } from "../provided.tsx";
 import type { AskedDialogProps } from "./dialogs.tsx";
+import { keysAboveTree } from "./tree_below.ts";
 
 interface ChooserNode {
   readonly path: string;
@@ -35,6 +36,14 @@ function matching(nodes: readonly ChooserNode[], search: string): readonly Choos
     const children = matching(node.children ?? [], search);
     return children.length > 0 ? [{ ...node, children }] : [];
   });
+}
+
+function firstLibrary(nodes: readonly ChooserNode[]): ChooserNode | null {
+  for (const node of nodes) {
+    const found = node.children === null ? node : firstLibrary(node.children);
+    if (found) return found;
+  }
+  return null;
 }
 
 export function LibraryChooser({
@@ -66,6 +75,8 @@ export function LibraryChooser({
     for (const node of shown) add(node, 0);
     return open;
   }, [shown, search, toggled]);
+  const first = search.trim() === "" ? null : firstLibrary(shown);
+  const wanted = chosen ?? first;
   const take = (node: ChooserNode | null) => {
     if (node?.children === null) answer({ path: node.path, name: node.name });
   };
@@ -78,7 +89,7 @@ export function LibraryChooser({
       footer={
         <>
           <Button onClick={() => answer(null)}>Cancel</Button>
-          <Button kind="primary" disabled={chosen?.children !== null} onClick={() => take(chosen)}>
+          <Button kind="primary" disabled={wanted?.children !== null} onClick={() => take(wanted)}>
             {asks.yes}
           </Button>
         </>
@@ -91,8 +102,12 @@ export function LibraryChooser({
           type="search"
           placeholder="Find a library"
           value={search}
-          onInput={setSearch}
+          onInput={(text) => {
+            setSearch(text);
+            setChosen(null);
+          }}
           autoFocus
+          onKeyDown={(event) => keysAboveTree(event, () => take(wanted))}
         />
         <div className="form-tree">
           {shown.length === 0 ? (
@@ -112,7 +127,8 @@ export function LibraryChooser({
               childrenOf={childrenOf}
               text={nameOf}
               expanded={expanded}
-              selected={new Set(chosen ? [keyOf(chosen)] : [])}
+              selected={new Set(wanted ? [keyOf(wanted)] : [])}
+              reveal={first ? keyOf(first) : null}
               onExpand={(node) =>
                 setToggled((before) => {
                   const next = new Set(before);

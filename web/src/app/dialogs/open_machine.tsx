@@ -9,12 +9,15 @@ import { useSignal } from "../../ui/signals.ts";
 import { filtered, type ProjectNode, ProjectTree, useProjects } from "../project_tree.tsx";
 import { useSession } from "../provided.tsx";
 import type { AskedDialogProps } from "./dialogs.tsx";
+import { keysAboveTree } from "./tree_below.ts";
 
 export function OpenMachine({ answer }: AskedDialogProps<undefined>) {
   const nodes = useProjects();
   const [search, setSearch] = useState("");
   const [chosen, setChosen] = useState<ProjectNode | null>(null);
-  const machine = chosen?.kind === "machine" ? chosen.file : onlyMachine(nodes ?? [], search);
+  const first = firstMachine(nodes ?? [], search);
+  const shown = chosen?.file ?? first;
+  const machine = chosen === null || chosen.kind === "machine" ? shown : null;
   return (
     <Dialog
       title="Open a machine"
@@ -42,14 +45,15 @@ export function OpenMachine({ answer }: AskedDialogProps<undefined>) {
             setChosen(null);
           }}
           autoFocus
-          onKeyDown={(event) => event.key === "Enter" && machine && answer(machine)}
+          onKeyDown={(event) => keysAboveTree(event, () => machine && answer(machine))}
         />
         <div className="form-tree">
           {nodes && (
             <ProjectTree
               nodes={nodes}
               search={search}
-              selected={chosen?.file ?? null}
+              selected={shown}
+              first={first}
               onSelect={setChosen}
               onOpen={(node) => node.kind === "machine" && answer(node.file)}
             />
@@ -84,10 +88,10 @@ function Recent({ onTake }: { onTake: (file: MachineFile) => void }) {
   );
 }
 
-/** The machine that is found, if it is the only one: then Enter opens it. */
-function onlyMachine(nodes: readonly ProjectNode[], search: string): MachineFile | null {
+/** The machine that is found first: Enter opens it. */
+function firstMachine(nodes: readonly ProjectNode[], search: string): MachineFile | null {
   const machines = (list: readonly ProjectNode[]): ProjectNode[] =>
     list.flatMap((node) => (node.kind === "machine" ? [node] : machines(node.children ?? [])));
-  const [first, ...more] = machines(search === "" ? [] : filtered(nodes, search));
-  return first && more.length === 0 ? first.file : null;
+  const [first] = machines(search.trim() === "" ? [] : filtered(nodes, search));
+  return first?.file ?? null;
 }
