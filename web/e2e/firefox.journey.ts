@@ -5,6 +5,7 @@ import { join } from "node:path";
 import { expect, test, vi } from "vitest";
 import { App } from "./support/app.ts";
 import { Firefox } from "./support/firefox.ts";
+import { PATIENCE } from "./support/patience.ts";
 import { newPlace, RESULTS } from "./support/places.ts";
 import { Server } from "./support/server.ts";
 
@@ -88,7 +89,7 @@ async function go(app: App, server: Server): Promise<void> {
       () => window.__rafcon.context().tab?.run.value?.now.value?.run.phase === "finished",
     );
   };
-  await vi.waitUntil(strike, { timeout: 20_000, interval: 100 });
+  await vi.waitUntil(strike, PATIENCE);
 }
 
 /** Adds a state by key and drags it to its place: its path. */

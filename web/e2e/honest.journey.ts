@@ -49,14 +49,14 @@ journey(
       const old = app.sheet.locator(".canvas-mount.is-old");
       await old.waitFor({ state: "detached" });
       wire.cut("silent");
-      await old.waitFor({ timeout: 60_000 });
+      await old.waitFor();
       await app.told(/No answer from the server for \d+ s|^No connection for/);
       await linkIs(app, "down");
       await app.sheet.getByText(/^No connection for/).waitFor();
       await untilDownFor(app, CUT_MS);
       wire.mend();
       await linkIs(app, "up");
-      await old.waitFor({ state: "detached", timeout: 60_000 });
+      await old.waitFor({ state: "detached" });
       await goesOn(app);
       await endsWhole(app, server, run);
     } finally {
@@ -137,7 +137,7 @@ journey(
     const old = app.sheet.locator(".canvas-mount.is-old");
     await old.waitFor({ state: "detached" });
     await whileStopped(server, run, async () => {
-      await old.waitFor({ timeout: 60_000 });
+      await old.waitFor();
       const bar = missionOf(app).getByText(
         /^The server gets no answer from the robot: what you see is /,
       );
@@ -145,7 +145,7 @@ journey(
       const before = await bar.textContent();
       await eventually(async () => (await bar.textContent()) !== before);
     });
-    await old.waitFor({ state: "detached", timeout: 60_000 });
+    await old.waitFor({ state: "detached" });
     await live.waitFor();
     await goesOn(app);
     await endsWhole(app, server, run);
@@ -164,7 +164,7 @@ journey(
     await app.panel("Running");
     await eventually(async () => (await looksAlive(app)).length > 0);
     await whileStopped(server, run, async () => {
-      await app.sheet.locator(".canvas-mount.is-old").waitFor({ timeout: 60_000 });
+      await app.sheet.locator(".canvas-mount.is-old").waitFor();
       for (const panel of ["Timeline", "Run history", "Statistics", "Watches", "Runs"]) {
         await app.panel(panel);
         expect(await looksAlive(app)).toEqual([]);

@@ -72,7 +72,7 @@ journey(
     await sheet.getByRole("checkbox", { name: "Selection only" }).check();
     await log(app).getByText("hello").waitFor({ state: "detached" });
     await log(app).getByText("the wheel sticks").waitFor();
-    await expect.poll(() => log(app).getByRole("row").count(), { timeout: 20_000 }).toBe(1);
+    await expect.poll(() => log(app).getByRole("row").count()).toBe(1);
     await endRun(server, run);
   },
 );
@@ -89,20 +89,20 @@ journey(
       await log(app).hover();
       await sheet.mouse.wheel(0, by);
     };
-    await expect.poll(place, { timeout: 20_000 }).toBeGreaterThan(200);
+    await expect.poll(place).toBeGreaterThan(200);
     await wheel(-100);
-    await expect.poll(() => follow.isChecked(), { timeout: 20_000 }).toBe(false);
+    await expect.poll(() => follow.isChecked()).toBe(false);
     const here = await place();
     await app.panel("Problems");
     await app.panel("Log");
-    await expect.poll(place, { timeout: 20_000 }).toBe(here);
+    await expect.poll(place).toBe(here);
     // Lines come while one scrolls: who wants the end scrolls on until it is there.
     const scrollOn = async () => {
       await wheel(100_000);
       return follow.isChecked();
     };
-    await expect.poll(scrollOn, { timeout: 20_000 }).toBe(true);
-    await expect.poll(place, { timeout: 20_000 }).toBeGreaterThan(here + 200);
+    await expect.poll(scrollOn).toBe(true);
+    await expect.poll(place).toBeGreaterThan(here + 200);
     await endRun(server, run);
   },
 );
@@ -153,7 +153,7 @@ journey(
     await chosen.getByText("Full traceback").waitFor();
     expect(await chosen.locator("details").getAttribute("open")).toBe(null);
     await chosen.getByRole("button", { name: "Copy" }).click();
-    await expect.poll(() => app.copied(), { timeout: 20_000 }).toContain("Traceback");
+    await expect.poll(() => app.copied()).toContain("Traceback");
     await chosen.getByRole("button", { name: "script.py line 3" }).click();
     await app.selected(`state:${await app.path("Find the way")}`);
     const editor = sheet.locator(".cm-activeLine", { hasText: 'return way["out"]' });

@@ -15,6 +15,7 @@ import {
   status,
   untilOver,
 } from "./support/mission.ts";
+import { PATIENCE } from "./support/patience.ts";
 import { answer } from "./support/runs.ts";
 import type { Server } from "./support/server.ts";
 
@@ -192,7 +193,7 @@ journey(
           await app.sheet.keyboard.press("Enter");
           return until.isVisible();
         };
-        await vi.waitUntil(strike, { timeout: 20_000, interval: 100 });
+        await vi.waitUntil(strike, PATIENCE);
       };
       const carriedOut = mission.getByText("Pause was carried out");
       await Promise.all([carriedOut.waitFor(), hammer("Pause", status(app).getByText("paused"))]);
@@ -369,7 +370,7 @@ for (const colorScheme of ["dark", "light"] as const) {
         await openMission(app, "asks");
         const mission = missionOf(app);
         await mission.getByText("How heavy is the box, in kg?").waitFor();
-        await expect.poll(() => unfit(app), { timeout: 20_000 }).toEqual([]);
+        await expect.poll(() => unfit(app)).toEqual([]);
         expect(await findings(app)).toEqual([]);
         await app.sheet.setViewportSize({ width: 768, height: 1024 });
         await eventually(async () => ((await mission.boundingBox())?.width ?? 0) > 760);

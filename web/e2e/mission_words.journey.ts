@@ -77,10 +77,10 @@ journey(
     await missionOf(app).getByText("Nothing to decide").waitFor();
     const grey = app.sheet.locator(".timeline.is-old");
     await whileStopped(server, run, async () => {
-      await grey.waitFor({ timeout: 60_000 });
+      await grey.waitFor();
       await picture(app, "silent");
     });
-    await grey.waitFor({ state: "detached", timeout: 60_000 });
+    await grey.waitFor({ state: "detached" });
     for (const pid of runnersOf(server, run)) process.kill(pid, "SIGKILL");
     await missionOf(app).getByRole("button", { name: "1 decision" }).waitFor();
     await picture(app, "crashed");

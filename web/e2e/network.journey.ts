@@ -45,13 +45,14 @@ async function pulse(app: App) {
   const found = await app.sheet.evaluate(() => {
     const { link, pulse } = window.__rafcon.page.server;
     const connection = link.value.state === "up" ? link.value.connection : 0;
-    return { connection, ahead_ms: pulse.value?.ahead_ms ?? 0 };
+    const { ahead_ms = 0, delay_ms = 0 } = pulse.value ?? {};
+    return { connection, ahead_ms, delay_ms: delay_ms ?? 0 };
   });
   return found;
 }
 
 const untilFresh = (app: App) =>
-  app.sheet.locator(".canvas-mount.is-old").waitFor({ state: "detached", timeout: 60_000 });
+  app.sheet.locator(".canvas-mount.is-old").waitFor({ state: "detached" });
 
 journey(
   "at 2 s each way the page connects, knows the delay and the server's clock, and does not flap",
@@ -68,13 +69,10 @@ journey(
       const seen = await listen(app);
       await goesOn(app, 150);
       expect(await seen()).toEqual(["up"]);
-      // One answer may be late on a busy computer; the next one says it.
-      await app.until(
-        ({ page }) => Math.round((page.server.pulse.value?.delay_ms ?? 0) / 1_000) === 4,
-        null,
-      );
-      // Browser and server have the same clock here.
-      expect(Math.abs((await pulse(app)).ahead_ms)).toBeLessThan(1_000);
+      // Browser and server have the same clock here. What a busy computer adds to one way makes an error of half as much.
+      const { ahead_ms, delay_ms } = await pulse(app);
+      expect(delay_ms).toBeGreaterThanOrEqual(4_000);
+      expect(Math.abs(ahead_ms)).toBeLessThanOrEqual(1 + (delay_ms - 4_000) / 2);
       wire.slow({});
       await endsWhole(app, server, run);
     });

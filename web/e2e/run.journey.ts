@@ -92,19 +92,19 @@ journey(
     await untilActive(app, ONE_PART);
     await app.press("F3");
     await heldBefore(app, `${PACKER}/ISFULL`);
-    await expect.poll(count, { timeout: 20_000 }).toBe(1);
+    await expect.poll(count).toBe(1);
     await press(app, "Over");
     await heldBefore(app, ONE_PART);
     await app.press("Shift+F4");
     await heldBefore(app, `${PACKER}/ISFULL`);
-    await expect.poll(count, { timeout: 20_000 }).toBe(2);
+    await expect.poll(count).toBe(2);
     await press(app, "Back");
     await heldInside(app, ONE_PART);
     await app.press("F9");
     await heldBefore(app, `${ONE_PART}/PLACEI`);
     await app.press("F9");
     await heldBefore(app, ONE_PART);
-    await expect.poll(count, { timeout: 20_000 }).toBe(1);
+    await expect.poll(count).toBe(1);
     await press(app, "Resume");
     await ended(app, "success");
   },

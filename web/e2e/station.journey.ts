@@ -51,10 +51,10 @@ journey(
     const missions = app.sheet.getByRole("list", { name: "Active runs" });
     await missions.getByText("running").waitFor();
     robot.freeze();
-    await missions.locator(".is-old .mission-assumed").waitFor({ timeout: 60_000 });
+    await missions.locator(".is-old .mission-assumed").waitFor();
     await missions.getByText(/^as of .* ago$/).waitFor();
     robot.thaw();
-    await missions.locator(".mission-assumed").waitFor({ state: "detached", timeout: 60_000 });
+    await missions.locator(".mission-assumed").waitFor({ state: "detached" });
     await openMission(app, "drives");
     const head = missionOf(app).locator(".mission-head");
     await head.getByText(/^T\+\d\d:\d\d:\d\d$/).waitFor();
@@ -64,7 +64,7 @@ journey(
     const row = app.sheet.locator(".runs-row").getByText("running");
     await row.waitFor();
     robot.freeze();
-    await app.sheet.locator(".runs-row.is-old .run-assumed").waitFor({ timeout: 60_000 });
+    await app.sheet.locator(".runs-row.is-old .run-assumed").waitFor();
     robot.thaw();
     await endRun(robot, run);
   },
@@ -88,7 +88,7 @@ journey(
     await untilRun(robot, run, ({ phase }) => phase === "crashed");
     const again = { id: `resume-${run}`, policy: "restart", from: null };
     await robot.ask("POST", `/runs/${run}/resume`, again);
-    await status(app).getByText("diverged").waitFor({ timeout: 60_000 });
+    await status(app).getByText("diverged").waitFor();
     await missionOf(app)
       .getByText(/takes nothing more; to receive the run anew, move /)
       .waitFor();

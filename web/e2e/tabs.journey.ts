@@ -12,6 +12,7 @@ import {
   startRun,
   status,
 } from "./support/mission.ts";
+import { PATIENCE } from "./support/patience.ts";
 import { heldBefore, press, stopRun } from "./support/runs.ts";
 
 const PART = "PACKER/ONEPAR";
@@ -84,13 +85,10 @@ journey(
     await branch("Load the box").waitFor();
     await branch("Drive to the bay").waitFor({ state: "detached" });
     await mission.getByRole("button", { name: "Pause", exact: true }).focus();
-    await vi.waitUntil(
-      async () => {
-        await app.sheet.keyboard.press("Enter");
-        return (await statusOf(loads)) === "paused";
-      },
-      { timeout: 20_000, interval: 100 },
-    );
+    await vi.waitUntil(async () => {
+      await app.sheet.keyboard.press("Enter");
+      return (await statusOf(loads)) === "paused";
+    }, PATIENCE);
     await status(app).getByText("paused").waitFor();
     expect(await statusOf(drives)).toBe("running");
     await others.selectOption(drives);

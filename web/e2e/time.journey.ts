@@ -53,7 +53,7 @@ journey(
       const rows = app.sheet.getByRole("list", { name: "Active now" });
       const names = async () => (await rows.locator(".running-name").allTextContents()).sort();
       const wanted = innermost(replayed(server, run, moment));
-      await expect.poll(names, { timeout: 20_000 }).toEqual(wanted);
+      await expect.poll(names).toEqual(wanted);
     });
     await app.sheet.getByRole("button", { name: "Go to the end" }).click();
     await showsMoment(app, null);
@@ -106,7 +106,7 @@ journey(
     await app.sheet.keyboard.press("Control+ArrowLeft");
     await showsMoment(app, entries[1]?.sequence);
     const inWords = () => slider.getAttribute("aria-valuetext");
-    await expect.poll(inWords, { timeout: 20_000 }).toMatch(/Pack one part entered$/);
+    await expect.poll(inWords).toMatch(/Pack one part entered$/);
     await app.sheet.keyboard.press("End");
     await showsMoment(app, null);
   },
@@ -242,7 +242,7 @@ journey(
       told(server, run).filter(
         ({ event }) => event.type === "entered" && event.path === "PACKER/ONEPAR",
       );
-    await expect.poll(() => entries().length, { timeout: 20_000 }).toBeGreaterThan(1);
+    await expect.poll(() => entries().length).toBeGreaterThan(1);
     const second = entries()[1]?.sequence ?? 0;
     await app.sheet.evaluate((sequence) => {
       const watch = window.__rafcon.page.active.value?.run.value;

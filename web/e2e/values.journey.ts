@@ -74,7 +74,7 @@ journey(
 
     await outputs.getByRole("button", { name: "Copy pose as Python" }).click();
     await expect
-      .poll(() => app.copied(), POLL)
+      .poll(() => app.copied())
       .toBe('{"frame": "map", "joints": {"elbow": 1.5}, "position": [6, 2.5, -1]}');
 
     await inRun(app, "Inputs")
@@ -102,14 +102,12 @@ journey(
     await outputs.getByRole("button", { name: /^position:/ }).click();
     const first = outputs.locator(".value-inside .value-inside .value-short").first();
     const before = Number(await first.textContent());
-    await expect.poll(async () => Number(await first.textContent()), POLL).toBeGreaterThan(before);
+    await expect.poll(async () => Number(await first.textContent())).toBeGreaterThan(before);
     const then = Number(await first.textContent());
-    await expect.poll(async () => Number(await first.textContent()), POLL).toBeGreaterThan(then);
+    await expect.poll(async () => Number(await first.textContent())).toBeGreaterThan(then);
     await stopRun(app);
   },
 );
-
-const POLL = { timeout: 60_000, interval: 50 };
 
 /** Slow enough that its values stand apart in a plot, however long the run then takes to end. */
 const slow = { machines: { sensing: sensing({ rounds: 8, pause_s: 0.1 }) }, open: "sensing" };
@@ -188,9 +186,9 @@ journey(
     await app.sheet.mouse.up();
     await panel.getByLabel("Watched expression of count").waitFor();
     const shown = async () => Number(await panel.locator(".value-short").first().textContent());
-    await expect.poll(shown, POLL).toBeGreaterThan(0);
+    await expect.poll(shown).toBeGreaterThan(0);
     const before = await shown();
-    await expect.poll(shown, POLL).toBeGreaterThan(before);
+    await expect.poll(shown).toBeGreaterThan(before);
     await stopRun(app);
   },
 );

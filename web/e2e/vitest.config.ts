@@ -1,5 +1,6 @@
 import { fileURLToPath } from "node:url";
 import { defineConfig } from "vitest/config";
+import { JOURNEY_MS, PATIENCE } from "./support/patience.ts";
 
 /** Journeys: a browser, the page as it is built, the real server. Three at a time: each has a server of its own and often waits for
  * it. The files of one process share its modules and its browser, where each journey has a profile of its own. */
@@ -11,9 +12,9 @@ export default defineConfig({
     pool: "forks",
     isolate: false,
     maxWorkers: 3,
-    testTimeout: 120_000,
-    hookTimeout: 120_000,
+    testTimeout: JOURNEY_MS,
+    hookTimeout: JOURNEY_MS,
     retry: 0,
-    expect: { poll: { timeout: 20_000, interval: 50 } },
+    expect: { poll: PATIENCE },
   },
 });

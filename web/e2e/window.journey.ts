@@ -5,12 +5,12 @@ import type { App } from "./support/app.ts";
 import { linkIs, startAndShow } from "./support/honest.ts";
 import { journey } from "./support/journey.ts";
 import { FALLEN, FAST_PACKER, longRun } from "./support/long_run.ts";
+import { LONG_WORK } from "./support/patience.ts";
 import { activeShown, momentShown, replayed, ruler, shown, showsMoment } from "./support/time.ts";
 
 const HERE = { machines: { packer: FAST_PACKER }, open: "packer" };
 /** More than the page keeps. */
 const EVENTS = 260_000;
-const LONG = { timeout: 60_000 };
 
 interface Part {
   readonly isWhole: boolean;
@@ -36,7 +36,7 @@ async function covers(app: App, sequence: number): Promise<void> {
     const { from, next } = await part(app);
     return from <= sequence && sequence < next;
   };
-  await expect.poll(isIn, LONG).toBe(true);
+  await expect.poll(isIn).toBe(true);
 }
 
 journey(
@@ -55,7 +55,7 @@ journey(
     // A moment in the middle.
     const { x, y, width } = await ruler(app);
     await app.sheet.mouse.click(x + width / 2, y);
-    await expect.poll(() => momentShown(app), LONG).toBeGreaterThan(newest.last * 0.4);
+    await expect.poll(() => momentShown(app)).toBeGreaterThan(newest.last * 0.4);
     const middle = (await momentShown(app)) ?? 0;
     expect(middle).toBeLessThan(newest.last * 0.6);
     await covers(app, middle);
@@ -80,7 +80,7 @@ journey(
     await search.fill("fell from");
     const found = app.sheet.getByRole("tree", { name: "Search results in the run" });
     await found.getByText(`part ${FALLEN} fell from the gripper`).click();
-    await expect.poll(() => momentShown(app), LONG).toBeGreaterThan(FALLEN * 8);
+    await expect.poll(() => momentShown(app)).toBeGreaterThan(FALLEN * 8);
     await search.fill("");
     await covers(app, (await momentShown(app)) ?? 0);
     await app.sheet.getByRole("tree", { name: "Calls of the run, in order" }).waitFor();
@@ -105,7 +105,7 @@ journey(
         const watch = window.__rafcon.page.active.value?.run.value;
         return watch?.now.value?.run.phase === "finished" && watch.isCaughtUp.value;
       });
-    await expect.poll(isOver, { timeout: 150_000 }).toBe(true);
+    await expect.poll(isOver, LONG_WORK).toBe(true);
     const here = await part(app);
     expect(here.last).toBeGreaterThan(200_000);
     expect(here.from).toBe(1);

@@ -88,6 +88,6 @@ journey(
     await startAndShow(app, server, HERE.open);
     await app.until(({ tab }) => (tab?.run.value?.journal.length ?? 0) > 3, null);
     await app.panel("Timeline");
-    await expect.poll(() => isInColour(app), { timeout: 20_000 }).toBe(true);
+    await expect.poll(() => isInColour(app)).toBe(true);
   },
 );

@@ -10,10 +10,8 @@ import { childBox, portPlaces, rootSize } from "../../src/model/layout_reader.ts
 import { lineage } from "../../src/model/path.ts";
 import type { Page } from "../../src/store/page/page.ts";
 import type { Camera } from "../../src/store/page/view.ts";
+import { PATIENCE } from "./patience.ts";
 import type { Server } from "./server.ts";
-
-/** How long one waits for what has to come, and how often one looks. */
-const PATIENCE = { timeout: 20_000, interval: 15 };
 
 declare global {
   interface Window {

@@ -3,6 +3,7 @@
 import { expect, vi } from "vitest";
 import type { Moment } from "../../src/model/generated/protocol.ts";
 import type { App } from "./app.ts";
+import { PATIENCE } from "./patience.ts";
 import { runnersOf } from "./runner.ts";
 import { runInFront, untilActive } from "./runs.ts";
 import type { Server } from "./server.ts";
@@ -24,11 +25,8 @@ export async function crashIn(
 
 /** Waits until the run is known to have set a global variable. */
 async function untilSet(server: Server, run: string, variable: string): Promise<void> {
-  await vi.waitUntil(
-    async () => {
-      const { globals } = await server.ask<Moment>("GET", `/runs/${run}/moments`);
-      return variable in globals;
-    },
-    { timeout: 20_000, interval: 50 },
-  );
+  await vi.waitUntil(async () => {
+    const { globals } = await server.ask<Moment>("GET", `/runs/${run}/moments`);
+    return variable in globals;
+  }, PATIENCE);
 }

@@ -9,11 +9,11 @@ import type { Page as Sheet } from "playwright-core";
 import { vi } from "vitest";
 import WebSocket from "ws";
 import type { Box, Point } from "../../src/model/geometry.ts";
+import { PATIENCE } from "./patience.ts";
 
 export const FIREFOX = process.env["RAFCON_FIREFOX"] ?? "/usr/bin/firefox-esr";
 
 const SIZE = { width: 1280, height: 800 };
-const PATIENCE = { timeout: 20_000, interval: 30 };
 /** Keys as WebDriver writes them. */
 const KEYS: Readonly<Record<string, string>> = {
   Control: "\uE009",

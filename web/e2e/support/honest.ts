@@ -4,11 +4,9 @@ import { expect, vi } from "vitest";
 import type { EventPage, RunSummary, StartRun } from "../../src/model/generated/protocol.ts";
 import type { App } from "./app.ts";
 import { endRun } from "./mission.ts";
+import { PATIENCE } from "./patience.ts";
 import { exampleWith } from "./runs.ts";
 import type { Server } from "./server.ts";
-
-/** Times here depend on how long silence has to last, not on how fast the machine is. */
-const PATIENCE = { timeout: 100_000, interval: 100 };
 
 /** The packer, which picks parts without end, about ten a second. */
 export const PACKER = exampleWith("hierarchy_and_data", {

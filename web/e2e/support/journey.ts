@@ -7,6 +7,7 @@ import { test } from "vitest";
 import type { Role } from "../../src/model/generated/protocol.ts";
 import { App } from "./app.ts";
 import { launch } from "./chromium.ts";
+import { WAIT_MS } from "./patience.ts";
 import { examples, newPlace, type Place, RESULTS } from "./places.ts";
 import { Server } from "./server.ts";
 import { beginStation } from "./station.ts";
@@ -96,7 +97,7 @@ async function hands(
       permissions: ["clipboard-read", "clipboard-write"],
       ...setting.browser,
     });
-    context.setDefaultTimeout(20_000);
+    context.setDefaultTimeout(WAIT_MS);
     await context.addInitScript("window.__rafcon = null");
     return known(new App(await context.newPage(), server));
   };

@@ -3,8 +3,8 @@
 import { vi } from "vitest";
 import type { Box } from "../../src/model/geometry.ts";
 import type { App } from "./app.ts";
+import { PATIENCE } from "./patience.ts";
 
-const PATIENCE = { timeout: 20_000, interval: 60 };
 /** So far inside and outside of its edge the ring of a state is looked for, in CSS pixels. */
 const NEAR = 3;
 

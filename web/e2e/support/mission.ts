@@ -6,6 +6,7 @@ import { join } from "node:path";
 import { vi } from "vitest";
 import type { RunNow, RunSummary } from "../../src/model/generated/protocol.ts";
 import type { App } from "./app.ts";
+import { PATIENCE } from "./patience.ts";
 import type { Server } from "./server.ts";
 
 /** One state of a mission. It goes on to the next one, whether it ends by success or by aborted. */
@@ -145,5 +146,5 @@ export async function untilOver(app: App): Promise<void> {
 
 /** Waits for what may take longer than a person's patience: so long as silence has to last. */
 export async function eventually(look: () => Promise<boolean>): Promise<void> {
-  await vi.waitUntil(look, { timeout: 90_000, interval: 250 });
+  await vi.waitUntil(look, PATIENCE);
 }

@@ -5,6 +5,7 @@ import { join } from "node:path";
 import { expect, vi } from "vitest";
 import type { HistoryEntry, Moment, RunSummary } from "../../src/model/generated/protocol.ts";
 import type { App } from "./app.ts";
+import { PATIENCE } from "./patience.ts";
 import { binary } from "./places.ts";
 import type { Server } from "./server.ts";
 
@@ -40,13 +41,10 @@ export async function finished(
   more: Readonly<Record<string, unknown>> = {},
 ): Promise<string> {
   const id = await started(server, path, more);
-  await vi.waitUntil(
-    async () => {
-      const now = await server.ask<{ run: RunSummary; link: string }>("GET", `/runs/${id}`);
-      return now.run.phase === "finished" && now.link === "over";
-    },
-    { timeout: 60_000, interval: 100 },
-  );
+  await vi.waitUntil(async () => {
+    const now = await server.ask<{ run: RunSummary; link: string }>("GET", `/runs/${id}`);
+    return now.run.phase === "finished" && now.link === "over";
+  }, PATIENCE);
   return id;
 }
 
@@ -76,7 +74,7 @@ export async function momentShown(app: App): Promise<number | null> {
 
 /** Waits until the page shows this moment, with its values; null: live. */
 export async function showsMoment(app: App, moment: number | null | undefined): Promise<void> {
-  await expect.poll(() => momentShown(app), { timeout: 20_000 }).toBe(moment);
+  await expect.poll(() => momentShown(app)).toBe(moment);
 }
 
 /** Paths of the active states of the moment that the page shows. */

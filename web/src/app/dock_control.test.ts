@@ -5,7 +5,7 @@ import { type LocalStore, memoryStore } from "../store/local_store.ts";
 import { DockControl } from "./dock_control.ts";
 
 const LARGE = [1440, 900] as const;
-const SMALL = [720, 500] as const;
+const SMALL = [720, 675] as const;
 
 interface Docked {
   readonly control: DockControl;

@@ -19,3 +19,11 @@ test.each(documents)("tests of the page that docs/%s names are there", (document
   const gone = named.filter(([, file = "", words = ""]) => !read(file).includes(`"${words}"`));
   expect(gone.map(([text]) => text)).toEqual([]);
 });
+
+test("journeys wait by the times of one file", () => {
+  const files = readdirSync(new URL("web/e2e", REPOSITORY), { recursive: true, encoding: "utf8" });
+  const others = files.filter((name) => name.endsWith(".ts") && !name.endsWith("patience.ts"));
+  const own = others.filter((name) => /[tT]imeout(\(|: )\d/.test(read(`web/e2e/${name}`)));
+  // Waits for a picture that somebody wants to look at.
+  expect(own).toEqual(["mission_words.journey.ts"]);
+});
