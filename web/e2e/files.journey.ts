@@ -122,6 +122,29 @@ journey(
   },
 );
 
+journey(
+  "the first machine that is found is opened by Enter, another one by the arrows",
+  { machines: examples("error_recovery", "hierarchy_and_data"), libraries: {} },
+  async ({ app }) => {
+    const dialog = app.sheet.getByRole("dialog", { name: "Open a machine" });
+    const find = async (text: string) => {
+      await app.sheet.keyboard.press("Control+o");
+      await dialog.getByRole("searchbox").fill(text);
+      await dialog.getByRole("treeitem", { name: "error_recovery", exact: true }).waitFor();
+    };
+    const isOpen = (name: string) =>
+      app.until(({ tab }, path) => tab?.session.status.value?.summary.file?.path === path, name);
+    await find("r");
+    await app.sheet.keyboard.press("Enter");
+    await isOpen("error_recovery");
+    await find("r");
+    await app.sheet.keyboard.press("ArrowDown");
+    await app.sheet.keyboard.press("ArrowDown");
+    await app.sheet.keyboard.press("Enter");
+    await isOpen("hierarchy_and_data");
+  },
+);
+
 journey("the page that is loaded again comes back as it was", HERE, async ({ app }) => {
   await app.select(FULL);
   await app.sheet.reload();

@@ -44,3 +44,34 @@ journey(
     await app.told("Delete: select something first");
   },
 );
+
+journey("Enter of an input method is not the page's", HERE, async ({ app }) => {
+  await app.select(FULL);
+  await app.press("F2");
+  const name = app.sheet.locator("input:focus");
+  await name.waitFor();
+  const composition = await app.sheet.context().newCDPSession(app.sheet);
+  await composition.send("Input.imeSetComposition", {
+    text: "にほ",
+    selectionStart: 2,
+    selectionEnd: 2,
+  });
+  const written = await name.inputValue();
+  await name.evaluate((field) => {
+    const how = { key: "Enter", isComposing: true, bubbles: true, cancelable: true };
+    field.dispatchEvent(new KeyboardEvent("keydown", how));
+  });
+  expect(await name.inputValue()).toBe(written);
+  await composition.send("Input.insertText", { text: "日本" });
+  await app.sheet.keyboard.press("Enter");
+  await app.settled();
+  expect((await app.state(FULL)).name).toContain("日本");
+});
+
+journey("letters of the canvas work on a layout of another script", HERE, async ({ app }) => {
+  await app.canvas.evaluate((canvas) => {
+    const t = { key: "е", code: "KeyT", bubbles: true, cancelable: true };
+    canvas.dispatchEvent(new KeyboardEvent("keydown", t));
+  });
+  await app.until(({ tab }) => tab?.view.modes.value.transitions === false, null);
+});

@@ -382,3 +382,34 @@ for (const colorScheme of ["dark", "light"] as const) {
     },
   );
 }
+
+/** What somebody would press at the corners of a button of mission control. */
+async function atCorners(app: App, name: string): Promise<readonly boolean[]> {
+  const button = missionOf(app).getByRole("button", { name, exact: true });
+  return button.evaluate((found) => {
+    const { left, right, top, bottom } = found.getBoundingClientRect();
+    const xs = [left + 12, right - 12];
+    const ys = [top + 4, bottom - 4];
+    return xs.flatMap((x) => ys.map((y) => found.contains(document.elementFromPoint(x, y))));
+  });
+}
+
+journey(
+  "at 200 % Stop and Pause are whole, and the state of the run is below them",
+  { machines: MACHINES, open: "drives", browser: { viewport: { width: 640, height: 360 } } },
+  async ({ app, server }) => {
+    await during(server, "drives", async () => {
+      await openMission(app, "drives");
+      await status(app).getByText("running").waitFor();
+      for (const name of ["Stop", "Pause"])
+        await expect.poll(() => atCorners(app, name)).toEqual([true, true, true, true]);
+      const word = status(app);
+      const isSeen = () =>
+        word.evaluate((found) => {
+          const { left, top, height } = found.getBoundingClientRect();
+          return found.contains(document.elementFromPoint(left + 20, top + height / 2));
+        });
+      await expect.poll(isSeen).toBe(true);
+    });
+  },
+);

@@ -170,3 +170,26 @@ journey("a state becomes a skill in the inspector", HERE, async ({ app }) => {
     "No input is called place: the state does not learn its value.",
   ]);
 });
+
+const WITHOUT_ENGINE = { machines: HERE.machines, open: "errand" };
+
+journey(
+  "facts and goal look the same after the page is loaded again",
+  WITHOUT_ENGINE,
+  async ({ app }) => {
+    const facts = app.sheet.getByRole("textbox", { name: "Facts" });
+    const looks = () =>
+      facts.evaluate((field) => {
+        const { padding, fontFamily, backgroundColor } = getComputedStyle(field);
+        return { padding, fontFamily, backgroundColor };
+      });
+    await app.command("Plan…");
+    await facts.waitFor();
+    const before = await looks();
+    expect(before.padding).not.toBe("0px");
+    await app.sheet.reload();
+    await app.connected();
+    await facts.waitFor();
+    expect(await looks()).toEqual(before);
+  },
+);

@@ -2,6 +2,7 @@
 
 import { signal } from "@preact/signals-core";
 import { HardDrive } from "lucide-react";
+import { useEffect, useRef } from "react";
 import type { Watch } from "../../store/history/run.ts";
 import { useComputed, useSignal } from "../../ui/signals.ts";
 import { useActiveTab } from "../context.tsx";
@@ -28,8 +29,14 @@ const NO_RUN = signal<Watch | null>(null);
 export function Mission() {
   const tab = useActiveTab();
   const watch = useSignal(tab?.run ?? NO_RUN);
+  const place = useRef<HTMLDivElement>(null);
+  // The list from which a run was chosen may have been scrolled: the head of the run comes first.
+  // biome-ignore lint/correctness/useExhaustiveDependencies: another run begins at its head
+  useEffect(() => place.current?.closest(".panel")?.scrollTo?.(0, 0), [watch?.id]);
   return (
-    <div className="mission">{watch ? <Shown key={watch.id} watch={watch} /> : <NoRun />}</div>
+    <div ref={place} className="mission">
+      {watch ? <Shown key={watch.id} watch={watch} /> : <NoRun />}
+    </div>
   );
 }
 
