@@ -69,7 +69,7 @@ journey(
       const seen = await listen(app);
       await goesOn(app, 150);
       expect(await seen()).toEqual(["up"]);
-      // Browser and server have the same clock here. What a busy computer adds to one way makes an error of half as much.
+      // Browser and server have the same clock here. A busy computer adds at most half of its delay as an error.
       const { ahead_ms, delay_ms } = await pulse(app);
       expect(delay_ms).toBeGreaterThanOrEqual(4_000);
       expect(Math.abs(ahead_ms)).toBeLessThanOrEqual(1 + (delay_ms - 4_000) / 2);

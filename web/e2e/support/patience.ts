@@ -1,5 +1,5 @@
-/** How long journeys wait. Nothing is wrong with a busy computer, and a wait that succeeds costs no more than it has to: so each is
- * generous, and no journey states a time of its own. */
+/** Timeouts of journeys. They are generous, because a busy computer is no fault and a wait that succeeds costs nothing more. No journey
+ * has a timeout of its own. */
 
 /** For whatever has to come. */
 export const WAIT_MS = 120_000;

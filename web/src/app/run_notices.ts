@@ -162,8 +162,8 @@ function tellLonger({ page }: AppSession, watch: Watch, { session }: OpenTab): (
   });
 }
 
-/** An alarm is due if its state runs too long at two readings of the clock: after a silence the server answers before it has read
- * what the run did meanwhile. */
+/** Alarms of states that run too long at two readings of the clock. After a silence the server answers before it reads the events of
+ * the silence. */
 export class LongerAlarms {
   /** The clock at the first reading, by path; null once the alarm was due. */
   #since = new Map<string, number | null>();

@@ -154,7 +154,7 @@ function ofOther(
 /** The server tells of a holder who goes on being heard once in this part of the silence: they may have been heard so much later. */
 const UNTOLD = 1 / 10;
 
-/** So long nobody can take control over from its holder, in ms; 0: anybody may. Silence of the server is no silence of the holder. */
+/** Time until control can be taken over from its holder, in ms; 0: now. Silence of the server is no silence of the holder. */
 export function silenceLeft({ page, tab }: CommandContext): number {
   const control = tab?.run.value?.now.value?.control;
   if (!control || control.holder === null) return 0;

@@ -57,12 +57,12 @@ function signOf(key: string): string {
   return NAMES[key] ?? (key.length === 1 ? key.toUpperCase() : key);
 }
 
-/** Whether a key types one of these, but none of ASCII. */
+/** Tests a key that types something outside ASCII. */
 function isForeign(key: string, wanted: RegExp): boolean {
   return wanted.test(key) && key.charCodeAt(0) > 127;
 }
 
-/** What a key types, without modifiers; letters as a Latin layout has them. */
+/** The key without modifiers; a letter as on a Latin layout. */
 export function latinKey({ key, code }: Pick<Pressed, "key" | "code">): string {
   return isForeign(key, /^\p{L}$/u) && /^Key[A-Z]$/.test(code) ? code.slice(3).toLowerCase() : key;
 }

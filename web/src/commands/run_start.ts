@@ -29,7 +29,7 @@ export async function startRun(
   return page.runs.watch(id);
 }
 
-/** Once in a browser: whoever starts a run for the first time does not know that it has a time line. */
+/** Shows the time line at the first start in a browser, because nothing else hints at it. */
 function introduceTimeline({ page, shell }: CommandContext): void {
   const settings = page.settings.peek();
   if (settings.knowsTimeline || !shell.layouts.isShown("bottom")) return;

@@ -1,7 +1,7 @@
 /** Undoes translations. A translator replaces text nodes by `<font>` elements; the page keeps writing into its own text nodes, so
  * a replaced one would show an old fact for ever. Knows no component. */
 
-/** Waiting time after an undo, in ms: a translator that answers at once must not stop the page. */
+/** Pause after an undo, in ms. A translator that answers at once must not block the page. */
 const PAUSE_MS = 50;
 
 /** Texts of users may contain `<font>` themselves. */
@@ -34,7 +34,7 @@ export function undoTranslations(page: Document, onTranslated: () => void): () =
   };
 }
 
-/** Whether there was something to undo. The last change is undone first, so that each place is as it was after the change. */
+/** True if something was undone. The last change is undone first, so that each place is as it was after the change. */
 function undone(records: readonly MutationRecord[]): boolean {
   const added = new Set(records.filter(addsFont).map(({ target }) => target));
   const translated = new Set(

@@ -44,7 +44,7 @@ export function RunError({ inspected, watch, left, detail }: RunErrorProps) {
 
 type ReasonProps = Omit<RunErrorProps, "detail">;
 
-/** Of an end without an error of its own. */
+/** Reason of an end that has no error of its own. */
 function Reason({ inspected, watch, left }: ReasonProps) {
   const { path, machine } = inspected;
   const reason = useMemo(() => reasonOf(watch, path, left.sequence), [watch, path, left]);

@@ -97,7 +97,7 @@ function Stands({ run }: { readonly run: RunInList }) {
   );
 }
 
-/** Of a run that goes on, until now. Nothing is added once the server or the run is silent. */
+/** Length of a run. An active run grows until the server or the run is silent. */
 function Length({ run }: { readonly run: RunInList }) {
   const { page } = useHost().context();
   const text = useComputed(() => {

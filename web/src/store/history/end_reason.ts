@@ -1,4 +1,4 @@
-/** Why a state failed, as far as the events of its last visit report it: its error, what was logged, what was done to it. */
+/** Reason of a failure, by the events of the last visit: an error, a logged error, a forced end, a cut. */
 
 import { ABORTED } from "../../model/machine.ts";
 import { isWithin } from "../../model/path.ts";

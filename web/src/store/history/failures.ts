@@ -121,7 +121,7 @@ function isTracebackOf(
   return kind === "log" && level === "error" && path === failure.path && isNear && isAbout;
 }
 
-/** Of a text of several lines, as of a traceback. */
+/** The last line of a text, such as a traceback. */
 export function lastLine(text: string): string {
   return withoutModule(text.trimEnd().split("\n").at(-1) ?? "");
 }
@@ -165,7 +165,7 @@ export function errorInWords(error: unknown): string {
   return found.kind === "text" ? found.text : withoutModule(shortValue(error, ERROR_MAX));
 }
 
-/** What an event reports that went wrong; null if it reports nothing of the kind. */
+/** Failure that an event reports; null if it reports none. */
 export function causeOfEvent(event: Event): FailureCause | null {
   switch (event.type) {
     case "log": {

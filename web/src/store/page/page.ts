@@ -63,7 +63,7 @@ export interface Settings {
   readonly recent: readonly MachineFile[];
   /** The scale on which times are shown. */
   readonly times: TimeScale;
-  /** Whether a start has brought the time line forward: the first one in a browser does. */
+  /** True once a start has shown the time line. The first start in a browser does. */
   readonly knowsTimeline: boolean;
 }
 

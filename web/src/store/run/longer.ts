@@ -21,8 +21,7 @@ export interface Longer {
   readonly baseline: Baseline;
 }
 
-/** Of a run that is shown as it is now, by the time in which it was received; null while that may be old. A signal's reader, told
- * once a second. */
+/** Live runs only, by the time in which the run was received. Null while the run may be old. Reads signals, changes once a second. */
 export function longerThanEver(page: Page, watch: Watch): readonly Longer[] | null {
   if (watch.now.value?.run.phase !== "live" || watch.playhead.value !== null) return [];
   if (runAge(page, watch, clock1s.value).isOld) return null;
