@@ -103,7 +103,9 @@ fn current(file: PageFile, head: &HeaderMap) -> Result<Response, Failure> {
     let is_known = head.get(header::IF_NONE_MATCH).is_some_and(|known| *known == *tag);
     let kept = [(header::ETAG, tag), (header::CACHE_CONTROL, "no-cache".to_owned())];
     if is_known {
-        return Ok((StatusCode::NOT_MODIFIED, kept).into_response());
+        // The headers of this answer replace those that the browser has kept, the policy too.
+        let policy = [(header::CONTENT_SECURITY_POLICY, POLICY)];
+        return Ok((StatusCode::NOT_MODIFIED, policy, kept).into_response());
     }
     Ok((kept, document(file, head)?).into_response())
 }
@@ -201,6 +203,7 @@ mod tests {
         let tag = first.headers()[header::ETAG].to_str().unwrap();
         let again = current(packed(), &asks(header::IF_NONE_MATCH, tag)).unwrap();
         assert_eq!(again.status(), StatusCode::NOT_MODIFIED);
+        assert_eq!(again.headers()[header::CONTENT_SECURITY_POLICY], POLICY);
         let other = current(packed(), &asks(header::IF_NONE_MATCH, "W/\"other\"")).unwrap();
         assert_eq!(other.status(), StatusCode::OK);
     }
