@@ -8,6 +8,11 @@ import { ARM } from "./testing/driver.ts";
 
 const machine = machineOf(sketch(ARM));
 
+test("a name of any length is said to a bounded length", () => {
+  const long = machineOf(sketch(`R "${"x".repeat(100_000)}" hierarchy`));
+  expect(described(long, { kind: "state", path: "R" })).toHaveLength(2_001);
+});
+
 test("elements are said in words", () => {
   const say = (element: ElementRef) => described(machine, element);
   expect(say({ kind: "state", path: "R/A" })).toBe(

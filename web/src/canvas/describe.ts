@@ -17,6 +17,14 @@ export interface Signs {
 
 /** What is said of an element; of a state also the signs that stand at it. */
 export function described(machine: Machine, element: ElementRef, signs: Signs = {}): string {
+  const words = inWords(machine, element, signs);
+  return words.length > WORDS_MAX ? `${words.slice(0, WORDS_MAX)}…` : words;
+}
+
+/** Letters that anybody listens to. */
+const WORDS_MAX = 2_000;
+
+function inWords(machine: Machine, element: ElementRef, signs: Signs): string {
   const state = machine.state(element.path);
   if (!state) return "no longer exists";
   if (element.kind === "state") return stateInWords(machine, element.path, state, signs);

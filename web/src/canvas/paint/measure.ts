@@ -2,7 +2,7 @@
 
 import type { Measure } from "../scene/input.ts";
 import type { PaintContext } from "./ink.ts";
-import { fontOf } from "./texts.ts";
+import { fontOf, LETTERS_MAX } from "./texts.ts";
 
 /** So many texts are remembered; then it begins anew. */
 const MOST = 20_000;
@@ -10,7 +10,8 @@ const MOST = 20_000;
 /** Measures with this context; to be made anew when fonts have come. */
 export function measureWith(context: PaintContext): Measure {
   const known = new Map<string, Map<string, number>>();
-  return (text, size, bold) => {
+  return (whole, size, bold) => {
+    const text = whole.slice(0, LETTERS_MAX);
     const font = `${size}${bold}`;
     let widths = known.get(font);
     if (!widths || widths.size > MOST) {

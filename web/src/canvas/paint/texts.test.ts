@@ -1,7 +1,23 @@
 import { expect, test } from "vitest";
 import type { TextMark } from "../scene/list.ts";
 import type { PaintContext } from "./ink.ts";
-import { paintTexts } from "./texts.ts";
+import { measureWith } from "./measure.ts";
+import { LETTERS_MAX, paintTexts } from "./texts.ts";
+
+test("a text of any length is measured and painted to a bounded length", () => {
+  const lengths: number[] = [];
+  const note = (text: string) => {
+    lengths.push(text.length);
+    return { width: text.length };
+  };
+  const rest = { beginPath() {}, roundRect() {}, fill() {} };
+  const context = { ...rest, fillText: note, measureText: note } as unknown as PaintContext;
+  const text = "x".repeat(1_000_000);
+  expect(measureWith(context)(text, 11, false)).toBe(LETTERS_MAX);
+  const mark = { text, plate: "ground", ink: "text", alpha: 1, size: 11, x: 0, y: 0, width: 0 };
+  paintTexts(context, [{ ...mark, align: "left", bold: false } as unknown as TextMark], {});
+  expect(Math.max(...lengths)).toBe(LETTERS_MAX);
+});
 
 test("a plate is opaque however faint its text is: it does not half erase what lies below", () => {
   const painted: string[] = [];

@@ -6,6 +6,9 @@ import { inkOf, type PaintContext } from "./ink.ts";
 
 const FAMILY = '"Inter Variable", system-ui, sans-serif';
 
+/** Letters of a text that are measured and painted: nobody sees more. */
+export const LETTERS_MAX = 2_000;
+
 /** The font of a text on the canvas. */
 export function fontOf(size: number, bold: boolean): string {
   return `${bold ? 600 : 450} ${size}px ${FAMILY}`;
@@ -37,14 +40,16 @@ export function paintTexts(
       context.fillStyle = inkOf(colours, text.ink);
       ink = text.ink;
     }
-    context.fillText(text.text, text.x, text.y + 0.5);
+    context.fillText(text.text.slice(0, LETTERS_MAX), text.x, text.y + 0.5);
   }
 }
 
 const AROUND = 4;
 
 function paintPlate(context: PaintContext, text: TextMark, colour: string): void {
-  const inner = text.width || (text.text === "" ? 0 : context.measureText(text.text).width);
+  const inner =
+    text.width ||
+    (text.text === "" ? 0 : context.measureText(text.text.slice(0, LETTERS_MAX)).width);
   const width = inner + 2 * AROUND;
   const height = text.size + 5;
   const lead = text.lead ?? 0;

@@ -18,3 +18,15 @@ test("the number at the end of a name stays: it is what tells it from others", (
   expect(cut("Look around", 48, 11, false, measure)).toBe("Look ar…");
   expect(cut("Waypoint 12", 24, 11, false, measure)).toBe("Way…");
 });
+
+test("of a name of any length only its beginning is measured", () => {
+  const long = `${"a word ".repeat(200_000)}12`;
+  let longest = 0;
+  const noted = (text: string) => {
+    longest = Math.max(longest, text.length);
+    return text.length * 6;
+  };
+  expect(cut(long, 60, 11, false, noted)).toBe("a word… 12");
+  expect(wrapped(long, 60, 2, 11, noted)).toHaveLength(2);
+  expect(longest).toBeLessThan(1_100);
+});

@@ -5,11 +5,22 @@ import type { Measure } from "./input.ts";
 /** The number at the end of a name: what tells `Waypoint 12` from `Waypoint 13`. */
 const NUMBER = /\s?\d{1,4}$/;
 
+/** Letters of the longest number with the space before it. */
+const NUMBER_MAX = 5;
+/** Letters of a text that a canvas shows at most. */
+const LETTERS_MAX = 1_000;
+
+/** The beginning of a text that is longer than any screen is wide. */
+function readable(text: string): string {
+  return text.length > LETTERS_MAX ? `${text.slice(0, LETTERS_MAX)}…` : text;
+}
+
 /** The text, or as much of it as fits with an ellipsis, before the number at its end if there is room for both; nothing if not even
  * two letters fit. */
-export function cut(text: string, width: number, size: number, bold: boolean, measure: Measure) {
+export function cut(whole: string, width: number, size: number, bold: boolean, measure: Measure) {
+  const text = readable(whole);
   if (measure(text, size, bold) <= width) return text;
-  const number = NUMBER.exec(text)?.[0] ?? "";
+  const number = NUMBER.exec(whole.slice(-NUMBER_MAX))?.[0] ?? "";
   const fits = (letters: number, end: string) =>
     measure(`${text.slice(0, letters)}…${end}`, size, bold) <= width;
   const end = fits(2, number) ? number : "";
@@ -24,12 +35,13 @@ export function cut(text: string, width: number, size: number, bold: boolean, me
 
 /** The text in at most so many lines, broken between words; what is left over is cut. */
 export function wrapped(
-  text: string,
+  whole: string,
   width: number,
   lines: number,
   size: number,
   measure: Measure,
 ): readonly string[] {
+  const text = readable(whole);
   if (lines <= 1 || measure(text, size, false) <= width) {
     const only = cut(text, width, size, false, measure);
     return only === "" ? [] : [only];
