@@ -57,6 +57,14 @@ describe("how much shows depends on the size on the screen", () => {
     ]);
   });
 
+  test("a selected state in a texture is an outline, upon which the name can be read", () => {
+    const selection = new Set(["state:R/B"] as const);
+    expect(about(seen(0.15, { selection }), "state:R/B")).toEqual([
+      "1 speck state:R/B 33 9 21 18 selection 25%",
+      "1 box state:R/B 33 9 21 18 |selection|",
+    ]);
+  });
+
   test("a larger one shows its children as boxes, and transitions with heads", () => {
     const lines = seen(0.4);
     expect(about(lines, "box state:R/A")).toEqual(["1 box state:R/A 16 24 40 32 shade1 |outline|"]);

@@ -115,10 +115,17 @@ function textureOf(builder: SceneBuilder, outer: SceneNode, child: LayoutNode): 
   if (width < SPECK || height < SPECK) return;
   const [x, y] = [outer.x + box.x * outer.scale, outer.y + box.y * outer.scale];
   const mark = speck(builder, outer, child, x, y, width, height);
-  builder
-    .layer(outer.depth + 1)
-    .specks.push(builder.input.runs.has(child.path) ? { ...mark, alpha: HINT } : mark);
+  const layer = builder.layer(outer.depth + 1);
+  if (!builder.isSelected(child.key)) {
+    layer.specks.push(builder.input.runs.has(child.path) ? { ...mark, alpha: HINT } : mark);
+    return;
+  }
+  layer.specks.push({ ...mark, alpha: FAINT });
+  layer.boxes.push({ ...mark, fill: null, stroke: "selection", line: 1.5 });
 }
+
+/** The name of the state around can be read upon a selected one. */
+const FAINT = 0.25;
 
 /** Where something runs is told behind the name of the state that it lies in. */
 const HINT = 0.45;
