@@ -76,6 +76,15 @@ describe("transitions", () => {
     expect(through(text)).toBe(0);
   });
 
+  test("stay in their container, also to a state on its border", () => {
+    const [line] = linesOf(`
+      R hierarchy 0 0 400 200
+        A execution 0 120 80 60 outcome ok
+        R > A
+    `);
+    expect(Math.min(...(line?.points ?? []).map(({ x }) => x))).toBe(0);
+  });
+
   test("to one target share their way, and others keep apart", () => {
     const lines = linesOf(`
       R hierarchy 0 0 900 300

@@ -76,7 +76,8 @@ function stub({ at, out }: RouteEnd, length: number): Point {
 /** A likely shape that costs nothing but its length is taken at once; else all channels are tried that are not too far off. */
 function cheapest(line: RouteRequest, lanes: RoutingLanes): Routed {
   const short = Math.min(lanes.pace, distance(line.start.at, line.goal.at) / 3);
-  const [from, to] = [stub(line.start, short), stub(line.goal, short)];
+  const from = lanes.inFrame(stub(line.start, short));
+  const to = lanes.inFrame(stub(line.goal, short));
   const best = new BestRoute(line, from, to, lanes);
   const middle = { x: (from.x + to.x) / 2, y: (from.y + to.y) / 2 };
   best.offer([{ x: to.x, y: from.y }]);

@@ -149,6 +149,12 @@ export class RoutingLanes {
     return cost - shared * SHARED_FOR_UNIT;
   }
 
+  /** The point of the container that is nearest. */
+  inFrame({ x, y }: Point): Point {
+    const { width, height } = this.frame;
+    return { x: Math.min(Math.max(x, 0), width), y: Math.min(Math.max(y, 0), height) };
+  }
+
   /** Whether a way leads through a state. */
   crosses(points: readonly Point[]): boolean {
     return points.some((one, index) => {

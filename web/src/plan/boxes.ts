@@ -109,10 +109,14 @@ export function pins(machine: Machine, container: string, without: ReadonlySet<s
   return edits;
 }
 
-/** The box, moved so that it lies inside of a container of this size, as far as it fits. */
-export function inside(box: Box, container: Size): Box {
-  const x = Math.max(0, Math.min(box.x, container.width - box.width));
-  const y = Math.max(0, Math.min(box.y, container.height - box.height));
+/** The box, moved so that it lies inside of a container of this size with so much around it, as far as it fits. */
+export function inside(box: Box, container: Size, margin = 0): Box {
+  const kept = (at: number, length: number, room: number) => {
+    const least = Math.min(margin, Math.max(0, (room - length) / 2));
+    return Math.max(least, Math.min(at, room - length - least));
+  };
+  const x = kept(box.x, box.width, container.width);
+  const y = kept(box.y, box.height, container.height);
   return { ...box, x, y };
 }
 

@@ -21,8 +21,12 @@ export function newBox(machine: Machine, container: string, at?: Point, aspect =
     height: aspect >= 1 ? side / aspect : side,
   };
   if (!at) return { ...freePlace(machine, container, size), ...own };
-  return inside({ x: at.x - own.width / 2, y: at.y - own.height / 2, ...own }, size);
+  const box = { x: at.x - own.width / 2, y: at.y - own.height / 2, ...own };
+  return inside(box, size, side * MARGIN);
 }
+
+/** Room for lines between a new state and the border, as a part of its side. */
+export const MARGIN = 0.2;
 
 const PLACES = 256;
 

@@ -12,6 +12,12 @@ test("a state from the palette shows where it will stand", () => {
   expect(canvas.isClear()).toBe(true);
 });
 
+test("near the border of its container it stands inside, with room for lines", () => {
+  const canvas = driver().bring({ insert: "execution" }, { x: 4, y: 4 });
+  const [ghost] = canvas.controller.overlay.value.ghosts;
+  expect([ghost?.x, ghost?.y]).toEqual([28, 28]);
+});
+
 test("the innermost container under the pointer takes it", () => {
   const canvas = driver().bring({ insert: "barrier" }, { x: 500, y: 600 });
   expect(canvas.controller.overlay.value.drop).toBe("state:R/C");

@@ -3,7 +3,9 @@
 import { keyOf } from "../../model/element.ts";
 import type { Box, Point } from "../../model/geometry.ts";
 import { readLayout } from "../../model/layout_reader.ts";
+import { inside } from "../../plan/boxes.ts";
 import { insertState } from "../../plan/insert.ts";
+import { MARGIN } from "../../plan/newcomers.ts";
 import { isRefused, type Planned } from "../../plan/plan.ts";
 import { addState } from "../../plan/states.ts";
 import type { Dragged } from "../../store/page/dragged.ts";
@@ -102,9 +104,9 @@ function cornerAt(container: string, pointer: Pointer, context: ToolContext): Po
   const side = sideIn(container, context);
   const box = layout.box(container);
   const unit = layout.unit(container);
-  const kept = (value: number, length: number) =>
-    Math.min(Math.max(0, value - side / 2), Math.max(0, length / unit - side));
-  return { x: kept(middle.x, box?.width ?? 0), y: kept(middle.y, box?.height ?? 0) };
+  const wanted = { x: middle.x - side / 2, y: middle.y - side / 2, width: side, height: side };
+  const room = { width: (box?.width ?? 0) / unit, height: (box?.height ?? 0) / unit };
+  return inside(wanted, room, side * MARGIN);
 }
 
 function ghost(
