@@ -2,16 +2,30 @@
 
 import type { ElementRef } from "../model/element.ts";
 import { type ConnectionEnds, type DataPort, endsOf, isConnection, isPort } from "../model/ends.ts";
-import type { DataFlowDocument, Edit, StateDocument } from "../model/generated/protocol.ts";
+import type {
+  DataFlowDocument,
+  Edit,
+  Goal,
+  StateDocument,
+  TransitionDocument,
+} from "../model/generated/protocol.ts";
 import { centre, distance } from "../model/geometry.ts";
 import { dataFlowsOf, type Machine, outcomesOf, startOf, transitionsOf } from "../model/machine.ts";
 import { freshName, freshNumber } from "../model/names.ts";
 import { idOf, isWithin, parentOf } from "../model/path.ts";
-import { childBoxes } from "./boxes.ts";
+import { childBoxes, waypointsEdit } from "./boxes.ts";
 import { courseBetween, fittingPort, flowEdits, portAt, portEdit } from "./flows.ts";
 import { containerAt, interfaceAt, movableFrom, stateAt } from "./legal.ts";
-import { isRefused, type Planned, type Refused, refused, together } from "./plan.ts";
-import { climb, freeOutcome, lineBetween, lineEdit, lineRefused } from "./transitions.ts";
+import { isRefused, type Plan, type Planned, type Refused, refused, together } from "./plan.ts";
+import { isStoredRightAngled } from "./right_angles.ts";
+import {
+  beginning,
+  climb,
+  freeOutcome,
+  lineBetween,
+  lineEdit,
+  lineRefused,
+} from "./transitions.ts";
 
 export type ConnectionEnd = "from" | "to";
 
@@ -171,6 +185,24 @@ export function reconnect(
   return isRefused(edits) ? edits : { name, edit: together(edits) };
 }
 
+/** Leads the transition that an outcome has already to another element of its level; null if there is none, or if it cannot lead
+ * there. */
+export function ledElsewhere(machine: Machine, from: ElementRef, to: ElementRef): Plan | null {
+  const line = from.kind === "outcome" ? lineBetween(from, to) : null;
+  const container = line ? machine.state(line.container) : undefined;
+  const old = line?.from && container ? beginning(container, line.from) : undefined;
+  if (!line || !old || leadsTo(old, line.to)) return null;
+  const element = { kind: "transition", path: line.container, id: old.id } as const;
+  const plan = reconnect(machine, element, "to", to);
+  return isRefused(plan) ? null : plan;
+}
+
+function leadsTo({ to_state, to_outcome }: TransitionDocument, goal: Goal): boolean {
+  return "outcome" in goal
+    ? to_outcome === goal.outcome
+    : to_outcome == null && to_state === goal.state;
+}
+
 type ConnectedElement = ElementRef & { readonly id: number };
 
 function transitionAnew(
@@ -185,16 +217,26 @@ function transitionAnew(
   if (line?.container === path) {
     const bad = lineRefused(machine, line, id);
     if (bad) return bad;
-    if (end === "to") return [{ edit: "set_transition_target", ...place, to: line.to }];
+    const bends = straightened(machine, connected);
+    if (end === "to") return [{ edit: "set_transition_target", ...place, to: line.to }, ...bends];
     const container = machine.state(path);
     const start = line.from || !container ? undefined : startOf(container);
     // A start that is there already leads here from now on.
     if (start && start.id !== id)
       return [{ edit: "remove_transition", ...place }, lineEdit(machine, line)];
-    return [{ edit: "set_transition_origin", ...place, from: line.from }];
+    return [{ edit: "set_transition_origin", ...place, from: line.from }, ...bends];
   }
   const edits = transition(machine, ends.from, ends.to, connected);
   return isRefused(edits) ? edits : [{ edit: "remove_transition", ...place }, ...edits];
+}
+
+/** A stored way with right angles is not kept to another end. */
+function straightened(machine: Machine, { path, id }: ConnectedElement): Edit[] {
+  const state = machine.state(path);
+  const line = state && transitionsOf(state).find((each) => each.id === id);
+  return line && isStoredRightAngled(machine, path, line)
+    ? [waypointsEdit(path, { transition: id }, [])]
+    : [];
 }
 
 function flowAnew(

@@ -55,8 +55,23 @@ test("dropped on the border of the container an outcome becomes one of the conta
   expect(canvas.controller.overlay.value.message?.text).toBe("Adds the outcome “ok_0” to “Box”");
 });
 
+test.each(["C.income", "C"])("a second line from an outcome leads its transition to %s", (goal) => {
+  const canvas = driver().press("A.ok").drag(goal);
+  const { message, line } = canvas.controller.overlay.value;
+  expect([line?.legal, message?.text]).toEqual([true, "Leads the transition of “ok” here"]);
+  expect(canvas.release().text()).toContain('set_transition_target R 1 {"state":"C"}');
+  expect(canvas.refusals).toEqual([]);
+});
+
+test("a line dropped on empty ground says where to drop it", () => {
+  const canvas = driver().press("A.lost").drag({ x: 700, y: 300 }).release();
+  expect(canvas.refusals).toEqual([
+    "Nothing is connected: drop the line on a state or an outcome.",
+  ]);
+});
+
 test("what is not legal is said at the pointer, and refused when it is let go", () => {
-  const canvas = driver().press("A.ok").drag("C.income");
+  const canvas = driver().press("A.ok").drag("B.pose");
   const { message, line } = canvas.controller.overlay.value;
   expect([line?.legal, message?.bad]).toEqual([false, true]);
   canvas.release();
@@ -65,9 +80,7 @@ test("what is not legal is said at the pointer, and refused when it is let go", 
   expect(canvas.isClear()).toBe(true);
 });
 
-test("let go over nothing nothing comes of it, and Escape ends it", () => {
-  const nothing = driver().press("A.lost").drag({ x: 700, y: 300 }).release();
-  expect([nothing.text(), nothing.isClear()]).toEqual(["selected: nothing", true]);
+test("Escape ends the line", () => {
   const escaped = driver().press("A.lost").drag("C.income").key("Escape").release();
   expect([escaped.text(), escaped.isClear()]).toEqual(["selected: nothing", true]);
 });

@@ -2,11 +2,20 @@
  * by a key or, when it was begun by keyboard, by clicks; with the keyboard targets are chosen one after the other. */
 
 import { type ElementKey, keyOf } from "../../model/element.ts";
+import { nameOf } from "../../model/ends.ts";
 import type { Edit } from "../../model/generated/protocol.ts";
 import type { Point } from "../../model/geometry.ts";
+import type { Machine } from "../../model/machine.ts";
 import { idOf, isWithin, parentOf } from "../../model/path.ts";
-import { connect, connectToState } from "../../plan/connect.ts";
-import { isRefused, type Plan, type Planned, together } from "../../plan/plan.ts";
+import { connect, connectToState, ledElsewhere } from "../../plan/connect.ts";
+import {
+  isRefused,
+  type Plan,
+  type Planned,
+  type Refused,
+  refused,
+  together,
+} from "../../plan/plan.ts";
 import { screenBox, screenFromWorld, visibleBox } from "../camera.ts";
 import { described } from "../describe.ts";
 import { gripAt, statesAt } from "../hit/hit.ts";
@@ -124,7 +133,8 @@ function shown(
     move: (to, then) => next(connectState, to, then),
     result: () => {
       const plan = aim.plan();
-      return plan ? { plan: withWaypoints(plan, connectState, context) } : {};
+      if (plan) return { plan: withWaypoints(plan, connectState, context) };
+      return aim.legal === null && !connectState.isSticky ? { plan: toNothing(connectState) } : {};
     },
     mark: (then) => {
       if (aim.legal !== null) return null;
@@ -133,6 +143,11 @@ function shown(
     },
     cycle: (by, then) => chosen(connectState, index === null ? 0 : index + by, pointer, then),
   };
+}
+
+function toNothing({ data }: ConnectState): Refused {
+  const ends = data ? "a state or a port" : "a state or an outcome";
+  return refused(`Nothing is connected: drop the line on ${ends}.`);
 }
 
 function overlayOf(
@@ -181,7 +196,13 @@ function atPort(visible: ConnectPorts, port: VisiblePort, context: ToolContext):
   };
 }
 
+/** At a port where the line may not end, unless the transition of its outcome is led there. */
 function atWrong({ from }: ConnectState, port: VisiblePort, { machine }: ToolContext): ConnectAim {
+  const led = ledElsewhere(machine, from, port.element);
+  if (led) {
+    const message = leadsFrom(machine, from);
+    return { to: port.at, legal: true, target: keyOf(port.element), message, plan: () => led };
+  }
   const ends = endsBetween(machine, from, port.element);
   const message = isLegal(ends) ? null : ends.refused;
   const plan = () => (isLegal(ends) ? null : ends);
@@ -200,14 +221,23 @@ function atState(
   const path = under === undefined ? null : ownState(machine, under);
   if (path === null || path === from.path) return null;
   if (isWithin(from.path, path) && !isAtBorder(from, path, pointer, context)) return null;
-  const plan = connectToState(machine, from, path);
+  const led = ledElsewhere(machine, from, { kind: "state", path });
+  const plan = led ?? connectToState(machine, from, path);
   return {
     to: worldOf(pointer, context),
     legal: !isRefused(plan),
     target: keyOf({ kind: "state", path }),
-    message: isRefused(plan) ? plan.refused : said(plan, machine.state(path)?.name ?? path),
+    message: led
+      ? leadsFrom(machine, from)
+      : isRefused(plan)
+        ? plan.refused
+        : said(plan, machine.state(path)?.name ?? path),
     plan: () => plan,
   };
+}
+
+function leadsFrom(machine: Machine, from: CanvasPort): string {
+  return `Leads the transition of “${nameOf(machine, from)}” here`;
 }
 
 /** On the border of the container around it a line ends in a new port of the container. */
