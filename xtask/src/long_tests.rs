@@ -46,6 +46,12 @@ pub(crate) struct SoakOptions {
     /// Instead of these: a server with many clients, one of them slow, one that never reads.
     #[arg(long)]
     server: bool,
+    /// Instead of these: months of use of one server, a day at a time; three months take about two hours.
+    #[arg(long, conflicts_with = "server", value_name = "MONTHS")]
+    months: Option<u32>,
+    /// Runs of each of these days.
+    #[arg(long, default_value_t = 60)]
+    runs: u32,
     /// How many clients the server has.
     #[arg(long, default_value_t = 200)]
     clients: u32,
@@ -58,6 +64,9 @@ pub(crate) struct SoakOptions {
 pub(crate) fn soak(options: &SoakOptions) -> Result<()> {
     if options.server {
         return served(options);
+    }
+    if let Some(months) = options.months {
+        return used(months, options.runs);
     }
     seeds(0, options.seeds)?;
     let kill = ["test", "--release", "-p", "rafcon-storage", "--test", "it"];
@@ -76,6 +85,17 @@ fn served(options: &SoakOptions) -> Result<()> {
     let mut soak = long_form(test);
     soak.env("RAFCON_TEST_CLIENTS", options.clients.to_string());
     process::run(soak.env("RAFCON_TEST_SECONDS", options.seconds.to_string()))
+}
+
+/// Days of a simulated month.
+const DAYS: u32 = 30;
+
+/// Simulates months of use; fails where memory, descriptors, threads or disk grow.
+fn used(months: u32, runs: u32) -> Result<()> {
+    Product::build(Profile::Release)?;
+    let mut soak = long_form("months::months_of_use_leave_memory_descriptors_and_disk_flat");
+    soak.env("RAFCON_TEST_DAYS", (DAYS * months).to_string());
+    process::run(soak.env("RAFCON_TEST_RUNS", runs.to_string()))
 }
 
 /// What `cargo xtask corrupt` can be asked for.

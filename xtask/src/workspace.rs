@@ -7,22 +7,6 @@ use serde_json::Value;
 
 use crate::process;
 
-/// The folders of the library and binary crates below `crates/`, in dependency order.
-pub(crate) const CRATES: [&str; 12] = [
-    "locks",
-    "model",
-    "testkit",
-    "storage",
-    "engine",
-    "protocol",
-    "runner",
-    "python",
-    "supervisor",
-    "check",
-    "server",
-    "rafcon",
-];
-
 /// The repository's root folder.
 pub(crate) fn root() -> &'static Path {
     let here = Path::new(env!("CARGO_MANIFEST_DIR"));
@@ -65,6 +49,13 @@ pub(crate) fn files(pattern: &str) -> Result<Vec<PathBuf>> {
     ]);
     let listed = process::text(&mut git)?;
     Ok(listed.lines().map(PathBuf::from).filter(|file| path(file).is_file()).collect())
+}
+
+/// The names of the folders below `crates/`.
+pub(crate) fn crates() -> Result<Vec<String>> {
+    let manifests = files("crates/*/Cargo.toml")?;
+    let folders = manifests.iter().filter_map(|file| file.parent()?.file_name()?.to_str());
+    Ok(folders.map(str::to_owned).collect())
 }
 
 /// Copies the files below a folder of the repository, as git sees it, to another place.

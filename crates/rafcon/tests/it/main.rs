@@ -17,6 +17,7 @@ mod harness;
 mod hostile_values;
 mod kept_runs;
 mod link_torture;
+mod months;
 mod readme;
 mod script_check;
 mod served;
