@@ -32,10 +32,11 @@ export function runExtras(page: Page, tab: OpenTab): RunExtras {
   const extras = computed((): Extras => {
     const watch = tab.run.value;
     if (!watch) return { breakpoints: breakpoints.value };
-    const { states, lines, visits } = runMarks(watch, tab.session);
+    const { states, lines, errors, visits } = runMarks(watch, tab.session);
     return {
       runs: states,
       taken: lines,
+      errors,
       sinceSnapshot_ms: sinceSnapshot(page, watch),
       visits,
       values: values.value,

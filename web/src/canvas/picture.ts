@@ -25,6 +25,7 @@ export interface Extras {
   readonly differences?: ReadonlyMap<ElementKey, DifferenceKind>;
   readonly hits?: ReadonlySet<ElementKey>;
   readonly runs?: SceneInput["runs"];
+  readonly errors?: SceneInput["errors"];
   readonly taken?: SceneInput["taken"];
   readonly sinceSnapshot_ms?: SceneInput["sinceSnapshot_ms"];
   readonly visits?: SceneInput["visits"];

@@ -54,6 +54,8 @@ export interface SceneInput {
   readonly hits: ReadonlySet<ElementKey>;
   /** What states do in the run. */
   readonly runs: ReadonlyMap<string, RunMark>;
+  /** Errors of the states that failed, which show while one points at them. */
+  readonly errors: ReadonlyMap<string, string>;
   /** Transitions that were taken lately or come next. */
   readonly taken: ReadonlyMap<ElementKey, LineMarkOfRun>;
   /** How much later it is than the marks were said, in ms. */
@@ -80,6 +82,7 @@ export const PLAIN = {
   differences: new Map<ElementKey, DifferenceKind>(),
   hits: new Set<ElementKey>(),
   runs: new Map<string, RunMark>(),
+  errors: new Map<string, string>(),
   taken: new Map<ElementKey, LineMarkOfRun>(),
   sinceSnapshot_ms: 0,
   visits: (_path: string) => 0,

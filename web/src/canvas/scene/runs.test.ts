@@ -106,6 +106,18 @@ describe("phases are told apart by colour, shape and word", () => {
     expect(text).toContain("|preempted| dashed");
   });
 
+  test("a failed state that one points at shows its error", () => {
+    const more = {
+      hovered: { kind: "state", path: "R/A" },
+      errors: new Map([["R/A", "ValueError: no pose"]]),
+    } as const;
+    const failed = { "R/A": { phase: "failed", failed: true } } as const;
+    expect(about("text value", failed, 1, more)).toEqual([
+      expect.stringContaining('"ValueError: no pose" 52 172'),
+    ]);
+    expect(about("text value", failed, 1, { ...more, hovered: null })).toEqual([]);
+  });
+
   test("a trail fades from step to step", () => {
     const alpha = (age: number) => shown({ "R/A": { phase: "trail", age } }).match(/\d+%/)?.[0];
     expect([alpha(0), alpha(6), alpha(11)]).toEqual([undefined, "60%", "27%"]);

@@ -28,6 +28,8 @@ export function stateMarks(builder: SceneBuilder, node: SceneNode, isOpen: boole
   if (person) onlookerMarks(layer, node, person.name, `person${person.colour % PEOPLE}`);
   if (input.hovered?.kind === "state" && input.hovered.path === path) {
     layer.boxes.push(ring(node, "hover", 1, 0, key));
+    const error = input.errors.get(path);
+    if (error) builder.pointed = { x: node.x, y: node.y + node.height, text: error };
   }
   if (!builder.isSelected(key)) return;
   layer.boxes.push(ring(node, "selection", 2, 1, key));

@@ -199,6 +199,6 @@ test("what failed is told around it too, also while it runs again", () => {
 test("an abort that climbed marks every state on its way, until its event", () => {
   const failure = { kind: "aborted", path: "R/C/X", reach: "R/C", sequence: 5, first: 5 } as const;
   const open = [{ ...failure, level: "error", t_ns: 0, text: "", count: 1 }] as const;
-  expect([...failedStates(open, 9)]).toEqual(["R/C/X", "R/C"]);
-  expect([...failedStates(open, 4)]).toEqual([]);
+  expect([...failedStates(open, 9).keys()]).toEqual(["R/C/X", "R/C"]);
+  expect([...failedStates(open, 4).keys()]).toEqual([]);
 });

@@ -67,6 +67,8 @@ interface RunMarks {
   readonly states: ReadonlyMap<string, RunMark>;
   readonly lines: ReadonlyMap<ElementKey, LineMarkOfRun>;
   /** How often a state had been entered. */
+  /** Errors of the states that failed. */
+  readonly errors: ReadonlyMap<string, string>;
   readonly visits: (path: string) => number;
 }
 
@@ -114,7 +116,8 @@ function following(watch: Watch, session: MachineSession): ReadonlySignal<RunMar
     recentPath.follow(window, index);
     const failed = failedStates(openFailures(watch).value, until ?? Number.POSITIVE_INFINITY);
     return {
-      states: stateMarks(activeStates(watch), recentPath, failed),
+      states: stateMarks(activeStates(watch), recentPath, new Set(failed.keys())),
+      errors: failed,
       lines: lineMarks(activeStates(watch), recentPath, session.machine),
       visits: (path) => {
         // The part around the moment, or what had been before it, may be on its way.
@@ -132,14 +135,17 @@ function shownUntil(watch: Watch): number | null {
   return watch.playheadSnapshot.value?.picture.sequence ?? watch.playhead.value;
 }
 
-/** The states that failed up to an event, from where it began to where it was taken care of. */
-export function failedStates(open: readonly RunFailure[], until: number): ReadonlySet<string> {
-  const found = new Set<string>();
+/** The states that failed up to an event, from where it began to where it was taken care of, with the error of each. */
+export function failedStates(
+  open: readonly RunFailure[],
+  until: number,
+): ReadonlyMap<string, string> {
+  const found = new Map<string, string>();
   for (const failure of open) {
-    const { path, reach, first } = failure;
+    const { path, reach, first, text } = failure;
     if (!isEnd(failure) || first > until) continue;
     for (let at: string | null = path; at !== null; at = at === reach ? null : parentOf(at)) {
-      found.add(at);
+      found.set(at, text);
     }
   }
   return found;
