@@ -1,11 +1,13 @@
 import { expect, test } from "vitest";
 import { Counts, LENGTHS_MAX } from "../history/counts.ts";
 import type { Watch } from "../history/run.ts";
+import type { Page } from "../page/page.ts";
 import {
   type Baseline,
   baselineOf,
   expectedLength,
   isLongerThanEver,
+  pastBaselines,
   usualInWords,
 } from "./baseline.ts";
 
@@ -64,4 +66,21 @@ test("longer than ever needs five times, and is never said of what waits", () =>
     false,
     false,
   ]);
+});
+
+test("an earlier run is asked for once, and again after fifty others", () => {
+  const asked: string[] = [];
+  const get = (run: string) => {
+    asked.push(run);
+    return Promise.resolve({ states: [] });
+  };
+  const page = { runs: { get } } as unknown as Page;
+  pastBaselines(page, "first");
+  pastBaselines(page, "first");
+  for (let run = 0; run < 49; run += 1) pastBaselines(page, `other-${run}`);
+  pastBaselines(page, "first");
+  expect(asked.filter((run) => run === "first")).toHaveLength(1);
+  for (let run = 0; run < 50; run += 1) pastBaselines(page, `more-${run}`);
+  pastBaselines(page, "first");
+  expect(asked.filter((run) => run === "first")).toHaveLength(2);
 });

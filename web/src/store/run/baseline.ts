@@ -27,6 +27,8 @@ const LONGER_MS = 1_000;
 /** Of so many earlier runs the length is looked at, the newest. */
 const RUNS_MAX = 20;
 
+/** Capacity of the cache of earlier runs. */
+const PAST_MAX = 50;
 const PAST = new Map<string, Signal<ReadonlyMap<string, Baseline>>>();
 const NONE: ReadonlyMap<string, Baseline> = new Map();
 
@@ -69,12 +71,14 @@ export function pastBaselines(
   run: string | null,
 ): ReadonlySignal<ReadonlyMap<string, Baseline>> {
   if (run === null) return NOTHING;
-  let known = PAST.get(run);
-  if (!known) {
-    known = signal(NONE);
-    PAST.set(run, known);
-    void ask(page, run, known);
-  }
+  const before = PAST.get(run);
+  const known = before ?? signal(NONE);
+  // The run that was asked for last comes last, the first one makes room.
+  PAST.delete(run);
+  PAST.set(run, known);
+  const [oldest] = PAST.keys();
+  if (PAST.size > PAST_MAX && oldest !== undefined) PAST.delete(oldest);
+  if (!before) void ask(page, run, known);
   return known;
 }
 

@@ -33,6 +33,17 @@ test("a gap lasts from what was heard last to what is heard first again", () => 
   expect(gaps.value).toEqual([{ from_ns: 100e6, to_ns: 900e6 }]);
 });
 
+test("of many gaps the oldest become one, so that no silence looks received", () => {
+  const { now, gaps } = watched();
+  for (let gap = 1; gap <= 250; gap += 1) {
+    now.value = truth(gap * 1_000, "silent");
+    now.value = truth(gap * 1_000 + 500);
+  }
+  expect(gaps.value).toHaveLength(200);
+  expect(gaps.value[0]).toEqual({ from_ns: 1_000e6, to_ns: 51_500e6 });
+  expect(gaps.value.at(-1)).toEqual({ from_ns: 250_000e6, to_ns: 250_500e6 });
+});
+
 test("a server that lost the run is a gap as well, a run that is over has none", () => {
   const { link, now, gaps } = watched();
   now.value = truth(200, "down");

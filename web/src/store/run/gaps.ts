@@ -17,7 +17,7 @@ export interface Gap {
 type Told = Pick<Watch, "now" | "journal" | "whenClosed">;
 type LinkedPage = { readonly server: Pick<Page["server"], "link"> };
 
-/** So many are kept, the newest. */
+/** Capacity. Beyond it the two oldest gaps become one: time without news must not look received. */
 const GAPS_MAX = 200;
 
 /** The gaps since this was asked for first. A gap ends with the first truth that is told after it. */
@@ -33,7 +33,7 @@ export const gapsOf = perOwner((watch: Told, page: LinkedPage): ReadonlySignal<r
     const open = last?.to_ns === null ? last : null;
     if (isAway && !open) {
       before = now;
-      gaps.value = [...gaps.peek(), { from_ns: comeTo(watch), to_ns: null }].slice(-GAPS_MAX);
+      gaps.value = bounded([...gaps.peek(), { from_ns: comeTo(watch), to_ns: null }]);
     } else if (!isAway && open && now !== before) {
       gaps.value = gaps.peek().with(-1, { ...open, to_ns: comeTo(watch) });
     }
@@ -41,6 +41,12 @@ export const gapsOf = perOwner((watch: Told, page: LinkedPage): ReadonlySignal<r
   watch.whenClosed(stop);
   return gaps;
 });
+
+function bounded(gaps: readonly Gap[]): readonly Gap[] {
+  const [first, second, ...others] = gaps;
+  if (gaps.length <= GAPS_MAX || !first || !second) return gaps;
+  return [{ from_ns: first.from_ns, to_ns: second.to_ns }, ...others];
+}
 
 /** What a robot has recorded and its station does not have yet: from the end of the history to the state that came ahead of it. */
 export function lackingOf({ now, journal }: Pick<Told, "now" | "journal">): readonly Gap[] {

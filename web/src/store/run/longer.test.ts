@@ -1,8 +1,9 @@
 import { signal } from "@preact/signals-core";
-import { afterEach, beforeEach, expect, test, vi } from "vitest";
+import { expect, test } from "vitest";
 import type { Phase, RunNow } from "../../model/generated/protocol.ts";
 import { Counts } from "../history/counts.ts";
 import type { Watch } from "../history/run.ts";
+import { clock1s } from "../page/clock1s.ts";
 import type { Page } from "../page/page.ts";
 import { longerThanEver } from "./longer.ts";
 
@@ -31,7 +32,7 @@ function longer(given: Given): string {
   const state = { path: "R/A", name: "A", phase, since_ms, branch: "", detail: null, held: [] };
   const run = { id: "r", phase: "live", machine: null };
   const snapshot = { active: [state], questions: [] };
-  const snapshot_ms = Date.now() - later_ms;
+  const snapshot_ms = clock1s.peek() - later_ms;
   const robot = robot_ms === undefined ? null : { heard_ms: snapshot_ms + robot_ms };
   const now = { run, link, snapshot, snapshot_ms, robot };
   const watch = {
@@ -49,9 +50,6 @@ function longer(given: Given): string {
   if (found === null) return "unknown";
   return found.map(({ path, baseline }) => `${path} ${baseline.max_ms}`).join();
 }
-
-beforeEach(() => void vi.useFakeTimers());
-afterEach(() => void vi.useRealTimers());
 
 test("a state at work is reported when it takes longer than ever, of five times at least", () => {
   expect(longer({ since_ms: 9_000 })).toBe("R/A 2000");
