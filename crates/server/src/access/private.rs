@@ -19,6 +19,17 @@ impl PrivateError {
     pub(crate) fn new(what: &'static str, path: &Path, source: io::Error) -> Self {
         Self { what, path: path.to_owned(), source }
     }
+
+    /// The cause, if it is known, and the way out.
+    pub(crate) fn remedy(&self) -> &'static str {
+        rafcon_storage::remedy(&self.source)
+    }
+}
+
+impl From<PrivateError> for io::Error {
+    fn from(error: PrivateError) -> Self {
+        Self::new(error.source.kind(), error)
+    }
 }
 
 /// Makes a folder that only its owner can read.

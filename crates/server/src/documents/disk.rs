@@ -5,7 +5,7 @@ use crate::document_text::document_text;
 use crate::failure::reason;
 use rafcon_model::{Header, Kind, Machine, Outcome, OutcomeId, State, StateId};
 use rafcon_storage::config::Naming;
-use rafcon_storage::{Libraries, LoadError, LoadProblem, SaveError, Saved, load, save};
+use rafcon_storage::{Libraries, LoadError, LoadProblem, SaveError, Saved, load, remedy, save};
 use std::path::Path;
 use std::sync::Arc;
 
@@ -50,14 +50,13 @@ pub(super) fn write(
     previous: Option<&Saved>,
     naming: Naming,
 ) -> Result<Saved, Failure> {
-    save(machine, folder, previous, naming).map_err(|error| match error {
-        SaveError::Io { .. } => {
-            let message = format!(
-                "{}; nothing has changed there: make room, or save it elsewhere",
-                reason(&error)
-            );
+    save(machine, folder, previous, naming).map_err(|error| match &error {
+        SaveError::Io { source, .. } => {
+            let message =
+                format!("{}; {}; nothing has changed there", reason(&error), remedy(source));
             Failure::unavailable("not_saved", message)
         }
+        SaveError::Linked { .. } => Failure::conflict("linked_files", error.to_string()),
         SaveError::Occupied { .. } => Failure::conflict("occupied", reason(&error)),
     })
 }
@@ -76,4 +75,23 @@ fn unreadable(error: &LoadError) -> Failure {
         return Failure::forbidden("outside_project", error.to_string());
     }
     Failure::unprocessable("unreadable_machine", reason(error))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{empty, write};
+    use rafcon_model::StateId;
+    use rafcon_storage::config::Naming;
+    use std::path::Path;
+
+    #[test]
+    fn a_refused_save_names_its_cause() {
+        let machine = empty("Any", StateId::new("ROOT"), "");
+        // Nobody may create folders there, on any computer; a container mounts it read-only.
+        let folder = Path::new("/sys/kernel/rafcon-machine");
+        let failure = write(&machine, folder, None, Naming::default()).unwrap_err();
+        let message = failure.to_string();
+        let is_named = message.contains("there is no permission") || message.contains("read-only:");
+        assert!(is_named && !message.contains("room"), "{message}");
+    }
 }

@@ -23,7 +23,7 @@ use plan::{Mode, Planner};
 use rafcon_model::{Header, Machine, State};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::{io, thread};
+use std::{fs, io, thread};
 
 /// Why a machine was not saved. The machine on disk is the old one, at the latest after the next load.
 #[derive(Debug, thiserror::Error)]
@@ -35,6 +35,17 @@ pub enum SaveError {
         path: PathBuf,
         /// The error of the system.
         source: io::Error,
+    },
+    /// A file that would be replaced is a link.
+    #[error(
+        "{} is a link to {}, which a save would replace by a file: save the machine where its files really lie, or in another folder",
+        link.display(), to.display()
+    )]
+    Linked {
+        /// The file.
+        link: PathBuf,
+        /// Its target.
+        to: PathBuf,
     },
     /// The folder contains a machine that cannot be read, and therefore not be replaced.
     #[error("cannot replace the machine in {}", path.display())]
@@ -79,8 +90,24 @@ fn save_on(
     let rewrite = here && old.is_some_and(|old| old.outdated);
     let mode = Mode { naming, rewrite, stale: old.is_some_and(|old| old.stale), here };
     let (plan, place) = plan(disk, machine, target, old, mode).map_err(failed)?;
+    unless_linked(target, &plan)?;
     commit(disk, target, &plan).map_err(failed)?;
     Ok(saved(machine, target, place))
+}
+
+/// Refuses to replace or remove a link: others read what it leads to, as in an installed workspace.
+fn unless_linked(target: &Path, plan: &Plan) -> Result<(), SaveError> {
+    let moves = &plan.manifest.moves;
+    let replaced = moves.iter().enumerate().map(|(at, (_, to))| before_moves(to, &moves[..at]));
+    let removed = plan.manifest.removed.iter().map(|path| before_moves(path, moves));
+    for path in replaced.chain(removed) {
+        let link = target.join(path);
+        if fs::symlink_metadata(&link).is_ok_and(|about| about.is_symlink()) {
+            let to = fs::canonicalize(&link).or_else(|_dangling| fs::read_link(&link));
+            return Err(SaveError::Linked { to: to.unwrap_or_default(), link });
+        }
+    }
+    Ok(())
 }
 
 /// The machine on disk after a save.
@@ -111,6 +138,15 @@ fn plan(
     let depth = depth(&machine.root, shared);
     let place = with_room(depth, || planner.root(&machine.root, old))?;
     Ok((planner.plan, place))
+}
+
+/// The current place of what lies at `path` after these moves.
+fn before_moves(path: &Path, moves: &[(PathBuf, PathBuf)]) -> PathBuf {
+    moves.iter().rev().fold(path.to_owned(), |path, (from, to)| match path.strip_prefix(to) {
+        Ok(rest) if rest.as_os_str().is_empty() => from.clone(),
+        Ok(rest) => from.join(rest),
+        Err(_elsewhere) => path,
+    })
 }
 
 fn machine_files(planner: &mut Planner<'_>, new: &Header, old: Option<&Header>) -> io::Result<()> {
@@ -171,6 +207,7 @@ pub fn format(path: &Path, naming: Naming, dry: bool) -> Result<Formatted, Forma
     let saved = &loaded.saved;
     let (plan, _) = plan(&RealDisk, &loaded.machine, &dir, Some(saved), mode).map_err(failed)?;
     if !dry {
+        unless_linked(&dir, &plan)?;
         commit(&RealDisk, &dir, &plan).map_err(failed)?;
     }
     let mut changed = plan.changed;

@@ -314,7 +314,9 @@ pub(super) fn closed(id: &str) -> Failure {
 }
 
 fn unwritten(error: &PrivateError) -> Failure {
-    let message =
-        format!("nothing was done, for it could not be written down: {error}; make room there");
+    let message = format!(
+        "nothing was done, because it could not be written down: {error}; {}",
+        error.remedy()
+    );
     Failure::unavailable("not_written_down", message)
 }

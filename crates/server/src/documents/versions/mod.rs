@@ -12,7 +12,7 @@ use git::{CommittedFile, GitFolder};
 use rafcon_protocol::api::MachineVersions;
 use rafcon_protocol::document::Document;
 use rafcon_storage::files::{HEADER, MACHINE_LAYOUT, Part};
-use rafcon_storage::{Libraries, fill_library, load};
+use rafcon_storage::{Libraries, fill_library, load, remedy};
 use std::path::{Path, PathBuf};
 use std::{fs, io};
 use tempfile::TempDir;
@@ -106,6 +106,7 @@ fn document(folder: &Path, commit: &str, libraries: &Libraries) -> Result<Vec<u8
 }
 
 fn no_room(error: &io::Error) -> Failure {
-    let message = format!("the version cannot be put into the server's folder: {error}; make room");
+    let message =
+        format!("the version cannot be put into the server's folder: {error}; {}", remedy(error));
     Failure::unavailable("no_room", message)
 }
