@@ -118,14 +118,18 @@ impl Documents {
         is_free.then(|| FolderClaim { documents: self, folder: folder.to_owned() })
     }
 
+    /// The place that a request names for a machine.
     pub(super) fn spot(
         &self,
         server: &ServerState,
         file: &MachineFile,
     ) -> Result<FileLocation, Failure> {
-        let folder = server.projects.resolve(file)?;
+        Ok(self.location(server, file, server.projects.resolve(file)?))
+    }
+
+    fn location(&self, server: &ServerState, file: &MachineFile, folder: PathBuf) -> FileLocation {
         let draft = self.draft_of(&folder);
-        Ok(FileLocation { folder, file: file.clone(), draft })
+        FileLocation { file: server.projects.canonical(file, &folder), folder, draft }
     }
 
     fn draft_of(&self, folder: &Path) -> PathBuf {
@@ -144,7 +148,7 @@ impl Documents {
         file: &MachineFile,
         may_edit: bool,
     ) -> Result<MachineSummary, Failure> {
-        let spot = self.spot(server, file)?;
+        let spot = self.location(server, file, server.projects.machine(file)?);
         let _claim = self.claim(&spot.folder);
         if let Some(session) = self.room_of(&spot.folder) {
             return session.summary();

@@ -3,9 +3,11 @@
 //! Every link is followed here, once, and what is handed out has none: what is done with it later cannot be led
 //! elsewhere by a link that was there when the request came.
 
+use super::tree::is_machine;
 use crate::Failure;
 use std::ffi::OsStr;
 use std::io::ErrorKind;
+use std::os::unix::fs::MetadataExt as _;
 use std::path::{Path, PathBuf};
 use std::{fs, io};
 
@@ -26,17 +28,29 @@ pub(super) fn below(project: &Path, path: &str) -> Result<PathBuf, Failure> {
     Ok(missing.iter().fold(there, |folder, name| folder.join(name)))
 }
 
+/// The folder of the machine that `path` names, by its folder or by a file in it.
+pub(super) fn machine(project: &Path, path: &str) -> Result<PathBuf, Failure> {
+    if let Some((file, folder)) = segments(path)?.split_last() {
+        let folder = below(project, &folder.join("/"))?;
+        // A file that is a link still belongs to the machine in whose folder it lies.
+        if is_machine(&folder) && folder.join(file).is_file() {
+            return Ok(folder);
+        }
+    }
+    below(project, path)
+}
+
 /// The names that a path consists of, each of them one that a folder can have.
 fn segments(path: &str) -> Result<Vec<&str>, Failure> {
-    let names = path.split('/').filter(|_| !path.is_empty()).collect::<Vec<_>>();
+    let names = path.split('/').filter(|name| !matches!(*name, "" | ".")).collect::<Vec<_>>();
     // Programs keep their own files in hidden folders, such as `.git`.
-    let is_name = |name: &&str| !name.is_empty() && !name.starts_with('.') && !name.contains('\0');
-    if path.len() <= LONGEST && names.iter().all(is_name) {
+    let is_name = |name: &&str| !name.starts_with('.') && !name.contains('\0');
+    if path.len() <= LONGEST && !path.starts_with('/') && names.iter().all(is_name) {
         return Ok(names);
     }
     let shown = path.chars().take(100).collect::<String>().escape_debug().to_string();
     let message = format!(
-        "`{shown}` is not a path in a project: names joined by `/`, none of them empty or hidden (with a dot in front), \
+        "`{shown}` is not a path in a project: names joined by `/`, none of them hidden (with a dot in front), \
          no `/` at the beginning, {LONGEST} bytes at most"
     );
     Err(Failure::bad("bad_path", message))
@@ -48,7 +62,7 @@ fn deepest<'s>(home: &Path, segments: &'s [&'s str]) -> io::Result<(PathBuf, &'s
     for (at, name) in segments.iter().enumerate() {
         let next = folder.join(OsStr::new(name));
         match next.symlink_metadata() {
-            Ok(_) => folder = fs::canonicalize(&next)?,
+            Ok(_) => folder = as_listed(fs::canonicalize(&next)?, is_same),
             Err(error) if error.kind() == ErrorKind::NotFound => {
                 return Ok((folder, &segments[at..]));
             }
@@ -59,6 +73,30 @@ fn deepest<'s>(home: &Path, segments: &'s [&'s str]) -> io::Result<(PathBuf, &'s
         }
     }
     Ok((folder, &[]))
+}
+
+/// The folder by the name that its parent lists: some file systems find it by that name in any case.
+fn as_listed(folder: PathBuf, is_same: impl Fn(&Path, &Path) -> bool) -> PathBuf {
+    let Some((parent, name)) = folder.parent().zip(folder.file_name().and_then(OsStr::to_str))
+    else {
+        return folder;
+    };
+    let swap =
+        |c: char| if c.is_lowercase() { c.to_ascii_uppercase() } else { c.to_ascii_lowercase() };
+    let other = name.chars().map(swap).collect::<String>();
+    if other == name || !is_same(&parent.join(other), &folder) {
+        return folder;
+    }
+    let names = fs::read_dir(parent).into_iter().flatten().flatten().map(|entry| entry.file_name());
+    let mut alike = names.filter(|listed| listed.eq_ignore_ascii_case(name));
+    alike
+        .find(|listed| is_same(&parent.join(listed), &folder))
+        .map_or(folder.clone(), |listed| parent.join(listed))
+}
+
+fn is_same(one: &Path, other: &Path) -> bool {
+    let about = |path: &Path| path.metadata().map(|about| (about.dev(), about.ino()));
+    matches!((about(one), about(other)), (Ok(one), Ok(other)) if one == other)
 }
 
 fn unreachable(path: &str, error: &io::Error) -> Failure {
@@ -112,19 +150,35 @@ mod tests {
     }
 
     #[test]
+    fn several_spellings_name_one_folder() {
+        for path in ["machines/one/", "./machines/one", "machines/./one/.", "machines//one"] {
+            check(path, &expect!["./machines/one"]);
+        }
+        check(".", &expect!["./"]);
+    }
+
+    #[test]
+    fn a_name_in_another_case_is_spelled_as_it_is_listed() {
+        let place = tempfile::tempdir().unwrap();
+        for name in ["Hello", "other", "42"] {
+            fs::create_dir(place.path().join(name)).unwrap();
+        }
+        let any_case =
+            |one: &Path, other: &Path| one.as_os_str().eq_ignore_ascii_case(other.as_os_str());
+        let listed = |name: &str| as_listed(place.path().join(name), any_case);
+        assert_eq!(listed("hELLO"), place.path().join("Hello"));
+        assert_eq!(listed("Hello"), place.path().join("Hello"));
+        assert_eq!(listed("42"), place.path().join("42"));
+        let exact = as_listed(place.path().join("other"), is_same);
+        assert_eq!(exact, place.path().join("other"));
+    }
+
+    #[test]
     fn no_path_leads_out_of_the_project() {
-        for path in [
-            "..",
-            "../outside",
-            "machines/../../outside",
-            "machines/..",
-            ".",
-            "./machines",
-            "a/./b",
-        ] {
+        for path in ["..", "../outside", "machines/../../outside", "machines/.."] {
             check(path, &expect!["400 Bad Request bad_path"]);
         }
-        for path in ["/etc", "//etc", "/", "machines//one", "machines/", "a\0b"] {
+        for path in ["/etc", "//etc", "/", "a\0b"] {
             check(path, &expect!["400 Bad Request bad_path"]);
         }
         check(&"a/".repeat(5000), &expect!["400 Bad Request bad_path"]);

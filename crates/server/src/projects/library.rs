@@ -110,7 +110,7 @@ impl LoadedLibraries {
             let message = format!("no library root fits `{path}`: /api/v1/libraries lists them");
             return Err(Failure::not_found("no_such_library", message));
         };
-        confine::below(&dir, &inside)
+        confine::machine(&dir, &inside)
     }
 }
 

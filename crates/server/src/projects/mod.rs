@@ -85,6 +85,23 @@ impl Projects {
         confine::below(Path::new(&project.folder), &file.path)
     }
 
+    /// The folder of the machine that a request means, by its folder or by a file in it.
+    pub(crate) fn machine(&self, file: &MachineFile) -> Result<PathBuf, Failure> {
+        let project = self.named(&file.project)?;
+        confine::machine(Path::new(&project.folder), &file.path)
+    }
+
+    /// The one name of a folder that a request of this project means.
+    pub(crate) fn canonical(&self, file: &MachineFile, folder: &Path) -> MachineFile {
+        let home = self.named(&file.project).map(|project| at_home(Path::new(&project.folder)));
+        let path =
+            home.ok().and_then(|home| folder.strip_prefix(home).ok()?.to_str().map(str::to_owned));
+        MachineFile {
+            project: file.project.clone(),
+            path: path.unwrap_or_else(|| file.path.clone()),
+        }
+    }
+
     /// Where machines and libraries lie: the folders of projects, then those of library roots.
     pub(crate) fn folders(&self) -> Vec<PathBuf> {
         let projects = self.known.iter().map(|project| PathBuf::from(&project.folder));

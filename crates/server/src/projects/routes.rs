@@ -65,7 +65,8 @@ async fn project_tree(
             return Err(Failure::not_found("no_such_folder", message));
         }
         let hidden: [&FilePath; 2] = [&server.settings.runs, &server.settings.state];
-        Ok(Json(tree::tree(&folder, &file.path, &hidden, BOUNDS)))
+        let path = server.projects.canonical(&file, &folder).path;
+        Ok(Json(tree::tree(&folder, &path, &hidden, BOUNDS)))
     };
     at.projects.looks().work(look).await
 }

@@ -174,7 +174,7 @@ fn made(
     request: &RunRequest,
     folder: Option<PathBuf>,
 ) -> Result<(PathBuf, Launched), Failure> {
-    let machine = server.projects.resolve(&asked.machine)?;
+    let machine = server.projects.machine(&asked.machine)?;
     let name = machine.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let folder = folder.map_or_else(|| server.runs.folder().make(&name), Ok);
     let folder = folder.map_err(|error| no_room(&reason(&error)))?;

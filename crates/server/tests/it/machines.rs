@@ -173,7 +173,7 @@ fn what_cannot_be_done_is_refused_with_a_reason() {
     ];
     expect![[r"
         404 no_such_file: there is no machine in `none` of the project project: /api/v1/projects/project/tree lists them
-        400 bad_path: `../other` is not a path in a project: names joined by `/`, none of them empty or hidden (with a dot in front), no `/` at the beginning, 4096 bytes at most
+        400 bad_path: `../other` is not a path in a project: names joined by `/`, none of them hidden (with a dot in front), no `/` at the beginning, 4096 bytes at most
         404 no_such_machine: no machine `nobody` is open: POST /api/v1/machines/open opens one
         409 nothing_to_do: there is no step of yours to be taken back
         409 edit_refused: ROOT/GONE, state: there is no such state; look at the machine again: it may have changed

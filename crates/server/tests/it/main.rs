@@ -19,6 +19,7 @@ mod socket;
 mod socket_client;
 mod socket_machines;
 mod socket_runs;
+mod spellings;
 mod tls;
 mod together;
 mod usages;

@@ -113,7 +113,7 @@ fn nothing_is_written_where_something_else_lies() {
         409 inside_a_machine: one/deep/inside lies in the machine …/one: choose a folder outside of it
         409 is_open: open is open: close it first
         409 not_a_machine: full is no machine, and not empty: choose another folder
-        400 bad_path: `../out` is not a path in a project: names joined by `/`, none of them empty or hidden (with a dot in front), no `/` at the beginning, 4096 bytes at most
+        400 bad_path: `../out` is not a path in a project: names joined by `/`, none of them hidden (with a dot in front), no `/` at the beginning, 4096 bytes at most
         404 no_such_state: there is no state ROOT/GONE: it may have changed
         422 no_machine: unique_decider_state_id is the decider of its barrier, and belongs there: save the barrier
         409 inside_a_machine: two/inside lies in the machine …/two: choose a folder outside of it
