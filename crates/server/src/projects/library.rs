@@ -1,6 +1,6 @@
 //! Libraries as clients see them, each read once until a file changes. Knows roots and where a library lies below them.
 
-use super::confine;
+use super::{confine, workspace};
 use crate::document_text::document_text;
 use crate::failure::reason;
 use crate::{Failure, Settings};
@@ -78,10 +78,12 @@ impl LibraryCache {
 }
 
 impl LoadedLibraries {
-    /// Nothing is loaded that does not lie in one of the projects or below one of the roots.
+    /// Nothing is loaded that does not lie in one of the projects, below one of the roots or in a workspace that is installed
+    /// there.
     fn new(roots: Vec<Root>, projects: &[PathBuf]) -> Self {
         let homes = roots.iter().map(|root| super::at_home(&root.dir));
-        let homes = homes.chain(projects.iter().cloned()).collect();
+        let sources = projects.iter().flat_map(|project| workspace::sources(project));
+        let homes = homes.chain(projects.iter().cloned()).chain(sources).collect();
         let libraries = Arc::new(Libraries::new(roots).within(homes));
         Self { libraries, documents: Mutex::default() }
     }

@@ -7,6 +7,7 @@ mod names;
 mod routes;
 mod tree;
 mod usages;
+mod workspace;
 
 pub(crate) use routes::routes;
 pub(crate) use tree::{is_foreign, is_machine};
@@ -106,6 +107,12 @@ impl Projects {
     pub(crate) fn folders(&self) -> Vec<PathBuf> {
         let projects = self.known.iter().map(|project| PathBuf::from(&project.folder));
         projects.chain(self.shelf.folders()).collect()
+    }
+
+    /// Folders from which machines are read: [`Self::folders`], sources and builds of installed workspaces.
+    pub(crate) fn readable(&self) -> Vec<PathBuf> {
+        let projects = self.known.iter().map(|project| Path::new(&project.folder));
+        self.folders().into_iter().chain(projects.flat_map(workspace::sources)).collect()
     }
 
     /// The project in which a folder lies, with every link followed.

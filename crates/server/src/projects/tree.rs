@@ -36,9 +36,9 @@ pub(crate) fn is_foreign(name: &str) -> bool {
     name.starts_with('.') || FOREIGN.contains(&name)
 }
 
-/// Whether a folder is a machine.
+/// A folder is a machine if it has a header. The header may be a link, as in an installed workspace.
 pub(crate) fn is_machine(folder: &Path) -> bool {
-    folder.join(HEADER).symlink_metadata().is_ok_and(|header| header.is_file())
+    folder.join(HEADER).is_file()
 }
 
 /// The tree from `folder` on, which is `path` in its project, without the folders in `hidden`.

@@ -247,7 +247,7 @@ fn words(server: &ServerState, machine: PathBuf, asked: &StartRun, folder: &Path
         resume: None,
         crash: None,
         listen: true,
-        homes: Some(server.projects.folders()),
+        homes: Some(server.projects.readable()),
     }
 }
 

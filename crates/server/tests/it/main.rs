@@ -7,6 +7,7 @@ mod attacks;
 mod harness;
 mod history;
 mod leftovers;
+mod linked;
 mod machines;
 mod page;
 mod past;
