@@ -142,6 +142,7 @@ fn in_answers(words: &mut Words) {
     words.visit::<api::RunOutput>();
     words.visit::<api::RunPhase>();
     words.visit::<api::SavedState>();
+    words.visit::<api::SetAsideDraft>();
     words.visit::<api::ScriptProblem>();
     words.visit::<StateData>();
     words.visit::<api::Statistics>();

@@ -22,8 +22,11 @@ pub struct MachineSummary {
     pub is_changed: bool,
     /// What another program did to its files.
     pub disk: DiskState,
-    /// Whether edits were recovered that a server that died had taken.
+    /// It has unsaved edits that an earlier server had confirmed.
     pub is_recovered: bool,
+    /// Number of drafts that are set aside because their edits could not be applied.
+    #[serde(default)]
+    pub set_aside: u64,
 }
 
 /// What another program did to the files of an open machine.

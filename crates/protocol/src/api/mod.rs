@@ -10,6 +10,7 @@ mod python;
 mod run_wait;
 mod runs;
 mod server;
+mod set_aside;
 mod steps;
 mod window;
 
@@ -47,6 +48,7 @@ pub use runs::{
     StateAt,
 };
 pub use server::{Health, Refusal, ServerStatus};
+pub use set_aside::{SetAsideDraft, SetAsideEdit};
 pub use steps::{JumpMachine, MachineStep, MachineSteps, RevisionKind};
 pub use window::{
     ActiveSince, Before, CallEnd, EarlierHistory, EarlierState, EndTime, EventTime, HitQuery,

@@ -3,22 +3,22 @@
 //! Knows lines and files, but not what an edit means.
 //!
 //! A draft is a folder: `operations.jsonl` says what was read, what was done and when it was saved; beside it lie machines as
-//! documents, named after their content: the one that was read, and those that replaced it.
+//! documents, named after their content: the one that was read, and those that replaced it. The one that was read is written
+//! before the first line, so that the lines mean something whatever becomes of the machine's files.
 
 use super::group_sync::GroupSync;
 use super::operation::{EditRequest, RecordedOperation};
 use crate::Failure;
 use crate::access::{PrivateError, private};
-use rafcon_locks::Mutex;
 use serde::{Deserialize, Serialize};
 use std::fs::{self, File};
 use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 
-const OPERATIONS: &str = "operations.jsonl";
-/// The format of the lines.
-const FORMAT: u32 = 1;
+/// The file of the lines.
+pub(super) const OPERATIONS: &str = "operations.jsonl";
+/// The format of the lines; the first one had no `saving`.
+const FORMAT: u32 = 2;
 
 /// The first line of a draft.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -51,6 +51,13 @@ pub(super) struct RecordedAnswer {
 pub(super) enum DraftLine {
     /// An operation was done.
     Done(Box<RecordedOperation>),
+    /// The machine is about to be saved.
+    Saving {
+        /// At this revision.
+        revision: u64,
+        /// The content of its files afterwards.
+        hash: String,
+    },
     /// The machine was saved.
     Saved {
         /// At this revision.
@@ -66,7 +73,6 @@ pub(super) struct Draft {
     place: PathBuf,
     head: DraftHeader,
     file: Option<DraftFile>,
-    shelf: DraftFolder,
 }
 
 /// The lines on disk.
@@ -77,10 +83,6 @@ struct DraftFile {
     sync: GroupSync,
 }
 
-/// Where a document of a draft belongs for a writer beside other work: nowhere, once the draft was given up.
-#[derive(Debug, Clone)]
-pub(super) struct DraftFolder(Arc<Mutex<Option<PathBuf>>>);
-
 /// A draft that an earlier server left behind.
 #[derive(Debug)]
 pub(super) struct FoundDraft {
@@ -88,6 +90,22 @@ pub(super) struct FoundDraft {
     pub(super) lines: Vec<DraftLine>,
     /// The length of the valid lines; what follows was never answered.
     length: u64,
+}
+
+impl FoundDraft {
+    /// The revision that was saved last, and the content of its files.
+    pub(super) fn saved(&self) -> (u64, &str) {
+        let saved = self.lines.iter().rev().find_map(|line| match line {
+            DraftLine::Saved { revision, hash } => Some((*revision, hash.as_str())),
+            DraftLine::Done(_) | DraftLine::Saving { .. } => None,
+        });
+        saved.unwrap_or((self.head.revision, &self.head.base))
+    }
+
+    /// Number of its operations that are saved.
+    pub(super) fn saved_steps(&self) -> u64 {
+        self.saved().0.saturating_sub(self.head.revision)
+    }
 }
 
 impl DraftHeader {
@@ -109,7 +127,7 @@ pub(super) fn find(place: &Path) -> Result<Option<FoundDraft>, PrivateError> {
         });
     let Some(first) = whole.next() else { return Ok(None) };
     let head: DraftHeader = serde_json::from_str(first).map_err(damaged)?;
-    if head.format != FORMAT {
+    if !(1..=FORMAT).contains(&head.format) {
         let newer = io::Error::other("another version of this program wrote it: use that one");
         return Err(PrivateError::new("read", &path, newer));
     }
@@ -118,13 +136,22 @@ pub(super) fn find(place: &Path) -> Result<Option<FoundDraft>, PrivateError> {
 }
 
 impl DraftFile {
-    /// The lines in a draft's folder, up to this length. They are synced together with the folders that contain them.
-    fn open(place: &Path, length: u64) -> io::Result<Self> {
-        let file = private::open(&place.join(OPERATIONS)).map_err(io::Error::other)?;
+    /// The lines in a draft's folder, up to this length. They are synced together with the document that they begin with and
+    /// with the folders that contain them.
+    fn open(place: &Path, base: &str, length: u64) -> io::Result<Self> {
+        let file = private::open(&place.join(OPERATIONS))?;
         file.set_len(length)?;
+        let mut base = Some(File::open(document_in(place, base))?);
         let mut synced = vec![file.try_clone()?, File::open(place)?];
         synced.extend(place.parent().map(File::open).transpose()?);
-        let sync = GroupSync::begin(move || synced.iter().try_for_each(File::sync_all))?;
+        let sync = GroupSync::begin(move || {
+            // It never changes, so that once is enough.
+            if let Some(document) = &base {
+                document.sync_all()?;
+                base = None;
+            }
+            synced.iter().try_for_each(File::sync_all)
+        })?;
         Ok(Self { file, length, sync })
     }
 
@@ -143,7 +170,7 @@ impl DraftFile {
 impl Draft {
     /// A draft that has nothing to keep yet.
     pub(super) fn new(place: PathBuf, head: DraftHeader) -> Self {
-        Self { shelf: DraftFolder::at(&place), place, head, file: None }
+        Self { place, head, file: None }
     }
 
     /// A draft that replaces one whose edits are all saved, but whose answered ids are to stay known.
@@ -157,19 +184,29 @@ impl Draft {
         keep(&place, &head.base, document)?;
         let text = as_line(&head).map_err(failed)?;
         private::write(&path, text.as_bytes())?;
-        let file = DraftFile::open(&place, text.len() as u64).map_err(failed)?;
-        Ok(Self { shelf: DraftFolder::at(&place), place, head, file: Some(file) })
+        let file = DraftFile::open(&place, &head.base, text.len() as u64).map_err(failed)?;
+        Ok(Self { place, head, file: Some(file) })
     }
 
-    /// Continues a draft that an earlier server left behind.
-    pub(super) fn go_on(place: PathBuf, found: &FoundDraft) -> Result<Self, PrivateError> {
+    /// Continues a draft that an earlier server left behind. `document` is what the draft begins with, if the files hold it.
+    pub(super) fn go_on(
+        place: PathBuf,
+        found: &FoundDraft,
+        document: Option<&[u8]>,
+    ) -> Result<Self, PrivateError> {
+        let head = found.head.clone();
+        // Earlier versions of the server relied on the files for it.
+        if let Some(document) = document
+            && !document_in(&place, &head.base).exists()
+        {
+            keep(&place, &head.base, document)?;
+        }
         let path = place.join(OPERATIONS);
         let failed = |source| PrivateError::new("write", &path, source);
-        let file = DraftFile::open(&place, found.length).map_err(failed)?;
+        let file = DraftFile::open(&place, &head.base, found.length).map_err(failed)?;
         // The server that wrote it may have died before it was synced.
         file.sync.written();
-        let (shelf, head) = (DraftFolder::at(&place), found.head.clone());
-        Ok(Self { place, head, file: Some(file), shelf })
+        Ok(Self { place, head, file: Some(file) })
     }
 
     /// Whether there is something on disk.
@@ -177,47 +214,40 @@ impl Draft {
         self.file.is_some()
     }
 
-    /// The name of the content that it begins with.
-    pub(super) fn base(&self) -> &str {
-        &self.head.base
-    }
-
     /// Its folder.
     pub(super) fn place(&self) -> &Path {
         &self.place
     }
 
-    /// Where documents belong that are written later, wherever it lies then.
-    pub(super) fn shelf(&self) -> DraftFolder {
-        self.shelf.clone()
-    }
-
-    /// Writes a line. If that fails, nothing of it stays.
-    pub(super) fn append(&mut self, line: &DraftLine) -> Result<(), PrivateError> {
+    /// Puts it on disk: `document` is what it begins with. Does not wait for the disk.
+    pub(super) fn begin(&mut self, document: &[u8]) -> Result<(), PrivateError> {
         let path = self.place.join(OPERATIONS);
         let failed = |source: io::Error| PrivateError::new("write", &path, source);
-        let text = as_line(line).map_err(failed)?;
-        if let Some(file) = &mut self.file {
-            return file.append(&text).map_err(failed);
-        }
         private::folder(&self.place)?;
+        private::write_soon(&document_in(&self.place, &self.head.base), document)?;
         let head = as_line(&self.head).map_err(failed)?;
-        let mut file = DraftFile::open(&self.place, 0).map_err(failed)?;
-        file.append(&(head + &text)).map_err(failed)?;
+        let mut file = DraftFile::open(&self.place, &self.head.base, 0).map_err(failed)?;
+        file.append(&head).map_err(failed)?;
         self.file = Some(file);
         Ok(())
     }
 
+    /// Writes a line of a draft that is begun. If that fails, nothing of it stays.
+    pub(super) fn append(&mut self, line: &DraftLine) -> Result<(), PrivateError> {
+        let path = self.place.join(OPERATIONS);
+        let failed = |source: io::Error| PrivateError::new("write", &path, source);
+        let text = as_line(line).map_err(failed)?;
+        let file = self.file.as_mut().ok_or_else(|| failed(io::Error::other("it is not begun")))?;
+        file.append(&text).map_err(failed)
+    }
+
     /// Moves to the folder of a machine that lies elsewhere from now on.
     pub(super) fn move_to(&mut self, place: PathBuf) -> Result<(), PrivateError> {
-        let mut shelf = self.shelf.0.lock();
         if let Some(file) = &self.file {
             let failed = |source| PrivateError::new("move the draft to", &place, source);
             fs::rename(&self.place, &place).map_err(failed)?;
             file.sync.written();
         }
-        *shelf = Some(place.clone());
-        drop(shelf);
         self.place = place;
         Ok(())
     }
@@ -225,22 +255,7 @@ impl Draft {
     /// Discards everything.
     pub(super) fn discard(&mut self) -> Result<(), PrivateError> {
         self.file = None;
-        let mut shelf = self.shelf.0.lock();
-        discard(&self.place)?;
-        *shelf = None;
-        Ok(())
-    }
-}
-
-impl DraftFolder {
-    fn at(place: &Path) -> Self {
-        Self(Arc::new(Mutex::new(Some(place.to_owned()))))
-    }
-
-    /// Keeps a document under the name of its content, unless the draft was discarded.
-    pub(super) fn keep(&self, hash: &str, document: &[u8]) -> Result<(), PrivateError> {
-        let place = self.0.lock();
-        place.as_ref().map_or(Ok(()), |place| keep(place, hash, document))
+        discard(&self.place)
     }
 }
 
@@ -257,12 +272,17 @@ pub(super) fn discard(place: &Path) -> Result<(), PrivateError> {
 /// Keeps a document under the name of its content.
 pub(super) fn keep(place: &Path, hash: &str, document: &[u8]) -> Result<(), PrivateError> {
     private::folder(place)?;
-    private::write(&place.join(format!("{hash}.json")), document)
+    private::write(&document_in(place, hash), document)
 }
 
 /// A document that was kept.
 pub(super) fn kept(place: &Path, hash: &str) -> Result<Option<String>, PrivateError> {
-    private::read(&place.join(format!("{hash}.json")))
+    private::read(&document_in(place, hash))
+}
+
+/// The file of a document.
+fn document_in(place: &Path, hash: &str) -> PathBuf {
+    place.join(format!("{hash}.json"))
 }
 
 /// A draft that cannot be read stays where it is.
@@ -287,8 +307,15 @@ mod tests {
     use std::path::Path;
     use std::sync::mpsc::sync_channel;
 
-    fn draft(place: &Path) -> Draft {
+    fn new(place: &Path) -> Draft {
         Draft::new(place.join("draft"), DraftHeader::new(Path::new("/m"), "abc", 5))
+    }
+
+    /// A draft on disk without a line.
+    fn draft(place: &Path) -> Draft {
+        let mut draft = new(place);
+        draft.begin(b"{}").unwrap();
+        draft
     }
 
     fn undo(id: &str) -> DraftLine {
@@ -305,8 +332,9 @@ mod tests {
     fn what_was_written_is_found() {
         let place = tempfile::tempdir().unwrap();
         assert!(found(place.path()).is_none());
-        let mut draft = draft(place.path());
+        let mut draft = new(place.path());
         assert!(!draft.is_begun());
+        draft.begin(b"{}").unwrap();
         let saved = DraftLine::Saved { revision: 6, hash: "def".into() };
         draft.append(&undo("1")).unwrap();
         draft.append(&saved).unwrap();
@@ -316,19 +344,33 @@ mod tests {
         assert!(find(&place.path().join("draft")).unwrap().is_none());
     }
 
-    /// What a draft begins with is written while people continue: save elsewhere, or close.
+    /// Without the document no line can be made again once the machine's files are others.
     #[test]
-    fn a_document_that_comes_late_comes_to_where_the_draft_is() {
+    fn what_a_draft_begins_with_lies_there_before_its_first_line() {
+        let place = tempfile::tempdir().unwrap();
+        let draft = draft(place.path());
+        assert_eq!(kept(&place.path().join("draft"), "abc").unwrap().as_deref(), Some("{}"));
+        assert_eq!(found(place.path()).unwrap().lines, []);
+        let mut left = found(place.path()).unwrap();
+        left.head.base = "def".into();
+        drop(draft);
+        let path = place.path().join("draft");
+        Draft::go_on(path.clone(), &left, None).unwrap_err();
+        Draft::go_on(path.clone(), &left, Some(b"[]")).unwrap();
+        assert_eq!(kept(&path, "def").unwrap().as_deref(), Some("[]"));
+    }
+
+    #[test]
+    fn a_draft_moves_with_its_documents() {
         let place = tempfile::tempdir().unwrap();
         let path = |name: &str| place.path().join(name);
         let mut draft = draft(place.path());
-        let shelf = draft.shelf();
         draft.append(&undo("1")).unwrap();
         draft.move_to(path("moved")).unwrap();
-        shelf.keep("abc", b"{}").unwrap();
+        draft.append(&undo("2")).unwrap();
         assert_eq!(kept(&path("moved"), "abc").unwrap().as_deref(), Some("{}"));
+        assert_eq!(find(&path("moved")).unwrap().unwrap().lines, [undo("1"), undo("2")]);
         draft.discard().unwrap();
-        shelf.keep("abc", b"{}").unwrap();
         assert_eq!((path("draft").exists(), path("moved").exists()), (false, false));
     }
 
@@ -341,7 +383,7 @@ mod tests {
         fs::OpenOptions::new().append(true).open(file).unwrap().write_all(b"{\"li").unwrap();
         let left = found(place.path()).unwrap();
         assert_eq!(left.lines, [undo("1")]);
-        let mut draft = Draft::go_on(place.path().join("draft"), &left).unwrap();
+        let mut draft = Draft::go_on(place.path().join("draft"), &left, None).unwrap();
         draft.append(&undo("2")).unwrap();
         assert_eq!(found(place.path()).unwrap().lines, [undo("1"), undo("2")]);
     }

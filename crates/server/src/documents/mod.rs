@@ -23,6 +23,7 @@ mod revision_log;
 mod routes;
 mod save;
 mod session;
+mod set_aside;
 #[cfg(test)]
 mod tests;
 mod usages;

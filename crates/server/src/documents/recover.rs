@@ -1,18 +1,17 @@
 //! From what lies on disk and what a server that died had taken to the machine as people left it. Knows drafts and how an
 //! operation is done, but not who asks.
 
-use super::disk::OnDisk;
+use super::disk::{OnDisk, content};
 use super::draft::{
     Draft, DraftHeader, DraftLine, FoundDraft, RecordedAnswer, discard, find, unreadable,
 };
 use super::machine::OpenMachine;
 use super::operation::{RecordedOperation, kept_machine};
 use super::session::FileLocation;
+use super::set_aside::set_aside;
 use crate::Failure;
-use crate::log::say;
 use rafcon_model::Machine;
 use rafcon_storage::Libraries;
-use std::fs;
 use std::path::{Path, PathBuf};
 
 /// How many ids of operations that were done and saved stay known.
@@ -41,29 +40,76 @@ pub(super) fn recover(
     may_edit: bool,
 ) -> Result<Recovered, Failure> {
     let (folder, place) = (&*spot.folder, spot.draft.clone());
-    let Some(found) = find(&place).map_err(|error| unreadable(&error))? else {
+    let Some(mut found) = find(&place).map_err(|error| unreadable(&error))? else {
         discard(&place).map_err(|error| unreadable(&error))?;
         return Ok(fresh(folder, place, on_disk, revision));
     };
+    let own_save = interrupted_save(&found, &on_disk.hash);
+    found.lines.extend(own_save.clone());
     if unsaved(&found) == 0 {
         return known(folder, place, on_disk, revision, &found);
     }
-    let (saved_revision, expected) = saved(&found);
+    let (saved_revision, expected) = found.saved();
+    let expected = expected.to_owned();
     let machine = match replayed(&found, &place, on_disk, libraries) {
         Ok(machine) => machine,
         Err(failure) if !may_edit => return Err(left_alone(&failure)),
         Err(failure) => {
-            set_aside(&place, folder, revision, &failure);
+            let unfit = unfit(folder, &failure);
+            set_aside(&place, revision, &unfit).map_err(|error| unreadable(&error))?;
             return Ok(fresh(folder, place, on_disk, revision));
         }
     };
-    Ok(Recovered {
+    let mut recovered = Recovered {
+        has_edits: has_edits(&machine, on_disk, &expected)?,
+        draft: go_on(place, &found, on_disk)?,
         machine,
-        hash: expected,
-        draft: Draft::go_on(place, &found).map_err(|error| unreadable(&error))?,
         saved_revision,
-        has_edits: true,
+        hash: expected,
+    };
+    own_save
+        .map_or(Ok(()), |line| recovered.draft.append(&line))
+        .map_err(|error| unreadable(&error))?;
+    recovered.adopt(on_disk)?;
+    Ok(recovered)
+}
+
+impl Recovered {
+    /// Notes a machine as saved if the files hold it. The server died before it noted what it had read.
+    fn adopt(&mut self, on_disk: &OnDisk) -> Result<(), Failure> {
+        if self.hash == on_disk.hash || *self.machine.machine() != on_disk.machine {
+            return Ok(());
+        }
+        (self.saved_revision, self.hash) = (self.machine.revision(), on_disk.hash.clone());
+        let line = DraftLine::Saved { revision: self.saved_revision, hash: self.hash.clone() };
+        self.draft.append(&line).map_err(|error| unreadable(&error))
+    }
+}
+
+/// A save that the last server did not live to note, if the files hold what it was about to write.
+fn interrupted_save(found: &FoundDraft, on_disk: &str) -> Option<DraftLine> {
+    let since = found.lines.iter().rev();
+    let mut since = since.take_while(|line| !matches!(line, DraftLine::Saved { .. }));
+    since.find_map(|line| match line {
+        DraftLine::Saving { revision, hash } if hash == on_disk => {
+            Some(DraftLine::Saved { revision: *revision, hash: hash.clone() })
+        }
+        DraftLine::Saving { .. } | DraftLine::Saved { .. } | DraftLine::Done(_) => None,
     })
+}
+
+/// Compares the machine with the one that was saved last. Edits may have been taken back.
+fn has_edits(machine: &OpenMachine, on_disk: &OnDisk, expected: &str) -> Result<bool, Failure> {
+    if *machine.machine() == on_disk.machine {
+        return Ok(false);
+    }
+    Ok(on_disk.hash == expected || content(machine.machine())?.0 != expected)
+}
+
+/// Continues the draft; what it begins with is kept from now on also if only the files held it.
+fn go_on(place: PathBuf, found: &FoundDraft, on_disk: &OnDisk) -> Result<Draft, Failure> {
+    let document = (found.head.base == on_disk.hash).then_some(&*on_disk.document);
+    Draft::go_on(place, found, document).map_err(|error| unreadable(&error))
 }
 
 fn fresh(folder: &Path, place: PathBuf, on_disk: &OnDisk, revision: u64) -> Recovered {
@@ -97,7 +143,7 @@ fn known(
 fn answered(found: &FoundDraft) -> Vec<RecordedAnswer> {
     let done = found.lines.iter().filter_map(|line| match line {
         DraftLine::Done(operation) => Some(operation),
-        DraftLine::Saved { .. } => None,
+        DraftLine::Saving { .. } | DraftLine::Saved { .. } => None,
     });
     let done = done.zip(found.head.revision + 1..).map(|(operation, revision)| RecordedAnswer {
         request: operation.request.clone(),
@@ -114,20 +160,10 @@ fn know(machine: &mut OpenMachine, answered: &[RecordedAnswer]) {
     }
 }
 
-/// The revision that was saved last, and the content of its files.
-fn saved(found: &FoundDraft) -> (u64, String) {
-    let saved = |line: &DraftLine| match line {
-        DraftLine::Saved { revision, hash } => Some((*revision, hash.clone())),
-        DraftLine::Done(_) => None,
-    };
-    let last = found.lines.iter().rev().find_map(saved);
-    last.unwrap_or_else(|| (found.head.revision, found.head.base.clone()))
-}
-
 /// How many operations are not saved.
 fn unsaved(found: &FoundDraft) -> u64 {
     let done = found.lines.iter().filter(|line| matches!(line, DraftLine::Done(_))).count() as u64;
-    (found.head.revision + done).saturating_sub(saved(found).0)
+    done.saturating_sub(found.saved_steps())
 }
 
 /// The machine that was read when the draft was begun.
@@ -163,14 +199,9 @@ fn replayed(
     Ok(machine)
 }
 
-/// A draft that no longer fits is kept for people to inspect.
-fn set_aside(place: &Path, folder: &Path, revision: u64, failure: &Failure) {
-    let aside = place.with_extension(format!("unfit-{revision}"));
-    let moved = match fs::rename(place, &aside) {
-        Ok(()) => format!("they are kept in {}", aside.display()),
-        Err(error) => format!("and cannot be kept in {}: {error}", aside.display()),
-    };
-    say(&format!("edits of {} cannot be made again: {failure}; {moved}", folder.display()));
+fn unfit(folder: &Path, failure: &Failure) -> Failure {
+    let message = format!("unsaved edits of {} cannot be applied: {failure}", folder.display());
+    Failure::unprocessable("unfit_draft", message)
 }
 
 fn left_alone(failure: &Failure) -> Failure {

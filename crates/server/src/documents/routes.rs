@@ -26,6 +26,7 @@ use utoipa_axum::routes;
 pub(crate) fn routes() -> OpenApiRouter<Arc<ServerState>> {
     OpenApiRouter::new()
         .merge(super::versions::routes())
+        .merge(super::set_aside::routes())
         .routes(routes!(machines, make))
         .routes(routes!(open))
         .routes(routes!(machine))

@@ -385,6 +385,21 @@ fn machines_that_nobody_follows_make_room_and_others_stay() {
 }
 
 #[test]
+fn a_machine_is_refused_where_all_open_ones_are_unsaved() {
+    let server = TestServer::new();
+    let path = |number: usize| format!("m{number}");
+    (0..65).for_each(|number| write(&server, &path(number), MACHINE));
+    let ids: Vec<_> = (0..64).map(|number| open(&server, &path(number))).collect();
+    for id in &ids {
+        rename(&server, Role::Engineer, id, "a1", "Ann's");
+    }
+    let last = || post(&server, Role::Engineer, "/open", &file(&path(64))).said();
+    assert_eq!(last(), "429 too_many_machines");
+    deed(&server, Role::Engineer, &ids[0], "save", &json!({}));
+    assert_eq!(last(), "200");
+}
+
+#[test]
 fn edits_that_were_answered_outlive_the_server() {
     check_taken_over(
         |_project| {},
@@ -401,7 +416,7 @@ fn edits_that_were_answered_outlive_the_server() {
             undo: 200
             undo: 200
             undo: 200
-              "AAAAAA" 8 saved 1 disk "same" changed recovered
+              "AAAAAA" 8 saved 1 disk "same" changed
             save: 200
             save: 200
               "AAAAAA" 8 saved 8 disk "same"

@@ -4,6 +4,7 @@
 
 mod access;
 mod attacks;
+mod drafts;
 mod harness;
 mod history;
 mod leftovers;

@@ -62,7 +62,15 @@ function statusOf(is_changed: boolean): MachineStatus {
   const file = { project: "p", path: "drill" };
   const revisions = { revision: 2, saved_revision: is_changed ? 1 : 2, is_changed };
   return {
-    summary: { id: "m1", file, name: "Drill", ...revisions, disk: "same", is_recovered: false },
+    summary: {
+      id: "m1",
+      file,
+      name: "Drill",
+      ...revisions,
+      disk: "same",
+      is_recovered: false,
+      set_aside: 0,
+    },
     people: [],
   };
 }

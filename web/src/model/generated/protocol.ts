@@ -1246,8 +1246,10 @@ export type MachineSummary = {
   is_changed: boolean,
   /** What another program did to its files. */
   disk: DiskState,
-  /** Whether edits were recovered that a server that died had taken. */
-  is_recovered: boolean, };
+  /** It has unsaved edits that an earlier server had confirmed. */
+  is_recovered: boolean,
+  /** Number of drafts that are set aside because their edits could not be applied. */
+  set_aside: number, };
 
 /** A commit that touched a machine. */
 export type MachineVersion = {
@@ -1988,6 +1990,30 @@ export type Session = {
   version: string,
   /** When the session ends: ms since 1970, UTC; none if it lasts as long as the server. */
   expires_ms: number | null, };
+
+/** Unsaved edits of a machine that were set aside. */
+export type SetAsideDraft = {
+  /** Names it in requests. */
+  id: string,
+  /** ms since 1970, UTC; 0 if an earlier version of the server set it aside. */
+  at_ms: number,
+  /** Reason why the edits cannot be applied. */
+  reason: string,
+  /** The number of its edits. */
+  count: number,
+  /** The edits, the oldest first; the first 1,000 of them. */
+  edits: Array<SetAsideEdit>, };
+
+/** One edit that was set aside. */
+export type SetAsideEdit = {
+  /** The user. */
+  author: string,
+  /** ms since 1970, UTC. */
+  at_ms: number,
+  /** The name of the step. */
+  name: string,
+  /** Description of the change. */
+  what: string, };
 
 /** How bad a problem is. */
 export type Severity = "error" | "warning" | "note";

@@ -45,6 +45,7 @@ export const MACHINE: MachineSummary = {
   is_changed: false,
   disk: "same",
   is_recovered: false,
+  set_aside: 0,
 };
 
 export class FakeServer implements Server {

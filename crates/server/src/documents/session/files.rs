@@ -5,6 +5,7 @@ use crate::Failure;
 use crate::documents::disk::{self, OnDisk};
 use crate::documents::draft::{self, Draft, DraftHeader, DraftLine};
 use crate::documents::operation::{EditRequest, Operation, RecordedOperation};
+use crate::documents::set_aside;
 use crate::log;
 use rafcon_model::{Kind, Machine};
 use rafcon_protocol::api::DiskState;
@@ -41,13 +42,15 @@ impl MachineSession {
         let before = self.before(saving, tools)?;
         let reads_back = !before.is_known || self.brings_libraries(&machine);
         let folder = saving.to.as_ref().map_or_else(|| self.folder(), |spot| spot.folder.clone());
+        let content = disk::content(&machine)?.0;
+        self.announce_save(revision, &content);
         let saved = disk::write(&machine, &folder, before.saved.as_ref(), tools.naming)?;
         let (hash, problems) = if reads_back {
             let written =
                 disk::read(&folder, &tools.libraries)?.ok_or_else(|| vanished(&folder))?;
             (written.hash, written.problems)
         } else {
-            (disk::content(&machine)?.0, Vec::new())
+            (content, Vec::new())
         };
         let mut draft = self.draft.lock();
         self.must_be_open()?;
@@ -58,6 +61,18 @@ impl MachineSession {
         self.on_disk(&mut draft, files);
         self.tell();
         Ok(revision)
+    }
+
+    /// Writes down what is about to be saved: a server that takes over in the middle of it recognizes the files.
+    fn announce_save(&self, revision: u64, hash: &str) {
+        let mut draft = self.draft.lock();
+        let line = DraftLine::Saving { revision, hash: hash.to_owned() };
+        if draft.is_begun()
+            && let Err(error) = draft.append(&line)
+        {
+            // A save is possible also where there is no room for this.
+            log::say(&error.to_string());
+        }
     }
 
     /// Whether a library was added that was not read with the files.
@@ -185,8 +200,10 @@ impl MachineSession {
 
     fn move_to(&self, draft: &mut Draft, spot: &FileLocation) -> Result<(), Failure> {
         draft.move_to(spot.draft.clone()).map_err(|error| unwritten(&error))?;
+        let set_aside = set_aside::count(&spot.draft);
         let mut open = self.open.write();
         (open.folder, open.file) = (spot.folder.clone(), spot.file.clone());
+        open.set_aside = set_aside;
         Ok(())
     }
 }

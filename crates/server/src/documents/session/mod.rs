@@ -17,8 +17,9 @@ use super::operation::{EditRequest, ReadOperation, RecordedOperation};
 use super::recover::Recovered;
 use super::revision_log::RevisionCache;
 use super::revision_log::RevisionsPage;
+use super::set_aside;
 use crate::access::PrivateError;
-use crate::{Failure, ServerState, log};
+use crate::{Failure, ServerState};
 use axum::body::Bytes;
 use rafcon_locks::{Mutex, RwLock};
 use rafcon_model::Machine;
@@ -29,7 +30,6 @@ use rafcon_storage::config::Naming;
 use rafcon_storage::{Libraries, LoadProblem, Saved};
 use std::path::PathBuf;
 use std::sync::Arc;
-use std::thread;
 use tokio::sync::watch;
 
 /// One open machine.
@@ -57,6 +57,8 @@ struct OpenFiles {
     file: MachineFile,
     files: Files,
     is_recovered: bool,
+    /// Drafts of the folder that are set aside.
+    set_aside: u64,
 }
 
 /// The files as they were read or written last.
@@ -99,7 +101,9 @@ impl MachineSession {
         let is_changed = hash != on_disk.hash;
         let revision = machine.revision();
         // The client that opens it requests it next.
-        let document = (!has_edits).then(|| (revision, whole(revision, &on_disk.document)));
+        let is_saved = !is_changed && revision == saved_revision;
+        let is_on_disk = is_saved || *machine.machine() == on_disk.machine;
+        let document = is_on_disk.then(|| (revision, whole(revision, &on_disk.document)));
         let files = Files {
             saved: on_disk.saved,
             machine: on_disk.machine,
@@ -108,8 +112,9 @@ impl MachineSession {
             problems: on_disk.problems,
             state: if is_changed { DiskState::Changed } else { DiskState::Same },
         };
+        let set_aside = set_aside::count(&spot.draft);
         let (folder, file) = (spot.folder, spot.file);
-        let open = OpenFiles { machine, folder, file, files, is_recovered: has_edits };
+        let open = OpenFiles { machine, folder, file, files, is_recovered: has_edits, set_aside };
         Self {
             opened,
             files: Mutex::default(),
@@ -168,13 +173,31 @@ impl MachineSession {
         self.wires.revisions().ok_or_else(|| closed(&self.id))
     }
 
+    /// The folder of its draft.
+    pub(super) fn draft_place(&self) -> PathBuf {
+        self.draft.lock().place().to_owned()
+    }
+
+    /// Drafts that were set aside may have been removed.
+    pub(super) fn count_set_aside(&self) {
+        let draft = self.draft.lock();
+        let count = set_aside::count(draft.place());
+        self.open.write().set_aside = count;
+        self.tell();
+    }
+
     fn must_be_open(&self) -> Result<(), Failure> {
         if self.wires.is_open() { Ok(()) } else { Err(closed(&self.id)) }
     }
 
     /// Reports its current status. To be called before the draft is unlocked, so that the last report is the latest.
     fn tell(&self) {
-        let summary = self.open.read().summary(&self.id);
+        let mut summary = self.open.read().summary(&self.id);
+        if summary.is_recovered && !summary.is_changed {
+            // Recovered edits were taken back: later ones are not recovered.
+            summary.is_recovered = false;
+            self.open.write().is_recovered = false;
+        }
         self.wires.tell(summary);
     }
 
@@ -253,31 +276,15 @@ impl MachineSession {
         self.wires.leaves(connection);
     }
 
-    /// A line of the draft. With the first one, what the draft begins with is kept as well; no one waits for that: as long as
-    /// the files are what they are, they do.
+    /// A line of the draft. Before the first one, what the draft begins with is written: the files may be others when the
+    /// lines are read.
     fn write_down(&self, draft: &mut Draft, line: &DraftLine) -> Result<(), Failure> {
-        let is_first = !draft.is_begun();
-        draft.append(line).map_err(|error| unwritten(&error))?;
-        if is_first {
-            self.keep_base(draft);
+        if !draft.is_begun() {
+            // Nothing was done yet, so that this is what was read; opening has made it JSON already.
+            let whole = self.document()?;
+            draft.begin(document_of(&whole)).map_err(|error| unwritten(&error))?;
         }
-        Ok(())
-    }
-
-    fn keep_base(&self, draft: &Draft) {
-        let (shelf, base) = (draft.shelf(), draft.base().to_owned());
-        let machine = self.open.read().files.machine.clone();
-        let keep = move || {
-            let kept = disk::content(&machine).map(|(_, document)| {
-                shelf.keep(&base, &document).map_err(|error| log::say(&error.to_string()))
-            });
-            if let Err(failure) = kept {
-                log::say(&failure.to_string());
-            }
-        };
-        if let Err(error) = thread::Builder::new().name("draft".to_owned()).spawn(keep) {
-            log::say(&format!("no thread to keep what a draft begins with: {error}"));
-        }
+        draft.append(line).map_err(|error| unwritten(&error))
     }
 }
 
@@ -285,6 +292,14 @@ impl MachineSession {
 fn whole(revision: u64, document: &[u8]) -> Bytes {
     let head = format!(r#"{{"revision":{revision},"document":"#);
     [head.as_bytes(), document, b"}"].concat().into()
+}
+
+/// The document in what [`whole`] made.
+fn document_of(whole: &[u8]) -> &[u8] {
+    let key = b"\"document\":";
+    let begin =
+        whole.windows(key.len()).position(|part| part == key).map_or(0, |at| at + key.len());
+    &whole[begin..whole.len().saturating_sub(1)]
 }
 
 impl OpenFiles {
@@ -303,6 +318,7 @@ impl OpenFiles {
             is_changed: self.is_changed(),
             disk: self.files.state,
             is_recovered: self.is_recovered,
+            set_aside: self.set_aside,
         }
     }
 }
