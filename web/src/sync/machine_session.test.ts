@@ -6,6 +6,7 @@ import { anyEdit } from "../store/document/predict/testing/any_edit.ts";
 import type { Telling } from "../store/page/notices.ts";
 import { LibraryCache } from "./library_cache.ts";
 import { OpenMachineSession } from "./machine_session.ts";
+import { gatherReturnNews } from "./return_news.ts";
 import { FakeClock } from "./testing/fake_clock.ts";
 import { FakeServer, MACHINE } from "./testing/fake_server.ts";
 
@@ -20,21 +21,23 @@ const TEXT = `
     B.ok > R.done
     A.pose >> B.pose`;
 
-function setUp(document: Document = sketch(TEXT)) {
+function setUp(document: Document = sketch(TEXT), summary = MACHINE) {
   const server = new FakeServer(document);
   const notices: Telling[] = [];
   const libraryCache = new LibraryCache(server.request);
   const clock = new FakeClock();
   let count = 0;
+  const tell = (notice: Telling) => void notices.push(notice);
   const session = new OpenMachineSession(
-    MACHINE,
+    summary,
     { revision: 1, document },
     {
       server,
       libraryCache,
       clock,
       newId: () => `own-${++count}`,
-      tell: (notice) => notices.push(notice),
+      tell,
+      returnNews: gatherReturnNews(clock, tell),
     },
   );
   return { server, session, notices, libraryCache, clock };
@@ -112,6 +115,20 @@ describe("an open machine", () => {
     server.tell(1);
     expect(await answer).toEqual({ revision: 2 });
     expect(notices).toEqual([]);
+  });
+
+  it("reports recovered edits after a restart, and not those that it is opened with", () => {
+    const recovered = { ...MACHINE, is_changed: true, is_recovered: true };
+    const opened = setUp(sketch(TEXT), recovered);
+    opened.server.sendStatus(recovered);
+    opened.clock.pass(10_000);
+    expect(opened.notices).toEqual([]);
+    const { server, clock, notices } = setUp();
+    server.sendStatus(recovered);
+    server.sendStatus(recovered);
+    clock.pass(10_000);
+    const text = "Unsaved edits from before the server ended are restored: “Root”.";
+    expect(notices).toEqual([{ level: "info", text }]);
   });
 
   it("gets the whole machine when its history is gone", async () => {

@@ -31,6 +31,7 @@ import { type EditOnItsWay, EditOutbox } from "./edit_outbox.ts";
 import { Following } from "./following.ts";
 import type { LibraryCache } from "./library_cache.ts";
 import { ProposedLayout } from "./proposed_layout.ts";
+import type { ReturnNews } from "./return_news.ts";
 
 export interface OpenMachineSessionPorts {
   readonly server: Server;
@@ -38,6 +39,7 @@ export interface OpenMachineSessionPorts {
   readonly clock: Clock;
   readonly newId: () => string;
   readonly tell: Page["tell"];
+  readonly returnNews: ReturnNews;
 }
 
 /** A step's name has at most so many characters. */
@@ -74,7 +76,8 @@ export class OpenMachineSession implements MachineSession {
   /** Counts changes and checks: only the last check since the last change tells of the machine as it is. */
   #checksBegun = 0;
   #unsettled: () => void = () => {};
-  #toldOfRecovery = false;
+  /** The last received `is_recovered`. A bar shows the edits that a machine is opened with. */
+  #wasRecovered: boolean;
 
   constructor(
     summary: MachineSummary,
@@ -82,6 +85,7 @@ export class OpenMachineSession implements MachineSession {
     ports: OpenMachineSessionPorts,
   ) {
     this.#ports = ports;
+    this.#wasRecovered = summary.is_recovered;
     this.machine = new OptimisticDocument(document, (key) => ports.libraryCache.get(key));
     this.version = signal(this.machine.version);
     this.revision = signal(revision);
@@ -190,8 +194,12 @@ export class OpenMachineSession implements MachineSession {
     return (this.status.value?.people ?? []).filter(({ connection }) => connection !== own);
   }
 
+  get #name(): string {
+    return this.machine.state(this.machine.root)?.name ?? this.id;
+  }
+
   #tell(level: Notice["level"], text: string, path = this.machine.root): void {
-    const name = this.machine.state(this.machine.root)?.name ?? this.id;
+    const name = this.#name;
     const about = { machine: this.id, element: { kind: "state", path } } as const;
     this.#ports.tell({ level, text: `${name}: ${text}`, about });
   }
@@ -258,10 +266,9 @@ export class OpenMachineSession implements MachineSession {
 
   #receiveStatus(status: MachineStatus): void {
     this.status.value = status;
-    const wasToldOf = this.#toldOfRecovery;
-    this.#toldOfRecovery = status.summary.is_recovered;
-    if (status.summary.is_recovered && !wasToldOf)
-      this.#tell("info", "unsaved edits from before the server ended are restored");
+    const isRecovered = status.summary.is_recovered;
+    if (isRecovered && !this.#wasRecovered) this.#ports.returnNews.restored(this.#name);
+    this.#wasRecovered = isRecovered;
   }
 
   #advance(revisions: readonly Revision[]): void {
@@ -297,7 +304,7 @@ export class OpenMachineSession implements MachineSession {
       this.#settle(null);
     });
     batch(() => this.#tellChange(null));
-    if (isOther) this.#tell("info", "it was reloaded from the server");
+    if (isOther) this.#ports.returnNews.reloaded(this.#name);
     void this.#look();
   }
 

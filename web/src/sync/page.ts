@@ -28,6 +28,7 @@ import { newIds } from "./ids.ts";
 import { LibraryCache } from "./library_cache.ts";
 import { OpenMachineSession, type OpenMachineSessionPorts } from "./machine_session.ts";
 import { tellPresence } from "./presence.ts";
+import { gatherReturnNews } from "./return_news.ts";
 import { RunMachineSession, runSessionId } from "./run_machine_session.ts";
 import { followRuns } from "./runs.ts";
 import { followSession } from "./session.ts";
@@ -65,7 +66,8 @@ export function startPage(options: PageOptions = {}): Page {
   const libraryCache = new LibraryCache(server.request);
   const { projects, libraries } = followFiles(server, serverStatus, libraryCache);
   const settings = followSettings(stores.shared);
-  const ports = { server, libraryCache, clock, newId: newIds(), tell };
+  const returnNews = gatherReturnNews(clock, tell);
+  const ports = { server, libraryCache, clock, newId: newIds(), tell, returnNews };
   const runs = followRuns(ports, serverStatus, (run) => shownRuns(machines.tabs.peek()).has(run));
   const machines = openMachines(ports, settings, runs);
   const isRestoring = followSession({ ...ports, ...stores, ...machines, runs, leaving });

@@ -27,6 +27,7 @@ function setUp() {
       clock: new FakeClock(),
       newId: () => `own-${++count}`,
       tell: () => {},
+      returnNews: { reloaded: () => {}, restored: () => {} },
     },
   );
   const at = (path: string) =>

@@ -69,6 +69,7 @@ export class FakeServer implements Server {
   readonly #revisions: Revision[] = [];
   readonly #made = new Map<string, number>();
   readonly #followers = new Map<Follower, { next: number }>();
+  readonly #statusFollowers = new Set<Follower>();
   readonly #waiting: EditMachine[] = [];
   readonly #listeners = new Set<(frame: AnswerFrame) => void>();
   #answers: (() => void)[] = [];
@@ -110,7 +111,11 @@ export class FakeServer implements Server {
   follow: Server["follow"] = (follower) => {
     const topic = follower.topic();
     if (topic.topic === "machine_history") this.#followers.set(follower, { next: topic.from });
-    return () => void this.#followers.delete(follower);
+    if (topic.topic === "machine_status") this.#statusFollowers.add(follower);
+    return () => {
+      this.#followers.delete(follower);
+      this.#statusFollowers.delete(follower);
+    };
   };
 
   onAnswer: Server["onAnswer"] = (listener) => {
@@ -185,6 +190,14 @@ export class FakeServer implements Server {
     for (const follower of [...this.#followers.keys()]) {
       this.#followers.delete(follower);
       follower.frame(frame);
+    }
+  }
+
+  /** Sends the status of the machine. */
+  sendStatus(summary: MachineSummary): void {
+    const status = { summary, people: [] };
+    for (const follower of [...this.#statusFollowers]) {
+      follower.frame({ frame: "machine_status", subscription: 2, status });
     }
   }
 
