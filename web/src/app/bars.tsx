@@ -29,6 +29,7 @@ export function Bars({ tab }: { tab: OpenTab }) {
       <RecoveredBar tab={tab} />
       <LayoutWorkBar tab={tab} />
       <ProposedLayoutBar tab={tab} />
+      <SetAsideBar tab={tab} />
       <div className="bars-more">
         <IconButton
           label={isOpen ? "Show only one bar" : "Show the other bars"}
@@ -143,6 +144,23 @@ function RecoveredBar({ tab }: { tab: OpenTab }) {
       }
     >
       Unsaved edits from before the server ended are restored. Undo removes them one by one.
+    </Bar>
+  );
+}
+
+function SetAsideBar({ tab }: { tab: OpenTab }) {
+  const { commands, context } = useSession();
+  const status = useSignal(tab.session.status);
+  if ((status?.summary.set_aside ?? 0) === 0) return null;
+  return (
+    <Bar
+      kind="warning"
+      icon={<LifeBuoy size={16} aria-hidden />}
+      actions={
+        <Button onClick={() => commands.run("file.set-aside", context())}>Show edits</Button>
+      }
+    >
+      Unsaved edits from before the server ended could not be restored. They are set aside.
     </Bar>
   );
 }

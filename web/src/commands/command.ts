@@ -46,6 +46,8 @@ export interface Dialogs {
   readonly "start-run": { readonly asks: OpenTab; readonly answer: Partial<Start> };
   /** What becomes of the scripts that a crash has interrupted. */
   readonly "resume-crashed": { readonly asks: Watch; readonly answer: OnCrash };
+  /** Edits of the machine of a tab that were set aside. */
+  readonly "set-aside": { readonly asks: OpenTab; readonly answer: undefined };
   readonly breakpoint: { readonly asks: Breakpoint; readonly answer: Breakpoint };
   readonly keys: { readonly asks: undefined; readonly answer: undefined };
   readonly settings: { readonly asks: undefined; readonly answer: undefined };

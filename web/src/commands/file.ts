@@ -135,6 +135,16 @@ export const FILE: readonly UserCommand[] = [
     run: compare,
   },
   {
+    id: "file.set-aside",
+    title: "Edits set aside…",
+    detail: "Lists unsaved edits that the server could not restore.",
+    menu: "File/3",
+    enabled: ({ tab }) => (tab?.session.status.value?.summary.set_aside ?? 0) > 0,
+    run: async ({ tab, shell }) => {
+      if (tab) await shell.dialog("set-aside", tab);
+    },
+  },
+  {
     id: "file.open-library",
     title: "Open library separately",
     detail:

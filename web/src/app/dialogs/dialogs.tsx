@@ -64,6 +64,11 @@ const SaveAs = onDemand(
   async () => (await import("./save_as.tsx")).SaveAs as FunctionComponent<AskedDialogProps<never>>,
   framed,
 );
+const SetAside = onDemand(
+  async () =>
+    (await import("./set_aside.tsx")).SetAside as FunctionComponent<AskedDialogProps<never>>,
+  framed,
+);
 const SettingsDialog = onDemand(
   async () =>
     (await import("./settings.tsx")).SettingsDialog as FunctionComponent<AskedDialogProps<never>>,
@@ -83,6 +88,7 @@ export const LATER_DIALOGS: readonly OnDemand<never>[] = [
   NewMachine,
   OpenMachine,
   SaveAs,
+  SetAside,
   SettingsDialog,
 ];
 
@@ -98,6 +104,7 @@ export const DIALOGS: Readonly<
   colour: Colour,
   "start-run": StartRunDialog,
   "resume-crashed": ResumeCrashed,
+  "set-aside": SetAside,
   breakpoint: BreakpointDialog,
   keys: Keys,
   settings: SettingsDialog,

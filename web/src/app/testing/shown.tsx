@@ -20,6 +20,8 @@ export interface Beside {
   readonly session?: MachineSession;
   readonly watch?: Watch | null;
   readonly runs?: readonly RunSummary[];
+  /** Answers of the server by method and path. */
+  readonly serve?: (request: string) => unknown;
 }
 
 export interface Shown {
@@ -28,7 +30,10 @@ export interface Shown {
 }
 
 export function shown(part: (tab: OpenTab) => ReactElement, beside: Beside = {}): Shown {
-  const { page: plain, tab: alone } = testContext("R hierarchy", { rights: RIGHTS });
+  const { page: plain, tab: alone } = testContext("R hierarchy", {
+    rights: RIGHTS,
+    serve: beside.serve ?? (() => undefined),
+  });
   const machineSession = beside.session ?? alone.session;
   const tab: OpenTab = { ...alone, session: machineSession, run: signal(beside.watch ?? null) };
   const pulse = { heard_ms: 0, server_ms: 0, old_ms: Number.POSITIVE_INFINITY, ahead_ms: 0 };
