@@ -14,4 +14,6 @@ fn aligned(at: usize, width: usize) -> usize {
 }
 
 #[cfg(test)]
+mod recorded;
+#[cfg(test)]
 mod tests;
