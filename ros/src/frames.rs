@@ -67,15 +67,16 @@ pub(crate) struct Outbox {
 }
 
 impl Outbox {
-    /// One whose frames a thread of its own writes to `to`; when that fails, the program ends.
+    /// One whose frames a thread of its own writes to `to`, until that fails.
     pub(crate) fn new(mut to: impl Write + Send + 'static) -> std::io::Result<Self> {
         let (frames, mut waiting) = mpsc::unbounded_channel::<(Frame, usize)>();
         let room = Arc::new(Semaphore::new(WAITING_MAX));
         let given_back = Arc::clone(&room);
         std::thread::Builder::new().name("frames".to_owned()).spawn(move || {
             while let Some((frame, size)) = waiting.blocking_recv() {
+                // The other end is gone, so the input ends as well, and with it the program.
                 if write(&frame, &mut to).is_err() {
-                    std::process::exit(0);
+                    break;
                 }
                 given_back.add_permits(size);
             }

@@ -9,6 +9,7 @@ mod describe;
 mod frames;
 mod hear;
 mod json;
+mod requests;
 mod session;
 mod settings;
 mod tell;

@@ -5,13 +5,9 @@ use std::path::PathBuf;
 use std::sync::{Arc, PoisonError};
 use std::time::Duration;
 
-use rustdds::bytes::Bytes;
-use rustdds::{
-    GUID, RTPSEntity as _, SampleIdentity, SequenceNumber, Timestamp, WriteOptionsBuilder,
-};
+use rustdds::{GUID, RTPSEntity as _, Timestamp, WriteOptionsBuilder};
 use tokio::task::JoinHandle;
 
-use crate::cdr;
 use crate::dds::endpoints::{Publisher, arrived};
 use crate::dds::graph::{Process, process};
 use crate::dds::participant::{self, Node, Part, Writer};
@@ -21,6 +17,7 @@ use crate::dds::{liveness, names};
 use crate::frames::Outbox;
 use crate::hear::{self, Asked, Call, Calls, Heard};
 use crate::json::{self, Json};
+use crate::requests::{self, AtEnd, Requests, encoded};
 use crate::tell::{self, Counted, Counts};
 use crate::types::library::{Library, Type};
 use crate::types::{Sort, TypeName, described};
@@ -40,9 +37,6 @@ enum Made {
 /// How long the last requests and responses may take to arrive.
 const FAREWELL: Duration = Duration::from_millis(500);
 
-/// The largest message that is sure to arrive.
-const MESSAGE_MAX: usize = 33 << 20;
-
 /// The name of a service; the types, and the readers or writers, of its requests and of its responses.
 type Halves = (String, [Arc<Type>; 2], [Part; 2]);
 
@@ -54,6 +48,7 @@ pub(crate) struct Session {
     counts: Counts,
     outbox: Outbox,
     ending: Vec<JoinHandle<()>>,
+    at_end: Requests,
 }
 
 impl Session {
@@ -67,6 +62,7 @@ impl Session {
             counts: Counts::default(),
             outbox,
             ending: Vec::new(),
+            at_end: Requests::default(),
         }
     }
 
@@ -106,6 +102,8 @@ impl Session {
             "publish" => self.publish(asked, bytes)?,
             "call" => self.call(asked, bytes)?,
             "forget" => self.forget(asked)?,
+            "at_end" => self.keep_for_end(asked, bytes)?,
+            "not_at_end" => self.at_end.forget(asked.number("call")?),
             "respond" => self.respond(asked, bytes)?,
             "close" => self.close(asked.number("handle")?),
             _ => {
@@ -278,20 +276,23 @@ impl Session {
             let servers = self.node()?.graph().peers(writer.guid());
             // The answer can be there before `write` returns.
             let mut calls = calls.lock().unwrap_or_else(PoisonError::into_inner);
-            let to =
-                SampleIdentity { writer_guid: *reader, sequence_number: SequenceNumber::UNKNOWN };
-            let options = WriteOptionsBuilder::new()
-                .source_timestamp(Timestamp::now())
-                .related_sample_identity(to);
-            let payload = Payload { bytes, little: true };
-            let sent = writer
-                .write_with_options(payload, options.build())
-                .map_err(|why| why.to_string())?;
-            calls.insert(i64::from(sent.sequence_number), Call { number: call, servers });
+            let number = requests::send(writer, *reader, bytes)?;
+            calls.insert(number, Call { number: call, servers });
             Ok(())
         });
         if let Err(why) = sent {
             self.outbox.tell(hear::failed(call, &why));
+        }
+        Ok(())
+    }
+
+    /// Keeps a request until the program that asks ends, or takes it back.
+    fn keep_for_end(&mut self, asked: &Json, bytes: &[u8]) -> Result<(), String> {
+        let client = asked.number("handle")?;
+        if let Some(Made::Client { writer, reader, of, .. }) = self.made.get(&client) {
+            let request = encoded(asked, bytes, of)?;
+            let writer = Arc::clone(writer);
+            self.at_end.keep(asked.number("call")?, AtEnd { writer, reader: *reader, request });
         }
         Ok(())
     }
@@ -367,6 +368,7 @@ impl Session {
 
     /// Gives everything back; returns when that is done.
     pub(crate) fn end(mut self, runtime: &tokio::runtime::Handle) {
+        self.at_end.send();
         let handles: Vec<u64> = self.made.keys().copied().collect();
         handles.into_iter().for_each(|handle| self.close(handle));
         runtime.block_on(futures::future::join_all(self.ending));
@@ -385,15 +387,4 @@ fn farewell(node: Node, writer: Arc<Writer>) -> JoinHandle<()> {
         arrived(&writer, FAREWELL).await;
         node.forget(writer.guid());
     })
-}
-
-fn encoded(asked: &Json, bytes: &[u8], of: &Type) -> Result<Bytes, String> {
-    let sent = cdr::write::write(asked.get("message").ok_or("there is no message")?, bytes, of)?;
-    if sent.len() > MESSAGE_MAX {
-        let (most, found) = (MESSAGE_MAX >> 20, sent.len() >> 20);
-        return Err(format!(
-            "a message of {found} MB is not sent, {most} MB is the most that rafcon-ros carries: make it smaller, or use rclpy"
-        ));
-    }
-    Ok(sent.into())
 }

@@ -16,6 +16,7 @@ from rafcon import ros
 from rafcon.ros import _native_frames, _node
 from rafcon.ros._backend import BackendLost, Qos, Settings, UnknownType
 from rafcon.ros._native import NativeBackend
+from rafcon.ros._values import MessageError
 
 
 class Heard:
@@ -101,6 +102,11 @@ class Killed(unittest.TestCase):
         lines = [text for level, text in self.heard.lines if level == "error"]
         self.assertEqual(lines, ["/killed/large: a message of 40 MB is not sent, 33 MB is the most that rafcon-ros carries: make it smaller, or use rclpy"])
 
+    def test_a_text_with_a_nul_is_refused_with_its_place(self):
+        publisher = self.backend.publisher("/killed/names", "sensor_msgs/msg/JointState", Qos())
+        with self.assertRaisesRegex(MessageError, r"^sensor_msgs/msg/JointState\.name\[1\]: a NUL character cannot be in a text of ROS$"):
+            publisher.publish({"name": ["a", "b\0c"]})
+
     def test_unknown_types(self):
         with self.assertRaisesRegex(UnknownType, "there is no type no_msgs/msg/Thing: .*RAFCON_ROS_TYPES"):
             self.backend.describe("no_msgs/msg/Thing")
@@ -122,6 +128,28 @@ class Killed(unittest.TestCase):
         if helper is not None:
             self.assertTrue(select.select([helper], [], [], peers.STUCK_S)[0])
             os.close(helper)
+
+
+#: Sends a goal that goes on until it is cancelled.
+_CLIENT = f"""
+import sys
+sys.path.insert(0, {str(peers.PACKAGE)!r})
+from rafcon import ros
+ros.action("/peer/forever", 5, find=20)
+"""
+
+
+@unittest.skipUnless(os.environ.get("RAFCON_ROS_BACKEND") == "native", "the back end is another")
+class Goals(unittest.TestCase):
+    def test_the_goal_of_a_run_that_is_killed_is_cancelled(self):
+        peer = peers.Peer()
+        self.addCleanup(peer.close)
+        run = subprocess.Popen([sys.executable, "-c", _CLIENT])
+        self.assertEqual(peer.counted("forever accepted"), 1)
+        run.kill()
+        run.wait()
+        self.assertEqual(peer.counted("forever cancel asked"), 1)
+        self.assertEqual(peer.open("forever"), 0)
 
 
 #: Serves one goal, which ends with a line on the standard input; then the process does, too. Feedback comes once its result was asked for.

@@ -8,7 +8,9 @@ import threading
 from rafcon.ros._backend import BYTES, TYPE_CODES, BackendLost, Endpoint, Field, MessageType, Qos, RosError
 from rafcon.ros._native_actions import ActionClient, ActionServer
 from rafcon.ros._native_descriptions import Descriptions
+from rafcon.ros._native_frames import nul_in
 from rafcon.ros._native_helper import Helper
+from rafcon.ros._values import MessageError
 
 
 class NativeBackend:
@@ -146,6 +148,19 @@ class NativeBackend:
             raise
         return call
 
+    def at_end(self, handle, request):
+        """Has the helper send a request if this process ends before :meth:`not_at_end`; returns its number."""
+        number = next(self._calls)
+        self._helper.tell("at_end", handle=handle, call=number, message=request)
+        return number
+
+    def not_at_end(self, number):
+        """What :meth:`at_end` has asked for is not wanted any more."""
+        try:
+            self._helper.tell("not_at_end", call=number)
+        except BackendLost:
+            pass
+
     def forget(self, handle, call):
         """Nobody waits for a response any more."""
         with self._lock:
@@ -253,6 +268,12 @@ def _qos(reliable, latched, depth):
     return Qos("reliable" if reliable else "best_effort", "transient_local" if latched else "volatile", depth)
 
 
+def _refuse_nul(type_name, message):
+    place = nul_in(message)
+    if place is not None:
+        raise MessageError(f"{type_name}{place}: a NUL character cannot be in a text of ROS")
+
+
 class _Part:
     """Something that the helper made."""
 
@@ -290,10 +311,12 @@ class _Publisher(_Part):
     """Publishes on one topic."""
 
     def __init__(self, backend, topic, type_name, qos):
+        self._type_name = type_name
         _Part.__init__(self, backend, "publisher", **_topic(topic, type_name, qos))
 
     def publish(self, message):
         """Sends a message."""
+        _refuse_nul(self._type_name, message)
         self._backend.tell("publish", handle=self._handle, message=message)
 
     def subscribers(self):
@@ -321,6 +344,7 @@ class Client(_Part):
     """Calls one service."""
 
     def __init__(self, backend, service, type_name):
+        self._type_name = type_name
         _Part.__init__(self, backend, "client", service=service, type=type_name)
 
     def servers(self, sent_s=math.inf):
@@ -329,6 +353,7 @@ class Client(_Part):
 
     def send(self, request, done):
         """Sends a request."""
+        _refuse_nul(self._type_name + "_Request", request)
         pending = _Pending(self._backend, self._handle, done)
         pending.call = self._backend.call(self._handle, request, pending._come)
         return pending
@@ -361,6 +386,7 @@ class Service(_Part):
 
     def __init__(self, backend, name, type_name, asked):
         self._asked = asked
+        self._type_name = type_name
         _Part.__init__(self, backend, "service", service=name, type=type_name)
 
     def _take(self, number, message):
@@ -368,6 +394,7 @@ class Service(_Part):
             self._asked(_Request(self, number, message))
 
     def _answer(self, number, response):
+        _refuse_nul(self._type_name + "_Response", response)
         self._backend.tell("respond", handle=self._handle, number=number, message=response)
 
 

@@ -56,9 +56,12 @@ class ActionClient:
             self._goals[sent.goal_id] = sent
         request = {"goal_id": {"uuid": sent.goal_id}, "goal": goal}
         try:
+            # The helper outlives this process: it cancels the goals of one that is killed.
+            sent._cancel_at_end = self._backend.at_end(self._cancels._handle, sent._cancel_request())
             self._sends.send(request, sent._answered)
         except Exception:
             self._forget(sent.goal_id)
+            sent._settle()
             raise
         return sent
 
@@ -99,6 +102,15 @@ class _Goal:
         self._client = client
         self._events = events
         self._open = True
+        self._cancel_at_end = None
+
+    def _settle(self):
+        number, self._cancel_at_end = self._cancel_at_end, None
+        if number is not None:
+            self._client._backend.not_at_end(number)
+
+    def _cancel_request(self):
+        return {"goal_info": {"goal_id": {"uuid": self.goal_id}, "stamp": _NOW}}
 
     def _tell(self, what, *arguments):
         if self._open:
@@ -106,6 +118,7 @@ class _Goal:
 
     def _finish(self, what, *arguments):
         self._client._forget(self.goal_id)
+        self._settle()
         self._tell(what, *arguments)
         self._open = False
 
@@ -132,13 +145,13 @@ class _Goal:
 
     def cancel(self, done):
         """Asks the server to cancel it."""
-        request = {"goal_info": {"goal_id": {"uuid": self.goal_id}, "stamp": _NOW}}
-        self._client._cancels.send(request, lambda response, why: done(response and response["return_code"], why))
+        self._client._cancels.send(self._cancel_request(), lambda response, why: done(response and response["return_code"], why))
 
     def close(self):
         """Lets go of it."""
         self._open = False
         self._client._forget(self.goal_id)
+        self._settle()
 
 
 def _stamp():

@@ -18,6 +18,19 @@ _CODES = {
 }
 
 
+def nul_in(value, place=""):
+    """Where in a message a text has a NUL character, such as ``.names[2]``; None if none has."""
+    if isinstance(value, str):
+        return place if "\0" in value else None
+    if isinstance(value, dict):
+        parts = ((f"{place}.{name}", each) for name, each in value.items())
+    elif isinstance(value, list):
+        parts = ((f"{place}[{at}]", each) for at, each in enumerate(value))
+    else:
+        return None
+    return next((found for part, each in parts for found in (nul_in(each, part),) if found is not None), None)
+
+
 def packed(fields):
     """The frame of a dict; arrays in it go behind the text."""
     chunks = []
