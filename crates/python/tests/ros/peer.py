@@ -12,7 +12,7 @@ import rclpy
 from builtin_interfaces.msg import Time
 from rcl_interfaces.msg import SetParametersResult
 from rclpy.action import ActionClient, ActionServer, CancelResponse, GoalResponse
-from rclpy.callback_groups import ReentrantCallbackGroup
+from rclpy.callback_groups import MutuallyExclusiveCallbackGroup, ReentrantCallbackGroup
 from rclpy.executors import ExternalShutdownException, MultiThreadedExecutor
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
@@ -171,7 +171,8 @@ class Peer(Node):
                 heard.append(message.data)
                 self.changed.notify_all()
 
-        self.create_subscription(String, topic, hear, quality(latched, False, 2000), callback_group=self.group)
+        # One after the other, or the executor's threads change their order.
+        self.create_subscription(String, topic, hear, quality(latched, False, 2000), callback_group=MutuallyExclusiveCallbackGroup())
 
     def do_heard(self, topic, count):
         """Waits until so many messages came."""

@@ -62,6 +62,18 @@ class Topics(WithPeer):
         self.peer.publish("/topics/sensor", ["a", "b"], False, True)
         self.assertEqual(heard().data, "b")
 
+    def test_a_subscription_that_no_publisher_fits_says_why(self):
+        self.peer.publish("/topics/careless", [], False, True)
+        with ros.subscribe("/topics/careless", "std_msgs/String", qos=ros.Qos("reliable", "transient_local", 1)) as heard:
+            Waiter("the publisher").until(lambda: any(each.node for each in _node.node().backend.publishers_of("/topics/careless")), 20, 0.01)
+            with self.assertRaises(ros.TimedOut) as caught:
+                heard.next(timeout=0)
+        self.assertEqual(
+            str(caught.exception),
+            "no message came on /topics/careless (std_msgs/msg/String) in 0 s: /peer keeps no messages, and this subscription is latched; "
+            "/peer publishes with best effort, and this subscription is reliable: leave `qos` out",
+        )
+
     def test_nothing_comes(self):
         self.assertIsNone(ros.latest("/topics/nothing", "std_msgs/String", timeout=0.05))
         self.assertIsNone(ros.latest("/topics/nothing", timeout=0.05))
@@ -214,6 +226,11 @@ class Actions(WithPeer):
             ended = ros.action(*arguments, find=0.1)
             self.assertEqual(ended.outcome, "timed_out")
             self.assertIn("nobody offers the action /actions/nothing", ended.why)
+
+    def test_an_action_under_a_second_type_is_refused(self):
+        self.assertEqual(ros.action("/peer/quick", 5).outcome, "succeeded")
+        with self.assertRaisesRegex(ros.RosError, "^cannot .*/peer/quick"):
+            ros.action("/peer/quick", {}, "test_msgs/NestedMessage")
 
     def test_others_send_goals_to_a_script(self):
         def work(goal):

@@ -172,7 +172,7 @@ def _made():
     made = Node(backend, settings, use_sim_time)
     made.pid = os.getpid()
     backend.start(settings, made)
-    logger.debug("ROS node %s%s by %s", settings.namespace, settings.name, backend.name)
+    logger.debug("ROS node %s/%s by %s", settings.namespace.rstrip("/"), settings.name, backend.name)
     return made
 
 

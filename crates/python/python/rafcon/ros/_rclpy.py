@@ -184,11 +184,11 @@ class RclpyBackend:
 
     def action_client(self, action, type_name):
         """Makes a client of an action."""
-        return self.on_thread(lambda: ActionClient(self, action, type_name))
+        return self.on_thread(lambda: _made(f"send goals to {action} ({type_name})", lambda: ActionClient(self, action, type_name)))
 
     def action_server(self, name, type_name, asked):
         """Offers an action."""
-        return self.on_thread(lambda: ActionServer(self, name, type_name, asked))
+        return self.on_thread(lambda: _made(f"offer {name} ({type_name})", lambda: ActionServer(self, name, type_name, asked)))
 
     def publishers_of(self, topic):
         """The publishers that are known of a topic."""
@@ -274,6 +274,8 @@ def _joined(space, name):
 def _made(what, make):
     try:
         return make()
+    except RosError:
+        raise
     except Exception as error:
         raise RosError(f"cannot {what}: {str(error).partition(', at /')[0]}") from error
 

@@ -117,6 +117,18 @@ def _warn_of_other_types(here, topic, type_name, endpoints):
         here.logger.warning("%s is used as %s here and as %s by %s: the two do not hear each other", topic, type_name, other, owner or "another node")
 
 
+def unfit_publishers(here, topic, quality):
+    """In words: publishers whose quality of service this subscription does not accept; empty if there are none."""
+    words = []
+    for each in here.backend.publishers_of(topic):
+        owner = each.node or "another node"
+        if quality.reliability == "reliable" and each.qos.reliability == "best_effort":
+            words.append(f"{owner} publishes with best effort, and this subscription is reliable")
+        if quality.durability == "transient_local" and each.qos.durability == "volatile":
+            words.append(f"{owner} keeps no messages, and this subscription is latched")
+    return "; ".join(sorted(set(words))) + ": leave `qos` out" if words else ""
+
+
 def heard_quality(here, topic, value):
     """The quality of service of a subscription: what is wanted, or what all publishers there are fit to."""
     if value is not None:
@@ -138,6 +150,7 @@ class Subscription:
         self.topic = topic
         self.type_name = type_name
         self._here = here
+        self._quality = quality
         self._messages = collections.deque(maxlen=quality.depth or _QUEUE_MAX)
         self._waiters = set()
         self._lock = threading.Lock()
@@ -178,7 +191,9 @@ class Subscription:
             with self._lock:
                 self._waiters.discard(waiter)
         if message is None:
-            raise TimedOut(f"no message{' that fits' if condition else ''} came on {self.topic} ({self.type_name}) in {timeout} s")
+            unfit = unfit_publishers(self._here, self.topic, self._quality)
+            what = f"no message{' that fits' if condition else ''} came on {self.topic} ({self.type_name}) in {timeout} s"
+            raise TimedOut(f"{what}: {unfit}" if unfit else what)
         return message
 
     def _taken(self, condition):
@@ -272,6 +287,10 @@ def latest(topic, type=None, timeout=1.0, qos=None):
             with heard._lock:
                 heard._waiters.discard(waiter)
     here.check()
+    if heard.latest is None:
+        unfit = unfit_publishers(here, topic, heard._quality)
+        if unfit:
+            here.logger.warning("nothing is heard on %s: %s", topic, unfit)
     return None if heard.latest is None else heard.latest.__deepcopy__(None)
 
 
