@@ -1,6 +1,6 @@
 //! Plans as engines give them: one JSON object a plan. Knows their form, not whether they are right.
 
-use crate::pddl::{Name, Object};
+use crate::pddl::{Name, Object, Renamed};
 use rafcon_model::{Json, json};
 use smol_str::SmolStr;
 use std::fmt;
@@ -70,6 +70,14 @@ impl Plan {
         steps.sort_by(|a, b| a.start.total_cmp(&b.start));
         let cost = document.get("cost").and_then(Json::as_number).filter(|cost| cost.is_finite());
         Ok(Self { steps, temporal, cost })
+    }
+
+    /// Gives actions and objects the names that the user has given them.
+    pub fn restore_names(&mut self, names: &Renamed) {
+        for step in &mut self.steps {
+            step.action = names.original(&step.action);
+            step.objects.iter_mut().for_each(|object| *object = names.original(object));
+        }
     }
 
     /// When the last step ends; 0 for a plan without time.

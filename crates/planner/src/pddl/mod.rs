@@ -6,6 +6,7 @@
 mod action;
 mod number;
 mod problem;
+mod rename;
 mod signature;
 mod text;
 mod write;
@@ -14,6 +15,7 @@ use smol_str::SmolStr;
 
 pub use action::read_action;
 pub use problem::{Object, Problem, read_condition, read_problem};
+pub use rename::Renamed;
 pub use signature::read_signatures;
 pub use text::{PddlError, Place};
 

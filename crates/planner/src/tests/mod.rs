@@ -3,6 +3,7 @@
 mod linearisations;
 mod machines;
 mod merging;
+mod renaming;
 mod validating;
 
 use crate::pddl::{Name, read_problem};

@@ -6,7 +6,7 @@ use super::pool;
 use super::search::{Cancel, SearchEnd, Verdict, millis_since, search};
 use crate::{Interpreter, ProgramEnvironment, clock};
 use rafcon_model::{Machine, Value, json};
-use rafcon_planner::pddl::{read_condition, read_problem};
+use rafcon_planner::pddl::{Renamed, read_condition, read_problem};
 use rafcon_planner::{
     Build, Finding, Order, Plan, Pool, REPLAN, Recovery, Replanning, Severity, Structure, Task,
     Then, build, validate,
@@ -214,8 +214,9 @@ impl Planner<'_> {
             std::fs::write(file, text)
                 .map_err(|error| format!("cannot write for the engine: {error}"))
         };
-        write(&domain, wanted.task.domain.to_string())?;
-        write(&problem, wanted.task.problem.to_string())?;
+        let names = Renamed::new(&wanted.task.domain, &wanted.task.problem);
+        write(&domain, names.domain.to_string())?;
+        write(&problem, names.problem.to_string())?;
         let actions = &wanted.task.domain.actions;
         let wish = Wish {
             domain: &domain,
@@ -227,7 +228,14 @@ impl Planner<'_> {
         };
         let (mut found, mut best) = (0, None);
         let end = search(&engine, &wish, cancel, &mut |line| {
-            let shown = match self.shown(request, wanted, line, (name, begin)) {
+            let plan = Plan::read(line).map(|mut plan| {
+                plan.restore_names(&names);
+                plan
+            });
+            let shown = match plan
+                .map_err(Verdict::Wrong)
+                .and_then(|plan| self.shown(request, wanted, plan, (name, begin)))
+            {
                 Ok(shown) => shown,
                 Err(verdict) => return verdict,
             };
@@ -239,6 +247,10 @@ impl Planner<'_> {
             }
             if request.anytime { Verdict::More } else { Verdict::Enough }
         });
+        let end = match end {
+            SearchEnd::Failed(reason) => SearchEnd::Failed(names.with_originals(&reason)),
+            other => other,
+        };
         Ok((end, found))
     }
 
@@ -247,11 +259,10 @@ impl Planner<'_> {
         &self,
         request: &MakePlan,
         wanted: &Wanted,
-        line: &str,
+        plan: Plan,
         (engine, begin): (&str, Instant),
     ) -> Result<PlanFound, Verdict> {
         let Wanted { pool, task, .. } = wanted;
-        let plan = Plan::read(line).map_err(Verdict::Wrong)?;
         validate(task, &plan).map_err(|invalid| Verdict::Wrong(invalid.to_string()))?;
         let is_ordered = plan.temporal || request.parallel;
         if is_ordered && plan.steps.len() > ORDERED_MAX {

@@ -15,8 +15,8 @@ use std::time::{Duration, Instant};
 
 /// A longer line is no plan.
 const LINE_MAX: u64 = 8 << 20;
-/// How much of the error output is kept, from its end.
-const ERROR_BYTES: usize = 2048;
+/// How much of what an engine says besides plans is kept, from its end.
+const SAID_BYTES: usize = 2048;
 /// An engine that does not end by itself is given so much more time than its limit.
 const GRACE: Duration = Duration::from_millis(300);
 const QUEUE: usize = 16;
@@ -52,8 +52,8 @@ impl Cancel {
 enum Message {
     /// A line that looks like a plan.
     Line(usize, String),
-    /// Nothing more is said.
-    Closed(usize),
+    /// The output has ended; what was no plan.
+    Closed(usize, String),
     /// The end of the error output.
     Error(usize, String),
     Cancelled,
@@ -94,6 +94,8 @@ struct Running {
     child: Child,
     /// The end of its error output, once that is over.
     said: Option<String>,
+    /// What it printed besides plans.
+    printed: String,
     wrong: Option<String>,
     has_ended: bool,
     /// Its exit status; none if it was killed.
@@ -102,7 +104,26 @@ struct Running {
 
 impl Running {
     fn new(child: Child) -> Self {
-        Self { child, said: None, wrong: None, has_ended: false, code: None }
+        Self {
+            child,
+            said: None,
+            printed: String::new(),
+            wrong: None,
+            has_ended: false,
+            code: None,
+        }
+    }
+
+    /// All that it has said besides plans.
+    fn words(&self) -> String {
+        let said = self.said.as_deref().unwrap_or_default();
+        let lines = said.lines().chain(self.printed.lines());
+        let lines: Vec<_> = lines.map(str::trim_end).filter(|line| !line.is_empty()).collect();
+        match lines.as_slice() {
+            [] => "it said nothing".to_owned(),
+            [line] => line.trim().to_owned(),
+            lines => format!("\n{}", lines.join("\n")),
+        }
     }
 
     /// Whether nothing more comes from it.
@@ -223,7 +244,13 @@ impl Search<'_> {
         let (index, act): (usize, Act) = match message {
             Message::Cancelled => return None,
             Message::Error(index, said) => (index, Box::new(|running| running.said = Some(said))),
-            Message::Closed(index) => (index, Box::new(Running::end)),
+            Message::Closed(index, printed) => (
+                index,
+                Box::new(|running| {
+                    running.printed = printed;
+                    running.end();
+                }),
+            ),
             Message::Line(index, line) => match on_plan(&line) {
                 Verdict::Enough => return Some(SearchEnd::Enough),
                 Verdict::Unfit(why) => return Some(SearchEnd::Failed(why)),
@@ -261,11 +288,6 @@ impl Search<'_> {
     fn verdict(&self) -> SearchEnd {
         let name = &self.engine.name;
         let lanes = || self.running.iter().map(|(_, running)| running);
-        let last = |running: &Running| {
-            let mut lines = running.said.as_deref().unwrap_or_default().lines().rev();
-            let last = lines.find(|line| !line.trim().is_empty());
-            last.unwrap_or("it said nothing").trim().to_owned()
-        };
         if self.found > 0 {
             return SearchEnd::Enough;
         }
@@ -287,7 +309,7 @@ impl Search<'_> {
                 let how = running.code.map_or("was killed".to_owned(), |code| {
                     format!("ended with exit status {code}")
                 });
-                SearchEnd::Failed(format!("the engine `{name}` {how}: {}", last(running)))
+                SearchEnd::Failed(format!("the engine `{name}` {how}: {}", running.words()))
             }
             None => SearchEnd::NotFound(format!(
                 "the engine `{name}` has found no plan; most likely there is none"
@@ -324,10 +346,10 @@ fn start(index: usize, lane: &Lane, sender: &SyncSender<Message>) -> io::Result<
     Ok(child)
 }
 
-/// Passes on what looks like a plan; the rest is read and forgotten.
+/// Passes on what looks like a plan, and at the end what was said last of the rest.
 fn read_lines(from: Option<impl Read>, index: usize, tell: &SyncSender<Message>) {
     let mut reader = from.map(BufReader::new);
-    let mut line = Vec::new();
+    let (mut line, mut other) = (Vec::new(), Vec::new());
     let mut is_rest = false;
     while let Some(reader) = &mut reader {
         line.clear();
@@ -343,9 +365,13 @@ fn read_lines(from: Option<impl Read>, index: usize, tell: &SyncSender<Message>)
         {
             return;
         }
+        if !is_plan {
+            keep(&mut other, &line);
+        }
     }
     // The search has ended: nobody listens.
-    tell.send(Message::Closed(index)).unwrap_or_default();
+    let other = String::from_utf8_lossy(&other).into_owned();
+    tell.send(Message::Closed(index, other)).unwrap_or_default();
 }
 
 fn read_errors(from: Option<impl Read>, index: usize, tell: &SyncSender<Message>) {
@@ -355,12 +381,17 @@ fn read_errors(from: Option<impl Read>, index: usize, tell: &SyncSender<Message>
     while let Some(count) =
         from.as_mut().and_then(|from| from.read(&mut part).ok()).filter(|count| *count > 0)
     {
-        kept.extend_from_slice(&part[..count]);
-        let surplus = kept.len().saturating_sub(ERROR_BYTES);
-        kept.drain(..surplus);
+        keep(&mut kept, &part[..count]);
     }
     tell.send(Message::Error(index, String::from_utf8_lossy(&kept).into_owned()))
         .unwrap_or_default();
+}
+
+/// Adds to what is kept, and drops its beginning where it becomes too long.
+fn keep(kept: &mut Vec<u8>, more: &[u8]) {
+    kept.extend_from_slice(more);
+    let surplus = kept.len().saturating_sub(SAID_BYTES);
+    kept.drain(..surplus);
 }
 
 /// How long ago that was.

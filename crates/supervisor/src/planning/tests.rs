@@ -214,6 +214,43 @@ fn engines_that_find_nothing_say_why() {
 }
 
 #[test]
+fn an_engine_gets_names_that_it_understands_and_people_their_own() {
+    let facts = "(define (problem walk) (:domain d) (:objects Küche place - place) (:init (at Küche)) (:goal (at place)))";
+    let wanted = MakePlan { facts: facts.to_owned(), ..request() };
+    let engine = r#"
+        if LC_ALL=C grep -q '[^ -~]' "$2" "$3"; then echo 'names' >&2; exit 3; fi
+        if grep -q 'place - place$' "$3"; then echo 'twice' >&2; exit 3; fi
+        from=$(sed -n 's/.*(at \([^ )]*\)).*/\1/p' "$3" | head -n 1)
+        echo "{\"steps\":[{\"action\":\"(go $from place)\"}]}"
+    "#;
+    check(
+        engine,
+        &wanted,
+        &expect![[r"
+            found Go Küche place, 2 states
+            done: a plan was found
+        "]],
+    );
+    check(
+        &format!("{engine}\nexit 0").replace("(go $from place)", "(go place $from)"),
+        &wanted,
+        &expect![[r"
+            failed: the engine `kairos` gave a plan that is not valid: step 1: (at place) does not hold; try another engine (`--engine`)
+        "]],
+    );
+    check(
+        "echo 'line one' >&2; sed -n 's/.*(at \\([^ )]*\\)).*/here: \\1/p' \"$3\" | head -n 1 >&2; echo 'on the output'; exit 3",
+        &wanted,
+        &expect![[r"
+            failed: the engine `kairos` ended with exit status 3: 
+            line one
+            here: küche
+            on the output
+        "]],
+    );
+}
+
+#[test]
 fn a_missing_engine_is_told_with_the_way_to_get_it() {
     let world = World::new("");
     let events = world.plan(
