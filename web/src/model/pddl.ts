@@ -165,10 +165,10 @@ function symbolOf(name: string): string {
   return /^[A-Za-z]/.test(plain) ? plain : "plan";
 }
 
-/** A goal of several lines wants all of them. */
+/** A goal of several lines wants all of them. One with a fault stays as it is: the server reports its place. */
 export function goalOfText(text: string): string {
-  const { terms } = readPddl(text);
-  return terms.length === 1 ? text.trim() : `(and ${text.trim()})`;
+  const { terms, faults } = readPddl(text);
+  return terms.length === 1 || faults.length > 0 ? text.trim() : `(and ${text.trim()})`;
 }
 
 /** Whether a type is another or a kind of it. */

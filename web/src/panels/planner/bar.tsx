@@ -28,13 +28,16 @@ export function Bar({ tab, planner, fault, onPlan }: BarProps) {
   const isIn = useComputed(() => isTaken(tab, planner), [tab, planner]);
   const container = useSignal(planner.container);
   const missing = missingIn(inputs);
-  const isOffered = found !== null && !isIn;
+  const isCurrent = useSignal(planner.isCurrent);
+  const isShown = found !== null && !isIn;
+  const isOffered = isShown && isCurrent;
   const isPlanning = planning.state === "planning";
   const place = namesTo(tab.session.machine, container ?? tab.session.machine.root).at(-1);
   const said = [
     planning.state === "idle" ? missing : planningInWords(planning, 0),
     fault,
     isOffered && fault === null ? `The plan is on the canvas, in ${place}.` : null,
+    isShown && !isCurrent ? "The plan on the canvas answers an earlier question." : null,
     isIn ? "The plan is in the machine. Undo takes it back." : null,
   ];
   return (
@@ -64,20 +67,20 @@ export function Bar({ tab, planner, fault, onPlan }: BarProps) {
           </Button>
         )}
         {isOffered && (
-          <>
-            <Button
-              kind="primary"
-              icon={<Check size={14} />}
-              title={fault ?? `Put the plan into ${place}`}
-              disabled={fault !== null}
-              onClick={() => void accept(context(), tab, planner)}
-            >
-              Accept
-            </Button>
-            <Button kind="quiet" onClick={() => planner.dismiss()}>
-              Dismiss
-            </Button>
-          </>
+          <Button
+            kind="primary"
+            icon={<Check size={14} />}
+            title={fault ?? `Put the plan into ${place}`}
+            disabled={fault !== null}
+            onClick={() => void accept(context(), tab, planner)}
+          >
+            Accept
+          </Button>
+        )}
+        {isShown && (
+          <Button kind="quiet" onClick={() => planner.dismiss()}>
+            Dismiss
+          </Button>
         )}
       </div>
     </div>

@@ -64,7 +64,8 @@ export function requestOf(inputs: PlannerInputs): MakePlan {
   );
   return {
     pool: { libraries: [...libraries], types: { ...typesOfText(types) } },
-    facts: textOfProblem({ name, objects, facts, goal }),
+    // The server names the part in which a bracket is missing.
+    facts: textOfProblem({ name, objects, facts, goal: "" }),
     goal: goalOfText(goal),
     data: Object.fromEntries(values),
     engine: inputs.engine,
@@ -76,6 +77,11 @@ export function requestOf(inputs: PlannerInputs): MakePlan {
     name: name.trim() === "" ? "Plan" : name.trim(),
     ...(observe.trim() === "" ? {} : { observe: observe.trim() }),
   };
+}
+
+/** The skills, the world and the goal: an answer to other ones is not one to these. */
+export function questionOf({ libraries, types, objects, facts, goal }: PlannerInputs): string {
+  return JSON.stringify([libraries, types, objects, facts, goal]);
 }
 
 /** Why a planner cannot be asked yet, and what to do; null if it can. */

@@ -78,6 +78,27 @@ describe("a planner", () => {
     expect([stepsOf(planner.before.value), stepsOf(planner.found.value)]).toEqual(["a b", "y"]);
   });
 
+  it("does not offer an answer to an earlier goal", async () => {
+    const { planner, say, end } = setUp();
+    planner.change({ goal: "(a)" });
+    const first = planner.plan();
+    say(found("a"));
+    end();
+    await first;
+    expect(planner.isCurrent.value).toBe(true);
+    planner.change({ limit_s: 3 });
+    expect(planner.isCurrent.value).toBe(true);
+    planner.change({ goal: "(b)" });
+    expect(planner.isCurrent.value).toBe(false);
+    const second = planner.plan();
+    say({ event: "impossible", reason: "no", after_ms: 3 });
+    end();
+    await second;
+    expect(planner.isCurrent.value).toBe(false);
+    planner.change({ goal: "(a)" });
+    expect(planner.isCurrent.value).toBe(true);
+  });
+
   it("ends the engine when it is cancelled, and heeds nothing that comes later", async () => {
     const { planner, say, isEnded } = setUp();
     const done = planner.plan();
@@ -137,6 +158,10 @@ describe("what is asked", () => {
       name: "Plan",
     });
     expect(request.facts).toContain("c - cup");
+    expect(requestOf({ ...inputs, goal: "(a" })).toMatchObject({
+      facts: request.facts,
+      goal: "(a",
+    });
     expect(request).not.toHaveProperty("observe");
   });
 

@@ -1,6 +1,6 @@
 /** A planner beside an open machine: what it is asked, what it says, and the answer before. Belongs to this page only. */
 
-import { type Signal, signal } from "@preact/signals-core";
+import { computed, type Signal, signal } from "@preact/signals-core";
 import type {
   PlanDomain,
   PlanEnd,
@@ -12,7 +12,7 @@ import { type PddlWords, typesOfText } from "../../model/pddl.ts";
 import type { MachineSession } from "../document/machine_session.ts";
 import { kept, type LocalStore } from "../local_store.ts";
 import type { Server } from "../page/server.ts";
-import { keptInputs, type PlannerInputs, requestOf, wordsOf } from "./inputs.ts";
+import { keptInputs, type PlannerInputs, questionOf, requestOf, wordsOf } from "./inputs.ts";
 
 /** How planning goes. */
 export type Planning =
@@ -41,6 +41,12 @@ export class Planner {
   /** The last answer to what was asked before. */
   readonly before = signal<PlanFound | null>(null);
   readonly taken = signal<Taken | null>(null);
+  /** Whether the newest answer belongs to the present skills, world and goal. */
+  readonly isCurrent = computed(
+    () => this.#answered.value !== null && this.#answered.value === questionOf(this.inputs.value),
+  );
+  /** The question of the newest answer. */
+  readonly #answered = signal<string | null>(null);
   /** The container into which the answer would go. */
   readonly container = signal<string | null>(null);
   readonly #server: Pick<Server, "request" | "lines">;
@@ -100,6 +106,7 @@ export class Planner {
     const since_ms = this.#now();
     this.planning.value = { state: "planning", since_ms };
     let isFirst = true;
+    const question = questionOf(this.inputs.peek());
     const tell = (event: PlanEvent) => {
       if (this.#control !== control) return;
       if (event.event === "found") {
@@ -107,6 +114,7 @@ export class Planner {
         if (isFirst) this.before.value = before;
         isFirst = false;
         this.found.value = found;
+        this.#answered.value = question;
       } else if (event.event === "refused") {
         this.planning.value = { state: "refused", findings: event.findings };
       } else {
