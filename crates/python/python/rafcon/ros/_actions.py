@@ -19,8 +19,8 @@ from rafcon.ros._waits import LOOK_EVERY_S, Waiter
 _ACCEPT_S = 5.0
 #: A preempted state waits so long (s) for the end of its goal.
 CANCEL_WAIT_S = 2.0
-#: A goal has ended by its state, and its result is waited for so long (s).
-_RESULT_S = 2.0
+#: A goal has ended by its state, and its result is waited for so long (s): one of megabytes takes a while on a busy computer.
+_RESULT_S = 10.0
 #: A cancellation that is not answered is asked for again after so long (s).
 _CANCEL_AGAIN_S = 0.5
 #: Answers to a cancellation.
