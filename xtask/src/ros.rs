@@ -2,6 +2,10 @@
 //!
 //! The packages of a distribution take 250 MB, and a minute to install; so CI does not run this.
 
+mod table;
+
+use std::fmt::Write as _;
+use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
@@ -11,11 +15,16 @@ use serde_json::Value;
 use crate::product::{Product, Profile};
 use crate::{process, python, ros_helper, workspace};
 
+use self::table::Table;
+
 /// A distribution, with what its peers are made of.
 struct Distribution {
     name: &'static str,
     contents: python::Contents,
 }
+
+/// What the generators of interfaces import, although their packages do not ask for it.
+const GENERATORS: &str = "catkin_pkg==1.1.1";
 
 const DISTRIBUTIONS: [Distribution; 2] = [
     Distribution {
@@ -29,6 +38,7 @@ const DISTRIBUTIONS: [Distribution; 2] = [
                 "ros-sensor-msgs==5.3.6",
                 "ros-nav-msgs==5.3.6",
                 "ros-visualization-msgs==5.3.6",
+                GENERATORS,
             ],
         },
     },
@@ -43,6 +53,7 @@ const DISTRIBUTIONS: [Distribution; 2] = [
                 "ros-sensor-msgs==5.5.1",
                 "ros-nav-msgs==5.5.1",
                 "ros-visualization-msgs==5.5.1",
+                GENERATORS,
             ],
         },
     },
@@ -85,6 +96,7 @@ pub(crate) fn run(options: &RosOptions) -> Result<()> {
     let helper = ros_helper::build(profile)?;
     let is_wanted = |wanted: &Option<String>, name| wanted.as_deref().is_none_or(|one| one == name);
     let mut missed = Vec::new();
+    let mut table = Table::default();
     for distribution in &DISTRIBUTIONS {
         if !is_wanted(&options.distribution, distribution.name) {
             continue;
@@ -94,7 +106,9 @@ pub(crate) fn run(options: &RosOptions) -> Result<()> {
             if is_wanted(&options.backend, backend) {
                 let own = &peers;
                 let side = Side { own, peers: &peers, backend, helper: &helper, product: &product };
+                let cells = Table::file()?;
                 both(&side, distribution.name, options, &mut missed)?;
+                table.read(&cells, backend, distribution.name)?;
             }
         }
     }
@@ -108,15 +122,59 @@ pub(crate) fn run(options: &RosOptions) -> Result<()> {
             tests(&side, "test_peer.py", &of, &mut missed)?;
         }
     }
+    if !options.no_tests {
+        tell(&table, options, &mut missed)?;
+    }
     ensure!(missed.is_empty(), "missed: {}", missed.join(", "));
+    Ok(())
+}
+
+/// Tells how many cells of the table failed; writes the table where all of it was tested.
+fn tell(table: &Table, options: &RosOptions, missed: &mut Vec<String>) -> Result<()> {
+    table.failures().iter().for_each(|failure| eprintln!("{failure}"));
+    report(["all", "all"], &table.figure().to_string(), options.json, missed)?;
+    if options.distribution.is_none() && options.backend.is_none() {
+        table.write()?;
+    }
     Ok(())
 }
 
 /// The environment of a distribution.
 fn venv(of: &Distribution) -> Result<PathBuf> {
     let folder = workspace::target()?.join("ros-venvs").join(of.name);
-    python::environment(&python::default()?, &folder, of.contents)?;
+    let python = python::environment(&python::default()?, &folder, of.contents)?;
+    generate(&folder, &python)?;
     Ok(folder)
+}
+
+/// Makes the types of the tests known to an environment, unless they are.
+fn generate(folder: &Path, python: &Path) -> Result<()> {
+    let (stamp, program) = (folder.join("types.txt"), format!("{FOLDER}/generate.py"));
+    let types = workspace::path(FOLDER).join("types");
+    let mut about = fs::read_to_string(workspace::path(&program))?;
+    for pattern in ["msg", "srv", "action"] {
+        for package in sorted(&types)? {
+            let Ok(files) = sorted(&package.join(pattern)) else { continue };
+            for file in files {
+                let text = fs::read_to_string(&file)?;
+                let _infallible = write!(about, "{}\n{text}", file.display());
+            }
+        }
+    }
+    if fs::read_to_string(&stamp).is_ok_and(|before| before == about) {
+        return Ok(());
+    }
+    process::run(python::command(python).arg(&program).arg(&types))?;
+    fs::write(&stamp, about).with_context(|| format!("cannot write {}", stamp.display()))
+}
+
+/// What is in a folder, by name.
+fn sorted(folder: &Path) -> Result<Vec<PathBuf>> {
+    let entries =
+        fs::read_dir(folder).with_context(|| format!("cannot read {}", folder.display()))?;
+    let mut all = entries.map(|entry| Ok(entry?.path())).collect::<Result<Vec<_>>>()?;
+    all.sort();
+    Ok(all)
 }
 
 /// Runs the tests in the files of this pattern.
@@ -182,6 +240,7 @@ impl Side<'_> {
         let own = if self.backend == "rclpy" { own } else { python::default()?.program };
         let mut python = alone(&own, self.product);
         python.env("RAFCON_ROS_BACKEND", self.backend).env("RAFCON_ROS_PEER_PYTHON", peer);
+        python.env("RAFCON_ROS_TABLE", workspace::target()?.join("ros-table.jsonl"));
         if self.backend == "native" {
             python.env("RAFCON_ROS", self.helper);
             python.env("RAFCON_ROS_TYPES", self.peers.join("share"));
