@@ -74,7 +74,7 @@ impl Outbox {
         let given_back = Arc::clone(&room);
         std::thread::Builder::new().name("frames".to_owned()).spawn(move || {
             while let Some((frame, size)) = waiting.blocking_recv() {
-                // The other end is gone, so the input ends as well, and with it the program.
+                // The input ends as well, and with it the program.
                 if write(&frame, &mut to).is_err() {
                     break;
                 }

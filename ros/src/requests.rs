@@ -21,17 +21,17 @@ const MESSAGE_MAX: usize = 33 << 20;
 /// A request that is sent when the program that asks ends.
 pub(crate) struct AtEnd {
     pub(crate) writer: Arc<Writer>,
-    /// Receives the response.
+    /// The reader that receives the response.
     pub(crate) reader: GUID,
     pub(crate) request: Bytes,
 }
 
 /// Requests that are kept for the end, by number.
 #[derive(Default)]
-pub(crate) struct Requests(BTreeMap<u64, AtEnd>);
+pub(crate) struct AtEndRequests(BTreeMap<u64, AtEnd>);
 
-impl Requests {
-    /// Keeps a request.
+impl AtEndRequests {
+    /// Keeps a request until the end.
     pub(crate) fn keep(&mut self, number: u64, request: AtEnd) {
         self.0.insert(number, request);
         if self.0.len() > AT_END_MAX {
@@ -39,12 +39,12 @@ impl Requests {
         }
     }
 
-    /// Forgets a request.
+    /// Forgets the request with a number.
     pub(crate) fn forget(&mut self, number: u64) {
         self.0.remove(&number);
     }
 
-    /// Sends all requests.
+    /// Sends all requests, and forgets them.
     pub(crate) fn send(&mut self) {
         for AtEnd { writer, reader, request } in std::mem::take(&mut self.0).into_values() {
             // Without a server there is nothing to ask for.

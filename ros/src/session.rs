@@ -17,7 +17,7 @@ use crate::dds::{liveness, names};
 use crate::frames::Outbox;
 use crate::hear::{self, Asked, Call, Calls, Heard};
 use crate::json::{self, Json};
-use crate::requests::{self, AtEnd, Requests, encoded};
+use crate::requests::{self, AtEnd, AtEndRequests, encoded};
 use crate::tell::{self, Counted, Counts};
 use crate::types::library::{Library, Type};
 use crate::types::{Sort, TypeName, described};
@@ -48,7 +48,7 @@ pub(crate) struct Session {
     counts: Counts,
     outbox: Outbox,
     ending: Vec<JoinHandle<()>>,
-    at_end: Requests,
+    at_end: AtEndRequests,
 }
 
 impl Session {
@@ -62,7 +62,7 @@ impl Session {
             counts: Counts::default(),
             outbox,
             ending: Vec::new(),
-            at_end: Requests::default(),
+            at_end: AtEndRequests::default(),
         }
     }
 

@@ -23,7 +23,7 @@ struct Distribution {
     contents: python::Contents,
 }
 
-/// What the generators of interfaces import, although their packages do not ask for it.
+/// A package that the generators of interfaces import without naming it.
 const GENERATORS: &str = "catkin_pkg==1.1.1";
 
 const DISTRIBUTIONS: [Distribution; 2] = [
@@ -168,7 +168,7 @@ fn generate(folder: &Path, python: &Path) -> Result<()> {
     fs::write(&stamp, about).with_context(|| format!("cannot write {}", stamp.display()))
 }
 
-/// What is in a folder, by name.
+/// The entries of a folder by name.
 fn sorted(folder: &Path) -> Result<Vec<PathBuf>> {
     let entries =
         fs::read_dir(folder).with_context(|| format!("cannot read {}", folder.display()))?;

@@ -1,4 +1,4 @@
-//! What lies in `ros/`, a workspace of its own: the program `rafcon-ros`, by which scripts speak ROS where there is no rclpy.
+//! The program `rafcon-ros` of the workspace `ros/`, by which scripts use ROS without rclpy.
 //!
 //! It is built with `RustDDS` as published but for the changes in [`changes`]. The changed copy lies in the target folder, never
 //! in the repository.
@@ -25,7 +25,7 @@ pub(crate) fn lint() -> Result<()> {
     process::run(process::cargo().current_dir(workspace::path("ros")).args(["fmt", "--check"]))
 }
 
-/// Builds it, and puts it beside `rafcon`, where scripts look for it.
+/// Builds it and puts it beside `rafcon`.
 pub(crate) fn build(profile: Profile) -> Result<PathBuf> {
     let mut build = cargo("build")?;
     let kind = if profile == Profile::Debug { "debug" } else { "release" };

@@ -165,7 +165,7 @@ function symbolOf(name: string): string {
   return /^[A-Za-z]/.test(plain) ? plain : "plan";
 }
 
-/** A goal of several lines wants all of them. One with a fault stays as it is: the server reports its place. */
+/** The goal of several lines requires all of them. A goal with a fault is unchanged: the server reports the line. */
 export function goalOfText(text: string): string {
   const { terms, faults } = readPddl(text);
   return terms.length === 1 || faults.length > 0 ? text.trim() : `(and ${text.trim()})`;

@@ -17,17 +17,17 @@ const END: &str = "<!-- end of the table -->\n";
 /// A back end and a distribution.
 type Column = (String, String);
 
-/// What was tested, in the order of the tests.
+/// The cells in the order of the tests.
 #[derive(Debug, Default)]
 pub(super) struct Table {
     rows: Vec<(String, String)>,
     columns: Vec<Column>,
-    /// Why a cell failed, or `None`.
+    /// The reason of each failure; `None` for a cell that passed.
     cells: BTreeMap<(usize, usize), Option<String>>,
 }
 
 impl Table {
-    /// Where the tests of one column write their cells; removes those of a run before.
+    /// The file for the cells of one column; removes an earlier one.
     pub(super) fn file() -> Result<PathBuf> {
         let file = workspace::target()?.join("ros-table.jsonl");
         if file.exists() {
@@ -36,7 +36,7 @@ impl Table {
         Ok(file)
     }
 
-    /// Adds the cells in a file; none if its tests did not run.
+    /// Adds the cells in a file. A missing file has no cells.
     pub(super) fn read(&mut self, file: &Path, backend: &str, distribution: &str) -> Result<()> {
         self.add(&fs::read_to_string(file).unwrap_or_default(), backend, distribution)
     }
@@ -116,7 +116,7 @@ impl Table {
     }
 }
 
-/// Where something is in a list, to which it is added.
+/// The index of an entry, which is added if it is new.
 fn place<T: PartialEq>(list: &mut Vec<T>, one: T) -> usize {
     list.iter().position(|known| *known == one).unwrap_or_else(|| {
         list.push(one);

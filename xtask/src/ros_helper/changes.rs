@@ -1,8 +1,8 @@
 //! The changes to `RustDDS` as published.
 //!
-//! Without them peers of Fast DDS do not learn that something was given back and are found seconds later, large messages take
-//! seconds, large requests and responses are lost, a run does not hear itself, a new reader hears old messages, a process that was
-//! stopped and continued hears nothing any more, and the last message of one that ends can be lost.
+//! They make peers of Fast DDS notice closed readers and writers, find each other at once, and exchange large messages, requests
+//! and responses quickly. A run receives its own messages. A new reader receives no old messages. A process continues after a
+//! stop signal, and delivers its last message when it ends.
 
 /// A change: the file, what is there, and what is to be there.
 pub(super) type Change = (&'static str, &'static str, &'static str);

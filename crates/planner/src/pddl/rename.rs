@@ -83,7 +83,7 @@ impl Renamed {
         self.originals.get(name).cloned().unwrap_or_else(|| name.into())
     }
 
-    /// What an engine has said, with the names of the user.
+    /// Restores the names of the user in the output of an engine.
     pub fn with_originals(&self, text: &str) -> String {
         let mut told = String::with_capacity(text.len());
         let mut rest = text;
@@ -99,7 +99,7 @@ impl Renamed {
     }
 }
 
-/// What a name stands for.
+/// The kind of a name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Kind {
     Action,
@@ -280,7 +280,9 @@ impl Names {
             }
             Condition::Not(inner) => self.condition(inner),
             Condition::And(parts) | Condition::Or(parts) => {
-                parts.iter_mut().for_each(|part| self.condition(part));
+                for part in parts {
+                    self.condition(part);
+                }
             }
             Condition::Forall(names, inner) | Condition::Exists(names, inner) => {
                 self.all_typed(names);
@@ -317,7 +319,7 @@ fn is_of_name(c: char) -> bool {
     c.is_ascii_alphanumeric() || c == '_' || c == '-'
 }
 
-/// Whether every engine accepts a name.
+/// True for names that every engine accepts.
 fn is_plain(name: &str) -> bool {
     name.starts_with(|c: char| c.is_ascii_alphabetic())
         && name.chars().all(is_of_name)

@@ -19,7 +19,7 @@ from rafcon.ros._waits import LOOK_EVERY_S, Waiter
 _ACCEPT_S = 5.0
 #: A preempted state waits so long (s) for the end of its goal.
 CANCEL_WAIT_S = 2.0
-#: A goal has ended by its state, and its result is waited for so long (s): one of megabytes takes a while on a busy computer.
+#: Timeout (s) of the result after the end of its goal; megabytes take seconds on a busy computer.
 _RESULT_S = 10.0
 #: A cancellation that is not answered is asked for again after so long (s).
 _CANCEL_AGAIN_S = 0.5

@@ -155,7 +155,7 @@ class NativeBackend:
         return number
 
     def not_at_end(self, number):
-        """What :meth:`at_end` has asked for is not wanted any more."""
+        """Cancels :meth:`at_end`."""
         try:
             self._helper.tell("not_at_end", call=number)
         except BackendLost:

@@ -19,7 +19,7 @@ _CODES = {
 
 
 def nul_in(value, place=""):
-    """Where in a message a text has a NUL character, such as ``.names[2]``; None if none has."""
+    """The path of a text with a NUL character, such as ``.names[2]``, or None."""
     if isinstance(value, str):
         return place if "\0" in value else None
     if isinstance(value, dict):

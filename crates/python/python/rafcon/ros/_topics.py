@@ -290,7 +290,7 @@ def latest(topic, type=None, timeout=1.0, qos=None):
     if heard.latest is None:
         unfit = unfit_publishers(here, topic, heard._quality)
         if unfit:
-            here.logger.warning("nothing is heard on %s: %s", topic, unfit)
+            here.logger.warning("no message received on %s: %s", topic, unfit)
     return None if heard.latest is None else heard.latest.__deepcopy__(None)
 
 

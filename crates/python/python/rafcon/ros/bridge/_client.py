@@ -1,4 +1,4 @@
-"""The server as this program uses it: requests with answers, by the standard library alone."""
+"""Requests to the server, by the standard library alone."""
 
 import hashlib
 import http.client
