@@ -56,6 +56,8 @@ const PART_OF_DOCK = {
 };
 
 export default defineConfig({
+  // Whatever the path is below which a proxy offers the page.
+  base: "./",
   resolve: { alias: PREACT },
   plugins: [PART_OF_DOCK],
   worker: { format: "es" },

@@ -73,3 +73,19 @@ journey("an address with a run that there is not says so", HERE, async ({ app })
   await come(app, "?layout=mission&run=nobody-knows-it");
   await app.told(/nobody-knows-it/);
 });
+
+journey(
+  "below the path of a proxy the page asks for nothing elsewhere",
+  { ...HERE, serve: ["--base-path", "/robot"] },
+  async ({ app, server }) => {
+    const asked: string[] = [];
+    app.sheet.on("request", (request) => asked.push(request.url()));
+    app.sheet.on("websocket", (socket) => asked.push(socket.url()));
+    await app.sheet.goto(`${server.url}/robot?token=${server.token}`);
+    await app.connected();
+    expect(app.sheet.url()).toBe(`${server.url}/robot/`);
+    const paths = asked.filter((url) => /^(http|ws)/.test(url)).map((url) => new URL(url).pathname);
+    expect(paths).toContain("/robot/api/v1/socket");
+    expect(paths.filter((path) => path !== "/robot" && !path.startsWith("/robot/"))).toEqual([]);
+  },
+);

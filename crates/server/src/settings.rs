@@ -4,7 +4,7 @@ use crate::page_files::PageFiles;
 use rafcon_protocol::api::ValueFetch;
 use rafcon_supervisor::ProgramEnvironment;
 use std::fmt;
-use std::net::{Ipv4Addr, SocketAddr};
+use std::net::{IpAddr, Ipv4Addr, SocketAddr};
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
@@ -66,8 +66,12 @@ pub trait RobotValues: fmt::Debug + Send + Sync {
 pub struct Listen {
     /// Address and port; port 0: any that is free.
     pub address: SocketAddr,
-    /// Names by which others call this computer, beside its address.
+    /// Names by which others call this computer, beside its address. They count with every port.
     pub hosts: Vec<String>,
+    /// Path below which a reverse proxy offers the server.
+    pub base_path: BasePath,
+    /// Reverse proxies whose word about browsers counts.
+    pub proxies: Vec<IpAddr>,
     /// Certificate and key as PEM files; none: made by the server itself where it needs one.
     pub certificate: Option<(PathBuf, PathBuf)>,
     /// How many connections there may be at a time.
@@ -78,6 +82,34 @@ pub struct Listen {
     pub body_patience: Duration,
     /// How long a client that does not read may hold an answer up.
     pub write_limit: Duration,
+}
+
+/// Path below which a reverse proxy offers the server: empty, or such as `/robot`, without a slash at its end.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct BasePath(String);
+
+impl BasePath {
+    /// The maximum length in bytes.
+    const MAX: usize = 200;
+
+    /// From a text with or without slashes around it; `None` if it is no path.
+    pub fn parse(text: &str) -> Option<Self> {
+        let path = text.strip_prefix('/').unwrap_or(text);
+        let path = path.strip_suffix('/').unwrap_or(path);
+        let is_sign = |sign: char| sign.is_ascii_alphanumeric() || "-_.~".contains(sign);
+        let is_part =
+            |part: &str| !part.is_empty() && !part.starts_with('.') && part.chars().all(is_sign);
+        if path.is_empty() {
+            return Some(Self::default());
+        }
+        let is_good = path.len() <= Self::MAX && path.split('/').all(is_part);
+        is_good.then(|| Self(format!("/{path}")))
+    }
+
+    /// Its text.
+    pub fn as_str(&self) -> &str {
+        &self.0
+    }
 }
 
 /// Who may come in.
@@ -125,6 +157,8 @@ impl Default for Listen {
         Self {
             address: SocketAddr::from((Ipv4Addr::LOCALHOST, USUAL_PORT)),
             hosts: Vec::new(),
+            base_path: BasePath::default(),
+            proxies: Vec::new(),
             certificate: None,
             connections_max: 1024,
             head_patience: Duration::from_secs(10),

@@ -1,7 +1,7 @@
 //! Everything that requests share.
 
 use crate::Settings;
-use crate::access::{Audit, Names, People, PrivateError};
+use crate::access::{Audit, Names, OuterAddress, People, PrivateError};
 use crate::change_counters::ChangeCounters;
 use crate::documents::Documents;
 use crate::history::History;
@@ -123,10 +123,12 @@ impl ServerState {
         format!("rafcon_{}", self.names().port)
     }
 
-    /// What makes a browser keep the secret of a login, for this server's own pages only.
-    pub(crate) fn set_cookie(&self, secret: &str) -> String {
-        let secure = if self.names().is_secure { "; Secure" } else { "" };
-        format!("{}={secret}; Path=/; HttpOnly; SameSite=Strict{secure}", self.cookie())
+    /// The header that stores the secret of a login in a browser, for the pages of this server at this address only.
+    pub(crate) fn set_cookie(&self, secret: &str, outer: &OuterAddress) -> String {
+        let is_secure = outer.is_secure.unwrap_or(self.names().is_secure);
+        let secure = if is_secure { "; Secure" } else { "" };
+        let path = outer.base.as_str();
+        format!("{}={secret}; Path={path}/; HttpOnly; SameSite=Strict{secure}", self.cookie())
     }
 
     /// Becomes `true` when the server is about to end: connections that last say good-bye.

@@ -22,6 +22,8 @@ export interface Setting {
   readonly browser?: BrowserContextOptions;
   /** The page is that of a station, and the machines are on a robot far away, `scout`. */
   readonly isStation?: boolean;
+  /** More words for the command line of the server. */
+  readonly serve?: readonly string[];
   /** What the server finds on its path beside what is there for everybody. */
   readonly programs?: () => readonly string[];
 }
@@ -71,7 +73,7 @@ export function journey(name: string, setting: Setting, go: (hands: Hands) => Pr
 async function begin(setting: Setting): Promise<readonly [Server, Server]> {
   const place = placeOf(setting);
   if (!setting.isStation) {
-    const server = await Server.start(place);
+    const server = await Server.start(place, "serve", setting.serve);
     return [server, server];
   }
   return beginStation(place);

@@ -23,6 +23,7 @@ import { useEffect, useMemo, useRef, useState } from "react";
 import { isValueDrag } from "../panels/parts/value/dragged_value.ts";
 import { useIsOld } from "../panels/run_age.ts";
 import { BROWSER_STORE } from "../store/local_store.ts";
+import { pageBase } from "../store/page/base.ts";
 import { IconButton } from "../ui/button.tsx";
 import { keepCompositions } from "../ui/composition.ts";
 import { useKeptScroll } from "../ui/kept_scroll.ts";
@@ -110,7 +111,7 @@ export function Dock() {
       components={components}
       defaultTabComponent={PanelTab}
       rightHeaderActionsComponent={GroupActions}
-      popoutUrl="/popout.html"
+      popoutUrl={`${pageBase()}/popout.html`}
       defaultRenderer="onlyWhenVisible"
       onReady={(event) => setApi(event.api)}
     />

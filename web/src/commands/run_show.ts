@@ -4,6 +4,7 @@ import type { RunSummary } from "../model/generated/protocol.ts";
 import { statusInWords, summaryStatusWords } from "../model/run_words.ts";
 import { comparedRun } from "../store/history/compared_run.ts";
 import { entryToStartFrom } from "../store/history/moments.ts";
+import { pageBase } from "../store/page/base.ts";
 import { type OpenTab, type Page, runOf } from "../store/page/page.ts";
 import { wallTime } from "../store/page/times.ts";
 import { liveRun, runsOfTab } from "../store/run/running.ts";
@@ -110,7 +111,7 @@ export const RUN_SHOW: readonly UserCommand[] = [
       EXPORTS.map(([format, title]) => ({ title, argument: [runOf(page)?.id, format] })),
     run: (_, argument) => {
       const [id, format] = argument as readonly [string, string];
-      download(`/api/v1/runs/${encodeURIComponent(id)}/export?format=${format}`);
+      download(`${pageBase()}/api/v1/runs/${encodeURIComponent(id)}/export?format=${format}`);
     },
   },
   {

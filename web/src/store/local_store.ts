@@ -1,5 +1,7 @@
 /** Where the page keeps what is to outlive it. A browser that keeps nothing, or has no room, is no reason to fail. */
 
+import { pageBase, storePrefix } from "./page/base.ts";
+
 export interface LocalStore {
   /** What was put there as JSON; undefined if there is nothing. */
   readonly get: (key: string) => unknown;
@@ -17,34 +19,38 @@ export function kept<T extends object>(localStore: LocalStore, key: string): T |
   return typeof value === "object" && value !== null ? (value as T) : undefined;
 }
 
-/** The storage of a browser. */
-export function localStoreOf(storage: () => Storage): LocalStore {
+/** The storage of a browser, for keys that begin like this there. */
+export function localStoreOf(
+  storage: () => Storage,
+  prefix: string = storePrefix(pageBase()),
+): LocalStore {
   return {
     get: (key) => {
       try {
-        return JSON.parse(storage().getItem(key) ?? "null") ?? undefined;
+        return JSON.parse(storage().getItem(prefix + key) ?? "null") ?? undefined;
       } catch {
         return undefined;
       }
     },
     put: (key, value) => {
       try {
-        if (value === undefined) storage().removeItem(key);
-        else storage().setItem(key, JSON.stringify(value));
+        if (value === undefined) storage().removeItem(prefix + key);
+        else storage().setItem(prefix + key, JSON.stringify(value));
       } catch {
         // No room, or nothing may be kept.
       }
     },
-    keys: (prefix) => {
+    keys: (beginning) => {
       try {
-        return Object.keys(storage()).filter((key) => key.startsWith(prefix));
+        const own = Object.keys(storage()).filter((key) => key.startsWith(prefix + beginning));
+        return own.map((key) => key.slice(prefix.length));
       } catch {
         return [];
       }
     },
     whenOther: (key, told) => {
       window.addEventListener("storage", (event) => {
-        if (event.key === key || event.key === null) told();
+        if (event.key === prefix + key || event.key === null) told();
       });
     },
   };

@@ -5,7 +5,7 @@ import { REPEATED, RefusalError, type Server } from "../store/page/server.ts";
 import { WALL_CLOCK } from "./clock.ts";
 import { Delay } from "./delay.ts";
 import { type Address, requests } from "./http.ts";
-import { Socket, type Wire, type WireNews } from "./socket.ts";
+import { Socket, type Verdict, type Wire, type WireNews } from "./socket.ts";
 
 /** Connects, and goes on connecting until `close`. */
 export function connect(address: Address): Server & { readonly close: () => void } {
@@ -52,14 +52,22 @@ export function connect(address: Address): Server & { readonly close: () => void
   };
 }
 
-async function probe(request: Server["request"]): Promise<"welcome" | "stranger" | "silent"> {
+async function probe(request: Server["request"]): Promise<Verdict> {
   try {
     await request("GET", "/session", undefined, REPEATED);
-    return "welcome";
   } catch (error) {
     const status = error instanceof RefusalError ? error.status : 0;
     return status === 401 ? "stranger" : "silent";
   }
+  try {
+    // This logs nobody in: the server checks the address of the page before it reads the body.
+    await request("POST", "/session", {});
+  } catch (error) {
+    if (error instanceof RefusalError && error.code === "wrong_origin") {
+      return { turnedAway: error.message };
+    }
+  }
+  return "welcome";
 }
 
 function dial({ url, token }: Address, news: WireNews): Wire {

@@ -16,6 +16,7 @@ import { followDrafts } from "../store/document/follow_drafts.ts";
 import { comparedRun } from "../store/history/compared_run.ts";
 import type { Runs } from "../store/history/run.ts";
 import { type LocalStore, localStoreOf, memoryStore } from "../store/local_store.ts";
+import { pageBase } from "../store/page/base.ts";
 import { withStateNames } from "../store/page/names.ts";
 import { withNotice } from "../store/page/notices.ts";
 import type { Notice, OpenTab, Page, Settings } from "../store/page/page.ts";
@@ -47,7 +48,7 @@ interface PageOptions {
 /** The page, at work from now on. */
 export function startPage(options: PageOptions = {}): Page {
   const clock = options.clock ?? WALL_CLOCK;
-  const server = options.server ?? connect(options.address ?? { url: "" });
+  const server = options.server ?? connect(options.address ?? { url: pageBase() });
   const stores = options.stores ?? browserStores();
   const notices = signal<readonly Notice[]>([]);
   let told = 0;

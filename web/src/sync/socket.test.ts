@@ -3,12 +3,10 @@ import { FRAMES_VERSION, type ToClient, type ToServer } from "../model/generated
 import type { AnswerFrame, Server } from "../store/page/server.ts";
 import { Delay } from "./delay.ts";
 import { type EditOnItsWay, EditOutbox } from "./edit_outbox.ts";
-import { Socket, type WireNews } from "./socket.ts";
+import { Socket, type Verdict, type WireNews } from "./socket.ts";
 import { FakeClock } from "./testing/fake_clock.ts";
 
-type Verdict = "welcome" | "stranger" | "silent" | "never";
-
-function setUp(verdict: Verdict = "welcome") {
+function setUp(verdict: Verdict | "never" = "welcome") {
   const clock = new FakeClock();
   const wires: { news: WireNews; said: ToServer[]; isOpen: boolean }[] = [];
   const posts: { path: string; done: (answer: { revision: number }) => void }[] = [];
@@ -245,6 +243,19 @@ describe("the socket", () => {
     ).toEqual(["subscribe 1", "subscribe 2", "unsubscribe 2", "subscribe 3"]);
     clock.pass(4_000);
     expect(wires).toHaveLength(4);
+  });
+
+  it("names the address of the page where the server accepts another one only", async () => {
+    const { clock, socket, wire } = setUp({ turnedAway: "this page was opened at https://a" });
+    wire().news.closed("the connection was lost");
+    clock.pass(0);
+    wire().news.closed("the connection was lost");
+    clock.pass(250);
+    await settle();
+    expect(socket.link.value).toEqual({
+      state: "refused",
+      reason: "this page was opened at https://a",
+    });
   });
 
   it("does not wait for ever to be told whether it is let in", async () => {

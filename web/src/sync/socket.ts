@@ -19,12 +19,15 @@ export interface WireNews {
   readonly closed: (reason: string) => void;
 }
 
+/** Answer of the server to the page; `turnedAway` is the reason if it refuses the page's address. */
+export type Verdict = "welcome" | "stranger" | "silent" | { readonly turnedAway: string };
+
 interface SocketPorts {
   readonly dial: (news: WireNews) => Wire;
   /** All limits of time. */
   readonly delay: Delay;
   /** Asked after a dial that was turned away: whether the server lets us in at all. */
-  readonly probe: () => Promise<"welcome" | "stranger" | "silent">;
+  readonly probe: () => Promise<Verdict>;
   readonly clock: Clock;
   /** From 0 to 1, so that not all pages come back at once. */
   readonly random: () => number;
@@ -186,6 +189,7 @@ export class Socket {
       return;
     if (verdict === "stranger") this.refuse("the server requires a login");
     else if (verdict === "welcome") this.#dial();
+    else if (verdict !== "silent") this.refuse(verdict.turnedAway);
     else {
       const then = () => void this.#again();
       this.#down("the server does not respond", this.#ports.clock.now(), then);
@@ -193,7 +197,7 @@ export class Socket {
   }
 
   /** Whether the server lets us in; silent if it does not say so in time. */
-  #verdict(): Promise<"welcome" | "stranger" | "silent"> {
+  #verdict(): Promise<Verdict> {
     const { clock, delay, probe } = this.#ports;
     const late = new Promise<"silent">((over) => {
       clock.after(delay.request_ms(true, 0), () => over("silent"));

@@ -2,7 +2,8 @@
 
 use super::{Libraries, Link, Python, Runs};
 use clap::{Args, Subcommand, ValueEnum};
-use std::net::SocketAddr;
+use rafcon_server::settings::BasePath;
+use std::net::{IpAddr, Ipv6Addr, SocketAddr};
 use std::path::PathBuf;
 
 /// Serve projects and runs to browsers, programs and other computers.
@@ -16,9 +17,15 @@ pub(crate) struct Serve {
     /// Address to listen at; every address except loopback requires TLS and users
     #[arg(long, value_name = "ADDRESS:PORT", default_value = "127.0.0.1:4747")]
     pub(crate) bind: SocketAddr,
-    /// Name of this computer in the network (repeat for more)
-    #[arg(long = "host", value_name = "NAME")]
+    /// Name of this computer in the network, without a port: it counts with every port (repeat for more)
+    #[arg(long = "host", value_name = "NAME", value_parser = host)]
     pub(crate) hosts: Vec<String>,
+    /// Address of a reverse proxy whose `X-Forwarded` headers count (repeat for more)
+    #[arg(long = "trusted-proxy", value_name = "ADDRESS")]
+    pub(crate) proxies: Vec<IpAddr>,
+    /// Path below which a reverse proxy offers the server, such as `/robot`
+    #[arg(long, value_name = "PATH", value_parser = base_path, default_value = "/")]
+    pub(crate) base_path: BasePath,
     /// Certificate for TLS, as a PEM file; without it, the server makes one
     #[arg(long, value_name = "FILE", requires = "key")]
     pub(crate) certificate: Option<PathBuf>,
@@ -45,6 +52,22 @@ pub(crate) struct Serve {
     pub(crate) libraries: Libraries,
     #[command(flatten)]
     pub(crate) python: Python,
+}
+
+/// A name or an address, without scheme and port.
+fn host(text: &str) -> Result<String, &'static str> {
+    let plain = text.strip_prefix('[').and_then(|rest| rest.strip_suffix(']')).unwrap_or(text);
+    if plain.parse::<Ipv6Addr>().is_err() && plain.contains([':', '/', '[', ']', ' ']) {
+        return Err(
+            "write the name only, without scheme, port and path: it counts with every port",
+        );
+    }
+    Ok(plain.to_owned())
+}
+
+fn base_path(text: &str) -> Result<BasePath, &'static str> {
+    BasePath::parse(text)
+        .ok_or("write a path of letters, digits, `-`, `_`, `.` and `~`, such as /robot")
 }
 
 /// The server's own folder.

@@ -12,7 +12,7 @@ use rafcon_relay::{Projects, ValueDesk};
 use rafcon_server::{RunAuthority, Server, Settings};
 use rafcon_storage::{config, roots};
 use std::io::{self, Write as _};
-use std::net::SocketAddr;
+use std::net::{IpAddr, SocketAddr};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::Arc;
@@ -73,6 +73,8 @@ fn settings(raw: &cli::Serve, environment: &Environment) -> Result<Settings> {
     settings.access.keep_token = raw.keep_token;
     settings.listen.address = raw.bind;
     settings.listen.hosts.clone_from(&raw.hosts);
+    settings.listen.proxies = raw.proxies.iter().map(IpAddr::to_canonical).collect();
+    settings.listen.base_path = raw.base_path.clone();
     settings.listen.certificate = raw.certificate.clone().zip(raw.key.clone());
     Ok(settings)
 }

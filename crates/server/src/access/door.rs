@@ -1,7 +1,8 @@
 //! The door: every request passes it. Host, origin, who asks, and whether they may. Knows headers and rights; knows nothing of
 //! what a route does.
 
-use super::connection_slots::{ConnectionSlot, Peer};
+use super::connection_slots::{ConnectionSlot, Peer, from_nowhere};
+use super::outer_address::{BasePrefix, OuterAddress};
 use super::people::CredentialClaim;
 use super::rights::{self, ROUTES};
 use super::who::{Who, nobody};
@@ -10,7 +11,7 @@ use axum::extract::{MatchedPath, Request, State};
 use axum::http::header::{self, HeaderMap};
 use axum::http::{Method, Uri};
 use axum::middleware::Next;
-use axum::response::{IntoResponse as _, Response};
+use axum::response::{Html, IntoResponse as _, Response};
 use rafcon_protocol::api::Right;
 use std::sync::Arc;
 
@@ -30,7 +31,7 @@ pub(crate) async fn door(
     mut request: Request,
     next: Next,
 ) -> Response {
-    match admit(&server, &request) {
+    match called(&server, &mut request).and_then(|()| admit(&server, &request)) {
         Ok(Some(who)) => {
             server.heard(&who.user);
             if let Some(place) = request.extensions().get::<Arc<ConnectionSlot>>() {
@@ -40,19 +41,33 @@ pub(crate) async fn door(
             next.run(request).await
         }
         Ok(None) => next.run(request).await,
+        Err(failure) if failure.reason() == Reason::WrongHost && is_for_people(&request) => {
+            (failure.status(), Html(page(&failure))).into_response()
+        }
         Err(failure) => failure.into_response(),
     }
 }
 
+/// Adds the address in the browser to the request; refuses a name that is not the server's.
+fn called(server: &ServerState, request: &mut Request) -> Result<(), Failure> {
+    let peer = request.extensions().get::<Peer>().copied().ok_or_else(from_nowhere)?;
+    let prefix = request.extensions().get::<BasePrefix>().copied();
+    let host = host(request)?.unwrap_or_default();
+    let listen = &server.settings().listen;
+    let outer = OuterAddress::of(request.headers(), host, peer, prefix, listen)?;
+    if !server.names().answers_to(&outer.host) {
+        return Err(elsewhere(server, &outer.host));
+    }
+    request.extensions_mut().insert(outer.peer);
+    request.extensions_mut().insert(Arc::new(outer));
+    Ok(())
+}
+
 /// Who asks, if it matters; or why the request is refused.
 fn admit(server: &ServerState, request: &Request) -> Result<Option<Who>, Failure> {
-    let host = host(request)?.unwrap_or_default();
-    if !server.names().answers_to(host) {
-        return Err(elsewhere(host));
-    }
     let Some(asked) = asked(request)? else { return Ok(None) };
     let claim = claim(server, request, &asked);
-    check_origin(server, request, host, claim.as_ref())?;
+    check_origin(server, request, claim.as_ref())?;
     let who = claim.as_ref().map(|claim| server.people().known(claim, is_near(request)));
     match (who, asked.right) {
         (Some(None) | None, Right::Anyone) => Ok(None),
@@ -104,23 +119,51 @@ fn no_row(method: &Method, path: &str) -> Failure {
     failure.allowing(others)
 }
 
-/// The name that the client called. Two names are refused: a proxy in between may use the other one.
+/// The name that the client called. Two names are refused, also one in the target of the request: a proxy in between may use the
+/// other one.
 fn host(request: &Request) -> Result<Option<&str>, Failure> {
     let mut named = request.headers().get_all(header::HOST).iter();
     let (first, second) = (named.next(), named.next());
-    if second.is_some() {
-        let message = "the request names two hosts: send one `Host` header";
+    let named = first.and_then(|host| host.to_str().ok());
+    let target = request.uri().authority().map(axum::http::uri::Authority::as_str);
+    let differ = matches!((named, target), (Some(named), Some(target)) if named != target);
+    if second.is_some() || differ {
+        let message =
+            "the request names two hosts: send one `Host` header, and the same name in the target";
         return Err(Failure::bad("two_hosts", message));
     }
-    let named = first.and_then(|host| host.to_str().ok());
-    Ok(named.or_else(|| request.uri().authority().map(axum::http::uri::Authority::as_str)))
+    Ok(named.or(target))
 }
 
-fn elsewhere(host: &str) -> Failure {
+fn elsewhere(server: &ServerState, host: &str) -> Failure {
+    let (called, accepted) = (cut(host), server.names().accepted());
+    let name = called.rsplit_once(':').map_or(called, |(name, _port)| name);
     let message = format!(
-        "this server is not called `{host}`: use the address that it printed at its start, or start it with --host"
+        "this page was opened at `{called}`, but the server only accepts {accepted}: open one of these, or start the server with \
+         `--host {name}`"
     );
     Failure::new(Reason::WrongHost, "wrong_host", message)
+}
+
+/// As much of a text from outside as an error repeats.
+fn cut(text: &str) -> &str {
+    &text[..text.floor_char_boundary(200)]
+}
+
+/// True if the client shows HTML.
+fn is_for_people(request: &Request) -> bool {
+    let kinds = request.headers().get(header::ACCEPT).and_then(|kinds| kinds.to_str().ok());
+    kinds.is_some_and(|kinds| kinds.contains("text/html"))
+}
+
+/// A refusal as a page.
+fn page(failure: &Failure) -> String {
+    let text = failure.to_string();
+    let text = text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;");
+    format!(
+        "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>RAFCON</title></head>\n\
+         <body><h1>RAFCON</h1>\n<p>{text}</p></body></html>\n"
+    )
 }
 
 /// The credential that the client shows: a token in a header, in the address where that is allowed, or a cookie.
@@ -157,7 +200,6 @@ pub(crate) fn cookie(headers: &HeaderMap, name: &str) -> Option<String> {
 fn check_origin(
     server: &ServerState,
     request: &Request,
-    host: &str,
     claim: Option<&CredentialClaim>,
 ) -> Result<(), Failure> {
     let headers = request.headers();
@@ -166,14 +208,32 @@ fn check_origin(
         return Ok(());
     }
     let origin = headers.get(header::ORIGIN).map(|origin| origin.to_str().unwrap_or_default());
+    let outer = request.extensions().get::<Arc<OuterAddress>>().ok_or_else(from_nowhere)?;
+    // Browsers report pages of other sites, which differ by the scheme, too.
+    let is_strange = headers
+        .get("sec-fetch-site")
+        .is_some_and(|site| *site == "cross-site" || *site == "same-site");
     match origin {
-        Some(origin) if server.names().is_own(origin, host) => Ok(()),
+        Some(origin) if server.names().is_own(origin, outer) && !is_strange => Ok(()),
         None if !matches!(claim, Some(CredentialClaim::Cookie(_))) => Ok(()),
-        Some(_) | None => Err(strange_page()),
+        Some(origin) => Err(strange_page(server, origin, outer)),
+        None => Err(no_page()),
     }
 }
 
-fn strange_page() -> Failure {
+fn strange_page(server: &ServerState, origin: &str, outer: &OuterAddress) -> Failure {
+    let (page, called, accepted) = (cut(origin), cut(&outer.host), server.names().accepted());
+    let name = page.split_once("://").map_or(page, |(_, name)| name);
+    let name = name.rsplit_once(':').map_or(name, |(name, _port)| name);
+    let message = format!(
+        "this page was opened at {page}, but the server was called `{called}` and only accepts {accepted}: open one of these; if a \
+         proxy stands between, start the server with `--host {name} --trusted-proxy` and the proxy's address, and let the proxy \
+         send X-Forwarded-Host and X-Forwarded-Proto"
+    );
+    Failure::forbidden("wrong_origin", message)
+}
+
+fn no_page() -> Failure {
     let message = "this request does not come from a page of this server: open the server's own address, or send a \
                    token instead of a cookie";
     Failure::forbidden("wrong_origin", message)

@@ -3,6 +3,7 @@
 //! A stranger's page can make a browser send requests to this computer. It cannot make the browser lie about the name it
 //! called (`Host`) or the page that asked (`Origin`).
 
+use super::outer_address::OuterAddress;
 use std::net::IpAddr;
 
 /// What a server is called by its clients.
@@ -14,14 +15,17 @@ pub(crate) struct Names {
     pub(crate) is_secure: bool,
     /// Whether only programs on this computer reach it.
     pub(crate) is_loopback: bool,
-    /// Its names and addresses, in lower case.
+    /// Its names and addresses, in lower case. They count with its port.
     pub(crate) hosts: Vec<String>,
+    /// Names that it was given, in lower case. They count with every port, which may be that of a proxy.
+    pub(crate) given: Vec<String>,
 }
 
 impl Names {
     /// The names of a server that does not listen.
     pub(crate) fn nobody() -> Self {
-        Self { port: 0, is_secure: false, is_loopback: true, hosts: Vec::new() }
+        let (hosts, given) = (Vec::new(), Vec::new());
+        Self { port: 0, is_secure: false, is_loopback: true, hosts, given }
     }
 
     /// The scheme of its addresses.
@@ -31,9 +35,21 @@ impl Names {
 
     /// Whether `host`, as a `Host` header gives it, means this server.
     pub(crate) fn answers_to(&self, host: &str) -> bool {
-        let usual = if self.is_secure { 443 } else { 80 };
         let Some((name, port)) = parted(host) else { return false };
-        port.unwrap_or(usual) == self.port && self.is_called(&name)
+        self.given.contains(&name) || self.is_direct(&name, port)
+    }
+
+    /// True for this server's own address, without a proxy.
+    fn is_direct(&self, name: &str, port: Option<u16>) -> bool {
+        port.unwrap_or(usual_port(self.is_secure)) == self.port && self.is_called(name)
+    }
+
+    /// Accepted addresses, for an error.
+    pub(crate) fn accepted(&self) -> String {
+        let scheme = self.scheme();
+        let own = self.hosts.iter().map(|host| format!("{scheme}://{host}:{}", self.port));
+        let given = self.given.iter().map(|host| format!("{host} with any port"));
+        own.chain(given).collect::<Vec<_>>().join(", ")
     }
 
     /// The owner of a name can point it anywhere; an address cannot be redirected.
@@ -43,11 +59,28 @@ impl Names {
             || address.is_some_and(|address| !self.is_loopback || address.is_loopback())
     }
 
-    /// Whether a page of this origin is this server's own, called by the same name.
-    pub(crate) fn is_own(&self, origin: &str, host: &str) -> bool {
-        let own = origin.split_once("://").filter(|(scheme, _)| *scheme == self.scheme());
-        own.is_some_and(|(_, rest)| rest.eq_ignore_ascii_case(host))
+    /// True for a page that this server served under the same name and port. The scheme is compared, too, unless a proxy may have
+    /// ended TLS without a report.
+    pub(crate) fn is_own(&self, origin: &str, outer: &OuterAddress) -> bool {
+        let Some((scheme, page)) = origin.split_once("://") else { return false };
+        let is_secure = match scheme {
+            "https" => true,
+            "http" => false,
+            _ => return false,
+        };
+        let (Some((name, port)), Some(page)) = (parted(&outer.host), parted(page)) else {
+            return false;
+        };
+        let known = outer.is_secure.or(self.is_secure.then_some(true));
+        let known = known.or_else(|| self.is_direct(&name, port).then_some(false));
+        let with_port =
+            |(name, port): (String, Option<u16>)| (name, port.unwrap_or(usual_port(is_secure)));
+        known.is_none_or(|known| known == is_secure) && with_port((name, port)) == with_port(page)
     }
+}
+
+fn usual_port(is_secure: bool) -> u16 {
+    if is_secure { 443 } else { 80 }
 }
 
 /// Name and port of `name:port`, `name` or `[address]:port`.
@@ -66,12 +99,15 @@ fn parted(host: &str) -> Option<(String, Option<u16>)> {
 
 #[cfg(test)]
 mod tests {
-    use super::Names;
+    use super::{Names, OuterAddress};
+    use crate::access::Peer;
+    use crate::settings::BasePath;
     use expect_test::{Expect, expect};
 
     fn names(is_loopback: bool, hosts: &[&str]) -> Names {
-        let hosts = hosts.iter().map(|host| (*host).to_owned()).collect();
-        Names { port: 4747, is_secure: !is_loopback, is_loopback, hosts }
+        let given = hosts.iter().map(|host| (*host).to_owned()).collect();
+        let hosts = vec!["localhost".to_owned()];
+        Names { port: 4747, is_secure: !is_loopback, is_loopback, hosts, given }
     }
 
     fn check(names: &Names, hosts: &str, expected: &Expect) {
@@ -83,7 +119,7 @@ mod tests {
     #[test]
     fn on_the_loopback_only_its_own_names_count() {
         check(
-            &names(true, &["localhost"]),
+            &names(true, &[]),
             "localhost:4747 LOCALHOST:4747 127.0.0.1:4747 [::1]:4747 localhost localhost:80 \
              evil.example:4747 192.168.0.7:4747 [::1 [::1]x :4747 localhost:99999",
             &expect![[r"
@@ -106,10 +142,13 @@ mod tests {
     #[test]
     fn elsewhere_addresses_and_given_names_count() {
         check(
-            &names(false, &["rover.lan", "localhost"]),
-            "rover.lan:4747 192.168.0.7:4747 [fe80::1]:4747 evil.example:4747",
+            &names(false, &["rover.lan"]),
+            "rover.lan:4747 rover.lan ROVER.LAN:8443 192.168.0.7 192.168.0.7:4747 [fe80::1]:4747 evil.example:4747",
             &expect![[r"
                 rover.lan:4747 yes
+                rover.lan yes
+                ROVER.LAN:8443 yes
+                192.168.0.7 no
                 192.168.0.7:4747 yes
                 [fe80::1]:4747 yes
                 evil.example:4747 no
@@ -119,11 +158,33 @@ mod tests {
 
     #[test]
     fn a_page_is_ones_own_by_scheme_name_and_port() {
-        let names = names(true, &["localhost"]);
-        assert!(names.is_own("http://localhost:4747", "localhost:4747"));
-        assert!(!names.is_own("https://localhost:4747", "localhost:4747"));
-        assert!(!names.is_own("http://localhost:3000", "localhost:4747"));
-        assert!(!names.is_own("http://127.0.0.1:4747", "localhost:4747"));
-        assert!(!names.is_own("null", "localhost:4747"));
+        let own = |origin, host| names(true, &[]).is_own(origin, &outer(None, host));
+        assert!(own("http://localhost:4747", "localhost:4747"));
+        assert!(!own("https://localhost:4747", "localhost:4747"));
+        assert!(!own("http://localhost:3000", "localhost:4747"));
+        assert!(!own("http://127.0.0.1:4747", "localhost:4747"));
+        assert!(!own("null", "localhost:4747"));
+    }
+
+    fn outer(is_secure: Option<bool>, host: &str) -> OuterAddress {
+        let peer = Peer { ip: "127.0.0.1".parse().unwrap(), is_near: true };
+        let (host, base) = (host.to_owned(), BasePath::default());
+        OuterAddress { is_secure, host, base, is_bare: false, peer }
+    }
+
+    #[test]
+    fn behind_a_proxy_a_page_is_ones_own_by_the_address_that_the_browser_has() {
+        let names = names(true, &["robot.lan"]);
+        let own = |is_secure, origin, host| names.is_own(origin, &outer(is_secure, host));
+        for is_secure in [None, Some(true)] {
+            assert!(own(is_secure, "https://robot.lan", "robot.lan"));
+            assert!(own(is_secure, "https://robot.lan", "robot.lan:443"));
+            assert!(own(is_secure, "https://robot.lan:8443", "robot.lan:8443"));
+            assert!(!own(is_secure, "https://robot.lan", "robot.lan:8443"));
+            assert!(!own(is_secure, "https://evil.example", "robot.lan"));
+        }
+        assert!(own(None, "http://robot.lan", "robot.lan"));
+        assert!(!own(Some(true), "http://robot.lan", "robot.lan"));
+        assert!(!own(Some(false), "https://robot.lan", "robot.lan"));
     }
 }

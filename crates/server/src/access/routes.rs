@@ -2,6 +2,7 @@
 
 use super::connection_slots::Peer;
 use super::limiter::network;
+use super::outer_address::OuterAddress;
 use super::people::OWNER;
 use super::who::{Credential, Who};
 use crate::extract::{Body, Path, Small};
@@ -42,10 +43,10 @@ pub(crate) fn routes() -> OpenApiRouter<Arc<ServerState>> {
 ))]
 async fn log_in(
     State(server): State<Arc<ServerState>>,
-    peer: Peer,
+    outer: OuterAddress,
     Small(login): Small<Login>,
 ) -> Result<([(HeaderName, String); 1], Json<Session>), Failure> {
-    let from = peer.ip;
+    let from = outer.peer.ip;
     let checked = server.people().check(&login.user, &login.password, from).await;
     if let Err(failure) = checked {
         if failure.reason() == Reason::Unauthorized {
@@ -56,7 +57,7 @@ async fn log_in(
     }
     let (secret, who) = server.people().begin(&login.user)?;
     server.audit().note_often(&who.user, &who.user, "login", &format!("from {from}"));
-    Ok(([(header::SET_COOKIE, server.set_cookie(secret.text()))], Json(about(who))))
+    Ok(([(header::SET_COOKIE, server.set_cookie(secret.text(), &outer))], Json(about(who))))
 }
 
 /// Who is logged in.

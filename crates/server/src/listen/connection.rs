@@ -2,10 +2,13 @@
 //! what is asked over them.
 
 use super::paced::Paced;
-use crate::access::{Capacity, ConnectionSlot, ConnectionSlots, Peer};
-use crate::settings::Listen;
+use crate::access::{BasePrefix, Capacity, ConnectionSlot, ConnectionSlots, Peer};
+use crate::settings::{BasePath, Listen};
 use axum::Router;
+use axum::http::uri::PathAndQuery;
+use axum::http::{Request, Uri};
 use hyper::server::conn::http1;
+use hyper::service::{Service as _, service_fn};
 use hyper_util::rt::{TokioIo, TokioTimer};
 use hyper_util::service::TowerToHyperService;
 use rafcon_supervisor::descriptors;
@@ -27,7 +30,7 @@ const SEND_BUFFER: usize = 256 * 1024;
 /// Wait for the files of connections that lost their place.
 const CLOSE_TIMEOUT: Duration = Duration::from_millis(100);
 
-/// Interval between two reports of the same shortage in the log.
+/// Minimum interval between reports of a shortage in the log.
 pub(super) const REPORT_INTERVAL: Duration = Duration::from_mins(1);
 
 /// All connections of a server.
@@ -44,6 +47,7 @@ struct RequestService {
     patience: Duration,
     write_limit: Duration,
     closed: watch::Receiver<bool>,
+    base: BasePath,
 }
 
 impl Connections {
@@ -57,7 +61,8 @@ impl Connections {
         let places =
             ConnectionSlots::new(Capacity::of(listen.connections_max, descriptors::free()));
         let (patience, write_limit) = (listen.head_patience, listen.write_limit);
-        let guest = RequestService { http, tls, patience, write_limit, closed };
+        let base = listen.base_path.clone();
+        let guest = RequestService { http, tls, patience, write_limit, closed, base };
         Self { places, guest }
     }
 
@@ -124,6 +129,8 @@ impl RequestService {
     ) {
         let router = AddExtension::new(AddExtension::new(router, peer), place);
         let service = TowerToHyperService::new(router);
+        let base = self.base.clone();
+        let service = service_fn(move |request| service.call(without_base(request, &base)));
         let connection = self.http.serve_connection(TokioIo::new(io), service);
         let mut connection = pin!(connection.with_upgrades());
         let mut closed = self.closed.clone();
@@ -135,6 +142,25 @@ impl RequestService {
         connection.as_mut().graceful_shutdown();
         drop(connection.await);
     }
+}
+
+/// The request without the base path, which a proxy may have left in its path.
+fn without_base<B>(mut request: Request<B>, base: &BasePath) -> Request<B> {
+    let rest = request.uri().path().strip_prefix(base.as_str());
+    let prefix = match rest.filter(|_| !base.as_str().is_empty()) {
+        Some("") => BasePrefix::Bare,
+        Some(rest) if rest.starts_with('/') => BasePrefix::Whole,
+        _ => return request,
+    };
+    let mut parts = request.uri().clone().into_parts();
+    let path = rest.filter(|rest| !rest.is_empty()).unwrap_or("/");
+    let query = request.uri().query().map(|query| format!("?{query}")).unwrap_or_default();
+    parts.path_and_query = PathAndQuery::try_from(format!("{path}{query}")).ok();
+    if let Ok(uri) = Uri::from_parts(parts) {
+        *request.uri_mut() = uri;
+        request.extensions_mut().insert(prefix);
+    }
+    request
 }
 
 /// What requests come over.

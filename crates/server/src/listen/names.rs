@@ -8,13 +8,13 @@ use std::net::SocketAddr;
 /// Every name that it answers to.
 pub(super) fn of(listen: &Listen, address: SocketAddr) -> Names {
     let is_loopback = address.ip().is_loopback();
-    let mut hosts = listen.hosts.iter().map(|host| host.to_ascii_lowercase()).collect::<Vec<_>>();
-    hosts.push("localhost".to_owned());
+    let given = listen.hosts.iter().map(|host| host.to_ascii_lowercase()).collect();
+    let mut hosts = vec!["localhost".to_owned()];
     if !is_loopback {
         hosts.extend(host_name());
     }
     let is_secure = tls::is_needed(listen, address);
-    Names { port: address.port(), is_secure, is_loopback, hosts }
+    Names { port: address.port(), is_secure, is_loopback, hosts, given }
 }
 
 /// What this computer calls itself.

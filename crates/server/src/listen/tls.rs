@@ -127,7 +127,8 @@ fn own(state: &Path, listen: &Listen, address: SocketAddr) -> Result<(PathBuf, P
 
 /// Names and addresses for which a certificate is good.
 fn names_of(listen: &Listen, address: SocketAddr) -> Vec<String> {
-    let mut names = names::of(listen, address).hosts;
+    let names = names::of(listen, address);
+    let mut names = [names.given, names.hosts].concat();
     names.extend(["127.0.0.1".to_owned(), "::1".to_owned()]);
     let ip: IpAddr = address.ip();
     if !ip.is_unspecified() && !ip.is_loopback() {

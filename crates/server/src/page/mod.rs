@@ -1,7 +1,7 @@
 //! The page at `/` and its files: turns the token of the start link into a cookie, and gives the page to everyone, who logs in
 //! there. Knows nothing of machines or runs.
 
-use crate::access::{Credential, Who, in_link};
+use crate::access::{Credential, OuterAddress, Who, in_link};
 use crate::extract::Path;
 use crate::page_files::{PageFile, PageFiles};
 use crate::{Failure, ServerState};
@@ -10,6 +10,7 @@ use axum::http::header::{self, HeaderName};
 use axum::http::{HeaderMap, HeaderValue, StatusCode, Uri};
 use axum::response::{Html, IntoResponse as _, Response};
 use axum::routing::get;
+use std::borrow::Cow;
 use std::sync::Arc;
 use utoipa_axum::router::OpenApiRouter;
 
@@ -34,39 +35,58 @@ pub(crate) fn routes() -> OpenApiRouter<Arc<ServerState>> {
 async fn page(
     State(server): State<Arc<ServerState>>,
     address: Uri,
+    outer: OuterAddress,
     head: HeaderMap,
     who: Option<Who>,
 ) -> Result<Response, Failure> {
     match (who, in_link(&address)) {
-        (Some(who), Some(_)) if who.by == Credential::Owner => enter(&server, &who, &address),
-        (_, Some(_)) => Ok(without_token(&address)),
-        (_, None) => index(&server.settings().page, &head),
+        (Some(who), Some(_)) if who.by == Credential::Owner => {
+            enter(&server, &who, &address, &outer)
+        }
+        (_, Some(_)) => Ok(without_token(&address, &outer)),
+        (_, None) if outer.is_bare => Ok(without_token(&address, &outer)),
+        (_, None) => index(&server.settings().page, &head, outer.base.as_str()),
     }
 }
 
 /// Lets the owner's browser in, and takes the token out of its address.
-fn enter(server: &ServerState, who: &Who, address: &Uri) -> Result<Response, Failure> {
+fn enter(
+    server: &ServerState,
+    who: &Who,
+    address: &Uri,
+    outer: &OuterAddress,
+) -> Result<Response, Failure> {
     let (secret, who) = server.people().begin(&who.user)?;
     server.audit().note(&who.user, "login", "by the start link");
     let cookie: [(HeaderName, String); 1] =
-        [(header::SET_COOKIE, server.set_cookie(secret.text()))];
-    Ok((cookie, without_token(address)).into_response())
+        [(header::SET_COOKIE, server.set_cookie(secret.text(), outer))];
+    Ok((cookie, without_token(address, outer)).into_response())
 }
 
-/// A token shall not stay in an address, where it would be seen and kept. What else the address says stays.
-fn without_token(address: &Uri) -> Response {
+/// Redirects to the same address without the token, so that browsers do not keep it. The redirect is relative if the base path is not
+/// known: a proxy may have removed one.
+fn without_token(address: &Uri, outer: &OuterAddress) -> Response {
     let pairs = address.query().unwrap_or_default().split('&');
     let kept = pairs.filter(|pair| !pair.is_empty() && !pair.starts_with("token="));
     let kept = kept.collect::<Vec<_>>().join("&");
     let mark = if kept.is_empty() { "" } else { "?" };
-    (StatusCode::SEE_OTHER, [(header::LOCATION, format!("/{mark}{kept}"))]).into_response()
+    let folder = if outer.base.as_str().is_empty() { "." } else { outer.base.as_str() };
+    (StatusCode::SEE_OTHER, [(header::LOCATION, format!("{folder}/{mark}{kept}"))]).into_response()
 }
 
-fn index(files: &PageFiles, head: &HeaderMap) -> Result<Response, Failure> {
+fn index(files: &PageFiles, head: &HeaderMap, base: &str) -> Result<Response, Failure> {
     match files.get("index.html") {
-        Some(file) => current(file, head),
+        Some(file) if base.is_empty() => current(file, head),
+        Some(file) => current(below(file, base)?, head),
         None => Ok(not_built(files.way())),
     }
+}
+
+/// The page with addresses below this path, which it otherwise finds by its own address.
+fn below(file: PageFile, base: &str) -> Result<PageFile, Failure> {
+    let file = file.unpacked().map_err(|error| broken(&error))?;
+    let text = String::from_utf8_lossy(&file.bytes).replace("\"./", &format!("\"{base}/"));
+    Ok(PageFile { bytes: Cow::Owned(text.into_bytes()), ..file })
 }
 
 /// What a panel's own window begins with.
@@ -156,7 +176,7 @@ fn not_built(way: &str) -> Response {
 
 #[cfg(test)]
 mod tests {
-    use super::{current, document, takes_gzip};
+    use super::{POLICY, below, current, document, takes_gzip};
     use crate::page_files::PageFile;
     use axum::http::header::{self, HeaderMap, HeaderName};
     use axum::http::{HeaderValue, StatusCode};
@@ -194,6 +214,16 @@ mod tests {
         let gzip = asks(header::ACCEPT_ENCODING, "gzip, deflate");
         assert_eq!(encoding(&gzip), (Some("gzip".into()), Some("accept-encoding".into())));
         assert_eq!(encoding(&HeaderMap::new()), (None, Some("accept-encoding".into())));
+    }
+
+    #[test]
+    fn below_a_path_the_page_names_its_files_there() {
+        let html = br#"<meta name="base" content="./" /><script src="./assets/a.js"></script>"#;
+        let file = PageFile { bytes: Cow::Borrowed(html), is_packed: false, kind: "text/html" };
+        let text = String::from_utf8(below(file, "/robot").unwrap().bytes.into_owned()).unwrap();
+        let expected =
+            r#"<meta name="base" content="/robot/" /><script src="/robot/assets/a.js"></script>"#;
+        assert_eq!(text, expected);
     }
 
     #[test]

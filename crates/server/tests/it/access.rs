@@ -58,7 +58,7 @@ fn tokens_let_in_and_nothing_else_does() {
 fn the_start_link_becomes_a_cookie_and_leaves_the_address() {
     let server = TestServer::new();
     let answer = server.call(None, "GET", &format!("/?token={}", server.owner()), None);
-    assert_eq!((answer.status, answer.header("location")), (303, Some("/")));
+    assert_eq!((answer.status, answer.header("location")), (303, Some("./")));
     let cookie = answer.header("set-cookie").unwrap().to_owned();
     assert!(cookie.ends_with("; Path=/; HttpOnly; SameSite=Strict"), "{cookie}");
     assert!(!cookie.contains(server.owner()), "{cookie}");

@@ -210,6 +210,11 @@ fn a_request_that_names_two_hosts_is_refused() {
         let head = others.map(|host| ("Host", host));
         assert_eq!(status(&ask(&server, "GET /api/v1/health", &head)), 400, "{others:?}");
     }
+    let named = |target: &str| {
+        let line = format!("GET http://{target}/api/v1/health");
+        status(&ask(&server, &line, &[("Host", &own)]))
+    };
+    assert_eq!((named("evil.example"), named(&own)), (400, 200));
 }
 
 #[test]

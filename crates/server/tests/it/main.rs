@@ -13,6 +13,7 @@ mod machines;
 mod page;
 mod past;
 mod plans;
+mod proxy;
 mod raw;
 mod rights;
 mod saving;

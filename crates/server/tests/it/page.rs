@@ -5,7 +5,7 @@ use rafcon_server::PageFiles;
 use std::path::Path;
 
 /// A page of three files.
-fn page(folder: &Path) -> PageFiles {
+pub(crate) fn page(folder: &Path) -> PageFiles {
     let page = folder.join("dist");
     std::fs::create_dir_all(page.join("assets")).unwrap();
     for (name, text) in
@@ -70,6 +70,6 @@ fn what_else_the_start_link_says_is_kept() {
         answer.header("location").map(str::to_owned)
     };
     let path = format!("/?machine=m1&token={}&follow=a%2Fb", server.owner());
-    assert_eq!(to(&path).as_deref(), Some("/?machine=m1&follow=a%2Fb"));
-    assert_eq!(to("/?token=wrong&x=//elsewhere").as_deref(), Some("/?x=//elsewhere"));
+    assert_eq!(to(&path).as_deref(), Some("./?machine=m1&follow=a%2Fb"));
+    assert_eq!(to("/?token=wrong&x=//elsewhere").as_deref(), Some("./?x=//elsewhere"));
 }
