@@ -16,7 +16,7 @@ pub(crate) struct Environment {
     pub(crate) token: Option<Secret>,
     /// Options that stand in the environment: `RAFCON_PYTHON` and `RAFCON_RUNS`.
     pub(crate) options: [Option<PathBuf>; 2],
-    /// `USER`: who gives commands.
+    /// `USER`, or the number of the user: who gives commands.
     pub(crate) user: String,
     /// `NO_COLOR` is set and not empty.
     pub(crate) no_color: bool,
@@ -58,7 +58,9 @@ impl Environment {
                 .or_else(|| Some(PathBuf::from(set("HOME")?).join(".config"))),
             token: variable("RAFCON_TOKEN").filter(|text| !text.is_empty()).map(Secret),
             options: ["RAFCON_PYTHON", "RAFCON_RUNS"].map(|name| set(name).map(PathBuf::from)),
-            user: variable("USER").unwrap_or_default(),
+            user: variable("USER")
+                .filter(|name| !name.is_empty())
+                .unwrap_or_else(|| format!("uid {}", rustix::process::getuid().as_raw())),
             no_color: set("NO_COLOR").is_some(),
             dumb_terminal: set("TERM").is_none_or(|term| term == "dumb"),
             unicode: ["LC_ALL", "LC_CTYPE", "LANG"].into_iter().find_map(set).is_some_and(

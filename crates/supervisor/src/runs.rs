@@ -102,12 +102,17 @@ impl Runs {
         &self.folder
     }
 
+    /// Makes the folder itself, which only its owner may list. An existing folder keeps its permissions.
+    pub fn make_folder(&self) -> io::Result<()> {
+        fs::DirBuilder::new().recursive(true).mode(0o700).create(&self.folder)
+    }
+
     /// Makes the folder of a new run of the machine with this name; only its owner may look into it. Its name survives a power
     /// cut.
     pub fn make(&self, machine: &str) -> Result<PathBuf, MakeError> {
         let folder = &self.folder;
         let unmade = |source| MakeError::Runs { folder: folder.clone(), source };
-        fs::create_dir_all(folder).map_err(unmade)?;
+        self.make_folder().map_err(unmade)?;
         let started_ms = clock::since_1970_ms();
         for attempt in 0..TRIES {
             let folder = folder.join(run_id(started_ms, machine, clock::salt(attempt)));
@@ -178,6 +183,7 @@ pub fn meant<'i>(ids: &'i [String], text: &str) -> Vec<&'i String> {
 mod tests {
     use super::Runs;
     use expect_test::{Expect, expect};
+    use std::os::unix::fs::PermissionsExt as _;
 
     fn check(text: &str, expect: &Expect) {
         let folder = tempfile::tempdir().unwrap();
@@ -189,6 +195,17 @@ mod tests {
         let found = Runs { folder: folder.path().to_path_buf() }.find(text);
         let text = found.map_or_else(|error| error.to_string(), |path| path.display().to_string());
         expect.assert_eq(&text.replace(&folder.path().display().to_string(), "RUNS"));
+    }
+
+    #[test]
+    fn only_the_owner_may_list_runs() {
+        let place = tempfile::tempdir().unwrap();
+        let runs = Runs { folder: place.path().join("state/runs") };
+        let run = runs.make("pick").unwrap();
+        for folder in [runs.folder(), &run] {
+            let mode = folder.metadata().unwrap().permissions().mode();
+            assert_eq!(mode & 0o777, 0o700, "{}", folder.display());
+        }
     }
 
     #[test]

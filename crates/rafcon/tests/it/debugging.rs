@@ -318,3 +318,16 @@ fn after_a_crash_nothing_moves_until_somebody_decides() {
     "#]],
     );
 }
+
+#[test]
+fn a_user_without_a_name_is_known_by_number() {
+    let place = Place::with(MACHINE);
+    let mut run = Run::start(&place, "--hold --runs runs");
+    up_to(&mut run, "held", &mut String::new());
+    let told = place.command("tell last stop --runs runs").env_remove("USER").output().unwrap();
+    assert!(told.status.success(), "{told:?}");
+    run.end();
+    let history = place.call("history last --runs runs");
+    let user = format!("uid {}", rustix::process::getuid().as_raw());
+    assert!(history.stdout.contains(&user), "{}", history.stdout);
+}

@@ -13,8 +13,10 @@ use std::fs;
 use std::os::unix::fs::MetadataExt as _;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::time::SystemTime;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, SystemTime};
 use tokio::sync::Semaphore;
+use tokio::time::{Instant, sleep};
 
 /// How many read at a time; others wait for their turn.
 const AT_ONCE: usize = 8;
@@ -22,6 +24,8 @@ const AT_ONCE: usize = 8;
 const SLOW_AT_ONCE: usize = 2;
 /// How many journals stay open for the next request.
 const IDLE: usize = 16;
+/// Timeout of a journal without a reader: each takes files and memory.
+const IDLE_TIME: Duration = Duration::from_secs(30);
 
 /// Open journals.
 #[derive(Debug)]
@@ -30,6 +34,8 @@ pub(crate) struct Readers {
     slow_turns: Arc<Semaphore>,
     /// The one that was used last is at the back.
     idle: Mutex<VecDeque<OpenReader>>,
+    /// True while a task closes journals without a reader.
+    is_closing: AtomicBool,
 }
 
 #[derive(Debug)]
@@ -37,6 +43,7 @@ struct OpenReader {
     folder: PathBuf,
     version: JournalVersion,
     reader: Reader,
+    used: Instant,
 }
 
 /// What shows that what was read of a journal is still valid: its writer is the same, or it has the same leftovers.
@@ -61,7 +68,8 @@ impl JournalVersion {
 impl Default for Readers {
     fn default() -> Self {
         let turns = |count| Arc::new(Semaphore::new(count));
-        Self { turns: turns(AT_ONCE), slow_turns: turns(SLOW_AT_ONCE), idle: Mutex::default() }
+        let (turns, slow_turns) = (turns(AT_ONCE), turns(SLOW_AT_ONCE));
+        Self { turns, slow_turns, idle: Mutex::default(), is_closing: AtomicBool::new(false) }
     }
 }
 
@@ -93,11 +101,39 @@ impl Readers {
         // Held by the work, not by the request, which may be dropped in the middle.
         let turn = Arc::clone(turns).acquire_owned().await.ok();
         let readers = Arc::clone(self);
-        blocking(move || {
+        let done = blocking(move || {
             let _turn = turn;
             readers.with(&folder, work)
-        })
-        .await
+        });
+        let done = done.await;
+        self.close_later();
+        done
+    }
+
+    /// Closes journals after their timeout.
+    fn close_later(self: &Arc<Self>) {
+        if self.is_closing.swap(true, Ordering::AcqRel) {
+            return;
+        }
+        let readers = Arc::clone(self);
+        tokio::spawn(async move {
+            while readers.close_unused() {
+                sleep(IDLE_TIME).await;
+            }
+        });
+    }
+
+    /// Closes journals without a reader; true if others stay open.
+    fn close_unused(&self) -> bool {
+        let mut idle = self.idle.lock();
+        let recent = idle.partition_point(|open| open.used.elapsed() >= IDLE_TIME);
+        let old: Vec<_> = idle.drain(..recent).collect();
+        let is_left = !idle.is_empty();
+        self.is_closing.store(is_left, Ordering::Release);
+        drop(idle);
+        // Closed with no one waiting for the lock.
+        drop(old);
+        is_left
     }
 
     /// The same on this thread.
@@ -125,7 +161,8 @@ impl Readers {
         if let Some(open) = known {
             return Ok(open);
         }
-        Ok(OpenReader { folder: folder.to_owned(), version, reader: Reader::open(folder)? })
+        let reader = Reader::open(folder)?;
+        Ok(OpenReader { folder: folder.to_owned(), version, reader, used: Instant::now() })
     }
 
     fn take_idle(&self, folder: &Path) -> Option<OpenReader> {
@@ -136,6 +173,7 @@ impl Readers {
 
     fn put(&self, open: OpenReader) {
         let mut idle = self.idle.lock();
+        let open = OpenReader { used: Instant::now(), ..open };
         idle.push_back(open);
         let oldest = if idle.len() > IDLE { idle.pop_front() } else { None };
         drop(idle);
@@ -146,11 +184,13 @@ impl Readers {
 
 #[cfg(test)]
 mod tests {
-    use super::{IDLE, Readers};
+    use super::{IDLE, IDLE_TIME, Readers};
     use crate::Failure;
     use rafcon_storage::journal::{About, Journal, Options, Reader};
     use rafcon_testkit::journal_notation;
     use std::path::Path;
+    use std::sync::Arc;
+    use tokio::time::sleep;
 
     const MACHINE: &str = "place R \"Root\" outcome done\n";
 
@@ -186,6 +226,23 @@ mod tests {
         assert_eq!(readers.with(folder.path(), last), Ok(3));
         journal.close().unwrap();
         assert_eq!(readers.with(folder.path(), last), Ok(3));
+    }
+
+    #[tokio::test(start_paused = true)]
+    async fn journals_that_no_one_reads_are_closed() {
+        let folder = tempfile::tempdir().unwrap();
+        let readers = Arc::new(Readers::default());
+        for number in 0..3 {
+            let run = folder.path().join(number.to_string());
+            begin(&run).close().unwrap();
+            readers.read(run, last).await.unwrap();
+        }
+        assert_eq!(readers.idle.lock().len(), 3);
+        sleep(3 * IDLE_TIME).await;
+        assert_eq!(readers.idle.lock().len(), 0);
+        readers.read(folder.path().join("1"), last).await.unwrap();
+        sleep(3 * IDLE_TIME).await;
+        assert_eq!(readers.idle.lock().len(), 0);
     }
 
     #[test]

@@ -48,7 +48,7 @@ pub(super) fn begin(server: &Arc<ServerState>) -> mpsc::Receiver<Noticed> {
     };
     let all = server.runs.folder.folder();
     let watcher = notify::recommended_watcher(tell).and_then(|mut watcher| {
-        fs::create_dir_all(all)?;
+        server.runs.folder.make_folder()?;
         watcher.watch(all, RecursiveMode::NonRecursive)?;
         Ok(watcher)
     });

@@ -111,8 +111,9 @@ impl Engine {
             }
         };
         if self.kind == Kind::Unified {
-            let mut arguments =
-                vec!["-c", BRIDGE, "--engine", &self.name, "--time-limit", &seconds];
+            // As one argument, a name such as `--help` is no option.
+            let engine = format!("--engine={}", self.name);
+            let mut arguments = vec!["-c", BRIDGE, &engine, "--time-limit", &seconds];
             arguments.extend(wish.anytime.then_some("--anytime"));
             return vec![lane(&arguments, Duration::ZERO)];
         }
@@ -142,5 +143,24 @@ impl Engine {
     /// Whether an exit status says that there was none to be found.
     pub(super) fn found_none(code: Option<i32>) -> bool {
         matches!(code, Some(0 | 11 | 12 | 14))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Engine, Kind, Wish};
+    use std::path::Path;
+    use std::time::Duration;
+
+    #[test]
+    fn a_name_that_looks_like_an_option_is_a_name() {
+        let (name, program) = ("--help".to_owned(), "python3".into());
+        let engine = Engine { name, program, kind: Kind::Unified, way_out: String::new() };
+        let [domain, problem] = ["domain", "problem"].map(Path::new);
+        let limit = Duration::from_secs(1);
+        let wish = Wish { domain, problem, limit, anytime: false, classical: true };
+        let lanes = engine.lanes(&wish);
+        let is_there = |word: &str| lanes[0].arguments.iter().any(|argument| argument == word);
+        assert!(is_there("--engine=--help") && !is_there("--help"));
     }
 }
