@@ -235,7 +235,11 @@ fn cut(text: &str) -> &str {
 mod tests {
     use super::{Audit, BYTES_MAX, Record, cut};
     use expect_test::expect;
+    use rafcon_locks::Mutex;
     use std::fs;
+    use std::sync::Arc;
+    use std::sync::atomic::AtomicU64;
+    use std::sync::mpsc::sync_channel;
 
     #[test]
     fn a_note_is_a_line_whatever_strangers_say_and_none_is_lost_at_the_end() {
@@ -264,6 +268,23 @@ mod tests {
         let record = fs::read_to_string(place.path().join("audit.jsonl")).unwrap();
         assert!(record.lines().count() < 100, "{record}");
         assert!(record.contains("token_made"), "{record}");
+    }
+
+    #[test]
+    fn notes_that_a_slow_disk_leaves_no_room_for_are_counted() {
+        let place = tempfile::tempdir().unwrap();
+        let (words, waiting) = sync_channel(1);
+        let missed = Arc::new(AtomicU64::new(0));
+        let (writer, theirs) = (None, Arc::clone(&missed));
+        let audit = Audit { words: Some(words), writer, recent_notes: Mutex::default(), missed };
+        for what in ["first", "second", "third"] {
+            audit.note("anna", what, "");
+        }
+        drop(audit);
+        Record::new(place.path()).write_all(&waiting, &theirs);
+        let text = fs::read_to_string(place.path().join("audit.jsonl")).unwrap();
+        assert!(text.contains("first") && !text.contains("second"), "{text}");
+        assert!(text.contains("2 notes, while the disk was too slow"), "{text}");
     }
 
     #[test]

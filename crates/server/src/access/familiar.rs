@@ -30,13 +30,40 @@ impl Familiar {
         self.addresses.lock().contains(&(user.to_owned(), network))
     }
 
-    /// Notes that the user has logged in from this network.
+    /// Notes that the user has logged in from this network. Beyond the limit another address is forgotten.
     pub(super) fn add(&self, user: &str, network: IpAddr) {
         let mut addresses = self.addresses.lock();
-        if addresses.len() < MAX && addresses.insert((user.to_owned(), network)) {
+        let entry = (user.to_owned(), network);
+        if addresses.contains(&entry) {
+            return;
+        }
+        if addresses.len() >= MAX {
+            addresses.pop_first();
+        }
+        if addresses.insert(entry) {
             let text = serde_json::to_vec(&*addresses).unwrap_or_default();
             // If the disk refuses, they are strangers after the next start; nothing else is lost.
             private::write_soon(&self.file, &text).unwrap_or_default();
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Familiar, MAX};
+    use std::net::{IpAddr, Ipv4Addr};
+
+    #[test]
+    fn a_limited_number_is_remembered_with_the_newest() {
+        let place = tempfile::tempdir().unwrap();
+        let file = place.path().join("familiar.json");
+        let network = |number: usize| IpAddr::V4(Ipv4Addr::from(u32::try_from(number).unwrap()));
+        let all: Vec<_> = (0..MAX).map(|number| ("ben", network(number))).collect();
+        std::fs::write(&file, serde_json::to_vec(&all).unwrap()).unwrap();
+        let familiar = Familiar::open(file).unwrap();
+        familiar.add("zoe", network(7));
+        assert!(familiar.knows("zoe", network(7)) && familiar.knows("ben", network(MAX - 1)));
+        assert!(!familiar.knows("ben", network(0)));
+        assert_eq!(familiar.addresses.lock().len(), MAX);
     }
 }

@@ -191,3 +191,26 @@ fn said(content: &[u8], run: &Run, link: &Link) {
         | Err(_) => {}
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{COMMANDS_MAX, Link, NotSent, Waiting};
+    use rafcon_locks::Mutex;
+    use rafcon_protocol::{Command, Envelope};
+    use tokio::sync::mpsc;
+
+    #[test]
+    fn a_runner_that_reads_nothing_is_sent_a_limited_number_of_commands() {
+        let (out, mut outgoing) = mpsc::channel(COMMANDS_MAX);
+        let link = Link { out, waiting: Mutex::new(Waiting::default()) };
+        let send = |number: usize| {
+            let envelope = Envelope::new(number.to_string(), "anna", Command::Pause);
+            link.send(&envelope).map(drop)
+        };
+        assert_eq!((0..COMMANDS_MAX).map(send).find(Result::is_err), None);
+        assert_eq!(send(COMMANDS_MAX), Err(NotSent::Busy));
+        assert_eq!(link.waiting.lock().answers.len(), COMMANDS_MAX);
+        outgoing.try_recv().unwrap();
+        assert_eq!(send(COMMANDS_MAX), Ok(()));
+    }
+}

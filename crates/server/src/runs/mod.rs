@@ -289,3 +289,24 @@ async fn look_through(server: &Arc<ServerState>) {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{LAUNCHES, Runs};
+    use crate::Settings;
+    use crate::change_counters::ChangeCounters;
+
+    #[tokio::test(start_paused = true)]
+    async fn a_start_waits_for_others_and_is_refused_if_they_take_too_long() {
+        let place = tempfile::tempdir().unwrap();
+        let settings = Settings::new(place.path().join("state"), place.path().join("runs"));
+        let runs = Runs::new(&settings, &ChangeCounters::default()).unwrap();
+        let mut held = Vec::new();
+        for _ in 0..LAUNCHES {
+            held.push(runs.turn().await.unwrap());
+        }
+        assert_eq!(runs.turn().await.unwrap_err().code(), "too_many_starts");
+        held.pop();
+        assert!(runs.turn().await.is_ok());
+    }
+}
