@@ -111,8 +111,10 @@ impl ConnectionSlots {
     pub(crate) fn take(&self, peer: Peer) -> Option<(Arc<ConnectionSlot>, Lost)> {
         let network = network(peer.ip);
         let mut taken = self.taken.lock();
-        if let Some(crowd) = self.crowd(&taken, network, peer.is_near) {
+        let has_too_many = taken.of(network) >= self.most_of_network(peer);
+        if has_too_many || self.is_full(&taken) {
             self.crowded_out.send_modify(|count| *count += 1);
+            let crowd = if has_too_many { Some(network) } else { taken.most_anonymous() };
             taken.end_oldest(crowd?)?;
         }
         let number = taken.next;
@@ -123,15 +125,16 @@ impl ConnectionSlots {
         Some((Arc::new(ConnectionSlot { number, places: self.clone() }), lost))
     }
 
-    /// The network that has to give up a place for a new connection, if none is free; `Some(None)` if no network can.
-    fn crowd(&self, taken: &Taken, network: IpAddr, is_near: bool) -> Option<Option<IpAddr>> {
+    /// Limit for the network of this client.
+    fn most_of_network(&self, peer: Peer) -> usize {
+        let all = self.capacity.all;
+        if peer.is_near { all } else { (all / PART).max(1) }
+    }
+
+    /// True if a new connection needs the place of another one.
+    fn is_full(&self, taken: &Taken) -> bool {
         let Capacity { all, anonymous } = self.capacity;
-        let most = if is_near { all } else { (all / PART).max(1) };
-        if taken.of(network) >= most {
-            return Some(Some(network));
-        }
-        let is_full = taken.places.len() >= all || taken.anonymous().count() >= anonymous;
-        is_full.then(|| taken.most_anonymous())
+        taken.places.len() >= all || taken.anonymous().count() >= anonymous
     }
 
     /// Waits, for a limited time, until the connections that lost their place have closed their files.
