@@ -383,7 +383,7 @@ for (const colorScheme of ["dark", "light"] as const) {
   );
 }
 
-/** Whether a press at each corner of a button of mission control hits the button. */
+/** True if a press at each corner of a button of mission control hits the button. */
 async function atCorners(app: App, name: string): Promise<readonly boolean[]> {
   const button = missionOf(app).getByRole("button", { name, exact: true });
   return button.evaluate((found) => {

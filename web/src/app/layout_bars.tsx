@@ -12,10 +12,10 @@ import { useComputed, useSignal } from "../ui/signals.ts";
 import { Bar } from "./bar.tsx";
 import { useSession } from "./provided.tsx";
 
-/** A layout of fewer states is there before a bar could be read. */
+/** Fewest states whose layout shows a bar; smaller ones finish too soon to read it. */
 const STATES_MIN = 60;
 
-/** How far a long layout is; Escape cancels it. */
+/** Progress of a long layout; Escape cancels it. */
 export function LayoutWorkBar({ tab }: { tab: OpenTab }) {
   const work = useSignal(layoutWork);
   const isShown = work?.tab === tab && work.states >= STATES_MIN;

@@ -191,7 +191,7 @@ export class LayoutNode {
     return { lines, grid: this.#lineGrid };
   }
 
-  /** The box of a child: beside those of the others, if the file does not say where. */
+  /** Box of a child; placed beside the others if the file has no position. */
   childBox(state: StateDocument, index: number): Box {
     const { position, size } = readLayout(state);
     if (position && size) return { ...position, ...size };

@@ -155,7 +155,7 @@ export class RoutingLanes {
     return { x: Math.min(Math.max(x, 0), width), y: Math.min(Math.max(y, 0), height) };
   }
 
-  /** Whether a way leads through a state. */
+  /** True for a way through a state. */
   crosses(points: readonly Point[]): boolean {
     return points.some((one, index) => {
       const other = points[index + 1];
@@ -163,7 +163,7 @@ export class RoutingLanes {
     });
   }
 
-  /** Whether an upright or level piece leads through a state; along its border is beside it. */
+  /** True for an upright or level piece through a state; a piece along the border counts as outside. */
   #isThrough(one: Point, other: Point): boolean {
     const least = this.pace * TINY;
     let through = false;
@@ -182,7 +182,7 @@ export class RoutingLanes {
     return through;
   }
 
-  /** What a step costs beside states and other lines; null through a state. */
+  /** Cost of a step beside states and other lines; null through a state. */
   stepCost(one: Point, other: Point, group: string): number | null {
     if (this.#isThrough(one, other)) return null;
     const lying = one.y === other.y;

@@ -5,7 +5,7 @@ import type { StateDocument } from "./generated/protocol.ts";
 import { type Box, intersects, type Size } from "./geometry.ts";
 import { defaultChildBox, readLayout } from "./layout_reader.ts";
 
-/** A state as the machine has it, or nothing if it is gone. */
+/** A state of the machine; undefined after its removal. */
 type Child = StateDocument | undefined;
 
 /** By how much the places shrink if there are too few. */

@@ -4,7 +4,7 @@ import { readLayout } from "./layout_reader.ts";
 import type { Machine } from "./machine.ts";
 import { parentOf } from "./path.ts";
 
-/** Whether there are states to be placed, and none of them has a place. */
+/** True if the machine has states and none of them has a position. */
 export function isUndrawn(machine: Machine): boolean {
   let count = 0;
   for (const path of machine.paths()) {

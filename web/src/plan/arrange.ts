@@ -24,7 +24,7 @@ export interface Level {
 /** What elk does: a graph without places in, the same with places out. */
 export type Layouter = (graph: ElkNode) => Promise<ElkNode>;
 
-/** Who waits for an arrangement, and may give it up. */
+/** Caller of an arrangement, which may cancel it. */
 export interface Progress {
   readonly isCancelled: () => boolean;
   readonly report: (now: {
@@ -255,7 +255,7 @@ function routePoints(answer: ElkNode, id: number, by: Point): readonly Point[] {
   return isWhole ? points.map(({ x, y }) => ({ x: x + by.x, y: y + by.y })) : [];
 }
 
-/** Where a port is in the container. */
+/** Position of a port in the container. */
 function portAt({ children = [] }: ElkNode, id: string | undefined): Point | null {
   for (const { x = 0, y = 0, ports = [] } of children) {
     const found = ports.find((port) => port.id === id);

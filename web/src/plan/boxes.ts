@@ -109,7 +109,7 @@ export function pins(machine: Machine, container: string, without: ReadonlySet<s
   return edits;
 }
 
-/** The box, moved so that it lies inside of a container of this size with so much around it, as far as it fits. */
+/** The box, moved into a container of this size with a margin, as far as it fits. */
 export function inside(box: Box, container: Size, margin = 0): Box {
   const kept = (at: number, length: number, room: number) => {
     const least = Math.min(margin, Math.max(0, (room - length) / 2));
@@ -120,7 +120,7 @@ export function inside(box: Box, container: Size, margin = 0): Box {
   return { ...box, x, y };
 }
 
-/** Edits that put states of one container elsewhere, all by the same way. */
+/** Edits that move states of one container by one offset. */
 export function shiftedChildren(machine: Machine, paths: readonly string[], by: Point): Edit[] {
   return paths.flatMap((path) => {
     const state = machine.state(path);

@@ -170,8 +170,8 @@ interface GroupWaypoints {
   readonly outer: Edit[];
 }
 
-/** Waypoints inside the box go along. Lines with right angles that cross its border, or lead through it, look for another way; those
- * that were drawn freely are cut at the border. */
+/** Moves waypoints inside the box. Lines with right angles that cross the border are routed again; freely drawn lines are cut at the
+ * border. */
 function groupedWaypoints(
   machine: Machine,
   path: string,
@@ -206,7 +206,7 @@ interface CutWay {
   readonly beyond: readonly Point[] | null;
 }
 
-/** What the group leaves of a stored way; `isCut`: the line crosses its border. */
+/** Rest of a stored way after grouping; `isCut` if the line crosses the border. */
 function cutAt(
   machine: Machine,
   path: string,

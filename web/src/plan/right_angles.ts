@@ -13,7 +13,7 @@ const STRAIGHT = 0.02;
 /** Part of a coordinate that is lost by rounding. */
 const NOISE = 1e-6;
 
-/** Whether all pieces of a way are upright or level, as far as one sees. */
+/** True if all pieces of a way are upright or level within the drawing's accuracy. */
 export function isRightAngled(points: readonly Point[]): boolean {
   return points.every((to, index) => isStraight(points[index - 1] ?? to, to));
 }
@@ -29,7 +29,7 @@ function isStraight(from: Point, to: Point, part = STRAIGHT): boolean {
   return Math.min(wide, high) <= Math.max(noise, part * Math.max(wide, high));
 }
 
-/** Where states and their ports are drawn. */
+/** Positions of states and their ports. */
 interface Drawing {
   readonly state: (path: string) => StateDocument | undefined;
   readonly box: (path: string) => Box;
@@ -40,7 +40,7 @@ interface StoredEnds {
   readonly goal: Point | null;
 }
 
-/** Where a transition begins and ends, in the coordinates of the container; null if nowhere. */
+/** Ends of a transition in the coordinates of the container; null without a position. */
 export function lineEnds(
   machine: Machine,
   container: string,
@@ -157,7 +157,7 @@ class DrawingAfter implements Drawing {
     return { ...before, ...position, ...size };
   }
 
-  /** Whether an end of a line may be elsewhere. */
+  /** True if an end of a line may move. */
   touches(container: string, { from_state, to_state }: TransitionDocument): boolean {
     const isTouched = (id: string | null | undefined) =>
       id != null && this.#states.has(childPath(container, id));
@@ -165,7 +165,7 @@ class DrawingAfter implements Drawing {
   }
 }
 
-/** What a port is called in the layout of its state; null of other parts. */
+/** Name of a port in the layout of its state; null for other parts. */
 function portKey(element: Extract<Edit, { edit: "set_position" }>["element"]): string | null {
   if (element === "income") return "income";
   return typeof element === "object" && "outcome" in element ? `outcome${element.outcome}` : null;
@@ -236,7 +236,7 @@ function bentAlong(
   return points.with(at, moved);
 }
 
-/** Whether a transition has a stored way with right angles; false without a stored way. */
+/** True if a transition has a stored way with right angles. */
 export function isStoredRightAngled(
   machine: Machine,
   container: string,
@@ -256,7 +256,7 @@ export function storedWay(
   return state ? (readLayout(state).waypoints.get(`transition${id}`) ?? []) : [];
 }
 
-/** Whether the stored way of a transition leads through a box. */
+/** True if the stored way of a transition crosses a box. */
 export function leadsThrough(
   machine: Machine,
   container: string,

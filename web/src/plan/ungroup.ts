@@ -19,7 +19,7 @@ import { isRefused, type Planned, together } from "./plan.ts";
 import { isStoredRightAngled, storedWay } from "./right_angles.ts";
 import { kindRefused } from "./transitions.ts";
 
-/** Puts the children of a container where it stands. */
+/** Replaces a container by its children, at its position. */
 export function ungroup(machine: Machine, path: string): Planned {
   const parent = movableFrom(machine, path);
   if (typeof parent !== "string") return parent;
@@ -106,8 +106,7 @@ function freedLines(
   });
 }
 
-/** Waypoints of what is between the children move along. Lines with right angles that came from or led to the container look for
- * another way. */
+/** Moves waypoints between the children. Lines with right angles from or to the container are routed again. */
 function freedWaypoints(
   machine: Machine,
   path: string,
@@ -136,7 +135,7 @@ function freedWaypoints(
   return [...edits, ...entries.map(({ id }) => waypointsEdit(parent, { transition: id }, []))];
 }
 
-/** Where a transition inside leads once its container is gone; null if nowhere. */
+/** End of an inner transition after the container is removed; null without one. */
 function freedGoal(
   { to_state, to_outcome }: TransitionDocument,
   around: StateDocument,

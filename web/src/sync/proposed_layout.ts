@@ -40,7 +40,7 @@ export class ProposedLayout implements LayoutProposal {
     if (plan) await this.#ports.make(plan.name, plan.edit);
   }
 
-  /** The edit to be shown upon the confirmed machine; none once somebody has drawn it. */
+  /** Edit shown on top of the confirmed machine; none once the machine has a drawing. */
   upon(machine: Machine): Edit | null {
     const plan = this.#shown.peek();
     if (plan && !isUndrawn(machine)) this.#shown.value = null;

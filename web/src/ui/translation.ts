@@ -1,7 +1,7 @@
 /** Undoes translations. A translator replaces text nodes by `<font>` elements; the page keeps writing into its own text nodes, so
  * a replaced one would show an old fact for ever. Knows no component. */
 
-/** Pause after an undo, in ms. A translator that answers at once must not block the page. */
+/** Pause after an undo, in ms. A translator that reacts at once must not block the page. */
 const PAUSE_MS = 50;
 
 /** Texts of users may contain `<font>` themselves. */

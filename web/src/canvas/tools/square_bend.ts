@@ -1,11 +1,11 @@
-/** How a line at right angles is bent by hand: one of its pieces, or the corner between two, goes along with the pointer, and all
- * pieces stay upright or level. */
+/** Bends a line with right angles by hand: one of its pieces, or the corner between two, follows the pointer, and all pieces stay
+ * upright or level. */
 
 import { distance, type Point } from "../../model/geometry.ts";
 import { isExactlyRightAngled } from "../../plan/right_angles.ts";
 import { nearestOn } from "../hit/lines.ts";
 
-/** What of a line is dragged, by its number among the pieces or corners. */
+/** Dragged part of a line, by its number among the pieces or corners. */
 export interface SquareBend {
   /** From port to port, with a point at each bend only. */
   readonly points: readonly Point[];
@@ -13,7 +13,7 @@ export interface SquareBend {
   readonly index: number;
 }
 
-/** What is dragged of a line that is taken at a point; null if it has slanted pieces. */
+/** Part of a line that is dragged from a point; null if the line has slanted pieces. */
 export function squareBend(
   points: readonly Point[],
   at: Point,

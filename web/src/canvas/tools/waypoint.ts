@@ -18,7 +18,7 @@ interface Bending {
   /** The other waypoints before and behind it, in the container's coordinates. */
   readonly before: readonly Point[];
   readonly after: readonly Point[];
-  /** What is dragged of a line at right angles; null of others. */
+  /** Dragged part of a line with right angles; null for other lines. */
   readonly square: SquareBend | null;
   /** Ends of the connection, in the container's coordinates. */
   readonly first: Point;

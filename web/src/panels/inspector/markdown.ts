@@ -75,7 +75,7 @@ interface Formatted {
   readonly html: string;
   /** Characters that it has of the text. */
   readonly length: number;
-  /** Whether parts are nested too deep to be formatted. */
+  /** True for parts that are nested too deep to be formatted. */
   readonly isTooDeep: boolean;
 }
 

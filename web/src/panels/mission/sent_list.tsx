@@ -61,8 +61,7 @@ function Line({ line, onClose }: { readonly line: SentLine; readonly onClose: ()
     <li className={`mission-sent-${kind}`}>
       <Sign size={16} aria-hidden />
       <span>
-        <strong>{title}</strong>{" "}
-        {withStateNames(page.tabs.peek(), page.active.peek(), words)}
+        <strong>{title}</strong> {withStateNames(page.tabs.peek(), page.active.peek(), words)}
       </span>
       {kind !== "sent" && kind !== "applied" && (
         <IconButton label="Close" icon={<X size={16} />} onClick={onClose} />

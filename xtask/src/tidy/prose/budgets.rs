@@ -10,9 +10,9 @@ use crate::workspace;
 
 /// The table, relative to the repository.
 const FILE: &str = "xtask/prose_budgets.txt";
-/// What stands in front of the commit from which on subjects are checked.
+/// Word before the commit whose successors have checked subjects.
 const SINCE: &str = "since ";
-/// Of a hundred new lines, the number that may have a tic.
+/// Share of new lines that may have a tic.
 const NEW_PERCENT: u32 = 5;
 
 const HEAD: &str = "\

@@ -1,6 +1,6 @@
-//! How comments, documents and texts read, measured and held by budgets that may only fall.
+//! Measures the language of comments, documents and texts, and holds it by budgets that may only fall.
 //!
-//! `CONTRIBUTING.md` explains the measures. The figures of each place stand in `xtask/prose_budgets.txt`.
+//! `CONTRIBUTING.md` explains the measures. `xtask/prose_budgets.txt` has the figures of each place.
 
 mod budgets;
 mod comments;

@@ -16,7 +16,7 @@ impl Place {
     }
 }
 
-/// How comments and strings are written in a file.
+/// Syntax of comments and strings in a file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Language {
     Rust,

@@ -7,7 +7,7 @@ use regex::Regex;
 use super::comments::Line;
 use super::places::Language;
 
-/// Where the tests of a Rust file begin.
+/// Line that begins the tests of a Rust file.
 const TESTS: &str = "\n#[cfg(test)]\nmod ";
 /// The fewest words of a literal that counts as a sentence.
 const SENTENCE_WORDS: usize = 3;

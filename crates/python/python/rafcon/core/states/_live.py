@@ -91,7 +91,7 @@ class LiveDict(dict):
 
 
 class Parts(LiveDict):
-    """Id to element of one kind; the elements stay the same as long as they are there."""
+    """Live mapping of ids to elements of one kind; an element keeps its identity while it exists."""
 
     def __init__(self, state, group, cls):
         dict.__init__(self)
@@ -104,7 +104,7 @@ class Parts(LiveDict):
         return {key: dict.get(self, key) or self._cls._of(self._state, key) for key in content}
 
     def _adopt(self, key, element):
-        """The element that a user made stands for that of the state from now on."""
+        """Binds an element that a user made to that of the state."""
         element._parent = self._state
         dict.__setitem__(self, key, element)
         self._seen = None

@@ -166,7 +166,7 @@ class State(StateConstruction, StateChanges, SemanticData, StateSummary):
             state = state.parent
 
     def get_previously_executed_state(self):
-        """The state that ran before this one in the same container; the container, if this is the first."""
+        """The state that ran before this one in its container; the container itself before the first."""
         before = native.last_left(self._place)
         if before >= 0:
             return _objects.state(before)
@@ -175,14 +175,14 @@ class State(StateConstruction, StateChanges, SemanticData, StateSummary):
     # ---- its parts
 
     def _parts(self, group, cls):
-        """Id to element of one kind, live; always the same dictionary."""
+        """Live mapping of ids to elements of one kind; one dictionary for the life of the state."""
         parts = self._listed.get(group)
         if parts is None:
             parts = self._listed[group] = Parts(self, group, cls)
         return parts
 
     def _adopt(self, group, key, element):
-        """The element that a user made stands for that of the state from now on."""
+        """Binds an element that a user made to that of the state."""
         self._parts(group, type(element))._adopt(key, element)
 
     @property
