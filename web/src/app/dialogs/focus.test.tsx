@@ -25,6 +25,7 @@ const ASKS: Readonly<Record<OpenDialog["name"], (tab: OpenTab) => unknown>> = {
   colour: () => null,
   "start-run": (tab) => tab,
   "resume-crashed": () => watched(runLine("crashed")).watch,
+  "set-aside": (tab) => tab,
   breakpoint: () => newBreakpoint(1, "R"),
   keys: () => undefined,
   settings: () => undefined,

@@ -35,7 +35,12 @@ export function SetAside({ asks: tab, answer }: AskedDialogProps<OpenTab>) {
     if (rest.length === 0) answer(null);
   };
   return (
-    <Dialog title="Edits set aside" width={640} onClose={() => answer(null)}>
+    <Dialog
+      title="Edits set aside"
+      width={640}
+      onClose={() => answer(null)}
+      footer={<Button onClick={() => answer(null)}>Close</Button>}
+    >
       <p>
         The server could not restore these unsaved edits. Repeat those you need by hand, or download
         them, then discard them.
