@@ -29,7 +29,7 @@ export interface PddlObject {
   readonly type: string;
 }
 
-/** What a problem says. */
+/** A problem: its objects, facts and goal. */
 export interface PddlProblem {
   readonly name: string;
   readonly objects: readonly PddlObject[];

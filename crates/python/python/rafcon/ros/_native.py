@@ -291,7 +291,7 @@ class _Part:
         self._open = False
 
     def matched(self):
-        """How many peers there are."""
+        """The number of peers."""
         self._backend.check()
         return self._matched
 
@@ -320,7 +320,7 @@ class _Publisher(_Part):
         self._backend.tell("publish", handle=self._handle, message=message)
 
     def subscribers(self):
-        """How many hear it."""
+        """The number of subscriptions that match."""
         return self.matched()
 
 
@@ -336,7 +336,7 @@ class Subscription(_Part):
             self._heard(message)
 
     def publishers(self):
-        """How many it hears."""
+        """The number of publishers that match."""
         return self.matched()
 
 

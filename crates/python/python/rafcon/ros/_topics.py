@@ -210,7 +210,7 @@ class Subscription:
         return None
 
     def publishers(self):
-        """How many publishers it hears now."""
+        """The number of publishers that it matches."""
         return self._subscription.publishers()
 
     def close(self):
