@@ -23,7 +23,6 @@ const ASKS: Readonly<Record<OpenDialog["name"], (tab: OpenTab) => unknown>> = {
   new: () => undefined,
   library: () => ({ title: "Library", yes: "Use" }),
   colour: () => null,
-  "set-aside": (tab) => tab,
   "start-run": (tab) => tab,
   "resume-crashed": () => watched(runLine("crashed")).watch,
   "set-aside": (tab) => tab,
