@@ -32,7 +32,7 @@ fn an_object_may_have_the_name_of_a_type() {
         CHARGE,
         "(define (problem p) (:domain d) (:objects robot - Robot Battery - Battery)
         (:init (at robot)) (:goal (full battery)) (:metric minimize (total-cost)))",
-        &expect![[r#"
+        &expect![[r"
             (define (domain world)
               (:requirements :negative-preconditions :strips :typing)
               (:types battery_type - object robot_type - object)
@@ -48,7 +48,7 @@ fn an_object_may_have_the_name_of_a_type() {
               (:goal (full battery))
               (:metric minimize (total-cost))
             )
-        "#]],
+        "]],
     );
     let mut found = plan("(charge robot battery)");
     found.restore_names(&names);
@@ -61,7 +61,7 @@ fn letters_of_other_languages_and_words_of_pddl_are_names() {
         CHARGE,
         "(define (problem küche) (:domain d) (:objects Küche 漢 and 2nd charge robot_2 - Robot b - Battery)
         (:init (at Küche) (at and) (at 2nd) (at 漢)) (:goal (forall (?größe - Battery) (full ?größe))))",
-        &expect![[r#"
+        &expect![[r"
             (define (domain world)
               (:requirements :negative-preconditions :strips :typing)
               (:types battery - object robot - object)
@@ -76,7 +76,7 @@ fn letters_of_other_languages_and_words_of_pddl_are_names() {
               (:init (at k_che_object) (at and_object) (at object_2nd) (at object_2))
               (:goal (forall (?gr__e_variable - battery) (full ?gr__e_variable)))
             )
-        "#]],
+        "]],
     );
     let mut found = plan("(charge k_che_object b)");
     found.restore_names(&names);
