@@ -1,7 +1,7 @@
 //! Processes that scripts make by forking: they are copies that must never touch the run.
 
-use crate::current;
 use crate::handle::Handle;
+use crate::{current, process_output};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use rafcon_engine::{Returned, ScriptResult};
@@ -23,7 +23,8 @@ pub(crate) fn after_fork_in_child(py: Python<'_>) -> PyResult<()> {
     }
     current::fork_happened();
     let close = py.import("os")?.getattr("close")?;
-    rafcon_runner::descriptors().into_iter().try_for_each(|open| close.call1((open,)).map(drop))
+    let open = rafcon_runner::descriptors().into_iter().chain(process_output::forget());
+    open.into_iter().try_for_each(|open| close.call1((open,)).map(drop))
 }
 
 /// Ends a copy whose script has returned, after its threads: the state machine lives elsewhere. As Python does it for a child of

@@ -20,7 +20,11 @@ pub(crate) fn emit(path: i64, stream: &str, level: i64, message: String) -> PyRe
         other => return Err(PyValueError::new_err(format!("no stream is named {other}"))),
     };
     let path = u32::try_from(path).ok().map(PathId);
-    let line = Line { level: log_level(level), stream, message };
+    note(path, Line { level: log_level(level), stream, message })
+}
+
+/// Logs a line, or keeps it for the beginning of the run.
+pub(crate) fn note(path: Option<PathId>, line: Line) -> PyResult<()> {
     let line = if current::is_expected() { early::keep(line) } else { Some(line) };
     if let Some(Line { level, stream, message }) = line {
         current::driver()?.log(path, level, stream, message);

@@ -31,6 +31,7 @@ mod persistent;
 mod planning;
 mod polled_events;
 mod process;
+mod process_output;
 mod questions;
 mod restore;
 mod returned;

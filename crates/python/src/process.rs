@@ -4,7 +4,7 @@ use crate::handle::Handle;
 use crate::literals::{PythonLiterals, from_json};
 use crate::runtime::Runtime;
 use crate::scripts::PythonScripts;
-use crate::{config, current, early, fork, globals, package};
+use crate::{config, current, early, fork, globals, package, process_output};
 use pyo3::prelude::*;
 use pyo3::types::PyModule;
 use rafcon_engine::Literals;
@@ -100,6 +100,7 @@ pub(crate) fn main(py: Python<'_>, fd: RawFd) -> PyResult<i32> {
     fork::register(&module)?;
     let runtime = Runtime::get(py)?;
     default_signals(py)?;
+    read_output(py)?;
     runtime.install_capture.call0(py)?;
     runtime.load_plugins(py)?;
     // What is there now stays for good: the collector need not look at it again and again.
@@ -107,8 +108,24 @@ pub(crate) fn main(py: Python<'_>, fd: RawFd) -> PyResult<i32> {
     let end = py.detach(|| serve(stream, PythonHost::default()));
     runtime.flush_all.call0(py)?;
     runtime.hooks.call_method0(py, "shut_down")?;
+    process_output::close();
     early::print();
     Ok(exit_code(end))
+}
+
+/// Environment variable by which a starter leaves standard output and error to the runner until the end of the run.
+const READS_OUTPUT: &str = "RAFCON_READS_OUTPUT";
+
+fn read_output(py: Python<'_>) -> PyResult<()> {
+    let environment = py.import("os")?.getattr("environ")?;
+    let wanted = environment.call_method1("pop", (READS_OUTPUT, py.None()))?;
+    if !wanted.is_none()
+        && let Err(error) = process_output::install()
+    {
+        let message = format!("output of child processes is logged after the run only: {error}");
+        early::say(LogLevel::Info, message);
+    }
+    Ok(())
 }
 
 /// Serves the package `rafcon` to a program that has loaded this module by itself and is no runner.

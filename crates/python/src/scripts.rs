@@ -8,7 +8,9 @@ use crate::runtime::Runtime;
 use crate::state_objects::StateObjects;
 use crate::state_table::StateSlot;
 use crate::value_serializer::ValueSerializer;
-use crate::{build_run, condition, current, graveyard, persistent, process, restore, thread};
+use crate::{
+    build_run, condition, current, graveyard, persistent, process, process_output, restore, thread,
+};
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use rafcon_engine::{Check, Finish, Globals, Job, Literals, Program, Returned, ScriptResult};
@@ -58,6 +60,7 @@ impl Scripts for PythonScripts {
 
     fn run(&self, job: Job<Handle>, place: &Arc<Place>) -> ScriptResult<Handle> {
         Python::attach(|py| {
+            process_output::script_begins(job.path);
             let result = thread::at(job.path, || match self.seat(py, place) {
                 Ok(seat) => self.run_at(py, &seat, &job),
                 Err(error) => failed(py, error),
@@ -65,6 +68,7 @@ impl Scripts for PythonScripts {
             if current::is_forked() {
                 crate::fork::end(py, &result);
             }
+            process_output::script_ended(py, job.path);
             result
         })
     }
@@ -106,6 +110,7 @@ impl Scripts for PythonScripts {
     }
 
     fn finished(&self) {
+        process_output::close();
         let told = Python::attach(|py| -> PyResult<()> {
             let runtime = Runtime::get(py)?;
             runtime.hooks.call_method0(py, "finished")?;

@@ -49,7 +49,7 @@ pub(crate) enum Cause {
     Mended(String),
     /// Whoever lets us hear it does not any more.
     Refused(String),
-    /// The runner's process wrote a line past its capture: an extension in C, a child, a dying interpreter.
+    /// A line of output that the runner did not log: after its run, or of a dying interpreter.
     Raw(Stream, String),
     /// Nothing more comes from that pipe: whoever held it has closed it.
     Drained(Stream),
@@ -120,15 +120,16 @@ impl EventQueue {
     pub(crate) fn connect(&mut self, process: Process) -> Result<()> {
         let Process { mut child, control } = process;
         let (stdout, stderr) = (child.stdout.take(), child.stderr.take());
-        self.join(control, None)?;
-        let life = self.life;
-        if let Some(stdout) = stdout {
-            self.source("stdout", life, move |queue| raw(Stream::Stdout, stdout, queue))?;
-        }
-        if let Some(stderr) = stderr {
-            self.source("stderr", life, move |queue| raw(Stream::Stderr, stderr, queue))?;
-        }
-        self.source("exit", life, move |queue| exit(child, queue))
+        let events = StreamReader::new(0, false, None);
+        self.listen("messages", move |queue| {
+            messages(control, queue, events)?;
+            // Until here the runner reads its own output.
+            thread::scope(|scope| {
+                scope.spawn(|| stdout.map(|stdout| raw(Stream::Stdout, stdout, queue)));
+                stderr.map_or(Ok(()), |stderr| raw(Stream::Stderr, stderr, queue))
+            })
+        })?;
+        self.source("exit", self.life, move |queue| exit(child, queue))
     }
 
     /// Connects a runner that is someone else's; its run lies in `folder`.

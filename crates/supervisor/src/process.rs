@@ -4,7 +4,8 @@
 //! inherits one end of a socket pair and nothing else of ours.
 //!
 //! Beside a terminal its standard input is ours if that is a file or a pipe; a terminal stays with us, for a background group
-//! that reads from it would be stopped by the kernel. What it writes comes to us by pipes. A *detached* runner has nothing
+//! that reads from it would be stopped by the kernel. It writes to pipes, which the runner itself reads and logs during the run.
+//! Its starter reads them after the end of the control connection. A *detached* runner has nothing
 //! that ends with us: no input, and a file for what it writes, which is locked for as long as someone may write to it.
 
 use crate::{
@@ -123,6 +124,7 @@ impl Start {
             .args(["-c", BOOTSTRAP])
             .env("RAFCON_EXTENSION_FILE", &self.extension)
             .env("RAFCON_CONTROL_FD", theirs.as_raw_fd().to_string())
+            .env("RAFCON_READS_OUTPUT", "1")
             .stdin(stdin)
             .stdout(stdout)
             .stderr(stderr)

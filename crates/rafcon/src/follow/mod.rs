@@ -230,9 +230,10 @@ impl RunFollower {
         out.extend([Action::Heard(is_reached), Action::Note(text.to_owned())]);
     }
 
-    /// Output that no script was caught writing: a line of the log, without a state.
+    /// Output that the runner did not log: a line without a state. The last words of a runner that died are errors.
     fn raw(&mut self, stream: Stream, line: String, out: &mut Vec<Action>) {
-        let level = if stream == Stream::Stderr { LogLevel::Error } else { LogLevel::Info };
+        let is_death = stream == Stream::Stderr && self.end.is_none();
+        let level = if is_death { LogLevel::Error } else { LogLevel::Info };
         if stream == Stream::Stderr {
             self.process.said(&line);
         }

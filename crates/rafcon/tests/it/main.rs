@@ -18,6 +18,7 @@ mod hostile_values;
 mod kept_runs;
 mod link_torture;
 mod months;
+mod process_output;
 mod readme;
 mod script_check;
 mod served;
