@@ -291,6 +291,15 @@ class Scripts(unittest.TestCase):
             ],
         )
 
+    def test_where_nobody_types_the_error_says_what_to_do(self):
+        advice = "rafcon.dialog.text"
+        result = self.check("input()", outcome="aborted", error="EOFError")
+        self.assertIn(advice, result.finished["outputs"]["error"]["msg"])
+        for stop in ("breakpoint()", "import pdb; pdb.set_trace()"):
+            error = self.run_machine(sequence(execute(f"{stop}\nn = 1"))).finished["outputs"]["error"]
+            self.assertEqual(error["__exc__"], "RuntimeError")
+            self.assertIn("python3 -m rafcon.core.start", error["msg"])
+
     def test_a_script_may_fork(self):
         result = self.check(
             """

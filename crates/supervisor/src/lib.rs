@@ -10,7 +10,7 @@
 //! fn start(surroundings: &ProgramEnvironment) -> Result<Process, Box<dyn std::error::Error>> {
 //!     let folder = Runs::new(None, surroundings)?.make("pick")?;
 //!     println!("its files will be in {}", folder.display());
-//!     Ok(Start::find(None, surroundings)?.spawn()?)
+//!     Ok(Start::find(None, surroundings)?.spawn(false)?)
 //! }
 //! ```
 

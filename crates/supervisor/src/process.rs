@@ -101,10 +101,10 @@ impl Start {
         Ok(Self { interpreter, extension: find_extension(surroundings)? })
     }
 
-    /// Starts it beside a terminal.
-    pub fn spawn(&self) -> Result<Process, StartError> {
+    /// Starts it beside a terminal. `has_keys`: whether the user there can answer questions.
+    pub fn spawn(&self, has_keys: bool) -> Result<Process, StartError> {
         let stdin = if io::stdin().is_terminal() { Stdio::null() } else { Stdio::inherit() };
-        self.start([stdin, Stdio::piped(), Stdio::piped()])
+        self.start([stdin, Stdio::piped(), Stdio::piped()], has_keys)
     }
 
     /// Starts it so that it outlives us; what it writes is added to this file, which only its owner may read.
@@ -113,10 +113,14 @@ impl Start {
         let stdout = open(output).map_err(failed)?;
         stdout.lock_shared().map_err(failed)?;
         let stderr = stdout.try_clone().map_err(failed)?;
-        self.start([Stdio::null(), stdout.into(), stderr.into()])
+        self.start([Stdio::null(), stdout.into(), stderr.into()], false)
     }
 
-    fn start(&self, [stdin, stdout, stderr]: [Stdio; 3]) -> Result<Process, StartError> {
+    fn start(
+        &self,
+        [stdin, stdout, stderr]: [Stdio; 3],
+        has_keys: bool,
+    ) -> Result<Process, StartError> {
         let _inheriting = INHERITING.lock();
         let (control, theirs) = UnixStream::pair().map_err(StartError::Sockets)?;
         let mut command = Command::new(&self.interpreter.program);
@@ -125,6 +129,7 @@ impl Start {
             .env("RAFCON_EXTENSION_FILE", &self.extension)
             .env("RAFCON_CONTROL_FD", theirs.as_raw_fd().to_string())
             .env("RAFCON_READS_OUTPUT", "1")
+            .env("RAFCON_HAS_KEYS", if has_keys { "1" } else { "" })
             .stdin(stdin)
             .stdout(stdout)
             .stderr(stderr)

@@ -4,7 +4,7 @@ Every function is called with the GIL held and never waits.
 """
 
 import rafcon.utils.log  # noqa: F401, the level VERBOSE exists from here on
-from rafcon import _capture, _dialog_modules, _fork, _logging, _objects, _printed_errors
+from rafcon import _capture, _console, _dialog_modules, _fork, _logging, _objects, _printed_errors
 from rafcon._capture import flush_all, flush_capture, pending
 from rafcon._conditions import check
 from rafcon._conditions import reason as why
@@ -89,3 +89,4 @@ def install_capture():
     _logging.install()
     _fork.install()
     _dialog_modules.install()
+    _console.install()

@@ -4,9 +4,9 @@ use crate::harness::Place;
 use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
 use rustix::termios::{LocalModes, Winsize, tcgetattr, tcsetwinsize};
 use std::fs::File;
-use std::io::Read as _;
+use std::io::{Read as _, Write as _};
 use std::os::fd::{AsFd as _, OwnedFd};
-use std::process::Child;
+use std::process::{Child, Command};
 
 /// Both ends of a terminal.
 struct Terminal {
@@ -33,8 +33,33 @@ impl Terminal {
         command.stdin(end()).stdout(end()).stderr(end()).spawn().unwrap()
     }
 
+    /// The same with this terminal as its own, which reads keys.
+    fn run_in_front(&self, place: &Place, words: &str) -> Child {
+        let end = || self.theirs.try_clone().unwrap();
+        let plain = place.command(words);
+        let mut command = Command::new("setsid");
+        command.args(["--ctty", "--wait"]).arg(plain.get_program()).args(plain.get_args());
+        command.current_dir(plain.get_current_dir().unwrap());
+        for (name, value) in plain.get_envs() {
+            match value {
+                Some(value) => command.env(name, value),
+                None => command.env_remove(name),
+            };
+        }
+        command.env("TERM", "xterm").env_remove("NO_COLOR");
+        command.stdin(end()).stdout(end()).stderr(end()).spawn().unwrap()
+    }
+
     fn echoes(&self) -> bool {
         tcgetattr(self.theirs.as_fd()).unwrap().local_modes.contains(LocalModes::ECHO)
+    }
+
+    /// Answers the question that is shown.
+    fn answer(&mut self, text: &str) {
+        self.read_until("a answer");
+        self.ours.write_all(b"a").unwrap();
+        self.read_until("> _");
+        self.ours.write_all(format!("{text}\r").as_bytes()).unwrap();
     }
 
     /// Reads until `word` was written.
@@ -112,6 +137,34 @@ fn a_small_terminal_shows_the_tree_and_is_put_back() {
     assert!(rest.contains("\x1b[32msuccess (0)"), "{rest}");
     assert_eq!(child.wait().unwrap().code(), Some(0));
     assert!(terminal.echoes());
+}
+
+#[test]
+fn a_script_reads_what_the_user_types() {
+    let place = Place::with_script(
+        "def execute(self, inputs, outputs, gvm):\n    print('Your name', end='')\n    print('hello', input('? '))\n    return 0",
+    );
+    let mut terminal = Terminal::new(80, 24);
+    let mut child = terminal.run_in_front(&place, "run MACHINE");
+    terminal.read_until("Your name?");
+    terminal.answer("Ada");
+    terminal.read_until("hello Ada");
+    assert_eq!(child.wait().unwrap().code(), Some(0));
+}
+
+#[test]
+fn a_script_is_debugged_at_the_terminal() {
+    for stop in ["breakpoint()", "import pdb; pdb.set_trace()"] {
+        let place = Place::with_script(&format!(
+            "def execute(self, inputs, outputs, gvm):\n    n = 6\n    {stop}\n    n += 1\n    return 0"
+        ));
+        let mut terminal = Terminal::new(80, 24);
+        let mut child = terminal.run_in_front(&place, "run MACHINE");
+        terminal.answer("p n * 700 ;; continue");
+        terminal.read_until("4200");
+        terminal.read_until("success (0)");
+        assert_eq!(child.wait().unwrap().code(), Some(0));
+    }
 }
 
 #[test]

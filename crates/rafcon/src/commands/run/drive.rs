@@ -93,7 +93,7 @@ impl RunSetup<'_> {
         let deadline = timeout.map(|timeout| clock.now().saturating_add(timeout));
         let mut lives = RestartPolicy::default();
         loop {
-            let process = start.spawn()?;
+            let process = start.spawn(has_keys)?;
             let (control, group) = (process.control.try_clone()?, process.group());
             queue.connect(process)?;
             say(&control, group, launch.clone());
