@@ -21,9 +21,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Size of a read, and of the longest entry.
 const CHUNK: usize = 64 * 1024;
-/// Reads in a row before others may go on.
+/// Reads in a row before the lock is released.
 const ROUNDS: usize = 16;
-/// How long output may wait in a pipe.
+/// Delay of reads from a pipe.
 const DELAY: Timespec = Timespec { tv_sec: 0, tv_nsec: 250_000_000 };
 /// Bytes in a pipe that are read without delay.
 const SOON: u64 = 16 * 1024;
@@ -59,7 +59,7 @@ pub(crate) fn install() -> io::Result<()> {
     reader.spawn(move || follow(&wakers)).map(drop)
 }
 
-/// Logs the output so far, and leaves later output to the starter of the runner.
+/// Logs the output so far. The starter of the runner reads later output.
 pub(crate) fn close() {
     if IS_READ.swap(false, Ordering::Relaxed) {
         let mut sources = SOURCES.lock();
@@ -142,7 +142,7 @@ fn follow(wakers: &[OwnedFd]) {
     }
 }
 
-/// Whether the output waits in pipes, and none is about to be full.
+/// Whether all output is in pipes with room for more.
 fn has_little() -> bool {
     let mut sources = SOURCES.lock();
     sources.iter_mut().all(|source| source.position.is_none() && source.waiting() < SOON)
@@ -172,7 +172,7 @@ struct Source {
     file: File,
     /// Device and number of the file.
     inode: (u64, u64),
-    /// How far a file was read; `None` of a pipe.
+    /// Bytes of a file that were read; `None` of a pipe.
     position: Option<u64>,
     /// Notices of a growing file.
     growth: Option<OwnedFd>,
@@ -235,7 +235,7 @@ impl Source {
         }
     }
 
-    /// How many bytes can be read at once. Of a file that is far ahead, and of one that was cut, a part is left out.
+    /// Number of bytes to read now. Skips a part of a file that is far ahead, and starts again in one that was cut.
     fn waiting(&mut self) -> u64 {
         let Some(position) = &mut self.position else {
             return rustix::io::ioctl_fionread(&self.file).unwrap_or_default();

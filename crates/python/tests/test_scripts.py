@@ -115,8 +115,38 @@ class Scripts(unittest.TestCase):
         )
 
     def test_scoped_variables_of_the_container(self):
-        root = sequence(execute("print(self.parent.scoped_data['200R'].value)\nreturn 0"), scoped=[("n", "int", 5)])
-        self.assertEqual(self.run_machine(root).logged("stdout"), ["5"])
+        text = "data = self.parent.scoped_data['200R']\nprint(data.value, data.from_state)\nreturn 0"
+        root = sequence(execute(text), scoped=[("n", "int", 5)])
+        self.assertEqual(self.run_machine(root).logged("stdout"), ["5 R"])
+
+    def test_values_of_a_thread_last_as_long_as_its_branch(self):
+        text = """
+            import sys, threading
+            here = sys.__dict__.setdefault("_here", threading.local())
+            print(vars(here))
+            here.seen = self.state_id
+            return 0
+        """
+        root = sequence(execute(text, id="A"), execute(text, id="B"))
+        self.assertEqual(self.run_machine(root).logged("stdout"), ["{}", "{'seen': 'A'}"])
+
+    def test_an_error_in_the_outputs_reaches_the_next_state(self):
+        fails = execute("outputs['error'] = 'why'\nreturn 'aborted'", id="A")
+        handles = execute("print(inputs)\nreturn 0", id="B")
+        root = container("hierarchy", [fails, handles], [(None, None, "A"), ("A", -1, "B"), ("B", 0, 0)])
+        self.assertEqual(self.run_machine(root).logged("stdout"), ["{'error': 'why'}"])
+
+    def test_a_dollar_alone_is_a_text(self):
+        self.check("print(inputs)\nreturn 0", inputs=[("a", "str", "$")], lines=["{'a': '$'}"])
+
+    def test_a_script_in_another_encoding_runs(self):
+        machine = save(self.folder / "machine", sequence(execute("return 0", id="X")))
+        (script,) = machine.glob("*/script.py")
+        body = "def execute(self, inputs, outputs, gvm):\n    print(ascii('\u00e9'))\n    return 0\n"
+        script.write_bytes(body.encode("utf-8-sig"))
+        self.assertEqual(run(machine).logged("stdout"), ["'\\xe9'"])
+        script.write_bytes(("# -*- coding: latin-1 -*-\n" + body).encode("latin-1"))
+        self.assertEqual(run(machine).logged("stdout"), ["'\\xe9'"])
 
     def test_a_decider_sees_the_others(self):
         children = [

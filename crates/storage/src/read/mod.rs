@@ -13,6 +13,7 @@ mod library_content;
 mod library_state;
 mod packed;
 mod queue;
+mod script_text;
 mod state_files;
 mod walk;
 

@@ -4,6 +4,7 @@
 use super::bounds::Unread;
 use super::compact::compact;
 use super::decode::{Decoder, stand_in};
+use super::script_text;
 use crate::files::{Oddities, Part};
 use crate::problem::Fault;
 use rafcon_model::{Json, Kind, Layout, State, json};
@@ -105,8 +106,11 @@ impl StateReader {
         oddities: &mut Oddities,
     ) -> Result<Option<Arc<str>>, Unread> {
         let Some(bytes) = files.read(Part::Script)? else { return Ok(None) };
-        if let Ok(text) = std::str::from_utf8(bytes) {
-            return Ok(Some(self.decoder.interner.text(text)));
+        if let Some((text, is_other)) = script_text::decode(bytes) {
+            if is_other {
+                oddities.verbatim.insert(Part::Script, bytes.into());
+            }
+            return Ok(Some(self.decoder.interner.text(&text)));
         }
         faults.push((Part::Script, Fault::NotUtf8));
         oddities.verbatim.insert(Part::Script, bytes.into());

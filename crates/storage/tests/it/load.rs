@@ -353,6 +353,23 @@ fn names_and_texts_that_are_not_utf8_are_problems() {
 }
 
 #[test]
+fn scripts_are_decoded_as_python_reads_them() {
+    let dir = tempfile::tempdir().unwrap();
+    make_files(dir.path(), &format!("{HEADER}\n== core_data.json\n{}", execution("a", "AAAAAA")));
+    for (bytes, text) in [
+        (&b"\xef\xbb\xbf# caf\xc3\xa9\n"[..], "# café\n"),
+        (b"# coding: latin-1\n# caf\xe9\n", "# coding: latin-1\n# café\n"),
+    ] {
+        fs::write(dir.path().join("script.py"), bytes).unwrap();
+        let read = loaded(dir.path());
+        assert_eq!(
+            (read.problems.len(), read.machine.root.script().unwrap().text.as_deref()),
+            (0, Some(text))
+        );
+    }
+}
+
+#[test]
 fn pipes_and_devices_are_no_files_to_wait_for() {
     let dir = tempfile::tempdir().unwrap();
     make_files(

@@ -352,6 +352,29 @@ fn damaged_files_survive_saves_copies_and_formatting() {
 }
 
 #[test]
+fn a_script_in_another_encoding_keeps_its_bytes_until_it_is_changed() {
+    for bytes in [&b"\xef\xbb\xbfx = 1\n"[..], b"# coding: latin-1\nx = '\xe9'\n"] {
+        let dir = tempfile::tempdir().unwrap();
+        put(&machine(EVERY_KIND), dir.path(), None);
+        let script = dir.path().join("last__LASTXX/script.py");
+        fs::write(&script, bytes).unwrap();
+        let read = loaded(dir.path());
+        let edited = with(&read.machine, "ROOTID/LASTXX", |state| state.name = "new".into());
+        let copy = dir.path().join("copy");
+        put(&edited, &copy, Some(&read.saved));
+        assert_eq!(fs::read(copy.join("new_LASTXX/script.py")).unwrap(), bytes);
+        let script_of = |text: &str| {
+            with(&edited, "ROOTID/LASTXX", |state| match &mut state.kind {
+                Kind::Execution(script) => script.text = Some(text.into()),
+                other => panic!("{other:?}"),
+            })
+        };
+        put(&script_of("x = 'é'\n"), &copy, Some(&loaded(&copy).saved));
+        assert_eq!(fs::read_to_string(copy.join("new_LASTXX/script.py")).unwrap(), "x = 'é'\n");
+    }
+}
+
+#[test]
 fn a_repaired_id_is_written_by_the_next_save() {
     let dir = tempfile::tempdir().unwrap();
     put(&machine(EVERY_KIND), dir.path(), None);

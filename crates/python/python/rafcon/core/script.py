@@ -1,6 +1,8 @@
 """The script of an execution state."""
 
+import io
 import os
+import tokenize
 
 #: What a new state does.
 DEFAULT_SCRIPT = """
@@ -11,6 +13,15 @@ def execute(self, inputs, outputs, gvm):
 """
 #: The name of the file in a state's folder.
 SCRIPT_FILE = "script.py"
+
+
+def _decoded(source):
+    """The text of a source file in UTF-8, or in the encoding that it declares."""
+    try:
+        text = source.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        text = source.decode(tokenize.detect_encoding(io.BytesIO(source).readline)[0])
+    return io.IncrementalNewlineDecoder(None, translate=True).decode(text)
 
 
 class Script:
@@ -50,8 +61,8 @@ class Script:
     def load_script(self, path=None, filename=None):
         """Takes the text of a file over; without arguments, that of its own file."""
         path = self.path if path is None else path
-        with open(os.path.join(path, filename or self.filename), encoding="utf-8") as file:
-            self.script = file.read()
+        with open(os.path.join(path, filename or self.filename), "rb") as file:
+            self.script = _decoded(file.read())
 
     def compile_module(self):
         """Raises what Python says against the text, if anything."""
