@@ -234,7 +234,7 @@ impl Planner<'_> {
             });
             let shown = match plan
                 .map_err(Verdict::Wrong)
-                .and_then(|plan| self.shown(request, wanted, plan, (name, begin)))
+                .and_then(|plan| self.shown(request, wanted, &plan, (name, begin)))
             {
                 Ok(shown) => shown,
                 Err(verdict) => return verdict,
@@ -259,11 +259,11 @@ impl Planner<'_> {
         &self,
         request: &MakePlan,
         wanted: &Wanted,
-        plan: Plan,
+        plan: &Plan,
         (engine, begin): (&str, Instant),
     ) -> Result<PlanFound, Verdict> {
         let Wanted { pool, task, .. } = wanted;
-        validate(task, &plan).map_err(|invalid| Verdict::Wrong(invalid.to_string()))?;
+        validate(task, plan).map_err(|invalid| Verdict::Wrong(invalid.to_string()))?;
         let is_ordered = plan.temporal || request.parallel;
         if is_ordered && plan.steps.len() > ORDERED_MAX {
             let count = plan.steps.len();
@@ -272,11 +272,11 @@ impl Planner<'_> {
             )));
         }
         let structure = if is_ordered {
-            Structure::of(&Order::of(task, &plan))
+            Structure::of(&Order::of(task, plan))
         } else {
             Structure::chain(plan.steps.len())
         };
-        structure.check(task, &plan).map_err(|invalid| {
+        structure.check(task, plan).map_err(|invalid| {
             Verdict::Unfit(format!("{invalid} unless steps overlap in time as planned, which no machine can promise: change the skills so that they need not"))
         })?;
         let library = |path: &str| pool::library(path, self.libraries);
@@ -284,7 +284,7 @@ impl Planner<'_> {
             name: &wanted.name,
             task,
             pool,
-            plan: &plan,
+            plan,
             structure: &structure,
             data: &wanted.data,
             recovery: recovery(request),
@@ -297,7 +297,7 @@ impl Planner<'_> {
             after_ms: millis_since(begin),
             task,
             pool,
-            plan: &plan,
+            plan,
             structure: &structure,
             built,
             findings: &wanted.findings,
