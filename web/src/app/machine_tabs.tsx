@@ -4,8 +4,9 @@ import { Play, Plus, X } from "lucide-react";
 import { type KeyboardEvent, useState } from "react";
 import { entryOf } from "../commands/menus.ts";
 import { isChanged } from "../commands/save.ts";
+import { clock1s } from "../store/page/clock1s.ts";
 import type { OpenTab } from "../store/page/page.ts";
-import { runningBeside } from "../store/run/running.ts";
+import { isUnconfirmed, runningBeside } from "../store/run/running.ts";
 import { IconButton } from "../ui/button.tsx";
 import { ContextMenu } from "../ui/menu.tsx";
 import { useComputed, useSignal } from "../ui/signals.ts";
@@ -59,11 +60,12 @@ function MachineTab({ tab, active }: { tab: OpenTab; active: boolean }) {
   const changed = useComputed(() => isChanged(tab), [tab]);
   const file = useComputed(() => tab.session.status.value?.summary.file ?? null, [tab]);
   const running = useComputed(() => runningBeside(page, tab).length, [page, tab]);
+  const isOld = useComputed(() => isUnconfirmed(page, tab, clock1s.value), [page, tab]);
   const name = machine.state(machine.root)?.name ?? "";
   const facts = [
     file ? `${file.project} / ${file.path}` : "not saved yet",
     ...(changed && file ? ["has unsaved edits"] : []),
-    ...(running > 0 ? [runningInWords(running)] : []),
+    ...(running > 0 ? [runningInWords(running, isOld)] : []),
   ];
   const close = () => commands.run("file.close", context(), tab);
   return (
@@ -91,12 +93,12 @@ function MachineTab({ tab, active }: { tab: OpenTab; active: boolean }) {
         }}
       >
         {running > 0 && (
-          <span className="tab-runs">
+          <span className={isOld ? "tab-runs is-old" : "tab-runs"}>
             <Play size={11} aria-hidden />
           </span>
         )}
         {name}
-        {running > 0 && <span className="visually-hidden">, {runningInWords(running)}</span>}
+        {running > 0 && <span className="visually-hidden">, {runningInWords(running, isOld)}</span>}
         {changed && (
           <span className="tab-changed">
             <span className="visually-hidden">, changed</span>
@@ -139,6 +141,7 @@ function MachineTab({ tab, active }: { tab: OpenTab; active: boolean }) {
   );
 }
 
-function runningInWords(count: number): string {
-  return count === 1 ? "a run is active" : `${count} runs are active`;
+function runningInWords(count: number, isOld: boolean): string {
+  const runs = count === 1 ? "a run is active" : `${count} runs are active`;
+  return isOld ? `${runs} as of the last news` : runs;
 }

@@ -4,6 +4,7 @@ import type { MachineFile, RunSummary, Session, Snapshot } from "../../model/gen
 import { isSame } from "../../model/json.ts";
 import type { Watch } from "../history/run.ts";
 import type { OpenTab, Page } from "../page/page.ts";
+import { truthAge } from "./age.ts";
 
 /** The folder of the machine of a tab; of a machine as it ran that which the run was started from. */
 export function fileOfTab(tab: OpenTab): MachineFile | null {
@@ -44,6 +45,15 @@ export function runningBeside(page: Page, tab: OpenTab): readonly RunSummary[] {
   const listed = all.filter(({ phase }) => phase === "live" || phase === "starting");
   const isListed = shown === undefined || listed.some(({ id }) => id === shown.id);
   return isListed ? listed : [shown, ...listed];
+}
+
+/** True if every run of a tab may have ended since its last news. */
+export function isUnconfirmed(page: Page, tab: OpenTab, now_ms: number): boolean {
+  if (page.server.link.value.state !== "up") return true;
+  const watch = liveRun(tab);
+  return runningBeside(page, tab).every(({ id, unheard_since_ms }) =>
+    watch?.id === id ? truthAge(page, watch, now_ms).isOld : unheard_since_ms !== undefined,
+  );
 }
 
 /** Who works at this page; null while that is not known. */
