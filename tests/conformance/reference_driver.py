@@ -8,6 +8,7 @@ import argparse
 import io
 import json
 import logging
+import math
 import os
 import sys
 import tempfile
@@ -26,15 +27,21 @@ def parse_arguments():
 
 
 def encode(value):
-    """A Python value as JSON; what JSON lacks is marked by a key of its own."""
-    if value is None or isinstance(value, (bool, int, float, str)):
+    """A Python value as JSON, as docs/protocol.md encodes values; what JSON lacks is marked by a key of its own."""
+    if value is None or isinstance(value, (bool, str)):
         return value
+    if isinstance(value, int):
+        return value if abs(value) < 2**53 else {"__int__": str(value)}
+    if isinstance(value, float) and math.isfinite(value):
+        return {"__float__": "-0.0"} if value == 0 and math.copysign(1, value) < 0 else value
     if isinstance(value, tuple):
         return {"__tuple__": [encode(item) for item in value]}
     if isinstance(value, list):
         return [encode(item) for item in value]
     if isinstance(value, dict):
-        return {str(key): encode(item) for key, item in value.items()}
+        if all(isinstance(key, str) for key in value) and not (value and all(map(str.isdecimal, value))):
+            return {key: encode(item) for key, item in value.items()}
+        return {"__dict__": [[encode(key), encode(item)] for key, item in value.items()]}
     if isinstance(value, BaseException):
         return {"__exc__": type(value).__name__, "msg": str(value)}
     if isinstance(value, type):

@@ -63,11 +63,32 @@ pub(crate) fn from_view<'py>(py: Python<'py>, view: &Value) -> PyResult<Bound<'p
         },
         Value::String(text) => PyString::new(py, text).into_any(),
         Value::Array(items) => PyList::new(py, objects(py, items)?)?.into_any(),
-        Value::Object(members) => match members.get("__tuple__") {
-            Some(Value::Array(items)) => PyTuple::new(py, objects(py, items)?)?.into_any(),
-            _ => dict(py, members)?.into_any(),
-        },
+        Value::Object(members) => tagged(py, members)?,
     })
+}
+
+fn tagged<'py>(py: Python<'py>, members: &Map<String, Value>) -> PyResult<Bound<'py, PyAny>> {
+    let only = members.iter().next().filter(|_| members.len() == 1);
+    Ok(match only.map(|(tag, inner)| (tag.as_str(), inner)) {
+        Some(("__tuple__", Value::Array(items))) => {
+            PyTuple::new(py, objects(py, items)?)?.into_any()
+        }
+        Some(("__dict__", Value::Array(pairs))) => from_pairs(py, pairs)?.into_any(),
+        Some(("__int__", Value::String(digits))) => py.get_type::<PyInt>().call1((digits,))?,
+        Some(("__float__", Value::String(text))) => py.get_type::<PyFloat>().call1((text,))?,
+        _ => dict(py, members)?.into_any(),
+    })
+}
+
+fn from_pairs<'py>(py: Python<'py>, pairs: &[Value]) -> PyResult<Bound<'py, PyDict>> {
+    let dict = PyDict::new(py);
+    for pair in pairs {
+        let Some([key, value]) = pair.as_array().map(Vec::as_slice) else {
+            return Err(PyValueError::new_err("a pair of `__dict__` is no key and value"));
+        };
+        dict.set_item(from_view(py, key)?, from_view(py, value)?)?;
+    }
+    Ok(dict)
 }
 
 fn dict<'py>(py: Python<'py>, members: &Map<String, Value>) -> PyResult<Bound<'py, PyDict>> {

@@ -9,7 +9,8 @@ use pyo3::types::{
     PyBool, PyByteArray, PyBytes, PyDict, PyFloat, PyFrozenSet, PyInt, PyList, PySet, PySlice,
     PyString, PyTuple, PyType,
 };
-use serde_json::{Map, Number, Value, json};
+use rafcon_storage::journal::record::{float, int};
+use serde_json::{Map, Value, json};
 
 /// Values in one view, at most.
 const ITEMS_MAX: usize = 256;
@@ -24,7 +25,10 @@ const MESSAGE_MAX: usize = 16 << 10;
 /// How much is shown of what has no encoding of its own.
 const SHOWN_MAX: usize = 200;
 /// Objects with one of these keys mean something else than a dictionary.
-const SPECIAL: [&str; 4] = ["__tuple__", "__exc__", "__type__", "__repr__"];
+const SPECIAL: [&str; 8] =
+    ["__tuple__", "__set__", "__dict__", "__int__", "__float__", "__exc__", "__type__", "__repr__"];
+/// Bits of an integer that is written out, at most: about 1024 digits.
+const INT_BITS_MAX: u64 = 3400;
 
 /// A view of one value.
 #[derive(Debug)]
@@ -70,15 +74,24 @@ impl Looking {
 
     fn int(&mut self, object: &Bound<'_, PyAny>) -> Value {
         match object.extract::<i64>() {
-            Ok(number) => number.into(),
-            Err(_too_large) => self.part(|| represented(object)),
+            Ok(number) => int(number),
+            Err(_too_large) => self.large_int(object),
         }
     }
 
+    fn large_int(&mut self, object: &Bound<'_, PyAny>) -> Value {
+        let bits = object.call_method0("bit_length").and_then(|bits| bits.extract());
+        let bits = bits.unwrap_or(u64::MAX);
+        if bits > INT_BITS_MAX {
+            return self.part(|| named(object, &format!("an int of {bits} bits")));
+        }
+        json!({ "__int__": words(object, object.str()) })
+    }
+
     fn float(&mut self, number: &Bound<'_, PyFloat>) -> Value {
-        match Number::from_f64(number.value()) {
-            Some(finite) => Value::Number(finite),
-            None => self.part(|| represented(number)),
+        match float(number.value()) {
+            value @ Value::Object(_) if !number.value().is_finite() => self.part(|| value),
+            value => value,
         }
     }
 
@@ -166,29 +179,34 @@ impl Looking {
     }
 
     fn dict(&mut self, dict: &Bound<'_, PyDict>, depth: usize) -> Value {
-        let (count, mut members) = (dict.len(), Map::new());
-        for (key, value) in dict.iter().take(self.left) {
-            let key = self.key(&key);
-            // A reader has the keys in their order, so only a dictionary in that order is made again as it was.
-            self.whole &= members.keys().next_back().is_none_or(|before: &String| *before < key);
-            self.whole &= !SPECIAL.contains(&key.as_str());
-            members.insert(key, self.at(&value, depth + 1));
+        let count = dict.len();
+        let entries: Vec<_> = dict.iter().take(self.left).collect();
+        let keys: Option<Vec<String>> = entries.iter().map(|(key, _)| plain_key(key)).collect();
+        let shown =
+            match keys.filter(|keys| keys.is_empty() || !keys.iter().all(|key| is_integer(key))) {
+                Some(keys) => self.members(keys, &entries, depth),
+                None => self.pairs(&entries, depth),
+            };
+        if count > entries.len() {
+            return self.part(|| cut(dict, count, "__some__", shown));
         }
-        if count > members.len() {
-            return self.part(|| cut(dict, count, "__some__", Value::Object(members)));
-        }
-        Value::Object(members)
+        shown
     }
 
-    fn key(&mut self, key: &Bound<'_, PyAny>) -> String {
-        let text = key.cast_exact::<PyString>().ok().and_then(|text| text.to_cow().ok());
-        match text {
-            Some(text) if text.len() <= TEXT_MAX => text.into_owned(),
-            _ => {
-                self.whole = false;
-                words(key, key.str()).chars().take(SHOWN_MAX).collect()
-            }
-        }
+    /// A dictionary whose keys are the same texts as keys of a JSON object.
+    fn members(&mut self, keys: Vec<String>, entries: &[Entry<'_>], depth: usize) -> Value {
+        // A reader has the keys in their order, so only a dictionary in that order is made again as it was.
+        self.whole &= keys.is_sorted();
+        let entries = keys.into_iter().zip(entries);
+        entries.map(|(key, (_, value))| (key, self.at(value, depth + 1))).collect()
+    }
+
+    /// Any other dictionary.
+    fn pairs(&mut self, entries: &[Entry<'_>], depth: usize) -> Value {
+        let pair = |(key, value): &Entry<'_>| {
+            Value::Array(vec![self.at(key, depth + 1), self.at(value, depth + 1)])
+        };
+        json!({ "__dict__": entries.iter().map(pair).collect::<Vec<_>>() })
     }
 
     /// What does not show all of the value.
@@ -196,6 +214,21 @@ impl Looking {
         self.whole = false;
         show()
     }
+}
+
+/// A key of a dictionary with its value.
+type Entry<'py> = (Bound<'py, PyAny>, Bound<'py, PyAny>);
+
+/// The key, if it is a text that is the same text as a key of a JSON object.
+fn plain_key(key: &Bound<'_, PyAny>) -> Option<String> {
+    let text = key.cast_exact::<PyString>().ok()?;
+    let text = text.to_cow().ok().filter(|text| text.len() <= TEXT_MAX)?;
+    (!SPECIAL.contains(&&*text)).then(|| text.into_owned())
+}
+
+/// True for a key that a reader of files converts to a whole number.
+fn is_integer(key: &str) -> bool {
+    key.parse::<i64>().is_ok_and(|number| number.to_string() == key)
 }
 
 /// What has no encoding of its own.
@@ -206,9 +239,11 @@ fn other(object: &Bound<'_, PyAny>) -> Value {
         let name = class.name().map(|name| name.to_string_lossy().into_owned());
         json!({ "__type__": name.unwrap_or_default() })
     } else if let Some(bytes) = leading_bytes(object) {
-        named(object, &words(object, bytes.repr()))
+        let shown = named(object, &words(object, bytes.repr()));
+        let is_cut = object.len().is_ok_and(|count| count > SHOWN_MAX);
+        if is_cut { with_length(object, shown) } else { shown }
     } else if is_large_set(object) {
-        named(object, &format!("{} of many", class_name(object)))
+        with_length(object, named(object, &format!("{} of many", class_name(object))))
     } else {
         represented(object)
     }
@@ -246,9 +281,22 @@ fn represented(object: &Bound<'_, PyAny>) -> Value {
     named(object, &words(object, object.repr()))
 }
 
-fn named(object: &Bound<'_, PyAny>, shown: &str) -> Value {
-    let shown: String = shown.chars().take(SHOWN_MAX).collect();
-    json!({ "__repr__": shown, "__class__": class_name(object) })
+fn named(object: &Bound<'_, PyAny>, text: &str) -> Value {
+    let shown: String = text.chars().take(SHOWN_MAX).collect();
+    let is_cut = shown.len() < text.len();
+    let mut shown = json!({ "__repr__": shown, "__class__": class_name(object) });
+    if is_cut && let Value::Object(members) = &mut shown {
+        members.insert("__len__".to_owned(), text.chars().count().into());
+    }
+    shown
+}
+
+/// Adds the number of items, of which not all are shown.
+fn with_length(object: &Bound<'_, PyAny>, mut shown: Value) -> Value {
+    if let (Value::Object(members), Ok(count)) = (&mut shown, object.len()) {
+        members.insert("__len__".to_owned(), count.into());
+    }
+    shown
 }
 
 fn class_name(object: &Bound<'_, PyAny>) -> String {

@@ -53,6 +53,18 @@ class DecodePlain(unittest.TestCase):
         for text in ('[1, {"2": null}]', '{"__jsonqualname__": "builtins.set", "items": [1]}', '{"__type__": "NoneType"}'):
             self.assertEqual(decode_plain(text), decode(text))
 
+    def test_what_a_client_sends_is_the_encoding_of_values(self):
+        values = (2**70, -0.0, (1, (2.5,)), {1: "left", "1": "right"}, {"1": 2}, {(1, None): []})
+        for value in values:
+            with self.subTest(value):
+                found = decode_plain(json.dumps(encode(value)))
+                self.assertEqual(repr(found), repr(value))
+        self.assertEqual(decode_plain('{"__set__": [1, 2]}'), {1, 2})
+        self.assertEqual(repr(decode_plain(json.dumps([encode(float("nan")), {"__float__": "inf"}]))), "[nan, inf]")
+        for text in ('{"__int__": "x"}', '{"__int__": 3}', '{"__dict__": [[[], 1]]}', '{"__dict__": [1]}', '{"__set__": [[]]}'):
+            with self.subTest(text), self.assertRaisesRegex(ValueError, "of a client's value"):
+                decode_plain(text)
+
     def test_nothing_is_imported_or_constructed(self):
         hostile = (
             '{"__type__": "unittest.__main__.x"}',
@@ -90,15 +102,19 @@ class Encode(unittest.TestCase):
         self.check(Colour.RED, 1)
 
     def test_what_json_lacks(self):
-        self.check({1: (2, "x")}, {"1": {"__tuple__": [2, "x"]}})
+        self.check({1: (2, "x")}, {"__dict__": [[1, {"__tuple__": [2, "x"]}]]})
+        self.check({1: "left", "1": "right"}, {"__dict__": [[1, "left"], ["1", "right"]]})
+        self.check(2**53, {"__int__": "9007199254740992"})
+        self.check(-0.0, {"__float__": "-0.0"})
         self.check(ValueError("bad"), {"__exc__": "ValueError", "msg": "bad"})
         self.check(dict, {"__type__": "dict"})
         self.check(float("nan"), {"__repr__": "nan", "__class__": "float"})
-        self.check(b"x" * 300, {"__repr__": repr(b"x" * 300)[:200], "__class__": "bytes"})
+        self.check(b"x" * 300, {"__repr__": repr(b"x" * 300)[:200], "__class__": "bytes", "__len__": 300})
+        self.check(2**4000, {"__repr__": "an int of 4001 bits", "__class__": "int"})
 
     def test_what_resists(self):
         self.assertIn("RuntimeError", encode(Broken())["__repr__"])
-        self.check("\ud800", "\\ud800")
+        self.check("\ud800", {"__repr__": "'\\ud800'", "__class__": "str"})
         endless = []
         endless.append(endless)
         json.dumps(encode(endless))

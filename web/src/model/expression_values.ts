@@ -2,7 +2,7 @@
 
 import type { JsonValue } from "./generated/protocol.ts";
 import { numbersOf } from "./numbers.ts";
-import { type ReadArray, read, typeWords } from "./wire.ts";
+import { keyLabel, type ReadArray, read, typeWords } from "./wire.ts";
 
 /** Why there is no such part, in words for people. */
 export class WrongValue extends Error {}
@@ -53,7 +53,7 @@ export function partOf(value: JsonValue, key: JsonValue): JsonValue {
   const found = read(value);
   switch (found.kind) {
     case "dict": {
-      const wanted = typeof key === "string" ? key : String(key);
+      const wanted = found.hasLiteralKeys ? keyLabel(key) : String(key);
       const entry = found.entries.find(([name]) => name === wanted);
       if (entry) return entry[1];
       const isCut = found.count > found.entries.length;

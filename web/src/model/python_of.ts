@@ -11,7 +11,7 @@ export function pythonOf(value: unknown): string {
     case "bool":
       return found.value ? "True" : "False";
     case "number":
-      return numberOf(found.value, found.text);
+      return found.of === "int" ? found.text : numberOf(found.value, found.text);
     case "text":
       return textOf(found);
     case "list":
@@ -47,8 +47,9 @@ function listOf({ of, items, count }: Extract<Read, { kind: "list" }>): string {
   return all.length === 0 ? "set()" : `{${all.join(", ")}}`;
 }
 
-function dictOf({ entries, count }: Extract<Read, { kind: "dict" }>): string {
-  const all = entries.map(([key, value]) => `${JSON.stringify(key)}: ${pythonOf(value)}`);
+function dictOf({ entries, hasLiteralKeys, count }: Extract<Read, { kind: "dict" }>): string {
+  const keyOf = (label: string) => (hasLiteralKeys ? label : JSON.stringify(label));
+  const all = entries.map(([label, value]) => `${keyOf(label)}: ${pythonOf(value)}`);
   return `{${[...all, ...(count > entries.length ? ["..."] : [])].join(", ")}}`;
 }
 

@@ -24,7 +24,7 @@ function inWords(found: Read, max: number): string | null {
     case "bool":
       return found.value ? "True" : "False";
     case "number":
-      return shortNumber(found.value, found.text);
+      return found.of === "int" ? found.text : shortNumber(found.value, found.text);
     case "list":
       return found.items.length < found.count ? null : listed(found.of, found.items, max);
     case "dict":

@@ -1,6 +1,7 @@
 /** What a value on the wire is (docs/protocol.md, values; docs/edits.md, values): told apart once, for all who show it. */
 
 import type { JsonValue } from "./generated/protocol.ts";
+import { python } from "./value.ts";
 
 /** How much there is of something may be more than what was kept of it: then `count` is more than what is here. */
 export type Read =
@@ -22,7 +23,9 @@ export type Read =
     }
   | {
       readonly kind: "dict";
+      /** Its keys as labels. Labels are Python literals if not all keys are texts: `1` and `"1"` are different keys. */
       readonly entries: readonly (readonly [string, JsonValue])[];
+      readonly hasLiteralKeys: boolean;
       readonly count: number;
     }
   | ReadArray
@@ -110,11 +113,19 @@ function represented(members: Members, shown: string, of: string): Read {
     return { kind: "list", of: of === "tuple" ? "tuple" : "list", items: first, count };
   }
   const some = members["__some__"];
-  if (isObject(some)) return { kind: "dict", entries: Object.entries(some), count };
+  if (isObject(some)) return { ...dict(some), count };
   if (of === "str" && typeof length === "number") return { kind: "text", text: shown, count };
-  if (of === "int" || of === "float") return written(shown, of);
+  if (isNumber(shown, of)) return written(shown, of);
   const shape = numbers(members["__shape__"]);
-  return shape ? array(members, shown, of, shape) : { kind: "object", of, shown };
+  const isCut = typeof length === "number";
+  return shape
+    ? array(members, shown, of, shape)
+    : { kind: "object", of, shown: isCut ? `${shown}…` : shown };
+}
+
+/** An integer that is too long is only described. */
+function isNumber(shown: string, of: string): of is "int" | "float" {
+  return (of === "int" && /^-?\d+$/.test(shown)) || (of === "float" && SPECIAL.test(shown));
 }
 
 function array(members: Members, shown: string, of: string, shape: readonly number[]): Read {
@@ -140,18 +151,22 @@ function itemOf(item: JsonValue): number {
   return found.kind === "bool" ? Number(found.value) : Number.NaN;
 }
 
-function dict(members: Members): Read {
+function dict(members: Members): Extract<Read, { kind: "dict" }> {
   const pairs = members["__dict__"];
-  const entries = Array.isArray(pairs)
-    ? pairs.flatMap((pair) =>
-        Array.isArray(pair) ? [[keyText(pair[0]), pair[1] ?? null] as const] : [],
-      )
-    : Object.entries(members);
-  return { kind: "dict", entries, count: entries.length };
+  if (!Array.isArray(pairs)) {
+    const entries = Object.entries(members);
+    return { kind: "dict", entries, hasLiteralKeys: false, count: entries.length };
+  }
+  const entries = pairs.flatMap((pair) =>
+    Array.isArray(pair) ? [[keyLabel(pair[0] ?? null), pair[1] ?? null] as const] : [],
+  );
+  return { kind: "dict", entries, hasLiteralKeys: true, count: entries.length };
 }
 
-function keyText(key: JsonValue | undefined): string {
-  return typeof key === "string" ? key : JSON.stringify(key ?? null);
+/** A key as a Python literal, or as it looked. */
+export function keyLabel(key: JsonValue): string {
+  const shown = isObject(key) ? key["__repr__"] : undefined;
+  return typeof shown === "string" ? shown : python(key);
 }
 
 function numbers(value: JsonValue | undefined): readonly number[] | null {

@@ -15,6 +15,11 @@ _REPRESENTATION_MAX = 200
 _MESSAGE_MAX = 16 * 1024
 #: A key with more digits stays a text.
 _DIGITS_MAX = 18
+#: The largest integer that every JSON reader keeps exactly, and how long the digits of a larger one may be.
+_EXACT_MAX = 2**53 - 1
+_INT_BITS_MAX = 3400
+#: Objects with one of these keys mean something else than a dictionary.
+_TAGS = ("__tuple__", "__set__", "__dict__", "__int__", "__float__", "__exc__", "__type__", "__repr__")
 #: What an object of a file may be without importing anything.
 _PLAIN_COLLECTIONS = {
     "__builtin__.tuple": tuple,
@@ -22,6 +27,8 @@ _PLAIN_COLLECTIONS = {
     "__builtin__.set": set,
     "builtins.set": set,
 }
+#: Values whose ``__len__`` is their number of items instead of the length of their text.
+_SIZED = (bytes, bytearray, set, frozenset)
 #: The types that a client may name.
 _PLAIN_TYPES = {kind.__name__: kind for kind in (bool, bytes, complex, dict, float, int, list, set, str, tuple, type(None))}
 
@@ -50,13 +57,19 @@ def _decode_object(members):
 def decode_plain(text):
     """The value of a JSON text that a client sends: an input, an answer, data of a start.
 
-    Reads the encoding of ``decode`` as far as it is plain data: tuples, sets and Python's own types of values. Imports no
-    module and constructs no object: raises ``ValueError`` for anything else that names a class.
+    Reads the encoding of ``encode``, and that of ``decode``, as far as it is plain data: tuples, sets and Python's own types
+    of values. Imports no module and constructs no object: raises ``ValueError`` for anything else that names a class.
     """
     return json.loads(text, object_hook=_decode_plain_object)
 
 
 def _decode_plain_object(members):
+    if len(members) == 1:
+        ((tag, inner),) = members.items()
+        if tag in _DECODERS:
+            return _decode_tagged(tag, inner)
+    if members.keys() == {"__repr__", "__class__"} and members["__class__"] == "float":
+        return _decode_tagged("__float__", members["__repr__"])
     if "__jsonqualname__" in members:
         name = members["__jsonqualname__"]
         items = members.get("items")
@@ -73,6 +86,26 @@ def _decode_plain_object(members):
         f"a client's value names the class {name!r}, and no class is imported for a client: send plain JSON, "
         "and let a script make the object"
     )
+
+
+#: Values that JSON lacks, by their tag.
+_DECODERS = {
+    "__int__": (int, str),
+    "__float__": (float, str),
+    "__tuple__": (tuple, list),
+    "__set__": (set, list),
+    "__dict__": (dict, list),
+}
+
+
+def _decode_tagged(tag, inner):
+    make, kind = _DECODERS[tag]
+    try:
+        if isinstance(inner, kind):
+            return make(inner)
+    except (TypeError, ValueError) as error:
+        raise ValueError(f"`{tag}` of a client's value cannot be read: {error}") from None
+    raise ValueError(f"`{tag}` of a client's value holds no {kind.__name__}")
 
 
 def _is_integer(key):
@@ -97,7 +130,9 @@ def encode(value):
     """The value as something that JSON has.
 
     An exception is ``{"__exc__": class, "msg": first 16,384 characters}``, a tuple ``{"__tuple__": […]}``, a type ``{"__type__": name}``,
-    anything else ``{"__repr__": first 200 characters, "__class__": class}``. Keys of a dictionary become texts.
+    an integer beyond 2^53 - 1 ``{"__int__": digits}``, negative zero ``{"__float__": "-0.0"}``, a dictionary whose keys are not
+    all plain texts ``{"__dict__": [[key, value], …]}``, anything else ``{"__repr__": first 200 characters, "__class__": class}``,
+    with ``__len__`` if that is not all of it.
     """
     return _encode(value, _DEPTH_MAX)
 
@@ -106,7 +141,7 @@ def _encode(value, depth):
     if value is None or isinstance(value, (bool, int, str)):
         return _plain(value)
     if isinstance(value, float):
-        return float(value) if math.isfinite(value) else _represent(value)
+        return _encode_float(value)
     if isinstance(value, BaseException):
         return {"__exc__": type(value).__name__, "msg": _message(value)}
     if isinstance(value, type):
@@ -118,21 +153,51 @@ def _encode(value, depth):
     if isinstance(value, list):
         return [_encode(item, depth - 1) for item in value]
     if isinstance(value, dict):
-        return {_text(key, str): _encode(item, depth - 1) for key, item in value.items()}
+        if _has_plain_keys(value):
+            return {str.__str__(key): _encode(item, depth - 1) for key, item in value.items()}
+        return {"__dict__": [[_encode(key, depth - 1), _encode(item, depth - 1)] for key, item in value.items()]}
     return _represent(value)
 
 
+def _has_plain_keys(value):
+    """Whether a JSON object shows the keys as what they are. A reader of files takes texts of integers for integers."""
+    if not all(isinstance(key, str) and key not in _TAGS and _is_utf8(key) for key in value):
+        return False
+    return not value or not all(map(_is_integer, value))
+
+
 def _plain(value):
-    """Without the class of a user's ``int`` or ``str``; texts that UTF-8 cannot carry are escaped."""
+    """Without the class of a user's ``int`` or ``str``."""
     if value is None or isinstance(value, bool):
         return value
     if isinstance(value, int):
-        return int(value)
-    return _utf8(str.__str__(value))
+        return _encode_int(int(value))
+    text = str.__str__(value)
+    return text if _is_utf8(text) else _represent(text)
+
+
+def _encode_int(value):
+    if -_EXACT_MAX <= value <= _EXACT_MAX:
+        return value
+    if value.bit_length() <= _INT_BITS_MAX:
+        return {"__int__": str(value)}
+    return {"__repr__": f"an int of {value.bit_length()} bits", "__class__": "int"}
+
+
+def _encode_float(value):
+    value = float(value)
+    if not math.isfinite(value):
+        return _represent(value)
+    is_negative_zero = value == 0.0 and math.copysign(1.0, value) < 0
+    return {"__float__": "-0.0"} if is_negative_zero else value
 
 
 def _represent(value):
-    return {"__repr__": _text(value, repr)[:_REPRESENTATION_MAX], "__class__": type(value).__name__}
+    text = _text(value, repr)
+    shown = {"__repr__": text[:_REPRESENTATION_MAX], "__class__": type(value).__name__}
+    if len(text) > _REPRESENTATION_MAX:
+        shown["__len__"] = len(value) if type(value) in _SIZED else len(text)
+    return shown
 
 
 def _message(exception):
@@ -147,6 +212,14 @@ def _text(value, function):
         return _utf8(function(value))
     except Exception as error:
         return f"<{type(value).__name__} whose {function.__name__} fails: {type(error).__name__}>"
+
+
+def _is_utf8(text):
+    try:
+        text.encode("utf-8")
+    except UnicodeEncodeError:
+        return False
+    return True
 
 
 def _utf8(text):

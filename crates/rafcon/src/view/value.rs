@@ -42,8 +42,17 @@ fn object(members: &Map<String, Value>) -> String {
         let comma = if items.len() == 1 { "," } else { "" };
         return format!("({}{comma})", list(items));
     }
-    if let Some(text) = text("__type__").or_else(|| text("__repr__")) {
-        return text.to_owned();
+    let written = ["__int__", "__float__", "__type__"].into_iter().find_map(text);
+    if let Some(written) = written {
+        return written.to_owned();
+    }
+    if let Some(shown) = text("__repr__") {
+        let is_cut = members.contains_key("__len__");
+        return if is_cut { format!("{shown}…") } else { shown.to_owned() };
+    }
+    if let Some(pairs) = members.get("__dict__").and_then(Value::as_array) {
+        let pair = |pair: &Value| format!("{}: {}", full(&pair[0]), full(&pair[1]));
+        return format!("{{{}}}", pairs.iter().map(pair).collect::<Vec<_>>().join(", "));
     }
     let members = members.iter().map(|(key, value)| format!("{key:?}: {}", full(value)));
     format!("{{{}}}", members.collect::<Vec<_>>().join(", "))
@@ -62,6 +71,10 @@ mod tests {
         assert_eq!(shown(json!({"__tuple__": [1]})), "(1,)");
         assert_eq!(shown(json!({"a": {"__type__": "int"}})), r#"{"a": int}"#);
         assert_eq!(shown(json!({"__repr__": "<Arm>", "__class__": "Arm"})), "<Arm>");
+        assert_eq!(shown(json!({"__int__": "9007199254740993"})), "9007199254740993");
+        assert_eq!(shown(json!({"__float__": "-0.0"})), "-0.0");
+        assert_eq!(shown(json!({"__dict__": [[1, "l"], ["1", "r"]]})), r#"{1: "l", "1": "r"}"#);
+        assert_eq!(shown(json!({"__repr__": "b'x", "__class__": "bytes", "__len__": 9})), "b'x…");
         assert_eq!(shown(json!("a".repeat(300))).chars().count(), 201);
     }
 }

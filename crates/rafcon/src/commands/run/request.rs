@@ -7,7 +7,9 @@ use crate::failure::Usage;
 use crate::machine::Source;
 use crate::view::Names;
 use anyhow::Result;
+use rafcon_model::Json;
 use rafcon_protocol::{Breakpoint, Keeping, Launch, OnCrash};
+use serde_json::Value;
 use std::time::Duration;
 
 /// A run to be made.
@@ -15,8 +17,8 @@ use std::time::Duration;
 pub(super) struct Request {
     source: Source,
     start_from: Option<String>,
-    inputs: Vec<(String, serde_json::Value)>,
-    globals: Vec<(String, serde_json::Value)>,
+    inputs: Vec<(String, Value)>,
+    globals: Vec<(String, Value)>,
     /// When the machine is stopped.
     pub(super) timeout: Option<Duration>,
     keeping: Keeping,
@@ -81,8 +83,16 @@ impl Request {
 
     /// The names of the machine's states.
     pub(super) fn names(&self) -> Names {
+        self.later_names()()
+    }
+
+    /// The same, each time that they are needed.
+    pub(super) fn later_names(&self) -> impl Fn() -> Names + 'static {
         let source = self.source.clone();
-        Names::new(move || source.load_quietly().ok().map(|loaded| loaded.machine))
+        move || {
+            let source = source.clone();
+            Names::new(move || source.load_quietly().ok().map(|loaded| loaded.machine))
+        }
     }
 }
 
@@ -99,8 +109,8 @@ pub(super) struct Named {
 }
 
 /// Values of the command line, by name.
-pub(super) fn named(texts: &[String], of: Named) -> Result<Vec<(String, serde_json::Value)>> {
-    let mut values: Vec<(String, serde_json::Value)> = Vec::new();
+pub(super) fn named(texts: &[String], of: Named) -> Result<Vec<(String, Value)>> {
+    let mut values: Vec<(String, Value)> = Vec::new();
     for text in texts {
         let (name, value) = of.value(text)?;
         if values.iter().any(|(other, _)| *other == name) {
@@ -112,7 +122,7 @@ pub(super) fn named(texts: &[String], of: Named) -> Result<Vec<(String, serde_js
 }
 
 impl Named {
-    fn value(self, text: &str) -> Result<(String, serde_json::Value)> {
+    fn value(self, text: &str) -> Result<(String, Value)> {
         let Self { option, what } = self;
         let Some((name, json)) = text.split_once('=').filter(|(name, _)| !name.is_empty()) else {
             return Err(Usage(format!(
@@ -120,13 +130,42 @@ impl Named {
             ))
             .into());
         };
-        match serde_json::from_str(json) {
+        match exact(json) {
             Ok(value) => Ok((name.to_owned(), value)),
             Err(error) => Err(Usage(format!(
                 "{option} {text}: `{json}` is not JSON ({error}); put text in quotes, such as {option} '{name}=\"…\"'"
             ))
             .into()),
         }
+    }
+}
+
+/// JSON whose integers stay exact, whatever their size.
+fn exact(json: &str) -> Result<Value, serde_json::Error> {
+    let value = serde_json::from_str(json)?;
+    // The model's parser knows integers of any size.
+    Ok(match rafcon_model::json::parse(json) {
+        Ok(document) => with_exact_integers(value, &document),
+        Err(_deeper_than_files) => value,
+    })
+}
+
+fn with_exact_integers(value: Value, exact: &Json) -> Value {
+    match (value, exact) {
+        (_, Json::BigInt(digits)) => serde_json::json!({ "__int__": digits.as_str() }),
+        (Value::Array(items), Json::List(exact)) => items
+            .into_iter()
+            .zip(exact)
+            .map(|(item, exact)| with_exact_integers(item, exact))
+            .collect(),
+        (Value::Object(members), exact @ Json::Object(_)) => {
+            let member = |(key, value): (String, Value)| match exact.get(&key) {
+                Some(exact) => (key, with_exact_integers(value, exact)),
+                None => (key, value),
+            };
+            members.into_iter().map(member).collect()
+        }
+        (value, _) => value,
     }
 }
 
@@ -191,6 +230,16 @@ mod tests {
         check(
             r#"--input n=3 --input text="a=b" --timeout 1.5"#,
             &expect![[r#"[("n", Number(3)), ("text", String("a=b"))] [] Some(1.5s)"#]],
+        );
+    }
+
+    #[test]
+    fn integers_of_any_size_stay_exact() {
+        check(
+            r#"--input n=[123456789012345678901,{"m":-123456789012345678901}]"#,
+            &expect![[
+                r#"[("n", Array [Object {"__int__": String("123456789012345678901")}, Object {"m": Object {"__int__": String("-123456789012345678901")}}])] [] None"#
+            ]],
         );
     }
 

@@ -119,7 +119,7 @@ impl<W: Write + Seek> Recording<W> {
         };
         let Value::Object(values) = csv::values(&found.event) else { return Ok(()) };
         for (name, value) in values {
-            let number = value.as_f64();
+            let number = number_in(&value);
             let mut message = json!({
                 "kind": kind, "state": found.names, "name": name, "value": value,
             });
@@ -146,6 +146,12 @@ impl<W: Write + Seek> Recording<W> {
         let message = serde_json::to_vec(&message)?;
         Ok(self.writer.write_to_known_channel(&header, &message)?)
     }
+}
+
+/// A number for plots, which are less exact than the value.
+fn number_in(value: &Value) -> Option<f64> {
+    let tagged = || value.get("__int__").or_else(|| value.get("__float__"));
+    value.as_f64().or_else(|| tagged()?.as_str()?.parse().ok())
 }
 
 fn level_number(level: LogLevel) -> u8 {

@@ -12,7 +12,7 @@ pub(in crate::journal) mod protocol;
 pub use batch::{Batch, Left};
 pub use binary::Broken;
 pub use places::Places;
-pub use protocol::{DAMAGED, Glossary, tell};
+pub use protocol::{DAMAGED, Glossary, float, int, tell};
 
 use binary::{BinaryReader, BinaryWriter};
 use rafcon_protocol::{Event, LogLevel, Stream};

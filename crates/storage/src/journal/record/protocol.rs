@@ -30,7 +30,7 @@ pub(in crate::journal) fn view(
     Ok(match kept {
         Kept::None => Value::Null,
         Kept::Bool(value) => (*value).into(),
-        Kept::Int(value) => (*value).into(),
+        Kept::Int(value) => int(*value),
         Kept::Float(value) => float(*value),
         Kept::Text(text) => text.as_str().into(),
         Kept::Value(number) => match glossary.value(*number) {
@@ -137,8 +137,23 @@ fn named(
     there.map(|((_, name), value)| Ok((name.to_string(), view(value, glossary)?))).collect()
 }
 
+/// The largest integer that every JSON reader keeps exactly.
+const EXACT_MAX: u64 = (1 << 53) - 1;
+
+/// An integer as `docs/protocol.md` encodes it.
+pub fn int(value: i64) -> Value {
+    if value.unsigned_abs() <= EXACT_MAX {
+        value.into()
+    } else {
+        json!({ "__int__": value.to_string() })
+    }
+}
+
 /// A float as `docs/protocol.md` encodes it.
-fn float(value: f64) -> Value {
+pub fn float(value: f64) -> Value {
+    if value == 0.0 && value.is_sign_negative() {
+        return json!({ "__float__": "-0.0" });
+    }
     let repr = || match value {
         _ if value.is_nan() => "nan",
         _ if value > 0.0 => "inf",

@@ -35,11 +35,14 @@ def value_of(output, where):
     if isinstance(output, dict):
         if "__tuple__" in output:
             return [value_of(each, where) for each in output["__tuple__"]]
+        for tag, number in (("__int__", int), ("__float__", float)):
+            if tag in output:
+                return number(output[tag])
         if "__items__" in output and not output.get("__sampled__"):
             return [value_of(each, where) for each in output["__items__"]]
-        if "__repr__" in output:
+        if "__repr__" in output or "__dict__" in output:
             raise Unfit(
-                f"the output `{where}` is {output['__repr__'][:80]}, which is too long or of a kind that the server does not tell: have the "
+                f"the output `{where}` is {output.get('__repr__', 'a dict whose keys are no texts')[:80]}, which is too long or of a kind that the server does not tell: have the "
                 "machine give numbers, texts, lists and dicts of up to 256 values, or publish it on a topic"
             )
         return {name: value_of(each, f"{where}.{name}") for name, each in output.items()}
