@@ -61,7 +61,8 @@ pub(crate) enum Command {
 /// Run a machine until it ends.
 ///
 /// A terminal shows the active states live; without one, or with `--output json`, each event is one line.
-/// Ctrl-C stops the machine in an orderly way, a second Ctrl-C kills it. Ctrl-Z suspends the view and a terminal that
+/// Ctrl-C and SIGTERM stop the machine in an orderly way. A second Ctrl-C, more than two seconds after the first, kills it; what
+/// comes earlier, and every further SIGTERM, repeats the request to stop. Ctrl-Z suspends the view and a terminal that
 /// hangs up ends it; the run continues in both cases. Scripts can read a piped input, but not the keyboard.
 #[derive(Debug, Args)]
 #[command(after_help = EXIT_CODES)]
@@ -84,7 +85,7 @@ pub(crate) struct Run {
     /// Format of the standard output
     #[arg(long, value_enum, default_value_t = Output::Text)]
     pub(crate) output: Output,
-    /// Stop the machine after this time, and kill it if it does not end
+    /// Stop the machine this many seconds after the start of this program, and kill it if it does not end
     #[arg(long, value_name = "SECONDS")]
     pub(crate) timeout: Option<f64>,
     #[command(flatten)]
@@ -220,9 +221,10 @@ Exit codes:
   2  wrong usage
   3  the machine ended with another outcome of its own
   4  the machine was aborted: an error left the root state
-  5  the machine was preempted or stopped
-  6  the time limit of --timeout expired
-  7  the Python process of the run died";
+  5  the machine was preempted or stopped: it ended by itself, with its recovery
+  6  the time limit of --timeout expired, and the machine stopped by itself
+  7  the Python process of the run died
+  8  the run was killed, by a second Ctrl-C or because it did not stop in time: no recovery ran";
 
 /// Format of a run's output.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]

@@ -3,6 +3,7 @@
 //! One thread a source; the queue has a bound, so that a slow terminal holds the sources back and not this memory.
 
 use crate::console::{Key, Wish};
+use crate::follow::StopSignal;
 use anyhow::{Context as _, Result};
 use rafcon_protocol::{Hello, Stream, ToRunner, ToViewer, decode, encode, read_frame};
 use rafcon_storage::journal::stream::StreamReader;
@@ -56,7 +57,7 @@ pub(crate) enum Cause {
     /// The runner's process ended.
     Exited(Exit),
     /// Ctrl-C, or a polite request to end.
-    Interrupt,
+    Interrupt(StopSignal),
     /// A key of the terminal.
     Key(Key),
     /// What a key leads to.
@@ -312,7 +313,8 @@ fn forward(mut signals: Signals, queue: &Queue) -> Flow {
         queue.send(match signal {
             SIGHUP => Cause::HungUp,
             SIGTSTP => Cause::Suspend,
-            _ => Cause::Interrupt,
+            SIGINT => Cause::Interrupt(StopSignal::CtrlC),
+            _ => Cause::Interrupt(StopSignal::Terminate),
         })?;
     }
     Ok(())

@@ -133,6 +133,7 @@ mod tests {
             &expect!["error: the runner died; resume the run: rafcon resume RUN"],
         );
         check(&End::LoadFailed { reason: "no room".to_owned() }, &expect!["error: no room"]);
-        check(&End::Killed { timed_out: false, active: Vec::new() }, &expect![""]);
+        let killed = End::Killed { timed_out: false, has_begun: true, active: Vec::new() };
+        check(&killed, &expect![""]);
     }
 }

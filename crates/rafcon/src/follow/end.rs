@@ -29,6 +29,8 @@ pub(crate) enum End {
     Killed {
         /// Whether `--timeout` was the reason.
         timed_out: bool,
+        /// True if a state may have run. No recovery ran then.
+        has_begun: bool,
         /// Paths of the states that were active.
         active: Vec<String>,
     },
@@ -53,6 +55,7 @@ impl End {
     /// The program's exit code, as `rafcon run --help` lists them.
     pub(crate) fn code(&self) -> u8 {
         match self {
+            Self::Killed { has_begun: true, .. } => 8,
             Self::Finished { timed_out: true, .. } | Self::Killed { timed_out: true, .. } => 6,
             Self::Finished { outcome, timed_out: false } => match outcome.id {
                 0 => 0,

@@ -6,7 +6,9 @@
 
 mod end;
 mod known;
+mod requests;
 mod run_loop;
+mod stop_requests;
 
 use crate::console::Wish;
 use crate::event_queue::{Cause, STUCK};
@@ -19,11 +21,13 @@ use rafcon_protocol::{
 use rafcon_supervisor::{Exit, RunnerDeath};
 pub(crate) use run_loop::RunLoop;
 use std::time::Duration;
+use stop_requests::StopRequests;
+pub(crate) use stop_requests::StopSignal;
 
 /// How long a machine may take to stop after its time is over, before it is killed.
-const GRACE: Duration = Duration::from_secs(3);
+pub(crate) const GRACE: Duration = Duration::from_secs(3);
 /// How long a process may outlive its own end, or its last word its process.
-const EXIT_TIMEOUT: Duration = Duration::from_secs(2);
+pub(crate) const EXIT_TIMEOUT: Duration = Duration::from_secs(2);
 
 /// What is to be done.
 #[derive(Debug, PartialEq)]
@@ -66,8 +70,7 @@ pub(crate) struct RunFollower {
     kill_at: Option<Duration>,
     /// The run was told to end at once.
     is_kill_sent: bool,
-    /// How often the user asked to stop.
-    interrupts: u32,
+    stop_requests: StopRequests,
     /// Who gives commands.
     author: String,
     /// How the ids of our commands begin: no one else's do.
@@ -99,7 +102,7 @@ impl RunFollower {
             timed_out: false,
             kill_at: None,
             is_kill_sent: false,
-            interrupts: 0,
+            stop_requests: StopRequests::default(),
             author: author.to_owned(),
             prefix,
             commands: 0,
@@ -140,7 +143,7 @@ impl RunFollower {
             Cause::Drained(stream) => self.process.drained(stream),
             Cause::Raw(stream, line) => self.raw(stream, line, out),
             Cause::Exited(exit) => self.process.exited(now, exit),
-            Cause::Interrupt => self.interrupt(out),
+            Cause::Interrupt(signal) => self.interrupt(now, signal, out),
             Cause::Wish(Wish::Leave) | Cause::HungUp if self.role != RunRole::Owner => {
                 self.finish(End::Left);
             }
@@ -242,54 +245,6 @@ impl RunFollower {
         }
     }
 
-    /// Ctrl-C: a guest leaves; everyone else stops the run, then kills it, and a run at a server is left alone at last.
-    fn interrupt(&mut self, out: &mut Vec<Action>) {
-        self.interrupts += 1;
-        let takes_a_stop = match self.role {
-            RunRole::Guest => false,
-            RunRole::Host => true,
-            RunRole::Owner => self.is_greeted && self.end.is_none(),
-        };
-        match (self.interrupts, self.role) {
-            (1, _) if takes_a_stop => {
-                self.say("stopping; press Ctrl-C again to kill", Command::Stop, out);
-            }
-            (_, RunRole::Owner) => self.kill(self.killed(), out),
-            (2, RunRole::Host) => {
-                self.have_killed("killing; press Ctrl-C again to leave the run as it is", out);
-            }
-            (_, RunRole::Guest | RunRole::Host) => self.finish(End::Left),
-        }
-    }
-
-    /// What the user asked for by a key.
-    fn wish(&mut self, wish: Wish, out: &mut Vec<Action>) {
-        match wish {
-            Wish::Send(command) => self.send(command, out),
-            Wish::Inspect(path) => {
-                let id = self.next_id();
-                out.push(Action::Send(ToRunner::Inspect { id, path }));
-            }
-            Wish::Say(text) => out.push(Action::Note(text)),
-            Wish::Leave => {}
-        }
-    }
-
-    fn say(&mut self, text: &str, command: Command, out: &mut Vec<Action>) {
-        out.push(Action::Note(text.to_owned()));
-        self.send(command, out);
-    }
-
-    fn send(&mut self, command: Command, out: &mut Vec<Action>) {
-        let envelope = envelope(self.next_id(), &self.author, command);
-        out.push(Action::Send(ToRunner::Command(envelope)));
-    }
-
-    fn next_id(&mut self) -> String {
-        self.commands += 1;
-        format!("{}-{}", self.prefix, self.commands)
-    }
-
     /// Nothing more is heard. Of a process of ours that is normal at the end, and a defect of a script before; any other runner
     /// is gone, as we wanted, or not.
     fn silence(&mut self, now: Duration) {
@@ -349,13 +304,6 @@ impl RunFollower {
         }
     }
 
-    /// Has the run kill itself, which is someone else's process.
-    fn have_killed(&mut self, text: &str, out: &mut Vec<Action>) {
-        self.kill_at = None;
-        self.is_kill_sent = true;
-        self.say(text, Command::Kill, out);
-    }
-
     /// Ends a process of ours at once.
     fn kill(&mut self, end: End, out: &mut Vec<Action>) {
         self.finish(end);
@@ -368,7 +316,8 @@ impl RunFollower {
     }
 
     fn killed(&self) -> End {
-        End::Killed { timed_out: self.timed_out, active: self.active.paths().to_vec() }
+        let active = self.active.paths().to_vec();
+        End::Killed { timed_out: self.timed_out, has_begun: self.is_greeted, active }
     }
 
     fn death(&self, reason: String) -> End {

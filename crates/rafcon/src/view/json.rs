@@ -83,7 +83,7 @@ impl<W: Write> View for Json<W> {
             End::NotStarted { reason, said } => {
                 self.line(&CutOff::NotStarted { reason, stderr: said })?;
             }
-            End::Killed { timed_out, active } => {
+            End::Killed { timed_out, active, .. } => {
                 self.line(&CutOff::Killed { timed_out: *timed_out, active })?;
             }
             End::Left => self.line(&CutOff::Left)?,

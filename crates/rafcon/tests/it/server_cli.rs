@@ -396,7 +396,7 @@ fn ctrl_c_stops_a_run_at_a_server_and_kills_it_the_second_time() {
     let (code, lines, said) = run.end();
     assert_eq!(code, Some(5), "{said}");
     assert!(lines.last().unwrap().contains("finished"), "{lines:?}");
-    assert_eq!(said, "rafcon: stopping; press Ctrl-C again to kill\n");
+    assert_eq!(said, "rafcon: stopping; press Ctrl-C again after 2 s to kill\n");
 }
 
 #[test]

@@ -1,23 +1,22 @@
 //! A run on this computer: where it keeps its files, and its runners, one after the other. Each is started, followed to its end, and followed by the next if its death allows
 //! that. Decides nothing itself.
 
+use super::own_line::OwnLine;
+use super::watchdog::Watchdog;
 use super::{keyboard, view};
 use crate::cli;
 use crate::clock::Clock;
 use crate::environment::Environment;
 use crate::event_queue::EventQueue;
-use crate::failure::complain;
 use crate::follow::{End, RunFollower, RunLoop, RunRole};
 use crate::view::Names;
 use anyhow::{Context as _, Result};
 use rafcon_protocol::{Event, Launch};
 use rafcon_storage::journal::folder::ABOUT_FILE;
 use rafcon_supervisor::clock::salt;
-use rafcon_supervisor::{
-    BeginError, Group, KeptRun, Next, RestartPolicy, RunnerDeath, Start, begin, remains,
-};
-use std::os::unix::net::UnixStream;
+use rafcon_supervisor::{KeptRun, Next, RestartPolicy, RunnerDeath, Start, remains};
 use std::path::{Path, PathBuf};
+use std::rc::Rc;
 use std::time::Duration;
 
 /// Where a run keeps its files.
@@ -74,7 +73,7 @@ impl Drop for Place {
 pub(super) struct RunSetup<'a> {
     pub(super) python: &'a cli::Python,
     pub(super) output: cli::Output,
-    /// When the machine is stopped.
+    /// When the machine is stopped: time since this program began.
     pub(super) timeout: Option<Duration>,
     pub(super) environment: &'a Environment,
     pub(super) clock: Clock,
@@ -82,28 +81,33 @@ pub(super) struct RunSetup<'a> {
 
 impl RunSetup<'_> {
     /// Runs the machine to its end, by as many runners as that takes and its policy allows.
-    pub(super) fn follow(self, mut launch: Launch, place: &Place, names: Names) -> Result<End> {
+    pub(super) fn follow(
+        self,
+        mut launch: Launch,
+        place: &Place,
+        names: &Rc<dyn Fn() -> Names>,
+    ) -> Result<End> {
         let Self { python, output, timeout, environment, clock } = self;
         let start = Start::find(python.python.as_deref(), &environment.surroundings)?;
         let keyboard = keyboard(output, environment, false);
         let has_keys = keyboard.is_some();
-        let mut view = view(output, environment, names, keyboard);
+        let mut view = view(output, environment, names(), keyboard);
         launch.every_event = view.every_event();
         let mut queue = EventQueue::new(has_keys)?;
-        let deadline = timeout.map(|timeout| clock.now().saturating_add(timeout));
         let mut lives = RestartPolicy::default();
         loop {
             let process = start.spawn(has_keys)?;
             let (control, group) = (process.control.try_clone()?, process.group());
             queue.connect(process)?;
-            say(&control, group, launch.clone());
+            let line = Box::new(OwnLine::open(control, group, launch.clone())?);
+            let watchdog = Watchdog::start(timeout, clock, group)?;
             let prefix = format!("run-{}-{}", std::process::id(), salt(0));
-            let follower = RunFollower::new(RunRole::Owner, &environment.user, prefix, deadline);
-            let line = Box::new(control);
+            let follower = RunFollower::new(RunRole::Owner, &environment.user, prefix, timeout);
             let mut run = RunLoop { follower, view, line, group: Some(group), clock };
             let mut end = run.until_the_end(&queue).inspect_err(|_| group.kill())?;
             add_running(&mut end, place.folder());
             end_as_kept(&mut run, &mut end, place)?;
+            drop(watchdog);
             let Some((next, note)) = again(&mut lives, clock.now(), &end, place, launch) else {
                 run.show(|view| view.end(&end))?;
                 return Ok(end);
@@ -134,17 +138,6 @@ fn again(
             Some((*launch, note))
         }
         Next::Ask(_) => None,
-    }
-}
-
-/// Says what to run. A runner that is gone already is noticed by its end.
-fn say(control: &UnixStream, group: Group, launch: Launch) {
-    match begin(control, launch) {
-        Ok(()) | Err(BeginError::Gone(_)) => {}
-        Err(error @ (BeginError::Launch(_) | BeginError::Silent(_))) => {
-            complain(&format!("error: {error}"));
-            group.kill();
-        }
     }
 }
 

@@ -2,8 +2,10 @@
 
 mod at_server;
 mod drive;
+mod own_line;
 mod report;
 mod request;
+mod watchdog;
 
 use crate::cli;
 use crate::clock::Clock;
@@ -21,6 +23,7 @@ use request::Request;
 use std::io::{self, IsTerminal as _};
 use std::path::Path;
 use std::process::ExitCode;
+use std::rc::Rc;
 
 /// Runs a machine until it ends.
 pub(super) fn run(raw: &cli::Run, environment: &Environment, clock: Clock) -> Result<ExitCode> {
@@ -38,7 +41,8 @@ pub(super) fn run(raw: &cli::Run, environment: &Environment, clock: Clock) -> Re
     let launch = request.launch(&place)?;
     let (python, output, timeout) = (&raw.python, raw.output, request.timeout);
     let setup = RunSetup { python, output, timeout, environment, clock };
-    ended(setup, launch, &place, || following(request.names(), place.folder()))
+    let (names, folder) = (request.later_names(), place.folder().to_owned());
+    ended(setup, launch, &place, Rc::new(move || following(names(), &folder)))
 }
 
 /// Resumes a run and follows it until it ends.
@@ -54,7 +58,8 @@ pub(super) fn resume(
     let launch = resume_launch(place.folder(), request::on_crash(raw.policy), raw.from);
     let timeout = raw.timeout.map(request::timeout).transpose()?;
     let setup = RunSetup { python: &raw.python, output: raw.output, timeout, environment, clock };
-    ended(setup, launch, &place, || names_of_run(place.folder()))
+    let folder = place.folder().to_owned();
+    ended(setup, launch, &place, Rc::new(move || names_of_run(&folder)))
 }
 
 /// The names of the machine that a run goes by, as the run keeps it, else as it lies where it was.
@@ -78,10 +83,10 @@ fn ended(
     setup: RunSetup<'_>,
     launch: Launch,
     place: &Place,
-    names: impl Fn() -> Names,
+    names: Rc<dyn Fn() -> Names>,
 ) -> Result<ExitCode> {
-    let end = setup.follow(launch, place, names())?;
-    report::end(&end, place.kept_run(), Some(place.folder()), names);
+    let end = setup.follow(launch, place, &names)?;
+    report::end(&end, place.kept_run(), Some(place.folder()), || names());
     Ok(ExitCode::from(end.code()))
 }
 

@@ -53,13 +53,21 @@ fn text(end: &End, names: &mut Names) -> String {
             "error: the Python interpreter did not become a runner: {reason}{}",
             block("last output:", said)
         ),
-        End::Killed { timed_out: true, active } => format!(
+        End::Killed { timed_out: true, has_begun: false, .. } => {
+            "error: the time limit of --timeout expired before the Python process answered; it was killed, and no state has run"
+                .to_owned()
+        }
+        End::Killed { timed_out: true, active, .. } => format!(
             "error: the time limit of --timeout expired and the machine did not stop; the run was killed{}",
             block("states that did not end:", &named(active, names))
         ),
-        End::Killed { timed_out: false, active } => {
-            format!("error: killed{}", block("active states:", &named(active, names)))
+        End::Killed { timed_out: false, has_begun: false, .. } => {
+            "error: killed before the run began".to_owned()
         }
+        End::Killed { timed_out: false, active, .. } => format!(
+            "error: killed; the machine's recovery did not run{}",
+            block("active states:", &named(active, names))
+        ),
         End::Died(RunnerDeath { reason, active, said, .. }) => format!(
             "error: the Python process that ran the machine died: {reason}{}{}",
             block("active states:", &named(active, names)),
@@ -121,7 +129,8 @@ mod tests {
 
     #[test]
     fn a_machine_that_did_not_stop_is_named() {
-        let end = End::Killed { timed_out: true, active: vec!["ROOT/SCANID".to_owned()] };
+        let active = vec!["ROOT/SCANID".to_owned()];
+        let end = End::Killed { timed_out: true, has_begun: true, active };
         check(
             &end,
             &expect![[r"

@@ -1,7 +1,7 @@
 //! The life of a run whose process is ours, as text: causes in, actions and exit code out.
 
 use crate::event_queue::Cause;
-use crate::follow::{Action, RunFollower, RunRole};
+use crate::follow::{Action, RunFollower, RunRole, StopSignal};
 use expect_test::{Expect, expect};
 use rafcon_protocol::{
     ActiveState, Event, Hello, Outcome, Phase, RunStatus, Snapshot, Stream, ToRunner, ToViewer,
@@ -71,7 +71,8 @@ fn cause(number: u64, text: &str) -> Cause {
         "drained" => Cause::Drained(Stream::Stderr),
         "silence" => Cause::Silence,
         "exited" => Cause::Exited(Exit(ExitStatus::from_raw(argument.parse().unwrap()))),
-        "interrupt" => Cause::Interrupt,
+        "interrupt" => Cause::Interrupt(StopSignal::CtrlC),
+        "terminate" => Cause::Interrupt(StopSignal::Terminate),
         "tick" => Cause::Tick,
         other => panic!("no cause {other}"),
     }
@@ -147,15 +148,59 @@ fn ctrl_c_stops_and_a_second_one_kills() {
         "0 hello
          0 loaded
          1 interrupt
-         2 interrupt
-         2 silence
-         2 exited 9",
+         3 interrupt
+         3.001 interrupt
+         3.001 silence
+         3.001 exited 9",
         &expect![[r#"
             0: Loaded { name: "M", states: 2, problems: [], run: "" }
-            1: Note("stopping; press Ctrl-C again to kill")
+            1: Note("stopping; press Ctrl-C again after 2 s to kill")
             1: send Stop
-            2: Kill
-            2: Killed { timed_out: false, active: [] }, exit code 5
+            3: Note("press Ctrl-C again after 2 s to kill")
+            3.001: Kill
+            3.001: Killed { timed_out: false, has_begun: true, active: [] }, exit code 8
+        "#]],
+    );
+}
+
+#[test]
+fn doubled_signals_leave_a_machine_its_recovery() {
+    check(
+        "0 hello
+         0 loaded
+         1 terminate
+         1.3 terminate
+         1.305 interrupt
+         8 terminate
+         9 finished -2
+         9 silence
+         9 terminate
+         9 exited 0",
+        &expect![[r#"
+            0: Loaded { name: "M", states: 2, problems: [], run: "" }
+            1: Note("stopping; press Ctrl-C again after 2 s to kill")
+            1: send Stop
+            1.305: Note("press Ctrl-C again after 2 s to kill")
+            9: show finished
+            9: Finished { outcome: Outcome { id: -2, name: "done" }, timed_out: false }, exit code 5
+        "#]],
+    );
+}
+
+#[test]
+fn a_process_that_never_answers_is_killed_by_signal_or_time() {
+    check(
+        "1 terminate\n 1 exited 9\n 2 tick",
+        &expect![[r#"
+            1: Kill
+            2: Killed { timed_out: false, has_begun: false, active: [] }, exit code 5
+        "#]],
+    );
+    check(
+        "10 tick\n 10 exited 9\n 11 tick",
+        &expect![[r#"
+            10: Kill
+            11: Killed { timed_out: true, has_begun: false, active: [] }, exit code 6
         "#]],
     );
 }
@@ -171,7 +216,7 @@ fn a_machine_that_stops_after_ctrl_c_was_preempted() {
          3 tick",
         &expect![[r#"
             0: Loaded { name: "M", states: 2, problems: [], run: "" }
-            1: Note("stopping; press Ctrl-C again to kill")
+            1: Note("stopping; press Ctrl-C again after 2 s to kill")
             1: send Stop
             2: show finished
             3: Finished { outcome: Outcome { id: -2, name: "done" }, timed_out: false }, exit code 5
@@ -195,7 +240,7 @@ fn a_machine_that_hangs_is_stopped_when_its_time_is_over_and_then_killed() {
             10: Note("the time limit expired; stopping")
             10: send Stop
             13: Kill
-            13: Killed { timed_out: true, active: [] }, exit code 6
+            13: Killed { timed_out: true, has_begun: true, active: [] }, exit code 8
         "#]],
     );
 }

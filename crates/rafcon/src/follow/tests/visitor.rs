@@ -2,7 +2,7 @@
 
 use crate::console::Wish;
 use crate::event_queue::Cause;
-use crate::follow::{Action, RunFollower, RunRole};
+use crate::follow::{Action, RunFollower, RunRole, StopSignal};
 use expect_test::{Expect, expect};
 use rafcon_protocol::{Answer, Command, EnginePulse, Event, Hello, Join, ToRunner, ToViewer};
 use std::time::Duration;
@@ -15,11 +15,12 @@ fn shown(actions: &[Action]) -> Vec<String> {
     actions.iter().map(|action| format!("{action:?}")).collect()
 }
 
+/// A cause every three seconds.
 fn check(role: RunRole, causes: Vec<Cause>, expect: &Expect) {
     let mut visit = visit(role, None);
     let mut actions = Vec::new();
-    for cause in causes {
-        visit.handle(Duration::ZERO, cause, &mut actions);
+    for (number, cause) in (0..).zip(causes) {
+        visit.handle(Duration::from_secs(3 * number), cause, &mut actions);
     }
     let mut lines = shown(&actions);
     let end = visit.end(Duration::ZERO);
@@ -32,7 +33,7 @@ fn check_manners(role: RunRole, seconds: Option<u64>, script: &str, expect: &Exp
     let mut visit = visit(role, seconds.map(Duration::from_secs));
     let (mut now, mut text) = (Duration::ZERO, String::new());
     for word in script.split(' ') {
-        let cause = word.parse().map_or(Cause::Interrupt, |seconds| {
+        let cause = word.parse().map_or(Cause::Interrupt(StopSignal::CtrlC), |seconds| {
             now += Duration::from_secs(seconds);
             Cause::Tick
         });
@@ -94,18 +95,18 @@ fn a_run_that_was_asked_for_is_stopped_and_killed() {
         vec![
             Cause::Hello(Hello::ours()),
             entered("A"),
-            Cause::Interrupt,
-            Cause::Interrupt,
+            Cause::Interrupt(StopSignal::CtrlC),
+            Cause::Interrupt(StopSignal::CtrlC),
             Cause::Silence,
         ],
         &expect![[r#"
             Send(Join(Join { from: 0, every_event: false }))
             Show(Event { sequence: 1, t_ns: 0, event: Entered { path: "A", inputs: None, undoes: None } })
-            Note("stopping; press Ctrl-C again to kill")
+            Note("stopping; press Ctrl-C again after 2 s to kill")
             Send(Command(Envelope { id: "attach-1", author: "ana", decided_on: None, expiry: None, not_before: None, epoch: None, command: Stop }))
-            Note("killing; press Ctrl-C again to leave the run as it is")
+            Note("killing; press Ctrl-C again after 2 s to leave the run as it is")
             Send(Command(Envelope { id: "attach-2", author: "ana", decided_on: None, expiry: None, not_before: None, epoch: None, command: Kill }))
-            Killed { timed_out: false, active: ["A"] }, exit code 5"#]],
+            Killed { timed_out: false, has_begun: true, active: ["A"] }, exit code 8"#]],
     );
 }
 
@@ -176,11 +177,14 @@ fn the_host_stops_kills_and_leaves() {
     check_manners(
         RunRole::Host,
         None,
-        "c 9 c c",
+        "c c 9 c c 3 c",
         &expect![[r#"
-            c: Note("stopping; press Ctrl-C again to kill"), Stop
+            c: Note("stopping; press Ctrl-C again after 2 s to kill"), Stop
+            c: Note("press Ctrl-C again after 2 s to kill")
             9:
-            c: Note("killing; press Ctrl-C again to leave the run as it is"), Kill
+            c: Note("killing; press Ctrl-C again after 2 s to leave the run as it is"), Kill
+            c: Note("press Ctrl-C again after 2 s to leave the run as it is")
+            3:
             c: Left
         "#]],
     );

@@ -1,0 +1,52 @@
+//! The connection to a runner that this program started. A thread writes: the loop never waits for a runner that does not read.
+
+use crate::event_queue::Line;
+use crate::failure::complain;
+use anyhow::{Context as _, Result};
+use rafcon_protocol::{Launch, ToRunner};
+use rafcon_supervisor::{BeginError, Group, begin};
+use std::os::unix::net::UnixStream;
+use std::sync::mpsc::{SyncSender, sync_channel};
+use std::thread;
+
+/// Capacity of the queue in front of the writer. Further messages are dropped.
+const QUEUE: usize = 64;
+
+/// Messages on their way to the runner, in order, behind its launch.
+#[derive(Debug)]
+pub(super) struct OwnLine(SyncSender<ToRunner>);
+
+impl OwnLine {
+    /// Sends the launch, and then the messages of the queue.
+    pub(super) fn open(mut control: UnixStream, group: Group, launch: Launch) -> Result<Self> {
+        let (sender, messages) = sync_channel::<ToRunner>(QUEUE);
+        let write = move || {
+            send(&control, group, launch);
+            for message in messages {
+                control.say(&message).unwrap_or_default();
+            }
+        };
+        let writer = thread::Builder::new().name("launch".to_owned()).spawn(write);
+        writer.context("cannot start a thread that talks to the runner")?;
+        Ok(Self(sender))
+    }
+}
+
+impl Line for OwnLine {
+    /// Drops the message if the queue is full: silence or the time limit ends such a run.
+    fn say(&mut self, message: &ToRunner) -> Result<()> {
+        drop(self.0.try_send(message.clone()));
+        Ok(())
+    }
+}
+
+/// Sends the launch. The end of the process reports a runner that is gone.
+fn send(control: &UnixStream, group: Group, launch: Launch) {
+    match begin(control, launch) {
+        Ok(()) | Err(BeginError::Gone(_)) => {}
+        Err(error @ (BeginError::Launch(_) | BeginError::Silent(_))) => {
+            complain(&format!("error: {error}"));
+            group.kill();
+        }
+    }
+}
