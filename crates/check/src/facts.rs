@@ -12,6 +12,8 @@ pub const SCRIPT_READER: &str = include_str!("scripts.py");
 #[expect(clippy::struct_excessive_bools, reason = "each answers a question of its own")]
 pub struct Facts {
     pub(crate) syntax: Option<Syntax>,
+    /// Line of the first conflict marker in a script that does not parse.
+    pub(crate) conflict: Option<u64>,
     pub(crate) execute: bool,
     pub(crate) r#async: Vec<u64>,
     pub(crate) line: Option<u64>,

@@ -1,8 +1,12 @@
 # Reads scripts without running them: {"scripts": [text, ...]} in, a list of what was found in each out.
 import ast
 import json
+import re
 import sys
 import warnings
+
+# A line that a merge of version control leaves in a text.
+MARKER = re.compile(r"(<<<<<<<|>>>>>>>)( |$)")
 
 
 def outcomes(value):
@@ -133,6 +137,9 @@ def examine(text):
         tree = compile(text, "script.py", "exec", ast.PyCF_ONLY_AST, dont_inherit=True)
         compile(tree, "script.py", "exec", dont_inherit=True)
     except SyntaxError as error:
+        conflict = next((number for number, line in enumerate(text.splitlines(), 1) if MARKER.match(line)), None)
+        if conflict is not None:
+            return {"conflict": conflict}
         return {"syntax": {"line": error.lineno, "message": error.msg or "invalid syntax"}}
     except (ValueError, MemoryError, RecursionError) as error:
         return {"syntax": {"line": None, "message": str(error) or type(error).__name__}}

@@ -4,7 +4,9 @@ use crate::ScriptFacts;
 use crate::facts::{Facts, Returned};
 use crate::finding::{Finding, Severity};
 use crate::repairs::possible;
-use rafcon_model::{Kind, LibraryContent, Machine, Outcomes, Ports, State, StatePath};
+use rafcon_model::{
+    CONFLICT_REMEDY, Kind, LibraryContent, Machine, Outcomes, Ports, State, StatePath,
+};
 use rafcon_protocol::api::Repair;
 use rafcon_protocol::edit::{Edit, PortList};
 use std::collections::BTreeSet;
@@ -52,7 +54,7 @@ pub(crate) fn texts(machine: &Machine) -> Vec<&str> {
 pub(crate) fn findings(machine: &Machine, facts: &ScriptFacts<'_>) -> Vec<Finding> {
     let mut found = Vec::new();
     let mut unread = 0;
-    for used in uses(machine) {
+    for used in uses(machine).into_iter().filter(|used| used.state.damage.is_none()) {
         match facts.get(used.text) {
             Some(facts) => found.extend(of_state(machine, (&used.path, used.state), facts)),
             None => unread += 1,
@@ -82,13 +84,17 @@ pub(crate) fn of_state(
     facts: &Facts,
 ) -> Vec<Finding> {
     let judge = Judge { machine, path, state };
+    if facts.conflict.is_some() {
+        let what = "the script has conflict markers of a merge";
+        return vec![judge.error("ScriptSyntax", facts.conflict, what, CONFLICT_REMEDY)];
+    }
     if let Some(syntax) = &facts.syntax {
         let what = format!("the script does not parse: {}", syntax.message);
         let remedy = "correct the line; the state aborts until then";
         return vec![judge.error("ScriptSyntax", syntax.line, what, remedy)];
     }
     if let Some(line) = facts.r#async.first() {
-        let remedy = "write `def execute`; the state aborts until then";
+        let remedy = "write `def execute`, and run coroutines with `asyncio.run(…)` inside; the state aborts until then";
         return vec![judge.error("ScriptExecute", Some(*line), "`execute` is a coroutine", remedy)];
     }
     if !facts.execute {

@@ -201,6 +201,11 @@ pub enum Note {
         /// Why.
         reason: SmolStr,
     },
+    /// The state's own file is damaged; the state aborted.
+    DamagedState {
+        /// The damage and its remedy.
+        reason: SmolStr,
+    },
     /// A start value names an input port that the root does not have; it is ignored.
     NoSuchInput {
         /// The name.

@@ -3,8 +3,9 @@
 //! Knows states, ports, outcomes, transitions, data flows, values, types, validity rules and edits.
 //! Knows nothing of files, threads, time or Python.
 
+mod conflict;
 pub mod connection;
-pub mod convert;
+mod convert;
 pub mod data_flows;
 pub mod diff;
 pub mod edit;
@@ -24,6 +25,7 @@ pub mod transitions;
 pub mod types;
 pub mod value;
 
+pub use conflict::{CONFLICT_REMEDY, conflict_line};
 pub use connection::{DataFlow, Origin, Target, Transition};
 pub use convert::{Conversion, convert, convert_runtime_value};
 pub use data_flows::DataFlows;

@@ -35,6 +35,8 @@ pub struct State {
     pub kind: Kind,
     /// Unknown keys of the file.
     pub extra: Extra,
+    /// Damage of the state's own file, with the remedy. A damaged state aborts before it does anything.
+    pub damage: Option<SmolStr>,
 }
 
 /// The five kinds of states of the reference, and the decider of a barrier.
@@ -176,6 +178,7 @@ impl State {
             layout: Layout::default(),
             kind,
             extra: None,
+            damage: None,
         }
     }
 
@@ -186,6 +189,7 @@ impl State {
                 == (&other.outcomes, &other.inputs, &other.outputs)
             && (&self.semantic_data, &self.layout, &self.extra)
                 == (&other.semantic_data, &other.layout, &other.extra)
+            && self.damage == other.damage
             && self.script() == other.script()
             && self.kind.is_same_shell(&other.kind)
     }

@@ -3,11 +3,11 @@
 use crate::module;
 use crate::runtime::Runtime;
 use parking_lot::Mutex;
-use pyo3::exceptions::{PyAttributeError, PyRuntimeError};
+use pyo3::exceptions::{PyAttributeError, PyRuntimeError, PySyntaxError};
 use pyo3::prelude::*;
 use pyo3::types::{PyCode, PyDict, PyString};
 use rafcon_engine::{Node, NodeId, Program};
-use rafcon_model::{DataType, Outcome, Port, State};
+use rafcon_model::{CONFLICT_REMEDY, DataType, Outcome, Port, State, conflict_line};
 use smol_str::SmolStr;
 use std::collections::BTreeSet;
 use std::sync::{Arc, OnceLock};
@@ -128,8 +128,18 @@ impl Script {
         let text = self.text.as_ref().ok_or_else(|| {
             PyRuntimeError::new_err("the state has no script: add a script.py to its folder")
         })?;
-        self.codes.get(py, text, &self.file)
+        let compiled = self.codes.get(py, text, &self.file);
+        compiled.map_err(|error| conflict_error(text, &self.file).unwrap_or(error))
     }
+}
+
+/// The error about conflict markers in a script that does not compile.
+fn conflict_error(text: &str, file: &str) -> Option<PyErr> {
+    let line = conflict_line(text)?;
+    let index = usize::try_from(line).ok()?.checked_sub(1)?;
+    let shown = text.lines().nth(index).unwrap_or_default().to_owned();
+    let what = format!("the script has conflict markers of a merge: {CONFLICT_REMEDY}");
+    Some(PySyntaxError::new_err((what, (file.to_owned(), line, 1, shown))))
 }
 
 /// What is in `cell`; made at the first call. Making it may let other threads run, so two may make it and one is kept.

@@ -2,10 +2,13 @@
 //! where and the remedy. Knows faults of files, not validity rules: those belong to the model.
 
 use rafcon_model::json::ParseError;
-use rafcon_model::{PortId, StateId, StatePath};
+use rafcon_model::{CONFLICT_REMEDY, PortId, StateId, StatePath};
 use smol_str::SmolStr;
 use std::path::PathBuf;
 use std::{fmt, io};
+
+/// The key with the class of a state.
+const CLASS: &str = "__jsonqualname__";
 
 /// One fault of one file.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -31,6 +34,9 @@ pub enum Fault {
     /// The file does not parse.
     #[error("is not JSON: {0}")]
     Malformed(ParseError),
+    /// The file does not parse, because a merge left conflict markers in it. The first is in this line.
+    #[error("has conflict markers of a merge, the first in line {0}")]
+    Conflict(u64),
     /// The file is not text.
     #[error("is not UTF-8 text")]
     NotUtf8,
@@ -142,6 +148,7 @@ impl Fault {
             Self::Malformed(_) | Self::NotUtf8 => {
                 "correct the file by hand or restore it; it stays as it is until this part of the state is changed"
             }
+            Self::Conflict(_) => CONFLICT_REMEDY,
             Self::Wrong(_) => "correct the key in the file, or change the state and save it",
             Self::Element { wrong: Wrong::OtherId(_), .. } => {
                 "save the state to make both the same"
@@ -164,6 +171,18 @@ impl Fault {
             Self::Loop(_) => "remove the link; what lies behind it is not read",
             Self::TooDeep(_) => "move inner states into a library",
             Self::RootElsewhere(_) => "save the machine to bring it into the current layout",
+        }
+    }
+
+    /// Whether a part of the state is lost that decides what it does. Such a state aborts before it does anything.
+    pub(crate) fn is_damage(&self) -> bool {
+        const HARMLESS: [&str; 4] = ["name", "state_id", "description", "income"];
+        match self {
+            Self::Malformed(_) | Self::Conflict(_) | Self::NotUtf8 | Self::UnknownClass(_) => true,
+            Self::Wrong(Wrong::NotAnObject(_) | Wrong::Missing(CLASS)) => true,
+            Self::Wrong(Wrong::Type { key, .. }) => !HARMLESS.contains(key),
+            Self::Element { wrong, .. } => !matches!(wrong, Wrong::OtherId(_) | Wrong::Twice),
+            _ => false,
         }
     }
 

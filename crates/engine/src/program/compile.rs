@@ -142,6 +142,9 @@ impl<D: Datum> Compiler<'_, D> {
     }
 
     fn body(&mut self, node: NodeId, state: &State) -> Body<D> {
+        if let Some(reason) = &state.damage {
+            return Body::Library(Box::new(self.missing(reason, false)));
+        }
         match &state.kind {
             Kind::Execution(_) | Kind::Decider(_) => Body::Script,
             Kind::Hierarchy(container) => {
@@ -225,7 +228,7 @@ impl<D: Datum> Compiler<'_, D> {
     fn content(&mut self, node: NodeId, state: &State, library: &Library) -> Content<D> {
         let root = match &library.content {
             LibraryContent::Found(root) => root,
-            LibraryContent::Missing { reason } => return self.missing(reason),
+            LibraryContent::Missing { reason } => return self.missing(reason, true),
         };
         let (root_node, is_first) = self.numbers.content(node, root);
         if is_first {
@@ -240,8 +243,8 @@ impl<D: Datum> Compiler<'_, D> {
         }
     }
 
-    fn missing(&mut self, reason: &SmolStr) -> Content<D> {
-        Content::Missing { reason: reason.clone(), error: self.literals.error(reason) }
+    fn missing(&mut self, reason: &SmolStr, is_library: bool) -> Content<D> {
+        Content::Missing { reason: reason.clone(), error: self.literals.error(reason), is_library }
     }
 }
 

@@ -145,8 +145,8 @@ pub(crate) struct Fault<D> {
 pub(crate) enum Content<D> {
     /// The library's root; and for each outcome of it, the outcome of the library state.
     Found { root: NodeId, ports: Option<Box<PortMap>>, outcomes: Box<[u32]> },
-    /// It is missing: why, and the same as a value.
-    Missing { reason: SmolStr, error: Option<D> },
+    /// The library is missing, or the state's own file is damaged: the reason as text and as a value.
+    Missing { reason: SmolStr, error: Option<D>, is_library: bool },
 }
 
 impl<D> Content<D> {

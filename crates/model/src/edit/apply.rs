@@ -29,6 +29,7 @@ pub fn apply(machine: &mut Machine, edit: Edit, types: &dyn Types) -> Result<Edi
     let mut done = Restore::default();
     match edit_all(machine, edit, types, &mut done) {
         Ok(()) => {
+            repair(machine, &done.steps);
             done.steps.reverse();
             Ok(Edit::Restore(Box::new(done)))
         }
@@ -56,6 +57,16 @@ fn edit_all(
         edit => {
             let steps = forget_places(machine, plan(machine, edit, types)?);
             Run::new(types, Vec::new()).run(machine, steps, done)
+        }
+    }
+}
+
+/// Forgets the damage of states whose `core_data.json` these steps replace.
+fn repair(machine: &mut Machine, steps: &[Step]) {
+    for step in steps.iter().filter(|step| step.replaces_core()) {
+        let is_damaged = machine.state(&step.at).is_some_and(|state| state.damage.is_some());
+        if let Some(state) = machine.state_mut(&step.at).filter(|_| is_damaged) {
+            state.damage = None;
         }
     }
 }

@@ -68,6 +68,16 @@ impl Step {
         Self { at: at.clone(), set }
     }
 
+    /// True for a change of the state's `core_data.json`.
+    pub(super) fn replaces_core(&self) -> bool {
+        !matches!(
+            self.set,
+            Set::Header(_)
+                | Set::Child(..)
+                | Set::Field(Field::Script(_) | Field::Layout(_) | Field::SemanticData(_))
+        )
+    }
+
     /// Changes the machine and returns the inverse step. Refused, without a change, if the state does not exist or cannot have
     /// such a part.
     pub(super) fn run(self, machine: &mut Machine) -> Result<Self, EditError> {

@@ -164,6 +164,9 @@ impl<S: Scripts> Driver<S> {
         let mut saved = None;
         self.change("its folder was read again", wait, |_| {
             let loaded = source.read().map_err(|why| ChangeError::Load(Box::new(why)))?;
+            if let Some(damage) = &loaded.machine.root.damage {
+                return Err(ChangeError::Damaged(damage.to_string()));
+            }
             saved = Some(loaded.saved);
             Ok(loaded.machine)
         })?;

@@ -45,6 +45,9 @@ pub enum ChangeError {
     /// The folder cannot be read.
     #[error("{}", reason(.0))]
     Load(Box<LoadError>),
+    /// The root state's own file is damaged.
+    #[error("the root state cannot be read, so the run keeps its machine: {0}")]
+    Damaged(String),
     /// The change would take an active state away.
     #[error(transparent)]
     Engine(#[from] Refusal),
@@ -137,6 +140,9 @@ pub enum PrepareError {
     /// The machine's folder has no absolute path.
     #[error("{}", reason(.0))]
     Folder(io::Error),
+    /// The root state's own file is damaged.
+    #[error("the root state cannot be read, so the machine does not run: {0}")]
+    Damaged(String),
     /// An input of the root cannot be made.
     #[error("the value for input \"{name}\" cannot be used: {why}")]
     Input {

@@ -58,6 +58,7 @@ pub(crate) fn prepare<H: Host>(
     let (config, _file) = config::find(launch.config.as_deref(), &environment)
         .map_err(|error| PrepareError::Config(Box::new(error)))?;
     if let Some(built) = host.built().filter(|_| packed.is_none()) {
+        is_readable(&built.machine)?;
         are_known(&built.machine, launch)?;
         return ready(host, launch, built, config);
     }
@@ -75,6 +76,7 @@ pub(crate) fn prepare<H: Host>(
         None => (load(&launch.machine, &own), Arc::clone(&own)),
     };
     let loaded = loaded.map_err(|error| PrepareError::Load(Box::new(error)))?;
+    is_readable(&loaded.machine)?;
     are_known(&loaded.machine, launch)?;
     let problems = lines(&config.notes)
         .chain(lines(&notes))
@@ -121,6 +123,14 @@ fn start<H: Host>(
         hold: launch.hold,
         ..Start::default()
     })
+}
+
+/// A root without its file has no states, and would wait for ever.
+fn is_readable(machine: &Machine) -> Result<(), PrepareError> {
+    match &machine.root.damage {
+        Some(damage) => Err(PrepareError::Damaged(damage.to_string())),
+        None => Ok(()),
+    }
 }
 
 /// A misspelt input would let the machine run with a default instead. A run that goes on has passed this once.

@@ -182,6 +182,9 @@ fn text(note: &Note) -> String {
         Note::MissingLibrary { reason } => {
             format!("the library is missing: {reason}; the state aborts")
         }
+        Note::DamagedState { reason } => {
+            format!("the state cannot be read: {reason}; it aborts before it does anything")
+        }
         Note::BadCondition { breakpoint, reason } => format!(
             "the condition of breakpoint {breakpoint} cannot be evaluated ({reason}); it holds as if the condition were true"
         ),

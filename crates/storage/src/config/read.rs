@@ -1,6 +1,7 @@
 //! The text of a `config.yaml` to a typed value. Knows keys and defaults, no files.
 
 use super::paths::{Environment, clean_path};
+use rafcon_model::{CONFLICT_REMEDY, conflict_line};
 use saphyr::{LoadableYamlNode as _, Yaml};
 use std::path::{Path, PathBuf};
 
@@ -74,7 +75,13 @@ pub fn parse(text: &str, dir: &Path, environment: &Environment<'_>) -> Config {
     match Yaml::load_from_str(text) {
         Ok(mut documents) if !documents.is_empty() => reader.document = documents.swap_remove(0),
         Ok(_) => {}
-        Err(error) => reader.notes.push(ConfigNote::Malformed(error.to_string())),
+        Err(error) => {
+            let what = conflict_line(text).map_or_else(
+                || error.to_string(),
+                |line| format!("conflict markers of a merge in line {line}: {CONFLICT_REMEDY}"),
+            );
+            reader.notes.push(ConfigNote::Malformed(what));
+        }
     }
     reader.config()
 }

@@ -3,6 +3,7 @@
 
 use super::elements::{self, UnmodelledContent};
 use super::library_state;
+use super::state_files::document;
 use crate::problem::{Fault, Wrong};
 use rafcon_model::port::Extra;
 use rafcon_model::{
@@ -37,7 +38,7 @@ pub(crate) struct Decoder {
 /// The state in the text of a `core_data.json`, without children, script, notes and layout, and its faults.
 /// Without an id in the text, `folder`, the folder's name, gives the id. `Err` if the text describes no state.
 pub fn state_from_core_data(text: &str, folder: &str) -> Result<(State, Vec<Fault>), Fault> {
-    let document = json::parse(text).map_err(Fault::Malformed)?;
+    let document = document(text)?;
     let mut decoder = Decoder::default();
     let state = decoder.state(&document, folder)?;
     Ok((state, decoder.faults))
@@ -67,6 +68,7 @@ impl Decoder {
             layout: Layout::default(),
             kind,
             extra: None,
+            damage: None,
         };
         let known: &[&str] = match &state.kind {
             Kind::Library(_) => &library_state::KEYS,

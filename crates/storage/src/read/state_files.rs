@@ -7,7 +7,8 @@ use super::decode::{Decoder, stand_in};
 use super::script_text;
 use crate::files::{Oddities, Part};
 use crate::problem::Fault;
-use rafcon_model::{Json, Kind, Layout, State, json};
+use rafcon_model::{Json, Kind, Layout, State, conflict_line, json};
+use smol_str::SmolStr;
 use std::ffi::{OsStr, OsString};
 use std::sync::Arc;
 
@@ -91,12 +92,18 @@ impl StateReader {
         let decoded = parse(bytes).and_then(|document| self.decoder.state(&document, &folder));
         faults.extend(self.decoder.faults.drain(..).map(|fault| (Part::Core, fault)));
         let fault = match decoded {
-            Ok(state) => return Ok(Some(state)),
+            Ok(state) => {
+                let lost = faults.iter().find(|(_, fault)| fault.is_damage());
+                let damage = lost.map(|(_, fault)| damage(fault));
+                return Ok(Some(State { damage, ..state }));
+            }
             Err(fault) => fault,
         };
         oddities.verbatim.insert(Part::Core, bytes.into());
+        let damage = Some(damage(&fault));
         faults.push((Part::Core, fault));
-        Ok(Some(stand_in(&folder, files.read(Part::Script)?.is_some())))
+        let has_script = files.read(Part::Script)?.is_some();
+        Ok(Some(State { damage, ..stand_in(&folder, has_script) }))
     }
 
     fn script(
@@ -153,10 +160,21 @@ fn semantic(
     }
 }
 
+/// Why a state cannot run, and the remedy.
+fn damage(fault: &Fault) -> SmolStr {
+    let file = Part::Core.file_name();
+    smol_str::format_smolstr!("{file}: {fault}; correct the file, or restore it")
+}
+
 /// The document in a file.
 pub(crate) fn parse(bytes: &[u8]) -> Result<Json, Fault> {
-    let text = std::str::from_utf8(bytes).map_err(|_at| Fault::NotUtf8)?;
-    json::parse(text).map_err(Fault::Malformed)
+    document(std::str::from_utf8(bytes).map_err(|_at| Fault::NotUtf8)?)
+}
+
+/// The document in a text.
+pub(crate) fn document(text: &str) -> Result<Json, Fault> {
+    let fault = |error| conflict_line(text).map_or(Fault::Malformed(error), Fault::Conflict);
+    json::parse(text).map_err(fault)
 }
 
 /// The layout in a file; `text` is scratch space.
@@ -166,6 +184,6 @@ pub(crate) fn compact_layout(bytes: &[u8], text: &mut String) -> Result<Layout, 
     if layout.trim_start().starts_with('{') && compact(layout, text).is_some() {
         return Ok(if text == "{}" { Layout::default() } else { Layout::from_text(text) });
     }
-    let document = json::parse(layout).map_err(Fault::Malformed)?;
+    let document = document(layout)?;
     Err(Fault::Wrong(crate::Wrong::NotAnObject(document.kind())))
 }

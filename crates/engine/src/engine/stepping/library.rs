@@ -16,12 +16,17 @@ impl<'s, D: Datum> Step<'s, D> {
                 self.run.frames.get_mut(slot).phase = Phase::Child;
                 self.run.work.push(Work::Enter { parent: slot, child: 0 });
             }
-            Content::Missing { reason, error } => {
+            Content::Missing { reason, error, is_library } => {
                 let frame = self.run.frames.get_mut(slot);
                 let path = frame.path;
                 let outputs = frame.outputs.take().unwrap_or_default();
                 let reason = reason.clone();
-                self.note(path, Level::Error, Note::MissingLibrary { reason });
+                let note = if *is_library {
+                    Note::MissingLibrary { reason }
+                } else {
+                    Note::DamagedState { reason }
+                };
+                self.note(path, Level::Error, note);
                 let error = error.clone();
                 let ended = Ended { outcome: ABORTED, outputs, absent: Vec::new(), error };
                 self.run.work.push(Work::Leave { slot, ended: Box::new(ended) });
