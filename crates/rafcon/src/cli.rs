@@ -217,7 +217,7 @@ pub(crate) struct Tell {
 const EXIT_CODES: &str = "\
 Exit codes:
   0  the machine ended with its outcome 0
-  1  the machine could not be loaded, or the run could not start
+  1  the machine could not be loaded, the run could not start, or it could only wait and no terminal showed it
   2  wrong usage
   3  the machine ended with another outcome of its own
   4  the machine was aborted: an error left the root state

@@ -21,9 +21,13 @@ pub(super) fn outcome_faults(parent: Option<&State>, state: &State, id: OutcomeI
     faults
 }
 
-/// A custom outcome in a hierarchy without a transition.
+/// A custom outcome without a transition, where the run would wait for one.
 fn unconnected_fault(parent: Option<&State>, state: &State, outcome: &Outcome) -> Option<Fault> {
-    let Kind::Hierarchy(container) = &parent?.kind else { return None };
+    let container = match &parent?.kind {
+        Kind::Hierarchy(container) | Kind::Preemptive(container) => container,
+        Kind::Barrier(container) if state.id.is_decider() => container,
+        Kind::Barrier(_) | Kind::Execution(_) | Kind::Decider(_) | Kind::Library(_) => return None,
+    };
     let origin = Origin::Outcome(state.id.clone(), outcome.id);
     if outcome.id.is_mandatory() || container.transitions.from(&origin).next().is_some() {
         return None;

@@ -101,7 +101,7 @@ rules! {
     OutcomeName: Error, "give the outcome a name";
     /// An outcome's name is unique in its state.
     OutcomeNameTwice: Error, "rename one of the outcomes";
-    /// An outcome of a child in a hierarchy leads somewhere; otherwise the run waits there.
+    /// An outcome of a child leads somewhere, in a barrier only that of the decider; otherwise the run waits there for ever.
     OutcomeUnconnected: Note, "connect the outcome if it can happen";
     /// The name of a port or scoped variable has at least one character.
     PortName: Error, "give the port a name";
@@ -117,6 +117,8 @@ rules! {
     DefaultType: Error, "change the default or the type";
     /// A hierarchy with children has a start; without one the run waits there for ever.
     StartMissing: Error, "connect the income with a child";
+    /// A hierarchy or preemptive concurrency state has children; without one the run waits there for ever.
+    ChildrenMissing: Error, "add a state; in a hierarchy, also connect the income with it";
     /// The transitions of a hierarchy lead from its start to each of its children.
     Unreachable: Note, "lead a transition to the state, or remove it";
     /// A container has at most one start transition.
@@ -200,9 +202,10 @@ rules! {
 
 impl Rule {
     /// Whether an edit that breaks this rule is refused. A machine may have no start while it is drawn, and a library may be
-    /// missing temporarily.
+    /// missing temporarily. A container is empty before its first state is added.
     pub fn refuses_edits(self) -> bool {
-        let is_allowed = matches!(self, Self::LibraryMissing | Self::StartMissing);
+        let is_allowed =
+            matches!(self, Self::LibraryMissing | Self::StartMissing | Self::ChildrenMissing);
         self.severity() == Severity::Error && !is_allowed
     }
 }

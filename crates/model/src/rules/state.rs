@@ -21,7 +21,9 @@ pub(super) fn faults(parent: Option<&State>, state: &State) -> Vec<Fault> {
     }
     faults.extend(lost_link_faults(parent, state));
     faults.extend(decider_fault(parent, state));
-    kind_faults(state, &mut faults);
+    if state.damage.is_none() {
+        kind_faults(state, &mut faults);
+    }
     faults
 }
 
@@ -89,7 +91,9 @@ fn kind_faults(state: &State, faults: &mut Vec<Fault>) {
         }
         Kind::Hierarchy(container) => {
             let has_start = container.transitions.from(&Origin::Income).next().is_some();
-            if !container.states.is_empty() && !has_start {
+            if container.states.is_empty() && !has_start {
+                faults.push(Fault::new(Rule::ChildrenMissing, "no state is in it"));
+            } else if !has_start {
                 faults.push(Fault::new(Rule::StartMissing, "no child is where it starts"));
             }
         }
@@ -98,7 +102,11 @@ fn kind_faults(state: &State, faults: &mut Vec<Fault>) {
                 faults.push(Fault::new(Rule::DeciderMissing, "the barrier has no decider"));
             }
         }
-        Kind::Preemptive(_) => {}
+        Kind::Preemptive(container) => {
+            if container.states.is_empty() {
+                faults.push(Fault::new(Rule::ChildrenMissing, "no state is in it"));
+            }
+        }
         Kind::Library(library) => library::faults(state, library, faults),
     }
 }

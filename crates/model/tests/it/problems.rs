@@ -56,6 +56,39 @@ fn a_valid_machine_has_none() {
 }
 
 #[test]
+fn places_where_a_run_waits_for_ever_are_named() {
+    check(
+        r#"
+        hierarchy ROOT
+          outcome success
+          start -> EMPTYX
+          EMPTYX.success -> BARRIE ; BARRIE.success -> RACERS ; RACERS.success -> NOBODY
+          NOBODY.success -> .success
+          hierarchy EMPTYX
+            outcome success
+          barrier BARRIE
+            outcome success
+            CHILDX.success -> unique_decider_state_id
+            execution CHILDX
+              outcome success
+              outcome other
+              script ""
+            decider unique_decider_state_id
+              outcome success
+              script ""
+          preemptive RACERS
+            outcome success
+            execution RACERX
+              outcome success
+              script ""
+          preemptive NOBODY
+            outcome success
+        "#,
+        &expect![[r#""#]],
+    );
+}
+
+#[test]
 fn names_and_ids() {
     check(
         r#"

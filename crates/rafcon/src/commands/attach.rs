@@ -98,7 +98,7 @@ pub(super) fn ended(end: &End, run: &str) -> ExitCode {
 /// What the user is told about an end besides what is shown.
 fn words(end: &End, run: &str) -> Option<String> {
     match end {
-        End::Finished { .. } | End::Killed { .. } => None,
+        End::Finished { .. } | End::OnlyWaited { .. } | End::Killed { .. } => None,
         End::Left => Some(format!("left; the run continues (rafcon attach {run} joins it again)")),
         End::Died(_) => {
             Some(format!("error: the runner died; resume the run: rafcon resume {run}"))

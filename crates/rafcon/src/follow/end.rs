@@ -13,6 +13,11 @@ pub(crate) enum End {
         /// Whether `--timeout` made it stop.
         timed_out: bool,
     },
+    /// The machine could only wait, and was stopped because nobody watched.
+    OnlyWaited {
+        /// Reason of the waiting.
+        reason: String,
+    },
     /// The machine could not be loaded, or the run lets no one in.
     LoadFailed {
         /// What, where, and the way out.
@@ -46,6 +51,7 @@ impl End {
         match self {
             Self::Killed { active, .. } | Self::Died(RunnerDeath { active, .. }) => Some(active),
             Self::Finished { .. }
+            | Self::OnlyWaited { .. }
             | Self::LoadFailed { .. }
             | Self::NotStarted { .. }
             | Self::Left => None,
@@ -63,7 +69,7 @@ impl End {
                 -2 => 5,
                 _ => 3,
             },
-            Self::LoadFailed { .. } | Self::NotStarted { .. } => 1,
+            Self::OnlyWaited { .. } | Self::LoadFailed { .. } | Self::NotStarted { .. } => 1,
             Self::Killed { timed_out: false, .. } => 5,
             Self::Died(_) => 7,
             Self::Left => 0,

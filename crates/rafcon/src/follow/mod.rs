@@ -9,20 +9,22 @@ mod known;
 mod requests;
 mod run_loop;
 mod stop_requests;
+mod waiting;
 
 use crate::console::Wish;
 use crate::event_queue::{Cause, STUCK};
 pub(crate) use end::End;
 use known::{Active, ProcessEnd, Pulse};
 use rafcon_protocol::{
-    Answer, Command, EnginePulse, Envelope, Event, Hello, Join, LogLevel, Stream, ToRunner,
-    ToViewer,
+    Answer, Command, EnginePulse, Envelope, Event, Hello, Join, LogLevel, Outcome, Snapshot,
+    Stream, ToRunner, ToViewer,
 };
 use rafcon_supervisor::{Exit, RunnerDeath};
 pub(crate) use run_loop::RunLoop;
 use std::time::Duration;
 use stop_requests::StopRequests;
 pub(crate) use stop_requests::StopSignal;
+use waiting::{Unattended, Waiting};
 
 /// How long a machine may take to stop after its time is over, before it is killed.
 pub(crate) const GRACE: Duration = Duration::from_secs(3);
@@ -71,6 +73,8 @@ pub(crate) struct RunFollower {
     /// The run was told to end at once.
     is_kill_sent: bool,
     stop_requests: StopRequests,
+    waiting: Waiting,
+    unattended: Option<Unattended>,
     /// Who gives commands.
     author: String,
     /// How the ids of our commands begin: no one else's do.
@@ -103,6 +107,8 @@ impl RunFollower {
             kill_at: None,
             is_kill_sent: false,
             stop_requests: StopRequests::default(),
+            waiting: Waiting::default(),
+            unattended: None,
             author: author.to_owned(),
             prefix,
             commands: 0,
@@ -122,6 +128,11 @@ impl RunFollower {
     /// The same, which also finds out whether the engine takes inputs: at a server, that one does.
     pub(crate) fn asking_for_the_engine(self) -> Self {
         Self { pulse: Some(Pulse::default()), ..self }
+    }
+
+    /// The same where nobody watches: a run that can only wait is stopped, unless its machine `ends_itself`.
+    pub(crate) fn unattended(self, ends_itself: impl Fn() -> bool + 'static) -> Self {
+        Self { unattended: Some(Unattended(Box::new(ends_itself))), ..self }
     }
 
     /// Takes one cause in.
@@ -202,14 +213,40 @@ impl RunFollower {
             }
             ToViewer::Event { sequence, t_ns, event } => {
                 self.run_ns = t_ns;
-                if let Event::Finished { outcome, .. } = &event {
-                    let (outcome, timed_out) = (outcome.clone(), self.timed_out);
-                    self.finish(End::Finished { outcome, timed_out });
-                    self.kill_at = Some(now + EXIT_TIMEOUT);
+                match &event {
+                    Event::Finished { outcome, .. } => self.finished(now, outcome.clone()),
+                    Event::Waiting { reason, .. } => self.waiting.reason.clone_from(reason),
+                    _ => {}
                 }
                 out.push(Action::Show(ToViewer::Event { sequence, t_ns, event }));
             }
-            ToViewer::Snapshot(_) | ToViewer::Inspection { .. } => out.push(Action::Show(message)),
+            ToViewer::Snapshot(snapshot) => {
+                self.may_only_wait(&snapshot, out);
+                out.push(Action::Show(ToViewer::Snapshot(snapshot)));
+            }
+            ToViewer::Inspection { .. } => out.push(Action::Show(message)),
+        }
+    }
+
+    fn finished(&mut self, now: Duration, outcome: Outcome) {
+        let timed_out = self.timed_out;
+        let stopped_for = self.waiting.stopped_for.take().filter(|_| !timed_out);
+        let waited = stopped_for.map(|reason| End::OnlyWaited { reason });
+        self.finish(waited.unwrap_or(End::Finished { outcome, timed_out }));
+        self.kill_at = Some(now + EXIT_TIMEOUT);
+    }
+
+    /// Reports a run of ours that can only wait, and stops it where nobody watches.
+    fn may_only_wait(&mut self, snapshot: &Snapshot, out: &mut Vec<Action>) {
+        let reason = self.waiting.begins(snapshot).filter(|_| self.role == RunRole::Owner);
+        let Some(reason) = reason else { return };
+        match &self.unattended {
+            None => out.push(Action::Note(format!("the run can only wait: {reason}"))),
+            Some(Unattended(ends_itself)) if ends_itself() => {}
+            Some(_) => {
+                self.say(&format!("the run can only wait: {reason}; stopping"), Command::Stop, out);
+                self.waiting.stopped_for = Some(reason);
+            }
         }
     }
 

@@ -74,7 +74,7 @@ impl<W: Write> View for Json<W> {
 
     fn end(&mut self, end: &End) -> io::Result<()> {
         match end {
-            End::Finished { .. } => {
+            End::Finished { .. } | End::OnlyWaited { .. } => {
                 if let Some(event) = self.finished.take() {
                     self.line(&event)?;
                 }

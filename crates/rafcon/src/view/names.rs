@@ -68,6 +68,12 @@ impl Names {
         }
     }
 
+    /// The machine, once it is loaded.
+    pub(crate) fn machine(&mut self) -> Option<&Machine> {
+        self.wait();
+        self.machines[0].as_ref()
+    }
+
     fn wait(&mut self) {
         let Some(loading) = self.loading.take() else { return };
         if let Some(newer) = loading.join().unwrap_or(None) {

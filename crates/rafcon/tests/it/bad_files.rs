@@ -2,7 +2,6 @@
 
 use crate::harness::{Place, Run, one_script};
 use expect_test::{Expect, expect};
-use rustix::process::Signal;
 use std::os::unix::ffi::OsStrExt as _;
 
 const TWO: &str = r#"
@@ -17,15 +16,12 @@ const TWO: &str = r#"
               return "success"
 "#;
 
-/// `rafcon check` and `rafcon run` of the machine in a place. A run that waits is stopped as by Ctrl-C.
+/// `rafcon check` and `rafcon run` of the machine in a place. Nobody watches the run: it ends where it can only wait.
 fn check(place: &Place, expect: &Expect) {
     let checked = place.call("check MACHINE");
     let mut run = Run::start(place, "");
     let told = ["waiting", "finished", "load_failed"].map(|kind| format!("{{\"type\":\"{kind}\""));
     let told = run.wait_for_one_of(&told).unwrap();
-    if told.contains("waiting") {
-        run.signal(Signal::INT);
-    }
     let (code, lines, _) = run.end();
     let last: serde_json::Value = serde_json::from_str(lines.last().unwrap_or(&told)).unwrap();
     let event: serde_json::Value = serde_json::from_str(&told).unwrap();
@@ -65,13 +61,62 @@ fn truncated_json() {
             error: Root: transition 2: it begins at the outcome 0 of AAAAAA, which does not exist
                 connect the beginning with an outcome that exists, or remove the transition
                 at ROOT
-            error: Root/First: script.py:2: `execute` returns "success", which is not an outcome of the state
-                return one of "aborted", "preempted", or add the outcome
-                at ROOT/AAAAAA
-            Root: 2 states, 3 errors, no notes
+            Root: 2 states, 2 errors, no notes
             run: finished, 4 aborted
         "#]],
     );
+}
+
+/// A machine whose state has these files aborts, and the state, whose script prints, does nothing.
+fn check_damage(damages: &[&str]) {
+    for damage in damages {
+        let place = Place::with(TWO);
+        place.write(FIRST, damage);
+        let script = "print('it runs')\ndef execute(self, inputs, outputs, gvm):\n    return 0\n";
+        place.write("First_AAAAAA/script.py", script);
+        let run = place.run("--keep off");
+        assert_eq!(run.code, Some(4), "{damage}: {}", run.ending());
+        assert!(!run.stdout.contains("it runs"), "{damage}: {}", run.stdout);
+        assert!(run.log().contains("it aborts before it does anything"), "{damage}: {}", run.log());
+    }
+}
+
+#[test]
+fn a_state_whose_file_is_damaged_never_runs_its_script() {
+    check_damage(&[
+        "{\"name\": \"First\", \"outco",
+        "\u{feff}{}",
+        "<<<<<<< HEAD\n{}\n=======\n{}\n>>>>>>> other\n",
+        r#"{"__jsonqualname__": "rafcon.core.states.unknown.StrangeState"}"#,
+    ]);
+}
+
+#[test]
+fn a_state_that_lost_a_part_by_damage_never_runs_its_script() {
+    check_damage(&[
+        "{}",
+        r#"{"__jsonqualname__": "ExecutionState", "name": "First", "state_id": "AAAAAA", "outcomes": 7}"#,
+        r#"{"__jsonqualname__": "ExecutionState", "name": "First", "state_id": "AAAAAA", "outcomes": {"0": {}}}"#,
+    ]);
+}
+
+#[test]
+fn conflict_markers_are_named() {
+    let conflict = "<<<<<<< HEAD\nx = 1\n=======\nx = 2\n>>>>>>> other\n";
+    for file in
+        [FIRST, "First_AAAAAA/script.py", "First_AAAAAA/meta_data.json", "statemachine.json"]
+    {
+        let place = Place::with(TWO);
+        place.write(file, conflict);
+        let checked = place.call("check MACHINE");
+        assert!(checked.stdout.contains("conflict markers of a merge"), "{file}: {checked:?}");
+        assert!(checked.stdout.contains("remove the lines that begin with <<<<<<<"), "{checked:?}");
+    }
+    let place = Place::with(TWO);
+    place.write("First_AAAAAA/script.py", conflict);
+    let run = place.run("--keep off");
+    assert_eq!(run.code, Some(4), "{}", run.ending());
+    assert!(run.stdout.contains("the script has conflict markers of a merge"), "{}", run.stdout);
 }
 
 #[test]
@@ -80,20 +125,17 @@ fn a_truncated_root() {
     place.write("core_data.json", "{");
     check(
         &place,
-        &expect![[r"
+        &expect![[r#"
             check: 1
             error: UNREAD: is not JSON: line 1, column 2: expected a key in quotes
                 correct the file by hand or restore it; it stays as it is until this part of the state is changed
                 at UNREAD, core_data.json
-            error: UNREAD: no child is where it starts
-                connect the income with a child
-                at UNREAD
             note: UNREAD/First: outcome 0: no transition begins at the outcome `success`
                 connect the outcome if it can happen
                 at UNREAD/AAAAAA
-            UNREAD: 2 states, 2 errors, 1 note
-            run: waiting: there is no start state: connect the income, or stop the run, 5 preempted
-        "]],
+            UNREAD: 2 states, 1 error, 1 note
+            run: load_failed: the root state cannot be read, so the machine does not run: core_data.json: is not JSON: line 1, column 2: expected a key in quotes; correct the file, or restore it, 1 
+        "#]],
     );
 }
 
@@ -129,14 +171,11 @@ fn wrong_types() {
             error: Root/AAAAAA: `name` should be a string, not a list
                 correct the key in the file, or change the state and save it
                 at ROOT/AAAAAA, First_AAAAAA/core_data.json
-            error: Root: no child is where it starts
-                connect the income with a child
-                at ROOT
             note: Root/AAAAAA: outcome 0: no transition begins at the outcome `success`
                 connect the outcome if it can happen
                 at ROOT/AAAAAA
-            Root: 2 states, 3 errors, 1 note
-            run: waiting: there is no start state: connect the income, or stop the run, 5 preempted
+            Root: 2 states, 2 errors, 1 note
+            run: load_failed: the root state cannot be read, so the machine does not run: core_data.json: `transitions` should be an object, not an integer; correct the file, or restore it, 1 
         "]],
     );
 }
@@ -183,7 +222,7 @@ fn transitions_to_nowhere() {
                 lead a transition to the state, or remove it
                 at ROOT/AAAAAA
             Root: 2 states, 1 error, 1 note
-            run: waiting: there is no start state: connect the income, or stop the run, 5 preempted
+            run: waiting: there is no start state: connect the income, or stop the run, 1 preempted
         "]],
     );
 }
@@ -225,7 +264,7 @@ fn a_folder_without_core_data() {
     std::fs::remove_file(place.machine().join(FIRST)).unwrap();
     check(
         &place,
-        &expect![[r"
+        &expect![[r#"
             check: 1
             error: Root: transition 1: it leads to AAAAAA, which does not exist
                 connect the end with a child or an outcome of the container, or remove the transition
@@ -234,8 +273,8 @@ fn a_folder_without_core_data() {
                 connect the beginning with an outcome of a child, or remove the transition
                 at ROOT
             Root: 1 state, 2 errors, no notes
-            run: waiting: there is no start state: connect the income, or stop the run, 5 preempted
-        "]],
+            run: waiting: there is no start state: connect the income, or stop the run, 1 preempted
+        "#]],
     );
     std::fs::remove_file(place.machine().join("core_data.json")).unwrap();
     check(

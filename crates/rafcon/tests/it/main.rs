@@ -40,4 +40,5 @@ mod strangers;
 mod terminal;
 mod torture;
 mod users;
+mod waiting;
 mod wide;

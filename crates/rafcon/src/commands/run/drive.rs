@@ -1,9 +1,10 @@
 //! A run on this computer: where it keeps its files, and its runners, one after the other. Each is started, followed to its end, and followed by the next if its death allows
 //! that. Decides nothing itself.
 
+use super::limits::ends_itself;
 use super::own_line::OwnLine;
 use super::watchdog::Watchdog;
-use super::{keyboard, view};
+use super::{is_terminal, keyboard, view};
 use crate::cli;
 use crate::clock::Clock;
 use crate::environment::Environment;
@@ -94,6 +95,7 @@ impl RunSetup<'_> {
         let mut view = view(output, environment, names(), keyboard);
         launch.every_event = view.every_event();
         let mut queue = EventQueue::new(has_keys)?;
+        let is_attended = output == cli::Output::Text && is_terminal(environment);
         let mut lives = RestartPolicy::default();
         loop {
             let process = start.spawn(has_keys)?;
@@ -102,7 +104,11 @@ impl RunSetup<'_> {
             let line = Box::new(OwnLine::open(control, group, launch.clone())?);
             let watchdog = Watchdog::start(timeout, clock, group)?;
             let prefix = format!("run-{}-{}", std::process::id(), salt(0));
-            let follower = RunFollower::new(RunRole::Owner, &environment.user, prefix, timeout);
+            let mut follower = RunFollower::new(RunRole::Owner, &environment.user, prefix, timeout);
+            if !is_attended {
+                let names = Rc::clone(names);
+                follower = follower.unattended(move || names().machine().is_some_and(ends_itself));
+            }
             let mut run = RunLoop { follower, view, line, group: Some(group), clock };
             let mut end = run.until_the_end(&queue).inspect_err(|_| group.kill())?;
             add_running(&mut end, place.folder());

@@ -2,6 +2,7 @@
 
 mod at_server;
 mod drive;
+mod limits;
 mod own_line;
 mod report;
 mod request;
