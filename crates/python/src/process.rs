@@ -14,6 +14,10 @@ use smol_str::SmolStr;
 use std::os::fd::{FromRawFd as _, OwnedFd, RawFd};
 use std::os::unix::net::UnixStream;
 use std::sync::Arc;
+use std::time::Duration;
+
+/// Timeout of Python's own end, from the end of the run.
+const EXIT_TIMEOUT: Duration = Duration::from_secs(5);
 
 /// Python before it knows its machine.
 #[derive(Debug, Default)]
@@ -106,11 +110,23 @@ pub(crate) fn main(py: Python<'_>, fd: RawFd) -> PyResult<i32> {
     // What is there now stays for good: the collector need not look at it again and again.
     py.import("gc")?.call_method0("freeze")?;
     let end = py.detach(|| serve(stream, PythonHost::default()));
+    let code = exit_code(end);
+    end_soon(code);
     runtime.flush_all.call0(py)?;
     runtime.hooks.call_method0(py, "shut_down")?;
     process_output::close();
     early::print();
-    Ok(exit_code(end))
+    Ok(code)
+}
+
+/// Ends the process after a timeout: functions of `atexit` and threads of libraries may run for ever.
+fn end_soon(code: i32) {
+    let wait = move || {
+        std::thread::park_timeout(EXIT_TIMEOUT);
+        signal_hook::low_level::exit(code);
+    };
+    // Without the thread the process ends when Python does.
+    drop(std::thread::Builder::new().name("exit".to_owned()).spawn(wait));
 }
 
 /// Environment variable by which a starter leaves standard output and error to the runner until the end of the run.

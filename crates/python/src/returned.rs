@@ -4,8 +4,10 @@ use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyInt, PyString};
 use rafcon_engine::Returned;
 use rafcon_model::Outcome;
-use smol_str::SmolStr;
+use smol_str::{SmolStr, format_smolstr};
 
+/// Remedy for `async def execute`.
+const WITHOUT_ASYNC: &str = "write `def execute`, and run coroutines with `asyncio.run(…)` inside";
 /// How much of a value's own text is shown.
 const SHOWN_MAX: usize = 200;
 
@@ -47,5 +49,15 @@ fn by_equality(value: &Bound<'_, PyAny>, outcomes: &[Outcome]) -> PyResult<Retur
 fn other(value: &Bound<'_, PyAny>) -> Returned {
     let text = value.repr().map(|text| text.to_string_lossy().into_owned());
     let text = text.unwrap_or_else(|_failing| "something that cannot be shown".to_owned());
-    Returned::Other(text.chars().take(SHOWN_MAX).collect())
+    let shown: String = text.chars().take(SHOWN_MAX).collect();
+    if !is_coroutine(value) {
+        return Returned::Other(shown.into());
+    }
+    // A coroutine that is closed does not warn that nobody awaited it.
+    drop(value.call_method0("close"));
+    Returned::Other(format_smolstr!("{shown} (`execute` is `async`; {WITHOUT_ASYNC})"))
+}
+
+fn is_coroutine(value: &Bound<'_, PyAny>) -> bool {
+    value.get_type().name().is_ok_and(|name| name == "coroutine")
 }

@@ -99,6 +99,18 @@ def execute(self, inputs, outputs, gvm):
         text = "class No:\n    def __repr__(self): raise OSError\ndef execute(*a):\n    return No()\n"
         self.check(text, "None", "something that cannot be shown")
 
+    def test_it_is_a_coroutine(self):
+        self.check("async def execute(*a):\n    return 0\n", "None", "run coroutines with `asyncio.run(…)` inside")
+
+    def test_it_has_conflict_markers(self):
+        result = self.run_one("<<<<<<< HEAD\nx = 1\n=======\nx = 2\n>>>>>>> other\n" + DONE, show="str")
+        (said,) = result.logged("stdout", "R/NEXT")
+        self.assertRegex(said, r"conflict markers of a merge: .* \(script.py, line 1\)")
+
+    def test_an_exit_function_that_hangs_does_not_keep_the_process(self):
+        result = self.run_one("import atexit, time\natexit.register(time.sleep, 1000)\n" + DONE)
+        self.assertEqual((result.outcome, result.exit_code), ("success", 0))
+
     def test_it_recurses_without_end(self):
         result = self.run_one("def execute(*a):\n    return execute(*a)\n")
         self.assertIn("RecursionError", result.logged("stdout", "R/NEXT")[0])

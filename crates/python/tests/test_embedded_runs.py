@@ -58,6 +58,23 @@ class EmbeddedRuns(unittest.TestCase):
         given = call(ROW + DATA + textwrap.dedent(program))
         self.assertEqual(given, textwrap.dedent(expected).lstrip("\n"))
 
+    def test_a_machine_whose_root_is_damaged_is_not_run(self):
+        self.check(
+            """
+            import pathlib
+            machine = data()
+            storage.save_state_machine_to_path(machine, "m")
+            state_machine_manager.remove_state_machine(machine.state_machine_id)
+            pathlib.Path("m/core_data.json").write_text("{")
+            damaged = storage.load_state_machine_from_path("m")
+            state_machine_manager.add_state_machine(damaged)
+            refused(run, damaged)
+            """,
+            """
+            RuntimeError
+            """,
+        )
+
     # ---- data
 
     def test_a_script_reads_the_data_of_a_hierarchy_that_has_ended(self):

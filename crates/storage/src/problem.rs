@@ -174,12 +174,15 @@ impl Fault {
         }
     }
 
-    /// Whether a part of the state is lost that decides what it does. Such a state aborts before it does anything.
+    /// True if the state has lost a part of its behaviour. Such a state aborts before it does anything.
     pub(crate) fn is_damage(&self) -> bool {
         const HARMLESS: [&str; 4] = ["name", "state_id", "description", "income"];
         match self {
-            Self::Malformed(_) | Self::Conflict(_) | Self::NotUtf8 | Self::UnknownClass(_) => true,
-            Self::Wrong(Wrong::NotAnObject(_) | Wrong::Missing(CLASS)) => true,
+            Self::Malformed(_)
+            | Self::Conflict(_)
+            | Self::NotUtf8
+            | Self::UnknownClass(_)
+            | Self::Wrong(Wrong::NotAnObject(_) | Wrong::Missing(CLASS)) => true,
             Self::Wrong(Wrong::Type { key, .. }) => !HARMLESS.contains(key),
             Self::Element { wrong, .. } => !matches!(wrong, Wrong::OtherId(_) | Wrong::Twice),
             _ => false,

@@ -84,7 +84,12 @@ fn places_where_a_run_waits_for_ever_are_named() {
           preemptive NOBODY
             outcome success
         "#,
-        &expect![[r#""#]],
+        &expect![[r"
+            Note OutcomeUnconnected: ROOT/BARRIE/unique_decider_state_id, outcome 0: no transition begins at the outcome `success`; connect the outcome if it can happen
+            Error ChildrenMissing: ROOT/EMPTYX, state: no state is in it; add a state; in a hierarchy, also connect the income with it
+            Error ChildrenMissing: ROOT/NOBODY, state: no state is in it; add a state; in a hierarchy, also connect the income with it
+            Note OutcomeUnconnected: ROOT/RACERS/RACERX, outcome 0: no transition begins at the outcome `success`; connect the outcome if it can happen
+        "]],
     );
 }
 
@@ -290,6 +295,7 @@ fn data_flows_connect_ports_that_fit() {
             Error FlowTwice: ROOT, data flow 11: the data flow 12 connects the same ports; remove one of the data flows
             Error FlowTwice: ROOT, data flow 12: the data flow 11 connects the same ports; remove one of the data flows
             Error FlowPort: ROOT, data flow 13: it ends at the port 0 of CCCCCC, which does not exist; connect the data flow with a port that exists, or remove it
+            Error ChildrenMissing: ROOT/CCCCCC, state: no state is in it; add a state; in a hierarchy, also connect the income with it
         "]],
     );
 }

@@ -59,7 +59,7 @@ fn check_names_what_where_and_the_way_out() {
                 return one of "success", "no water", or add the outcome
                 at ROOT/BOILED
             error: Tea/Brew/Pour: script.py:1: `execute` is a coroutine
-                write `def execute`; the state aborts until then
+                write `def execute`, and run coroutines with `asyncio.run(…)` inside; the state aborts until then
                 at ROOT/BREWED/POURED
             error: Tea/Brew/Decide: script.py:1: `execute` cannot be called with four arguments
                 write `def execute(self, inputs, outputs, gvm):`
@@ -84,7 +84,7 @@ fn check_for_programs() {
             {"level":"note","path":"ROOT/BOILED","name":"Tea/Boil water","part":"outcome 1","file":"","what":"no transition begins at the outcome `no water`","remedy":"connect the outcome if it can happen"}
             {"level":"error","path":"ROOT/BOILED","name":"Tea/Boil water","part":"script.py:3","file":"","what":"`execute` returns \"no watr\", which is not an outcome of the state","remedy":"return one of \"success\", \"no water\", or add the outcome"}
             {"level":"error","path":"ROOT/BOILED","name":"Tea/Boil water","part":"script.py:4","file":"","what":"`execute` returns 5, which is not an outcome of the state","remedy":"return one of \"success\", \"no water\", or add the outcome"}
-            {"level":"error","path":"ROOT/BREWED/POURED","name":"Tea/Brew/Pour","part":"script.py:1","file":"","what":"`execute` is a coroutine","remedy":"write `def execute`; the state aborts until then"}
+            {"level":"error","path":"ROOT/BREWED/POURED","name":"Tea/Brew/Pour","part":"script.py:1","file":"","what":"`execute` is a coroutine","remedy":"write `def execute`, and run coroutines with `asyncio.run(…)` inside; the state aborts until then"}
             {"level":"error","path":"ROOT/BREWED/unique_decider_state_id","name":"Tea/Brew/Decide","part":"script.py:1","file":"","what":"`execute` cannot be called with four arguments","remedy":"write `def execute(self, inputs, outputs, gvm):`"}
             {"level":"error","path":"ROOT/BREWED/unique_decider_state_id","name":"Tea/Brew/Decide","part":"script.py:1","file":"","what":"`execute` never returns an outcome, so the state aborts","remedy":"return one of \"success\""}
             {"level":"note","path":"ROOT/BOILED","name":"Tea/Boil water","part":"script.py:2","file":"","what":"no script of the machine sets the global variable \"dry\", which is read here","remedy":"set it in a script, or set it at the start of the machine"}

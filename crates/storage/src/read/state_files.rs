@@ -160,7 +160,7 @@ fn semantic(
     }
 }
 
-/// Why a state cannot run, and the remedy.
+/// Damage of a state, with the remedy.
 fn damage(fault: &Fault) -> SmolStr {
     let file = Part::Core.file_name();
     smol_str::format_smolstr!("{file}: {fault}; correct the file, or restore it")

@@ -43,7 +43,8 @@ pub(super) fn run(raw: &cli::Run, environment: &Environment, clock: Clock) -> Re
     let (python, output, timeout) = (&raw.python, raw.output, request.timeout);
     let setup = RunSetup { python, output, timeout, environment, clock };
     let (names, folder) = (request.later_names(), place.folder().to_owned());
-    ended(setup, launch, &place, Rc::new(move || following(names(), &folder)))
+    let names: LaterNames = Rc::new(move || following(names(), &folder));
+    ended(setup, launch, &place, &names)
 }
 
 /// Resumes a run and follows it until it ends.
@@ -60,7 +61,8 @@ pub(super) fn resume(
     let timeout = raw.timeout.map(request::timeout).transpose()?;
     let setup = RunSetup { python: &raw.python, output: raw.output, timeout, environment, clock };
     let folder = place.folder().to_owned();
-    ended(setup, launch, &place, Rc::new(move || names_of_run(&folder)))
+    let names: LaterNames = Rc::new(move || names_of_run(&folder));
+    ended(setup, launch, &place, &names)
 }
 
 /// The names of the machine that a run goes by, as the run keeps it, else as it lies where it was.
@@ -79,14 +81,17 @@ fn following(names: Names, folder: &Path) -> Names {
     names.following(move |hash| kept_machine(&run, Some(hash)))
 }
 
+/// Names that are loaded when they are needed.
+type LaterNames = Rc<dyn Fn() -> Names>;
+
 /// Runs it to its end, and tells the user about one that is not the machine's.
 fn ended(
     setup: RunSetup<'_>,
     launch: Launch,
     place: &Place,
-    names: Rc<dyn Fn() -> Names>,
+    names: &LaterNames,
 ) -> Result<ExitCode> {
-    let end = setup.follow(launch, place, &names)?;
+    let end = setup.follow(launch, place, names)?;
     report::end(&end, place.kept_run(), Some(place.folder()), || names());
     Ok(ExitCode::from(end.code()))
 }
