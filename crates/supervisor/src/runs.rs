@@ -1,7 +1,7 @@
 //! Where the folders of runs lie, how a new one is named, and which one is meant. Knows names, not what is inside.
 
 use crate::{ProgramEnvironment, clock};
-use rafcon_storage::journal::folder::ABOUT_FILE;
+use rafcon_storage::journal::folder::{ABOUT_FILE, check_run_id};
 use rafcon_storage::journal::{JournalError, Pruned, Retention, run_id};
 use std::fs::{self, File};
 use std::io;
@@ -160,7 +160,7 @@ impl Runs {
         };
         let run = |entry: fs::DirEntry| {
             let is_run = entry.path().join(ABOUT_FILE).is_file();
-            entry.file_name().into_string().ok().filter(|_| is_run)
+            entry.file_name().into_string().ok().filter(|id| is_run && check_run_id(id).is_ok())
         };
         let mut ids: Vec<String> = entries.flatten().filter_map(run).collect();
         ids.sort();
@@ -192,6 +192,8 @@ mod tests {
             std::fs::write(folder.path().join(id).join("run.json"), "{}").unwrap();
         }
         std::fs::create_dir(folder.path().join("20260301-no-run")).unwrap();
+        std::fs::create_dir(folder.path().join("20260302-a.gone")).unwrap();
+        std::fs::write(folder.path().join("20260302-a.gone").join("run.json"), "{}").unwrap();
         let found = Runs { folder: folder.path().to_path_buf() }.find(text);
         let text = found.map_or_else(|error| error.to_string(), |path| path.display().to_string());
         expect.assert_eq(&text.replace(&folder.path().display().to_string(), "RUNS"));

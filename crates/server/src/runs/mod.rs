@@ -37,6 +37,7 @@ use crate::{Failure, ServerState, Settings};
 use folder_files::RunRequest;
 use rafcon_locks::Mutex;
 use rafcon_protocol::api::{RunPhase, RunSummary};
+use rafcon_storage::journal::folder::check_run_id;
 use rafcon_supervisor::{MakeError, Runs as Folder, clock, policy_of};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -129,6 +130,7 @@ impl Runs {
         if let Some(run) = self.known(id) {
             return Ok(run);
         }
+        check_run_id(id).map_err(|bad| Failure::not_found("no_such_run", bad.to_string()))?;
         self.wait_until_known().await;
         self.known(id).ok_or_else(|| {
             let message = format!("there is no run `{id}`: GET /api/v1/runs lists them");

@@ -2,15 +2,20 @@
 
 mod about;
 mod content_hash;
+mod end_values;
 mod error;
 mod lock;
+mod run_name;
 mod socket;
 
 pub use about::About;
 pub use content_hash::{ContentHash, is_content_here};
+pub use end_values::{END_VALUES_FILE, EndValues};
 pub use error::{Doing, Full, JournalError};
 pub(in crate::journal) use lock::RunLock;
 pub use lock::{locks, writer_of};
+pub(in crate::journal) use run_name::GONE;
+pub use run_name::{BadRunId, RUN_ID_MAX, check_run_id};
 pub use socket::bind_socket;
 
 use crate::calendar::Date;

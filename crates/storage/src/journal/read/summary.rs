@@ -2,7 +2,7 @@
 
 use super::Reader;
 use crate::journal::folder::{
-    ABOUT_FILE, About, DATABASE_FILE, DIVERGED_FILE, JournalError, writer_of,
+    ABOUT_FILE, About, DATABASE_FILE, DIVERGED_FILE, GONE, JournalError, writer_of,
 };
 use crate::journal::record::Record;
 use rafcon_protocol::{Event, Outcome};
@@ -76,7 +76,10 @@ pub fn run_folders(folder: &Path) -> Result<Vec<PathBuf>, JournalError> {
         Err(error) => return Err(JournalError::io(folder, crate::journal::Doing::Read, error)),
     };
     let paths = entries.flatten().map(|entry| entry.path());
-    let mut found: Vec<PathBuf> = paths.filter(|path| path.join(ABOUT_FILE).is_file()).collect();
+    // A folder that is being deleted is not a run any more.
+    let is_gone = |path: &PathBuf| path.to_string_lossy().ends_with(GONE);
+    let is_run = |path: &PathBuf| !is_gone(path) && path.join(ABOUT_FILE).is_file();
+    let mut found: Vec<PathBuf> = paths.filter(is_run).collect();
     found.sort();
     Ok(found)
 }

@@ -1,14 +1,11 @@
 //! Which runs are deleted to make room, and how. Knows folders of runs; has no clock.
 
-use crate::journal::folder::{About, Doing, JournalError, RunLock, writer_of};
+use crate::journal::folder::{About, Doing, GONE, JournalError, RunLock, writer_of};
 use crate::journal::read::{run_folders, size_of};
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
-
-/// The end of the name of a folder that is being deleted.
-const GONE: &str = ".gone";
 
 /// Which runs are kept. The newest runs stay whatever their size, and so does every active run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -136,7 +133,7 @@ fn remove_leftovers(folder: &Path) {
 #[cfg(test)]
 mod tests {
     use super::{Retention, Run, remove};
-    use crate::journal::{About, Journal, JournalError, Options};
+    use crate::journal::{About, Journal, JournalError, Options, run_folders};
     use std::time::Duration;
 
     const ALL: Retention = Retention { count: usize::MAX, age: None, bytes: u64::MAX, newest: 1 };
@@ -174,5 +171,15 @@ mod tests {
         assert_eq!((removed.id.as_str(), removed.bytes > 0), ("run", true));
         assert_eq!(remove(&run).unwrap(), None);
         assert_eq!(folder.path().read_dir().unwrap().count(), 0);
+    }
+
+    #[test]
+    fn a_folder_that_is_being_deleted_is_no_run() {
+        let folder = tempfile::tempdir().unwrap();
+        let (run, gone) = (folder.path().join("run"), folder.path().join("old.gone"));
+        for path in [&run, &gone] {
+            Journal::create(path, &About::default(), &Options::default()).unwrap();
+        }
+        assert_eq!(run_folders(folder.path()).unwrap(), [run]);
     }
 }

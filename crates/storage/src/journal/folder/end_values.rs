@@ -1,0 +1,46 @@
+//! The values at the end of a run, in a file of their own if they are long. The event of the end then has views of them.
+
+use super::error::{Doing, JournalError};
+use super::replace_file;
+use serde::{Deserialize, Serialize};
+use serde_json::{Map, Value};
+use std::fs::File;
+use std::io::{self, BufReader};
+use std::path::Path;
+
+/// The file, in the folder of the run.
+pub const END_VALUES_FILE: &str = "end-values.json";
+
+/// The values at the end of a run, as `docs/protocol.md` encodes them.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct EndValues {
+    /// The root's outputs by port name.
+    pub outputs: Map<String, Value>,
+    /// The global variables.
+    pub globals: Map<String, Value>,
+    /// The root's scoped variables by name.
+    pub scoped_variables: Map<String, Value>,
+}
+
+impl EndValues {
+    /// Writes them into the folder of a run, atomically.
+    pub fn write(&self, run: &Path) -> Result<(), JournalError> {
+        let path = run.join(END_VALUES_FILE);
+        let failed = |error: serde_json::Error| JournalError::io(&path, Doing::Write, error.into());
+        replace_file(&path, &serde_json::to_vec(self).map_err(failed)?)
+    }
+
+    /// Reads them from the folder of a run; `None` if the event of its end has them all.
+    pub fn read(run: &Path) -> Result<Option<Self>, JournalError> {
+        let path = run.join(END_VALUES_FILE);
+        let failed = |source| JournalError::io(&path, Doing::Read, source);
+        match File::open(&path) {
+            Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(None),
+            Err(error) => Err(failed(error)),
+            Ok(file) => {
+                let read = serde_json::from_reader(BufReader::new(file));
+                read.map(Some).map_err(|error| failed(error.into()))
+            }
+        }
+    }
+}
