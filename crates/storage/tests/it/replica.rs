@@ -153,6 +153,30 @@ fn events_that_are_not_as_many_as_they_should_be_are_refused() {
     assert_eq!(replica.next(), 1);
 }
 
+/// The size of a folder with a few files.
+fn size(folder: &Path) -> u64 {
+    std::fs::read_dir(folder).unwrap().map(|file| file.unwrap().metadata().unwrap().len()).sum()
+}
+
+#[test]
+fn a_closed_replica_of_a_few_events_is_small_also_after_it_was_read() {
+    let (robot, station) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
+    let journal = Journal::create(robot.path(), &About::default(), &SMALL).unwrap();
+    journal.append(&journal_notation::batch(&format!("{MACHINE}enter R\n"), 0).unwrap()).unwrap();
+    journal.close().unwrap();
+    let mut source = EventSource::open(robot.path()).unwrap();
+    let head = source.last().unwrap();
+    let items = source.read(1, head, usize::MAX).unwrap().unwrap();
+    let mut replica = Replica::open(station.path(), &About::default(), &SMALL).unwrap();
+    replica.append(&items).unwrap();
+    replica.close().unwrap();
+    assert_eq!(Reader::open(station.path()).unwrap().last_sequence().unwrap(), head);
+    assert!(size(station.path()) < 40 << 10, "{} bytes", size(station.path()));
+    // It goes on all the same.
+    let replica = Replica::open(station.path(), &About::default(), &SMALL).unwrap();
+    assert_eq!(replica.next(), head + 1);
+}
+
 /// The content of the value with this number, in the journal of a run.
 fn content(folder: &Path, number: u64) -> Content {
     Reader::open(folder).unwrap().value(ValueNumber(number)).unwrap().unwrap().content

@@ -122,8 +122,8 @@ impl Replica {
         self.journal.commit()
     }
 
-    /// The run is over and complete.
+    /// Nothing more is expected of the run.
     pub fn close(self) -> Result<Committed, JournalError> {
-        self.journal.close()
+        self.journal.close_for_long()
     }
 }

@@ -20,6 +20,8 @@ pub(in crate::journal) const VERSION: u32 = 2;
 pub(in crate::journal) const UNCHECKED: u32 = 1;
 /// How long to wait for other connections to release the database.
 const BUSY: Duration = Duration::from_secs(5);
+/// The page size of a new database: each table takes one page, and the journals of short runs are mostly that.
+const PAGE_BYTES: i64 = 2 << 10;
 /// The size of the write-ahead log after a checkpoint.
 const WAL_BYTES: i64 = 4 << 20;
 
@@ -127,6 +129,7 @@ impl Database {
             // A checkpoint of another connection may hold the database for a moment.
             connection.busy_timeout(BUSY)?;
             if flags.contains(OpenFlags::SQLITE_OPEN_READ_WRITE) {
+                connection.pragma_update(None, "page_size", PAGE_BYTES)?;
                 connection.pragma_update(None, "journal_mode", "wal")?;
                 connection.pragma_update(None, "synchronous", "full")?;
                 connection.pragma_update(None, "journal_size_limit", WAL_BYTES)?;
@@ -260,6 +263,14 @@ impl Database {
     pub(in crate::journal) fn checkpoint(&mut self) -> Result<(), JournalError> {
         self.run(|connection| {
             connection.query_row("PRAGMA wal_checkpoint(TRUNCATE)", [], |_| Ok(()))
+        })
+    }
+
+    /// Gives up the write-ahead log, so that readers leave no files beside the database. Does nothing while somebody reads.
+    pub(in crate::journal) fn leave_log(&mut self) -> Result<(), JournalError> {
+        self.run(|connection| {
+            connection.busy_timeout(Duration::ZERO)?;
+            connection.query_row("PRAGMA journal_mode = delete", [], |_| Ok(()))
         })
     }
 

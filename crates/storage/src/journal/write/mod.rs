@@ -178,10 +178,21 @@ impl Journal {
     /// Commits the remaining events and removes the files that only an active run needs. The journal can still be read and
     /// resumed.
     pub fn close(self) -> Result<Committed, JournalError> {
+        self.close_with(|_| ())
+    }
+
+    /// The same for a run that is hardly ever resumed: its folder stays as small as it is, also when it is read.
+    pub fn close_for_long(self) -> Result<Committed, JournalError> {
+        // While somebody reads, the database stays as it is.
+        self.close_with(|database| drop(database.leave_log()))
+    }
+
+    fn close_with(self, finish: impl FnOnce(&mut Database)) -> Result<Committed, JournalError> {
         let committed = self.commit()?;
         let mut committer = self.committer.lock();
         committer.database.put_end(committed.sequence)?;
         committer.database.checkpoint()?;
+        finish(&mut committer.database);
         drop(committer);
         // Empty, unless a commit failed.
         drop(fs::remove_dir(self.folder.join(SPILL_FOLDER)));
