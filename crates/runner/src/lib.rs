@@ -32,6 +32,7 @@ mod drive {
 mod life {
     pub(crate) mod begun;
     pub(crate) mod committer;
+    pub(crate) mod end_values;
     pub(crate) mod host;
     pub(crate) mod journal;
     pub(crate) mod restore_values;

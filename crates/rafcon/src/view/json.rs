@@ -3,6 +3,7 @@
 use super::View;
 use crate::follow::End;
 use rafcon_protocol::{Event, Snapshot};
+use rafcon_storage::journal::folder::EndValues;
 use rafcon_supervisor::RunnerDeath;
 use serde::Serialize;
 use std::io::{self, BufWriter, Write};
@@ -70,6 +71,15 @@ impl<W: Write> View for Json<W> {
 
     fn set_aside(&mut self) -> io::Result<()> {
         self.out.flush()
+    }
+
+    fn end_values(&mut self, values: EndValues) -> io::Result<()> {
+        if let Some(Event::Finished { outputs, globals, scoped_variables, .. }) = &mut self.finished
+        {
+            let all = (values.outputs, values.globals, values.scoped_variables);
+            (*outputs, *globals, *scoped_variables) = all;
+        }
+        Ok(())
     }
 
     fn end(&mut self, end: &End) -> io::Result<()> {

@@ -22,6 +22,7 @@ pub(crate) use words::outcome_style;
 use crate::console::{Key, Wish};
 use crate::follow::End;
 use rafcon_protocol::{Event, Snapshot, StateData};
+use rafcon_storage::journal::folder::EndValues;
 use std::io;
 use std::time::Duration;
 
@@ -57,6 +58,10 @@ pub(crate) trait View {
     fn refresh(&mut self, now: Duration) -> io::Result<()>;
     /// The user puts this program aside; the next refresh is when it is back.
     fn set_aside(&mut self) -> io::Result<()>;
+    /// All values at the end of the run, of which its last event has views.
+    fn end_values(&mut self, _values: EndValues) -> io::Result<()> {
+        Ok(())
+    }
     /// Nothing more comes.
     fn end(&mut self, end: &End) -> io::Result<()>;
 }

@@ -65,6 +65,21 @@ fn global_variables_of_the_command_line_are_there_from_the_start() {
 }
 
 #[test]
+fn long_values_at_the_end_are_printed_whole_and_bounded_in_the_journal() {
+    let place = Place::with_script(
+        "def execute(self, inputs, outputs, gvm):\n    \
+         gvm.set_variable('cloud', list(range(100_000)))\n    return 'success'",
+    );
+    let told = place.run("").stdout;
+    let last: serde_json::Value = serde_json::from_str(told.lines().last().unwrap()).unwrap();
+    assert_eq!(last["globals"]["cloud"].as_array().map(Vec::len), Some(100_000));
+    let history = place.call("history last --json --values").stdout;
+    let event = history.lines().last().unwrap();
+    assert!(event.len() < 10_000, "{} bytes", event.len());
+    assert!(event.contains(r#""__len__":100000"#), "{event}");
+}
+
+#[test]
 fn timed_out_is_6() {
     let script = "def execute(self, inputs, outputs, gvm):\n    self.preemptive_wait(); return 0";
     let answer = Place::with_script(script).run("--timeout 0.5");

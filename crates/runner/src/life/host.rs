@@ -7,7 +7,7 @@ use crate::drive::ending::RunEnd;
 use crate::drive::error::{CommandError, LoadFailure};
 use crate::drive::prepare::{Prepared, prepare};
 use crate::life::resume::{Resumed, ResumedPast};
-use crate::life::{committer, journal};
+use crate::life::{committer, end_values, journal};
 use crate::places::active::Active;
 use crate::record::recorder::Recorder;
 use crate::record::tell;
@@ -256,7 +256,7 @@ fn conclude<S: Scripts>(driver: &Driver<S>) -> ControlFlow<i32> {
             driver.scripts().finished();
             driver.roots().close(driver.recorder());
             let event = finished(driver.scripts(), finish);
-            driver.record().end(event);
+            driver.record().end(bounded(driver, event));
             ControlFlow::Continue(())
         }
         Some(RunEnd::Broken) => ControlFlow::Break(BROKEN),
@@ -281,6 +281,16 @@ pub(crate) fn abandon<S: Scripts>(driver: &Arc<Driver<S>>, error: &io::Error) ->
 /// Ends the process with all its threads.
 fn exit(status: i32) -> ! {
     signal_hook::low_level::exit(status)
+}
+
+/// The last event with bounded values, if the run has a folder for all of them.
+fn bounded<S: Scripts>(driver: &Driver<S>, event: Event) -> Event {
+    let Some(folder) = driver.recorder().folder() else { return event };
+    let (event, message) = end_values::bounded(event, folder);
+    if let Some(message) = message {
+        driver.record().note_until_over(tell::log(String::new(), LogLevel::Error, message));
+    }
+    event
 }
 
 fn finished<S: Scripts>(scripts: &S, finish: Finish<S::Value>) -> Event {

@@ -13,7 +13,7 @@ use crate::follow::{End, RunFollower, RunLoop, RunRole};
 use crate::view::Names;
 use anyhow::{Context as _, Result};
 use rafcon_protocol::{Event, Launch};
-use rafcon_storage::journal::folder::ABOUT_FILE;
+use rafcon_storage::journal::folder::{ABOUT_FILE, EndValues};
 use rafcon_supervisor::clock::salt;
 use rafcon_supervisor::{KeptRun, Next, RestartPolicy, RunnerDeath, Start, remains};
 use std::path::{Path, PathBuf};
@@ -114,6 +114,7 @@ impl RunSetup<'_> {
             add_running(&mut end, place.folder());
             end_as_kept(&mut run, &mut end, place)?;
             drop(watchdog);
+            show_end_values(&mut run, &end, place)?;
             let Some((next, note)) = again(&mut lives, clock.now(), &end, place, launch) else {
                 run.show(|view| view.end(&end))?;
                 return Ok(end);
@@ -158,6 +159,17 @@ fn end_as_kept(run: &mut RunLoop, end: &mut End, place: &Place) -> Result<()> {
         run.show(|view| view.event(time, event))?;
     }
     Ok(())
+}
+
+/// Shows all values at the end of a run, if its last event has views of them.
+fn show_end_values(run: &mut RunLoop, end: &End, place: &Place) -> Result<()> {
+    if !matches!(end, End::Finished { .. }) {
+        return Ok(());
+    }
+    match EndValues::read(place.folder()) {
+        Ok(values) => values.map_or(Ok(()), |values| run.show(|view| view.end_values(values))),
+        Err(error) => run.show(|view| view.note(&format!("the values are shortened: {error}"))),
+    }
 }
 
 /// The runner's own marks of what runs are better than its last messages: they were made before each script began.

@@ -1,0 +1,189 @@
+//! Bounds the values in the last event of a run. Knows JSON values, not their meaning.
+
+use rafcon_protocol::Event;
+use rafcon_storage::journal::folder::EndValues;
+use rafcon_storage::journal::{JournalError, folder::END_VALUES_FILE};
+use serde_json::{Map, Value, json};
+use std::io;
+use std::path::Path;
+
+/// Up to this many bytes of JSON the values are whole.
+const WHOLE_MAX: usize = 64 << 10;
+/// Values in one view, at most.
+const ITEMS_MAX: usize = 256;
+/// Maximum depth of a view.
+const DEPTH_MAX: usize = 16;
+/// Bytes of one text, at most.
+const TEXT_MAX: usize = 1024;
+/// Characters of a long text in a view.
+const SHOWN_MAX: usize = 200;
+/// Named values in the event, at most.
+const NAMES_MAX: usize = 256;
+
+/// The last event with bounded values. If they are long, the folder of the run gets all of them. The message reports a failure.
+pub(super) fn bounded(event: Event, folder: &Path) -> (Event, Option<String>) {
+    let Event::Finished { outcome, outputs, globals, scoped_variables, states_run } = event else {
+        return (event, None);
+    };
+    let values = EndValues { outputs, globals, scoped_variables };
+    let (views, message) = if is_short(&values) {
+        (values, None)
+    } else {
+        let written = values.write(folder).err();
+        let views = EndValues {
+            outputs: views(&values.outputs),
+            globals: views(&values.globals),
+            scoped_variables: views(&values.scoped_variables),
+        };
+        (views, written.map(|error| message(&error)))
+    };
+    let EndValues { outputs, globals, scoped_variables } = views;
+    (Event::Finished { outcome, outputs, globals, scoped_variables, states_run }, message)
+}
+
+fn message(error: &JournalError) -> String {
+    format!(
+        "the values at the end are shortened, and {END_VALUES_FILE} has not all of them: {error}"
+    )
+}
+
+/// Counts the bytes up to the limit.
+struct Room(usize);
+
+impl io::Write for Room {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.0 = self.0.checked_sub(bytes.len()).ok_or(io::ErrorKind::FileTooLarge)?;
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+}
+
+fn is_short(values: &EndValues) -> bool {
+    serde_json::to_writer(Room(WHOLE_MAX), values).is_ok()
+}
+
+fn views(values: &Map<String, Value>) -> Map<String, Value> {
+    let view = |(name, value): (&String, &Value)| (name.clone(), View::of(value));
+    values.iter().take(NAMES_MAX).map(view).collect()
+}
+
+/// A view on its way.
+struct View {
+    /// Values that may still be shown.
+    left: usize,
+}
+
+impl View {
+    fn of(value: &Value) -> Value {
+        Self { left: ITEMS_MAX }.at(value, 0)
+    }
+
+    fn at(&mut self, value: &Value, depth: usize) -> Value {
+        self.left = self.left.saturating_sub(1);
+        match value {
+            Value::String(text) if text.len() > TEXT_MAX => {
+                let shown: String = text.chars().take(SHOWN_MAX).collect();
+                json!({ "__repr__": shown, "__class__": "str", "__len__": text.chars().count() })
+            }
+            Value::Array(items) => self.list(items, depth),
+            Value::Object(members) => self.dict(members, depth),
+            short => short.clone(),
+        }
+    }
+
+    fn list(&mut self, items: &[Value], depth: usize) -> Value {
+        let is_whole = depth < DEPTH_MAX && items.len() <= self.left;
+        let count = if depth < DEPTH_MAX { items.len().min(self.left) } else { 0 };
+        let mut first = Vec::new();
+        for item in &items[..count] {
+            if self.left == 0 {
+                break;
+            }
+            first.push(self.at(item, depth + 1));
+        }
+        if is_whole && first.len() == items.len() {
+            return first.into();
+        }
+        let shown = format!("a list of {} items", items.len());
+        json!({ "__repr__": shown, "__class__": "list", "__len__": items.len(), "__first__": first })
+    }
+
+    fn dict(&mut self, members: &Map<String, Value>, depth: usize) -> Value {
+        let count = if depth < DEPTH_MAX { members.len().min(self.left) } else { 0 };
+        let mut some = Map::new();
+        for (name, member) in members.iter().take(count) {
+            if self.left == 0 || name.len() > TEXT_MAX {
+                break;
+            }
+            some.insert(name.clone(), self.at(member, depth + 1));
+        }
+        if some.len() == members.len() {
+            return some.into();
+        }
+        let shown = format!("a dict of {} members", members.len());
+        json!({ "__repr__": shown, "__class__": "dict", "__len__": members.len(), "__some__": some })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{WHOLE_MAX, bounded};
+    use rafcon_protocol::{Event, Outcome};
+    use rafcon_storage::journal::folder::EndValues;
+    use serde_json::{Map, Value, json};
+
+    fn finished(outputs: &Value) -> Event {
+        Event::Finished {
+            outcome: Outcome { id: 0, name: "success".to_owned() },
+            outputs: outputs.as_object().unwrap().clone(),
+            globals: Map::new(),
+            scoped_variables: Map::new(),
+            states_run: 1,
+        }
+    }
+
+    #[test]
+    fn short_values_stay_whole() {
+        let folder = tempfile::tempdir().unwrap();
+        let event = finished(&json!({ "text": "x".repeat(2_000), "list": vec![0; 1_000] }));
+        assert_eq!(bounded(event.clone(), folder.path()), (event, None));
+        assert_eq!(EndValues::read(folder.path()).unwrap(), None);
+    }
+
+    #[test]
+    fn of_long_values_the_event_has_views_and_the_folder_all() {
+        let folder = tempfile::tempdir().unwrap();
+        let outputs = json!({
+            "cloud": vec![7; 1_000_000],
+            "text": "é".repeat(2_000),
+            "nested": { "short": [1, 2], "long": vec![vec!["x"; 100]; 1_000] },
+            "names": (0..9_000).map(|it| (it.to_string(), it.into())).collect::<Map<_, _>>(),
+            "count": 3,
+        });
+        let (event, message) = bounded(finished(&outputs), folder.path());
+        assert_eq!(message, None);
+        let length = serde_json::to_vec(&event).unwrap().len();
+        assert!(length < WHOLE_MAX / 2, "{length} bytes");
+        let Event::Finished { outputs: views, .. } = event else { panic!("the end") };
+        assert_eq!((&views["count"], &views["nested"]["short"]), (&json!(3), &json!([1, 2])));
+        assert_eq!(views["cloud"]["__len__"], 1_000_000);
+        assert_eq!(views["cloud"]["__first__"].as_array().unwrap().len(), 255);
+        assert_eq!(
+            (&views["text"]["__len__"], &views["names"]["__len__"]),
+            (&json!(2_000), &json!(9_000))
+        );
+        let whole = EndValues::read(folder.path()).unwrap().unwrap();
+        assert_eq!(Value::from(whole.outputs), outputs);
+    }
+
+    #[test]
+    fn a_disk_that_does_not_take_the_values_is_reported() {
+        let folder = tempfile::tempdir().unwrap();
+        let event = finished(&json!({ "text": "x".repeat(WHOLE_MAX) }));
+        let (_, message) = bounded(event, &folder.path().join("gone"));
+        assert!(message.is_some_and(|message| message.contains("end-values.json")));
+    }
+}
