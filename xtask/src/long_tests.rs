@@ -58,6 +58,9 @@ pub(crate) struct SoakOptions {
     /// How long the run continues that they follow.
     #[arg(long, default_value_t = 60)]
     seconds: u32,
+    /// Instead of these: this many short runs of one robot, which its station receives one after the other.
+    #[arg(long, conflicts_with_all = ["server", "months"], value_name = "RUNS")]
+    station: Option<u32>,
 }
 
 /// Runs what was asked for; the first failure ends it and names its seed.
@@ -68,6 +71,9 @@ pub(crate) fn soak(options: &SoakOptions) -> Result<()> {
     if let Some(months) = options.months {
         return used(months, options.runs);
     }
+    if let Some(runs) = options.station {
+        return process::run(&mut short_runs(runs));
+    }
     seeds(0, options.seeds)?;
     let kill = ["test", "--release", "-p", "rafcon-storage", "--test", "it"];
     let one = ["kill::a_killed_process_leaves_one_of_its_machines", "--", "--exact"];
@@ -77,6 +83,14 @@ pub(crate) fn soak(options: &SoakOptions) -> Result<()> {
     Product::build(Profile::Release)?;
     let mut wide = long_form("wide::a_wide_run_ends_while_viewers_come_and_go");
     process::run(wide.env("RAFCON_TEST_WIDE", options.wide.to_string()))
+}
+
+/// The test that prints figures of a station which receives so many short runs, as lines of JSON with `name`, `value` and `unit`.
+pub(crate) fn short_runs(runs: u32) -> Command {
+    let mut cargo = process::cargo();
+    cargo.args(["test", "--release", "-q", "-p", "rafcon-relay", "--test", "short_runs"]);
+    cargo.args(["--", "--nocapture"]).env("RAFCON_TEST_SHORT_RUNS", runs.to_string());
+    cargo
 }
 
 fn served(options: &SoakOptions) -> Result<()> {

@@ -2,8 +2,8 @@
 
 use crate::range_set::RangeSet;
 
-/// Nothing that comes in parts is longer, in bytes.
-pub(crate) const LENGTH_MAX: u32 = 16 << 20;
+/// Maximum length of what is sent in parts, such as an event or a snapshot, in bytes.
+pub const LENGTH_MAX: u32 = 16 << 20;
 /// The smallest part that is worth a frame, in bytes.
 pub(crate) const PART_MIN: usize = 64;
 

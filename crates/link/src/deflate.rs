@@ -19,7 +19,7 @@ pub fn inflate(bytes: &[u8], max: usize) -> Option<Vec<u8>> {
         let used = usize::try_from(decompress.total_in()).ok()?;
         let rest = bytes.get(used..)?;
         match decompress.decompress_vec(rest, &mut out, FlushDecompress::Finish).ok()? {
-            Status::StreamEnd => return Some(out),
+            Status::StreamEnd => return (out.len() <= max).then_some(out),
             Status::Ok | Status::BufError if out.len() < out.capacity() => return None,
             Status::Ok | Status::BufError => out.reserve(out.len()),
         }
@@ -57,5 +57,8 @@ mod tests {
         let bomb = deflate(&vec![0; 64 << 20]);
         assert!(bomb.len() < 100_000);
         assert_eq!(inflate(&bomb, 16 << 20), None);
+        let short = deflate(&[0; 101]);
+        assert_eq!(inflate(&short, 100), None);
+        assert_eq!(inflate(&short, 101), Some(vec![0; 101]));
     }
 }

@@ -6,7 +6,7 @@ use crate::profile::Profile;
 use crate::range_set::RangeSet;
 use crate::robot::{EventBuffer, NewestValue, RobotSession, RunSource};
 use crate::seal::{Direction, For, Generation, KeyId, OVERHEAD, Opener, PairingKey, Sealer};
-use crate::station::{GAPS_MAX, NewCommand, PARTS_MAX, STREAMS_MAX, StationSession};
+use crate::station::{GAPS_MAX, NewCommand, OPEN_MAX, PARTS_MAX, StationSession};
 use proptest::prelude::*;
 use proptest::sample::Index;
 use std::sync::LazyLock;
@@ -208,8 +208,8 @@ fn a_station_keeps_only_so_much_of_what_a_robot_names() {
             .write(payload);
     });
     let (streams, gaps, parts) = station.kept();
-    assert!(streams <= STREAMS_MAX, "{streams} runs");
-    assert!(gaps <= GAPS_MAX + STREAMS_MAX, "{gaps} gaps");
+    assert!(streams <= OPEN_MAX, "{streams} runs");
+    assert!(gaps <= GAPS_MAX + OPEN_MAX, "{gaps} gaps");
     assert!(parts <= PARTS_MAX, "{parts} bytes of parts");
 }
 

@@ -12,6 +12,8 @@ mod frame;
 mod heard;
 #[cfg(test)]
 mod hostile;
+#[cfg(test)]
+mod many_runs;
 mod profile;
 mod range_set;
 mod replay_window;
@@ -22,6 +24,7 @@ mod traffic;
 #[cfg(test)]
 mod wish_tests;
 
+pub use assembly::LENGTH_MAX;
 pub use bytes::BrokenFrame;
 pub use deflate::{deflate, inflate};
 pub use endpoint::{Identity, Unusable};
@@ -38,5 +41,7 @@ pub use seal::{
     Direction, For, Generation, Horizon, KeyId, OVERHEAD, Opened, Opener, PairingKey, Rejected,
     SealError, Sealer,
 };
-pub use station::{FetchProgress, FromRobot, NewCommand, NotSent, NotWatched, StationSession};
+pub use station::{
+    FetchProgress, FromRobot, NewCommand, NotSent, NotWatched, StationSession, StreamProgress,
+};
 pub use traffic::Traffic;

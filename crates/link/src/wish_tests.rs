@@ -183,7 +183,7 @@ impl World {
             };
             self.station.receive(now, &mut datagram, show).expect("a datagram");
         }
-        if let Some((_, received)) = self.station.progress(STREAM) {
+        if let Some(received) = self.station.received(STREAM) {
             let safe = received.contiguous();
             self.station.set_safe(STREAM, safe);
         }
@@ -401,7 +401,7 @@ fn watched_values_go_ahead_of_a_long_history_the_first_ones_first_and_only_the_n
     world.run(2, false);
     let first: Vec<_> = world.here.watched.iter().map(|(_, text)| text.as_str()).collect();
     assert_eq!(first, ["pose 49", "map 49", "pose 49", "map 49"]);
-    let (_, received) = world.station.progress(STREAM).expect("events");
+    let received = world.station.received(STREAM).expect("events");
     assert!(received.contiguous() < 20_000, "the events are not here yet");
     world.run(60, false);
     assert_eq!(world.here.watched.len(), 4, "nothing more was worth its bytes");

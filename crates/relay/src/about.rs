@@ -1,6 +1,7 @@
 //! What is to be known about a run besides its events, as a stream of short parts: how it was started, then its machines, which travel
 //! in parcels of their own unless they are very large.
 
+use rafcon_protocol::Beginning;
 use rafcon_storage::journal::{About, Hash, Pack, Parcel};
 
 /// The longest part, in bytes: it fits into any datagram.
@@ -13,8 +14,10 @@ const NAMED: u8 = 3;
 const PARCEL: u8 = 4;
 /// The files of a parcel have so many bytes at most, before they are deflated.
 pub(crate) const PARCEL_MAX: usize = 8 << 20;
-/// No record is longer, in bytes.
-const RECORD_MAX: usize = 256 << 20;
+/// Maximum length of a description in bytes, deflated and inflated.
+const ABOUT_MAX: usize = 64 << 10;
+/// Maximum length of a machine outside parcels, deflated and inflated.
+pub(crate) const MACHINE_MAX: usize = 64 << 20;
 
 /// One record.
 #[derive(Debug)]
@@ -27,14 +30,16 @@ pub(crate) enum AboutRecord {
     Named(Hash),
 }
 
-/// The parts of a description.
+/// Parts of a description, without the inputs of the run: they may be long, and no replica is resumed.
 pub(crate) fn about_parts(about: &About) -> Vec<Vec<u8>> {
-    parts(ABOUT, &serde_json::to_vec(about).unwrap_or_default())
+    let about = About { beginning: Beginning::default(), ..about.clone() };
+    parts(ABOUT, &serde_json::to_vec(&about).unwrap_or_default())
 }
 
-/// The parts of a machine.
-pub(crate) fn machine_parts(pack: &Pack) -> Vec<Vec<u8>> {
-    parts(MACHINE, &pack.to_bytes())
+/// Parts of a machine; `None` if it is too long for any station.
+pub(crate) fn machine_parts(pack: &Pack) -> Option<Vec<Vec<u8>>> {
+    let bytes = pack.to_bytes();
+    (bytes.len() <= MACHINE_MAX).then(|| parts(MACHINE, &bytes))
 }
 
 /// The parts of a machine that comes in parcels.
@@ -89,16 +94,29 @@ impl AboutReader {
             return Taken::Part;
         };
         let length = u32::from_le_bytes([a, b, c, d]) as usize;
-        if rest.len() < length && length <= RECORD_MAX {
+        let (what, most) = match kind {
+            ABOUT => ("description of a run", ABOUT_MAX),
+            NAMED => ("name of a machine", PART),
+            _ => ("machine of a run", MACHINE_MAX),
+        };
+        if length > most {
+            self.bytes.clear();
+            return Taken::TooLong(what, most);
+        }
+        if rest.len() < length {
             return Taken::Part;
         }
-        let bytes = rest.get(..length).and_then(|packed| rafcon_link::inflate(packed, RECORD_MAX));
-        let record = bytes.and_then(|bytes| match kind {
+        let Some(bytes) = rest.get(..length).and_then(|packed| rafcon_link::inflate(packed, most))
+        else {
+            self.bytes.clear();
+            return Taken::TooLong(what, most);
+        };
+        let record = match kind {
             ABOUT => serde_json::from_slice(&bytes).ok().map(AboutRecord::About),
             MACHINE => Pack::from_bytes(&bytes).ok().map(AboutRecord::Machine),
             NAMED => bytes.try_into().ok().map(|hash| AboutRecord::Named(Hash(hash))),
             _ => None,
-        });
+        };
         self.bytes.clear();
         Taken::Record(record)
     }
@@ -109,6 +127,43 @@ impl AboutReader {
 pub(crate) enum Taken {
     /// There is more to come.
     Part,
+    /// A record of this kind exceeds this many bytes, or cannot be inflated.
+    TooLong(&'static str, usize),
     /// A record is complete; nothing if it makes no sense here.
     Record(Option<AboutRecord>),
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{ABOUT, ABOUT_MAX, AboutReader, AboutRecord, Taken, about_parts, parts};
+    use rafcon_protocol::Beginning;
+    use rafcon_storage::journal::About;
+
+    fn read(parts: &[Vec<u8>]) -> Taken {
+        let mut reader = AboutReader::default();
+        let mut taken = parts.iter().map(|part| reader.take(part));
+        taken.find(|taken| !matches!(taken, Taken::Part)).unwrap_or(Taken::Part)
+    }
+
+    #[test]
+    fn a_description_that_inflates_to_more_than_it_may_is_refused() {
+        let bomb = parts(ABOUT, &vec![b' '; ABOUT_MAX + 1]);
+        assert!(bomb.len() < 3, "{} parts", bomb.len());
+        assert!(matches!(read(&bomb), Taken::TooLong(_, ABOUT_MAX)));
+        let mut said = bomb;
+        said[0][1..5].copy_from_slice(&(ABOUT_MAX as u32 + 1).to_le_bytes());
+        assert!(matches!(read(&said[..1]), Taken::TooLong(_, ABOUT_MAX)));
+    }
+
+    #[test]
+    fn however_much_a_run_began_with_its_description_is_short() {
+        let inputs = vec![("map".to_owned(), vec![0.5; 100_000].into())];
+        let beginning = Beginning { inputs, ..Beginning::default() };
+        let about = About { id: "a".to_owned(), beginning, ..About::default() };
+        let parts = about_parts(&about);
+        assert!(parts.len() < 4, "{} parts", parts.len());
+        assert!(
+            matches!(read(&parts), Taken::Record(Some(AboutRecord::About(read))) if read.id == "a")
+        );
+    }
 }

@@ -3,14 +3,41 @@
 use rafcon_link::{CommandId, StreamId, ValueId};
 use rafcon_storage::journal::{ContentHash, Hash};
 
-/// The events of the run with this id.
-pub(crate) fn events_of(run: &str) -> StreamId {
-    StreamId(hash(run) & !3 | 1)
+/// Candidate numbers of a run: the robot takes the first unused one.
+const NUMBERS: u8 = 8;
+
+/// Candidate streams for the events of the run with this id, the usual one first.
+pub(crate) fn streams_of(run: &str) -> impl Iterator<Item = StreamId> {
+    (0..NUMBERS).map(move |nth| {
+        let mut hasher = blake3::Hasher::new();
+        hasher.update(run.as_bytes());
+        if nth > 0 {
+            hasher.update(&[0, nth]);
+        }
+        let [a, b, c, d, ..] = *hasher.finalize().as_bytes();
+        StreamId(u32::from_be_bytes([a, b, c, d]) & !3 | 1)
+    })
 }
 
-/// What is to be known about the run with this id: a stream that comes before that of its events.
-pub(crate) fn about_of(run: &str) -> StreamId {
-    StreamId(hash(run) & !3)
+/// The stream that usually has the events of the run with this id.
+pub(crate) fn events_of(run: &str) -> StreamId {
+    streams_of(run).next().unwrap_or(StreamId(1))
+}
+
+/// True if this is a candidate stream of the run with this id.
+pub(crate) fn is_of(events: StreamId, run: &str) -> bool {
+    streams_of(run).any(|stream| stream == events)
+}
+
+/// Distinguishes runs with the same number.
+pub(crate) fn check_of(run: &str) -> u32 {
+    let [.., a, b, c, d] = *blake3::hash(run.as_bytes()).as_bytes();
+    u32::from_be_bytes([a, b, c, d])
+}
+
+/// The description stream of the run with these events.
+pub(crate) fn about_beside(events: StreamId) -> StreamId {
+    StreamId(events.0 & !3)
 }
 
 /// The stream with the events of the run that a stream is about.
@@ -40,9 +67,4 @@ pub(crate) fn value_id(hash: ContentHash) -> ValueId {
     let mut id = [0; 16];
     id.copy_from_slice(&hash.as_bytes()[..16]);
     ValueId(id)
-}
-
-fn hash(run: &str) -> u32 {
-    let [a, b, c, d, ..] = *blake3::hash(run.as_bytes()).as_bytes();
-    u32::from_be_bytes([a, b, c, d])
 }

@@ -25,7 +25,7 @@ use crate::frame::{
     self, CommandId, CommandState, EventHash, Fetch, Frame, Received, StreamId, WishFrame,
 };
 use crate::profile::Profile;
-use crate::seal::{Direction, For, Horizon, KeyId, OVERHEAD, PairingKey, SealError};
+use crate::seal::{Direction, For, Generation, Horizon, KeyId, OVERHEAD, PairingKey, SealError};
 use crate::traffic::Traffic;
 use bulk::Bulk;
 use later::Later;
@@ -136,6 +136,22 @@ impl RobotSession {
     pub fn end(&mut self, stream: StreamId) {
         self.streams.remove(&stream);
         self.bulk.forget(stream);
+        self.watched.forget(stream);
+    }
+
+    /// True if the station has reported a stream as over and complete.
+    pub fn is_complete(&self, stream: StreamId) -> bool {
+        self.streams.get(&stream).is_some_and(Outgoing::has_all)
+    }
+
+    /// True if the station has reported a stream as over.
+    pub fn is_end_known(&self, stream: StreamId) -> bool {
+        self.streams.get(&stream).is_some_and(Outgoing::is_end_known)
+    }
+
+    /// Number of the station's newest known start.
+    pub fn station_start(&self) -> Option<Generation> {
+        self.end.horizon().map(|heard| heard.generation)
     }
 
     /// New events of a run, which are on the disk. Best one at a time: those that are together too long for one datagram do not go

@@ -213,8 +213,12 @@ impl Outgoing {
         self.sent_set = self.sent.iter().map(|sent| sent.range.clone()).collect();
     }
 
-    fn has_all(&self) -> bool {
+    pub(super) fn has_all(&self) -> bool {
         self.is_over && self.knows_end && self.received.contiguous() >= self.head
+    }
+
+    pub(super) fn is_end_known(&self) -> bool {
+        self.is_over && self.knows_end
     }
 
     /// When the status or new events are due.

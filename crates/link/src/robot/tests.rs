@@ -142,9 +142,9 @@ fn what_was_coded_for_a_station_that_started_again_is_sent_again_at_once() {
     }
     assert_eq!(robot.progress(RUN), Some((2_000, 0)));
 
-    let (_, events) = station.progress(RUN).expect("a run");
+    let events = station.received(RUN).expect("a run");
     let mut restarted = StationSession::new(&identity(2), Profile::DELAY_2S);
-    restarted.restore(RUN, events.clone());
+    restarted.restore(RUN, events.into_owned());
     let mut on_its_way = restarted.transmit(now).expect("room").expect("a report");
     let append = |robot: &mut RobotSession, event| {
         let items = items(event, event);
@@ -155,7 +155,7 @@ fn what_was_coded_for_a_station_that_started_again_is_sent_again_at_once() {
         now += Duration::from_millis(10);
         go_on(&mut robot, &mut restarted, false, now);
     }
-    let received = |station: &StationSession| station.progress(RUN).map(|(_, it)| it.contiguous());
+    let received = |station: &StationSession| station.progress(RUN).map(|it| it.contiguous);
     assert_eq!(received(&restarted), Some(2_000), "without the context, nothing can be read");
 
     robot.receive(now, &mut on_its_way, |_| {}).expect("a report");
@@ -191,15 +191,15 @@ fn a_report_that_waited_in_a_cut_is_no_sign_that_the_station_knows_a_context() {
     robot.advance(RUN, 2_100);
     let mut restarted =
         StationSession::new(&Identity { start: Generation(2), ..identity }, Profile::DELAY_2S);
-    let (_, events) = station.progress(RUN).expect("a run");
-    restarted.restore(RUN, events.clone());
+    let events = station.received(RUN).expect("a run");
+    restarted.restore(RUN, events.into_owned());
     for _ in 0..100 {
         now += Duration::from_millis(10);
         while let Some(mut datagram) = robot.transmit(now, &mut Journal).expect("room") {
             restarted.receive(now, &mut datagram, |_| {}).expect("a datagram");
         }
     }
-    assert_eq!(restarted.progress(RUN).map(|(_, it)| it.contiguous()), Some(2_100));
+    assert_eq!(restarted.progress(RUN).map(|it| it.contiguous), Some(2_100));
 }
 
 /// A run of which there is a snapshot like those of the servers.

@@ -111,6 +111,11 @@ impl WatchedValues {
         Some(Wish { stream, number, body })
     }
 
+    /// Drops the watch of a run.
+    pub(super) fn forget(&mut self, stream: StreamId) {
+        self.runs.remove(&stream);
+    }
+
     /// This wish counts from now on: what was watched before is forgotten.
     pub(super) fn count(&mut self, stream: StreamId, number: u64) {
         let run = self.runs.entry(stream).or_default();

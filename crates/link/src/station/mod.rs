@@ -1,9 +1,13 @@
 //! The station's side of the link: receives what happens, reports what it has, sends commands.
 
 mod commands;
+mod streams;
 mod wishes;
 
 pub use commands::{NewCommand, NotSent};
+#[cfg(test)]
+pub(crate) use streams::OPEN_MAX;
+pub use streams::StreamProgress;
 pub use wishes::{FetchProgress, NotWatched};
 
 use crate::assembly::{Assembly, LENGTH_MAX};
@@ -22,15 +26,14 @@ use crate::robot::now_ms;
 use crate::seal::{Direction, For, Horizon, KeyId, OVERHEAD, PairingKey, SealError};
 use crate::traffic::Traffic;
 use commands::{Commands, RobotTimes};
-use std::collections::BTreeMap;
+use std::borrow::Cow;
 use std::ops::RangeInclusive;
 use std::time::Duration;
+use streams::{Settled, Streams};
 use wishes::Wishes;
 
 /// A report of a run that is over and complete is sent this often after the last news of it.
 const LAST_REPORTS: u8 = 8;
-/// So many runs of a robot are known at a time.
-pub(crate) const STREAMS_MAX: usize = 4_096;
 /// So many gaps a run may have: what would make another one counts as lost.
 pub(crate) const GAPS_MAX: usize = 4_096;
 /// So many bytes wait at most for the rest of their parts.
@@ -122,7 +125,11 @@ pub struct StationSession {
     reached_ms: Option<u64>,
     /// What the robot's calendar said when its session began, as it is set now.
     calendar_ms: Option<u64>,
-    streams: BTreeMap<StreamId, Incoming>,
+    /// The time of the datagram that was received last.
+    now: Duration,
+    streams: Streams,
+    /// The stream that begins the next report.
+    report_from: StreamId,
     reported_at: Option<Duration>,
     has_news: bool,
     commands: Commands,
@@ -143,6 +150,21 @@ struct Incoming {
     snapshots: OfferedSnapshots,
     /// How often it is still to be reported.
     reports: u8,
+    /// When the robot named it last.
+    named_at: Duration,
+}
+
+impl Incoming {
+    /// Reopens a settled stream.
+    fn resumed(Settled { events, is_over }: Settled) -> Self {
+        let received = RangeSet::up_to(events);
+        let (safe, head, reports) = (events, events, LAST_REPORTS);
+        Self { received, safe, head, is_over, reports, ..Self::default() }
+    }
+
+    fn is_complete(&self) -> bool {
+        self.is_over && self.received.contiguous() >= self.head
+    }
 }
 
 impl StationSession {
@@ -154,7 +176,9 @@ impl StationSession {
             round_trip: None,
             reached_ms: None,
             calendar_ms: None,
-            streams: BTreeMap::new(),
+            now: Duration::ZERO,
+            streams: Streams::default(),
+            report_from: StreamId(0),
             reported_at: None,
             has_news: false,
             commands: Commands::default(),
@@ -163,42 +187,64 @@ impl StationSession {
         }
     }
 
-    /// The events of a run that are on the disk from earlier starts.
+    /// Restores the events of an unfinished run that are on the disk.
     pub fn restore(&mut self, stream: StreamId, events: RangeSet) {
-        let incoming = self.streams.entry(stream).or_default();
-        incoming.safe = events.contiguous();
-        incoming.head = incoming.safe;
-        incoming.received = events;
-        incoming.reports = LAST_REPORTS;
+        self.streams.restore(stream, events);
         self.has_news = true;
     }
 
     /// All of a stream, which is over, is on the disk from earlier starts.
     pub fn restore_whole(&mut self, stream: StreamId, events: u64) {
-        self.restore(stream, RangeSet::up_to(events));
-        if let Some(incoming) = self.streams.get_mut(&stream) {
-            incoming.is_over = true;
-        }
+        self.streams.settle(stream, events, true);
+    }
+
+    /// Settles a stream whose events up to this one are on the disk. A later event opens it again.
+    pub fn settle(&mut self, stream: StreamId, events: u64) {
+        self.streams.settle(stream, events, false);
+        // One more report, in case all reports so far were lost.
+        self.has_news |= self.streams.is_settled_up_to(stream, 0);
+    }
+
+    /// Refuses a stream. It is reported as complete, so that the robot stops sending it.
+    pub fn refuse(&mut self, stream: StreamId) {
+        self.streams.refuse(stream);
+        self.has_news = true;
     }
 
     /// Nothing of a stream is here any more: if the robot still has it, it comes again.
     pub fn forget(&mut self, stream: StreamId) {
-        self.streams.remove(&stream);
+        self.streams.forget(stream);
+        self.wishes.forget(stream);
     }
 
     /// The events of a run up to this one are on the disk.
     pub fn set_safe(&mut self, stream: StreamId, safe: u64) {
-        if let Some(incoming) = self.streams.get_mut(&stream) {
+        if let Some(incoming) = self.streams.open.get_mut(&stream) {
             incoming.safe = incoming.safe.max(safe);
         }
     }
 
     /// These events of a run, which had arrived, were not kept: they are reported as missing, so that the robot sends them again.
     pub fn lose(&mut self, stream: StreamId, events: RangeInclusive<u64>) {
-        if let Some(incoming) = self.streams.get_mut(&stream) {
+        if let Some(incoming) = self.streams.open.get_mut(&stream) {
             incoming.received.remove(events);
             self.has_news = true;
         }
+    }
+
+    /// The last event of an open stream up to which all are on the disk.
+    pub fn safe(&self, stream: StreamId) -> u64 {
+        self.streams.open.get(&stream).map_or(0, |incoming| incoming.safe)
+    }
+
+    /// True while streams are turned away because too many are open.
+    pub fn is_crowded(&self, now: Duration) -> bool {
+        self.streams.is_crowded(now)
+    }
+
+    /// Numbers of open and of settled streams.
+    pub fn stream_counts(&self) -> (usize, usize) {
+        self.streams.counts()
     }
 
     /// Uses a key that the robot offers, which is on the disk. What is sealed with the one before is still opened.
@@ -260,17 +306,32 @@ impl StationSession {
         self.clock.bounds(now_ms(now))
     }
 
-    /// The number of the last event of a run that the robot told of, and the events that are here.
-    pub fn progress(&self, stream: StreamId) -> Option<(u64, &RangeSet)> {
-        self.streams.get(&stream).map(|incoming| (incoming.head, &incoming.received))
+    /// Progress of a stream; `None` if it is unknown.
+    pub fn progress(&self, stream: StreamId) -> Option<StreamProgress> {
+        self.streams.progress(stream)
+    }
+
+    /// Received events of a stream; `None` if it is unknown.
+    pub fn received(&self, stream: StreamId) -> Option<Cow<'_, RangeSet>> {
+        let open = self.streams.open.get(&stream);
+        open.map(|incoming| Cow::Borrowed(&incoming.received)).or_else(|| {
+            let progress = self.streams.progress(stream)?;
+            Some(Cow::Owned(RangeSet::up_to(progress.contiguous)))
+        })
     }
 
     /// How many runs, ranges of their events, and bytes of unfinished things are kept.
     #[cfg(test)]
     pub(crate) fn kept(&self) -> (usize, usize, usize) {
-        let ranges = self.streams.values().map(|it| it.received.ranges_count());
-        let parts = self.streams.values().map(|it| it.snapshot.length() + it.large.length());
-        (self.streams.len(), ranges.sum(), parts.sum())
+        let open = &self.streams.open;
+        let ranges = open.values().map(|it| it.received.ranges_count());
+        let parts = open.values().map(|it| it.snapshot.length() + it.large.length());
+        (open.len(), ranges.sum(), parts.sum())
+    }
+
+    #[cfg(test)]
+    pub(crate) fn set_settled_max(&mut self, most: usize) {
+        self.streams.set_settled_max(most);
     }
 
     /// Takes a datagram; passes on what is new in it.
@@ -282,11 +343,12 @@ impl StationSession {
     ) -> Result<(), Unusable> {
         let Arrived { generation, at_ms, is_new_start, silence, frames } =
             self.end.open(now, datagram)?;
+        self.now = now;
         if is_new_start {
             (self.round_trip, self.reached_ms, self.calendar_ms) = (None, None, None);
             self.wishes.repeat();
             // The robot does not have what it sent before.
-            let streams = self.streams.values_mut();
+            let streams = self.streams.open.values_mut();
             streams.for_each(|incoming| incoming.snapshots = OfferedSnapshots::default());
             show(FromRobot::Started);
         }
@@ -312,44 +374,13 @@ impl StationSession {
             Frame::Coded { context, length, ref events } => {
                 self.take_coded(context, length as usize, events, show);
             }
-            Frame::Large { stream, first, t_before, length, offset, bytes } => {
-                let Some(incoming) = self.incoming(stream) else { return };
-                if incoming.received.contains(&(first..=first)) {
-                    return;
-                }
-                if !incoming.large.is_of(first, length) {
-                    self.make_room(length);
-                }
-                let Some(incoming) = self.incoming(stream) else { return };
-                let Some(items) = incoming.large.add(first, length, offset, bytes) else { return };
-                self.take_events(
-                    &Events { stream, first, count: 1, t_before, items: &items },
-                    show,
-                );
-            }
-            Frame::Status { stream, head, is_over, state, chain } => {
-                let Some(incoming) = self.incoming(stream) else { return };
-                incoming.reports = LAST_REPORTS;
-                incoming.head = incoming.head.max(head);
-                incoming.is_over |= is_over;
-                self.has_news = true;
-                show(FromRobot::Status { stream, head, is_over, state, chain, at_ms });
-            }
-            Frame::Snapshot { stream, sequence, length, offset, bytes } => {
-                let Some(incoming) = self.incoming(stream) else { return };
-                if sequence < incoming.snapshot_sequence {
-                    return;
-                }
-                if !incoming.snapshot.is_of(sequence, length) {
-                    self.make_room(length);
-                }
-                let Some(incoming) = self.incoming(stream) else { return };
-                let whole = incoming.snapshot.add(sequence, length, offset, bytes);
-                if let Some(bytes) = whole.and_then(|whole| inflate(&whole, LENGTH_MAX as usize)) {
-                    self.take_snapshot(stream, sequence, bytes, show);
-                }
-            }
+            Frame::Large { .. } => self.take_large(frame, show),
+            Frame::Status { .. } => self.take_status(at_ms, frame, show),
+            Frame::Snapshot { .. } => self.take_snapshot_part(frame, show),
             Frame::CodedSnapshot { context, stream, sequence, length, bytes } => {
+                if self.is_settled_up_to(stream, sequence) {
+                    return;
+                }
                 let Some(incoming) = self.incoming(stream) else { return };
                 let (snapshots, length) = (&mut incoming.snapshots, length as usize);
                 let Some(bytes) = snapshots.decode(context, bytes, length) else { return };
@@ -379,6 +410,62 @@ impl StationSession {
         }
     }
 
+    /// Takes a part of an event.
+    fn take_large(&mut self, frame: &Frame<'_>, show: &mut impl FnMut(FromRobot<'_>)) {
+        let Frame::Large { stream, first, t_before, length, offset, bytes } = *frame else {
+            return;
+        };
+        if self.is_settled_up_to(stream, first) {
+            return;
+        }
+        let Some(incoming) = self.incoming(stream) else { return };
+        if incoming.received.contains(&(first..=first)) {
+            return;
+        }
+        if !incoming.large.is_of(first, length) {
+            self.make_room(length);
+        }
+        let Some(incoming) = self.incoming(stream) else { return };
+        let Some(items) = incoming.large.add(first, length, offset, bytes) else { return };
+        self.take_events(&Events { stream, first, count: 1, t_before, items: &items }, show);
+    }
+
+    fn take_status(&mut self, at_ms: u64, frame: &Frame<'_>, show: &mut impl FnMut(FromRobot<'_>)) {
+        let Frame::Status { stream, head, is_over, state, chain } = *frame else { return };
+        if self.is_settled_up_to(stream, head) {
+            if is_over {
+                self.streams.end_settled(stream);
+            }
+        } else {
+            let Some(incoming) = self.incoming(stream) else { return };
+            incoming.reports = LAST_REPORTS;
+            incoming.head = incoming.head.max(head);
+            incoming.is_over |= is_over;
+            self.has_news = true;
+        }
+        show(FromRobot::Status { stream, head, is_over, state, chain, at_ms });
+    }
+
+    /// Takes a part of a snapshot.
+    fn take_snapshot_part(&mut self, frame: &Frame<'_>, show: &mut impl FnMut(FromRobot<'_>)) {
+        let Frame::Snapshot { stream, sequence, length, offset, bytes } = *frame else { return };
+        if self.is_settled_up_to(stream, sequence) {
+            return;
+        }
+        let Some(incoming) = self.incoming(stream) else { return };
+        if sequence < incoming.snapshot_sequence {
+            return;
+        }
+        if !incoming.snapshot.is_of(sequence, length) {
+            self.make_room(length);
+        }
+        let Some(incoming) = self.incoming(stream) else { return };
+        let whole = incoming.snapshot.add(sequence, length, offset, bytes);
+        if let Some(bytes) = whole.and_then(|whole| inflate(&whole, LENGTH_MAX as usize)) {
+            self.take_snapshot(stream, sequence, bytes, show);
+        }
+    }
+
     fn take_snapshot(
         &mut self,
         stream: StreamId,
@@ -405,6 +492,9 @@ impl StationSession {
         events: &Events<'_>,
         show: &mut impl FnMut(FromRobot<'_>),
     ) {
+        if self.is_settled_up_to(events.stream, events.last()) {
+            return;
+        }
         let Some(incoming) = self.incoming(events.stream) else { return };
         if incoming.received.contains(&(events.first..=events.last())) {
             return self.take_events(&Events { items: &[], ..*events }, show);
@@ -418,10 +508,16 @@ impl StationSession {
         }
     }
 
-    /// What is known of a run; nothing if the robot names too many.
+    /// The open stream of this number; `None` if too many are open.
     fn incoming(&mut self, stream: StreamId) -> Option<&mut Incoming> {
-        let is_full = self.streams.len() >= STREAMS_MAX && !self.streams.contains_key(&stream);
-        (!is_full).then(|| self.streams.entry(stream).or_default())
+        self.streams.incoming(self.now, stream)
+    }
+
+    /// True if a stream is settled and has this event. Then a report of it is due.
+    fn is_settled_up_to(&mut self, stream: StreamId, last: u64) -> bool {
+        let is_settled = self.streams.is_settled_up_to(stream, last);
+        self.has_news |= is_settled;
+        is_settled
     }
 
     /// Parts of another thing begin to arrive: if too many wait already, they are sent again in their turn.
@@ -429,10 +525,10 @@ impl StationSession {
         if length > LENGTH_MAX {
             return;
         }
-        let waiting = self.streams.values();
+        let waiting = self.streams.open.values();
         let waiting = waiting.map(|it| it.snapshot.length() + it.large.length()).sum::<usize>();
         if waiting + length as usize > PARTS_MAX {
-            for incoming in self.streams.values_mut() {
+            for incoming in self.streams.open.values_mut() {
                 (incoming.snapshot, incoming.large) = (Assembly::default(), Assembly::default());
             }
         }
@@ -441,6 +537,9 @@ impl StationSession {
     fn take_events(&mut self, events: &Events<'_>, show: &mut impl FnMut(FromRobot<'_>)) {
         let codes = self.profile.codes;
         self.has_news = true;
+        if self.is_settled_up_to(events.stream, events.last()) {
+            return;
+        }
         let Some(incoming) = self.incoming(events.stream) else { return };
         let is_scattered = incoming.received.ranges_count() >= GAPS_MAX;
         if is_scattered && incoming.received.end_at(events.first - 1).is_none() {
@@ -515,8 +614,14 @@ impl StationSession {
         if let Some(heard) = self.end.heard.frame(now) {
             heard.write(payload);
         }
-        for (stream, incoming) in &mut self.streams {
-            let is_complete = incoming.is_over && incoming.received.contiguous() >= incoming.head;
+        self.write_settled(payload.len() + (room - payload.len()) / 2, payload);
+        let (from, codes) = (self.report_from, self.profile.codes);
+        self.report_from = StreamId(0);
+        let streams: Vec<_> = self.streams.open.keys().copied().collect();
+        let begin = streams.partition_point(|stream| *stream < from);
+        for stream in streams[begin..].iter().chain(&streams[..begin]) {
+            let Some(incoming) = self.streams.open.get_mut(stream) else { continue };
+            let is_complete = incoming.is_complete();
             if is_complete && incoming.reports == 0 {
                 (incoming.contexts, incoming.coder) = (Contexts::default(), LastCoder::default());
                 incoming.snapshots = OfferedSnapshots::default();
@@ -524,7 +629,7 @@ impl StationSession {
             }
             let length = payload.len();
             let events = incoming.received.clone();
-            let is_coded = self.profile.codes && !is_complete;
+            let is_coded = codes && !is_complete;
             let context = if is_coded { incoming.contexts.offer() } else { None };
             let snapshot = if is_coded { incoming.snapshots.offer() } else { None };
             let Incoming { safe, is_over, .. } = *incoming;
@@ -532,11 +637,29 @@ impl StationSession {
             Frame::Received(received).write(payload);
             if payload.len() > room {
                 payload.truncate(length);
+                // Streams without room begin the next report.
+                self.report_from = *stream;
                 break;
             }
             incoming.reports = incoming.reports.saturating_sub(1);
         }
+        self.streams.settle_complete();
         (self.reported_at, self.has_news) = (Some(now), false);
+    }
+
+    /// Reports settled streams that the robot has named, as far as they fit.
+    fn write_settled(&mut self, room: usize, payload: &mut Vec<u8>) {
+        for (stream, Settled { events: safe, is_over }) in self.streams.asked() {
+            let (length, events) = (payload.len(), RangeSet::up_to(safe));
+            let (context, snapshot) = (None, None);
+            let received = Received { stream, is_over, safe, events, context, snapshot };
+            Frame::Received(received).write(payload);
+            if payload.len() > room {
+                payload.truncate(length);
+                return;
+            }
+            self.streams.reported(stream);
+        }
     }
 }
 

@@ -67,6 +67,11 @@ struct Fetching {
 }
 
 impl Wishes {
+    /// Drops the watch of a run.
+    pub(super) fn forget(&mut self, stream: StreamId) {
+        self.watches.remove(&stream);
+    }
+
     /// The robot has started again: it may know of nothing.
     pub(super) fn repeat(&mut self) {
         for watch in self.watches.values_mut() {
@@ -197,6 +202,11 @@ impl StationSession {
     /// Whether the robot has what is watched of a run; nothing if that was never said.
     pub fn is_watch_confirmed(&self, stream: StreamId) -> Option<bool> {
         self.wishes.watches.get(&stream).map(|watch| watch.is_confirmed)
+    }
+
+    /// Drops the watch of a run without notice to the robot.
+    pub fn end_watch(&mut self, stream: StreamId) {
+        self.wishes.forget(stream);
     }
 
     /// Asks for a large value of so many bytes, of which some are here, until it is complete or given up; for more than `budget` bytes

@@ -2,6 +2,7 @@
 
 mod authority;
 mod follow;
+mod numbers;
 mod parcels;
 mod project_machines;
 mod runs;
@@ -23,7 +24,7 @@ use crate::start::Start;
 use crate::words::{StationWord, at_robot, author_at_robot};
 use follow::FromRun;
 use parcels::SentParcels;
-use rafcon_link::{CommandState, Profile, ReceivedCommand, RobotSession, StreamId};
+use rafcon_link::{CommandState, Generation, Profile, ReceivedCommand, RobotSession, StreamId};
 use rafcon_protocol::api::ControlMove;
 use rafcon_protocol::{Answer, Envelope, Expiry, LinkReport};
 use rafcon_supervisor::clock;
@@ -83,15 +84,25 @@ pub fn relay_robot(settings: &RobotSettings, stopper: &Stopper) -> Result<(), Re
     let watches = RobotWatches::begin(watched, age_max, clock::since_1970_ms(), &mut session);
     let meter = LinkMeter::new(&settings.paired.pairing, &settings.profile, false);
     let reporter = Reporter::open(&settings.folder)?;
-    let offered = None;
-    let mut relay = RobotRelay { settings, clock, carrier, session, runs, watches, meter, offered };
+    let (offered, station_start) = (None, session.station_start());
+    let mut relay = RobotRelay {
+        settings,
+        clock,
+        carrier,
+        session,
+        runs,
+        watches,
+        meter,
+        offered,
+        station_start,
+    };
     let (mut look_at, mut keep_at) = (Duration::ZERO, KEEP_EVERY);
     while !stopper.is_stopped() {
         let now = relay.clock.now();
         if now >= look_at {
             look_at = now + REPORT_EVERY;
             let is_heard = relay.session.is_heard(now);
-            relay.runs.look(&mut relay.session, is_heard);
+            relay.look(is_heard);
             relay.session.set_calendar(now, clock::since_1970_ms());
             relay.tell_control();
             let heard = relay.session.heard_before(now).map(|ago| now.saturating_sub(ago));
@@ -148,6 +159,8 @@ struct RobotRelay<'s> {
     meter: LinkMeter,
     /// The pairing that the station is offered.
     offered: Option<Pairing>,
+    /// The station's newest known start.
+    station_start: Option<Generation>,
 }
 
 /// A pickle that would take longer than 50 ms of the link is sent by its hash, when someone wants it.
@@ -187,6 +200,21 @@ impl RobotRelay<'_> {
         }
     }
 
+    /// Scans the runs, and releases those that are whole at the station.
+    fn look(&mut self, is_heard: bool) {
+        let start = self.session.station_start();
+        if self.station_start != start {
+            if self.station_start.is_some() {
+                self.runs.name_again(&mut self.session);
+            }
+            self.station_start = start;
+        }
+        self.runs.look(&mut self.session, is_heard);
+        for stream in self.runs.let_go(&mut self.session) {
+            self.watches.forget(stream);
+        }
+    }
+
     /// Tells who holds control of the runs that continue.
     fn tell_control(&mut self) {
         let authority = &*self.settings.authority;
@@ -203,7 +231,8 @@ impl RobotRelay<'_> {
             .offered
             .as_ref()
             .map(|_| "a new key is offered, and the station does not use it yet");
-        LinkReport { problems: waits.into_iter().map(str::to_owned).collect(), ..report }
+        let waits = waits.into_iter().map(str::to_owned);
+        LinkReport { problems: waits.chain(runs.problems()).collect(), ..report }
     }
 
     fn send(&mut self) -> Result<(), RelayError> {

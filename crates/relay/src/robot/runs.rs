@@ -1,6 +1,7 @@
 //! The runs of a robot: which there are, what of them is sent, and from where.
 
 use super::follow::{Followed, FromRun};
+use super::numbers::RunNumbers;
 use super::parcels::{NeededMachine, ParcelWork, SentParcel, SentParcels};
 use super::values::RobotValues;
 use super::watches::RobotWatches;
@@ -12,7 +13,7 @@ use crate::meter::millis;
 use crate::snapshot_words;
 use crate::words::{RunFate, RunStands};
 use rafcon_link::{
-    EventBuffer, EventHash, Events, Rank, RobotSession, RunSource, StreamId, ValueName,
+    EventBuffer, EventHash, Events, LENGTH_MAX, Rank, RobotSession, RunSource, StreamId, ValueName,
 };
 use rafcon_protocol::api::Control;
 use rafcon_protocol::{Envelope, LinkRun, Snapshot};
@@ -20,7 +21,8 @@ use rafcon_storage::journal::{
     About, Chain, EventItems, EventSource, Hash, JournalError, Pack, RunState, Summary,
     run_folders, writer_of,
 };
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::{BTreeMap, BTreeSet, VecDeque};
+use std::ffi::OsStr;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::SyncSender;
@@ -31,6 +33,12 @@ const AHEAD_MAX: u64 = 64;
 
 /// So many of the older runs are sent at a time.
 const OLDER_AT_ONCE: usize = 2;
+/// Newest whole runs that are named at once after a start of the station.
+const NAMED_AGAIN: usize = 16;
+/// Reported of a machine that no station takes.
+const TOO_LARGE: &str = "a machine of a run has more than 64 MiB of files, and is not sent to the station: its events are";
+/// Capacity of the whole runs in reports.
+const WHOLE_MAX: usize = 8;
 
 /// So many bytes of events are hashed at a time.
 const HASH_BYTES: usize = 256 << 10;
@@ -49,6 +57,9 @@ pub(super) struct RobotRuns {
     clock: SessionClock,
     all: BTreeMap<String, RobotRun>,
     streams: BTreeMap<StreamId, String>,
+    numbers: RunNumbers,
+    /// Newest runs that are whole at the station.
+    whole: VecDeque<LinkRun>,
     /// The runs that were over before the robot had this station: they are sent last, the newest first.
     older: Vec<String>,
     /// The runs that are known without being sent now.
@@ -62,6 +73,8 @@ pub(super) struct RobotRuns {
 #[derive(Debug)]
 struct RobotRun {
     folder: PathBuf,
+    /// The stream of its events.
+    events: StreamId,
     /// Longer pickles are sent by their hash.
     pickle_max: usize,
     /// What is known about it, in parts, how many machines are among that, and how many bytes of files they have.
@@ -82,6 +95,8 @@ struct RobotRun {
     is_older: bool,
     /// What was told of it last.
     stands: RunStands,
+    /// An event that is too long for the link, and its length.
+    too_long: Option<(u64, usize)>,
     /// The hash of its events; none if the journal does not have them all.
     chain: Option<Chain>,
 }
@@ -95,6 +110,7 @@ impl RobotRuns {
         parcels: SentParcels,
     ) -> Self {
         let (all, streams, folder) = (BTreeMap::new(), BTreeMap::new(), folder.to_owned());
+        let numbers = RunNumbers::read(list.with_file_name("numbers"));
         Self {
             folder,
             list,
@@ -103,6 +119,8 @@ impl RobotRuns {
             clock,
             all,
             streams,
+            numbers,
+            whole: VecDeque::new(),
             older: Vec::new(),
             seen: BTreeSet::new(),
             parcels,
@@ -148,56 +166,102 @@ impl RobotRuns {
 
     /// Goes on to the next of the older runs when the station has those before.
     fn look_at_older(&mut self, session: &mut RobotSession, is_heard: bool) {
-        let is_open = |(id, run): (&String, &RobotRun)| run.is_older && !has_all(session, id);
-        let open = self.all.iter().filter(|run| is_open(*run)).count();
-        if !is_heard || open >= OLDER_AT_ONCE {
-            return;
-        }
-        while let Some(id) = self.older.pop() {
+        let is_open = |run: &&RobotRun| run.is_older && !run.is_at_station(session);
+        let mut open = self.all.values().filter(is_open).count();
+        while is_heard
+            && open < OLDER_AT_ONCE
+            && let Some(id) = self.older.pop()
+        {
             let folder = self.folder.join(&id);
             let is_over = matches!(writer_of(&folder), Ok(None)) && !self.all.contains_key(&id);
             // What cannot be read is not sent, as if it were not there.
             if is_over && self.begin(&id, &folder, session).unwrap_or(false) {
-                session.set_rank(ids::events_of(&id), Rank::Last);
-                session.set_rank(ids::about_of(&id), Rank::Last);
                 if let Some(run) = self.all.get_mut(&id) {
                     run.is_older = true;
+                    for stream in run.streams() {
+                        session.set_rank(stream, Rank::Last);
+                        session.ask_first(stream);
+                    }
                 }
                 self.gone(&id, session);
-                return;
+                open += 1;
             }
         }
+    }
+
+    /// Names the runs that are over again: a station that has started again may have lost them.
+    pub(super) fn name_again(&mut self, session: &mut RobotSession) {
+        self.whole.clear();
+        let mut known: Vec<_> = self.seen.iter().cloned().collect();
+        known.retain(|id| !self.all.contains_key(id) && !self.older.contains(id));
+        let newest = known.split_off(known.len().saturating_sub(NAMED_AGAIN));
+        self.older.extend(known);
+        self.older.sort();
+        for id in newest {
+            let folder = self.folder.join(&id);
+            if self.begin(&id, &folder, session).unwrap_or(false) {
+                let streams = self.all.get(&id).map(RobotRun::streams);
+                streams.into_iter().flatten().for_each(|stream| session.ask_first(stream));
+                self.gone(&id, session);
+            }
+        }
+    }
+
+    /// Releases runs that are whole at the station, and deleted runs whose end is known there. Returns the streams of their
+    /// events.
+    pub(super) fn let_go(&mut self, session: &mut RobotSession) -> Vec<StreamId> {
+        let done: Vec<_> = self.all.extract_if(.., |_, run| run.is_done(session)).collect();
+        let mut streams = Vec::new();
+        for (id, run) in done {
+            for stream in run.streams() {
+                session.end(stream);
+                self.streams.remove(&stream);
+            }
+            streams.push(run.events);
+            if run.fate == RunFate::Finished {
+                self.whole.push_back(LinkRun { id: id.clone(), head: run.head, missing: 0 });
+                self.whole.drain(..self.whole.len().saturating_sub(WHOLE_MAX));
+                self.seen.insert(id);
+            }
+        }
+        if !streams.is_empty() {
+            self.keep_list();
+        }
+        streams
     }
 
     /// Looks for runs that continue and are not followed, and for machines that runs have kept since.
     pub(super) fn look(&mut self, session: &mut RobotSession, is_heard: bool) {
         self.parcels.tell_waiting();
-        for (id, run) in &mut self.all {
+        for run in self.all.values_mut() {
             // A run that is over has what it had when it was looked at last.
             if run.runner.is_some() {
-                run.look_for_machines(id, session, &mut self.parcels);
+                run.look_for_machines(session, &mut self.parcels, self.tell);
             } else if run.fate != RunFate::Removed && !run.folder.is_dir() {
                 run.fate = RunFate::Removed;
-                run.tell(id, RunStands::of(run.fate, None, 0), session);
+                run.tell(RunStands::of(run.fate, None, 0), session);
             }
-            run.let_go(id, session, &mut self.parcels);
+            run.let_go(session, &mut self.parcels);
             run.rest();
         }
         self.hash(session);
         self.look_at_older(session, is_heard);
-        for folder in run_folders(&self.folder).unwrap_or_default() {
+        let folders = run_folders(&self.folder).unwrap_or_default();
+        let there: BTreeSet<_> = folders.iter().filter_map(|folder| folder.file_name()).collect();
+        self.seen.retain(|id| there.contains(OsStr::new(id)));
+        for folder in &folders {
             let id = folder.file_name().unwrap_or_default().to_string_lossy().into_owned();
-            let is_live = matches!(writer_of(&folder), Ok(Some(_)));
             let run = self.all.get(&id);
             if run.is_some_and(|run| run.runner.is_some()) {
                 continue;
             }
+            let is_live = matches!(writer_of(folder), Ok(Some(_)));
             if !is_live {
                 let was_live = run.is_some_and(|run| run.fate == RunFate::Live);
-                self.look_at_ended(&id, &folder, was_live, session);
+                self.look_at_ended(&id, folder, was_live, session);
                 continue;
             }
-            if let Err(error) = self.find(&id, &folder, session) {
+            if let Err(error) = self.find(&id, folder, session) {
                 (self.tell)(&format!("run {id} is not sent to the station: {error}"));
             }
         }
@@ -227,7 +291,7 @@ impl RobotRuns {
         let mut left = HASH_BYTES;
         let (live, ended): (Vec<_>, Vec<_>) =
             self.all.iter_mut().partition(|(_, run)| run.runner.is_some());
-        for (id, run) in live.into_iter().chain(ended) {
+        for (_, run) in live.into_iter().chain(ended) {
             let head = run.head;
             if run.chain.is_none_or(|chain| chain.last() >= head) || run.open().is_none() {
                 continue;
@@ -240,7 +304,7 @@ impl RobotRuns {
             }
             if chain.last() == run.head {
                 let (last, hash) = (chain.last(), chain.hash());
-                session.set_chain(ids::events_of(id), EventHash { last, hash });
+                session.set_chain(run.events, EventHash { last, hash });
             }
             // Of those that are over, one at a time.
             if chain.last() < run.head || run.runner.is_none() {
@@ -281,7 +345,8 @@ impl RobotRuns {
         }
         let about = about_parts(&about);
         let head = EventSource::open(folder)?.last()?;
-        let (events, beside) = (ids::events_of(id), ids::about_of(id));
+        let events = self.numbers.take(id);
+        let beside = ids::about_beside(events);
         session.begin(beside, about.len() as u64);
         session.set_state(beside, &[], true);
         session.begin(events, head);
@@ -289,6 +354,7 @@ impl RobotRuns {
         let (folder, runner) = (folder.to_owned(), None);
         let run = RobotRun {
             folder,
+            events,
             pickle_max: self.pickle_max,
             about,
             machines: 0,
@@ -302,6 +368,7 @@ impl RobotRuns {
             snapshot: None,
             fate: RunFate::default(),
             stands: RunStands::default(),
+            too_long: None,
             chain: Some(Chain::default()),
         };
         self.all.insert(id.to_owned(), run);
@@ -325,7 +392,7 @@ impl RobotRuns {
         let Some(run) = self.all.get_mut(id) else { return };
         let Some(Ok(last)) = run.open().map(|source| source.last()) else { return };
         if last > run.head + AHEAD_MAX {
-            session.advance(ids::events_of(id), last);
+            session.advance(run.events, last);
             run.head = last;
         }
         while run.head < last {
@@ -333,7 +400,7 @@ impl RobotRuns {
             let read = run.open().map(|source| source.read(next, last, 0));
             let Some(Ok(Some(read))) = read else { return };
             let EventItems { first, count, t_before, bytes } = &read;
-            let (stream, first, count, t_before) = (ids::events_of(id), *first, *count, *t_before);
+            let (stream, first, count, t_before) = (run.events, *first, *count, *t_before);
             session.append(&Events { stream, first, count, t_before, items: bytes });
             run.head = first + count - 1;
         }
@@ -348,7 +415,7 @@ impl RobotRuns {
     pub(super) fn stands(&mut self, id: &str, snapshot: Box<Snapshot>, session: &mut RobotSession) {
         if let Some(run) = self.all.get_mut(id) {
             run.snapshot = Some((snapshot, self.clock.now()));
-            session.set_snapshot_changed(ids::events_of(id));
+            session.set_snapshot_changed(run.events);
         }
     }
 
@@ -363,10 +430,10 @@ impl RobotRuns {
         }
         self.happened(id, session);
         if let Some(run) = self.all.get_mut(id) {
-            run.look_for_machines(id, session, &mut self.parcels);
+            run.look_for_machines(session, &mut self.parcels, self.tell);
             let is_over = matches!(Summary::of(&run.folder).state, RunState::Finished { .. });
             run.fate = if is_over { RunFate::Finished } else { RunFate::Crashed };
-            run.tell(id, RunStands::of(run.fate, None, 0), session);
+            run.tell(RunStands::of(run.fate, None, 0), session);
         }
     }
 
@@ -378,7 +445,7 @@ impl RobotRuns {
         control: impl Fn(&str) -> Option<Control>,
     ) {
         for (id, run) in self.all.iter_mut().filter(|(_, run)| run.fate == RunFate::Live) {
-            run.tell(id, RunStands::of(run.fate, control(id), now_ms), session);
+            run.tell(RunStands::of(run.fate, control(id), now_ms), session);
         }
     }
 
@@ -391,7 +458,8 @@ impl RobotRuns {
 
     /// The id of the run whose events these are.
     pub(super) fn name(&self, events: StreamId) -> Option<&str> {
-        self.streams.get(&events).map(String::as_str)
+        let known = || self.seen.iter().find(|id| self.numbers.find(id) == Some(events));
+        self.streams.get(&events).or_else(known).map(String::as_str)
     }
 
     /// Gives a command to the runner of a run; false if it has none.
@@ -406,18 +474,28 @@ impl RobotRuns {
 
     /// How much of each run the station has, as far as it said so.
     pub(super) fn progress(&self, session: &RobotSession) -> Vec<LinkRun> {
-        let run = |id: &String| {
-            let (head, missing) = session.progress(ids::events_of(id))?;
+        let run = |(id, run): (&String, &RobotRun)| {
+            let (head, missing) = session.progress(run.events)?;
             Some(LinkRun { id: id.clone(), head, missing })
         };
-        self.all.keys().filter_map(run).collect()
+        self.whole.iter().cloned().chain(self.all.iter().filter_map(run)).collect()
+    }
+
+    /// Events that the link cannot carry.
+    pub(super) fn problems(&self) -> Vec<String> {
+        let problem = |(id, run): (&String, &RobotRun)| {
+            let (number, bytes) = run.too_long?;
+            Some(format!(
+                "event {number} of run {id} has {bytes} bytes, and the link carries {LENGTH_MAX}: the station receives neither it nor \
+                 the events after it"
+            ))
+        };
+        self.all.iter().filter_map(problem).collect()
     }
 
     /// The folder of the run with these events, whether it is sent now or not.
     fn folder_of(&self, events: StreamId) -> Option<PathBuf> {
-        let is_it = |id: &&String| ids::events_of(id) == events;
-        let id = self.streams.get(&events).or_else(|| self.seen.iter().find(is_it))?;
-        Some(self.folder.join(id))
+        Some(self.folder.join(self.name(events)?))
     }
 
     fn run(&mut self, stream: StreamId) -> Option<&mut RobotRun> {
@@ -425,13 +503,30 @@ impl RobotRuns {
     }
 }
 
-/// Whether the station reports that it has everything of a run.
-fn has_all(session: &RobotSession, id: &str) -> bool {
-    let streams = [ids::events_of(id), ids::about_of(id)];
-    streams.iter().all(|stream| session.progress(*stream).is_none_or(|(_, missing)| missing == 0))
-}
-
 impl RobotRun {
+    /// Its events, and what is to be known about it besides.
+    fn streams(&self) -> [StreamId; 2] {
+        [self.events, ids::about_beside(self.events)]
+    }
+
+    /// True if the station has reported all of it.
+    fn is_at_station(&self, session: &RobotSession) -> bool {
+        let is_there =
+            |stream: StreamId| session.progress(stream).is_none_or(|(_, missing)| missing == 0);
+        self.streams().into_iter().all(is_there)
+    }
+
+    /// True if nothing more of it will be sent.
+    fn is_done(&self, session: &RobotSession) -> bool {
+        let [events, about] = self.streams();
+        let is_over = match self.fate {
+            RunFate::Live | RunFate::Crashed => false,
+            RunFate::Finished => session.is_complete(events),
+            RunFate::Removed => session.is_end_known(events),
+        };
+        is_over && self.runner.is_none() && self.named.is_empty() && session.is_complete(about)
+    }
+
     /// Its journal, to be read anew.
     fn source(&self) -> Result<EventSource, JournalError> {
         Ok(EventSource::open(&self.folder)?.without_pickles_over(self.pickle_max))
@@ -458,16 +553,19 @@ impl RobotRun {
     /// them itself. So each start of the robot sends the same parts.
     fn look_for_machines(
         &mut self,
-        id: &str,
         session: &mut RobotSession,
         parcels: &mut SentParcels,
+        tell: fn(&str),
     ) {
         let Ok(packs) = Pack::read_after(&self.folder, self.machines) else { return };
         self.machines += packs.len();
         for pack in packs {
             self.machine_bytes += pack.fresh.values().map(Vec::len).sum::<usize>();
             if self.machine_bytes > PARCEL_MAX {
-                self.about.extend(machine_parts(&pack));
+                match machine_parts(&pack) {
+                    Some(parts) => self.about.extend(parts),
+                    None => tell(TOO_LARGE),
+                }
                 continue;
             }
             let machine = pack.manifest.hash();
@@ -476,12 +574,13 @@ impl RobotRun {
             let needed = NeededMachine { is_older: self.is_older, machine };
             parcels.tell(ParcelWork::Needed(needed, self.folder.clone()));
         }
-        session.advance(ids::about_of(id), self.about.len() as u64);
+        session.advance(ids::about_beside(self.events), self.about.len() as u64);
     }
 
     /// Lets go of the machines that the station has.
-    fn let_go(&mut self, id: &str, session: &RobotSession, parcels: &mut SentParcels) {
-        let is_told = session.progress(ids::about_of(id)).is_some_and(|(_, missing)| missing == 0);
+    fn let_go(&mut self, session: &RobotSession, parcels: &mut SentParcels) {
+        let about = session.progress(ids::about_beside(self.events));
+        let is_told = about.is_some_and(|(_, missing)| missing == 0);
         let is_gone = self.fate == RunFate::Removed;
         let had = |machine: &mut Hash| is_gone || is_told && parcels.are_had(*machine, session);
         let all_had: Vec<_> = self.named.extract_if(.., had).collect();
@@ -492,11 +591,11 @@ impl RobotRun {
     }
 
     /// Tells how it stands, if that is news.
-    fn tell(&mut self, id: &str, stands: RunStands, session: &mut RobotSession) {
+    fn tell(&mut self, stands: RunStands, session: &mut RobotSession) {
         if stands != self.stands {
             let is_over = matches!(stands.fate, RunFate::Finished | RunFate::Removed);
             let state = serde_json::to_vec(&stands).unwrap_or_default();
-            session.set_state(ids::events_of(id), &state, is_over);
+            session.set_state(self.events, &state, is_over);
             self.stands = stands;
         }
     }
@@ -521,6 +620,10 @@ impl RunSource for RobotRuns {
         }
         let read = run.open()?.read(first, last, bytes_max).ok()??;
         let EventItems { first, count, t_before, bytes: items } = read;
+        if items.len() > LENGTH_MAX as usize {
+            run.too_long = Some((first, items.len()));
+            return None;
+        }
         Some(EventBuffer { first, count, t_before, items })
     }
 

@@ -92,6 +92,11 @@ impl RobotWatches {
         }
     }
 
+    /// Drops the watch of a run.
+    pub(super) fn forget(&mut self, stream: StreamId) {
+        self.runs.remove(&stream);
+    }
+
     /// Keeps what is watched for the next start; forgets it if the station has not been heard for too long.
     pub(super) fn keep(
         &mut self,

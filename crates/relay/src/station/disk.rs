@@ -33,15 +33,18 @@ pub(super) enum Work {
     Check(EventHash),
     /// Close the run, which is over and complete.
     Close,
-    /// Close the run as the runner left it that died on the robot.
-    Leave,
+    /// Close the run as it is: its runner died, or it was deleted on the robot.
+    Leave {
+        /// The robot has nothing more of it.
+        is_final: bool,
+    },
 }
 
 impl Work {
     pub(super) fn cost(&self) -> usize {
         match self {
             Self::Part(items) | Self::Events(items) => in_order::cost(items),
-            Self::Check(_) | Self::Close | Self::Leave => 0,
+            Self::Check(_) | Self::Close | Self::Leave { .. } => 0,
         }
     }
 }
@@ -64,6 +67,8 @@ pub(crate) enum FromDisk {
     Safe(StreamId, u64),
     /// A run is closed.
     Closed(StreamId),
+    /// Nothing of a run is under way on the disk.
+    Settled(SettledRun),
     /// Nothing more of a run is kept: why.
     Refused(StreamId, String),
     /// Nothing of these parcels is here any more.
@@ -72,6 +77,16 @@ pub(crate) enum FromDisk {
     KeyKept(Pairing),
     /// What is wrong with the disk; nothing if it is well again.
     Problem(Option<String>),
+}
+
+/// A run of which nothing is under way on the disk.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct SettledRun {
+    /// The stream of its events.
+    pub(super) stream: StreamId,
+    /// Its events, if they changed.
+    pub(super) events: Option<u64>,
+    pub(super) parts: u64,
 }
 
 /// A run that is open to viewers.

@@ -1,8 +1,7 @@
 //! How the link to one robot is, as its station knows it.
 
-use crate::ids;
 use crate::meter::{LinkMeter, millis};
-use rafcon_link::StationSession;
+use rafcon_link::{StationSession, StreamId};
 use rafcon_protocol::{ClockOffset, LinkHealth, LinkRun};
 use rafcon_supervisor::clock;
 use std::time::Duration;
@@ -24,9 +23,8 @@ pub(super) fn health(meter: &mut LinkMeter, session: &StationSession, now: Durat
 }
 
 /// What the station knows of a run.
-pub(super) fn run_of(session: &StationSession, id: &str) -> LinkRun {
-    let progress = session.progress(ids::events_of(id));
-    let (head, missing) =
-        progress.map_or((0, 0), |(head, here)| (head, head.saturating_sub(here.count())));
+pub(super) fn run_of(session: &StationSession, stream: StreamId, id: &str) -> LinkRun {
+    let progress = session.progress(stream);
+    let (head, missing) = progress.map_or((0, 0), |it| (it.head, it.head.saturating_sub(it.count)));
     LinkRun { id: id.to_owned(), head, missing }
 }

@@ -36,13 +36,16 @@ impl InOrder {
         self.streams.get(&stream).is_none_or(|ahead| ahead.items.is_empty())
     }
 
-    /// Adds what arrived. What is too much is answered: it is not here, and has to come again.
+    /// Adds what arrived of a stream that, if nothing arrived of it since it was settled, is on the disk up to `safe`. What is too much
+    /// is answered: it is not here, and has to come again.
     pub(super) fn add(
         &mut self,
         stream: StreamId,
         items: EventItems,
+        safe: u64,
     ) -> Option<RangeInclusive<u64>> {
-        let ahead = self.streams.entry(stream).or_default();
+        let begin = || Ahead { passed: safe, ..Ahead::default() };
+        let ahead = self.streams.entry(stream).or_insert_with(begin);
         if ahead.items.get(&items.first).is_some_and(|longer| longer.count >= items.count) {
             return None;
         }
@@ -86,7 +89,7 @@ impl InOrder {
         waiting.map(|(stream, _)| *stream).collect()
     }
 
-    /// A stream begins anew.
+    /// A stream is settled, or begins anew: what waits of it is dropped.
     pub(super) fn forget(&mut self, stream: StreamId) {
         self.clear(stream);
         self.streams.remove(&stream);
@@ -138,10 +141,10 @@ mod tests {
     fn what_arrives_in_any_order_is_passed_on_in_order() {
         let mut in_order = InOrder::default();
         for (first, count) in [(3, 2), (6, 1), (5, 1), (3, 1)] {
-            assert_eq!(in_order.add(STREAM, items(first, count, 10)), None);
+            assert_eq!(in_order.add(STREAM, items(first, count, 10), 0), None);
         }
         assert_eq!(passed(&mut in_order, 9), [0; 0]);
-        in_order.add(STREAM, items(1, 2, 10));
+        in_order.add(STREAM, items(1, 2, 10), 0);
         assert_eq!(passed(&mut in_order, 2), [1, 3]);
         assert_eq!(in_order.waiting(), [STREAM]);
         assert_eq!(passed(&mut in_order, 9), [5, 6]);
@@ -152,11 +155,11 @@ mod tests {
     fn what_waits_behind_a_gap_is_bounded_and_the_farthest_comes_again() {
         let (mut in_order, mut lost) = (InOrder::default(), Vec::new());
         for first in (2..200).rev() {
-            lost.extend(in_order.add(STREAM, items(first, 1, 1 << 17)));
+            lost.extend(in_order.add(STREAM, items(first, 1, 1 << 17), 0));
             assert!(in_order.bytes <= AHEAD_MAX);
         }
         let nearest = *lost.iter().map(std::ops::RangeInclusive::start).min().expect("losses");
-        in_order.add(STREAM, items(1, 1, 1));
+        in_order.add(STREAM, items(1, 1, 1), 0);
         assert_eq!(passed(&mut in_order, 999), (1..nearest).collect::<Vec<_>>());
         assert_eq!(in_order.bytes, 0);
     }

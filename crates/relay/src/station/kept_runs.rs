@@ -1,7 +1,7 @@
 //! The runs of one robot as its station's disk has them. Whoever calls this may wait for the disk.
 
 use super::checking::Checking;
-use super::disk::{FromDisk, KeyWork, OpenRun, Work};
+use super::disk::{FromDisk, KeyWork, OpenRun, SettledRun, Work};
 use super::had::Had;
 use super::parcels::{RestoredParcel, StationParcels, TakenPart};
 use super::replica_run::ReplicaRun;
@@ -14,14 +14,14 @@ use crate::pairing::Paired;
 use crate::start::Start;
 use rafcon_link::{Horizon, KeyId, StreamId};
 use rafcon_protocol::LinkHealth;
-use rafcon_storage::journal::folder::{DIVERGED_FILE, replace_file};
+use rafcon_storage::journal::folder::{DIVERGED_FILE, check_run_id, replace_file};
 use rafcon_storage::journal::{
     About, EventItems, Full, JournalError, Pack, ReplicaError, RunState, Summary, run_folders,
 };
 use std::collections::{BTreeMap, VecDeque};
 use std::fs;
 use std::io;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::mpsc::SyncSender;
 use std::time::Duration;
 
@@ -29,6 +29,12 @@ use std::time::Duration;
 const REST_MIN: Duration = Duration::from_millis(10);
 /// It rests at most so long; what failed is tried again after this time.
 const REST_MAX: Duration = Duration::from_millis(250);
+/// The newest replicas are compared with the list of whole runs at the start: their disk may have been put back.
+const CHECKED_MAX: usize = 256;
+/// Replicas that are open from the start. Others that are not whole are opened with the first news of them.
+const OPEN_AT_START: usize = 64;
+/// Refused runs whose late work is dropped.
+const REFUSED_MAX: usize = 256;
 /// It rests so many times as long as it was busy: many robots share a disk.
 const REST: u32 = 4;
 
@@ -55,9 +61,15 @@ pub(super) struct KeptRuns {
     are_stuck: bool,
     /// How many parcels came as a whole.
     came: u64,
+    /// The runs of which something is under way.
     all: BTreeMap<StreamId, KeptRun>,
+    /// The ids of those that are not whole, and of which nothing is under way.
+    left: BTreeMap<StreamId, String>,
+    refused: VecDeque<StreamId>,
     sync_at: Duration,
     problem: Option<String>,
+    /// Bytes of dropped work.
+    dropped: usize,
 }
 
 #[derive(Default)]
@@ -77,19 +89,30 @@ struct KeptRun {
     needs_parcels: Option<u64>,
     is_refused: bool,
     checking: Checking,
-    /// It was just closed as a whole: its id, its events and parts.
-    whole: Option<(String, (u64, u64))>,
+    /// Events of the closed replica.
+    closed: Option<u64>,
+    /// It was closed as a whole.
+    is_whole: bool,
 }
 
 /// A run that was kept by an earlier start.
 pub(super) struct Restored {
     pub(super) events: StreamId,
     pub(super) last: u64,
-    pub(super) beside: StreamId,
     pub(super) taken: u64,
-    pub(super) open: Option<OpenRun>,
-    /// Why nothing more of it is kept, if so.
-    pub(super) refused: Option<String>,
+    pub(super) state: RestoredState,
+}
+
+/// State of a replica at the start.
+pub(super) enum RestoredState {
+    /// It is open to viewers.
+    Open(OpenRun),
+    /// It is not whole, and opened with the first news of it.
+    Left,
+    /// It is whole.
+    Whole,
+    /// Nothing more of it is kept: why.
+    Refused(String),
 }
 
 /// Why something is not kept.
@@ -129,10 +152,25 @@ impl From<ReplicaError> for Trouble {
 
 impl KeptRuns {
     pub(super) fn new(place: Place, start: Start, parcels: StationParcels) -> Self {
-        let (all, sync_at) = (BTreeMap::new(), Duration::ZERO);
+        let (all, left, sync_at) = (BTreeMap::new(), BTreeMap::new(), Duration::ZERO);
+        let refused = VecDeque::new();
         let had = Had::read(start.folder());
         let (parts, are_stuck, came, problem) = (VecDeque::new(), false, 0, None);
-        Self { place, start, had, parcels, parts, are_stuck, came, all, sync_at, problem }
+        Self {
+            place,
+            start,
+            had,
+            parcels,
+            parts,
+            are_stuck,
+            came,
+            all,
+            left,
+            refused,
+            sync_at,
+            problem,
+            dropped: 0,
+        }
     }
 
     /// The parcels that are here.
@@ -140,38 +178,52 @@ impl KeptRuns {
         self.parcels.restored()
     }
 
-    /// Goes on with the replicas that are here.
+    /// The runs that are whole, by the streams of their events, with how many events and parts they have.
+    pub(super) fn whole(&self) -> Vec<(StreamId, u64, u64)> {
+        self.had.runs().map(|(stream, run)| (stream, run.events, run.parts)).collect()
+    }
+
+    /// Goes on with the replicas that are here and may change.
     pub(super) fn restore(&mut self) -> Vec<Restored> {
-        let mut restored = Vec::new();
-        for folder in run_folders(&self.place.runs).unwrap_or_default() {
-            let Ok(about) = About::read(&folder) else { continue };
-            if about.robot.as_ref() != Some(&self.place.robot) {
+        let (mut restored, mut open) = (Vec::new(), 0);
+        let folders = run_folders(&self.place.runs).unwrap_or_default();
+        for (nth, folder) in folders.iter().rev().enumerate() {
+            let id = folder.file_name().unwrap_or_default().to_string_lossy();
+            if nth >= CHECKED_MAX && self.had.find(&id).is_some() {
                 continue;
             }
-            let (events, beside) = (ids::events_of(&about.id), ids::about_of(&about.id));
-            let taken = ReplicaRun::read_taken(&folder);
-            let summary = Summary::of(&folder);
-            let refused = fs::read_to_string(folder.join(DIVERGED_FILE)).ok();
-            let is_finished = matches!(summary.state, RunState::Finished { .. });
-            let is_refused = refused.is_some();
-            let mut run = KeptRun { about: Some(about), taken, is_refused, ..KeptRun::default() };
-            let opened = (!is_finished && !is_refused).then(|| run.open(&self.place)).transpose();
-            let (open, last) = match opened {
-                Ok(open) => (open, run.replica.as_ref().map_or(summary.events, |it| it.next() - 1)),
-                // It is opened with the first news of it.
-                Err(_) => (None, summary.events),
-            };
-            self.all.insert(events, run);
-            restored.push(Restored { events, last, beside, taken, open, refused });
-        }
-        for (id, (last, taken)) in self.had.runs() {
-            let (events, beside) = (ids::events_of(id), ids::about_of(id));
-            if last > 0 && !self.all.contains_key(&events) {
-                let (open, refused) = (None, None);
-                restored.push(Restored { events, last, beside, taken, open, refused });
-            }
+            let run = self.restore_one(folder, open < OPEN_AT_START);
+            open += usize::from(run.as_ref().is_some_and(Restored::is_open));
+            restored.extend(run);
         }
         restored
+    }
+
+    fn restore_one(&mut self, folder: &Path, may_open: bool) -> Option<Restored> {
+        let about = About::read(folder).ok()?;
+        if about.robot.as_ref() != Some(&self.place.robot) {
+            return None;
+        }
+        let id = about.id.clone();
+        let (taken, events) = ReplicaRun::read_taken(folder, &id);
+        let summary = Summary::of(folder);
+        let last = summary.events;
+        let found = |last, state| Some(Restored { events, last, taken, state });
+        if let Ok(why) = fs::read_to_string(folder.join(DIVERGED_FILE)) {
+            return found(last, RestoredState::Refused(why));
+        }
+        if matches!(summary.state, RunState::Finished { .. }) {
+            self.had.add(&id, events, (last, taken));
+            return found(last, RestoredState::Whole);
+        }
+        let mut run = KeptRun { about: Some(about), taken, ..KeptRun::default() };
+        if may_open && let Ok(open) = run.open(&self.place, events) {
+            let last = run.replica.as_ref().map_or(last, |it| it.next() - 1);
+            self.all.insert(events, run);
+            return found(last, RestoredState::Open(open));
+        }
+        self.left.insert(events, id);
+        found(last, RestoredState::Left)
     }
 
     /// Adds work for a run.
@@ -182,7 +234,12 @@ impl KeptRuns {
             }
             return;
         }
-        let run = self.all.entry(run).or_default();
+        if self.refused.contains(&run) {
+            self.dropped += work.cost();
+            return;
+        }
+        let woken = || KeptRun::woken(run, &self.place, &self.had, &mut self.left);
+        let run = self.all.entry(run).or_insert_with(woken);
         match work {
             Work::Part(part) => run.parts.push_back(part),
             work => run.todo.push_back(work),
@@ -194,7 +251,7 @@ impl KeptRuns {
         let begun = self.place.clock.now();
         let is_due = now || begun >= self.sync_at;
         self.are_stuck &= !is_due;
-        let (mut written, mut problem) = (0, None);
+        let (mut written, mut problem) = (std::mem::take(&mut self.dropped), None);
         if let Err(error) = self.take_parcels(&mut written) {
             self.are_stuck = true;
             problem = Some(error.to_string());
@@ -203,8 +260,9 @@ impl KeptRuns {
             run.is_stuck &= !is_due;
             let mut trouble =
                 run.work(*stream, &self.place, (&self.parcels, self.came), &mut written);
-            if let Some((id, counts)) = run.whole.take() {
-                self.had.add(&id, counts);
+            if std::mem::take(&mut run.is_whole) {
+                let events = run.closed.unwrap_or(0);
+                self.had.add(run.name(), *stream, (events, run.taken));
             }
             if is_due && trouble.is_none() {
                 trouble = run
@@ -226,7 +284,7 @@ impl KeptRuns {
                     let said = run.note_diverged(&self.place, &why);
                     run.refuse();
                     // It can be fetched again once its folder is moved away.
-                    self.had.add(run.name(), (0, 0));
+                    self.had.add(run.name(), *stream, (0, 0));
                     self.place.say(FromDisk::Refused(*stream, said));
                 }
             }
@@ -234,6 +292,7 @@ impl KeptRuns {
                 written += run.drop_work();
             }
         }
+        self.settle();
         if is_due {
             let end = self.place.clock.now();
             let rest = (end.saturating_sub(begun) * REST).clamp(REST_MIN, REST_MAX);
@@ -241,6 +300,23 @@ impl KeptRuns {
             self.tell(problem);
         }
         written
+    }
+
+    /// Releases the runs of which nothing is under way.
+    fn settle(&mut self) {
+        let settled: Vec<_> = self.all.extract_if(.., |_, run| run.is_settled()).collect();
+        for (stream, run) in settled {
+            if run.is_refused {
+                self.refused.push_back(stream);
+                self.refused.drain(..self.refused.len().saturating_sub(REFUSED_MAX));
+                continue;
+            }
+            if self.had.get(stream).is_none() {
+                self.left.insert(stream, run.name().to_owned());
+            }
+            let (events, parts) = (run.closed, run.taken);
+            self.place.say(FromDisk::Settled(SettledRun { stream, events, parts }));
+        }
     }
 
     /// Keeps parts of parcels, as far as the disk takes them.
@@ -307,8 +383,42 @@ impl Place {
     }
 }
 
+impl Restored {
+    fn is_open(&self) -> bool {
+        matches!(self.state, RestoredState::Open(_))
+    }
+}
+
 impl KeptRun {
-    fn open(&mut self, place: &Place) -> Result<OpenRun, Trouble> {
+    /// A run of which something new is under way, with what is known of it.
+    fn woken(
+        stream: StreamId,
+        place: &Place,
+        had: &Had,
+        left: &mut BTreeMap<StreamId, String>,
+    ) -> Self {
+        let had_id = had.id_of(stream);
+        let is_refused = had_id.is_some();
+        let id = left.remove(&stream).or(had_id);
+        let folder = id.map(|id| place.runs.join(id));
+        let about = folder.as_deref().and_then(|folder| About::read(folder).ok());
+        let about = about.filter(|about| about.robot.as_ref() == Some(&place.robot));
+        let Some((about, folder)) = about.zip(folder) else {
+            // A run that was deleted here takes nothing more.
+            return Self { is_refused, ..Self::default() };
+        };
+        let (taken, _) = ReplicaRun::read_taken(&folder, &about.id);
+        Self { about: Some(about), taken, ..Self::default() }
+    }
+
+    /// True if nothing of it is under way.
+    fn is_settled(&self) -> bool {
+        let is_idle = self.parts.is_empty() && self.todo.is_empty() && !self.checking.goes_on();
+        let is_known = self.about.is_some() || self.is_refused;
+        is_known && is_idle && self.replica.is_none() && !self.is_stuck
+    }
+
+    fn open(&mut self, place: &Place, stream: StreamId) -> Result<OpenRun, Trouble> {
         let about = self.about.clone().unwrap_or_default();
         if let Ok(there) = About::read(&place.runs.join(&about.id))
             && there.robot != about.robot
@@ -320,9 +430,9 @@ impl KeptRun {
             return Err(Trouble::Ever(why));
         }
         let link = LinkHealth { robot: place.robot.clone(), ..LinkHealth::default() };
-        let (robot, run, inbox) = (place.number, about.id.clone(), place.inbox.clone());
+        let (robot, inbox) = (place.number, place.inbox.clone());
         let give = move |word| {
-            let given = ToStation::Given(GivenCommand { robot, run: run.clone(), word });
+            let given = ToStation::Given(GivenCommand { robot, stream, word });
             inbox.try_send(Input::Other(given)).is_ok()
         };
         let replica = ReplicaRun::open(&place.runs, &about, link, give)?;
@@ -367,6 +477,10 @@ impl KeptRun {
                 return Some(trouble);
             }
             *written += work.cost();
+            if matches!(work, Work::Leave { is_final: true }) {
+                // The parcels that its machines wait for do not come.
+                *written += self.drop_work();
+            }
         }
         None
     }
@@ -385,6 +499,10 @@ impl KeptRun {
         let is_whole = self.record.is_some()
             || match self.reader.take(&part.bytes) {
                 Taken::Part => false,
+                Taken::TooLong(what, most) => {
+                    let why = format!("the {what} has more than {most} bytes, which is too long");
+                    return Err(Trouble::Ever(why));
+                }
                 Taken::Record(record) => {
                     self.record = record;
                     true
@@ -398,14 +516,15 @@ impl KeptRun {
                     None => return Ok(false),
                 },
                 AboutRecord::About(about) if self.about.is_none() => {
-                    let is_plain = !about.id.contains(['/', '\0']) && !about.id.starts_with('.');
-                    if ids::events_of(&about.id) != stream || !is_plain {
+                    check_run_id(&about.id).map_err(|bad| Trouble::Ever(bad.to_string()))?;
+                    if !ids::is_of(stream, &about.id) {
                         let why = "the robot describes another run in its place: both sides need the same version of rafcon";
                         return Err(Trouble::Ever(why.to_owned()));
                     }
                     let robot = Some(place.robot.clone());
                     self.about = Some(About { robot, on_crash: None, ..(**about).clone() });
-                    let opened = self.open(place).inspect_err(|_error| self.about = None)?;
+                    let opened =
+                        self.open(place, stream).inspect_err(|_error| self.about = None)?;
                     place.say(FromDisk::Opened(stream, opened));
                 }
                 AboutRecord::About(_) => {}
@@ -414,7 +533,7 @@ impl KeptRun {
         }
         self.taken = part.first;
         if is_whole && let Some(folder) = self.folder(place) {
-            ReplicaRun::keep_taken(&folder, self.taken);
+            ReplicaRun::keep_taken(&folder, self.taken, stream);
         }
         Ok(true)
     }
@@ -435,19 +554,18 @@ impl KeptRun {
             Work::Events(items) => {
                 if self.replica.is_none() {
                     // A run goes on whose runner had died.
-                    let opened = self.open(place)?;
+                    let opened = self.open(place, stream)?;
                     place.say(FromDisk::Opened(stream, opened));
                 }
                 self.replica.as_mut().map_or(Ok(()), |replica| replica.append(items))?;
             }
-            Work::Close | Work::Leave => {
+            Work::Close | Work::Leave { .. } => {
                 if let Some(trouble) = self.sync(stream, place) {
                     return Err(trouble);
                 }
-                if let Some(replica) = self.replica.take()
-                    && matches!(work, Work::Close)
-                {
-                    self.whole = Some((self.name().to_owned(), (replica.next() - 1, self.taken)));
+                if let Some(replica) = self.replica.take() {
+                    self.closed = Some(replica.next() - 1);
+                    self.is_whole = matches!(work, Work::Close);
                     replica.close();
                 }
                 place.say(FromDisk::Closed(stream));

@@ -24,7 +24,7 @@ use crate::inbox::{Inbox, Input, Stopper};
 use crate::pairing::Paired;
 use crate::report::{REPORT_EVERY, Reporter};
 use disk::FromDisk;
-use rafcon_link::Profile;
+use rafcon_link::{Profile, StreamId};
 use robot::StationRobot;
 use std::io;
 use std::net::{SocketAddr, TcpListener, UdpSocket};
@@ -68,8 +68,8 @@ pub struct StationSettings {
 pub(crate) struct GivenCommand {
     /// The number of the robot.
     robot: usize,
-    /// The id of the run.
-    run: String,
+    /// The stream of the run's events.
+    stream: StreamId,
     word: GivenWord,
 }
 
@@ -158,9 +158,9 @@ pub fn relay_station(
                     robots.iter_mut().for_each(StationRobot::note_unusable);
                 }
             }
-            Some(Input::Other(ToStation::Given(GivenCommand { robot, run, word }))) => {
+            Some(Input::Other(ToStation::Given(GivenCommand { robot, stream, word }))) => {
                 if let Some(robot) = robots.get_mut(robot) {
-                    robot.command(&run, &word);
+                    robot.command(stream, &word);
                 }
             }
             Some(Input::Other(ToStation::Disk(robot, said))) => {

@@ -9,11 +9,13 @@ use rafcon_link::{
 };
 use rafcon_protocol::{Snapshot, WatchedValue};
 use rafcon_storage::journal::EventItems;
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// So many runs may have news before they are open.
-const EARLY_MAX: usize = 64;
+/// Capacity of the statuses of runs that are not open yet: the session opens no more streams.
+const STANDS_MAX: usize = 4_096;
+/// Capacity of their snapshots. Of more the newest are dropped: a run is shown once its state changes.
+const SNAPSHOTS_MAX: usize = 64;
 
 /// What a datagram had, so that nothing is done while the session is borrowed.
 pub(super) enum Received {
@@ -81,36 +83,25 @@ impl StationRun {
 /// What came last of runs that are not open yet: it is not said again soon.
 #[derive(Default)]
 pub(super) struct Early {
-    runs: BTreeMap<StreamId, (Option<RunStands>, Option<Snapshot>)>,
-    /// The runs that were open before: only their events open them again.
-    closed: BTreeSet<StreamId>,
+    stands: BTreeMap<StreamId, RunStands>,
+    snapshots: BTreeMap<StreamId, Snapshot>,
 }
 
 impl Early {
     pub(super) fn stands(&mut self, run: StreamId, stands: RunStands) {
-        self.of(run, |early| early.0 = Some(stands));
+        if self.stands.len() < STANDS_MAX || self.stands.contains_key(&run) {
+            self.stands.insert(run, stands);
+        }
     }
 
     pub(super) fn snapshot(&mut self, run: StreamId, snapshot: Snapshot) {
-        self.of(run, |early| early.1 = Some(snapshot));
-    }
-
-    /// A run is not open any more.
-    pub(super) fn close(&mut self, run: StreamId) {
-        self.runs.remove(&run);
-        self.closed.insert(run);
-    }
-
-    /// A run is open now.
-    pub(super) fn take(&mut self, run: StreamId) -> (Option<RunStands>, Option<Snapshot>) {
-        self.closed.remove(&run);
-        self.runs.remove(&run).unwrap_or_default()
-    }
-
-    fn of(&mut self, run: StreamId, keep: impl FnOnce(&mut (Option<RunStands>, Option<Snapshot>))) {
-        let has_room = self.runs.len() < EARLY_MAX || self.runs.contains_key(&run);
-        if has_room && !self.closed.contains(&run) {
-            keep(self.runs.entry(run).or_default());
+        if self.snapshots.len() < SNAPSHOTS_MAX || self.snapshots.contains_key(&run) {
+            self.snapshots.insert(run, snapshot);
         }
+    }
+
+    /// A run is open now, or never will be.
+    pub(super) fn take(&mut self, run: StreamId) -> (Option<RunStands>, Option<Snapshot>) {
+        (self.stands.remove(&run), self.snapshots.remove(&run))
     }
 }

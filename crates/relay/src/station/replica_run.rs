@@ -1,6 +1,8 @@
 //! The replica of one run: an ordinary run folder, written by the link, and open to viewers as if its runner were here.
 
 use super::viewers::{GivenWord, Shared, Viewers};
+use crate::ids;
+use rafcon_link::StreamId;
 use rafcon_protocol::LinkHealth;
 use rafcon_storage::journal::{
     About, EventItems, JournalError, Options, Pack, Replica, ReplicaError,
@@ -9,8 +11,10 @@ use std::fs;
 use std::path::Path;
 use std::sync::Arc;
 
-/// In the folder of a replica: up to which part what is known about the run is here.
+/// In the folder of a replica: up to which part what is known about the run is here, and the stream of its events.
 const TAKEN_FILE: &str = "about-parts";
+/// The recorder of a replica: what it holds is at the robot, too. A larger group of events has a file of its own.
+const RECORDER_BYTES: usize = 512 << 10;
 
 /// Written by one thread, which may wait for the disk.
 pub(super) struct ReplicaRun {
@@ -49,19 +53,24 @@ impl ReplicaRun {
         pack: &Pack,
     ) -> Result<(), JournalError> {
         let replica = Replica::open(&runs.join(&about.id), about, &options(about))?;
-        replica.keep_root(pack).map(drop)
+        replica.keep_root(pack)?;
+        replica.close().map(drop)
     }
 
     /// Notes that what is known about the run in this folder is kept up to this part.
-    pub(super) fn keep_taken(folder: &Path, taken: u64) {
+    pub(super) fn keep_taken(folder: &Path, taken: u64, stream: StreamId) {
         // What is not noted is sent again.
-        drop(fs::write(folder.join(TAKEN_FILE), taken.to_string()));
+        drop(fs::write(folder.join(TAKEN_FILE), format!("{taken} {}", stream.0)));
     }
 
-    /// Up to which part what is known about the run in this folder is kept.
-    pub(super) fn read_taken(folder: &Path) -> u64 {
+    /// Up to which part what is known about the run in this folder is kept, and the stream of its events.
+    pub(super) fn read_taken(folder: &Path, id: &str) -> (u64, StreamId) {
         let text = fs::read_to_string(folder.join(TAKEN_FILE)).unwrap_or_default();
-        text.trim().parse().unwrap_or(0)
+        let mut words = text.split_whitespace();
+        let taken = words.next().and_then(|word| word.parse().ok()).unwrap_or(0);
+        let stream = words.next().and_then(|word| word.parse().ok()).map(StreamId);
+        let stream = stream.filter(|stream| ids::is_of(*stream, id));
+        (taken, stream.unwrap_or_else(|| ids::events_of(id)))
     }
 
     /// The number of the event that comes next.
@@ -91,14 +100,15 @@ impl ReplicaRun {
         Ok(self.safe)
     }
 
-    /// Closes the replica of a run that is over and complete.
+    /// Closes the replica: it costs neither descriptors nor a recorder any more.
     pub(super) fn close(self) {
-        // What could not be closed is like a run whose runner died: complete, and read as such.
+        // After a failure, the replica reads like a run whose runner died.
         drop(self.replica.close());
     }
 }
 
 fn options(about: &About) -> Options {
     let usual = Options::default();
-    Options { size_max: about.size_max.unwrap_or(usual.size_max), ..usual }
+    let size_max = about.size_max.unwrap_or(usual.size_max);
+    Options { size_max, recorder_bytes: RECORDER_BYTES }
 }

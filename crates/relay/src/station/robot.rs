@@ -1,9 +1,9 @@
 //! One robot as a station knows it: its session, and the replicas of its runs.
 
-use super::disk::{Disk, FromDisk, KeyWork, OpenRun, Work};
+use super::disk::{Disk, FromDisk, KeyWork, OpenRun, SettledRun, Work};
 use super::health::{health, run_of};
 use super::in_order::InOrder;
-use super::kept_runs::{KeptRuns, Place, Restored};
+use super::kept_runs::{KeptRuns, Place, Restored, RestoredState};
 use super::open_words::OpenWords;
 use super::parcels::{RestoredParcel, StationParcels};
 use super::received::{Early, Received, StationRun};
@@ -35,8 +35,17 @@ use std::collections::BTreeMap;
 use std::sync::mpsc::SyncSender;
 use std::time::Duration;
 
+/// Reported while runs wait for others.
+const CROWDED: &str = "more runs are incomplete than the station receives at a time (2,048): the others come once some are complete";
+
 /// A command without an expiry, such as a stop, is sent for so long.
 const LIFETIME: Duration = Duration::from_hours(1);
+/// Capacity of the reasons of refused runs. Of more their number is reported.
+const REFUSED_MAX: usize = 64;
+/// Capacity of the hashes that were compared. Beyond it, all are forgotten, and compared again.
+const CHECKED_MAX: usize = 4_096;
+/// The end of a watch is sent this long: the robot may not know the run any more.
+const WITHDRAW_FOR: Duration = Duration::from_mins(1);
 /// The robot is asked for other values of a run at most this often.
 const ASK_EVERY: Duration = Duration::from_secs(1);
 
@@ -59,6 +68,8 @@ pub(super) struct StationRobot {
     runs: BTreeMap<StreamId, StationRun>,
     /// The streams of which nothing more is kept, and why.
     refused: BTreeMap<StreamId, String>,
+    /// Number of further refused runs.
+    refused_more: u64,
     /// Which hashes were compared last, and when the robot told them.
     checked: BTreeMap<StreamId, (u64, u64)>,
     in_order: InOrder,
@@ -114,6 +125,7 @@ impl StationRobot {
             parcels,
         );
         let (restored, parcels) = (kept.restore(), kept.restored_parcels());
+        let whole = kept.whole();
         let disk = Disk::begin(kept).map_err(|source| RelayError::Thread { source })?;
         let mut robot = Self {
             values,
@@ -132,6 +144,7 @@ impl StationRobot {
             problem: None,
             runs: BTreeMap::new(),
             refused: BTreeMap::new(),
+            refused_more: 0,
             checked: BTreeMap::new(),
             in_order: InOrder::default(),
             early: Early::default(),
@@ -139,6 +152,7 @@ impl StationRobot {
             pairing: pairing.clone(),
             words: OpenWords::default(),
         };
+        robot.restore_whole(&whole);
         robot.restore(restored);
         robot.restore_parcels(parcels);
         Ok(robot)
@@ -146,18 +160,33 @@ impl StationRobot {
 
     /// Goes on with the replicas that are here.
     fn restore(&mut self, restored: Vec<Restored>) {
-        for Restored { events, last, beside, taken, open, refused } in restored {
-            for (stream, last) in [(events, last), (beside, taken)] {
-                self.session.restore(stream, RangeSet::up_to(last));
-                self.in_order.restore(stream, last);
+        for Restored { events, last, taken, state } in restored {
+            let streams = [(events, last), (ids::about_beside(events), taken)];
+            match state {
+                RestoredState::Open(open) => {
+                    for (stream, last) in streams {
+                        self.session.restore(stream, RangeSet::up_to(last));
+                        self.in_order.restore(stream, last);
+                    }
+                    self.opened(events, open);
+                }
+                RestoredState::Left => {
+                    streams.into_iter().for_each(|(it, last)| self.session.settle(it, last));
+                }
+                RestoredState::Whole => {
+                    let whole = streams.into_iter();
+                    whole.for_each(|(it, last)| self.session.restore_whole(it, last));
+                }
+                RestoredState::Refused(why) => self.hear_disk(FromDisk::Refused(events, why)),
             }
-            match open {
-                Some(open) => self.opened(events, open),
-                None => self.early.close(events),
-            }
-            if let Some(why) = refused {
-                self.hear_disk(FromDisk::Refused(events, why));
-            }
+        }
+    }
+
+    /// Goes on with the runs that were whole once, by the streams of their events.
+    fn restore_whole(&mut self, whole: &[(StreamId, u64, u64)]) {
+        for (events, last, parts) in whole {
+            self.session.restore_whole(*events, *last);
+            self.session.restore_whole(ids::about_beside(*events), *parts);
         }
     }
 
@@ -183,17 +212,29 @@ impl StationRobot {
                     run.safe = safe;
                 }
             }
-            FromDisk::Closed(stream) => {
-                self.runs.remove(&stream);
-                self.early.close(stream);
+            FromDisk::Closed(stream) => self.closed(stream),
+            FromDisk::Settled(SettledRun { stream, events, parts }) => {
+                let about = ids::about_beside(stream);
+                if let Some(events) = events {
+                    self.session.settle(stream, events);
+                    self.in_order.forget(stream);
+                }
+                self.session.settle(about, parts);
+                self.in_order.forget(about);
             }
             FromDisk::Refused(stream, why) => {
-                self.runs.remove(&stream);
-                self.early.close(stream);
-                self.in_order.clear(stream);
+                self.closed(stream);
+                for stream in [stream, ids::about_beside(stream)] {
+                    self.session.refuse(stream);
+                    self.in_order.forget(stream);
+                }
                 let why = format!("robot {}: {why}", self.name);
                 (self.tell)(&why);
-                self.refused.insert(stream, why);
+                if self.refused.len() < REFUSED_MAX {
+                    self.refused.insert(stream, why);
+                } else {
+                    self.refused_more += 1;
+                }
             }
             FromDisk::ParcelsGone(streams) => {
                 for stream in streams {
@@ -213,6 +254,12 @@ impl StationRobot {
                 self.problem = problem;
             }
         }
+    }
+
+    /// A run is not open to viewers any more.
+    fn closed(&mut self, stream: StreamId) {
+        self.runs.remove(&stream);
+        drop(self.early.take(stream));
     }
 
     fn opened(&mut self, stream: StreamId, open: OpenRun) {
@@ -287,7 +334,8 @@ impl StationRobot {
             }
             Received::Snapshot(stream, snapshot) => match self.runs.get(&stream) {
                 Some(run) => run.shared.stands(*snapshot),
-                None => self.early.snapshot(stream, *snapshot),
+                None if self.is_awaited(stream) => self.early.snapshot(stream, *snapshot),
+                None => {}
             },
             Received::NewKey(key_id, key) => {
                 self.disk.keep_key(KeyWork::Next(Pairing { key_id, key, ..self.pairing.clone() }));
@@ -314,7 +362,8 @@ impl StationRobot {
         if self.refused.contains_key(&run_of_stream(stream)) {
             return;
         }
-        if let Some(lost) = self.in_order.add(stream, items) {
+        let safe = self.session.safe(stream);
+        if let Some(lost) = self.in_order.add(stream, items, safe) {
             self.session.lose(stream, lost);
         }
         self.pass(stream);
@@ -326,7 +375,7 @@ impl StationRobot {
             let work = if is_part { Work::Part(items) } else { Work::Events(items) };
             disk.give(run_of_stream(stream), work).map_err(|work| match work {
                 Work::Part(items) | Work::Events(items) => items,
-                Work::Check(_) | Work::Close | Work::Leave => {
+                Work::Check(_) | Work::Close | Work::Leave { .. } => {
                     unreachable!("it was not given")
                 }
             })
@@ -346,12 +395,15 @@ impl StationRobot {
         let link = health(&mut self.meter, &self.session, self.clock.now());
         let (session, words) = (&self.session, &self.words);
         for (stream, run) in &mut self.runs {
-            let missing = run_of(session, &run.id).missing;
+            let missing = run_of(session, *stream, &run.id).missing;
             let commands = words.commands(Some(*stream));
             run.shared.set_link(LinkHealth { missing, commands, ..link.clone() });
-            let head = session.progress(*stream).map_or(0, |(head, _)| head);
+            let progress = session.progress(*stream);
+            let head = progress.map_or(0, |progress| progress.head);
+            // The last status may precede the opening of the run.
+            run.is_over |= progress.is_some_and(|progress| progress.is_over);
             let is_complete = run.is_over && head > 0 && run.safe >= head;
-            if is_complete && !run.is_closing && has_machines(session, &run.id) {
+            if is_complete && !run.is_closing && has_machines(session, *stream) {
                 run.is_closing = self.disk.give(*stream, Work::Close).is_ok();
             }
         }
@@ -359,13 +411,18 @@ impl StationRobot {
 
     /// How the link is.
     pub(super) fn report(&mut self) -> LinkReport {
-        let runs = self.runs.values().map(|run| run_of(&self.session, &run.id)).collect();
+        let run = |(stream, run): (&StreamId, &StationRun)| run_of(&self.session, *stream, &run.id);
+        let runs = self.runs.iter().map(run).collect();
         let link = health(&mut self.meter, &self.session, self.clock.now());
         let link = LinkHealth { commands: self.words.commands(None), ..link };
         let report = self.meter.report(link, self.session.traffic(), runs);
         let problems = self.problem.iter().chain(self.refused.values());
         let problems = problems.map(|problem| format!("not everything is kept: {problem}"));
-        LinkReport { problems: problems.collect(), ..report }
+        let more = (self.refused_more > 0).then(|| {
+            format!("not everything is kept: {} more runs are refused", self.refused_more)
+        });
+        let crowded = self.session.is_crowded(self.clock.now()).then(|| CROWDED.to_owned());
+        LinkReport { problems: problems.chain(more).chain(crowded).collect(), ..report }
     }
 
     /// Keeps what was heard, for the next start.
@@ -387,29 +444,43 @@ impl StationRobot {
             && !self.refused.contains_key(&stream)
             && self.disk.give(stream, Work::Check(chain)).is_ok()
         {
+            if self.checked.len() >= CHECKED_MAX {
+                self.checked.clear();
+            }
             self.checked.insert(stream, (at_ms, chain.last));
         }
     }
 
     /// A run stands like this on the robot.
     fn stands(&mut self, stream: StreamId, stands: RunStands) {
-        let head = self.session.progress(stream).map_or(0, |(head, _)| head);
+        let head = self.session.progress(stream).map_or(0, |progress| progress.head);
         let is_waiting = !self.in_order.is_empty(stream);
+        let is_awaited = self.is_awaited(stream);
         let Some(run) = self.runs.get_mut(&stream) else {
-            return self.early.stands(stream, stands);
+            if is_awaited {
+                self.early.stands(stream, stands);
+            }
+            return;
         };
         run.is_over |= matches!(stands.fate, RunFate::Finished | RunFate::Removed);
         if let Some(control) = stands.control(&self.station, clock::since_1970_ms()) {
             run.epoch = control.epoch;
             run.shared.set_control(control);
         }
-        let is_here = run.safe >= head && !is_waiting && has_machines(&self.session, &run.id);
+        let is_here = run.safe >= head && !is_waiting && has_machines(&self.session, stream);
         let has_ended = stands.fate == RunFate::Crashed && is_here
             || stands.fate == RunFate::Removed && !is_waiting;
         if has_ended && !run.is_closing {
             // Closed as its runner left it, the run is shown as what it is: crashed.
-            run.is_closing = self.disk.give(stream, Work::Leave).is_ok();
+            let is_final = stands.fate == RunFate::Removed;
+            run.is_closing = self.disk.give(stream, Work::Leave { is_final }).is_ok();
         }
+    }
+
+    /// True if a run is to be opened. Only events open a settled one again.
+    fn is_awaited(&self, stream: StreamId) -> bool {
+        let is_open = self.session.progress(stream).is_some_and(|progress| !progress.is_settled);
+        is_open && !stream.is_files() && !ids::is_about(stream)
     }
 
     /// The disk's thread for large values says something.
@@ -457,6 +528,7 @@ impl StationRobot {
                 run.shared.set_watching(watching);
             }
         }
+        self.forget_watches();
         let now = self.clock.now();
         self.values.heed(&mut self.session);
         let link = health(&mut self.meter, &self.session, now);
@@ -469,9 +541,22 @@ impl StationRobot {
         self.values.sync(&self.session, LinkRate { part, overhead, spare_per_s });
     }
 
+    /// Drops the watches of closed runs once the robot knows that.
+    fn forget_watches(&mut self) {
+        let (now, runs, session) = (self.clock.now(), &self.runs, &mut self.session);
+        self.watching.retain(|stream, asked| {
+            let is_withdrawn = asked.watching.is_confirmed || asked.at + WITHDRAW_FOR <= now;
+            let is_over = !runs.contains_key(stream) && !asked.is_any && is_withdrawn;
+            if is_over {
+                session.end_watch(*stream);
+            }
+            !is_over
+        });
+    }
+
     /// Sends what a viewer has for the robot.
-    pub(super) fn command(&mut self, run: &str, given: &GivenWord) {
-        let (stream, today) = (ids::events_of(run), clock::since_1970_ms());
+    pub(super) fn command(&mut self, stream: StreamId, given: &GivenWord) {
+        let today = clock::since_1970_ms();
         let left = |ms: u64| Duration::from_millis(ms.saturating_sub(today));
         let known = self.runs.get(&stream).map_or(0, |run| run.epoch);
         let command = NewCommand {
@@ -535,7 +620,7 @@ fn run_of_stream(stream: StreamId) -> StreamId {
 }
 
 /// Whether all that the robot has said about a run besides its events is here.
-fn has_machines(session: &StationSession, id: &str) -> bool {
-    let about = session.progress(ids::about_of(id));
-    about.is_some_and(|(head, parts)| parts.contiguous() >= head)
+fn has_machines(session: &StationSession, events: StreamId) -> bool {
+    let about = session.progress(ids::about_beside(events));
+    about.is_some_and(|about| about.contiguous >= about.head)
 }

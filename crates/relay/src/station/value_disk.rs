@@ -1,11 +1,13 @@
 //! Large values on the disk of a station: a thread of its own writes them, so that neither commands nor events wait for it. What waits
 //! for it is bounded; parts that do not fit are lost, as on any bad link, and come again.
 
+use super::replica_run::ReplicaRun;
 use crate::desk::ValueKey;
 use crate::ids;
 use crate::inbox::Input;
 use crate::station::ToStation;
 use rafcon_link::{RangeSet, ValueId, ValueName};
+use rafcon_storage::journal::folder::check_run_id;
 use rafcon_storage::journal::folder::replace_file;
 use rafcon_storage::journal::record::Content;
 use rafcon_storage::journal::{ContentHash, IncomingContent, Reader, ValueNumber, is_content_here};
@@ -206,6 +208,7 @@ impl Keeper {
 
 /// Finds a value in its replica: nothing if it is here.
 fn find(runs: &Path, (run, number): &ValueKey) -> Result<Option<WantedValue>, String> {
+    check_run_id(run).map_err(|bad| bad.to_string())?;
     let folder = runs.join(run);
     let reader = Reader::open(&folder).map_err(|error| error.to_string())?;
     let stored = reader.value(ValueNumber(*number)).map_err(|error| error.to_string())?;
@@ -218,7 +221,8 @@ fn find(runs: &Path, (run, number): &ValueKey) -> Result<Option<WantedValue>, St
     let hash = ContentHash::from_name(&hash).ok_or("the value has no hash to fetch it by")?;
     let full = |error| format!("the station's disk does not take it: {error}");
     let (content, noted) = IncomingContent::open(&folder, hash, size).map_err(full)?;
-    let name = ValueName { stream: ids::events_of(run), number: *number, id: ids::value_id(hash) };
+    let (_, stream) = ReplicaRun::read_taken(&folder, run);
+    let name = ValueName { stream, number: *number, id: ids::value_id(hash) };
     let here = noted.into_iter().map(|(first, last)| first..=last).collect();
     Ok(Some(WantedValue { name, content, here }))
 }

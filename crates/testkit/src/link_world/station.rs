@@ -129,7 +129,7 @@ impl Station {
                 | FromRobot::ValuePart { .. }
                 | FromRobot::NoValue { .. } => {}
             });
-        let Some((_, received)) = session.progress(STREAM) else { return };
+        let Some(received) = session.received(STREAM) else { return };
         let after_snapshot = received.end_at(*snapshot + 1).unwrap_or(*snapshot);
         server.view = server.view.max(received.contiguous()).max(after_snapshot);
     }
@@ -144,16 +144,15 @@ impl Station {
 
     /// Whether everything on its disk is known to its server, and nothing is reported as safe that is not there.
     pub(super) fn knows_its_disk(&self) -> bool {
-        let progress = self.server.as_ref().and_then(|server| server.session.progress(STREAM));
-        progress.is_none_or(|(_, received)| {
-            self.disk.events.ranges().all(|range| received.contains(&range))
-        })
+        let received = self.server.as_ref().and_then(|server| server.session.received(STREAM));
+        received
+            .is_none_or(|received| self.disk.events.ranges().all(|range| received.contains(&range)))
     }
 
     /// The last event up to which it has received all.
     pub(super) fn contiguous(&self) -> u64 {
         let progress = self.server.as_ref().and_then(|server| server.session.progress(STREAM));
-        progress.map_or(0, |(_, received)| received.contiguous())
+        progress.map_or(0, |progress| progress.contiguous)
     }
 
     /// Asks the robot for what is watched; answers whether there is a server to do so.

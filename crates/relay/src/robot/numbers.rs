@@ -1,0 +1,82 @@
+//! Numbers of the runs that were sent to one station. A number is a hash of 30 bits, so of 100,000 runs a few would share one: the second
+//! run takes its next number. Both are remembered, also after the first run was deleted.
+
+use crate::ids;
+use rafcon_link::StreamId;
+use std::collections::BTreeMap;
+use std::fs::{self, OpenOptions};
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
+
+/// Capacity. Beyond it, a run takes its first number unseen.
+const NUMBERS_MAX: usize = 1 << 20;
+/// Bytes of an entry: a number and its check.
+const ENTRY: usize = 8;
+
+/// The numbers, kept in a file.
+#[derive(Debug)]
+pub(super) struct RunNumbers {
+    path: PathBuf,
+    taken: BTreeMap<StreamId, u32>,
+}
+
+impl RunNumbers {
+    /// Those that this file lists.
+    pub(super) fn read(path: PathBuf) -> Self {
+        // Without the list, the station reports runs that share a number.
+        let bytes = fs::read(&path).unwrap_or_default();
+        let entry = |entry: &[u8; ENTRY]| {
+            let [a, b, c, d, e, f, g, h] = *entry;
+            (StreamId(u32::from_be_bytes([a, b, c, d])), u32::from_be_bytes([e, f, g, h]))
+        };
+        let taken = bytes.as_chunks().0.iter().take(NUMBERS_MAX).map(entry).collect();
+        Self { path, taken }
+    }
+
+    /// The stream for the events of the run with this id.
+    pub(super) fn take(&mut self, run: &str) -> StreamId {
+        let check = ids::check_of(run);
+        let usable = |stream: &StreamId| self.taken.get(stream).is_none_or(|of| *of == check);
+        let stream = ids::streams_of(run).find(usable).unwrap_or_else(|| ids::events_of(run));
+        if self.taken.len() < NUMBERS_MAX && self.taken.insert(stream, check).is_none() {
+            // A lost entry matters only if another run has the same number.
+            drop(append(&self.path, stream, check));
+        }
+        stream
+    }
+
+    /// The stream of a run that has one.
+    pub(super) fn find(&self, run: &str) -> Option<StreamId> {
+        let check = ids::check_of(run);
+        ids::streams_of(run).find(|stream| self.taken.get(stream) == Some(&check))
+    }
+}
+
+fn append(path: &Path, stream: StreamId, check: u32) -> std::io::Result<()> {
+    let mut entry = stream.0.to_be_bytes().to_vec();
+    entry.extend(check.to_be_bytes());
+    OpenOptions::new().append(true).create(true).open(path)?.write_all(&entry)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::RunNumbers;
+    use crate::ids;
+
+    #[test]
+    fn two_runs_never_share_a_number_also_after_a_restart() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("numbers");
+        let mut numbers = RunNumbers::read(path.clone());
+        let first = numbers.take("a");
+        assert_eq!([first, numbers.take("a")], [ids::events_of("a"); 2]);
+        // Another run with the same hash.
+        numbers.taken.insert(ids::events_of("b"), 0);
+        let second = numbers.take("b");
+        assert_eq!(Some(second), ids::streams_of("b").nth(1));
+        let mut numbers = RunNumbers::read(path);
+        numbers.taken.insert(ids::events_of("b"), 0);
+        assert_eq!([numbers.take("b"), numbers.take("a")], [second, first]);
+        assert_eq!((numbers.find("b"), numbers.find("c")), (Some(second), None));
+    }
+}
