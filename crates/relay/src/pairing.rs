@@ -1,5 +1,6 @@
 //! What a robot and a station know of each other: a line that is pasted from one to the other.
 
+use crate::rights::PairingRights;
 use rafcon_link::{KeyId, PairingKey};
 use rafcon_protocol::{AT_ROBOT, AT_STATION};
 use rafcon_storage::journal::{JournalError, folder::replace_file, make_folder};
@@ -9,6 +10,8 @@ use std::path::PathBuf;
 use std::str::FromStr;
 
 const WORD: &str = "rafcon-pairing-1";
+/// The word with the rights, if they are not the usual ones, begins like this.
+const RIGHTS: &str = "rights:";
 
 /// A robot and a station that share a key.
 #[derive(Debug, Clone)]
@@ -21,6 +24,8 @@ pub struct Pairing {
     pub key_id: KeyId,
     /// The key.
     pub key: PairingKey,
+    /// Rights of the station. The robot enforces its own copy.
+    pub rights: PairingRights,
 }
 
 /// Text that is no pairing.
@@ -36,13 +41,15 @@ impl Pairing {
         let is_usable = is_name(robot) && station.is_none_or(is_station);
         let key = is_usable.then(PairingKey::generate)??;
         let station = station.map(str::to_owned);
-        Some(Self { robot: robot.to_owned(), station, key_id: KeyId(key.bytes()[0]), key })
+        let (key_id, rights) = (KeyId(key.bytes()[0]), PairingRights::default());
+        Some(Self { robot: robot.to_owned(), station, key_id, key, rights })
     }
 
     /// Another key for the same two; nothing if the system gives no randomness.
     pub fn renewed(&self) -> Option<Self> {
         loop {
             let next = Self::generate(&self.robot, self.station.as_deref())?;
+            let next = Self { rights: self.rights, ..next };
             // Its number tells it from the one before, also by its last bits.
             if next.key_id.0 % 4 != self.key_id.0 % 4 {
                 return Some(next);
@@ -106,7 +113,11 @@ impl fmt::Display for Pairing {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{WORD} {} {} ", self.robot, self.key_id.0)?;
         self.key.bytes().iter().try_for_each(|byte| write!(f, "{byte:02x}"))?;
-        self.station.iter().try_for_each(|station| write!(f, " {station}"))
+        self.station.iter().try_for_each(|station| write!(f, " {station}"))?;
+        match self.rights {
+            PairingRights::Command => Ok(()),
+            rights => write!(f, " {RIGHTS}{rights}"),
+        }
     }
 }
 
@@ -114,7 +125,13 @@ impl FromStr for Pairing {
     type Err = BadPairing;
 
     fn from_str(text: &str) -> Result<Self, BadPairing> {
-        let words: Vec<_> = text.split_whitespace().collect();
+        let mut words: Vec<_> = text.split_whitespace().collect();
+        let rights = words.last().and_then(|word| word.strip_prefix(RIGHTS)).map(str::parse);
+        if rights.is_some() {
+            words.pop();
+        }
+        let rights = rights.unwrap_or(Ok(PairingRights::default()));
+        let rights = rights.map_err(|_bad| BadPairing("it names unknown rights"))?;
         let ([word, robot, key_id, key], station) = match words[..] {
             [word, robot, key_id, key] => ([word, robot, key_id, key], None),
             [word, robot, key_id, key, station] => ([word, robot, key_id, key], Some(station)),
@@ -136,6 +153,7 @@ impl FromStr for Pairing {
             station: station.map(str::to_owned),
             key_id: KeyId(key_id),
             key: PairingKey::from_bytes(key),
+            rights,
         })
     }
 }
@@ -151,6 +169,7 @@ fn hex(text: &str) -> Option<[u8; 32]> {
 #[cfg(test)]
 mod tests {
     use super::Pairing;
+    use crate::rights::PairingRights;
     use expect_test::expect;
     use rafcon_link::{KeyId, PairingKey};
 
@@ -158,7 +177,8 @@ mod tests {
     fn a_pairing_is_a_line_that_is_pasted() {
         let key = PairingKey::from_bytes([0xa5; 32]);
         let (robot, key_id) = ("scout-1".to_owned(), KeyId(7));
-        let pairing = Pairing { robot, station: None, key_id, key };
+        let rights = PairingRights::default();
+        let pairing = Pairing { robot, station: None, key_id, key, rights };
         let line = pairing.to_string();
         expect!["rafcon-pairing-1 scout-1 7 a5a5a5a5a5a5a5a5a5a5a5a5a5a5a5a5a5a5a5a5a5a5a5a5a5a5a5a5a5a5a5a5"]
             .assert_eq(&line);
@@ -168,6 +188,11 @@ mod tests {
         let named = Pairing { station: Some("base".to_owned()), ..pairing };
         assert_eq!(named.to_string(), format!("{line} base"));
         assert_eq!(named.to_string().parse::<Pairing>().unwrap().to_string(), named.to_string());
+        let observing = Pairing { rights: PairingRights::Observe, ..named };
+        assert_eq!(observing.to_string(), format!("{line} base rights:observe"));
+        let read: Pairing = observing.to_string().parse().unwrap();
+        assert_eq!((read.rights, read.station.as_deref()), (PairingRights::Observe, Some("base")));
+        assert_eq!(read.renewed().unwrap().rights, PairingRights::Observe);
     }
 
     #[test]

@@ -2,8 +2,8 @@
 //! nothing afterwards. `RAFCON_TEST_SHORT_RUNS` sets how many; `cargo xtask soak --station 100000` prints figures.
 
 use rafcon_link::Profile;
-use rafcon_protocol::api::{Control, ControlMove};
-use rafcon_protocol::{Event, Outcome};
+use rafcon_protocol::api::{Control, ControlMove, Right};
+use rafcon_protocol::{Command, Event, Outcome};
 use rafcon_relay::{
     Authority, Paired, Pairing, Projects, RobotSettings, StationAddress, StationSettings, Stopper,
     ValueDesk, relay_robot, relay_station,
@@ -37,6 +37,10 @@ impl Authority for Nobody {
         Err("nobody commands".to_owned())
     }
 
+    fn right_of(&self, _: &Command) -> Right {
+        Right::Command
+    }
+
     fn move_control(&self, _: &str, _: &str, _: &ControlMove) -> Result<(), String> {
         Err("nobody commands".to_owned())
     }
@@ -55,6 +59,11 @@ struct Side {
 }
 
 impl Side {
+    fn begin(stopper: Stopper, run: impl FnOnce() + Send + 'static) -> Self {
+        let thread = thread::Builder::new().spawn(run).unwrap();
+        Self { stopper, thread }
+    }
+
     fn end(self) {
         self.stopper.stop();
         self.thread.join().unwrap();
@@ -90,7 +99,7 @@ impl World {
 
     /// Starts the station, then the robot.
     fn start(&mut self) {
-        let (begun, address) = mpsc::channel();
+        let (begun, address) = mpsc::sync_channel(1);
         let station = StationSettings {
             folder: self.path("ground"),
             runs: self.path("ground-runs"),
@@ -103,10 +112,8 @@ impl World {
         };
         let stopper = Stopper::default();
         let stop = stopper.clone();
-        let thread = thread::spawn(move || {
-            relay_station(&station, &stop, |at| begun.send(at).unwrap()).unwrap();
-        });
-        self.sides.push(Side { stopper, thread });
+        let run = move || relay_station(&station, &stop, |at| begun.send(at).unwrap()).unwrap();
+        self.sides.push(Side::begin(stopper, run));
         self.address = address.recv().unwrap();
         let robot = RobotSettings {
             folder: self.path("robot"),
@@ -120,8 +127,7 @@ impl World {
         };
         let stopper = Stopper::default();
         let stop = stopper.clone();
-        let thread = thread::spawn(move || relay_robot(&robot, &stop).unwrap());
-        self.sides.push(Side { stopper, thread });
+        self.sides.push(Side::begin(stopper, move || relay_robot(&robot, &stop).unwrap()));
     }
 
     fn end(&mut self) {
@@ -188,7 +194,8 @@ fn memory_and_descriptors() -> (f64, u32) {
 
 #[test]
 fn every_short_run_arrives_and_costs_nothing_once_it_is_closed() {
-    let runs = std::env::var("RAFCON_TEST_SHORT_RUNS").ok().map_or(RUNS, |it| it.parse().unwrap());
+    let runs = std::env::var_os("RAFCON_TEST_SHORT_RUNS")
+        .map_or(RUNS, |runs| runs.to_str().unwrap().parse().unwrap());
     let folder = tempfile::tempdir().unwrap();
     let mut world = World::new(folder.path());
     let (mut missing, mut open, mut largest) = (0_u32, 0_u32, 0_u32);

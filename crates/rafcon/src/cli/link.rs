@@ -2,6 +2,7 @@
 
 use super::serve::{Serve, State};
 use clap::{Args, ValueEnum};
+use rafcon_relay::PairingRights;
 use std::net::SocketAddr;
 
 /// Serve the runs of robots far away, and command them.
@@ -65,6 +66,12 @@ pub(crate) struct Pair {
     /// Name of the station, for a robot with several
     #[arg(long, value_name = "STATION", requires = "robot")]
     pub(crate) station: Option<String>,
+    /// Rights of the station on the robot
+    ///
+    /// `observe`: see runs. `command`: command them, too. `change`: also change scripts, reload machines and set conditions, which
+    /// runs any Python on the robot. The robot checks it.
+    #[arg(long, value_name = "RIGHTS", default_value = "command", conflicts_with_all = ["paste", "renew"])]
+    pub(crate) rights: PairingRights,
     /// On the robot: make another key and offer it to the station over the link
     ///
     /// Both sides use the key they have until the station was heard with the new one. `rafcon link` says whether it was.

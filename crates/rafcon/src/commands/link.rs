@@ -7,10 +7,11 @@ use crate::environment::Environment;
 use crate::failure::complain;
 use anyhow::{Context as _, Result, bail};
 use rafcon_link::Profile;
-use rafcon_protocol::api::{Control, ControlMove, ValueFetch};
+use rafcon_protocol::Command;
+use rafcon_protocol::api::{Control, ControlMove, Right, ValueFetch};
 use rafcon_relay::{
-    Authority, Paired, Pairing, Projects, RobotSettings, StationSettings, Stopper, ValueCost,
-    ValueDesk, relay_robot, relay_station,
+    Authority, Paired, Pairing, PairingRights, Projects, RobotSettings, StationSettings, Stopper,
+    ValueCost, ValueDesk, relay_robot, relay_station,
 };
 use rafcon_server::{RobotValues, RunAuthority, Settings};
 use std::fs::{self, OpenOptions};
@@ -39,6 +40,8 @@ pub(super) fn pair(raw: &cli::Pair, environment: &Environment) -> Result<ExitCod
         })?,
         None => pasted()?.parse()?,
     };
+    let rights = if raw.paste { pairing.rights } else { raw.rights };
+    let pairing = Pairing { rights, ..pairing };
     fs::create_dir_all(&folder)
         .with_context(|| format!("cannot make the folder {}", folder.display()))?;
     let file = match &pairing.station {
@@ -62,9 +65,14 @@ pub(super) fn pair(raw: &cli::Pair, environment: &Environment) -> Result<ExitCod
         writeln!(io::stdout(), "robot `{}` is paired with this station", pairing.robot)?;
     } else {
         writeln!(io::stdout(), "{pairing}")?;
-        complain(
-            "paste this line at the station after `rafcon pair --paste`; who has it can command the robot",
-        );
+        let allowed = match rights {
+            PairingRights::Observe => "can see its runs",
+            PairingRights::Command => "can command the robot",
+            PairingRights::Change => "can run any code on the robot",
+        };
+        complain(&format!(
+            "paste this line at the station after `rafcon pair --paste`; anyone who has it {allowed}"
+        ));
     }
     Ok(ExitCode::SUCCESS)
 }
@@ -120,6 +128,10 @@ impl ServerAuthority {
 impl Authority for ServerAuthority {
     fn command(&self, run: &str, user: &str, epoch: u64) -> Result<(), String> {
         self.server()?.command(run, user, epoch)
+    }
+
+    fn right_of(&self, command: &Command) -> Right {
+        RunAuthority::right_of(command)
     }
 
     fn move_control(&self, run: &str, user: &str, wanted: &ControlMove) -> Result<(), String> {

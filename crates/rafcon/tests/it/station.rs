@@ -415,6 +415,42 @@ fn what_a_change_of_keys_left_behind_is_no_pairing() {
 }
 
 #[test]
+fn a_station_does_on_the_robot_what_its_pairing_allows() {
+    let place = Place::with(&ticks(1_000_000));
+    let mut said = Vec::new();
+    for rights in ["observe", "command", "change"] {
+        let name = format!("ground-{rights}");
+        pair_with(&place, &format!("scout --station {name} --rights {rights}"), &name);
+        let (_ground, address) = station_of(&place, &name, "127.0.0.1:0");
+        let robot = robot_with(&place, &format!("--station {name}=udp://{address}"));
+        let run = Run::start(&place, "--runs robot-runs");
+        wait_at(&place, &name, "Ticks  running");
+        for command in ["pause", "reload", "stop"] {
+            let told = place.call(&format!("tell last {command} --runs {name}-runs"));
+            let first = format!("{}{}", told.stdout, told.stderr).lines().next().map(str::to_owned);
+            said.push(format!("{rights} {command}: {}\n", first.unwrap_or_default()));
+        }
+        if rights == "observe" {
+            assert_eq!(place.call("tell last stop --runs robot-runs").stdout, "applied\n");
+        }
+        drop(run.end());
+        drop(robot);
+    }
+    expect![[r"
+        observe pause: refused: the pairing of this station allows `observe`, and this needs `command`: pair again with `rafcon pair NAME --rights command` on the robot
+        observe reload: refused: the pairing of this station allows `observe`, and this needs `change`: pair again with `rafcon pair NAME --rights change` on the robot
+        observe stop: refused: the pairing of this station allows `observe`, and this needs `command`: pair again with `rafcon pair NAME --rights command` on the robot
+        command pause: applied
+        command reload: refused: the pairing of this station allows `command`, and this needs `change`: pair again with `rafcon pair NAME --rights change` on the robot
+        command stop: applied
+        change pause: applied
+        change reload: applied
+        change stop: applied
+    "]]
+    .assert_eq(&said.concat());
+}
+
+#[test]
 fn what_is_not_paired_is_not_received() {
     let place = Place::empty();
     let station = place.call("station --state ground --listen 127.0.0.1:0 --bind 127.0.0.1:0");

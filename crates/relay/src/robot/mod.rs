@@ -25,7 +25,7 @@ use crate::words::{StationWord, at_robot, author_at_robot};
 use follow::FromRun;
 use parcels::SentParcels;
 use rafcon_link::{CommandState, Generation, Profile, ReceivedCommand, RobotSession, StreamId};
-use rafcon_protocol::api::ControlMove;
+use rafcon_protocol::api::{ControlMove, Right};
 use rafcon_protocol::{Answer, Envelope, Expiry, LinkReport};
 use rafcon_supervisor::clock;
 use runs::RobotRuns;
@@ -308,10 +308,12 @@ impl RobotRelay<'_> {
         (epoch, not_after_ms): (u64, u64),
     ) -> Result<CommandState, String> {
         let authority = Arc::clone(&self.settings.authority);
+        let Pairing { rights, .. } = self.settings.paired.pairing;
         let station = self.settings.paired.pairing.station_name();
         let run = self.runs.name(stream).ok_or("the robot has no such run")?.to_owned();
         match word {
             StationWord::Command(id, author, decided_on, command) => {
+                rights.check(&command, authority.right_of(&command))?;
                 let author = author_at_robot(&author, station);
                 if !command.is_for_everybody() {
                     authority.command(&run, &author, epoch)?;
@@ -329,6 +331,7 @@ impl RobotRelay<'_> {
                 Err("the run has no program on the robot that could be commanded".to_owned())
             }
             StationWord::MoveControl(_, author, wanted) => {
+                rights.check_right(Right::Command)?;
                 let wanted = match wanted {
                     ControlMove::HandOver { to } => {
                         ControlMove::HandOver { to: at_robot(&to, station) }

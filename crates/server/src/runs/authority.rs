@@ -3,6 +3,8 @@
 use super::commands::{move_holder, take};
 use super::run::Run;
 use crate::ServerState;
+use crate::access::of_command;
+use rafcon_protocol::Command;
 use rafcon_protocol::api::{Control, ControlMove, Right};
 use std::sync::Arc;
 use tokio::runtime::Handle;
@@ -25,6 +27,11 @@ impl RunAuthority {
     pub fn command(&self, run: &str, user: &str, epoch: u64) -> Result<(), String> {
         let (_within, run) = (self.runtime.enter(), self.run(run)?);
         take(&self.server, &run, user, Some(epoch)).map_err(|failure| failure.to_string())
+    }
+
+    /// Right that a command needs.
+    pub fn right_of(command: &Command) -> Right {
+        of_command(command)
     }
 
     /// Moves control of a run as a user wants, or says why not.
