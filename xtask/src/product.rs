@@ -38,13 +38,13 @@ pub(crate) struct Product {
 }
 
 impl Product {
-    /// Builds the program and the extension. For tests, the whole workspace with it: they need all of it, built with the same
-    /// features.
+    /// Builds the program and the extension. A debug build includes the tests: with the features that they need, each dependency
+    /// is compiled once for all.
     pub(crate) fn build(profile: Profile) -> Result<Self> {
         let mut cargo = process::cargo();
         cargo.args(["build", "--profile", profile.name()]);
         match profile {
-            Profile::Debug => cargo.arg("--workspace"),
+            Profile::Debug => cargo.args(["--workspace", "--lib", "--bins", "--tests"]),
             Profile::Release | Profile::Symbols => {
                 cargo.args(["-p", "rafcon", "-p", "rafcon-python"])
             }

@@ -39,6 +39,7 @@ const MODULES: [Module; 5] = [
         own_file: "lib.rs",
         root: "crate::",
         order: &[
+            "remedy",
             "calendar",
             "config",
             "files",

@@ -38,7 +38,7 @@ fn about_of(run: u32) -> StreamId {
 }
 
 /// A robot and its station, with what their disks have.
-struct World {
+struct ShortRunWorld {
     key: PairingKey,
     now: Duration,
     starts: u32,
@@ -52,7 +52,7 @@ struct World {
     sent: u32,
 }
 
-impl World {
+impl ShortRunWorld {
     fn new() -> Self {
         let key = PairingKey::from_bytes([7; 32]);
         let identity = identity(&key, 1);
@@ -120,7 +120,7 @@ impl World {
                 self.arrive(datagram);
             }
             while let Some(mut datagram) = self.station.transmit(self.now).expect("room") {
-                if !self.is_lost() {
+                if !self.lose_some() {
                     let _of_an_earlier_start = self.robot.receive(self.now, &mut datagram, |_| {});
                 }
             }
@@ -134,13 +134,13 @@ impl World {
         }
     }
 
-    fn is_lost(&mut self) -> bool {
+    fn lose_some(&mut self) -> bool {
         self.sent += 1;
         self.sent.is_multiple_of(5)
     }
 
     fn arrive(&mut self, mut datagram: Vec<u8>) {
-        if self.is_lost() {
+        if self.lose_some() {
             return;
         }
         let (disk, over) = (&mut self.disk, &mut self.over);
@@ -175,7 +175,7 @@ fn identity(key: &PairingKey, start: u32) -> Identity<'_> {
 
 #[test]
 fn every_one_of_thousands_of_short_runs_arrives_and_is_settled() {
-    let (mut world, runs) = (World::new(), 2_400_usize);
+    let (mut world, runs) = (ShortRunWorld::new(), 2_400_usize);
     for run in (0..).take(runs) {
         world.run(run);
         world.go_on(2);
@@ -196,7 +196,7 @@ fn every_one_of_thousands_of_short_runs_arrives_and_is_settled() {
 
 #[test]
 fn a_settled_stream_goes_on_and_is_reported_when_the_robot_asks() {
-    let mut world = World::new();
+    let mut world = ShortRunWorld::new();
     world.run(1);
     world.go_on(1_000);
     assert_eq!(world.station.stream_counts(), (0, 2));

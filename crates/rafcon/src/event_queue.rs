@@ -2,7 +2,7 @@
 //!
 //! One thread a source; the queue has a bound, so that a slow terminal holds the sources back and not this memory.
 
-use crate::console::{Key, Wish};
+use crate::console::{Key, UserAction};
 use crate::follow::StopSignal;
 use anyhow::{Context as _, Result};
 use rafcon_protocol::{Hello, Stream, ToRunner, ToViewer, decode, encode, read_frame};
@@ -61,7 +61,7 @@ pub(crate) enum Cause {
     /// A key of the terminal.
     Key(Key),
     /// What a key leads to.
-    Wish(Wish),
+    UserAction(UserAction),
     /// The terminal is gone.
     HungUp,
     /// Ctrl-Z.

@@ -49,7 +49,7 @@ pub(crate) enum RunFate {
 /// How a run stands, as its robot says with each status.
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(default)]
-pub(crate) struct RunStands {
+pub(crate) struct ReportedRunState {
     #[serde(rename = "f")]
     pub(crate) fate: RunFate,
     #[serde(rename = "h", skip_serializing_if = "Option::is_none")]
@@ -74,7 +74,7 @@ fn is_zero(number: &u64) -> bool {
     *number == 0
 }
 
-impl RunStands {
+impl ReportedRunState {
     /// At this time of the robot's calendar.
     pub(crate) fn of(fate: RunFate, control: Option<Control>, now_ms: u64) -> Self {
         let Some(control) = control else { return Self { fate, ..Self::default() } };
@@ -130,7 +130,7 @@ fn here(user: &str, station: &str) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::{RunFate, RunStands, StationWord, at_robot, author_at_robot, here};
+    use super::{ReportedRunState, RunFate, StationWord, at_robot, author_at_robot, here};
     use expect_test::expect;
     use rafcon_protocol::Command;
     use rafcon_protocol::api::{Control, ControlMove};
@@ -155,8 +155,12 @@ mod tests {
                 ControlMove::TakeOver,
             )),
             serde_json::to_string(&StationWord::Present("ana".to_owned())),
-            serde_json::to_string(&RunStands::of(RunFate::Live, None, 0)),
-            serde_json::to_string(&RunStands::of(RunFate::Live, Some(control), 1_764_000_001_000)),
+            serde_json::to_string(&ReportedRunState::of(RunFate::Live, None, 0)),
+            serde_json::to_string(&ReportedRunState::of(
+                RunFate::Live,
+                Some(control),
+                1_764_000_001_000,
+            )),
         ];
         let words: Vec<_> = words.into_iter().map(Result::unwrap).collect();
         expect![[r#"
@@ -186,7 +190,7 @@ mod tests {
     fn a_status_is_short_however_many_ask_for_control() {
         let requests = vec!["a".repeat(64); 64];
         let control = Control { requests, silence_ms: 1, ..Control::default() };
-        let stands = RunStands::of(RunFate::Live, Some(control), 0);
+        let reported = ReportedRunState::of(RunFate::Live, Some(control), 0);
         assert!(serde_json::to_vec(&stands).expect("words").len() < 400);
     }
 
@@ -195,7 +199,7 @@ mod tests {
         let holder = Some("cy".to_owned());
         let control = Control { holder, heard_ms: 1_000, silence_ms: 500, ..Control::default() };
         let heard = |now_ms| {
-            let stands = RunStands::of(RunFate::Live, Some(control.clone()), now_ms);
+            let reported = ReportedRunState::of(RunFate::Live, Some(control.clone()), now_ms);
             let control = stands.control("station", 90_000).expect("control");
             (control.holder.expect("a holder"), 90_000 - control.heard_ms)
         };

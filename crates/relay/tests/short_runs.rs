@@ -81,7 +81,9 @@ struct World {
 impl World {
     fn new(folder: &Path) -> Self {
         let pairing = Pairing::generate("scout", None).unwrap();
-        let address = "127.0.0.1:0".parse().unwrap();
+        // An address of its own: the station binds its port again after each restart.
+        let [.., high, low] = std::process::id().to_be_bytes();
+        let address = SocketAddr::from(([127, 88, high, low], 0));
         let (folder, sides) = (folder.to_owned(), Vec::new());
         let mut world = Self { folder, pairing, address, sides, made: 0 };
         world.start();

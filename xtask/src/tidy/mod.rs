@@ -1,5 +1,6 @@
 //! Checks of this repository that neither the compiler nor clippy makes; each check is one module.
 
+mod limits;
 mod links;
 mod lints;
 mod modules;
@@ -37,6 +38,7 @@ pub(crate) fn run(options: &TidyOptions) -> Result<()> {
         words::check,
         names::check,
         prose::check,
+        limits::check,
     ];
     let mut findings = lints::check();
     for check in checks {

@@ -418,6 +418,7 @@ fn noted(note: &Note) -> String {
         Note::NoSuchGlobal { name } => format!("no global {name}"),
         Note::BadDefault { port, reason } => format!("default of {port}: {reason}"),
         Note::MissingLibrary { reason } => format!("missing library: {reason}"),
+        Note::DamagedState { reason } => format!("damaged state: {reason}"),
         Note::NoSuchInput { name } => format!("no input {name}"),
         Note::BadCondition { breakpoint, reason } => {
             format!("bad condition of {breakpoint}: {reason}")

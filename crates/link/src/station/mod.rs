@@ -1,4 +1,6 @@
 //! The station's side of the link: receives what happens, reports what it has, sends commands.
+//!
+//! Long because every kind of frame is taken here.
 
 mod commands;
 mod streams;
@@ -202,7 +204,7 @@ impl StationSession {
     pub fn settle(&mut self, stream: StreamId, events: u64) {
         self.streams.settle(stream, events, false);
         // One more report, in case all reports so far were lost.
-        self.has_news |= self.streams.is_settled_up_to(stream, 0);
+        self.has_news |= self.streams.touch_settled(stream, 0);
     }
 
     /// Refuses a stream. It is reported as complete, so that the robot stops sending it.
@@ -378,7 +380,7 @@ impl StationSession {
             Frame::Status { .. } => self.take_status(at_ms, frame, show),
             Frame::Snapshot { .. } => self.take_snapshot_part(frame, show),
             Frame::CodedSnapshot { context, stream, sequence, length, bytes } => {
-                if self.is_settled_up_to(stream, sequence) {
+                if self.touch_settled(stream, sequence) {
                     return;
                 }
                 let Some(incoming) = self.incoming(stream) else { return };
@@ -415,7 +417,7 @@ impl StationSession {
         let Frame::Large { stream, first, t_before, length, offset, bytes } = *frame else {
             return;
         };
-        if self.is_settled_up_to(stream, first) {
+        if self.touch_settled(stream, first) {
             return;
         }
         let Some(incoming) = self.incoming(stream) else { return };
@@ -432,7 +434,7 @@ impl StationSession {
 
     fn take_status(&mut self, at_ms: u64, frame: &Frame<'_>, show: &mut impl FnMut(FromRobot<'_>)) {
         let Frame::Status { stream, head, is_over, state, chain } = *frame else { return };
-        if self.is_settled_up_to(stream, head) {
+        if self.touch_settled(stream, head) {
             if is_over {
                 self.streams.end_settled(stream);
             }
@@ -449,7 +451,7 @@ impl StationSession {
     /// Takes a part of a snapshot.
     fn take_snapshot_part(&mut self, frame: &Frame<'_>, show: &mut impl FnMut(FromRobot<'_>)) {
         let Frame::Snapshot { stream, sequence, length, offset, bytes } = *frame else { return };
-        if self.is_settled_up_to(stream, sequence) {
+        if self.touch_settled(stream, sequence) {
             return;
         }
         let Some(incoming) = self.incoming(stream) else { return };
@@ -492,7 +494,7 @@ impl StationSession {
         events: &Events<'_>,
         show: &mut impl FnMut(FromRobot<'_>),
     ) {
-        if self.is_settled_up_to(events.stream, events.last()) {
+        if self.touch_settled(events.stream, events.last()) {
             return;
         }
         let Some(incoming) = self.incoming(events.stream) else { return };
@@ -514,8 +516,8 @@ impl StationSession {
     }
 
     /// True if a stream is settled and has this event. Then a report of it is due.
-    fn is_settled_up_to(&mut self, stream: StreamId, last: u64) -> bool {
-        let is_settled = self.streams.is_settled_up_to(stream, last);
+    fn touch_settled(&mut self, stream: StreamId, last: u64) -> bool {
+        let is_settled = self.streams.touch_settled(stream, last);
         self.has_news |= is_settled;
         is_settled
     }
@@ -537,7 +539,7 @@ impl StationSession {
     fn take_events(&mut self, events: &Events<'_>, show: &mut impl FnMut(FromRobot<'_>)) {
         let codes = self.profile.codes;
         self.has_news = true;
-        if self.is_settled_up_to(events.stream, events.last()) {
+        if self.touch_settled(events.stream, events.last()) {
             return;
         }
         let Some(incoming) = self.incoming(events.stream) else { return };

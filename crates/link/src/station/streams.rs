@@ -118,7 +118,7 @@ impl Streams {
     }
 
     /// True if a settled stream has this event. Then a report of it is due.
-    pub(super) fn is_settled_up_to(&mut self, stream: StreamId, last: u64) -> bool {
+    pub(super) fn touch_settled(&mut self, stream: StreamId, last: u64) -> bool {
         let is_settled = self.settled.get(&stream).is_some_and(|settled| last <= settled.events);
         if is_settled && self.asked.len() < OPEN_MAX {
             self.asked.insert(stream);

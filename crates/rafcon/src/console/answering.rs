@@ -1,7 +1,7 @@
 //! Answering a question of a state by keys.
 
 use super::prompt::PromptStep;
-use super::{Key, Wish};
+use super::{Key, UserAction};
 use crate::view::{Style, TextLine, harmless};
 use rafcon_protocol::{Command, Form, Question};
 use serde_json::{Value, json};
@@ -90,7 +90,7 @@ impl Answering {
         match self.value(button) {
             Ok(value) => {
                 let question = self.question.id;
-                PromptStep::Given(Wish::Send(Command::AnswerQuestion { question, value }))
+                PromptStep::Given(UserAction::Send(Command::AnswerQuestion { question, value }))
             }
             Err(complaint) => {
                 self.complaint = Some(complaint);

@@ -18,7 +18,7 @@ use rafcon_protocol::{ActiveState, Command, OnCrash, Phase, RunStatus, Snapshot,
 
 /// What a key leads to.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) enum Wish {
+pub(crate) enum UserAction {
     /// Say this to the run.
     Send(Command),
     /// Ask what this state holds.
@@ -72,7 +72,12 @@ impl Console {
     }
 
     /// Takes one key in; `order` are the paths of the active states as they are shown.
-    pub(crate) fn key(&mut self, key: Key, snapshot: &Snapshot, order: &[&str]) -> Option<Wish> {
+    pub(crate) fn key(
+        &mut self,
+        key: Key,
+        snapshot: &Snapshot,
+        order: &[&str],
+    ) -> Option<UserAction> {
         match &mut self.mode {
             Mode::Watch => self.watch(key, snapshot, order),
             Mode::Help => {
@@ -101,7 +106,7 @@ impl Console {
     }
 
     /// What was written is complete, left, or continues.
-    fn written(&mut self, step: PromptStep) -> Option<Wish> {
+    fn written(&mut self, step: PromptStep) -> Option<UserAction> {
         let wish = match step {
             PromptStep::More => return None,
             PromptStep::Given(wish) => Some(wish),
@@ -111,9 +116,9 @@ impl Console {
         wish
     }
 
-    fn watch(&mut self, key: Key, snapshot: &Snapshot, order: &[&str]) -> Option<Wish> {
+    fn watch(&mut self, key: Key, snapshot: &Snapshot, order: &[&str]) -> Option<UserAction> {
         let branch = || self.branch(snapshot);
-        let send = |command| Some(Wish::Send(command));
+        let send = |command| Some(UserAction::Send(command));
         match key {
             Key::Char('p') => send(Command::Pause),
             Key::Char('c' | ' ') => send(Command::Resume { branch: None }),
@@ -134,7 +139,7 @@ impl Console {
                 let path = self.selected(snapshot)?.to_owned();
                 send(Command::Preempt { path })
             }
-            Key::Char('q') if self.may_leave => Some(Wish::Leave),
+            Key::Char('q') if self.may_leave => Some(UserAction::Leave),
             Key::Up | Key::Down => {
                 self.move_selection(key == Key::Down, snapshot, order);
                 None
@@ -144,7 +149,7 @@ impl Console {
     }
 
     /// Keys that begin something longer.
-    fn open(&mut self, key: Key, snapshot: &Snapshot) -> Option<Wish> {
+    fn open(&mut self, key: Key, snapshot: &Snapshot) -> Option<UserAction> {
         let target = self.target(snapshot);
         match key {
             Key::Char('?' | 'h') => self.mode = Mode::Help,
@@ -161,17 +166,17 @@ impl Console {
             }
             Key::Char('a') => match snapshot.questions.first() {
                 Some(question) => self.mode = Mode::Answer(Answering::new(question)),
-                None => return Some(Wish::Say("no question waits for an answer".to_owned())),
+                None => return Some(UserAction::Say("no question waits for an answer".to_owned())),
             },
             _ => {}
         }
         None
     }
 
-    fn look(&mut self, snapshot: &Snapshot) -> Option<Wish> {
+    fn look(&mut self, snapshot: &Snapshot) -> Option<UserAction> {
         let path = self.selected(snapshot)?.to_owned();
         self.mode = Mode::Look { path: path.clone(), data: Data::Asked };
-        Some(Wish::Inspect(path))
+        Some(UserAction::Inspect(path))
     }
 
     /// What a state holds, if it was asked for.

@@ -1,6 +1,6 @@
 //! A line that the user writes, and what it is for.
 
-use super::{Key, Wish};
+use super::{Key, UserAction};
 use crate::view::{Style, TextLine, harmless};
 use rafcon_protocol::{Breakpoint, Command, Scope, Unattended, When};
 
@@ -29,7 +29,7 @@ pub(super) struct Prompt {
 #[derive(Debug)]
 pub(super) enum PromptStep {
     More,
-    Given(Wish),
+    Given(UserAction),
     Left,
 }
 
@@ -43,7 +43,7 @@ impl Prompt {
         match key {
             Key::Escape => return PromptStep::Left,
             Key::Enter => match self.command() {
-                Ok(command) => return PromptStep::Given(Wish::Send(command)),
+                Ok(command) => return PromptStep::Given(UserAction::Send(command)),
                 Err(complaint) => self.complaint = Some(complaint),
             },
             Key::Backspace => drop(self.text.pop()),

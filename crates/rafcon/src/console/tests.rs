@@ -1,6 +1,6 @@
 //! Keys in, wishes and lines out.
 
-use super::{Console, Key, Wish};
+use super::{Console, Key, UserAction};
 use crate::view::Paint;
 use expect_test::{Expect, expect};
 use rafcon_protocol::{ActiveState, Form, HeldBy, Hold, Phase, Question, RunStatus, Snapshot};
@@ -65,7 +65,7 @@ fn check(form: Option<Form>, keys: &str, expect: &Expect) {
     for key in keys.split(' ').flat_map(key) {
         match console.key(key, &snapshot, &order) {
             None => {}
-            Some(Wish::Send(command)) => {
+            Some(UserAction::Send(command)) => {
                 said.push(serde_json::to_string(&command).unwrap());
             }
             Some(wish) => said.push(format!("{wish:?}")),

@@ -11,7 +11,7 @@ mod run_loop;
 mod stop_requests;
 mod waiting;
 
-use crate::console::Wish;
+use crate::console::UserAction;
 use crate::event_queue::{Cause, STUCK};
 pub(crate) use end::End;
 use known::{Active, ProcessEnd, Pulse};
@@ -155,10 +155,10 @@ impl RunFollower {
             Cause::Raw(stream, line) => self.raw(stream, line, out),
             Cause::Exited(exit) => self.process.exited(now, exit),
             Cause::Interrupt(signal) => self.interrupt(now, signal, out),
-            Cause::Wish(Wish::Leave) | Cause::HungUp if self.role != RunRole::Owner => {
+            Cause::UserAction(UserAction::Leave) | Cause::HungUp if self.role != RunRole::Owner => {
                 self.finish(End::Left);
             }
-            Cause::Wish(wish) => self.wish(wish, out),
+            Cause::UserAction(wish) => self.wish(wish, out),
             Cause::Key(_) | Cause::HungUp | Cause::Suspend | Cause::Tick => {}
         }
         self.watch(now, out);

@@ -2,7 +2,7 @@
 
 use super::stop_requests::{REPETITION, StopSignal};
 use super::{Action, End, RunFollower, RunRole, envelope};
-use crate::console::Wish;
+use crate::console::UserAction;
 use rafcon_protocol::{Command, ToRunner};
 use std::time::Duration;
 
@@ -37,15 +37,15 @@ impl RunFollower {
     }
 
     /// What the user asked for by a key.
-    pub(super) fn wish(&mut self, wish: Wish, out: &mut Vec<Action>) {
+    pub(super) fn wish(&mut self, wish: UserAction, out: &mut Vec<Action>) {
         match wish {
-            Wish::Send(command) => self.send(command, out),
-            Wish::Inspect(path) => {
+            UserAction::Send(command) => self.send(command, out),
+            UserAction::Inspect(path) => {
                 let id = self.next_id();
                 out.push(Action::Send(ToRunner::Inspect { id, path }));
             }
-            Wish::Say(text) => out.push(Action::Note(text)),
-            Wish::Leave => {}
+            UserAction::Say(text) => out.push(Action::Note(text)),
+            UserAction::Leave => {}
         }
     }
 

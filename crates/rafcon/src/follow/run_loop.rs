@@ -68,7 +68,7 @@ impl RunLoop {
     /// What concerns this program alone; a key becomes what it stands for.
     fn by_itself(&mut self, cause: Cause) -> Cause {
         match cause {
-            Cause::Key(key) => return self.view.key(key).map_or(Cause::Tick, Cause::Wish),
+            Cause::Key(key) => return self.view.key(key).map_or(Cause::Tick, Cause::UserAction),
             Cause::HungUp if self.group.is_some() && self.view.rhythm().is_some() => {
                 self.view = Box::new(Nothing);
             }

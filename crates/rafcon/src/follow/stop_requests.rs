@@ -11,9 +11,9 @@ pub(super) const REPETITION: Duration = Duration::from_secs(2);
 /// A signal that asks this program to end.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum StopSignal {
-    /// SIGINT.
+    /// SIGINT, as Ctrl-C sends it.
     CtrlC,
-    /// SIGTERM.
+    /// SIGTERM, as service managers send it.
     Terminate,
 }
 

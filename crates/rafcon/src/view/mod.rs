@@ -19,7 +19,7 @@ pub(crate) use text::{Paint, Style, TextLine, counted, harmless, size, time};
 pub(crate) use value::shown;
 pub(crate) use words::outcome_style;
 
-use crate::console::{Key, Wish};
+use crate::console::{Key, UserAction};
 use crate::follow::End;
 use rafcon_protocol::{Event, Snapshot, StateData};
 use rafcon_storage::journal::folder::EndValues;
@@ -47,7 +47,7 @@ pub(crate) trait View {
     /// Something about this program.
     fn note(&mut self, text: &str) -> io::Result<()>;
     /// A key was pressed.
-    fn key(&mut self, _key: Key) -> Option<Wish> {
+    fn key(&mut self, _key: Key) -> Option<UserAction> {
         None
     }
     /// What a state holds, as was asked for.

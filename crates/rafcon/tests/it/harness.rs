@@ -71,7 +71,7 @@ impl Place {
         for name in ["RAFCON_LIBRARY_PATH", "RAFCON_PLUGIN_PATH", "LC_ALL"] {
             command.env_remove(name);
         }
-        command.env("LANG", "C.UTF-8");
+        command.env("LANG", "C.UTF-8").env("USER", "owner");
         command
     }
 

@@ -353,7 +353,7 @@ impl RobotRelay<'_> {
         match from_run {
             FromRun::Happened(run) => self.runs.happened(&run, &mut self.session),
             FromRun::Snapshot(run, snapshot) => {
-                self.runs.stands(&run, snapshot, &mut self.session);
+                self.runs.reported(&run, snapshot, &mut self.session);
             }
             FromRun::Answered(envelope, answer) => {
                 let (state, reason) = match answer {

@@ -31,7 +31,7 @@ pub(super) enum ParcelWork {
     /// The run in this folder has the machine with this hash.
     Needed(NeededMachine, PathBuf),
     /// The station has this machine of a run.
-    Had(NeededMachine),
+    CompletedRuns(NeededMachine),
 }
 
 /// A machine of a run.
@@ -172,7 +172,7 @@ impl ParcelMaker {
                 let made = self.make(needed.machine, &run);
                 self.told(made);
             }
-            ParcelWork::Had(needed) => {
+            ParcelWork::CompletedRuns(needed) => {
                 if let Some(count) = self.needed.get_mut(&needed) {
                     *count -= 1;
                 }

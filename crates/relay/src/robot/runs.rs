@@ -1,4 +1,6 @@
 //! The runs of a robot: which there are, what of them is sent, and from where.
+//!
+//! Long because each step of a run on its way to the station is here.
 
 use super::follow::{Followed, FromRun};
 use super::numbers::RunNumbers;
@@ -11,7 +13,7 @@ use crate::ids;
 use crate::inbox::Input;
 use crate::meter::millis;
 use crate::snapshot_words;
-use crate::words::{RunFate, RunStands};
+use crate::words::{ReportedRunState, RunFate};
 use rafcon_link::{
     EventBuffer, EventHash, Events, LENGTH_MAX, Rank, RobotSession, RunSource, StreamId, ValueName,
 };
@@ -94,7 +96,7 @@ struct RobotRun {
     /// It was over before the robot had this station.
     is_older: bool,
     /// What was told of it last.
-    stands: RunStands,
+    reported: ReportedRunState,
     /// An event that is too long for the link, and its length.
     too_long: Option<(u64, usize)>,
     /// The hash of its events; none if the journal does not have them all.
@@ -239,7 +241,7 @@ impl RobotRuns {
                 run.look_for_machines(session, &mut self.parcels, self.tell);
             } else if run.fate != RunFate::Removed && !run.folder.is_dir() {
                 run.fate = RunFate::Removed;
-                run.tell(RunStands::of(run.fate, None, 0), session);
+                run.tell(ReportedRunState::of(run.fate, None, 0), session);
             }
             run.let_go(session, &mut self.parcels);
             run.rest();
@@ -367,7 +369,7 @@ impl RobotRuns {
             runner,
             snapshot: None,
             fate: RunFate::default(),
-            stands: RunStands::default(),
+            reported: ReportedRunState::default(),
             too_long: None,
             chain: Some(Chain::default()),
         };
@@ -412,7 +414,12 @@ impl RobotRuns {
     }
 
     /// A run is in this state.
-    pub(super) fn stands(&mut self, id: &str, snapshot: Box<Snapshot>, session: &mut RobotSession) {
+    pub(super) fn reported(
+        &mut self,
+        id: &str,
+        snapshot: Box<Snapshot>,
+        session: &mut RobotSession,
+    ) {
         if let Some(run) = self.all.get_mut(id) {
             run.snapshot = Some((snapshot, self.clock.now()));
             session.set_snapshot_changed(run.events);
@@ -433,7 +440,7 @@ impl RobotRuns {
             run.look_for_machines(session, &mut self.parcels, self.tell);
             let is_over = matches!(Summary::of(&run.folder).state, RunState::Finished { .. });
             run.fate = if is_over { RunFate::Finished } else { RunFate::Crashed };
-            run.tell(RunStands::of(run.fate, None, 0), session);
+            run.tell(ReportedRunState::of(run.fate, None, 0), session);
         }
     }
 
@@ -445,7 +452,7 @@ impl RobotRuns {
         control: impl Fn(&str) -> Option<Control>,
     ) {
         for (id, run) in self.all.iter_mut().filter(|(_, run)| run.fate == RunFate::Live) {
-            run.tell(RunStands::of(run.fate, control(id), now_ms), session);
+            run.tell(ReportedRunState::of(run.fate, control(id), now_ms), session);
         }
     }
 
@@ -586,17 +593,17 @@ impl RobotRun {
         let all_had: Vec<_> = self.named.extract_if(.., had).collect();
         for machine in all_had {
             let is_older = self.is_older;
-            parcels.tell(ParcelWork::Had(NeededMachine { is_older, machine }));
+            parcels.tell(ParcelWork::CompletedRuns(NeededMachine { is_older, machine }));
         }
     }
 
     /// Tells how it stands, if that is news.
-    fn tell(&mut self, stands: RunStands, session: &mut RobotSession) {
-        if stands != self.stands {
-            let is_over = matches!(stands.fate, RunFate::Finished | RunFate::Removed);
-            let state = serde_json::to_vec(&stands).unwrap_or_default();
+    fn tell(&mut self, reported: ReportedRunState, session: &mut RobotSession) {
+        if reported != self.reported {
+            let is_over = matches!(reported.fate, RunFate::Finished | RunFate::Removed);
+            let state = serde_json::to_vec(&reported).unwrap_or_default();
             session.set_state(self.events, &state, is_over);
-            self.stands = stands;
+            self.reported = reported;
         }
     }
 }

@@ -1,6 +1,6 @@
 //! Compares the hash of a replica's events with the robot's: their journals can part when a disk is put back or changed.
 
-use super::kept_runs::Trouble;
+use super::kept_runs::KeepError;
 use rafcon_link::EventHash;
 use rafcon_storage::journal::{Chain, Reader};
 use std::path::PathBuf;
@@ -34,7 +34,7 @@ impl Checking {
     }
 
     /// Goes on with the events in this folder that are safe.
-    pub(super) fn check(&mut self, folder: Option<PathBuf>) -> Option<Trouble> {
+    pub(super) fn check(&mut self, folder: Option<PathBuf>) -> Option<KeepError> {
         let EventHash { last, hash } = self.wanted?;
         let reader = match &mut self.reader {
             Some(reader) => reader,
@@ -53,7 +53,7 @@ impl Checking {
         self.wanted = None;
         (self.chain.hash() != hash).then(|| {
             let why = format!("the robot has other events than this replica, up to event {last}");
-            Trouble::Diverged(why)
+            KeepError::Diverged(why)
         })
     }
 }

@@ -25,13 +25,13 @@ pub(super) struct HadRun {
 
 /// The runs by the stream of their events.
 #[derive(Debug)]
-pub(super) struct Had {
+pub(super) struct CompletedRuns {
     path: PathBuf,
     runs: BTreeMap<StreamId, HadRun>,
     length: u64,
 }
 
-impl Had {
+impl CompletedRuns {
     /// Those that are listed in this folder.
     pub(super) fn read(folder: &Path) -> Self {
         Self::read_at_most(folder, HAD_MAX)
@@ -144,21 +144,21 @@ impl<'t> Entry<'t> {
 
 #[cfg(test)]
 mod tests {
-    use super::Had;
+    use super::CompletedRuns;
     use crate::ids;
     use std::fs;
 
     #[test]
     fn what_was_here_is_known_after_a_restart() {
         let folder = tempfile::tempdir().unwrap();
-        let mut had = Had::read(folder.path());
+        let mut had = CompletedRuns::read(folder.path());
         let (first, second) = ("20260101-000000-a-0001", "a run with spaces");
         had.add(first, ids::events_of(first), (7, 2));
         had.add(first, ids::events_of(first), (7, 2));
         // Another run of the robot has its first number.
         let other = ids::streams_of(second).nth(1).unwrap();
         had.add(second, other, (9, 1));
-        let is_right = |had: &Had| {
+        let is_right = |had: &CompletedRuns| {
             let counts = |id| had.find(id).map(|(stream, run)| (stream, run.events, run.parts));
             assert_eq!(counts(first), Some((ids::events_of(first), 7, 2)));
             assert_eq!(counts(second), Some((other, 9, 1)));
@@ -166,28 +166,28 @@ mod tests {
             assert_eq!((had.runs().count(), had.find("c").is_none()), (2, true));
         };
         is_right(&had);
-        let mut had = Had::read(folder.path());
+        let mut had = CompletedRuns::read(folder.path());
         is_right(&had);
         had.add(first, ids::events_of(first), (0, 0));
         assert!(had.find(first).is_none());
-        assert!(Had::read(folder.path()).find(first).is_none());
+        assert!(CompletedRuns::read(folder.path()).find(first).is_none());
         fs::write(folder.path().join("had"), "x y\n3\n\n1 1 b\n").unwrap();
-        let had = Had::read(folder.path());
+        let had = CompletedRuns::read(folder.path());
         assert_eq!(had.id_of(ids::events_of("b")).as_deref(), Some("b"));
     }
 
     #[test]
     fn of_more_runs_than_the_file_may_list_the_newer_half_is_kept() {
         let folder = tempfile::tempdir().unwrap();
-        let mut had = Had::read(folder.path());
+        let mut had = CompletedRuns::read(folder.path());
         for number in 0..9 {
             let id = format!("run-{number}");
             had.add(&id, ids::events_of(&id), (4, 1));
         }
-        let had = Had::read_at_most(folder.path(), 8);
+        let had = CompletedRuns::read_at_most(folder.path(), 8);
         let known = |number: u32| had.find(&format!("run-{number}")).is_some();
         assert_eq!((0..9).filter(|number| known(*number)).collect::<Vec<_>>(), [5, 6, 7, 8]);
         assert_eq!(had.id_of(ids::events_of("run-7")).as_deref(), Some("run-7"));
-        assert_eq!(Had::read(folder.path()).runs().count(), 4);
+        assert_eq!(CompletedRuns::read(folder.path()).runs().count(), 4);
     }
 }

@@ -1,8 +1,10 @@
 //! The runs of one robot as its station's disk has them. Whoever calls this may wait for the disk.
+//!
+//! Long because each step of a run on its way to the disk is here.
 
 use super::checking::Checking;
 use super::disk::{FromDisk, KeyWork, OpenRun, SettledRun, Work};
-use super::had::Had;
+use super::had::CompletedRuns;
 use super::parcels::{RestoredParcel, StationParcels, TakenPart};
 use super::replica_run::ReplicaRun;
 use super::{GivenCommand, ToStation};
@@ -53,7 +55,7 @@ pub(super) struct Place {
 pub(super) struct KeptRuns {
     place: Place,
     start: Start,
-    had: Had,
+    had: CompletedRuns,
     parcels: StationParcels,
     /// The parts of parcels that are not written.
     parts: VecDeque<(StreamId, EventItems)>,
@@ -116,16 +118,16 @@ pub(super) enum RestoredState {
 }
 
 /// Why something is not kept.
-pub(super) enum Trouble {
+pub(super) enum KeepError {
     /// It may be later.
-    Now(String),
+    Retryable(String),
     /// It never will.
-    Ever(String),
+    Permanent(String),
     /// The robot has another history than the replica.
     Diverged(String),
 }
 
-impl From<JournalError> for Trouble {
+impl From<JournalError> for KeepError {
     fn from(error: JournalError) -> Self {
         let said = error.to_string();
         match error {
@@ -133,19 +135,21 @@ impl From<JournalError> for Trouble {
             | JournalError::ReadOnly { .. }
             | JournalError::Io { .. }
             | JournalError::Going { .. }
-            | JournalError::Database { .. } => Self::Now(said),
-            _ => Self::Ever(said),
+            | JournalError::Database { .. } => Self::Retryable(said),
+            _ => Self::Permanent(said),
         }
     }
 }
 
-impl From<ReplicaError> for Trouble {
+impl From<ReplicaError> for KeepError {
     fn from(error: ReplicaError) -> Self {
         match error {
             ReplicaError::Journal(error) | ReplicaError::Full(Full::Disk(error)) => error.into(),
-            ReplicaError::Full(Full::Recorder) => Self::Now(error.to_string()),
+            ReplicaError::Full(Full::Recorder) => Self::Retryable(error.to_string()),
             ReplicaError::Diverged { .. } => Self::Diverged(error.to_string()),
-            ReplicaError::Broken(_) | ReplicaError::Count { .. } => Self::Ever(error.to_string()),
+            ReplicaError::Broken(_) | ReplicaError::Count { .. } => {
+                Self::Permanent(error.to_string())
+            }
         }
     }
 }
@@ -154,7 +158,7 @@ impl KeptRuns {
     pub(super) fn new(place: Place, start: Start, parcels: StationParcels) -> Self {
         let (all, left, sync_at) = (BTreeMap::new(), BTreeMap::new(), Duration::ZERO);
         let refused = VecDeque::new();
-        let had = Had::read(start.folder());
+        let had = CompletedRuns::read(start.folder());
         let (parts, are_stuck, came, problem) = (VecDeque::new(), false, 0, None);
         Self {
             place,
@@ -271,15 +275,15 @@ impl KeptRuns {
             }
             match trouble {
                 None => {}
-                Some(Trouble::Now(why)) => {
+                Some(KeepError::Retryable(why)) => {
                     run.is_stuck = true;
                     problem = Some(why);
                 }
-                Some(Trouble::Ever(why)) => {
+                Some(KeepError::Permanent(why)) => {
                     run.refuse();
                     self.place.say(FromDisk::Refused(*stream, format!("{}: {why}", run.name())));
                 }
-                Some(Trouble::Diverged(why)) => {
+                Some(KeepError::Diverged(why)) => {
                     // Whoever sees the replica closed finds out why.
                     let said = run.note_diverged(&self.place, &why);
                     run.refuse();
@@ -394,7 +398,7 @@ impl KeptRun {
     fn woken(
         stream: StreamId,
         place: &Place,
-        had: &Had,
+        had: &CompletedRuns,
         left: &mut BTreeMap<StreamId, String>,
     ) -> Self {
         let had_id = had.id_of(stream);
@@ -418,7 +422,7 @@ impl KeptRun {
         is_known && is_idle && self.replica.is_none() && !self.is_stuck
     }
 
-    fn open(&mut self, place: &Place, stream: StreamId) -> Result<OpenRun, Trouble> {
+    fn open(&mut self, place: &Place, stream: StreamId) -> Result<OpenRun, KeepError> {
         let about = self.about.clone().unwrap_or_default();
         if let Ok(there) = About::read(&place.runs.join(&about.id))
             && there.robot != about.robot
@@ -427,7 +431,7 @@ impl KeptRun {
             let why = format!(
                 "there is a run of {whose} with the same id here: move its folder away, and start the station again"
             );
-            return Err(Trouble::Ever(why));
+            return Err(KeepError::Permanent(why));
         }
         let link = LinkHealth { robot: place.robot.clone(), ..LinkHealth::default() };
         let (robot, inbox) = (place.number, place.inbox.clone());
@@ -448,7 +452,7 @@ impl KeptRun {
         place: &Place,
         (parcels, came): (&StationParcels, u64),
         written: &mut usize,
-    ) -> Option<Trouble> {
+    ) -> Option<KeepError> {
         while !self.is_stuck
             && self.needs_parcels != Some(came)
             && let Some(part) = self.parts.front().cloned()
@@ -492,7 +496,7 @@ impl KeptRun {
         part: &EventItems,
         place: &Place,
         parcels: &StationParcels,
-    ) -> Result<bool, Trouble> {
+    ) -> Result<bool, KeepError> {
         if part.first <= self.taken {
             return Ok(true);
         }
@@ -501,7 +505,7 @@ impl KeptRun {
                 Taken::Part => false,
                 Taken::TooLong(what, most) => {
                     let why = format!("the {what} has more than {most} bytes, which is too long");
-                    return Err(Trouble::Ever(why));
+                    return Err(KeepError::Permanent(why));
                 }
                 Taken::Record(record) => {
                     self.record = record;
@@ -516,10 +520,10 @@ impl KeptRun {
                     None => return Ok(false),
                 },
                 AboutRecord::About(about) if self.about.is_none() => {
-                    check_run_id(&about.id).map_err(|bad| Trouble::Ever(bad.to_string()))?;
+                    check_run_id(&about.id).map_err(|bad| KeepError::Permanent(bad.to_string()))?;
                     if !ids::is_of(stream, &about.id) {
                         let why = "the robot describes another run in its place: both sides need the same version of rafcon";
-                        return Err(Trouble::Ever(why.to_owned()));
+                        return Err(KeepError::Permanent(why.to_owned()));
                     }
                     let robot = Some(place.robot.clone());
                     self.about = Some(About { robot, on_crash: None, ..(**about).clone() });
@@ -547,7 +551,7 @@ impl KeptRun {
         }
     }
 
-    fn perform(&mut self, stream: StreamId, work: &Work, place: &Place) -> Result<(), Trouble> {
+    fn perform(&mut self, stream: StreamId, work: &Work, place: &Place) -> Result<(), KeepError> {
         match work {
             Work::Part(_) => {}
             Work::Check(hash) => self.checking.set(*hash),
@@ -574,7 +578,7 @@ impl KeptRun {
         Ok(())
     }
 
-    fn sync(&mut self, stream: StreamId, place: &Place) -> Option<Trouble> {
+    fn sync(&mut self, stream: StreamId, place: &Place) -> Option<KeepError> {
         let replica = self.replica.as_mut().filter(|replica| replica.is_unsafe())?;
         match replica.commit() {
             Ok(safe) => {

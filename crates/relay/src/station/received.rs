@@ -2,7 +2,7 @@
 
 use super::disk::OpenRun;
 use super::viewers::Shared;
-use crate::words::RunStands;
+use crate::words::ReportedRunState;
 use crate::{snapshot_words, watch_words};
 use rafcon_link::{
     CommandId, CommandState, EventHash, FromRobot, KeyId, NoValue, PairingKey, StreamId, ValueId,
@@ -21,7 +21,7 @@ const SNAPSHOTS_MAX: usize = 64;
 pub(super) enum Received {
     Events(StreamId, EventItems),
     /// How a run stands, and the hash of its events with the time of the robot's session.
-    Stands(StreamId, RunStands, Option<(u64, EventHash)>),
+    Stands(StreamId, ReportedRunState, Option<(u64, EventHash)>),
     Snapshot(StreamId, Box<Snapshot>),
     NewKey(KeyId, PairingKey),
     State(CommandId, CommandState, String),
@@ -41,8 +41,8 @@ impl Received {
                 Self::Events(events.stream, EventItems { first, count, t_before, bytes })
             }
             FromRobot::Status { stream, state, chain, at_ms, .. } => {
-                let stands = serde_json::from_slice(state).unwrap_or_default();
-                Self::Stands(stream, stands, chain.map(|chain| (at_ms, chain)))
+                let reported = serde_json::from_slice(state).unwrap_or_default();
+                Self::Stands(stream, reported, chain.map(|chain| (at_ms, chain)))
             }
             FromRobot::Snapshot { stream, bytes, .. } => {
                 Self::Snapshot(stream, Box::new(snapshot_words::read(&bytes)?))
@@ -83,14 +83,14 @@ impl StationRun {
 /// What came last of runs that are not open yet: it is not said again soon.
 #[derive(Default)]
 pub(super) struct Early {
-    stands: BTreeMap<StreamId, RunStands>,
+    reported: BTreeMap<StreamId, ReportedRunState>,
     snapshots: BTreeMap<StreamId, Snapshot>,
 }
 
 impl Early {
-    pub(super) fn stands(&mut self, run: StreamId, stands: RunStands) {
-        if self.stands.len() < STANDS_MAX || self.stands.contains_key(&run) {
-            self.stands.insert(run, stands);
+    pub(super) fn reported(&mut self, run: StreamId, reported: ReportedRunState) {
+        if self.reported.len() < STANDS_MAX || self.reported.contains_key(&run) {
+            self.reported.insert(run, reported);
         }
     }
 
@@ -101,7 +101,7 @@ impl Early {
     }
 
     /// A run is open now, or never will be.
-    pub(super) fn take(&mut self, run: StreamId) -> (Option<RunStands>, Option<Snapshot>) {
-        (self.stands.remove(&run), self.snapshots.remove(&run))
+    pub(super) fn take(&mut self, run: StreamId) -> (Option<ReportedRunState>, Option<Snapshot>) {
+        (self.reported.remove(&run), self.snapshots.remove(&run))
     }
 }

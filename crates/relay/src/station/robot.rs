@@ -1,4 +1,6 @@
 //! One robot as a station knows it: its session, and the replicas of its runs.
+//!
+//! Long because it joins session, disk and viewers of one robot.
 
 use super::disk::{Disk, FromDisk, KeyWork, OpenRun, SettledRun, Work};
 use super::health::{health, run_of};
@@ -21,7 +23,7 @@ use crate::meter::{LinkMeter, millis};
 use crate::pairing::{Paired, Pairing};
 use crate::start::Start;
 use crate::watch_words;
-use crate::words::{RunFate, RunStands};
+use crate::words::{ReportedRunState, RunFate};
 use rafcon_link::{
     CARRIER_OVERHEAD, CommandId, CommandState, EventHash, NewCommand, Profile, RangeSet, Rejected,
     StationSession, StreamId, Unusable,
@@ -266,13 +268,13 @@ impl StationRobot {
         let link = health(&mut self.meter, &self.session, self.clock.now());
         open.shared.set_link(link);
         self.session.set_safe(stream, open.safe);
-        let (stands, snapshot) = self.early.take(stream);
+        let (reported, snapshot) = self.early.take(stream);
         if let Some(snapshot) = snapshot {
-            open.shared.stands(snapshot);
+            open.shared.reported(snapshot);
         }
         self.runs.insert(stream, StationRun::new(open));
-        if let Some(stands) = stands {
-            self.stands(stream, stands);
+        if let Some(reported) = reported {
+            self.reported(stream, reported);
         }
     }
 
@@ -326,14 +328,14 @@ impl StationRobot {
     fn take(&mut self, received: Received) {
         match received {
             Received::Events(stream, items) => self.take_items(stream, items),
-            Received::Stands(stream, stands, chain) => {
+            Received::Stands(stream, reported, chain) => {
                 if let Some((at_ms, chain)) = chain {
                     self.check(stream, at_ms, chain);
                 }
-                self.stands(stream, stands);
+                self.reported(stream, reported);
             }
             Received::Snapshot(stream, snapshot) => match self.runs.get(&stream) {
-                Some(run) => run.shared.stands(*snapshot),
+                Some(run) => run.shared.reported(*snapshot),
                 None if self.is_awaited(stream) => self.early.snapshot(stream, *snapshot),
                 None => {}
             },
@@ -452,27 +454,27 @@ impl StationRobot {
     }
 
     /// A run stands like this on the robot.
-    fn stands(&mut self, stream: StreamId, stands: RunStands) {
+    fn reported(&mut self, stream: StreamId, reported: ReportedRunState) {
         let head = self.session.progress(stream).map_or(0, |progress| progress.head);
         let is_waiting = !self.in_order.is_empty(stream);
         let is_awaited = self.is_awaited(stream);
         let Some(run) = self.runs.get_mut(&stream) else {
             if is_awaited {
-                self.early.stands(stream, stands);
+                self.early.reported(stream, reported);
             }
             return;
         };
-        run.is_over |= matches!(stands.fate, RunFate::Finished | RunFate::Removed);
-        if let Some(control) = stands.control(&self.station, clock::since_1970_ms()) {
+        run.is_over |= matches!(reported.fate, RunFate::Finished | RunFate::Removed);
+        if let Some(control) = reported.control(&self.station, clock::since_1970_ms()) {
             run.epoch = control.epoch;
             run.shared.set_control(control);
         }
         let is_here = run.safe >= head && !is_waiting && has_machines(&self.session, stream);
-        let has_ended = stands.fate == RunFate::Crashed && is_here
-            || stands.fate == RunFate::Removed && !is_waiting;
+        let has_ended = reported.fate == RunFate::Crashed && is_here
+            || reported.fate == RunFate::Removed && !is_waiting;
         if has_ended && !run.is_closing {
             // Closed as its runner left it, the run is shown as what it is: crashed.
-            let is_final = stands.fate == RunFate::Removed;
+            let is_final = reported.fate == RunFate::Removed;
             run.is_closing = self.disk.give(stream, Work::Leave { is_final }).is_ok();
         }
     }

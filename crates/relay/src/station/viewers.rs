@@ -111,7 +111,7 @@ impl Shared {
         self.changed.notify_all();
     }
 
-    pub(super) fn stands(&self, snapshot: Snapshot) {
+    pub(super) fn reported(&self, snapshot: Snapshot) {
         let mut shown = self.shown.lock();
         shown.snapshot = Some(snapshot);
         shown.snapshots += 1;

@@ -159,7 +159,7 @@ mod tests {
         let outputs = json!({
             "cloud": vec![7; 1_000_000],
             "text": "é".repeat(2_000),
-            "nested": { "short": [1, 2], "long": vec![vec!["x"; 100]; 1_000] },
+            "nested": { "first": [1, 2], "long": vec![vec!["x"; 100]; 1_000] },
             "names": (0..9_000).map(|it| (it.to_string(), it.into())).collect::<Map<_, _>>(),
             "count": 3,
         });
@@ -168,7 +168,7 @@ mod tests {
         let length = serde_json::to_vec(&event).unwrap().len();
         assert!(length < WHOLE_MAX / 2, "{length} bytes");
         let Event::Finished { outputs: views, .. } = event else { panic!("the end") };
-        assert_eq!((&views["count"], &views["nested"]["short"]), (&json!(3), &json!([1, 2])));
+        assert_eq!((&views["count"], &views["nested"]["first"]), (&json!(3), &json!([1, 2])));
         assert_eq!(views["cloud"]["__len__"], 1_000_000);
         assert_eq!(views["cloud"]["__first__"].as_array().unwrap().len(), 255);
         assert_eq!(

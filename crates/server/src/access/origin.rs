@@ -68,14 +68,16 @@ impl Names {
             "http" => false,
             _ => return false,
         };
-        let (Some((name, port)), Some(page)) = (parted(&outer.host), parted(page)) else {
+        let (Some((name, port)), Some((page, page_port))) = (parted(&outer.host), parted(page))
+        else {
             return false;
         };
         let known = outer.is_secure.or(self.is_secure.then_some(true));
         let known = known.or_else(|| self.is_direct(&name, port).then_some(false));
-        let with_port =
-            |(name, port): (String, Option<u16>)| (name, port.unwrap_or(usual_port(is_secure)));
-        known.is_none_or(|known| known == is_secure) && with_port((name, port)) == with_port(page)
+        let or_usual = |port: Option<u16>| port.unwrap_or(usual_port(is_secure));
+        known.is_none_or(|known| known == is_secure)
+            && name == page
+            && or_usual(port) == or_usual(page_port)
     }
 }
 

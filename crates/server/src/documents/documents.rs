@@ -119,7 +119,7 @@ impl Documents {
     }
 
     /// The place that a request names for a machine.
-    pub(super) fn spot(
+    pub(super) fn requested_location(
         &self,
         server: &ServerState,
         file: &MachineFile,
@@ -148,19 +148,24 @@ impl Documents {
         file: &MachineFile,
         may_edit: bool,
     ) -> Result<MachineSummary, Failure> {
-        let spot = self.location(server, file, server.projects.machine(file)?);
-        let _claim = self.claim(&spot.folder);
-        if let Some(session) = self.room_of(&spot.folder) {
+        let location = self.location(server, file, server.projects.machine(file)?);
+        let _claim = self.claim(&location.folder);
+        if let Some(session) = self.room_of(&location.folder) {
             return session.summary();
         }
         self.make_room()?;
         let libraries = server.projects.libraries();
-        let on_disk = disk::read(&spot.folder, &libraries)?.ok_or_else(|| not_there(file))?;
-        let recovered = recover(&spot, &on_disk, first_revision(), &libraries, may_edit)?;
+        let on_disk = disk::read(&location.folder, &libraries)?.ok_or_else(|| not_there(file))?;
+        let recovered = recover(&location, &on_disk, first_revision(), &libraries, may_edit)?;
         let mut sessions = self.sessions.lock();
-        let id = free_name(&name_of(&spot.folder), |id| sessions.contains_key(id));
-        let session =
-            Arc::new(MachineSession::new(id.clone(), spot, on_disk, recovered, since_1970_ms()));
+        let id = free_name(&name_of(&location.folder), |id| sessions.contains_key(id));
+        let session = Arc::new(MachineSession::new(
+            id.clone(),
+            location,
+            on_disk,
+            recovered,
+            since_1970_ms(),
+        ));
         sessions.insert(id, Arc::clone(&session));
         drop(sessions);
         server.news.machines();
@@ -193,11 +198,11 @@ impl Documents {
         server: &ServerState,
         new: &NewMachine,
     ) -> Result<MachineSummary, Failure> {
-        let spot = self.spot(server, &new.file)?;
+        let location = self.requested_location(server, &new.file)?;
         {
-            let _claim = self.claim(&spot.folder);
-            unless_in_a_machine(server, &spot)?;
-            if spot.folder.exists() {
+            let _claim = self.claim(&location.folder);
+            unless_in_a_machine(server, &location)?;
+            if location.folder.exists() {
                 let message = format!("{} exists: choose another folder", new.file.path);
                 return Err(Failure::conflict("folder_exists", message));
             }
@@ -208,7 +213,7 @@ impl Documents {
             let now = since_1970_ms();
             let id = Fresh::new(now << 16 | u64::from(salt(0))).id(|_| false);
             let machine = disk::empty(&new.name, id, &Date::since_1970(now / 1000).to_string());
-            disk::write(&machine, &spot.folder, None, self.naming)?;
+            disk::write(&machine, &location.folder, None, self.naming)?;
         }
         server.news.files();
         self.open(server, &new.file, true)

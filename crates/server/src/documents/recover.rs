@@ -33,13 +33,13 @@ pub(super) struct Recovered {
 /// The machine of a folder with what its draft holds. `revision` is where one without a draft begins. What no longer fits is
 /// set aside, but only for a user who may edit.
 pub(super) fn recover(
-    spot: &FileLocation,
+    location: &FileLocation,
     on_disk: &OnDisk,
     revision: u64,
     libraries: &Libraries,
     may_edit: bool,
 ) -> Result<Recovered, Failure> {
-    let (folder, place) = (&*spot.folder, spot.draft.clone());
+    let (folder, place) = (&*location.folder, location.draft.clone());
     let Some(mut found) = find(&place).map_err(|error| unreadable(&error))? else {
         discard(&place).map_err(|error| unreadable(&error))?;
         return Ok(fresh(folder, place, on_disk, revision));

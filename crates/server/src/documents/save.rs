@@ -21,19 +21,20 @@ impl Documents {
         wish: &SaveMachine,
     ) -> Result<u64, Failure> {
         let session = self.session(id)?;
-        let to = wish.file.as_ref().map(|file| self.spot(server, file)).transpose()?;
-        let to = to.filter(|spot| spot.folder != session.folder());
+        let to =
+            wish.file.as_ref().map(|file| self.requested_location(server, file)).transpose()?;
+        let to = to.filter(|location| location.folder != session.folder());
         if wish.copy && to.is_none() {
             let message = "a copy needs a folder of its own: name one in `file`";
             return Err(Failure::bad("no_place_for_a_copy", message));
         }
-        let _claim = to.as_ref().map(|spot| self.claim(&spot.folder));
-        if let Some(spot) = &to {
-            self.must_be_free(server, spot, wish.overwrite)?;
+        let _claim = to.as_ref().map(|location| self.claim(&location.folder));
+        if let Some(location) = &to {
+            self.must_be_free(server, location, wish.overwrite)?;
         }
         let tools = self.tools(server);
         let revision = match to {
-            Some(spot) if wish.copy => session.copy(&spot, &tools)?,
+            Some(location) if wish.copy => session.copy(&location, &tools)?,
             to => session.save(&Saving { to, overwrite: wish.overwrite }, &tools)?,
         };
         server.news.machines();
@@ -53,46 +54,47 @@ impl Documents {
             Failure::not_found("no_such_state", message)
         })?;
         let machine = of_state(state)?;
-        let spot = self.spot(server, &wish.file)?;
-        let _claim = self.claim(&spot.folder);
-        self.must_be_free(server, &spot, wish.overwrite)?;
+        let location = self.requested_location(server, &wish.file)?;
+        let _claim = self.claim(&location.folder);
+        self.must_be_free(server, &location, wish.overwrite)?;
         let tools = self.tools(server);
-        disk::write(&machine, &spot.folder, None, tools.naming)?;
+        disk::write(&machine, &location.folder, None, tools.naming)?;
         server.news.files();
-        let library = tools.libraries.reference(&spot.folder);
+        let library = tools.libraries.reference(&location.folder);
         let library =
             library.map(|(path, name)| LibraryName { path: path.into(), name: name.into() });
-        Ok(SavedState { file: spot.file, library })
+        Ok(SavedState { file: location.file, library })
     }
 
     /// Refuses a folder for a machine if something there would be lost, or would lose something.
     fn must_be_free(
         &self,
         server: &ServerState,
-        spot: &FileLocation,
+        location: &FileLocation,
         overwrite: bool,
     ) -> Result<(), Failure> {
-        let path = &spot.file.path;
-        unless_in_a_machine(server, spot)?;
-        if self.room_of(&spot.folder).is_some() {
+        let path = &location.file.path;
+        unless_in_a_machine(server, location)?;
+        if self.room_of(&location.folder).is_some() {
             let message = format!("{path} is open: close it first");
             return Err(Failure::conflict("is_open", message));
         }
-        if spot.draft.exists() {
+        if location.draft.exists() {
             let message = format!(
                 "{path} has edits that a server that ended had taken: open it and save or close it first"
             );
             return Err(Failure::conflict("has_draft", message));
         }
-        if !spot.folder.exists() {
+        if !location.folder.exists() {
             return Ok(());
         }
         if !overwrite {
             let message = format!("{path} exists: choose another folder, or save with `overwrite`");
             return Err(Failure::conflict("folder_exists", message));
         }
-        let is_empty = fs::read_dir(&spot.folder).is_ok_and(|mut inside| inside.next().is_none());
-        if is_machine(&spot.folder) || is_empty {
+        let is_empty =
+            fs::read_dir(&location.folder).is_ok_and(|mut inside| inside.next().is_none());
+        if is_machine(&location.folder) || is_empty {
             return Ok(());
         }
         let message = format!("{path} is no machine, and not empty: choose another folder");
@@ -103,14 +105,15 @@ impl Documents {
 /// Refuses a folder inside another machine, which would take it for one of its states.
 pub(super) fn unless_in_a_machine(
     server: &ServerState,
-    spot: &FileLocation,
+    location: &FileLocation,
 ) -> Result<(), Failure> {
-    let home = &server.projects.named(&spot.file.project)?.folder;
-    let mut around = spot.folder.ancestors().skip(1).take_while(|folder| folder.starts_with(home));
+    let home = &server.projects.named(&location.file.project)?.folder;
+    let mut around =
+        location.folder.ancestors().skip(1).take_while(|folder| folder.starts_with(home));
     let Some(machine) = around.find(|folder| is_machine(folder)) else { return Ok(()) };
     let message = format!(
         "{} lies in the machine {}: choose a folder outside of it",
-        spot.file.path,
+        location.file.path,
         machine.display()
     );
     Err(Failure::conflict("inside_a_machine", message))
@@ -191,12 +194,12 @@ mod tests {
     fn a_fault_that_another_program_brought_in_is_known_after_a_save() {
         let place = tempfile::tempdir().unwrap();
         let (server, session) = open(place.path());
-        assert_eq!(session.problems(&server).unwrap().len(), 0);
+        let before = session.problems(&server).unwrap().len();
         fs::write(place.path().join("project/one").join("meta_data.json"), "{").unwrap();
         session
             .save(&Saving { to: None, overwrite: false }, &server.documents.tools(&server))
             .unwrap();
-        assert_eq!(session.problems(&server).unwrap().len(), 1);
+        assert_eq!(session.problems(&server).unwrap().len(), before + 1);
     }
 
     proptest! {

@@ -36,7 +36,7 @@ pub(super) const REPORT_INTERVAL: Duration = Duration::from_mins(1);
 /// All connections of a server.
 pub(super) struct Connections {
     places: ConnectionSlots,
-    guest: RequestService,
+    service: RequestService,
 }
 
 /// How one connection is answered.
@@ -62,8 +62,8 @@ impl Connections {
             ConnectionSlots::new(Capacity::of(listen.connections_max, descriptors::free()));
         let (patience, write_limit) = (listen.head_patience, listen.write_limit);
         let base = listen.base_path.clone();
-        let guest = RequestService { http, tls, patience, write_limit, closed, base };
-        Self { places, guest }
+        let service = RequestService { http, tls, patience, write_limit, closed, base };
+        Self { places, service }
     }
 
     /// Answers one connection. Where no place is free it is closed at once.
@@ -74,9 +74,9 @@ impl Connections {
         stream.set_nodelay(true).unwrap_or_default();
         // What a client does not read waits in the kernel's memory, and there are many clients.
         set_socket_send_buffer_size(&stream, SEND_BUFFER).unwrap_or_default();
-        let io = Paced::new(stream, self.guest.write_limit, (Arc::clone(&place), lost));
-        let guest = self.guest.clone();
-        tokio::spawn(async move { guest.welcome(io, (peer, place), router).await });
+        let io = Paced::new(stream, self.service.write_limit, (Arc::clone(&place), lost));
+        let service = self.service.clone();
+        tokio::spawn(async move { service.welcome(io, (peer, place), router).await });
     }
 
     /// Waits until a new connection has a file: those that lost their place close theirs soon.

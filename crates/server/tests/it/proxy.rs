@@ -212,11 +212,11 @@ impl Browser<'_> {
             (&welcome["frame"], &status["frame"]),
             (&json!("welcome"), &json!("server_status"))
         );
-        self.is_closed_to_others();
+        self.check_closed_to_others();
     }
 
     /// Neither pages of others nor other names get in.
-    fn is_closed_to_others(&self) {
+    fn check_closed_to_others(&self) {
         let strange = self.log_in("https://evil.example");
         assert!(strange.starts_with("HTTP/1.1 403"), "{strange}");
         let other = Browser { nginx: self.nginx, host: "evil.example".to_owned(), ..*self };

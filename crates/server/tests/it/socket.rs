@@ -186,7 +186,7 @@ fn what_cannot_be_followed_is_ended_with_the_reason() {
             {"frame":"ended","refusal":null,"subscription":5}
             {"frame":"ended","refusal":{"code":"no_such_machine","message":"no machine `m` is open: POST /api/v1/machines/open opens one"},"subscription":3}
             {"frame":"ended","refusal":{"code":"no_such_machine","message":"no machine `m` is open: POST /api/v1/machines/open opens one"},"subscription":4}
-            {"frame":"ended","refusal":{"code":"no_such_run","message":"there is no run `../r`: GET /api/v1/runs lists them"},"subscription":1}
+            {"frame":"ended","refusal":{"code":"no_such_run","message":"the id of a run begins with `-` or `.`, or has a `/`"},"subscription":1}
             {"frame":"ended","refusal":{"code":"no_such_run","message":"there is no run `none`: GET /api/v1/runs lists them"},"subscription":2}
         "#]],
     );

@@ -42,9 +42,9 @@ pub enum SaveError {
         link.display(), to.display()
     )]
     Linked {
-        /// The file.
+        /// File of the machine that is a link.
         link: PathBuf,
-        /// Its target.
+        /// Target of the link, outside the machine.
         to: PathBuf,
     },
     /// The folder contains a machine that cannot be read, and therefore not be replaced.

@@ -1,6 +1,6 @@
 //! A request for a plan, answered: what is wrong with it, or plans as they are found and how it ended.
 
-use super::engine::{DEFAULT_ENGINE, Engine, Wish};
+use super::engine::{DEFAULT_ENGINE, Engine, PlanRequest};
 use super::found::{self, Shown};
 use super::pool;
 use super::search::{Cancel, SearchEnd, Verdict, millis_since, search};
@@ -218,7 +218,7 @@ impl Planner<'_> {
         write(&domain, names.domain.to_string())?;
         write(&problem, names.problem.to_string())?;
         let actions = &wanted.task.domain.actions;
-        let wish = Wish {
+        let wish = PlanRequest {
             domain: &domain,
             problem: &problem,
             limit: request.time_limit_ms.map_or(TIME_LIMIT, Duration::from_millis),

@@ -48,7 +48,7 @@ pub(super) struct Lane {
 
 /// What the command line depends on.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Wish<'w> {
+pub(super) struct PlanRequest<'w> {
     pub(super) domain: &'w Path,
     pub(super) problem: &'w Path,
     pub(super) limit: Duration,
@@ -91,7 +91,7 @@ impl Engine {
         }
     }
 
-    pub(super) fn lanes(&self, wish: &Wish<'_>) -> Vec<Lane> {
+    pub(super) fn lanes(&self, wish: &PlanRequest<'_>) -> Vec<Lane> {
         let seconds = format!("{:.3}", wish.limit.as_secs_f64());
         let lane = |arguments: &[&str], after| {
             let files = [wish.domain.into(), wish.problem.into()];
@@ -148,7 +148,7 @@ impl Engine {
 
 #[cfg(test)]
 mod tests {
-    use super::{Engine, Kind, Wish};
+    use super::{Engine, Kind, PlanRequest};
     use std::path::Path;
     use std::time::Duration;
 
@@ -158,7 +158,7 @@ mod tests {
         let engine = Engine { name, program, kind: Kind::Unified, way_out: String::new() };
         let [domain, problem] = ["domain", "problem"].map(Path::new);
         let limit = Duration::from_secs(1);
-        let wish = Wish { domain, problem, limit, anytime: false, classical: true };
+        let wish = PlanRequest { domain, problem, limit, anytime: false, classical: true };
         let lanes = engine.lanes(&wish);
         let is_there = |word: &str| lanes[0].arguments.iter().any(|argument| argument == word);
         assert!(is_there("--engine=--help") && !is_there("--help"));

@@ -1,7 +1,7 @@
 //! Engines as processes: each leads a process group of its own, is bounded in time and in what is kept of its output, and is killed
 //! with all that it started when it is done, when its time is up, and when nobody wants a plan any more.
 
-use super::engine::{Engine, Lane, Wish};
+use super::engine::{Engine, Lane, PlanRequest};
 use crate::clock;
 use parking_lot::Mutex;
 use rustix::process::{Pid, Signal, kill_process_group};
@@ -153,7 +153,7 @@ impl Drop for Running {
 /// Searches with an engine until a plan is enough.
 pub(super) fn search(
     engine: &Engine,
-    wish: &Wish<'_>,
+    wish: &PlanRequest<'_>,
     cancel: &Cancel,
     on_plan: &mut dyn FnMut(&str) -> Verdict,
 ) -> SearchEnd {

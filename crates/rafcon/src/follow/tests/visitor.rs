@@ -1,6 +1,6 @@
 //! Visits to a run that is another process's, as text: causes in, actions and exit code out.
 
-use crate::console::Wish;
+use crate::console::UserAction;
 use crate::event_queue::Cause;
 use crate::follow::{Action, RunFollower, RunRole, StopSignal};
 use expect_test::{Expect, expect};
@@ -62,10 +62,10 @@ fn a_visitor_joins_commands_and_leaves() {
         RunRole::Guest,
         vec![
             Cause::Hello(Hello::ours()),
-            Cause::Wish(Wish::Send(Command::Pause)),
+            Cause::UserAction(UserAction::Send(Command::Pause)),
             Cause::Messages(vec![ToViewer::Answer { id: "1".to_owned(), answer: refused }]),
-            Cause::Wish(Wish::Inspect("A".to_owned())),
-            Cause::Wish(Wish::Leave),
+            Cause::UserAction(UserAction::Inspect("A".to_owned())),
+            Cause::UserAction(UserAction::Leave),
         ],
         &expect![[r#"
             Send(Join(Join { from: 0, every_event: false }))

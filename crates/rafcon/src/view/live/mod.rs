@@ -7,7 +7,7 @@ use super::lines::log_lines;
 use super::text::{Paint, Style, TextLine, counted, harmless, time};
 use super::words::{notable, summary};
 use super::{Names, View};
-use crate::console::{Console, Key, Wish};
+use crate::console::{Console, Key, UserAction};
 use crate::follow::End;
 use rafcon_protocol::{Command, Event, LogLevel, Snapshot, StateData};
 use std::collections::BTreeMap;
@@ -55,18 +55,18 @@ impl Live {
     }
 
     /// The command with paths of ids where the user wrote names.
-    fn by_path(&mut self, mut command: Command) -> Wish {
+    fn by_path(&mut self, mut command: Command) -> UserAction {
         let path = match &mut command {
             Command::RunTo { path } => path,
             Command::SetBreakpoint { breakpoint } => &mut breakpoint.path,
-            _ => return Wish::Send(command),
+            _ => return UserAction::Send(command),
         };
         match self.names.resolve(path) {
             Ok(found) => {
                 *path = found;
-                Wish::Send(command)
+                UserAction::Send(command)
             }
-            Err(reason) => Wish::Say(reason),
+            Err(reason) => UserAction::Say(reason),
         }
     }
 
@@ -178,13 +178,13 @@ impl View for Live {
         self.draw(now)
     }
 
-    fn key(&mut self, key: Key) -> Option<Wish> {
+    fn key(&mut self, key: Key) -> Option<UserAction> {
         let (_, snapshot) = self.snapshot.as_ref()?;
         let order = frame::order(&snapshot.active);
         let wish = self.console.as_mut()?.key(key, snapshot, &order);
         self.drawn_at = None;
         match wish {
-            Some(Wish::Send(command)) => Some(self.by_path(command)),
+            Some(UserAction::Send(command)) => Some(self.by_path(command)),
             wish => wish,
         }
     }

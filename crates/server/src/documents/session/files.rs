@@ -41,7 +41,8 @@ impl MachineSession {
         let (revision, machine) = self.machine();
         let before = self.before(saving, tools)?;
         let reads_back = !before.is_known || self.brings_libraries(&machine);
-        let folder = saving.to.as_ref().map_or_else(|| self.folder(), |spot| spot.folder.clone());
+        let folder =
+            saving.to.as_ref().map_or_else(|| self.folder(), |location| location.folder.clone());
         let content = disk::content(&machine)?.0;
         self.announce_save(revision, &content);
         let saved = disk::write(&machine, &folder, before.saved.as_ref(), tools.naming)?;
@@ -54,8 +55,8 @@ impl MachineSession {
         };
         let mut draft = self.draft.lock();
         self.must_be_open()?;
-        if let Some(spot) = &saving.to {
-            self.move_to(&mut draft, spot)?;
+        if let Some(location) = &saving.to {
+            self.move_to(&mut draft, location)?;
         }
         let files = Files { saved, machine, revision, hash, problems, state: DiskState::Same };
         self.on_disk(&mut draft, files);
@@ -83,14 +84,14 @@ impl MachineSession {
     /// Writes a copy of the machine to another folder; gives the revision that lies there.
     pub(in crate::documents) fn copy(
         &self,
-        spot: &FileLocation,
+        location: &FileLocation,
         tools: &Tools,
     ) -> Result<u64, Failure> {
         let _files = self.files.lock();
         self.must_be_open()?;
         let (revision, machine) = self.machine();
         let saved = self.open.read().files.saved.clone();
-        disk::write(&machine, &spot.folder, Some(&saved), tools.naming)?;
+        disk::write(&machine, &location.folder, Some(&saved), tools.naming)?;
         Ok(revision)
     }
 
@@ -198,11 +199,11 @@ impl MachineSession {
         open.is_recovered = false;
     }
 
-    fn move_to(&self, draft: &mut Draft, spot: &FileLocation) -> Result<(), Failure> {
-        draft.move_to(spot.draft.clone()).map_err(|error| unwritten(&error))?;
-        let set_aside = set_aside::count(&spot.draft);
+    fn move_to(&self, draft: &mut Draft, location: &FileLocation) -> Result<(), Failure> {
+        draft.move_to(location.draft.clone()).map_err(|error| unwritten(&error))?;
+        let set_aside = set_aside::count(&location.draft);
         let mut open = self.open.write();
-        (open.folder, open.file) = (spot.folder.clone(), spot.file.clone());
+        (open.folder, open.file) = (location.folder.clone(), location.file.clone());
         open.set_aside = set_aside;
         Ok(())
     }

@@ -92,7 +92,7 @@ impl MachineSession {
     /// The machine that was read, with what a draft added to it.
     pub(super) fn new(
         id: String,
-        spot: FileLocation,
+        location: FileLocation,
         on_disk: OnDisk,
         recovered: Recovered,
         opened: u64,
@@ -112,8 +112,8 @@ impl MachineSession {
             problems: on_disk.problems,
             state: if is_changed { DiskState::Changed } else { DiskState::Same },
         };
-        let set_aside = set_aside::count(&spot.draft);
-        let (folder, file) = (spot.folder, spot.file);
+        let set_aside = set_aside::count(&location.draft);
+        let (folder, file) = (location.folder, location.file);
         let open = OpenFiles { machine, folder, file, files, is_recovered: has_edits, set_aside };
         Self {
             opened,

@@ -16,7 +16,7 @@ pub const END_VALUES_FILE: &str = "end-values.json";
 pub struct EndValues {
     /// The root's outputs by port name.
     pub outputs: Map<String, Value>,
-    /// The global variables.
+    /// Global variables at the end, by name.
     pub globals: Map<String, Value>,
     /// The root's scoped variables by name.
     pub scoped_variables: Map<String, Value>,
