@@ -112,6 +112,12 @@ impl ShortRunWorld {
         }
     }
 
+    fn arrive_at_robot(&mut self, mut datagram: Vec<u8>) {
+        if !self.lose_some() {
+            let _of_an_earlier_start = self.robot.receive(self.now, &mut datagram, |_| {});
+        }
+    }
+
     /// Carries datagrams, of which one in five is lost.
     fn go_on(&mut self, steps: u64) {
         for _ in 0..steps {
@@ -119,10 +125,8 @@ impl ShortRunWorld {
             while let Some(datagram) = self.robot.transmit(self.now, &mut Journal).expect("room") {
                 self.arrive(datagram);
             }
-            while let Some(mut datagram) = self.station.transmit(self.now).expect("room") {
-                if !self.lose_some() {
-                    let _of_an_earlier_start = self.robot.receive(self.now, &mut datagram, |_| {});
-                }
+            while let Some(datagram) = self.station.transmit(self.now).expect("room") {
+                self.arrive_at_robot(datagram);
             }
         }
         for run in &self.kept {

@@ -91,6 +91,7 @@ pub(crate) fn host(
     let stream = adopt(py, fd)?;
     if current::embed() {
         fork::register(&py.import("rafcon._native")?)?;
+        py.import("rafcon._fork")?.call_method0("install_in_program")?;
     }
     Runtime::get(py)?.heed_plugins(py)?;
     let built = document.map(|document| document.built(py, &roots.libraries));

@@ -151,7 +151,7 @@ mod tests {
         assert!(bomb.len() < 3, "{} parts", bomb.len());
         assert!(matches!(read(&bomb), Taken::TooLong(_, ABOUT_MAX)));
         let mut said = bomb;
-        said[0][1..5].copy_from_slice(&(ABOUT_MAX as u32 + 1).to_le_bytes());
+        said[0][1..5].copy_from_slice(&u32::try_from(ABOUT_MAX + 1).unwrap().to_le_bytes());
         assert!(matches!(read(&said[..1]), Taken::TooLong(_, ABOUT_MAX)));
     }
 

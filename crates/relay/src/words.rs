@@ -46,7 +46,7 @@ pub(crate) enum RunFate {
     Removed,
 }
 
-/// How a run stands, as its robot says with each status.
+/// State of a run, as its robot reports it with each status.
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(default)]
 pub(crate) struct ReportedRunState {
@@ -191,7 +191,7 @@ mod tests {
         let requests = vec!["a".repeat(64); 64];
         let control = Control { requests, silence_ms: 1, ..Control::default() };
         let reported = ReportedRunState::of(RunFate::Live, Some(control), 0);
-        assert!(serde_json::to_vec(&stands).expect("words").len() < 400);
+        assert!(serde_json::to_vec(&reported).expect("words").len() < 400);
     }
 
     #[test]
@@ -200,7 +200,7 @@ mod tests {
         let control = Control { holder, heard_ms: 1_000, silence_ms: 500, ..Control::default() };
         let heard = |now_ms| {
             let reported = ReportedRunState::of(RunFate::Live, Some(control.clone()), now_ms);
-            let control = stands.control("station", 90_000).expect("control");
+            let control = reported.control("station", 90_000).expect("control");
             (control.holder.expect("a holder"), 90_000 - control.heard_ms)
         };
         assert_eq!(heard(1_499), ("cy@robot".to_owned(), 0));

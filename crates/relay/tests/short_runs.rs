@@ -1,6 +1,8 @@
 //! Short runs of one robot, one after the other, more than its station can have open at a time: each arrives, is closed, and costs
 //! nothing afterwards. `RAFCON_TEST_SHORT_RUNS` sets how many; `cargo xtask soak --station 100000` prints figures.
 
+#![expect(clippy::unwrap_used, reason = "a test ends where it goes wrong")]
+
 use rafcon_link::Profile;
 use rafcon_protocol::api::{Control, ControlMove, Right};
 use rafcon_protocol::{Command, Event, Outcome};

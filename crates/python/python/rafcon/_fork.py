@@ -24,6 +24,11 @@ def install():
     os.register_at_fork(before=_before, after_in_parent=_in_parent, after_in_child=_in_child)
 
 
+def install_in_program():
+    """Prepares forks of a program that runs machines itself. Its output and signals stay its own."""
+    os.register_at_fork(after_in_child=_become_main_thread)
+
+
 def _before():
     # Until the child has its own answer to signals they wait, or they would reach the runner through its handlers.
     _masks.before = signal.pthread_sigmask(signal.SIG_BLOCK, _SIGNALS)

@@ -53,7 +53,7 @@ fn truncated_json() {
     place.write(FIRST, "{\"name\": \"First\", \"outco");
     check(
         &place,
-        &expect![[r#"
+        &expect![[r"
             check: 1
             error: Root/First: is not JSON: line 1, column 25: a string without end
                 correct the file by hand or restore it; it stays as it is until this part of the state is changed
@@ -63,7 +63,7 @@ fn truncated_json() {
                 at ROOT
             Root: 2 states, 2 errors, no notes
             run: finished, 4 aborted
-        "#]],
+        "]],
     );
 }
 
@@ -125,7 +125,7 @@ fn a_truncated_root() {
     place.write("core_data.json", "{");
     check(
         &place,
-        &expect![[r#"
+        &expect![[r"
             check: 1
             error: UNREAD: is not JSON: line 1, column 2: expected a key in quotes
                 correct the file by hand or restore it; it stays as it is until this part of the state is changed
@@ -135,7 +135,7 @@ fn a_truncated_root() {
                 at UNREAD/AAAAAA
             UNREAD: 2 states, 1 error, 1 note
             run: load_failed: the root state cannot be read, so the machine does not run: core_data.json: is not JSON: line 1, column 2: expected a key in quotes; correct the file, or restore it, 1 
-        "#]],
+        "]],
     );
 }
 
@@ -264,7 +264,7 @@ fn a_folder_without_core_data() {
     std::fs::remove_file(place.machine().join(FIRST)).unwrap();
     check(
         &place,
-        &expect![[r#"
+        &expect![[r"
             check: 1
             error: Root: transition 1: it leads to AAAAAA, which does not exist
                 connect the end with a child or an outcome of the container, or remove the transition
@@ -274,7 +274,7 @@ fn a_folder_without_core_data() {
                 at ROOT
             Root: 1 state, 2 errors, no notes
             run: waiting: there is no start state: connect the income, or stop the run, 1 preempted
-        "#]],
+        "]],
     );
     std::fs::remove_file(place.machine().join("core_data.json")).unwrap();
     check(

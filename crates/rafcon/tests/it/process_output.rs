@@ -106,7 +106,7 @@ fn a_flood_arrives_in_order() {
         "import subprocess\ndef execute(self, inputs, outputs, gvm):\n    subprocess.run(['seq', '20000'])\n    return 0",
     );
     let answer = place.run("");
-    let expected: String = (1..=20_000).map(|number| format!("{number}\n")).collect();
+    let expected = (1..=20_000).fold(String::new(), |lines, number| lines + &format!("{number}\n"));
     assert_eq!((answer.code, answer.log() == expected), (Some(0), true), "{}", answer.stderr);
 }
 

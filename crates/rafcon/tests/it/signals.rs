@@ -1,10 +1,11 @@
 //! Ctrl-C, hang-ups and kills while a machine runs. The machine says by its output when it is where it is wanted.
 
 use crate::harness::{Place, Run};
+use crate::torture::number;
 use rustix::process::Signal;
 use std::io::Write as _;
 use std::time::Duration;
-use std::{env, fs, thread};
+use std::{fs, thread};
 
 /// How many doubled signals are sent, where a few are not enough.
 const SIGNALS: &str = "RAFCON_TEST_SIGNALS";
@@ -118,7 +119,7 @@ fn parks(signals: [Signal; 2], apart: Duration) -> bool {
 /// The long form waits up to nearly two seconds between two signals.
 #[test]
 fn a_doubled_signal_leaves_the_machine_its_recovery() {
-    let pairs: u64 = env::var(SIGNALS).map_or(4, |count| count.parse().unwrap());
+    let pairs = number(SIGNALS).unwrap_or(4);
     let apart_ms = |number| 5 + number * 1_900 / 100.max(pairs);
     let killed = (0..pairs).zip(PAIRS.into_iter().cycle()).filter(|(number, signals)| {
         let apart = Duration::from_millis(apart_ms(*number));

@@ -26,8 +26,10 @@ impl RunNumbers {
         // Without the list, the station reports runs that share a number.
         let bytes = fs::read(&path).unwrap_or_default();
         let entry = |entry: &[u8; ENTRY]| {
-            let [a, b, c, d, e, f, g, h] = *entry;
-            (StreamId(u32::from_be_bytes([a, b, c, d])), u32::from_be_bytes([e, f, g, h]))
+            let both = u64::from_be_bytes(*entry);
+            let [stream, start] = [both >> 32, both & u64::from(u32::MAX)];
+            let number = |half: u64| u32::try_from(half).unwrap_or_default();
+            (StreamId(number(stream)), number(start))
         };
         let taken = bytes.as_chunks().0.iter().take(NUMBERS_MAX).map(entry).collect();
         Self { path, taken }

@@ -178,13 +178,7 @@ impl RobotRuns {
             let is_over = matches!(writer_of(&folder), Ok(None)) && !self.all.contains_key(&id);
             // What cannot be read is not sent, as if it were not there.
             if is_over && self.begin(&id, &folder, session).unwrap_or(false) {
-                if let Some(run) = self.all.get_mut(&id) {
-                    run.is_older = true;
-                    for stream in run.streams() {
-                        session.set_rank(stream, Rank::Last);
-                        session.ask_first(stream);
-                    }
-                }
+                self.all.get_mut(&id).iter_mut().for_each(|run| run.send_last(session));
                 self.gone(&id, session);
                 open += 1;
             }
@@ -511,6 +505,15 @@ impl RobotRuns {
 }
 
 impl RobotRun {
+    /// Sends an older run after all newer ones.
+    fn send_last(&mut self, session: &mut RobotSession) {
+        self.is_older = true;
+        for stream in self.streams() {
+            session.set_rank(stream, Rank::Last);
+            session.ask_first(stream);
+        }
+    }
+
     /// Its events, and what is to be known about it besides.
     fn streams(&self) -> [StreamId; 2] {
         [self.events, ids::about_beside(self.events)]

@@ -173,7 +173,9 @@ impl StationRobot {
                     self.opened(events, open);
                 }
                 RestoredState::Left => {
-                    streams.into_iter().for_each(|(it, last)| self.session.settle(it, last));
+                    for (stream, last) in streams {
+                        self.session.settle(stream, last);
+                    }
                 }
                 RestoredState::Whole => {
                     let whole = streams.into_iter();

@@ -144,13 +144,12 @@ impl Record {
 
     /// The current file, opened if it is not yet.
     fn current(&mut self) -> io::Result<&mut File> {
-        let file = match self.file.take() {
-            Some(file) => file,
-            None => {
-                let file = private::open(&file(&self.folder, 0)).map_err(io::Error::other)?;
-                self.bytes = file.metadata()?.len();
-                file
-            }
+        let file = if let Some(file) = self.file.take() {
+            file
+        } else {
+            let file = private::open(&file(&self.folder, 0)).map_err(io::Error::other)?;
+            self.bytes = file.metadata()?.len();
+            file
         };
         Ok(self.file.insert(file))
     }

@@ -173,7 +173,7 @@ fn has_port(host: &str) -> bool {
     host.rsplit(']').next().is_some_and(|rest| rest.contains(':'))
 }
 
-/// Some proxies name the scheme of WebSockets.
+/// Some proxies name the scheme of `WebSocket`s.
 fn is_secure(scheme: &str) -> Option<bool> {
     match scheme.to_ascii_lowercase().as_str() {
         "https" | "wss" => Some(true),

@@ -191,17 +191,17 @@ fn doubled_signals_leave_a_machine_its_recovery() {
 fn a_process_that_never_answers_is_killed_by_signal_or_time() {
     check(
         "1 terminate\n 1 exited 9\n 2 tick",
-        &expect![[r#"
+        &expect![[r"
             1: Kill
             2: Killed { timed_out: false, has_begun: false, active: [] }, exit code 5
-        "#]],
+        "]],
     );
     check(
         "10 tick\n 10 exited 9\n 11 tick",
-        &expect![[r#"
+        &expect![[r"
             10: Kill
             11: Killed { timed_out: true, has_begun: false, active: [] }, exit code 6
-        "#]],
+        "]],
     );
 }
 
