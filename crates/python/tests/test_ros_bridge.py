@@ -13,7 +13,7 @@ import urllib.parse
 import stage  # noqa: F401, it brings the package
 from building import call
 from rafcon.ros.bridge import _machines, _mapping, _markers, _state
-from rafcon.ros.bridge._client import Client, Refused
+from rafcon.ros.bridge._client import Client, NoAnswer, Refused
 from rafcon.ros.bridge._goals import Refusal, inputs_of_text
 from rafcon.ros.bridge._machines import Machine
 from rafcon.ros.bridge._mapping import Unfit
@@ -141,7 +141,8 @@ class Requests(unittest.TestCase):
 
     def test_the_client_goes_on_after_an_answer_that_closes_the_connection(self):
         for _ in range(3):
-            with self.assertRaisesRegex(Refused, "^POST /api/v1/runs/x+…: the server answers 414 Request-URI Too Long$"):
+            # The kernel drops the answer of a server that closes a connection with unread bytes, at times.
+            with self.assertRaisesRegex((Refused, NoAnswer), "answers 414 Request-URI Too Long$|does not answer"):
                 self.client.post(("runs", "x" * 100_000, "commands"), {})
             self.assertEqual(self.client.get("runs", "r1")[-1], "r1")
 

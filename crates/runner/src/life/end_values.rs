@@ -89,9 +89,22 @@ impl View {
                 json!({ "__repr__": shown, "__class__": "str", "__len__": text.chars().count() })
             }
             Value::Array(items) => self.list(items, depth),
-            Value::Object(members) => self.dict(members, depth),
+            Value::Object(members) => match tag_of(members) {
+                Some((tag, inner)) => self.tagged(tag, inner, depth),
+                None => self.dict(members, depth),
+            },
             short => short.clone(),
         }
+    }
+
+    /// Shortens a value with a tag as a whole: a tag around a shortened content would be another value.
+    fn tagged(&mut self, tag: &str, inner: &Value, depth: usize) -> Value {
+        let mut shown = self.at(inner, depth);
+        if shown.is_object() && !inner.is_object() {
+            shown["__class__"] = tag.trim_matches('_').into();
+            return shown;
+        }
+        json!({ tag: shown })
     }
 
     fn list(&mut self, items: &[Value], depth: usize) -> Value {
@@ -128,6 +141,13 @@ impl View {
     }
 }
 
+/// The tag of a value that JSON does not have, such as a tuple, and its content.
+fn tag_of(members: &Map<String, Value>) -> Option<(&str, &Value)> {
+    let (tag, inner) = members.iter().next().filter(|_| members.len() == 1)?;
+    let is_tag = tag.len() > 4 && tag.starts_with("__") && tag.ends_with("__");
+    is_tag.then_some((tag.as_str(), inner))
+}
+
 #[cfg(test)]
 mod tests {
     use super::{WHOLE_MAX, bounded};
@@ -151,6 +171,22 @@ mod tests {
         let event = finished(&json!({ "text": "x".repeat(2_000), "list": vec![0; 1_000] }));
         assert_eq!(bounded(event.clone(), folder.path()), (event, None));
         assert_eq!(EndValues::read(folder.path()).unwrap(), None);
+    }
+
+    #[test]
+    fn a_long_value_with_a_tag_is_shortened_as_a_whole() {
+        let folder = tempfile::tempdir().unwrap();
+        let outputs = json!({
+            "number": { "__int__": "9".repeat(40_000) },
+            "pair": { "__tuple__": [1, 2] },
+            "tuple": { "__tuple__": vec![7; 50_000] },
+        });
+        let (event, _) = bounded(finished(&outputs), folder.path());
+        let Event::Finished { outputs: views, .. } = event else { panic!("the end") };
+        let class = |name: &str| (&views[name]["__class__"], &views[name]["__len__"]);
+        assert_eq!(class("number"), (&json!("int"), &json!(40_000)));
+        assert_eq!(class("tuple"), (&json!("tuple"), &json!(50_000)));
+        assert_eq!(views["pair"], json!({ "__tuple__": [1, 2] }));
     }
 
     #[test]

@@ -54,7 +54,11 @@ class Client:
         connection = getattr(self._kept, "connection", None) or self._connected()
         try:
             connection.sock.settimeout(patience_s)
-            connection.request(method, address, body, self._headers)
+            try:
+                connection.request(method, address, body, self._headers)
+            except (BrokenPipeError, ConnectionResetError):
+                # The server may have refused the request before it was sent whole; its answer follows.
+                pass
             answer = connection.getresponse()
             text = answer.read()
         except BaseException:
