@@ -181,7 +181,7 @@ pub(crate) fn torture(options: &TortureOptions) -> Result<()> {
 }
 
 /// A test of whole processes in a release build; its environment says how long it is.
-fn long_form(test: &str) -> Command {
+pub(crate) fn long_form(test: &str) -> Command {
     let mut cargo = process::cargo();
     cargo.args(["test", "--release", "-q", "-p", "rafcon", "--test", "it", test]);
     cargo.args(["--", "--exact", "--nocapture"]);

@@ -14,6 +14,7 @@ mod ci;
 mod conformance;
 mod demo;
 mod dist;
+mod limits;
 mod link;
 mod link_demo;
 mod long_tests;
@@ -81,6 +82,8 @@ enum Task {
     Ros(ros::RosOptions),
     /// Build, lint and test `rafcon-ros`, which lies in a workspace of its own.
     RosHelper,
+    /// Reach the limits: 100,000 short runs at a station, edits between kills, strangers, signals, values; print the figures.
+    Limits(limits::LimitsOptions),
     /// Do for long what the tests do briefly: random runs of the engine, saves that are killed, a server's clients.
     Soak(long_tests::SoakOptions),
     /// Damage files of runs, and check that what is read of them is true or said to be damaged.
@@ -125,6 +128,7 @@ fn run(task: Task) -> anyhow::Result<()> {
         Task::Zenoh => zenoh::test(),
         Task::Ros(options) => ros::run(&options),
         Task::RosHelper => ros_helper::test(),
+        Task::Limits(options) => limits::run(&options),
         Task::Soak(options) => long_tests::soak(&options),
         Task::Corrupt(options) => long_tests::corrupt(&options),
         Task::Torture(options) => long_tests::torture(&options),

@@ -142,7 +142,7 @@ class Requests(unittest.TestCase):
     def test_the_client_goes_on_after_an_answer_that_closes_the_connection(self):
         for _ in range(3):
             # The kernel drops the answer of a server that closes a connection with unread bytes, at times.
-            with self.assertRaisesRegex((Refused, NoAnswer), "answers 414 Request-URI Too Long$|does not answer"):
+            with self.assertRaisesRegex((Refused, NoAnswer), "answers 414 |does not answer"):
                 self.client.post(("runs", "x" * 100_000, "commands"), {})
             self.assertEqual(self.client.get("runs", "r1")[-1], "r1")
 

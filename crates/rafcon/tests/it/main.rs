@@ -10,6 +10,7 @@ mod commands;
 mod corrupt;
 mod crowd;
 mod debugging;
+mod edit_torture;
 mod endings;
 mod examples;
 mod full_disk;
