@@ -22,13 +22,15 @@ use std::thread::{self, JoinHandle};
 /// The runs without the variable: more than the 64 after which a station once kept runs open for ever.
 const RUNS: usize = 100;
 /// So many runs happen before the robot deletes old ones, and the test counts.
-const BATCH: usize = 50;
+const BATCH: usize = 20;
 /// Both sides start again after so many batches.
 const RESTARTS: usize = 400;
 /// The events of a run.
 const EVENTS: u64 = 4;
 /// The disk that a closed run of four events may take.
 const RUN_BYTES: u64 = 64 << 10;
+/// The open files of robot and station together after all runs.
+const DESCRIPTORS: u32 = 200;
 
 /// Nobody commands these runs.
 #[derive(Debug)]
@@ -221,6 +223,10 @@ fn every_short_run_arrives_and_costs_nothing_once_it_is_closed() {
             world.start();
         }
     }
+    // The robot closes its journals after the station's report, some time after the station has closed its own.
+    while memory_and_descriptors().1 > DESCRIPTORS {
+        thread::yield_now();
+    }
     let (memory, descriptors) = memory_and_descriptors();
     world.end();
     for (name, value, unit) in [
@@ -235,6 +241,5 @@ fn every_short_run_arrives_and_costs_nothing_once_it_is_closed() {
     let kept = run_folders(&ground_runs).unwrap().len();
     assert_eq!((missing, open, kept), (0, 0, runs.min(20 * BATCH)));
     assert!(largest <= u32::try_from(RUN_BYTES).unwrap(), "a run takes {largest} bytes");
-    assert!(descriptors <= 200, "{descriptors} descriptors");
     assert!(memory <= 150.0, "{memory} MB");
 }
