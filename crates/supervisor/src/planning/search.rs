@@ -15,7 +15,7 @@ use std::time::{Duration, Instant};
 
 /// A longer line is no plan.
 const LINE_MAX: u64 = 8 << 20;
-/// How much of what an engine says besides plans is kept, from its end.
+/// Bytes kept from the end of an engine's output besides plans.
 const SAID_BYTES: usize = 2048;
 /// An engine that does not end by itself is given so much more time than its limit.
 const GRACE: Duration = Duration::from_millis(300);
@@ -346,7 +346,7 @@ fn start(index: usize, lane: &Lane, sender: &SyncSender<Message>) -> io::Result<
     Ok(child)
 }
 
-/// Passes on what looks like a plan, and at the end what was said last of the rest.
+/// Passes on lines of plans, and at the end the last bytes of all other output.
 fn read_lines(from: Option<impl Read>, index: usize, tell: &SyncSender<Message>) {
     let mut reader = from.map(BufReader::new);
     let (mut line, mut other) = (Vec::new(), Vec::new());
