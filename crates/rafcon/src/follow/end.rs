@@ -15,8 +15,8 @@ pub(crate) enum End {
     },
     /// The machine could only wait, and was stopped because nobody watched.
     OnlyWaited {
-        /// Reason of the waiting.
-        reason: String,
+        /// For what it waited.
+        awaited: String,
     },
     /// The machine could not be loaded, or the run lets no one in.
     LoadFailed {

@@ -213,10 +213,8 @@ impl RunFollower {
             }
             ToViewer::Event { sequence, t_ns, event } => {
                 self.run_ns = t_ns;
-                match &event {
-                    Event::Finished { outcome, .. } => self.finished(now, outcome.clone()),
-                    Event::Waiting { reason, .. } => self.waiting.reason.clone_from(reason),
-                    _ => {}
+                if let Event::Finished { outcome, .. } = &event {
+                    self.finished(now, outcome.clone());
                 }
                 out.push(Action::Show(ToViewer::Event { sequence, t_ns, event }));
             }
@@ -231,21 +229,25 @@ impl RunFollower {
     fn finished(&mut self, now: Duration, outcome: Outcome) {
         let timed_out = self.timed_out;
         let stopped_for = self.waiting.stopped_for.take().filter(|_| !timed_out);
-        let waited = stopped_for.map(|reason| End::OnlyWaited { reason });
+        let waited = stopped_for.map(|awaited| End::OnlyWaited { awaited });
         self.finish(waited.unwrap_or(End::Finished { outcome, timed_out }));
         self.kill_at = Some(now + EXIT_TIMEOUT);
     }
 
     /// Reports a run of ours that can only wait, and stops it where nobody watches.
     fn may_only_wait(&mut self, snapshot: &Snapshot, out: &mut Vec<Action>) {
-        let reason = self.waiting.begins(snapshot).filter(|_| self.role == RunRole::Owner);
-        let Some(reason) = reason else { return };
+        let awaited = self.waiting.begins(snapshot).filter(|_| self.role == RunRole::Owner);
+        let Some(awaited) = awaited else { return };
         match &self.unattended {
-            None => out.push(Action::Note(format!("the run can only wait: {reason}"))),
+            None => out.push(Action::Note(format!(
+                "the run can only wait for {awaited}: add it to the machine, or stop the run"
+            ))),
             Some(Unattended(ends_itself)) if ends_itself() => {}
             Some(_) => {
-                self.say(&format!("the run can only wait: {reason}; stopping"), Command::Stop, out);
-                self.waiting.stopped_for = Some(reason);
+                let text =
+                    format!("the run can only wait for {awaited}, and nobody watches; stopping");
+                self.say(&text, Command::Stop, out);
+                self.waiting.stopped_for = Some(awaited);
             }
         }
     }

@@ -32,19 +32,67 @@ impl fmt::Debug for Unattended {
 /// Reports of waiting.
 #[derive(Debug, Default)]
 pub(super) struct Waiting {
-    /// Last reason that the run reported.
-    pub(super) reason: String,
     is_reported: bool,
-    /// Reason of our stop.
+    /// For what the run waited that we stopped.
     pub(super) stopped_for: Option<String>,
 }
 
 impl Waiting {
-    /// The reason, once each time that a run begins to wait for good.
+    /// For what the run waits, once each time that it begins to wait for good.
+    ///
+    /// The snapshot itself says it, because a snapshot can overtake the events before it.
     pub(super) fn begins(&mut self, snapshot: &Snapshot) -> Option<String> {
         let waits = can_only_wait(snapshot);
         let begins = waits && !self.is_reported;
         self.is_reported = waits;
-        begins.then(|| self.reason.clone())
+        begins.then(|| awaited(snapshot))
+    }
+}
+
+/// For what the states of a snapshot wait, each thing once.
+fn awaited(snapshot: &Snapshot) -> String {
+    let waiting = snapshot.active.iter().filter(|state| state.phase == Phase::Waiting);
+    let mut awaited: Vec<&str> = waiting.filter_map(|state| state.detail.as_deref()).collect();
+    awaited.sort_unstable();
+    awaited.dedup();
+    awaited.join(" and ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Nobody told the events that belong to it.
+    #[test]
+    fn a_snapshot_alone_says_what_is_awaited() {
+        let state = |path: &str, phase, detail: Option<&str>| ActiveState {
+            path: path.to_owned(),
+            name: String::new(),
+            phase,
+            since_ms: 0,
+            branch: String::new(),
+            detail: detail.map(str::to_owned),
+            held: Vec::new(),
+        };
+        let active = vec![
+            state("A", Phase::Running, None),
+            state("A/B", Phase::Waiting, Some("a start state")),
+            state("A/C", Phase::Waiting, Some("a child")),
+            state("A/D", Phase::Waiting, Some("a start state")),
+        ];
+        let snapshot = Snapshot {
+            status: RunStatus::Running,
+            active,
+            states_run: 0,
+            elapsed_ms: 0,
+            sequence: 0,
+            disk_safe: 0,
+            journal_problem: None,
+            breakpoints: Vec::new(),
+            questions: Vec::new(),
+        };
+        let mut waiting = Waiting::default();
+        assert_eq!(waiting.begins(&snapshot).as_deref(), Some("a child and a start state"));
+        assert_eq!(waiting.begins(&snapshot), None);
     }
 }

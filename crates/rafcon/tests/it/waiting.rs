@@ -17,20 +17,20 @@ fn a_run_that_can_only_wait_ends_where_nobody_watches() {
     check(
         "hierarchy ROOT \"Nothing\"\n  outcome success\n",
         &expect![[r"
-        error: Nothing: no state is in it
-        1 finished preempted
-        rafcon: the run can only wait: there is no start state: connect the income, or stop the run; stopping
-        error: the run could only wait, and nobody watched it: there is no start state: connect the income, or stop the run
-    "]],
+            error: Nothing: no state is in it
+            1 finished preempted
+            rafcon: the run can only wait for a start state, and nobody watches; stopping
+            error: the run could only wait for a start state: add it to the machine
+        "]],
     );
     check(
         "preemptive ROOT \"Nobody\"\n  outcome success\n",
         &expect![[r"
-        error: Nobody: no state is in it
-        1 finished preempted
-        rafcon: the run can only wait: a preemptive concurrency state without children never ends: add one, or stop the run; stopping
-        error: the run could only wait, and nobody watched it: a preemptive concurrency state without children never ends: add one, or stop the run
-    "]],
+            error: Nobody: no state is in it
+            1 finished preempted
+            rafcon: the run can only wait for a child, and nobody watches; stopping
+            error: the run could only wait for a child: add it to the machine
+        "]],
     );
     check(
         r#"
@@ -51,8 +51,8 @@ fn a_run_that_can_only_wait_ends_where_nobody_watches() {
         &expect![[r#"
             note: Both/Decider: outcome 0: no transition begins at the outcome `success`
             1 finished preempted
-            rafcon: the run can only wait: the outcome "success" of "Decider" leads nowhere: connect it, or stop the run; stopping
-            error: the run could only wait, and nobody watched it: the outcome "success" of "Decider" leads nowhere: connect it, or stop the run
+            rafcon: the run can only wait for a transition from the outcome "success" of "Decider", and nobody watches; stopping
+            error: the run could only wait for a transition from the outcome "success" of "Decider": add it to the machine
         "#]],
     );
 }

@@ -48,8 +48,8 @@ fn text(end: &End, names: &mut Names) -> String {
         End::Finished { timed_out: true, .. } => {
             "error: the time limit of --timeout expired; the machine was stopped".to_owned()
         }
-        End::OnlyWaited { reason } => {
-            format!("error: the run could only wait, and nobody watched it: {reason}")
+        End::OnlyWaited { awaited } => {
+            format!("error: the run could only wait for {awaited}: add it to the machine")
         }
         End::LoadFailed { reason } => format!("error: {reason}"),
         End::NotStarted { reason, said } => format!(
