@@ -2,10 +2,7 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use rafcon_link::{
-    Direction, EventBuffer, For, Generation, Identity, KeyId, PairingKey, Profile, RobotSession,
-    RangeSet, RunSource, Sealer, StationSession, StreamId, ValueId, ValueName,
-};
+use rafcon_link::{Direction, EventBuffer, For, Identity, KeyId, PairingKey, Profile, RangeSet, RobotSession, RunSource, Sealer, SenderStart, StationSession, StreamId, ValueId, ValueName};
 use std::time::Duration;
 
 struct Journal;
@@ -32,14 +29,14 @@ impl RunSource for Journal {
 // Datagrams, each with a byte that says what it is, and its length in fives before it.
 fuzz_target!(|bytes: &[u8]| {
     let (id, key, robot, profile) = (KeyId(1), PairingKey::from_bytes([7; 32]), "scout", Profile::DELAY_2S);
-    let identity = Identity { key_id: id, key: &key, robot, start: Generation(1), heard: None };
+    let identity = Identity { key_id: id, key: &key, robot, start: SenderStart::new(1, 0), heard: None };
     let mut robot_side = RobotSession::new(&identity, profile.clone());
     robot_side.begin(StreamId(1), 100);
     let mut station = StationSession::new(&identity, profile.clone());
     station.watch(StreamId(1), 1, b"the arm".to_vec()).expect("a short wish");
     let value = ValueName { stream: StreamId(1), number: 1, id: ValueId([4; 16]) };
     station.fetch(value, 20_000, RangeSet::default(), 40_000);
-    let sealer = |direction| Sealer::new((id, &key), robot, direction, Generation(2));
+    let sealer = |direction| Sealer::new((id, &key), robot, direction, SenderStart::new(2, 0));
     let (mut down, mut up) = (sealer(Direction::Down), sealer(Direction::Up));
     let (mut now, mut rest) = (Duration::ZERO, bytes);
     while let [how, length, after @ ..] = rest {

@@ -6,7 +6,7 @@ use crate::heard::Heard;
 use crate::profile::Pacer;
 use crate::seal::{
     Direction, For, Generation, Horizon, KeyId, OVERHEAD, Opened, Opener, PairingKey, Rejected,
-    SealError, Sealer,
+    SealError, Sealer, SenderStart,
 };
 use crate::traffic::Traffic;
 use std::time::Duration;
@@ -20,8 +20,8 @@ pub struct Identity<'k> {
     pub key: &'k PairingKey,
     /// The name of the robot.
     pub robot: &'k str,
-    /// The number of this start, which is on the disk.
-    pub start: Generation,
+    /// This start, whose number is on the disk.
+    pub start: SenderStart,
     /// What the last start heard of the other side.
     pub heard: Option<Horizon>,
 }
@@ -40,7 +40,7 @@ pub enum Unusable {
 /// One side of the link, without what it has to say.
 #[derive(Debug)]
 pub(crate) struct Endpoint {
-    pub(crate) start: Generation,
+    pub(crate) start: SenderStart,
     pub(crate) pacer: Pacer,
     pub(crate) heard: Heard,
     sealer: Sealer,

@@ -5,7 +5,7 @@ use crate::frame::{Events, StreamId, ValueId, ValueName};
 use crate::profile::Profile;
 use crate::range_set::RangeSet;
 use crate::robot::{EventBuffer, NewestValue, RobotSession, RunSource};
-use crate::seal::{Direction, For, Generation, KeyId, OVERHEAD, Opener, PairingKey, Sealer};
+use crate::seal::{Direction, For, KeyId, OVERHEAD, Opener, PairingKey, Sealer, SenderStart};
 use crate::station::{GAPS_MAX, NewCommand, OPEN_MAX, PARTS_MAX, StationSession};
 use proptest::prelude::*;
 use proptest::sample::Index;
@@ -61,15 +61,20 @@ fn wish(station: &mut StationSession) {
 }
 
 fn sessions() -> (RobotSession, StationSession) {
-    let identity =
-        Identity { key_id: ID, key: &key(), robot: "scout", start: Generation(1), heard: None };
+    let identity = Identity {
+        key_id: ID,
+        key: &key(),
+        robot: "scout",
+        start: SenderStart::new(1, 0),
+        heard: None,
+    };
     let mut robot = RobotSession::new(&identity, Profile::DELAY_2S);
     robot.begin(RUN, 0);
     (robot, StationSession::new(&identity, Profile::DELAY_2S))
 }
 
 fn sealer(direction: Direction) -> Sealer {
-    Sealer::new((ID, &key()), "scout", direction, Generation(2))
+    Sealer::new((ID, &key()), "scout", direction, SenderStart::new(2, 0))
 }
 
 /// The payloads of ten seconds of a robot and its station, in both directions.

@@ -39,7 +39,7 @@ pub use robot::{
 };
 pub use seal::{
     Direction, For, Generation, Horizon, KeyId, OVERHEAD, Opened, Opener, PairingKey, Rejected,
-    SealError, Sealer,
+    Salt, SealError, Sealer, SenderStart,
 };
 pub use station::{
     FetchProgress, FromRobot, NewCommand, NotSent, NotWatched, StationSession, StreamProgress,

@@ -5,7 +5,7 @@ use crate::frame::{Events, Frame, StreamId};
 use crate::profile::Profile;
 use crate::range_set::RangeSet;
 use crate::robot::{EventBuffer, RobotSession, RunSource};
-use crate::seal::{Direction, For, Generation, KeyId, PairingKey, Sealer};
+use crate::seal::{Direction, For, KeyId, PairingKey, Sealer, SenderStart};
 use crate::station::{FromRobot, OPEN_MAX, StationSession};
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::time::Duration;
@@ -173,7 +173,7 @@ impl ShortRunWorld {
 }
 
 fn identity(key: &PairingKey, start: u32) -> Identity<'_> {
-    let (key_id, start) = (KeyId(1), Generation(start));
+    let (key_id, start) = (KeyId(1), SenderStart::new(start, 0));
     Identity { key_id, key, robot: "scout", start, heard: None }
 }
 
@@ -221,7 +221,7 @@ fn a_settled_stream_goes_on_and_is_reported_when_the_robot_asks() {
 fn full() -> (StationSession, Sealer) {
     let key = PairingKey::from_bytes([7; 32]);
     let mut station = StationSession::new(&identity(&key, 1), Profile::LAN);
-    let mut robot = Sealer::new((KeyId(1), &key), "scout", Direction::Down, Generation(1));
+    let mut robot = Sealer::new((KeyId(1), &key), "scout", Direction::Down, SenderStart::new(1, 0));
     for run in (0..).take(OPEN_MAX) {
         name(&mut station, &mut robot, Duration::ZERO, run);
     }

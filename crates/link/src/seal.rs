@@ -2,26 +2,26 @@
 //! first datagram after a silence is as good as any other.
 //!
 //! The construction is that of CCSDS 355.0-B (space data link security) with the primitives of RFC 5869 and RFC 8439: one key for
-//! each direction and generation, derived by HKDF-SHA256 from a pairing key, and ChaCha20-Poly1305 with the full header as nonce and
-//! the header that is sent as associated data. To a receiver that said which packet number it has heard, a short header is sent, from
+//! each direction and start, derived by HKDF-SHA256 from a pairing key, and ChaCha20-Poly1305 with the full header up to its salt as
+//! nonce and the header that is sent as associated data. To a receiver that said which packet number it has heard, a short header is sent, from
 //! which it can tell the full one: as QUIC does it (RFC 9000, 17.1).
 
 use crate::replay_window::ReplayWindow;
 use ring::aead::{Aad, CHACHA20_POLY1305, LessSafeKey, NONCE_LEN, Nonce, UnboundKey};
-use ring::hkdf::{HKDF_SHA256, Prk, Salt};
+use ring::hkdf::{self, HKDF_SHA256, Prk};
 use ring::rand::{SecureRandom as _, SystemRandom};
 use std::fmt;
 
-/// What a sealed datagram is longer than its payload at most: the header and the tag, in bytes.
+/// Maximum bytes of the header and the tag of a datagram.
 pub const OVERHEAD: usize = HEADER + TAG;
 
-const VERSION: u8 = 3;
-const HEADER: usize = 12;
+const VERSION: u8 = 4;
+const HEADER: usize = NONCE_LEN + 4;
 const TAG: usize = 16;
 /// The first bit of a short header.
 const IS_SHORT: u8 = 0x80;
 const SHORT_HEADER: usize = 3;
-/// So many bits of the generation and of the key's number are in a short header.
+/// Mask of the bits of the generation and of the key's number in a short header.
 const FEW: u8 = 0b11;
 /// Packet numbers that differ by less than half of this are told apart by their last 16 bits.
 const SHORT_NUMBERS: u64 = 1 << 16;
@@ -30,7 +30,7 @@ const SHORT_NUMBERS: u64 = 1 << 16;
 const CONFIRMED_FOR: u64 = SHORT_NUMBERS / 4;
 /// Packet numbers have 48 bits.
 const NUMBERS: u64 = 1 << 48;
-const SALT: &[u8] = b"rafcon link 1";
+const HKDF_SALT: &[u8] = b"rafcon link 1";
 
 /// Which way a datagram goes. Each way has keys of its own, so that nothing can be sent back to its sender.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -63,7 +63,7 @@ impl Direction {
 pub struct PairingKey([u8; 32]);
 
 impl PairingKey {
-    /// A new one; nothing if the system gives no randomness.
+    /// A random key; `None` if the system has no randomness.
     pub fn generate() -> Option<Self> {
         let mut bytes = [0; 32];
         SystemRandom::new().fill(&mut bytes).ok()?;
@@ -103,16 +103,46 @@ impl Generation {
     }
 }
 
-/// What a receiver has received last, for its disk: after its restart, nothing up to here counts again.
+/// A random number of a sender's start. It is part of the key, so that two computers with copies of one disk never seal two datagrams
+/// with the same key and nonce.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Salt(pub u32);
+
+impl Salt {
+    /// A random salt; `None` if the system has no randomness.
+    pub fn generate() -> Option<Self> {
+        let mut bytes = [0; 4];
+        SystemRandom::new().fill(&mut bytes).ok()?;
+        Some(Self(u32::from_be_bytes(bytes)))
+    }
+}
+
+/// One start of a sender.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub struct SenderStart {
+    /// Number of the start, from 1.
+    pub generation: Generation,
+    /// Chosen by chance for this start.
+    pub salt: Salt,
+}
+
+impl SenderStart {
+    /// The start with these numbers.
+    pub const fn new(generation: u32, salt: u32) -> Self {
+        Self { generation: Generation(generation), salt: Salt(salt) }
+    }
+}
+
+/// Last datagram that a receiver opened, for its disk: after its restart, nothing up to it counts again.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Horizon {
-    /// The newest generation.
-    pub generation: Generation,
-    /// The newest packet number of that generation.
+    /// The newest start.
+    pub start: SenderStart,
+    /// The newest packet number of that start.
     pub number: u64,
 }
 
-/// Why a datagram cannot be sealed.
+/// Error of [`Sealer::seal`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum SealError {
     /// All packet numbers of this generation are used.
@@ -120,7 +150,7 @@ pub enum SealError {
     NumbersUsed,
 }
 
-/// Why a datagram was rejected. Nothing was changed by it.
+/// Error of [`Opener::open`]. The opener is unchanged.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum Rejected {
     /// It is shorter than any datagram.
@@ -145,6 +175,12 @@ pub enum Rejected {
         /// The newest one.
         newest: Generation,
     },
+    /// Another start of the other side has this number: its disk was copied or restored.
+    #[error(
+        "a datagram is of another start {} of its sender than the one that was heard: its disk was copied or restored; pair one of \
+         the two again", .0.0
+    )]
+    Copied(Generation),
     /// Its short header does not say which start it is of, and it is not of the one that was heard.
     #[error(
         "a datagram with a short header is of a start of its sender that was not heard yet, or is over: the next one with a full header \
@@ -175,7 +211,7 @@ pub struct Opened<'d> {
 pub struct Sealer {
     key: LessSafeKey,
     key_id: KeyId,
-    generation: Generation,
+    start: SenderStart,
     next: u64,
     /// The first number under this key.
     first: u64,
@@ -183,7 +219,7 @@ pub struct Sealer {
     confirmed: Option<u64>,
 }
 
-/// Who is to open a datagram.
+/// Receivers that have to be able to open a datagram.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum For {
     /// The receiver that confirmed one lately; anyone, if none did.
@@ -211,10 +247,10 @@ impl Sealer {
         (key_id, key): (KeyId, &PairingKey),
         robot: &str,
         direction: Direction,
-        generation: Generation,
+        start: SenderStart,
     ) -> Self {
-        let key = derived(key, robot, direction, generation);
-        Self { key, key_id, generation, next: 0, first: 0, confirmed: None }
+        let key = derived(key, robot, direction, start);
+        Self { key, key_id, start, next: 0, first: 0, confirmed: None }
     }
 
     /// Continues the numbers of the sealer before this one, so that what the receiver confirms is known to be of this key.
@@ -235,22 +271,22 @@ impl Sealer {
         self.confirmed = None;
     }
 
-    /// Writes the sealed datagram behind what is in `out`; answers its packet number.
+    /// Appends the sealed datagram to `out` and returns its packet number.
     pub fn seal(&mut self, whom: For, payload: &[u8], out: &mut Vec<u8>) -> Result<u64, SealError> {
         let number = self.next;
         if number >= NUMBERS {
             return Err(SealError::NumbersUsed);
         }
-        let full = header(self.key_id, self.generation, number);
+        let full = header(self.key_id, self.start, number);
         let is_near = self.confirmed.is_some_and(|confirmed| number - confirmed < CONFIRMED_FOR);
         let sent = match whom {
-            For::Confirmed if is_near => short_header(self.key_id, self.generation, number),
+            For::Confirmed if is_near => short_header(self.key_id, self.start.generation, number),
             _ => Header { bytes: full, length: HEADER },
         };
         let start = out.len();
         out.extend_from_slice(sent.sent());
         out.extend_from_slice(payload);
-        let (nonce, sealed) = (nonce(full), &mut out[start + sent.length..]);
+        let (nonce, sealed) = (nonce(&full), &mut out[start + sent.length..]);
         let tag = self.key.seal_in_place_separate_tag(nonce, Aad::from(sent.sent()), sealed);
         let Ok(tag) = tag else {
             // Only of gigabytes at once.
@@ -270,12 +306,12 @@ pub struct Opener {
     pairing_key: PairingKey,
     robot: String,
     direction: Direction,
-    newest: Option<OpenedGeneration>,
+    newest: Option<OpenedStart>,
 }
 
 #[derive(Debug)]
-struct OpenedGeneration {
-    generation: Generation,
+struct OpenedStart {
+    start: SenderStart,
     key: LessSafeKey,
     window: ReplayWindow,
 }
@@ -289,9 +325,9 @@ impl Opener {
         direction: Direction,
         heard: Option<Horizon>,
     ) -> Self {
-        let newest = heard.map(|Horizon { generation, number }| OpenedGeneration {
-            generation,
-            key: derived(key, robot, direction, generation),
+        let newest = heard.map(|Horizon { start, number }| OpenedStart {
+            start,
+            key: derived(key, robot, direction, start),
             window: ReplayWindow::after(number),
         });
         Self { key_id, pairing_key: key.clone(), robot: robot.to_owned(), direction, newest }
@@ -300,7 +336,7 @@ impl Opener {
     /// What was received last.
     pub fn heard(&self) -> Option<Horizon> {
         let newest = self.newest.as_ref()?;
-        Some(Horizon { generation: newest.generation, number: newest.window.newest()? })
+        Some(Horizon { start: newest.start, number: newest.window.newest()? })
     }
 
     /// Opens a datagram in its place.
@@ -312,24 +348,30 @@ impl Opener {
             .split_at_mut_checked(header_length)
             .filter(|(_, sealed)| sealed.len() >= TAG)
             .ok_or(Rejected::TooShort(length))?;
-        let (generation, number) = self.read(sent)?;
-        let newest = self.newest.as_ref().filter(|newest| newest.generation == generation);
+        let (start, number) = self.read(sent)?;
+        let generation = start.generation;
+        let newest = self.newest.as_ref().filter(|newest| newest.start == start);
         if newest.is_some_and(|newest| !newest.window.is_new(number)) {
             return Err(Rejected::Repeated(number));
         }
         let made = newest
             .is_none()
-            .then(|| derived(&self.pairing_key, &self.robot, self.direction, generation));
+            .then(|| derived(&self.pairing_key, &self.robot, self.direction, start));
         let key = made.as_ref().or(newest.map(|newest| &newest.key)).ok_or(Rejected::Forged)?;
-        let nonce = nonce(header(self.key_id, generation, number));
+        let nonce = nonce(&header(self.key_id, start, number));
         let payload = key
             .open_in_place(nonce, Aad::from(&*sent), sealed)
             .map_err(|_forged| Rejected::Forged)?;
-        if let Some(newest) = self.newest.as_ref().filter(|newest| generation < newest.generation) {
-            return Err(Rejected::OldGeneration { was: generation, newest: newest.generation });
+        if let Some(newest) = self.newest.as_ref().map(|newest| newest.start) {
+            if generation < newest.generation {
+                return Err(Rejected::OldGeneration { was: generation, newest: newest.generation });
+            }
+            if generation == newest.generation && start != newest {
+                return Err(Rejected::Copied(generation));
+            }
         }
         if let Some(key) = made {
-            self.newest = Some(OpenedGeneration { generation, key, window: ReplayWindow::new() });
+            self.newest = Some(OpenedStart { start, key, window: ReplayWindow::new() });
         }
         if let Some(newest) = &mut self.newest {
             newest.window.receive(number);
@@ -337,24 +379,25 @@ impl Opener {
         Ok(Opened { generation, number, payload })
     }
 
-    /// The generation and packet number that a header claims.
-    fn read(&self, header: &[u8]) -> Result<(Generation, u64), Rejected> {
+    /// The start and packet number that a header claims.
+    fn read(&self, header: &[u8]) -> Result<(SenderStart, u64), Rejected> {
         match *header {
             [first, n0, n1] => {
-                let (start, key, version) = (first >> 5 & FEW, first >> 3 & FEW, first & 0b111);
+                let (few_bits, key, version) = (first >> 5 & FEW, first >> 3 & FEW, first & 0b111);
                 self.check(version, KeyId(key), FEW)?;
                 let newest = self.newest.as_ref().ok_or(Rejected::UnknownStart)?;
-                if few(newest.generation) != start {
+                if few(newest.start.generation) != few_bits {
                     return Err(Rejected::UnknownStart);
                 }
                 let expected = newest.window.newest().map_or(0, |newest| newest + 1);
                 let number = nearest(expected, u16::from_be_bytes([n0, n1]));
-                Ok((newest.generation, number))
+                Ok((newest.start, number))
             }
-            [version, key, g0, g1, g2, g3, n0, n1, n2, n3, n4, n5] => {
+            [version, key, g0, g1, g2, g3, n0, n1, n2, n3, n4, n5, s0, s1, s2, s3] => {
                 self.check(version, KeyId(key), u8::MAX)?;
-                let generation = Generation(u32::from_be_bytes([g0, g1, g2, g3]));
-                Ok((generation, u64::from_be_bytes([0, 0, n0, n1, n2, n3, n4, n5])))
+                let generation = u32::from_be_bytes([g0, g1, g2, g3]);
+                let start = SenderStart::new(generation, u32::from_be_bytes([s0, s1, s2, s3]));
+                Ok((start, u64::from_be_bytes([0, 0, n0, n1, n2, n3, n4, n5])))
             }
             _ => Err(Rejected::TooShort(header.len())),
         }
@@ -398,28 +441,24 @@ fn short_header(KeyId(key): KeyId, generation: Generation, number: u64) -> Heade
     Header { bytes, length: SHORT_HEADER }
 }
 
-fn header(KeyId(key): KeyId, generation: Generation, number: u64) -> [u8; HEADER] {
-    let [g0, g1, g2, g3] = generation.0.to_be_bytes();
+fn header(KeyId(key): KeyId, start: SenderStart, number: u64) -> [u8; HEADER] {
+    let [g0, g1, g2, g3] = start.generation.0.to_be_bytes();
+    let [s0, s1, s2, s3] = start.salt.0.to_be_bytes();
     let [_, _, n0, n1, n2, n3, n4, n5] = number.to_be_bytes();
-    [VERSION, key, g0, g1, g2, g3, n0, n1, n2, n3, n4, n5]
+    [VERSION, key, g0, g1, g2, g3, n0, n1, n2, n3, n4, n5, s0, s1, s2, s3]
 }
 
-/// The full header: under one key, no two datagrams have the same.
-fn nonce(header: [u8; HEADER]) -> Nonce {
-    const _: () = assert!(HEADER == NONCE_LEN, "a header is as long as a nonce");
-    Nonce::assume_unique_for_key(header)
+/// The full header up to its salt, which is in the key: under one key, no two datagrams have the same.
+fn nonce(header: &[u8; HEADER]) -> Nonce {
+    let [nonce @ .., _, _, _, _] = *header;
+    Nonce::assume_unique_for_key(nonce)
 }
 
-/// The key of one direction and generation.
-fn derived(
-    key: &PairingKey,
-    robot: &str,
-    direction: Direction,
-    generation: Generation,
-) -> LessSafeKey {
-    let extracted: Prk = Salt::new(HKDF_SHA256, SALT).extract(&key.0);
-    let generation = generation.0.to_be_bytes();
-    let info = [&[direction.byte()], &generation[..], robot.as_bytes()];
+/// The key of one direction and start.
+fn derived(key: &PairingKey, robot: &str, direction: Direction, start: SenderStart) -> LessSafeKey {
+    let extracted: Prk = hkdf::Salt::new(HKDF_SHA256, HKDF_SALT).extract(&key.0);
+    let [generation, salt] = [start.generation.0, start.salt.0].map(u32::to_be_bytes);
+    let info = [&[direction.byte()], &generation[..], &salt[..], robot.as_bytes()];
     match extracted.expand(&info, &CHACHA20_POLY1305) {
         Ok(material) => LessSafeKey::new(UnboundKey::from(material)),
         // Only of keys that are longer than 255 blocks.

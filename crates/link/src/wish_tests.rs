@@ -4,7 +4,7 @@ use crate::frame::{Events, NoValue, StreamId, ValueId, ValueName};
 use crate::profile::Profile;
 use crate::range_set::RangeSet;
 use crate::robot::{EventBuffer, NewestValue, RobotSession, RunSource, Wish};
-use crate::seal::{Generation, KeyId, PairingKey};
+use crate::seal::{KeyId, PairingKey, SenderStart};
 use crate::station::{FromRobot, StationSession};
 use crate::{Direction, Identity};
 use expect_test::expect;
@@ -99,7 +99,13 @@ impl RunSource for Disk {
 }
 
 fn identity(key: &PairingKey, start: u32) -> Identity<'_> {
-    Identity { key_id: KeyId(1), key, robot: "scout", start: Generation(start), heard: None }
+    Identity {
+        key_id: KeyId(1),
+        key,
+        robot: "scout",
+        start: SenderStart::new(start, 0),
+        heard: None,
+    }
 }
 
 impl World {

@@ -33,6 +33,9 @@ pub enum RelayError {
         /// The file.
         path: PathBuf,
     },
+    /// The system gives no random numbers.
+    #[error("the system gives no random numbers, without which nothing can be sealed")]
+    NoRandomness,
     /// A file in its folder cannot be replaced.
     #[error("cannot keep what the link needs after a restart")]
     Kept(#[from] JournalError),

@@ -4,10 +4,7 @@ use crate::figures::{Figures, Recorder};
 use crate::proxy::Carries;
 use crate::{LAST, Trial};
 use anyhow::Result;
-use rafcon_link::{
-    EventBuffer, Events, FromRobot, Generation, Identity, KeyId, PairingKey, Profile, RobotSession,
-    RunSource, StationSession, StreamId,
-};
+use rafcon_link::{EventBuffer, Events, FromRobot, Identity, KeyId, PairingKey, Profile, RobotSession, RunSource, SenderStart, StationSession, StreamId};
 use std::net::{SocketAddr, UdpSocket};
 use std::ops::RangeInclusive;
 use std::sync::Arc;
@@ -17,7 +14,7 @@ use std::time::{Duration, Instant};
 const STREAM: StreamId = StreamId(1);
 
 fn identity(key: &PairingKey) -> Identity<'_> {
-    Identity { key_id: KeyId(1), key, robot: "scout", start: Generation(1), heard: None }
+    Identity { key_id: KeyId(1), key, robot: "scout", start: SenderStart::new(1, 0), heard: None }
 }
 
 /// Carries the events with the profile of the link.

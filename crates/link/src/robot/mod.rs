@@ -151,7 +151,7 @@ impl RobotSession {
 
     /// Number of the station's newest known start.
     pub fn station_start(&self) -> Option<Generation> {
-        self.end.horizon().map(|heard| heard.generation)
+        self.end.horizon().map(|heard| heard.start.generation)
     }
 
     /// New events of a run, which are on the disk. Best one at a time: those that are together too long for one datagram do not go
@@ -306,7 +306,7 @@ impl RobotSession {
         for frame in frames {
             match frame? {
                 Frame::Heard { start, number, newest_ms, late_ms, .. }
-                    if start == self.end.start =>
+                    if start == self.end.start.generation =>
                 {
                     self.end.confirm(number);
                     echo = Some((newest_ms, late_ms));
@@ -321,7 +321,8 @@ impl RobotSession {
                     let frame::Command { robot_start, not_after_ms, not_before_ms, .. } = command;
                     let (id, epoch, body) = (command.id, command.epoch, command.body.to_vec());
                     let new = ReceivedCommand { id, epoch, not_after_ms, not_before_ms, body };
-                    let is_late = robot_start != self.end.start || now_ms(now) > not_after_ms;
+                    let is_late =
+                        robot_start != self.end.start.generation || now_ms(now) > not_after_ms;
                     let (mut state, mut why) = (CommandState::Received, "");
                     if is_late {
                         state = CommandState::Expired;

@@ -4,7 +4,7 @@ use super::{EventBuffer, Rank, RobotSession, RunSource};
 use crate::endpoint::Identity;
 use crate::frame::{Events, StreamId};
 use crate::profile::Profile;
-use crate::seal::{Generation, KeyId, PairingKey};
+use crate::seal::{KeyId, PairingKey, SenderStart};
 use crate::station::{FromRobot, StationSession};
 use expect_test::expect;
 use std::time::Duration;
@@ -28,7 +28,7 @@ impl RunSource for LongHistory {
 #[test]
 fn after_a_start_the_present_state_comes_before_any_history() {
     let key = PairingKey::from_bytes([7; 32]);
-    let (key_id, start) = (KeyId(1), Generation(1));
+    let (key_id, start) = (KeyId(1), SenderStart::new(1, 0));
     let identity = Identity { key_id, key: &key, robot: "scout", start, heard: None };
     let mut robot = RobotSession::new(&identity, Profile::DELAY_2S);
     let mut station = StationSession::new(&identity, Profile::DELAY_2S);
@@ -66,7 +66,7 @@ impl RunSource for NoJournal {
 #[test]
 fn no_datagram_is_longer_than_the_profile_says() {
     let key = PairingKey::from_bytes([7; 32]);
-    let (key_id, start) = (KeyId(1), Generation(u32::MAX));
+    let (key_id, start) = (KeyId(1), SenderStart::new(u32::MAX, 0));
     let identity = Identity { key_id, key: &key, robot: "scout", start, heard: None };
     let mut profile = Profile::LAN;
     (profile.down_bytes_max, profile.codes) = (300, false);
@@ -118,7 +118,7 @@ fn what_was_coded_for_a_station_that_started_again_is_sent_again_at_once() {
         key_id: KeyId(1),
         key: &key,
         robot: "scout",
-        start: Generation(start),
+        start: SenderStart::new(start, 0),
         heard: None,
     };
     let mut robot = RobotSession::new(&identity(1), Profile::DELAY_2S);
@@ -167,7 +167,7 @@ fn what_was_coded_for_a_station_that_started_again_is_sent_again_at_once() {
 #[test]
 fn a_report_that_waited_in_a_cut_is_no_sign_that_the_station_knows_a_context() {
     let key = PairingKey::from_bytes([7; 32]);
-    let (key_id, start) = (KeyId(1), Generation(1));
+    let (key_id, start) = (KeyId(1), SenderStart::new(1, 0));
     let identity = Identity { key_id, key: &key, robot: "scout", start, heard: None };
     let mut robot = RobotSession::new(&identity, Profile::DELAY_2S);
     let mut station = StationSession::new(&identity, Profile::DELAY_2S);
@@ -189,8 +189,10 @@ fn a_report_that_waited_in_a_cut_is_no_sign_that_the_station_knows_a_context() {
     now += Duration::from_mins(12);
     robot.receive(now, &mut late.expect("a report"), |_| {}).expect("a report");
     robot.advance(RUN, 2_100);
-    let mut restarted =
-        StationSession::new(&Identity { start: Generation(2), ..identity }, Profile::DELAY_2S);
+    let mut restarted = StationSession::new(
+        &Identity { start: SenderStart::new(2, 0), ..identity },
+        Profile::DELAY_2S,
+    );
     let events = station.received(RUN).expect("a run");
     restarted.restore(RUN, events.into_owned());
     for _ in 0..100 {
@@ -237,7 +239,7 @@ fn twenty_seconds(profile: &Profile) -> ([u64; 4], u32) {
         key_id: KeyId(1),
         key: &key,
         robot: "scout",
-        start: Generation(start),
+        start: SenderStart::new(start, 0),
         heard: None,
     };
     let mut robot = RobotSession::new(&identity(1), profile.clone());
@@ -296,7 +298,7 @@ const AHEAD: StreamId = StreamId(2);
 /// A robot that has begun to send a run, what the run needs, and what may be needed some day: the one that is first by its number is the
 /// least urgent.
 fn with_ranks(key: &PairingKey) -> RobotSession {
-    let (key_id, start) = (KeyId(1), Generation(1));
+    let (key_id, start) = (KeyId(1), SenderStart::new(1, 0));
     let identity = Identity { key_id, key, robot: "scout", start, heard: None };
     let mut robot = RobotSession::new(&identity, Profile::DELAY_2S);
     for (stream, rank) in [(RUN, Rank::Events), (NEEDED, Rank::Needed), (AHEAD, Rank::Ahead)] {
@@ -313,7 +315,7 @@ fn order(
     is_heard: bool,
     is_enough: impl Fn(&[StreamId], Duration) -> bool,
 ) -> Vec<StreamId> {
-    let (key_id, start) = (KeyId(1), Generation(1));
+    let (key_id, start) = (KeyId(1), SenderStart::new(1, 0));
     let identity = Identity { key_id, key, robot: "scout", start, heard: None };
     let mut station = StationSession::new(&identity, Profile::DELAY_2S);
     let (mut now, mut order) = (Duration::ZERO, Vec::new());

@@ -1,8 +1,8 @@
 //! Sealed datagrams in every order, changed, repeated, and made by others.
 
 use super::{
-    Direction, For, Generation, Horizon, KeyId, OVERHEAD, Opener, PairingKey, Rejected, SealError,
-    Sealer,
+    Direction, For, Generation, HEADER, Horizon, KeyId, OVERHEAD, Opener, PairingKey, Rejected,
+    SealError, Sealer, SenderStart,
 };
 use expect_test::expect;
 use proptest::prelude::{any, prop_assert, prop_assert_eq, proptest};
@@ -16,7 +16,7 @@ fn key() -> PairingKey {
 }
 
 fn sealer(generation: u32) -> Sealer {
-    Sealer::new((ID, &key()), "rover", Direction::Down, Generation(generation))
+    Sealer::new((ID, &key()), "rover", Direction::Down, SenderStart::new(generation, 0x5a17))
 }
 
 fn opener(heard: Option<Horizon>) -> Opener {
@@ -49,7 +49,7 @@ fn the_bytes_of_a_datagram_are_these() {
     let mut sealer = sealer(7);
     sealed(&mut sealer, b"");
     let bytes = sealed(&mut sealer, b"hold");
-    expect!["[03, 01, 00, 00, 00, 07, 00, 00, 00, 00, 00, 01, 13, 72, 11, 13, a6, 34, b6, 09, 4d, 50, 1e, ba, 23, 4a, 0f, af, ec, 87, 80, 64]"].assert_eq(&format!("{bytes:02x?}"));
+    expect!["[04, 01, 00, 00, 00, 07, 00, 00, 00, 00, 00, 01, 00, 00, 5a, 17, 8c, 19, 2d, 1a, 1f, 73, 45, cd, 4b, f2, 92, f8, 7a, 01, 6d, 4a, 37, 81, 42, 87]"].assert_eq(&format!("{bytes:02x?}"));
     assert_eq!(bytes.len(), 4 + OVERHEAD);
 }
 
@@ -85,6 +85,27 @@ fn a_sender_that_starts_again_is_heard_at_once_and_its_past_no_more() {
         datagram 0 was received before, or came too late to tell"]].assert_eq(&told);
 }
 
+/// Copies of one disk count the same starts; the salt of each start keeps their keys apart.
+#[test]
+fn two_copies_of_a_sender_share_no_key_and_only_the_first_is_heard() {
+    let start = |salt| SenderStart::new(7, salt);
+    let copy = |salt| Sealer::new((ID, &key()), "rover", Direction::Down, start(salt));
+    let (mut first, mut second) = (copy(1), copy(2));
+    let [ours, theirs] = [&mut first, &mut second].map(|sealer| sealed(sealer, b"the same"));
+    let stream = |datagram: &[u8]| datagram[HEADER..].to_vec();
+    assert_ne!(stream(&ours), stream(&theirs), "one key stream for two datagrams");
+    let mut before = opener(None);
+    let mut told = vec![open(&mut before, &ours), open(&mut before, &theirs)];
+    let mut after = opener(before.heard());
+    told.push(open(&mut after, &theirs));
+    told.push(open(&mut after, &sealed(&mut first, b"more")));
+    expect![[r"
+        7.0 the same
+        a datagram is of another start 7 of its sender than the one that was heard: its disk was copied or restored; pair one of the two again
+        a datagram is of another start 7 of its sender than the one that was heard: its disk was copied or restored; pair one of the two again
+        7.1 more"]].assert_eq(&told.join("\n"));
+}
+
 #[test]
 fn a_receiver_that_starts_again_takes_nothing_that_it_has_heard() {
     let (mut sealer, mut before) = (sealer(3), opener(None));
@@ -112,7 +133,7 @@ fn what_the_other_side_has_not_made_is_rejected() {
     let mut told: Vec<String> =
         openers.into_iter().map(|mut opener| open(&mut opener, &datagram)).collect();
     let mut newer = datagram.clone();
-    newer[0] = 4;
+    newer[0] = 5;
     told.push(open(&mut opener(None), &newer));
     told.push(open(&mut opener(None), &datagram[..OVERHEAD - 1]));
     told.push(open(&mut opener(None), &[0x80; 18]));
@@ -121,8 +142,8 @@ fn what_the_other_side_has_not_made_is_rejected() {
         a datagram was not made by the other side, or was changed on its way
         a datagram was not made by the other side, or was changed on its way
         a datagram is sealed with pairing key 1, which is not known here: pair the two sides again
-        the other side speaks version 4 of the link, this one speaks 3: update the older side
-        a datagram of 27 bytes is too short
+        the other side speaks version 5 of the link, this one speaks 4: update the older side
+        a datagram of 31 bytes is too short
         a datagram of 18 bytes is too short"]]
     .assert_eq(&told.join("\n"));
 }
@@ -154,8 +175,8 @@ fn a_receiver_that_confirmed_a_datagram_gets_short_headers() {
         datagram 65537 was received before, or came too late to tell
         7.65538 all"]]
     .assert_eq(&told.join("\n"));
-    expect!["[eb, 00, 00]"].assert_eq(&format!("{:02x?}", &short[1][..3]));
-    assert_eq!(short[1].len(), 4 + OVERHEAD - 9);
+    expect!["[ec, 00, 00]"].assert_eq(&format!("{:02x?}", &short[1][..3]));
+    assert_eq!(short[1].len(), 4 + OVERHEAD - 13);
 }
 
 #[test]
@@ -175,10 +196,10 @@ fn a_short_header_is_used_as_long_as_it_can_be_told_what_it_means() {
     sealer.confirm(19_999);
     assert_eq!(sealed(&mut sealer, b"").len(), 19);
     sealer.forget_confirmed();
-    assert_eq!(sealed(&mut sealer, b"").len(), 28);
+    assert_eq!(sealed(&mut sealer, b"").len(), OVERHEAD);
     // What was never sent cannot be confirmed.
     sealer.confirm(1 << 40);
-    assert_eq!(sealed(&mut sealer, b"").len(), 28);
+    assert_eq!(sealed(&mut sealer, b"").len(), OVERHEAD);
 }
 
 #[test]
@@ -257,7 +278,7 @@ proptest! {
     #[test]
     fn noise_is_rejected(mut noise: Vec<u8>, header in any::<bool>()) {
         if header {
-            noise.splice(0..0, sealed(&mut sealer(1), b"")[..12].iter().copied());
+            noise.splice(0..0, sealed(&mut sealer(1), b"")[..HEADER].iter().copied());
         }
         let rejected = opener(None).open(&mut noise).unwrap_err();
         prop_assert!(!matches!(rejected, Rejected::Repeated(_)), "{rejected}");
@@ -285,7 +306,7 @@ proptest! {
 fn numbers_continue_over_a_change_of_keys_and_what_was_confirmed_before_does_not_count() {
     let sealer = |id, byte| {
         let key = PairingKey::from_bytes([byte; 32]);
-        Sealer::new((KeyId(id), &key), "scout", Direction::Down, Generation(1))
+        Sealer::new((KeyId(id), &key), "scout", Direction::Down, SenderStart::new(1, 0))
     };
     let seal = |sealer: &mut Sealer| {
         let mut datagram = Vec::new();
@@ -301,6 +322,6 @@ fn numbers_continue_over_a_change_of_keys_and_what_was_confirmed_before_does_not
     let [one, two] = first;
     assert_eq!(
         [one, two, unconfirmed, seal(&mut new)],
-        ["0: 28 bytes", "1: 28 bytes", "2: 28 bytes", "3: 19 bytes"]
+        ["0: 32 bytes", "1: 32 bytes", "2: 32 bytes", "3: 19 bytes"]
     );
 }

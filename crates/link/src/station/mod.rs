@@ -392,7 +392,9 @@ impl StationSession {
                 self.commands.answered(now, id, state, self.answer_time());
                 show(FromRobot::CommandState { id, state, reason });
             }
-            Frame::Heard { start, number, newest_ms, held_ms, .. } if start == self.end.start => {
+            Frame::Heard { start, number, newest_ms, held_ms, .. }
+                if start == self.end.start.generation =>
+            {
                 self.end.confirm(number);
                 let heard_at = at_ms.saturating_sub(held_ms);
                 self.clock.robot_heard(heard_at, newest_ms, now_ms(now));

@@ -6,7 +6,7 @@ use crate::frame::{CommandId, CommandState, StreamId};
 use crate::profile::Profile;
 use crate::range_set::RangeSet;
 use crate::robot::{EventBuffer, RobotSession, RunSource};
-use crate::seal::{Generation, KeyId, PairingKey};
+use crate::seal::{KeyId, PairingKey, SenderStart};
 use std::time::Duration;
 
 /// A robot without runs.
@@ -38,7 +38,7 @@ impl Pair {
             key_id: KeyId(1),
             key: &key,
             robot: "scout",
-            start: Generation(1),
+            start: SenderStart::new(1, 0),
             heard: None,
         };
         let mut robot = RobotSession::new(&identity, Profile::LAN);
@@ -158,7 +158,7 @@ fn a_new_key_is_used_once_both_sides_have_it_and_the_one_before_until_then() {
         key_id: KeyId(1),
         key: &PairingKey::from_bytes([7; 32]),
         robot: "scout",
-        start: Generation(1),
+        start: SenderStart::new(1, 0),
         heard: None,
     };
     let mut replayed = StationSession::new(&before, Profile::LAN);

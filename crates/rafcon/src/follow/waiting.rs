@@ -33,7 +33,7 @@ impl fmt::Debug for Unattended {
 #[derive(Debug, Default)]
 pub(super) struct Waiting {
     is_reported: bool,
-    /// For what the run waited that we stopped.
+    /// Cause of our stop.
     pub(super) stopped_for: Option<String>,
 }
 
@@ -62,7 +62,7 @@ fn awaited(snapshot: &Snapshot) -> String {
 mod tests {
     use super::*;
 
-    /// Nobody told the events that belong to it.
+    /// Without the events that led to it.
     #[test]
     fn a_snapshot_alone_says_what_is_awaited() {
         let state = |path: &str, phase, detail: Option<&str>| ActiveState {

@@ -4,8 +4,8 @@ use super::clock::LocalClock;
 use super::mission::{Mission, MissionState};
 use super::watching::Watched;
 use rafcon_link::{
-    CommandId, CommandState, EventBuffer, Events, Generation, Horizon, Identity, KeyId, PairingKey,
-    Profile, ReceivedCommand, RobotSession, RunSource, StreamId, Traffic,
+    CommandId, CommandState, EventBuffer, Events, Horizon, Identity, KeyId, PairingKey, Profile,
+    ReceivedCommand, RobotSession, RunSource, SenderStart, StreamId, Traffic,
 };
 use std::collections::BTreeMap;
 use std::time::Duration;
@@ -120,7 +120,7 @@ impl Robot {
                 key_id: KeyId(1),
                 key: &key(station),
                 robot: ROBOT,
-                start: Generation(self.disk.starts),
+                start: SenderStart::new(self.disk.starts, 0),
                 heard: *heard,
             };
             let mut session = RobotSession::new(&identity, profile.clone());

@@ -5,8 +5,8 @@ use super::mission::Mission;
 use super::robot::{ROBOT, STREAM, key};
 use super::watching::event_of;
 use rafcon_link::{
-    CommandId, CommandState, FromRobot, Generation, Horizon, Identity, KeyId, NewCommand, Profile,
-    RangeSet, StationSession,
+    CommandId, CommandState, FromRobot, Horizon, Identity, KeyId, NewCommand, Profile, RangeSet,
+    SenderStart, StationSession,
 };
 use std::collections::BTreeMap;
 use std::ops::RangeInclusive;
@@ -59,7 +59,7 @@ impl Station {
             key_id: KeyId(1),
             key: &key(self.key),
             robot: ROBOT,
-            start: Generation(self.disk.starts),
+            start: SenderStart::new(self.disk.starts, 0),
             heard: self.disk.heard,
         };
         let mut session = StationSession::new(&identity, profile.clone());
