@@ -6,5 +6,7 @@ use rafcon_storage::config::parse;
 use std::path::Path;
 
 fuzz_target!(|text: &str| {
-    parse(text, Path::new("/etc/rafcon"), &|name: &str| (name == "HOME").then(|| "/home/me".to_owned()));
+    parse(text, Path::new("/etc/rafcon"), &|name: &str| {
+        (name == "HOME").then(|| "/home/me".to_owned())
+    });
 });

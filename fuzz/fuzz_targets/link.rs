@@ -2,7 +2,10 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use rafcon_link::{Direction, EventBuffer, For, Identity, KeyId, PairingKey, Profile, RangeSet, RobotSession, RunSource, Sealer, SenderStart, StationSession, StreamId, ValueId, ValueName};
+use rafcon_link::{
+    Direction, EventBuffer, For, Identity, KeyId, PairingKey, Profile, RangeSet, RobotSession,
+    RunSource, Sealer, SenderStart, StationSession, StreamId, ValueId, ValueName,
+};
 use std::time::Duration;
 
 struct Journal;
@@ -28,8 +31,10 @@ impl RunSource for Journal {
 
 // Datagrams, each with a byte that says what it is, and its length in fives before it.
 fuzz_target!(|bytes: &[u8]| {
-    let (id, key, robot, profile) = (KeyId(1), PairingKey::from_bytes([7; 32]), "scout", Profile::DELAY_2S);
-    let identity = Identity { key_id: id, key: &key, robot, start: SenderStart::new(1, 0), heard: None };
+    let (id, key, robot, profile) =
+        (KeyId(1), PairingKey::from_bytes([7; 32]), "scout", Profile::DELAY_2S);
+    let identity =
+        Identity { key_id: id, key: &key, robot, start: SenderStart::new(1, 0), heard: None };
     let mut robot_side = RobotSession::new(&identity, profile.clone());
     robot_side.begin(StreamId(1), 100);
     let mut station = StationSession::new(&identity, profile.clone());

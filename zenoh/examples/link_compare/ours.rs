@@ -4,7 +4,10 @@ use crate::figures::{Figures, Recorder};
 use crate::proxy::Carries;
 use crate::{LAST, Trial};
 use anyhow::Result;
-use rafcon_link::{EventBuffer, Events, FromRobot, Identity, KeyId, PairingKey, Profile, RobotSession, RunSource, SenderStart, StationSession, StreamId};
+use rafcon_link::{
+    EventBuffer, Events, FromRobot, Identity, KeyId, PairingKey, Profile, RobotSession, RunSource,
+    SenderStart, StationSession, StreamId,
+};
 use std::net::{SocketAddr, UdpSocket};
 use std::ops::RangeInclusive;
 use std::sync::Arc;
