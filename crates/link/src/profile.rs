@@ -15,6 +15,8 @@ pub struct Profile {
     pub down_bytes_max: usize,
     /// The longest datagram to the robot, in bytes: it must not hold up a stop behind it.
     pub up_bytes_max: usize,
+    /// Round trip until it is measured.
+    pub round_trip: Duration,
     /// How often the robot sends its status, whether or not anything is heard.
     pub status_every: Duration,
     /// New events wait for others at most this long after the datagram before.
@@ -39,6 +41,7 @@ impl Profile {
         up_bits_per_s: 50_000_000,
         down_bytes_max: 1_200,
         up_bytes_max: 1_200,
+        round_trip: ms(200),
         status_every: ms(250),
         gather: ms(10),
         repeat_after: ms(40),
@@ -50,6 +53,7 @@ impl Profile {
         name: "wifi",
         down_bits_per_s: 4_000_000,
         up_bits_per_s: 1_000_000,
+        round_trip: ms(1_000),
         gather: ms(40),
         repeat_after: ms(100),
         report_every: ms(200),
@@ -61,6 +65,7 @@ impl Profile {
         down_bits_per_s: 256_000,
         up_bits_per_s: 32_000,
         up_bytes_max: 300,
+        round_trip: ms(20_000),
         status_every: ms(500),
         gather: ms(170),
         repeat_after: ms(240),
@@ -75,6 +80,7 @@ impl Profile {
         up_bits_per_s: 1_000,
         down_bytes_max: 500,
         up_bytes_max: 150,
+        round_trip: ms(1_200_000),
         status_every: ms(5_000),
         gather: ms(2_000),
         repeat_after: ms(4_000),

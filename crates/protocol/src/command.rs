@@ -39,11 +39,12 @@ impl Envelope {
         Self { id, author, decided_on: None, expiry: None, not_before: None, epoch: None, command }
     }
 
-    /// With the expiry that a command of a person has, unless it has one; `now_ms` is the runner's clock.
+    /// Adds the expiry of a command of a person, unless it has one. `now_ms` is the runner's clock; `link_ms` is the lifetime of
+    /// commands over the link to the run, if there is one ([`crate::LinkHealth::lifetime_ms`]).
     #[must_use]
-    pub fn dated(self, now_ms: u64) -> Self {
+    pub fn dated(self, now_ms: u64, link_ms: Option<u64>) -> Self {
         let now_ms = self.not_before.map_or(now_ms, |not_before| not_before.max(now_ms));
-        let until = |lifetime_ms| Expiry(now_ms.saturating_add(lifetime_ms));
+        let until = |lifetime_ms| Expiry(now_ms.saturating_add(link_ms.unwrap_or(lifetime_ms)));
         let expiry = self.expiry.or_else(|| self.command.lifetime_ms().map(until));
         Self { expiry, ..self }
     }
@@ -231,6 +232,11 @@ pub enum Answer {
         /// What, where, and the way out.
         reason: String,
     },
-    /// It came too late.
+    /// It came too late, and was not carried out.
     Expired,
+    /// It expired without an answer of the robot, which may have carried it out.
+    Unknown {
+        /// Cause, and how to find out.
+        reason: String,
+    },
 }

@@ -25,6 +25,10 @@ pub struct LinkHealth {
     pub reached_ms: Option<u64>,
     /// How long the way there and back takes, in ms; none if it is unknown. Known at a station only.
     pub round_trip_ms: Option<u64>,
+    /// Lifetime of a command that has no expiry, in ms: two round trips, the uncertainty of the robot's clock, and 10 s. Known at a
+    /// station only.
+    #[serde(default)]
+    pub lifetime_ms: Option<u64>,
     /// From the robot, in bytes per second, with the headers of IP and UDP.
     pub down_bytes_per_s: u64,
     /// To the robot, likewise.
@@ -43,12 +47,16 @@ pub struct LinkHealth {
 pub struct OpenCommand {
     /// Its id, with the user's name before it.
     pub id: String,
-    /// How far it is, as far as is known here.
+    /// Its newest known stage.
     pub stage: CommandStage,
     /// When it was sent first: ms since 1970, UTC, by the station's clock.
     pub sent_ms: u64,
     /// When it arrives at the robot if the link is whole, likewise; none if the delay is unknown.
     pub arrives_ms: Option<u64>,
+    /// Expiry, likewise; none for a stop.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", ts(optional))]
+    pub expires_ms: Option<u64>,
     /// Before which time it is not carried out, likewise.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[cfg_attr(feature = "schema", ts(optional))]
@@ -60,12 +68,14 @@ pub struct OpenCommand {
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 #[serde(rename_all = "snake_case")]
 pub enum CommandStage {
-    /// It was sent, and is sent again until the robot says that it has it.
+    /// It is sent repeatedly until the robot acknowledges it.
     Sent,
     /// The robot has it.
     Received,
     /// The run has it.
     Started,
+    /// It expired without an answer. The station asks the robot until it answers.
+    Overdue,
 }
 
 /// By how much one clock is ahead of another, in ms.

@@ -24,7 +24,9 @@ pub(crate) fn command(
     let driver = current::driver()?;
     match thread::leave(py, || driver.obey(&envelope)) {
         Answer::Applied => Ok(()),
-        Answer::Refused { reason } => Err(PyRuntimeError::new_err(reason)),
+        Answer::Refused { reason } | Answer::Unknown { reason } => {
+            Err(PyRuntimeError::new_err(reason))
+        }
         Answer::Expired => Err(PyRuntimeError::new_err("the command arrived too late")),
     }
 }

@@ -195,7 +195,8 @@ pub(crate) struct Attach {
 ///
 /// Write the name of the command, then its fields as NAME=JSON (text needs no quotes), such as
 /// `rafcon tell last step_into` or `rafcon tell last force_outcome path=ROOT/SCAN outcome=0`.
-/// docs/protocol.md lists the commands. The exit code is 1 if the run refuses the command.
+/// docs/protocol.md lists the commands. The exit code is 1 if the run refuses the command or it came too late, and 9 if it is not known
+/// whether a robot behind a link carried it out.
 #[derive(Debug, Args)]
 pub(crate) struct Tell {
     /// The run: its id or the start of the id, its folder, or `last`
@@ -208,6 +209,10 @@ pub(crate) struct Tell {
     /// Carry it out so many seconds from now, not earlier; for runs of robots behind a link only
     #[arg(long = "in", value_name = "SECONDS")]
     pub(crate) wait_s: Option<u64>,
+    /// Expiry in seconds from now. Default: 10 s; over a link, two round trips and the uncertainty of the robot's clock more; a stop or
+    /// kill does not expire
+    #[arg(long = "expires-in", value_name = "SECONDS")]
+    pub(crate) expires_in_s: Option<u64>,
     #[command(flatten)]
     pub(crate) runs: Runs,
     #[command(flatten)]

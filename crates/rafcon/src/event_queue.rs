@@ -81,11 +81,21 @@ impl Line for UnixStream {
     fn say(&mut self, message: &ToRunner) -> Result<()> {
         let line = match message {
             ToRunner::Command(envelope) => {
-                encode(&ToRunner::Command(envelope.clone().dated(since_1970_ms())))
+                encode(&ToRunner::Command(envelope.clone().dated(since_1970_ms(), None)))
             }
             message => encode(message),
         };
         self.write_all(&line?).unwrap_or_default();
+        Ok(())
+    }
+}
+
+/// The way to the station of a robot's run: the station knows how long a command is valid over its link.
+pub(crate) struct StationLine(pub(crate) UnixStream);
+
+impl Line for StationLine {
+    fn say(&mut self, message: &ToRunner) -> Result<()> {
+        self.0.write_all(&encode(message)?).unwrap_or_default();
         Ok(())
     }
 }

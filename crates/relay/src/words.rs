@@ -9,7 +9,7 @@ const REQUESTS_MAX: usize = 4;
 
 /// What a station says. Short names: it has to fit into small datagrams.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub(crate) enum StationWord {
+pub(crate) enum StationRequest {
     /// A command: id, author, the last event that the author had seen, and what is asked.
     #[serde(rename = "c")]
     Command(String, String, Option<u64>, Command),
@@ -21,7 +21,7 @@ pub(crate) enum StationWord {
     Present(String),
 }
 
-impl StationWord {
+impl StationRequest {
     pub(crate) fn of(envelope: Envelope) -> Self {
         let Envelope { id, author, decided_on, command, .. } = envelope;
         Self::Command(id, author, decided_on, command)
@@ -130,7 +130,7 @@ fn here(user: &str, station: &str) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::{ReportedRunState, RunFate, StationWord, at_robot, author_at_robot, here};
+    use super::{ReportedRunState, RunFate, StationRequest, at_robot, author_at_robot, here};
     use expect_test::expect;
     use rafcon_protocol::Command;
     use rafcon_protocol::api::{Control, ControlMove};
@@ -148,13 +148,13 @@ mod tests {
             ..Control::default()
         };
         let words = [
-            serde_json::to_string(&StationWord::Command(id, "ana".to_owned(), Some(7), run_to)),
-            serde_json::to_string(&StationWord::MoveControl(
+            serde_json::to_string(&StationRequest::Command(id, "ana".to_owned(), Some(7), run_to)),
+            serde_json::to_string(&StationRequest::MoveControl(
                 "1".to_owned(),
                 "ana".to_owned(),
                 ControlMove::TakeOver,
             )),
-            serde_json::to_string(&StationWord::Present("ana".to_owned())),
+            serde_json::to_string(&StationRequest::Present("ana".to_owned())),
             serde_json::to_string(&ReportedRunState::of(RunFate::Live, None, 0)),
             serde_json::to_string(&ReportedRunState::of(
                 RunFate::Live,

@@ -6,7 +6,7 @@ import type { Clock } from "./clock.ts";
 import { CommandOutbox } from "./command_outbox.ts";
 
 /** The expiry with which a command is sent, by a clock that stands at 1000 ms and a server 500 ms ahead. */
-async function expiryOf(command: Command): Promise<number | null> {
+async function expiryOf(command: Command, link_ms: number | null = null): Promise<number | null> {
   const sent: { readonly expiry: number | null }[] = [];
   const request = (_method: string, _path: string, body: never) => {
     sent.push(body);
@@ -20,10 +20,37 @@ async function expiryOf(command: Command): Promise<number | null> {
     newId: () => "1",
     path: "/",
     decidedOn: () => 0,
+    linkLifetime_ms: () => link_ms,
   });
   await outbox.send(command);
   return sent[0]?.expiry ?? null;
 }
+
+test("over a link a command is wanted as long as the station says", async () => {
+  expect(await expiryOf({ type: "pause" }, 42_000)).toBe(43_500);
+  expect(await expiryOf({ type: "stop" }, 42_000)).toBeNull();
+});
+
+test("an unknown fate is asked for until it is known", async () => {
+  const answers = ["unknown", "unknown", "applied"];
+  const asked: number[] = [];
+  let now_ms = 1_000;
+  const request = async () => {
+    asked.push(now_ms);
+    return { id: "1", answer: answers.shift(), reason: "the robot is silent" };
+  };
+  const server = { pulse: signal({ ahead_ms: 0 }), request } as unknown as Server;
+  const after = (pause_ms: number, then: () => void) => {
+    now_ms += pause_ms;
+    queueMicrotask(then);
+    return () => {};
+  };
+  const clock = { now: () => now_ms, after } as unknown as Clock;
+  const ports = { server, clock, newId: () => "1", path: "/", decidedOn: () => 0 };
+  const sent = await new CommandOutbox(ports).send({ type: "pause" });
+  expect(sent.answer).toEqual({ answer: "applied", reason: "the robot is silent" });
+  expect(asked).toEqual([1_000, 6_000, 11_000]);
+});
 
 test("a command is wanted for ten seconds by the server's clock, and a stop whenever it arrives", async () => {
   expect(await expiryOf({ type: "pause" })).toBe(11_500);

@@ -6,7 +6,7 @@ import type { Command, CommandAnswer, Envelope, Event } from "../model/generated
 import type { SentCommand } from "../store/history/run.ts";
 import { REPEATED, type Server } from "../store/page/server.ts";
 import type { Clock } from "./clock.ts";
-import { AGAIN, Outbox } from "./outbox.ts";
+import { AGAIN, LATER, Outbox } from "./outbox.ts";
 
 export interface CommandOutboxPorts {
   readonly server: Server;
@@ -16,6 +16,8 @@ export interface CommandOutboxPorts {
   readonly path: string;
   /** The last event that was told. */
   readonly decidedOn: () => number;
+  /** Lifetime of a command over the link to the robot; null without a link. */
+  readonly linkLifetime_ms?: () => number | null;
 }
 
 type Fate = NonNullable<SentCommand["answer"]>;
@@ -29,7 +31,7 @@ interface CommandOnItsWay {
   isUncertain: boolean;
 }
 
-/** A command is no longer wanted after so long, if nobody says otherwise; as `Command::lifetime_ms` in the protocol says. */
+/** Lifetime of a command without a link, as `Command::lifetime_ms` in the protocol says. */
 const PATIENCE_MS = 10_000;
 /** What only brings a run to its end is wanted whenever it arrives. */
 const LASTING: readonly Command["type"][] = ["stop", "kill"];
@@ -50,7 +52,12 @@ export class CommandOutbox {
     this.#outbox = new Outbox<CommandOnItsWay, CommandAnswer, Fate>({
       clock,
       send: ({ body }) => server.request("POST", path, body, REPEATED),
-      onAnswer: (_, { id: __, ...answer }) => answer,
+      onAnswer: (command, { id: _, ...answer }) => {
+        if (answer.answer !== "unknown") return answer;
+        // A station asks the robot until it knows, and is asked here as long.
+        const isLate = this.#isOver || clock.now() > command.end_ms;
+        return isLate ? { answer: "lost", reason: answer.reason } : LATER;
+      },
       onRefusal: (command, { status, message, isForNow }) => {
         if (isForNow && status !== 429) command.isUncertain = true;
         const isLate = this.#isOver || clock.now() > command.end_ms;
@@ -61,8 +68,9 @@ export class CommandOutbox {
     });
   }
 
-  async send(command: Command, patience_ms = PATIENCE_MS): Promise<SentCommand> {
-    const { clock, newId, server, decidedOn } = this.#ports;
+  async send(command: Command, wanted_ms?: number): Promise<SentCommand> {
+    const { clock, newId, server, decidedOn, linkLifetime_ms } = this.#ports;
+    const patience_ms = wanted_ms ?? linkLifetime_ms?.() ?? PATIENCE_MS;
     const [id, sent_ms] = [newId(), clock.now()];
     const isLasting = LASTING.includes(command.type);
     const expiry_ms = isLasting ? Number.POSITIVE_INFINITY : sent_ms + patience_ms;
@@ -83,6 +91,7 @@ export class CommandOutbox {
     if (event.type !== "commanded") return;
     // There ids are their author's: `anna/17`.
     const id = event.envelope.id.slice(event.envelope.id.indexOf("/") + 1);
+    if (event.answer.answer === "unknown") return;
     this.#outbox.settle(id, event.answer);
     const before = this.sent.peek().find((each) => each.id === id);
     if (before?.answer?.answer !== "lost") return;

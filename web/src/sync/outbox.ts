@@ -7,6 +7,8 @@ import type { Clock } from "./clock.ts";
 
 /** Not settled: it is sent again in a moment. */
 export const AGAIN = Symbol("again");
+/** Not settled: it is sent again after some seconds. */
+export const LATER = Symbol("later");
 /** Not settled, but answered: it is not sent again by itself. */
 export const HELD = Symbol("held");
 
@@ -16,7 +18,7 @@ export interface OutboxPorts<T, R, F> {
    * `connected`. */
   readonly send: (item: T) => Promise<R> | null;
   /** What becomes of it by an answer. */
-  readonly onAnswer: (item: T, answer: R) => F | typeof HELD;
+  readonly onAnswer: (item: T, answer: R) => F | typeof HELD | typeof LATER;
   /** What becomes of it by a refusal. What it throws is thrown to whoever asked. */
   readonly onRefusal: (item: T, error: RefusalError) => F | typeof HELD | typeof AGAIN;
   /** Whether anything can be sent; always, if it does not say. */
@@ -33,8 +35,8 @@ interface Entry<T, F> {
   readonly fail: (error: unknown) => void;
 }
 
-/** A moment. */
 const AGAIN_MS = 500;
+const LATER_MS = 5_000;
 
 export class Outbox<T extends { readonly id: string }, R, F> {
   readonly #ports: OutboxPorts<T, R, F>;
@@ -90,13 +92,14 @@ export class Outbox<T extends { readonly id: string }, R, F> {
     this.#pump();
   }
 
-  #end(id: string, fateOf: (item: T) => F | typeof HELD | typeof AGAIN): void {
+  #end(id: string, fateOf: (item: T) => F | typeof HELD | typeof AGAIN | typeof LATER): void {
     const entry = this.#entries.get(id);
     if (!entry || entry.state === "held") return;
     entry.state = "held";
     try {
       const fate = fateOf(entry.item);
-      if (fate === AGAIN) this.#soon(entry);
+      if (fate === AGAIN) this.#after(AGAIN_MS, entry);
+      else if (fate === LATER) this.#after(LATER_MS, entry);
       else if (fate !== HELD) this.settle(id, fate);
     } catch (error) {
       this.#take(id)?.fail(error);
@@ -104,9 +107,9 @@ export class Outbox<T extends { readonly id: string }, R, F> {
     this.#pump();
   }
 
-  #soon(entry: Entry<T, F>): void {
+  #after(pause_ms: number, entry: Entry<T, F>): void {
     entry.state = "paused";
-    this.#ports.clock.after(AGAIN_MS, () => {
+    this.#ports.clock.after(pause_ms, () => {
       if (entry.state === "paused") entry.state = "waiting";
       this.#pump();
     });

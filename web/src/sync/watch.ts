@@ -79,6 +79,7 @@ export class RunWatch implements Watch {
       ...ports,
       path: this.#path("commands"),
       decidedOn: () => this.journal.next - 1,
+      linkLifetime_ms: () => this.now.peek()?.robot?.lifetime_ms ?? null,
     });
     this.#snapshots = new SnapshotLoader({
       clock,

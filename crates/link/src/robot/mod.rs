@@ -46,7 +46,7 @@ const REASON_MAX: usize = 240;
 /// So many commands are remembered.
 const COMMANDS_MAX: usize = 1_024;
 
-/// A command that is to be carried out now. Its id may come again after a restart: whoever carries it out knows the ids.
+/// A command of a station. Its id may come again after a restart of either side: the receiver has to know the ids that it has carried out.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ReceivedCommand {
     /// Its id.
@@ -57,6 +57,8 @@ pub struct ReceivedCommand {
     pub not_after_ms: u64,
     /// The first moment, likewise; 0 for at once.
     pub not_before_ms: u64,
+    /// It came too late, or was for an earlier start: it must not be carried out, and only its fate is asked for.
+    pub is_late: bool,
     /// The command.
     pub body: Vec<u8>,
 }
@@ -291,7 +293,8 @@ impl RobotSession {
         self.streams.get(&stream).map(Outgoing::progress)
     }
 
-    /// Takes a datagram; passes on each command that is to be carried out, once in this start.
+    /// Takes a datagram; passes on each command once in this start. A late one counts as expired, unless the receiver knows a fate from an
+    /// earlier start and sets it.
     pub fn receive(
         &mut self,
         now: Duration,
@@ -320,12 +323,14 @@ impl RobotSession {
                     }
                     let frame::Command { robot_start, not_after_ms, not_before_ms, .. } = command;
                     let (id, epoch, body) = (command.id, command.epoch, command.body.to_vec());
-                    let new = ReceivedCommand { id, epoch, not_after_ms, not_before_ms, body };
                     let is_late =
                         robot_start != self.end.start.generation || now_ms(now) > not_after_ms;
+                    let new =
+                        ReceivedCommand { id, epoch, not_after_ms, not_before_ms, is_late, body };
                     let (mut state, mut why) = (CommandState::Received, "");
                     if is_late {
                         state = CommandState::Expired;
+                        carry_out(new);
                     } else if now_ms(now) >= not_before_ms {
                         carry_out(new);
                     } else if !self.later.add(new) {

@@ -13,6 +13,11 @@ const FIRST_SENDS: u32 = 4;
 const FIRST_EVERY: Duration = Duration::from_millis(50);
 /// The robot is asked what became of a command that it has after so many round trips.
 const ASK_AFTER: u32 = 2;
+/// Longest time between two questions for the fate of an overdue command, unless a round trip takes longer.
+const ASK_EVERY_MAX: Duration = Duration::from_mins(2);
+
+/// Capacity. Beyond it, the oldest overdue command is dropped: its fate stays unknown.
+pub(super) const COMMANDS_MAX: usize = 256;
 
 /// A command that is to be sent.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -48,6 +53,11 @@ pub enum NotSent {
         "the command is valid for less time than the robot's clock is uncertain by: let it expire later"
     )]
     Uncertain,
+    /// Too many commands are on their way, all in their time.
+    #[error(
+        "{COMMANDS_MAX} commands are on their way to the robot already: wait until it has answered some"
+    )]
+    TooMany,
     /// It does not fit into one datagram.
     #[error("the command has {0} bytes, and at most {1} fit: give it in a shorter form")]
     TooLong(usize, usize),
@@ -93,9 +103,13 @@ struct SentCommand {
     body: Vec<u8>,
     times: RobotTimes,
     sends: u32,
+    /// Time of this session at which it was first sent.
+    first_sent: Option<Duration>,
     due: Duration,
     /// The robot has it; its fate is not known yet.
     is_received: bool,
+    /// Its time is over and its fate is unknown: the robot is asked for it.
+    is_overdue: bool,
 }
 
 impl Commands {
@@ -103,19 +117,32 @@ impl Commands {
         self.sent.contains_key(&id)
     }
 
-    /// Adds a command.
+    /// Adds a command. One that is on its way already stays as it is.
     pub(super) fn add(
         &mut self,
         now: Duration,
         NewCommand { id, epoch, body, .. }: NewCommand,
         times: RobotTimes,
-    ) {
-        let (sends, due, is_received) = (0, now, false);
-        let sent = SentCommand { epoch, body, times, sends, due, is_received };
-        self.sent.insert(id, sent);
+    ) -> Result<(), NotSent> {
+        if self.sent.len() >= COMMANDS_MAX && !self.has(id) {
+            let overdue = self.sent.iter().filter(|(_, sent)| sent.is_overdue);
+            let oldest = overdue.min_by_key(|(_, sent)| sent.first_sent).map(|(id, _)| *id);
+            self.sent.remove(&oldest.ok_or(NotSent::TooMany)?);
+        }
+        self.sent.entry(id).or_insert(SentCommand {
+            epoch,
+            body,
+            times,
+            sends: 0,
+            first_sent: None,
+            due: now,
+            is_received: false,
+            is_overdue: false,
+        });
+        Ok(())
     }
 
-    /// The robot says what became of a command. One that it only has is asked for again: its fate may be lost on the way.
+    /// Takes the robot's answer. A command that it only has is asked for again: the fate may be lost on the way.
     pub(super) fn answered(
         &mut self,
         now: Duration,
@@ -135,30 +162,65 @@ impl Commands {
         }
     }
 
-    /// When the next one is to be sent.
-    pub(super) fn due_at(&self) -> Duration {
-        self.sent.values().map(|sent| sent.due).min().unwrap_or(Duration::MAX)
+    /// When the next one is to be sent. The link is free from `free_at` on.
+    pub(super) fn due_at(&self, free_at: Duration) -> Duration {
+        let due = |sent: &SentCommand| match sent.is_overdue {
+            true => sent.due.max(free_at),
+            false => sent.due,
+        };
+        self.sent.values().map(due).min().unwrap_or(Duration::MAX)
     }
 
-    /// Forgets those whose time is over, by the robot's clock. A command that the robot has is over with the robot's start only.
-    pub(super) fn forget(&mut self, clock: Option<ClockBounds>) {
-        self.sent.retain(|_, sent| {
-            let Some(clock) = clock else { return sent.sends < FIRST_SENDS };
-            let is_void = clock.start != sent.times.start;
-            let is_late = clock.earliest_ms > sent.times.not_after && !sent.is_received;
-            // The robot answers that it is expired, if it is heard; until then it is sent once more at least.
-            !(is_void || is_late) || sent.sends < FIRST_SENDS
-        });
+    /// Commands that have just become overdue: expired by the robot's clock, without an answer of the robot.
+    pub(super) fn take_overdue(&mut self, clock: Option<ClockBounds>) -> Vec<CommandId> {
+        let Some(clock) = clock else { return Vec::new() };
+        let mut overdue = Vec::new();
+        for (id, sent) in &mut self.sent {
+            let is_over = clock.start != sent.times.start
+                || clock.earliest_ms > sent.times.not_after && sent.sends >= FIRST_SENDS;
+            if is_over && !sent.is_overdue {
+                sent.is_overdue = true;
+                overdue.push(*id);
+            }
+        }
+        overdue
     }
 
-    /// Writes those that are due, as far as they fit. `round_trip` is how long an answer takes.
+    /// Removes and returns the commands that expired without reaching the robot: by a report that it made after their expiry, it had
+    /// received nothing since before they were sent.
+    ///
+    /// `start` and `at_ms` are the robot's start and time of the report; `heard` is the session time at which the newest datagram that
+    /// it had received was sent.
+    pub(super) fn take_unheard(
+        &mut self,
+        start: Generation,
+        at_ms: u64,
+        heard: Duration,
+    ) -> Vec<CommandId> {
+        let is_unheard = |_: &CommandId, sent: &mut SentCommand| {
+            let RobotTimes { start: of, not_after, .. } = sent.times;
+            of == start && at_ms > not_after && sent.first_sent.is_some_and(|first| heard < first)
+        };
+        self.sent.extract_if(.., is_unheard).map(|(id, _)| id).collect()
+    }
+
+    /// Makes all overdue commands due, after a silence of the robot.
+    pub(super) fn ask_again(&mut self, now: Duration) {
+        for sent in self.sent.values_mut().filter(|sent| sent.is_overdue) {
+            (sent.due, sent.sends) = (now, sent.sends.min(FIRST_SENDS));
+        }
+    }
+
+    /// Writes those that are due, as far as they fit; overdue ones only if the link is free. `round_trip` is how long an answer takes.
     pub(super) fn write(
         &mut self,
         now: Duration,
+        is_free: bool,
         round_trip: Duration,
         (room, payload): (usize, &mut Vec<u8>),
     ) {
-        for (id, sent) in self.sent.iter_mut().filter(|(_, sent)| sent.due <= now) {
+        let is_due = |sent: &SentCommand| sent.due <= now && (is_free || !sent.is_overdue);
+        for (id, sent) in self.sent.iter_mut().filter(|(_, sent)| is_due(sent)) {
             let length = payload.len();
             let SentCommand { epoch, body, times, .. } = &*sent;
             let RobotTimes { start: robot_start, not_before, not_after } = *times;
@@ -170,13 +232,25 @@ impl Commands {
                 payload.truncate(length);
                 break;
             }
+            sent.first_sent.get_or_insert(now);
             sent.sends += 1;
-            sent.due = now
-                + match sent.is_received {
-                    true => round_trip * ASK_AFTER,
-                    false if sent.sends < FIRST_SENDS => FIRST_EVERY,
-                    false => round_trip,
-                };
+            sent.due = now + sent.next_after(round_trip);
         }
+    }
+}
+
+impl SentCommand {
+    /// Time from a send to the next one.
+    fn next_after(&self, round_trip: Duration) -> Duration {
+        if self.sends < FIRST_SENDS && !self.is_received {
+            return FIRST_EVERY;
+        }
+        if self.is_overdue {
+            // Each time later: the robot may be silent for hours.
+            let doublings = self.sends.saturating_sub(FIRST_SENDS).min(16);
+            let longer = round_trip.saturating_mul(1 << doublings);
+            return longer.clamp(round_trip, ASK_EVERY_MAX.max(round_trip));
+        }
+        if self.is_received { round_trip * ASK_AFTER } else { round_trip }
     }
 }

@@ -41,6 +41,9 @@ pub(crate) const GAPS_MAX: usize = 4_096;
 /// So many bytes wait at most for the rest of their parts.
 pub(crate) const PARTS_MAX: usize = 64 << 20;
 
+/// Part of a command's lifetime that no link needs: the time of a runner that is busy.
+const COMMAND_TIME: Duration = Duration::from_secs(10);
+
 /// What arrived.
 #[derive(Debug, PartialEq, Eq)]
 pub enum FromRobot<'b> {
@@ -281,6 +284,15 @@ impl StationSession {
         self.round_trip
     }
 
+    /// Lifetime of a command that is given without one: two round trips, the uncertainty of the robot's clock, and 10 s.
+    pub fn command_lifetime(&self, now: Duration) -> Duration {
+        let round_trip = self.round_trip.unwrap_or(self.profile.round_trip);
+        let clock = self.robot_clock(now).and_then(|clock| {
+            Some(Duration::from_millis(clock.latest_ms?.saturating_sub(clock.earliest_ms)))
+        });
+        round_trip * 2 + clock.unwrap_or(round_trip) + COMMAND_TIME
+    }
+
     /// How long ago that was sent of which the robot said last that it heard it; nothing if it never did.
     pub fn reached_before(&self, now: Duration) -> Option<Duration> {
         self.reached_ms.map(|at| now.saturating_sub(Duration::from_millis(at)))
@@ -298,9 +310,14 @@ impl StationSession {
         self.end.traffic()
     }
 
-    /// Whether it is open what becomes of a command. Else its fate was told, or it never arrived and never will.
+    /// True while the robot is sent a command or asked for its fate.
     pub fn is_open(&self, id: CommandId) -> bool {
         self.commands.has(id)
+    }
+
+    /// Commands that expired since the last call with an unknown fate. The session asks the robot until it answers.
+    pub fn take_overdue(&mut self, now: Duration) -> Vec<CommandId> {
+        self.commands.take_overdue(self.clock.bounds(now_ms(now)))
     }
 
     /// Between which times the robot's clock is.
@@ -357,6 +374,7 @@ impl StationSession {
         if silence.is_none_or(|silence| silence > self.profile.silence()) {
             // After a silence, the robot learns at once what is missing.
             (self.has_news, self.reported_at) = (true, None);
+            self.commands.ask_again(now);
         }
         self.clock.receive(generation, at_ms, now_ms(now));
         for frame in frames {
@@ -401,6 +419,7 @@ impl StationSession {
                 let since = now_ms(now).saturating_sub(newest_ms).saturating_sub(held_ms);
                 self.round_trip = Some(Duration::from_millis(since));
                 self.reached_ms = self.reached_ms.max(Some(newest_ms));
+                self.expire_unheard(at_ms, Duration::from_millis(newest_ms), show);
             }
             Frame::NewKey { id, ref key } if id != self.end.key_id() => {
                 show(FromRobot::NewKey { id, key: key.clone() });
@@ -411,6 +430,19 @@ impl StationSession {
                 self.wishes.answered(wish, show);
             }
             _ => {}
+        }
+    }
+
+    /// Expires commands that did not reach the robot in time.
+    fn expire_unheard(
+        &mut self,
+        at_ms: u64,
+        heard: Duration,
+        show: &mut impl FnMut(FromRobot<'_>),
+    ) {
+        let Some(clock) = self.robot_clock(self.now) else { return };
+        for id in self.commands.take_unheard(clock.start, at_ms, heard) {
+            show(FromRobot::CommandState { id, state: CommandState::Expired, reason: b"" });
         }
     }
 
@@ -569,8 +601,7 @@ impl StationSession {
         }
         let clock = self.robot_clock(now).ok_or(NotSent::Unheard)?;
         let times = RobotTimes::new(clock, command.wait, command.valid)?;
-        self.commands.add(now, command, times);
-        Ok(())
+        self.commands.add(now, command, times)
     }
 
     /// The next datagram, if one is due.
@@ -578,9 +609,8 @@ impl StationSession {
         let (room, mut payload) = (self.profile.up_bytes_max - OVERHEAD, Vec::new());
         write_number(now_ms(now), &mut payload);
         let empty = payload.len();
-        self.commands.forget(self.clock.bounds(now_ms(now)));
-        self.commands.write(now, self.answer_time(), (room, &mut payload));
         let is_free = self.end.pacer.free_at() <= now;
+        self.commands.write(now, is_free, self.answer_time(), (room, &mut payload));
         if is_free && self.report_at() <= now {
             self.write_report(now, room, &mut payload);
             self.wishes.write_fetches(room, &mut payload);
@@ -600,7 +630,8 @@ impl StationSession {
     /// When something may be due next; earlier if anything is received.
     pub fn next_transmit(&self, now: Duration) -> Duration {
         let report = self.report_at().min(self.wishes.due_at());
-        report.max(self.end.pacer.free_at()).min(self.commands.due_at()).max(now)
+        let free_at = self.end.pacer.free_at();
+        report.max(free_at).min(self.commands.due_at(free_at)).max(now)
     }
 
     fn report_at(&self) -> Duration {
@@ -667,5 +698,7 @@ impl StationSession {
     }
 }
 
+#[cfg(test)]
+mod fate_tests;
 #[cfg(test)]
 mod tests;

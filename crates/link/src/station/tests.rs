@@ -1,5 +1,6 @@
 //! A robot and a station, with a path between them that a test decides about.
 
+use super::commands::COMMANDS_MAX;
 use super::{FromRobot, NewCommand, NotSent, StationSession};
 use crate::endpoint::Identity;
 use crate::frame::{CommandId, CommandState, StreamId};
@@ -71,7 +72,9 @@ impl Pair {
                 self.station.receive(self.now, &mut datagram, show).expect("a datagram");
             }
             while let Some(mut datagram) = self.station.transmit(self.now).expect("room") {
-                let carry_out = |command: crate::ReceivedCommand| self.carried_out.push(command.id);
+                let carry_out = |command: crate::ReceivedCommand| {
+                    self.carried_out.extend((!command.is_late).then_some(command.id));
+                };
                 self.robot.receive(self.now, &mut datagram, carry_out).expect("a datagram");
             }
             let (now, all) = (self.now, &mut self.carried_out);
@@ -165,4 +168,26 @@ fn a_new_key_is_used_once_both_sides_have_it_and_the_one_before_until_then() {
     replayed.restore(StreamId(1), RangeSet::default());
     let mut datagram = replayed.transmit(pair.now).expect("room").expect("a report");
     assert!(pair.robot.receive(pair.now, &mut datagram, |_| ()).is_err());
+}
+
+#[test]
+fn commands_beyond_the_bound_are_refused_unless_some_are_overdue() {
+    let mut pair = Pair::new();
+    pair.go_on(500, true);
+    let command = |nth: usize| {
+        let id =
+            CommandId(std::array::from_fn(|at| nth.to_le_bytes().get(at).copied().unwrap_or(0)));
+        let valid = Duration::from_secs(1);
+        NewCommand { id, valid, wait: None, epoch: 0, body: b"pause".to_vec() }
+    };
+    for nth in 0..COMMANDS_MAX {
+        pair.station.command(pair.now, command(nth)).expect("room");
+    }
+    let more = command(COMMANDS_MAX);
+    assert_eq!(pair.station.command(pair.now, more.clone()), Err(NotSent::TooMany));
+    // The robot falls silent until all are overdue.
+    pair.go_on(2_000, false);
+    assert_eq!(pair.station.take_overdue(pair.now).len(), COMMANDS_MAX);
+    assert_eq!(pair.station.command(pair.now, more.clone()), Ok(()));
+    assert!(pair.station.is_open(more.id));
 }

@@ -73,6 +73,8 @@ pub(super) struct Session {
     crashed: Option<(u64, u64)>,
     /// The server's clock minus ours, in ms.
     offset_ms: i64,
+    /// Lifetime of commands over the link to the robot, if the run is a replica.
+    link_lifetime_ms: Option<u64>,
 }
 
 impl Session {
@@ -91,6 +93,7 @@ impl Session {
             is_over: false,
             crashed: None,
             offset_ms: 0,
+            link_lifetime_ms: None,
         }
     }
 
@@ -125,7 +128,8 @@ impl Session {
 
     /// Sets the expiry by the server's clock.
     fn dated(&self, envelope: Envelope, now_ms: u64) -> Envelope {
-        let envelope = envelope.dated(now_ms.saturating_add_signed(self.offset_ms));
+        let now_ms = now_ms.saturating_add_signed(self.offset_ms);
+        let envelope = envelope.dated(now_ms, self.link_lifetime_ms);
         let seen = self.next.map(|next| next.saturating_sub(1)).filter(|seen| *seen > 0);
         Envelope { decided_on: envelope.decided_on.or(seen), ..envelope }
     }
@@ -262,6 +266,7 @@ impl Session {
     fn status(&mut self, now: RunNow, todo: &mut Todo) {
         let mut messages = Vec::new();
         let link = now.link;
+        self.link_lifetime_ms = now.robot.as_ref().and_then(|robot| robot.lifetime_ms);
         let is_linked = matches!(link, LinkState::Up | LinkState::Silent | LinkState::Stuck);
         let is_told = is_linked && (self.next.is_some() || now.snapshot.is_some());
         if !self.is_loaded && (is_told || !is_live(&now.run.phase)) {
@@ -317,6 +322,7 @@ impl Session {
             "no_answer" if self.is_wanted(&id, now_ms) => {
                 self.again_at_ms = Some(now_ms + AGAIN_MS);
             }
+            "no_answer" => self.answered(id, Answer::Unknown { reason: refusal.message }, todo),
             _ => self.answered(id, Answer::Refused { reason: refusal.message }, todo),
         }
     }

@@ -1,22 +1,28 @@
 //! `rafcon tell`: one command to a run that is going on, for scripts and for hands without a live view.
 
 use crate::cli;
+use crate::client::{Fault, Server};
 use crate::clock::Clock;
 use crate::commands::kept::find_run;
 use crate::commands::remote;
 use crate::environment::Environment;
-use crate::event_queue::Line as _;
+use crate::event_queue::{Line as _, StationLine};
 use crate::failure::{Usage, complain};
 use crate::follow::envelope;
 use anyhow::{Result, bail};
+use rafcon_protocol::api::CommandAnswer;
 use rafcon_protocol::{
-    Answer, Command, Envelope, FrameKind, Hello, Join, ToRunner, ToViewer, decode, encode,
+    Answer, Command, Envelope, Expiry, FrameKind, Hello, Join, ToRunner, ToViewer, decode, encode,
     read_frame,
 };
+use rafcon_storage::journal::About;
 use rafcon_supervisor::{clock, connect};
 use serde_json::{Map, Value};
 use std::io::{self, BufRead as _, BufReader, Write as _};
 use std::process::ExitCode;
+
+/// Exit code: it is not known whether the command was carried out.
+const UNKNOWN: u8 = 9;
 
 /// Says it, and waits for the answer.
 pub(super) fn tell(raw: &cli::Tell, environment: &Environment) -> Result<ExitCode> {
@@ -26,13 +32,21 @@ pub(super) fn tell(raw: &cli::Tell, environment: &Environment) -> Result<ExitCod
         let run = remote::run(&server, &raw.run)?.id;
         let envelope = envelope(remote::unique("tell")?, &environment.user, command);
         let waiting = Clock::start();
-        let now_ms = server.now(&run)?.now_ms;
+        let now = server.now(&run)?;
         let waited_ms = u64::try_from(waiting.now().as_millis()).unwrap_or(u64::MAX);
-        let envelope = later(envelope, raw.wait_s, now_ms);
-        let envelope = envelope.dated(now_ms.saturating_sub(waited_ms));
-        return said(server.command(&run, &envelope)?.answer);
+        let now_ms = now.now_ms.saturating_sub(waited_ms);
+        let link_ms = now.robot.and_then(|robot| robot.lifetime_ms);
+        let envelope = timed(envelope, raw, now_ms).dated(now_ms, link_ms);
+        // A stop does not expire: it is sent once.
+        let expires_ms = envelope.expiry.map_or(0, |Expiry(until)| until);
+        let is_wanted = || {
+            let passed_ms = u64::try_from(waiting.now().as_millis()).unwrap_or(u64::MAX);
+            now_ms.saturating_add(passed_ms) < expires_ms
+        };
+        return said(answer(&server, &run, &envelope, is_wanted)?);
     }
     let folder = find_run(&raw.runs, environment, &raw.run)?;
+    let is_replica = About::read(&folder).is_ok_and(|about| about.robot.is_some());
     let mut control = connect(&folder)?;
     let mut runner = BufReader::new(control.try_clone()?);
     control.write_all(&encode(&Hello::ours())?)?;
@@ -42,7 +56,12 @@ pub(super) fn tell(raw: &cli::Tell, environment: &Environment) -> Result<ExitCod
     let id = format!("tell-{}-{}", std::process::id(), clock::salt(0));
     control.say(&ToRunner::Join(Join::default()))?;
     let told = envelope(id.clone(), &environment.user, command);
-    control.say(&ToRunner::Command(later(told, raw.wait_s, clock::since_1970_ms())))?;
+    let told = ToRunner::Command(timed(told, raw, clock::since_1970_ms()));
+    if is_replica {
+        StationLine(control).say(&told)?
+    } else {
+        control.say(&told)?
+    }
     let mut content = Vec::new();
     while let Some(kind) = read_frame(&mut runner, &mut content)? {
         if kind != FrameKind::Message {
@@ -57,11 +76,31 @@ pub(super) fn tell(raw: &cli::Tell, environment: &Environment) -> Result<ExitCod
     bail!("the runner ended before it answered")
 }
 
-/// For so many seconds later, by a clock that says `now_ms`.
-fn later(envelope: Envelope, wait_s: Option<u64>, now_ms: u64) -> Envelope {
-    let Some(wait_s) = wait_s else { return envelope };
-    let not_before = Some(now_ms.saturating_add(wait_s.saturating_mul(1_000)));
-    Envelope { not_before, ..envelope }.dated(now_ms)
+/// The answer of a server. Asks again under the same id until there is one or the command has expired.
+fn answer(
+    server: &Server,
+    run: &str,
+    envelope: &Envelope,
+    is_wanted: impl Fn() -> bool,
+) -> Result<Answer> {
+    loop {
+        match server.command(run, envelope) {
+            Ok(CommandAnswer { answer, .. }) => return Ok(answer),
+            Err(Fault::Refused { refusal, .. }) if refusal.code == "no_answer" => {
+                if !is_wanted() {
+                    return Ok(Answer::Unknown { reason: refusal.message });
+                }
+            }
+            Err(fault) => return Err(fault.into()),
+        }
+    }
+}
+
+/// Adds the user's times; `now_ms` is the time by the clock of the run.
+fn timed(envelope: Envelope, raw: &cli::Tell, now_ms: u64) -> Envelope {
+    let at = |seconds: u64| now_ms.saturating_add(seconds.saturating_mul(1_000));
+    let expiry = raw.expires_in_s.map(|seconds| Expiry(at(seconds)));
+    Envelope { not_before: raw.wait_s.map(at), expiry, ..envelope }
 }
 
 fn said(answer: Answer) -> Result<ExitCode> {
@@ -77,6 +116,10 @@ fn said(answer: Answer) -> Result<ExitCode> {
         Answer::Expired => {
             complain("the command arrived too late");
             Ok(ExitCode::FAILURE)
+        }
+        Answer::Unknown { reason } => {
+            complain(&format!("it is not known whether the command was carried out: {reason}"));
+            Ok(ExitCode::from(UNKNOWN))
         }
     }
 }

@@ -261,6 +261,7 @@ impl RunFollower {
             }
             Answer::Refused { reason } => Some(format!("refused: {reason}")),
             Answer::Expired => Some("the command arrived too late".to_owned()),
+            Answer::Unknown { reason } => Some(format!("unknown: {reason}")),
         }
     }
 

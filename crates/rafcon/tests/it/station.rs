@@ -4,6 +4,8 @@ use crate::harness::{Place, Run, ticks};
 use crate::served::Door;
 use expect_test::expect;
 use rafcon_storage::journal::Pack;
+use rafcon_supervisor::clock;
+use serde_json::json;
 use std::io::{BufRead as _, BufReader, Write as _};
 use std::net::{SocketAddr, UdpSocket};
 use std::process::{Child, Command, Stdio};
@@ -133,6 +135,7 @@ pub(crate) struct BadPath {
     far: UdpSocket,
     known: Arc<Mutex<Known>>,
     ends: Arc<AtomicBool>,
+    is_down_cut: Arc<AtomicBool>,
 }
 
 /// What passed a path.
@@ -150,12 +153,17 @@ impl BadPath {
         let both = || (near.try_clone().unwrap(), far.try_clone().unwrap());
         let (down, up) = ((both(), Arc::clone(&known)), (both(), Arc::clone(&known)));
         let (first, second) = (Arc::clone(&ends), Arc::clone(&ends));
+        let is_down_cut = Arc::new(AtomicBool::new(false));
+        let is_cut = Arc::clone(&is_down_cut);
         in_background(move || {
             let ((near, far), known) = down;
             carry(&near, &first, |from, datagram| {
                 let mut known = known.lock().unwrap();
                 known.robot = Some(from);
                 known.from_robot.push(datagram.to_vec());
+                if is_cut.load(Ordering::Acquire) {
+                    return;
+                }
                 far.send_to(datagram, station).unwrap_or_default();
             });
         });
@@ -169,7 +177,7 @@ impl BadPath {
                 }
             });
         });
-        Self { address: near.local_addr().unwrap(), station, near, far, known, ends }
+        Self { address: near.local_addr().unwrap(), station, near, far, known, ends, is_down_cut }
     }
 
     /// Sends all that passed so far once more to whom it was sent, as someone does who has recorded it; answers how much it is.
@@ -182,6 +190,11 @@ impl BadPath {
             self.near.send_to(datagram, known.robot.unwrap()).unwrap();
         }
         known.from_robot.len() + known.from_station.len()
+    }
+
+    /// Carries nothing from the robot while it is cut.
+    fn cut_down(&self, is_cut: bool) {
+        self.is_down_cut.store(is_cut, Ordering::Release);
     }
 
     /// Where the robot receives.
@@ -390,10 +403,46 @@ fn a_stop_that_the_robot_does_not_answer_ends_no_program_at_the_station() {
     let at_station =
         |words: &str| place.call(&format!("{words} --server {} --state ground", ground.url)).stderr;
     expect![[r"
-        error: the robot has not answered yet: what was asked is sent to it until it answers or its time is over; ask again with the same id
+        it is not known whether the command was carried out: the robot has not answered yet: what was asked is sent to it until it answers or its time is over; ask again with the same id
     "]]
     .assert_eq(&at_station("tell last stop"));
     assert_eq!(at_station("control last show"), "");
+    drop(place.call("tell last stop --runs robot-runs"));
+    drop(run.end());
+}
+
+/// The way back is cut: the robot pauses, and the station says that it does not know. Asked again once the robot is heard, it knows.
+#[test]
+fn a_command_whose_answer_is_lost_is_unknown_and_never_expired() {
+    let place = Place::with(&ticks(1_000_000));
+    pair(&place, "scout");
+    let (ground, address) = station(&place, "127.0.0.1:0");
+    let path = BadPath::to(address);
+    let _robot = robot(&place, path.address);
+    let run = Run::start(&place, "--runs robot-runs");
+    wait_at_station(&place, "Ticks  running");
+    while !place.call("link --state ground").stdout.contains("there and back takes") {
+        thread::yield_now();
+    }
+    path.cut_down(true);
+    let expiry = clock::since_1970_ms() + 1_500;
+    let pause =
+        json!({ "id": "1", "author": "", "command": { "type": "pause" }, "expiry": expiry });
+    let replica = std::fs::read_dir(place.path("ground-runs")).unwrap().next().unwrap().unwrap();
+    let id = replica.file_name().into_string().unwrap();
+    let ask = || {
+        let path = format!("/api/v1/runs/{id}/commands");
+        ground.door.ask("POST", &path, Some(&pause)).unwrap()["answer"].as_str().unwrap().to_owned()
+    };
+    let mut answers = vec![ask()];
+    assert!(history(&place, "robot-runs").contains(r#""type":"pause""#), "it is carried out");
+    answers.push(ask());
+    path.cut_down(false);
+    while ask() == "unknown" {
+        thread::yield_now();
+    }
+    answers.push(ask());
+    assert_eq!(answers, ["unknown", "unknown", "applied"]);
     drop(place.call("tell last stop --runs robot-runs"));
     drop(run.end());
 }
@@ -416,9 +465,9 @@ fn what_a_change_of_keys_left_behind_is_no_pairing() {
 
 #[test]
 fn a_station_does_on_the_robot_what_its_pairing_allows() {
-    let place = Place::with(&ticks(1_000_000));
     let mut said = Vec::new();
     for rights in ["observe", "command", "change"] {
+        let place = Place::with(&ticks(1_000_000));
         let name = format!("ground-{rights}");
         pair_with(&place, &format!("scout --station {name} --rights {rights}"), &name);
         let (_ground, address) = station_of(&place, &name, "127.0.0.1:0");

@@ -1,6 +1,7 @@
 //! The robot's side: finds its runs, follows those that continue, sends what happens, and gives commands to their runners.
 
 mod authority;
+mod early;
 mod follow;
 mod numbers;
 mod parcels;
@@ -21,7 +22,8 @@ use crate::meter::{LinkMeter, millis};
 use crate::pairing::{Paired, Pairing};
 use crate::report::{REPORT_EVERY, Reporter};
 use crate::start::Start;
-use crate::words::{StationWord, at_robot, author_at_robot};
+use crate::words::{StationRequest, at_robot, author_at_robot};
+use early::EarlyCommands;
 use follow::FromRun;
 use parcels::SentParcels;
 use rafcon_link::{CommandState, Generation, Profile, ReceivedCommand, RobotSession, StreamId};
@@ -95,6 +97,7 @@ pub fn relay_robot(settings: &RobotSettings, stopper: &Stopper) -> Result<(), Re
         meter,
         offered,
         station_start,
+        early: EarlyCommands::default(),
     };
     let (mut look_at, mut keep_at) = (Duration::ZERO, KEEP_EVERY);
     while !stopper.is_stopped() {
@@ -103,6 +106,7 @@ pub fn relay_robot(settings: &RobotSettings, stopper: &Stopper) -> Result<(), Re
             look_at = now + REPORT_EVERY;
             let is_heard = relay.session.is_heard(now);
             relay.look(is_heard);
+            relay.give_early();
             relay.session.set_calendar(now, clock::since_1970_ms());
             relay.tell_control();
             let heard = relay.session.heard_before(now).map(|ago| now.saturating_sub(ago));
@@ -161,6 +165,7 @@ struct RobotRelay<'s> {
     offered: Option<Pairing>,
     /// The station's newest known start.
     station_start: Option<Generation>,
+    early: EarlyCommands,
 }
 
 /// A pickle that would take longer than 50 ms of the link is sent by its hash, when someone wants it.
@@ -287,10 +292,30 @@ impl RobotRelay<'_> {
         }
     }
 
+    /// Gives commands again to runs that had only just begun.
+    fn give_early(&mut self) {
+        let now = self.clock.now();
+        for command in self.early.take(millis(now)) {
+            self.command(now, command);
+        }
+    }
+
     /// Does what someone at a station wants, if they may.
     fn command(&mut self, now: Duration, command: ReceivedCommand) {
-        let ReceivedCommand { id, not_after_ms, epoch, body, .. } = command;
-        let done = match serde_json::from_slice(&body) {
+        let read = serde_json::from_slice::<(u32, StationRequest)>(&command.body);
+        let mut command = command;
+        if let Ok((stream, StationRequest::Command(..))) = &read
+            && !command.is_late
+            && !self.runs.make_ready(StreamId(*stream))
+        {
+            match self.early.add(command) {
+                None => return,
+                Some(refused) => command = refused,
+            }
+        }
+        let ReceivedCommand { id, not_after_ms, epoch, is_late, .. } = command;
+        let done = match read {
+            Ok((stream, word)) if is_late => self.late_fate(StreamId(stream), &word),
             Ok((stream, word)) => self.heed(now, (StreamId(stream), word), (epoch, not_after_ms)),
             Err(error) => Err(format!("the robot's server does not understand it: {error}")),
         };
@@ -301,10 +326,20 @@ impl RobotRelay<'_> {
         self.session.set_command_state(now, id, state, &reason);
     }
 
+    /// Fate of a late command, by the run's journal: an earlier start of this server may have given it to the runner.
+    fn late_fate(&self, stream: StreamId, word: &StationRequest) -> Result<CommandState, String> {
+        let StationRequest::Command(id, ..) = word else { return Ok(CommandState::Expired) };
+        match self.runs.answer_of(stream, id) {
+            Some(Answer::Applied) => Ok(CommandState::Done),
+            Some(Answer::Refused { reason }) => Err(reason),
+            Some(Answer::Expired | Answer::Unknown { .. }) | None => Ok(CommandState::Expired),
+        }
+    }
+
     fn heed(
         &mut self,
         now: Duration,
-        (stream, word): (StreamId, StationWord),
+        (stream, word): (StreamId, StationRequest),
         (epoch, not_after_ms): (u64, u64),
     ) -> Result<CommandState, String> {
         let authority = Arc::clone(&self.settings.authority);
@@ -312,7 +347,7 @@ impl RobotRelay<'_> {
         let station = self.settings.paired.pairing.station_name();
         let run = self.runs.name(stream).ok_or("the robot has no such run")?.to_owned();
         match word {
-            StationWord::Command(id, author, decided_on, command) => {
+            StationRequest::Command(id, author, decided_on, command) => {
                 rights.check(&command, authority.right_of(&command))?;
                 let author = author_at_robot(&author, station);
                 if !command.is_for_everybody() {
@@ -330,7 +365,7 @@ impl RobotRelay<'_> {
                 }
                 Err("the run has no program on the robot that could be commanded".to_owned())
             }
-            StationWord::MoveControl(_, author, wanted) => {
+            StationRequest::MoveControl(_, author, wanted) => {
                 rights.check_right(Right::Command)?;
                 let wanted = match wanted {
                     ControlMove::HandOver { to } => {
@@ -342,7 +377,7 @@ impl RobotRelay<'_> {
                 self.tell_control();
                 Ok(CommandState::Done)
             }
-            StationWord::Present(user) => {
+            StationRequest::Present(user) => {
                 authority.present(&author_at_robot(&user, station));
                 Ok(CommandState::Done)
             }
@@ -360,6 +395,8 @@ impl RobotRelay<'_> {
                     Answer::Applied => (CommandState::Done, String::new()),
                     Answer::Refused { reason } => (CommandState::Refused, reason),
                     Answer::Expired => (CommandState::Expired, String::new()),
+                    // Runners know what they did.
+                    Answer::Unknown { .. } => return,
                 };
                 let (now, id) = (self.clock.now(), ids::command(&envelope));
                 self.session.set_command_state(now, id, state, &reason);

@@ -18,9 +18,9 @@ use rafcon_link::{
     EventBuffer, EventHash, Events, LENGTH_MAX, Rank, RobotSession, RunSource, StreamId, ValueName,
 };
 use rafcon_protocol::api::Control;
-use rafcon_protocol::{Envelope, LinkRun, Snapshot};
+use rafcon_protocol::{Answer, Envelope, LinkRun, Snapshot};
 use rafcon_storage::journal::{
-    About, Chain, EventItems, EventSource, Hash, JournalError, Pack, RunState, Summary,
+    About, Chain, EventItems, EventSource, Hash, JournalError, Pack, Reader, RunState, Summary,
     run_folders, writer_of,
 };
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
@@ -465,12 +465,28 @@ impl RobotRuns {
 
     /// Gives a command to the runner of a run; false if it has none.
     pub(super) fn command(&mut self, id: &str, envelope: Envelope) -> bool {
-        let Some(run) = self.all.get_mut(id) else { return false };
+        self.all
+            .get_mut(id)
+            .and_then(|run| run.runner.as_mut())
+            .is_some_and(|it| it.command(envelope))
+    }
+
+    /// False while a run has just begun and its runner listens to nobody yet.
+    pub(super) fn make_ready(&mut self, stream: StreamId) -> bool {
+        let Some(id) = self.name(stream).map(str::to_owned) else { return true };
+        let Some(run) = self.all.get_mut(&id) else { return true };
         if run.runner.is_none() && run.fate == RunFate::Live {
-            // It had only just begun when it was found.
-            run.runner = Followed::join(&run.folder, id, run.head + 1, &self.inbox);
+            run.runner = Followed::join(&run.folder, &id, run.head + 1, &self.inbox);
         }
-        run.runner.as_mut().is_some_and(|runner| runner.command(envelope))
+        let is_over = || run.fate != RunFate::Live || matches!(writer_of(&run.folder), Ok(None));
+        run.runner.is_some() || is_over()
+    }
+
+    /// The answer to a command in the journal of a run.
+    pub(super) fn answer_of(&self, stream: StreamId, command: &str) -> Option<Answer> {
+        let folder = &self.all.get(self.name(stream)?)?.folder;
+        let moment = Reader::open(folder).ok()?.moment(u64::MAX).ok()?;
+        moment.whole().answer(command).cloned()
     }
 
     /// How much of each run the station has, as far as it said so.

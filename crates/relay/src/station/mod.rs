@@ -6,8 +6,8 @@ mod had;
 mod health;
 mod in_order;
 mod kept_runs;
-mod open_words;
 mod parcels;
+mod pending_requests;
 mod received;
 mod replica_run;
 mod robot;
@@ -32,7 +32,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
 use value_disk::FromValueDisk;
-use viewers::GivenWord;
+use viewers::PendingRequest;
 
 /// The runs are looked at this often: what is complete is closed, and viewers are shown how the link is.
 const LOOK_EVERY: Duration = Duration::from_millis(250);
@@ -70,7 +70,7 @@ pub(crate) struct GivenCommand {
     robot: usize,
     /// The stream of the run's events.
     stream: StreamId,
-    word: GivenWord,
+    word: PendingRequest,
 }
 
 /// What the station's own threads say to it.

@@ -1,6 +1,6 @@
 //! The replica of one run: an ordinary run folder, written by the link, and open to viewers as if its runner were here.
 
-use super::viewers::{GivenWord, Shared, Viewers};
+use super::viewers::{PendingRequest, Shared, Viewers};
 use crate::ids;
 use rafcon_link::StreamId;
 use rafcon_protocol::LinkHealth;
@@ -31,7 +31,7 @@ impl ReplicaRun {
         runs: &Path,
         about: &About,
         link: LinkHealth,
-        give: impl Fn(GivenWord) -> bool + Send + Sync + 'static,
+        give: impl Fn(PendingRequest) -> bool + Send + Sync + 'static,
     ) -> Result<Self, JournalError> {
         let folder = runs.join(&about.id);
         let replica = Replica::open(&folder, about, &options(about))?;

@@ -6,12 +6,12 @@ use super::disk::{Disk, FromDisk, KeyWork, OpenRun, SettledRun, Work};
 use super::health::{health, run_of};
 use super::in_order::InOrder;
 use super::kept_runs::{KeptRuns, Place, Restored, RestoredState};
-use super::open_words::OpenWords;
 use super::parcels::{RestoredParcel, StationParcels};
+use super::pending_requests::{PendingRequests, SendTimes, overdue};
 use super::received::{Early, Received, StationRun};
 use super::value_disk::FromValueDisk;
 use super::values::StationValues;
-use super::viewers::GivenWord;
+use super::viewers::PendingRequest;
 use super::{StationSettings, ToStation};
 use crate::carrier::Carrier;
 use crate::clock::SessionClock;
@@ -40,8 +40,8 @@ use std::time::Duration;
 /// Reported while runs wait for others.
 const CROWDED: &str = "more runs are incomplete than the station receives at a time (2,048): the others come once some are complete";
 
-/// A command without an expiry, such as a stop, is sent for so long.
-const LIFETIME: Duration = Duration::from_hours(1);
+/// Lifetime of a stop: it is sent until the robot has it.
+const STOP_LIFETIME: Duration = Duration::from_hours(24);
 /// Capacity of the reasons of refused runs. Of more their number is reported.
 const REFUSED_MAX: usize = 64;
 /// Capacity of the hashes that were compared. Beyond it, all are forgotten, and compared again.
@@ -81,7 +81,7 @@ pub(super) struct StationRobot {
     /// This station's pairing with the robot.
     pairing: Pairing,
     /// What was given for the robot and whose fate is open.
-    words: OpenWords,
+    requests: PendingRequests,
     values: StationValues,
     /// What the robot is asked for of runs.
     watching: BTreeMap<StreamId, Asked>,
@@ -152,7 +152,7 @@ impl StationRobot {
             early: Early::default(),
             new,
             pairing: pairing.clone(),
-            words: OpenWords::default(),
+            requests: PendingRequests::default(),
         };
         robot.restore_whole(&whole);
         robot.restore(restored);
@@ -354,10 +354,7 @@ impl StationRobot {
                 self.values.take((id, offset), bytes, &mut self.session);
             }
             Received::NoValue(id, why) => self.values.refused(id, why, &mut self.session),
-            Received::Started => {
-                self.checked.clear();
-                self.lose_words();
-            }
+            Received::Started => self.checked.clear(),
         }
     }
 
@@ -388,7 +385,7 @@ impl StationRobot {
 
     /// Shows how the link is, and what became of words; has runs closed that are complete.
     pub(super) fn look(&mut self) {
-        self.expire_words();
+        self.note_overdue();
         if let Some(new) = self.new.take_if(|_| self.session.is_key_confirmed()) {
             self.disk.keep_key(KeyWork::Replace(new));
         }
@@ -397,10 +394,10 @@ impl StationRobot {
         }
         self.sync_wishes();
         let link = health(&mut self.meter, &self.session, self.clock.now());
-        let (session, words) = (&self.session, &self.words);
+        let (session, requests) = (&self.session, &self.requests);
         for (stream, run) in &mut self.runs {
             let missing = run_of(session, *stream, &run.id).missing;
-            let commands = words.commands(Some(*stream));
+            let commands = requests.commands(Some(*stream));
             run.shared.set_link(LinkHealth { missing, commands, ..link.clone() });
             let progress = session.progress(*stream);
             let head = progress.map_or(0, |progress| progress.head);
@@ -418,7 +415,7 @@ impl StationRobot {
         let run = |(stream, run): (&StreamId, &StationRun)| run_of(&self.session, *stream, &run.id);
         let runs = self.runs.iter().map(run).collect();
         let link = health(&mut self.meter, &self.session, self.clock.now());
-        let link = LinkHealth { commands: self.words.commands(None), ..link };
+        let link = LinkHealth { commands: self.requests.commands(None), ..link };
         let report = self.meter.report(link, self.session.traffic(), runs);
         let problems = self.problem.iter().chain(self.refused.values());
         let problems = problems.map(|problem| format!("not everything is kept: {problem}"));
@@ -558,29 +555,48 @@ impl StationRobot {
         });
     }
 
-    /// Sends what a viewer has for the robot.
-    pub(super) fn command(&mut self, stream: StreamId, given: &GivenWord) {
-        let today = clock::since_1970_ms();
+    /// Sends what a viewer has for the robot. What is on its way already is not sent twice, and what was answered is answered again.
+    pub(super) fn command(&mut self, stream: StreamId, given: &PendingRequest) {
+        let id = ids::command(&given.id);
+        if let Some(answer) = self.requests.known_answer(id) {
+            return self.answer(stream, &given.id, &answer);
+        }
+        if self.requests.is_open(id) {
+            return;
+        }
+        let (now, today) = (self.clock.now(), clock::since_1970_ms());
         let left = |ms: u64| Duration::from_millis(ms.saturating_sub(today));
         let known = self.runs.get(&stream).map_or(0, |run| run.epoch);
+        let wait = given.not_before.map(left);
+        let usual = || wait.unwrap_or_default() + self.session.command_lifetime(now);
+        let valid = match given.expiry {
+            Some(Expiry(until)) => left(until),
+            None if given.is_lasting => STOP_LIFETIME,
+            None => usual(),
+        };
         let command = NewCommand {
-            id: ids::command(&given.id),
-            valid: given.expiry.map_or(LIFETIME, |Expiry(until)| left(until)),
-            wait: given.not_before.map(left),
+            id,
+            valid,
+            wait,
             epoch: given.epoch.unwrap_or(known),
             body: serde_json::to_vec(&(stream.0, &given.word)).unwrap_or_default(),
         };
-        if let Err(error) = self.session.command(self.clock.now(), command) {
+        if let Err(error) = self.session.command(now, command) {
             return self.answer(stream, &given.id, &Answer::Refused { reason: error.to_string() });
         }
         let there_ms = self.session.round_trip().map(|round_trip| millis(round_trip) / 2);
-        self.words.add(stream, given, (today, there_ms));
+        let times = SendTimes {
+            sent_ms: today,
+            arrives_ms: there_ms.map(|there_ms| today + there_ms),
+            expires_ms: (!given.is_lasting).then(|| today + millis(valid)),
+        };
+        self.requests.add(stream, given, times);
     }
 
     fn answered(&mut self, id: CommandId, state: CommandState, reason: String) {
         match state {
-            CommandState::Received => self.words.set_stage(id, CommandStage::Received),
-            CommandState::Started => self.words.set_stage(id, CommandStage::Started),
+            CommandState::Received => self.requests.set_stage(id, CommandStage::Received),
+            CommandState::Started => self.requests.set_stage(id, CommandStage::Started),
             CommandState::Done => self.close_word(id, &Answer::Applied),
             CommandState::Refused => self.close_word(id, &Answer::Refused { reason }),
             CommandState::Expired => self.close_word(id, &Answer::Expired),
@@ -588,25 +604,17 @@ impl StationRobot {
     }
 
     fn close_word(&mut self, id: CommandId, answer: &Answer) {
-        if let Some((stream, name)) = self.words.close(id) {
+        if let Some((stream, name)) = self.requests.close(id, answer) {
             self.answer(stream, &name, answer);
         }
     }
 
-    /// The robot's server has started again: it knows nothing of what was on its way to the one before.
-    fn lose_words(&mut self) {
-        let reason = "the robot's server has started again: whether it still took the command is in the run's history";
-        let answer = Answer::Refused { reason: reason.to_owned() };
-        for id in self.words.ids() {
-            self.close_word(id, &answer);
-        }
-    }
-
-    /// Says of what the robot never had that it is too late.
-    fn expire_words(&mut self) {
-        for id in self.words.ids() {
-            if !self.session.is_open(id) {
-                self.close_word(id, &Answer::Expired);
+    /// Says of commands whose time is over that their fate is unknown.
+    fn note_overdue(&mut self) {
+        for id in self.session.take_overdue(self.clock.now()) {
+            self.requests.set_stage(id, CommandStage::Overdue);
+            if let Some((stream, name)) = self.requests.find(id) {
+                self.answer(stream, name, &overdue());
             }
         }
     }

@@ -1,7 +1,7 @@
 //! The stand-in for the runner of a replica: viewers join it over the socket in the run's folder, as they join a runner.
 
 use super::watching::ReplicaWatch;
-use crate::words::StationWord;
+use crate::words::StationRequest;
 use parking_lot::{Condvar, Mutex};
 use rafcon_protocol::api::Control;
 use rafcon_protocol::{
@@ -32,36 +32,37 @@ const FRAMES_MAX: usize = 256;
 /// A line of a viewer is at most so long, in bytes.
 const LINE_MAX: u64 = 1 << 20;
 
-/// A wish about control is valid for so long, in ms.
-const MOVE_VALID_MS: u64 = 10_000;
-
 /// What a viewer has for the robot, with its id and the end of its validity by this computer's clock.
 #[derive(Debug)]
-pub(crate) struct GivenWord {
+pub(crate) struct PendingRequest {
     pub(super) id: String,
+    /// None: it is valid as long as is usual over this link.
     pub(super) expiry: Option<Expiry>,
+    /// It has no expiry, because it only brings the run to its end.
+    pub(super) is_lasting: bool,
     /// It is not carried out before this time, likewise.
     pub(super) not_before: Option<u64>,
     /// The epoch of authority under which it was decided, if its author says so.
     pub(super) epoch: Option<u64>,
-    pub(super) word: StationWord,
+    pub(super) word: StationRequest,
 }
 
-impl GivenWord {
+impl PendingRequest {
     fn command(envelope: Envelope) -> Self {
         let Envelope { expiry, not_before, epoch, .. } = envelope;
-        Self { id: envelope.id.clone(), expiry, not_before, epoch, word: StationWord::of(envelope) }
+        let is_lasting = expiry.is_none() && envelope.command.lifetime_ms().is_none();
+        let (id, word) = (envelope.id.clone(), StationRequest::of(envelope));
+        Self { id, expiry, is_lasting, not_before, epoch, word }
     }
 
-    /// A word about control, which is worth nothing later.
-    fn soon(id: String, word: StationWord) -> Self {
-        let until = clock::since_1970_ms().saturating_add(MOVE_VALID_MS);
-        Self { id, expiry: Some(Expiry(until)), not_before: None, epoch: None, word }
+    /// A word about control.
+    pub(super) fn soon(id: String, word: StationRequest) -> Self {
+        Self { id, expiry: None, is_lasting: false, not_before: None, epoch: None, word }
     }
 }
 
 /// Passes on what viewers have for the robot, and answers whether there is room for it.
-type Give = dyn Fn(GivenWord) -> bool + Send + Sync;
+type Give = dyn Fn(PendingRequest) -> bool + Send + Sync;
 
 /// What viewers are shown.
 #[derive(Debug)]
@@ -254,7 +255,7 @@ impl Viewers {
     pub(super) fn open(
         folder: &Path,
         shared: Arc<Shared>,
-        give: impl Fn(GivenWord) -> bool + Send + Sync + 'static,
+        give: impl Fn(PendingRequest) -> bool + Send + Sync + 'static,
     ) -> Result<Self, JournalError> {
         let path = folder.join(SOCKET_FILE);
         let listener = bind_socket(folder).map_err(|source| JournalError::Io {
@@ -331,15 +332,15 @@ fn heed(
 ) -> io::Result<()> {
     loop {
         let message = match line(lines)? {
-            ToRunner::Command(envelope) => offer(give, GivenWord::command(envelope)),
+            ToRunner::Command(envelope) => offer(give, PendingRequest::command(envelope)),
             ToRunner::MoveControl { id, author, wanted } => {
-                let word = StationWord::MoveControl(id.clone(), author, wanted);
-                offer(give, GivenWord::soon(id, word))
+                let word = StationRequest::MoveControl(id.clone(), author, wanted);
+                offer(give, PendingRequest::soon(id, word))
             }
             ToRunner::Present { user } => {
                 let id = format!("present-{user}-{}", clock::since_1970_ms());
                 // Who is there says so again.
-                let _lost = offer(give, GivenWord::soon(id, StationWord::Present(user)));
+                let _lost = offer(give, PendingRequest::soon(id, StationRequest::Present(user)));
                 None
             }
             ToRunner::Ping { id } => Some(shared.pong(id)),
@@ -371,7 +372,7 @@ fn state_data(folder: &Path, path: &str) -> Option<StateData> {
 }
 
 /// Gives a word for the robot; a refusal if there is no room for it.
-fn offer(give: &Give, word: GivenWord) -> Option<ToViewer> {
+fn offer(give: &Give, word: PendingRequest) -> Option<ToViewer> {
     let id = word.id.clone();
     let reason = "too many commands wait for the link: try again later".to_owned();
     (!give(word)).then_some(ToViewer::Answer { id, answer: Answer::Refused { reason } })

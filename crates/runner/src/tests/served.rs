@@ -557,6 +557,7 @@ impl Viewer {
             ToViewer::Answer { id: answered, answer } if answered == id => Some(match answer {
                 Answer::Applied => "applied".to_owned(),
                 Answer::Expired => "expired".to_owned(),
+                Answer::Unknown { reason } => format!("unknown: {reason}"),
                 Answer::Refused { reason } => format!("refused: {reason}"),
             }),
             _ => None,

@@ -114,7 +114,8 @@ fn snapshots_come_while_events_come_faster_than_they_can_be_told() {
         }
         (snapshots.len() == 4 || told > EVENTS_ENOUGH).then_some(())
     });
-    assert!(snapshots.is_sorted_by(|a, b| a < b), "{snapshots:?}");
+    // On a busy computer nothing may happen between two of them.
+    assert!(snapshots.is_sorted() && snapshots.first() < snapshots.last(), "{snapshots:?}");
     assert_eq!(snapshots.len(), 4, "{snapshots:?}, and then nothing up to event {told}");
     assert_eq!(viewer.command("stop", Command::Stop), "applied");
     drop(viewer);

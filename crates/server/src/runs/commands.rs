@@ -126,7 +126,7 @@ async fn ask_robot(run: &Run, who: &Who, wanted: &ControlMove) -> Result<(), Fai
     match timeout(COMMAND_TIMEOUT, asked).await {
         Ok(Ok(Answer::Applied)) => Ok(()),
         Ok(Ok(Answer::Refused { reason })) => Err(Failure::conflict("not_in_control", reason)),
-        Ok(Ok(Answer::Expired)) | Err(_) => Err(robot_late()),
+        Ok(Ok(Answer::Expired | Answer::Unknown { .. })) | Err(_) => Err(robot_late()),
         Ok(Err(_lost)) => Err(link_lost()),
     }
 }

@@ -208,8 +208,11 @@ impl Robot {
         self.disk.heard[station] = session.horizon();
         self.disk.watched[station].take(session);
         let mut done = Vec::new();
-        for ReceivedCommand { id, epoch, .. } in received {
+        for ReceivedCommand { id, epoch, is_late, .. } in received {
             let is_new = !self.disk.commands.contains_key(&id);
+            if is_new && is_late {
+                continue;
+            }
             let is_allowed = epoch >= self.disk.epoch;
             let outcome = if is_allowed { CommandState::Done } else { CommandState::Refused };
             let state = *self.disk.commands.entry(id).or_insert(outcome);

@@ -33,7 +33,9 @@ export type Afterwards = "go_on" | "hold" | "stop";
 /** What became of a command. */
 export type Answer = { "answer": "applied" } | { "answer": "refused",
   /** What, where, and the way out. */
-  reason: string, } | { "answer": "expired" };
+  reason: string, } | { "answer": "expired" } | { "answer": "unknown",
+  /** Cause, and how to find out. */
+  reason: string, };
 
 /** What was active after one event, without its data. */
 export type Before = {
@@ -186,10 +188,12 @@ export type CommandAnswer = {
   /** The command's id. */
   id: string, } & ({ "answer": "applied" } | { "answer": "refused",
   /** What, where, and the way out. */
-  reason: string, } | { "answer": "expired" });
+  reason: string, } | { "answer": "expired" } | { "answer": "unknown",
+  /** Cause, and how to find out. */
+  reason: string, });
 
 /** How far a command is that has no answer yet. */
-export type CommandStage = "sent" | "received" | "started";
+export type CommandStage = "sent" | "received" | "started" | "overdue";
 
 /** Two runs side by side. */
 export type Comparison = {
@@ -1077,6 +1081,9 @@ export type LinkHealth = {
   reached_ms: number | null,
   /** How long the way there and back takes, in ms; none if it is unknown. Known at a station only. */
   round_trip_ms: number | null,
+  /** Lifetime of a command that has no expiry, in ms: two round trips, the uncertainty of the robot's clock, and 10 s. Known at a
+   * station only. */
+  lifetime_ms: number | null,
   /** From the robot, in bytes per second, with the headers of IP and UDP. */
   down_bytes_per_s: number,
   /** To the robot, likewise. */
@@ -1412,12 +1419,14 @@ export type OnCrash = "ask" | "abort" | "restart";
 export type OpenCommand = {
   /** Its id, with the user's name before it. */
   id: string,
-  /** How far it is, as far as is known here. */
+  /** Its newest known stage. */
   stage: CommandStage,
   /** When it was sent first: ms since 1970, UTC, by the station's clock. */
   sent_ms: number,
   /** When it arrives at the robot if the link is whole, likewise; none if the delay is unknown. */
   arrives_ms: number | null,
+  /** Expiry, likewise; none for a stop. */
+  expires_ms?: number,
   /** Before which time it is not carried out, likewise. */
   not_before_ms?: number, };
 

@@ -19,6 +19,7 @@ const WHOLE: LinkHealth = {
   expected_every_ms: 500,
   reached_ms: STARTED_MS + 57_000,
   round_trip_ms: 4_100,
+  lifetime_ms: 22_300,
   down_bytes_per_s: 5_200,
   up_bytes_per_s: 31,
   missing: 0,
@@ -55,6 +56,7 @@ test("a whole link says its delay, its rates, what is on the way and how the clo
   expect(await said(WHOLE)).toEqual([
     "scout is heard",
     "delay: 2.0 s",
+    "command given now: effect in 2.0 s, expires in 22 s",
     "next contact: within 0.5 s",
     "received / sent: 5.2 KB/s / 31 B/s",
     "events to come: none",
@@ -68,6 +70,7 @@ test("in a blackout it is said for how long, and that the next contact is unknow
   expect(await said({ ...dark, missing: 1_204 })).toEqual([
     "scout has not been heard for 1:00",
     "delay: 2.0 s, 1:00 ago",
+    "command given now: effect in 2.0 s, expires in 22 s",
     "next contact: unknown",
     "received / sent: 5.2 KB/s / 31 B/s",
     "events to come: 1,204 or more",
@@ -79,6 +82,11 @@ test("in a blackout it is said for how long, and that the next contact is unknow
 test("in a blackout nobody knows what has happened since", async () => {
   const dark = { ...WHOLE, is_heard: false, heard_ms: STARTED_MS };
   expect(await said(dark)).toContain("events to come: unknown");
+});
+
+test("a dead up-link is as visible as a dead down-link", async () => {
+  const [contact] = await said({ ...WHOLE, reached_ms: STARTED_MS + 33_000 });
+  expect(contact).toBe("scout is heard, but has not confirmed anything from here for 27 s");
 });
 
 test("what is unknown for want of an up-link is said to be", async () => {

@@ -20,13 +20,14 @@ export function RobotLink({ watch }: { readonly watch: Watch }) {
   if (robot === null) return null;
   // Silence of the server is no silence of the robot.
   const now_ms = pulse?.server_ms ?? 0;
+  const isWhole = robot.is_heard && upLinkSilence(robot, now_ms) === null;
   return (
     <section
-      className={`robot-link${robot.is_heard ? "" : " robot-link-dark"}`}
+      className={`robot-link${isWhole ? "" : " robot-link-dark"}`}
       aria-label="Link to the robot"
     >
       <p className="robot-link-contact">
-        {robot.is_heard ? <Radio size={22} aria-hidden /> : <RadioTower size={22} aria-hidden />}
+        {isWhole ? <Radio size={22} aria-hidden /> : <RadioTower size={22} aria-hidden />}
         <span>{contact(robot, now_ms)}</span>
       </p>
       <dl className="robot-link-facts">
@@ -44,8 +45,21 @@ export function RobotLink({ watch }: { readonly watch: Watch }) {
 /** What matters most, in large. */
 function contact(robot: LinkHealth, now_ms: number): string {
   if (robot.heard_ms === null) return `${robot.robot} was not heard since the station began`;
-  if (robot.is_heard) return `${robot.robot} is heard`;
+  if (robot.is_heard) {
+    const silence_ms = upLinkSilence(robot, now_ms);
+    if (silence_ms === null) return `${robot.robot} is heard`;
+    return `${robot.robot} is heard, but has not confirmed anything from here for ${duration(silence_ms)}`;
+  }
   return `${robot.robot} has not been heard for ${duration(ago(now_ms, robot.heard_ms))}`;
+}
+
+/** Time since the robot last confirmed something; null while that is as usual, or was never measured. */
+function upLinkSilence(robot: LinkHealth, now_ms: number): number | null {
+  if (robot.reached_ms === null || robot.round_trip_ms === null) return null;
+  const since_ms = ago(now_ms, robot.reached_ms);
+  // An idle station reports every four statuses at most.
+  const usual_ms = 2 * robot.round_trip_ms + 10 * robot.expected_every_ms + 3_000;
+  return since_ms > usual_ms ? since_ms : null;
 }
 
 type Fact = readonly [name: string, value: string, why: string];
@@ -54,6 +68,7 @@ function facts(robot: LinkHealth, now_ms: number): readonly Fact[] {
   const { down_bytes_per_s, up_bytes_per_s, commands } = robot;
   return [
     delay(robot, now_ms),
+    command(robot),
     next(robot),
     [
       "received / sent",
@@ -89,10 +104,20 @@ function delay(robot: LinkHealth, now_ms: number): Fact {
   const why = "Half of the measured way to the robot and back";
   if (robot.reached_ms === null || robot.round_trip_ms === null)
     return ["delay", "unknown: no up-link", "The robot never said that it hears this station"];
-  const since = ago(now_ms, robot.reached_ms);
+  const since_ms = upLinkSilence(robot, now_ms);
   const value = duration(robot.round_trip_ms / 2);
-  if (since < 3 * robot.round_trip_ms + 10_000) return ["delay", value, why];
-  return ["delay", `${value}, ${duration(since)} ago`, `${why}: the robot has not heard us since`];
+  if (since_ms === null) return ["delay", value, why];
+  const measured = `${value}, ${duration(since_ms)} ago`;
+  return ["delay", measured, `${why}: the robot has confirmed nothing since`];
+}
+
+/** Before the operator gives a command: its time of effect, and its expiry. */
+function command(robot: LinkHealth): Fact {
+  const why =
+    "When a command that is given now takes effect, and when it expires; a stop does not expire";
+  const lifetime = robot.lifetime_ms === null ? "" : `, expires in ${duration(robot.lifetime_ms)}`;
+  if (robot.round_trip_ms === null) return ["command given now", `effect unknown${lifetime}`, why];
+  return ["command given now", `effect in ${duration(robot.round_trip_ms / 2)}${lifetime}`, why];
 }
 
 function next(robot: LinkHealth): Fact {

@@ -40,6 +40,9 @@ test("a command to a robot far away says how far it is, as far as the station kn
   expect(said({ stage: "received", not_before_ms: 2_000 })).toBe(
     "sent 0.5 s ago, the robot has it and waits 1.5 s until its time",
   );
+  expect(said({ stage: "overdue" })).toBe(
+    "sent 0.5 s ago, its time is over; it is unknown whether it was carried out, and the robot is asked",
+  );
   expect(said({ stage: "started" })).toBe(
     "sent 0.5 s ago, the run has it; its answer is on the way",
   );

@@ -79,6 +79,9 @@ function underWay(
   { stage, sent_ms, arrives_ms, not_before_ms, isRobotHeard }: CommandOnTheWay,
   since_ms: number,
 ): string {
+  if (stage === "overdue") {
+    return "its time is over; it is unknown whether it was carried out, and the robot is asked";
+  }
   if (stage === "started") return "the run has it; its answer is on the way";
   const wait_ms = (not_before_ms ?? 0) - sent_ms - since_ms;
   if (stage === "received" && wait_ms > 0) {

@@ -24,7 +24,10 @@ export interface SentCommand {
   readonly sent_ms: number;
   readonly expiry_ms: number;
   /** What became of it; null while nobody knows. `lost` says that it cannot be asked for any more. */
-  readonly answer: Answer | { readonly answer: "lost"; readonly reason: string } | null;
+  readonly answer:
+    | Exclude<Answer, { answer: "unknown" }>
+    | { readonly answer: "lost"; readonly reason: string }
+    | null;
   /** When that was known; null while nobody knows. */
   readonly answered_ms: number | null;
 }

@@ -125,6 +125,7 @@ fn of_the_run(event: &Event) -> (Style, String) {
                 Answer::Applied => (Style::Plain, String::new()),
                 Answer::Refused { reason } => (Style::Warning, format!(", refused: {reason}")),
                 Answer::Expired => (Style::Warning, ", too late".to_owned()),
+                Answer::Unknown { reason } => (Style::Warning, format!(", fate unknown: {reason}")),
             };
             let epoch =
                 envelope.epoch.map_or_else(String::new, |epoch| format!(" (epoch {epoch})"));

@@ -63,7 +63,7 @@ impl Tally {
             for answer in seen.answers.values() {
                 match answer {
                     Answer::Applied => self.applied += 1,
-                    Answer::Expired => self.expired += 1,
+                    Answer::Expired | Answer::Unknown { .. } => self.expired += 1,
                     Answer::Refused { .. } => self.refused += 1,
                 }
             }
