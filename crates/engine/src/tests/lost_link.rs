@@ -555,3 +555,637 @@ fn a_breakpoint_stops_the_run_without_the_ground() {
     "]],
     );
 }
+
+/// Work is preempted by this policy: its arm is stowed, then the robot goes home.
+fn work(policy: &str) -> String {
+    WORK.replace("POLICY", &format!("semantic {{\"lost_link\": {policy}}}"))
+}
+
+const WORK: &str = "
+hierarchy ROOT
+  outcome done
+  start -> WORK ; WORK.preempted -> HOME ; WORK.aborted -> HOME ; WORK.ok -> .done ; HOME.ok -> .done
+  hierarchy WORK
+    outcome ok
+    POLICY
+    start -> DRIVE ; DRIVE.ok -> .ok ; DRIVE.preempted -> STOW ; STOW.ok -> .ok ; STOW.aborted -> .aborted
+    execution DRIVE
+      outcome ok
+    execution STOW
+      outcome ok
+  execution HOME
+    outcome ok
+";
+
+#[test]
+fn a_handler_in_what_recovers_runs() {
+    check(
+        &work(r#"{"recover_s": 0.05}"#),
+        "start; silence 50; DRIVE preempted; STOW ok; HOME ok",
+        &expect![[r"
+            > start
+            enter ROOT
+            enter ROOT/WORK
+            enter ROOT/WORK/DRIVE
+              run ROOT/WORK/DRIVE
+            > silence 50
+            lost_link preempts ROOT/WORK
+              preempt ROOT/WORK
+              preempt ROOT/WORK/DRIVE
+            > DRIVE preempted
+            leave ROOT/WORK/DRIVE preempted
+            enter ROOT/WORK/STOW
+              run ROOT/WORK/STOW
+            > STOW ok
+            leave ROOT/WORK/STOW ok
+            leave ROOT/WORK preempted
+            enter ROOT/HOME
+              run ROOT/HOME
+            > HOME ok
+            leave ROOT/HOME ok
+            leave ROOT done
+            finished
+              end of run: done (0), 5 states
+        "]],
+    );
+}
+
+#[test]
+fn a_state_that_was_preempted_by_its_policy_has_not_finished() {
+    check(
+        &work(r#"{"finish_s": 0.04, "hold_s": 0.08, "recover_s": 0.14}"#),
+        "start; silence 80; silence 140; DRIVE preempted; STOW ok; HOME ok",
+        &expect![[r"
+            > start
+            enter ROOT
+            enter ROOT/WORK
+            enter ROOT/WORK/DRIVE
+              run ROOT/WORK/DRIVE
+            > silence 80
+            > silence 140
+            lost_link preempts ROOT/WORK
+              preempt ROOT/WORK
+              preempt ROOT/WORK/DRIVE
+            > DRIVE preempted
+            leave ROOT/WORK/DRIVE preempted
+            enter ROOT/WORK/STOW
+              run ROOT/WORK/STOW
+            > STOW ok
+            leave ROOT/WORK/STOW ok
+            leave ROOT/WORK preempted
+            enter ROOT/HOME
+              run ROOT/HOME
+            > HOME ok
+            leave ROOT/HOME ok
+            leave ROOT done
+            finished
+              end of run: done (0), 5 states
+        "]],
+    );
+}
+
+#[test]
+fn a_recovery_that_fails_is_not_held() {
+    let machine = "
+hierarchy ROOT
+  outcome done
+  start -> WORK ; WORK.aborted -> HOME ; HOME.ok -> .done
+  execution WORK
+    outcome ok
+    semantic {\"lost_link\": {\"finish_s\": 0.04, \"recover_s\": 0.14}}
+  execution HOME
+    outcome ok
+";
+    check(
+        machine,
+        "start; silence 140; WORK raises \"stuck\"; HOME ok",
+        &expect![[r#"
+        > start
+        enter ROOT
+        enter ROOT/WORK
+          run ROOT/WORK
+        > silence 140
+        lost_link preempts ROOT/WORK
+          preempt ROOT/WORK
+        > WORK raises "stuck"
+        leave ROOT/WORK aborted error="stuck"
+        enter ROOT/HOME
+          run ROOT/HOME error="stuck"
+        > HOME ok
+        leave ROOT/HOME ok
+        leave ROOT done
+        finished
+          end of run: done (0), 3 states
+    "#]],
+    );
+}
+
+#[test]
+fn handlers_in_a_root_that_recovers_run() {
+    let machine = "
+hierarchy ROOT
+  outcome done
+  semantic {\"lost_link\": {\"finish_s\": 0.04, \"hold_s\": 0.08, \"recover_s\": 0.14}}
+  start -> DRIVE ; DRIVE.preempted -> STOW ; STOW.ok -> HOME ; HOME.ok -> .done
+  execution DRIVE
+    outcome ok
+  hierarchy STOW
+    outcome ok
+    start -> FOLD ; FOLD.ok -> LOCK ; LOCK.ok -> .ok
+    execution FOLD
+      outcome ok
+    execution LOCK
+      outcome ok
+  execution HOME
+    outcome ok
+";
+    check(
+        machine,
+        "start; silence 140; DRIVE preempted; FOLD ok; LOCK ok; active",
+        &expect![[r"
+        > start
+        enter ROOT
+        enter ROOT/DRIVE
+          run ROOT/DRIVE
+        > silence 140
+        lost_link preempts ROOT
+          preempt ROOT
+          preempt ROOT/DRIVE
+        > DRIVE preempted
+        leave ROOT/DRIVE preempted
+        enter ROOT/STOW
+        enter ROOT/STOW/FOLD
+          run ROOT/STOW/FOLD
+        > FOLD ok
+        leave ROOT/STOW/FOLD ok
+        enter ROOT/STOW/LOCK
+          run ROOT/STOW/LOCK
+        > LOCK ok
+        leave ROOT/STOW/LOCK ok
+        leave ROOT/STOW ok
+        leave ROOT preempted
+        finished
+          end of run: preempted (-2), 5 states
+        > active
+        Finished, 5 states run
+    "]],
+    );
+}
+
+#[test]
+fn a_recovery_that_is_resumed_is_not_held() {
+    check(
+        &work(r#"{"finish_s": 0.04, "hold_s": 0.08, "recover_s": 0.14}"#),
+        "start; silence 140; cut again; DRIVE preempted; cut again; STOW ok; cut again; HOME ok",
+        &expect![[r"
+            > start
+            enter ROOT
+            enter ROOT/WORK
+            enter ROOT/WORK/DRIVE
+              run ROOT/WORK/DRIVE
+            > silence 140
+            lost_link preempts ROOT/WORK
+              preempt ROOT/WORK
+              preempt ROOT/WORK/DRIVE
+            > cut again
+            enter ROOT
+            enter ROOT/WORK
+            enter ROOT/WORK/DRIVE
+              run ROOT/WORK/DRIVE preempted
+            > DRIVE preempted
+            leave ROOT/WORK/DRIVE preempted
+            enter ROOT/WORK/STOW
+              run ROOT/WORK/STOW
+            > cut again
+            enter ROOT
+            enter ROOT/WORK
+            enter ROOT/WORK/STOW
+              run ROOT/WORK/STOW
+            > STOW ok
+            leave ROOT/WORK/STOW ok
+            leave ROOT/WORK preempted
+            enter ROOT/HOME
+              run ROOT/HOME
+            > cut again
+            enter ROOT
+            enter ROOT/HOME
+              run ROOT/HOME
+            > HOME ok
+            leave ROOT/HOME ok
+            leave ROOT done
+            finished
+              end of run: done (0), 5 states
+        "]],
+    );
+}
+
+#[test]
+fn a_recovery_that_is_resumed_between_two_states_is_not_held() {
+    check(
+        &work(r#"{"finish_s": 0.04, "hold_s": 0.08, "recover_s": 0.14}"#),
+        "break 1 before ROOT/WORK/STOW; start; silence 140; DRIVE preempted; cut again;
+         break 1 before ROOT/HOME; STOW ok; cut again",
+        &expect![[r"
+            > break 1 before ROOT/WORK/STOW
+            > start
+            enter ROOT
+            enter ROOT/WORK
+            enter ROOT/WORK/DRIVE
+              run ROOT/WORK/DRIVE
+            > silence 140
+            lost_link preempts ROOT/WORK
+              preempt ROOT/WORK
+              preempt ROOT/WORK/DRIVE
+            > DRIVE preempted
+            leave ROOT/WORK/DRIVE preempted
+            hit 1 at ROOT/WORK/STOW for the 1. time
+            hold ROOT/WORK before ROOT/WORK/STOW (Breakpoint(1))
+            > cut again
+            enter ROOT
+            enter ROOT/WORK
+            enter ROOT/WORK/STOW
+              run ROOT/WORK/STOW
+            > break 1 before ROOT/HOME
+            > STOW ok
+            leave ROOT/WORK/STOW ok
+            leave ROOT/WORK preempted
+            hit 1 at ROOT/HOME for the 1. time
+            hold ROOT before ROOT/HOME (Breakpoint(1))
+            > cut again
+            enter ROOT
+            enter ROOT/HOME
+              run ROOT/HOME
+        "]],
+    );
+}
+
+#[test]
+fn a_recovery_goes_on_when_the_ground_is_heard_again() {
+    check(
+        &work(r#"{"finish_s": 0.04, "recover_s": 0.14}"#),
+        "start; silence 139; silence 0; silence 140; silence 0; DRIVE preempted; silence 4; STOW ok",
+        &expect![[r"
+            > start
+            enter ROOT
+            enter ROOT/WORK
+            enter ROOT/WORK/DRIVE
+              run ROOT/WORK/DRIVE
+            > silence 139
+            > silence 0
+            > silence 140
+            lost_link preempts ROOT/WORK
+              preempt ROOT/WORK
+              preempt ROOT/WORK/DRIVE
+            > silence 0
+            > DRIVE preempted
+            leave ROOT/WORK/DRIVE preempted
+            enter ROOT/WORK/STOW
+              run ROOT/WORK/STOW
+            > silence 4
+            > STOW ok
+            leave ROOT/WORK/STOW ok
+            leave ROOT/WORK preempted
+            enter ROOT/HOME
+              run ROOT/HOME
+        "]],
+    );
+}
+
+#[test]
+fn a_second_silence_is_counted_anew() {
+    check(
+        &work(r#"{"finish_s": 0.04, "recover_s": 0.14}"#),
+        "start; silence 140; silence 0; silence 40; DRIVE preempted; STOW ok",
+        &expect![[r"
+            > start
+            enter ROOT
+            enter ROOT/WORK
+            enter ROOT/WORK/DRIVE
+              run ROOT/WORK/DRIVE
+            > silence 140
+            lost_link preempts ROOT/WORK
+              preempt ROOT/WORK
+              preempt ROOT/WORK/DRIVE
+            > silence 0
+            > silence 40
+            > DRIVE preempted
+            leave ROOT/WORK/DRIVE preempted
+            enter ROOT/WORK/STOW
+              run ROOT/WORK/STOW
+            > STOW ok
+            leave ROOT/WORK/STOW ok
+            leave ROOT/WORK preempted
+            hold ROOT before ROOT/HOME (Loss(Link))
+        "]],
+    );
+}
+
+#[test]
+fn a_state_that_ends_by_itself_before_its_recovery_is_paused() {
+    check(
+        &work(r#"{"finish_s": 0.04, "recover_s": 0.14}"#),
+        "start; silence 40; DRIVE ok; silence 140",
+        &expect![[r"
+            > start
+            enter ROOT
+            enter ROOT/WORK
+            enter ROOT/WORK/DRIVE
+              run ROOT/WORK/DRIVE
+            > silence 40
+            > DRIVE ok
+            leave ROOT/WORK/DRIVE ok
+            leave ROOT/WORK ok
+            hold ROOT (Loss(Link))
+            > silence 140
+        "]],
+    );
+}
+
+#[test]
+fn the_way_home_goes_by_the_policy_around_it() {
+    let machine = work(r#"{"recover_s": 0.05}"#);
+    let hold = "  semantic {\"lost_link\": {\"hold_s\": 0.03}}\n  start -> WORK";
+    let machine = machine.replace("  start -> WORK", hold);
+    check(
+        &machine,
+        "start; silence 50; DRIVE preempted; STOW ok",
+        &expect![[r"
+        > start
+        enter ROOT
+        enter ROOT/WORK
+        enter ROOT/WORK/DRIVE
+          run ROOT/WORK/DRIVE
+        > silence 50
+        lost_link preempts ROOT/WORK
+          preempt ROOT/WORK
+          preempt ROOT/WORK/DRIVE
+        > DRIVE preempted
+        leave ROOT/WORK/DRIVE preempted
+        enter ROOT/WORK/STOW
+          run ROOT/WORK/STOW
+        > STOW ok
+        leave ROOT/WORK/STOW ok
+        leave ROOT/WORK preempted
+        hold ROOT before ROOT/HOME (Loss(Link))
+    "]],
+    );
+    let home = "execution HOME\n    semantic {\"lost_link\": \"continue\"}";
+    let machine = machine.replace("execution HOME", home);
+    check(
+        &machine,
+        "start; silence 50; DRIVE preempted; STOW ok",
+        &expect![[r"
+        > start
+        enter ROOT
+        enter ROOT/WORK
+        enter ROOT/WORK/DRIVE
+          run ROOT/WORK/DRIVE
+        > silence 50
+        lost_link preempts ROOT/WORK
+          preempt ROOT/WORK
+          preempt ROOT/WORK/DRIVE
+        > DRIVE preempted
+        leave ROOT/WORK/DRIVE preempted
+        enter ROOT/WORK/STOW
+          run ROOT/WORK/STOW
+        > STOW ok
+        leave ROOT/WORK/STOW ok
+        leave ROOT/WORK preempted
+        enter ROOT/HOME
+          run ROOT/HOME
+    "]],
+    );
+}
+
+#[test]
+fn a_pause_inside_keeps_a_state_from_recovering() {
+    let machine = work(r#"{"recover_s": 0.05}"#);
+    let inner = "hierarchy DRIVE
+      outcome ok
+      semantic {\"lost_link\": {\"hold_s\": 0.03}}
+      start -> GO ; GO.ok -> TURN ; TURN.ok -> .ok
+      execution GO
+        outcome ok
+      execution TURN
+        outcome ok";
+    let machine = machine.replace("execution DRIVE\n      outcome ok", inner);
+    check(
+        &machine,
+        "start; silence 30; GO ok; silence 50",
+        &expect![[r"
+        > start
+        enter ROOT
+        enter ROOT/WORK
+        enter ROOT/WORK/DRIVE
+        enter ROOT/WORK/DRIVE/GO
+          run ROOT/WORK/DRIVE/GO
+        > silence 30
+        > GO ok
+        leave ROOT/WORK/DRIVE/GO ok
+        hold ROOT/WORK/DRIVE before ROOT/WORK/DRIVE/TURN (Loss(Link))
+        > silence 50
+    "]],
+    );
+}
+
+#[test]
+fn a_recovery_around_preempts_the_way_home() {
+    let machine = work(r#"{"recover_s": 0.05}"#);
+    let policy = "  semantic {\"lost_link\": {\"recover_s\": 0.09}}\n  start -> WORK";
+    let machine = machine.replace("  start -> WORK", policy);
+    check(
+        &machine,
+        "start; silence 50; DRIVE preempted; STOW ok; silence 90; HOME preempted",
+        &expect![[r"
+            > start
+            enter ROOT
+            enter ROOT/WORK
+            enter ROOT/WORK/DRIVE
+              run ROOT/WORK/DRIVE
+            > silence 50
+            lost_link preempts ROOT/WORK
+              preempt ROOT/WORK
+              preempt ROOT/WORK/DRIVE
+            > DRIVE preempted
+            leave ROOT/WORK/DRIVE preempted
+            enter ROOT/WORK/STOW
+              run ROOT/WORK/STOW
+            > STOW ok
+            leave ROOT/WORK/STOW ok
+            leave ROOT/WORK preempted
+            enter ROOT/HOME
+              run ROOT/HOME
+            > silence 90
+            lost_link preempts ROOT
+              preempt ROOT
+              preempt ROOT/HOME
+            > HOME preempted
+            leave ROOT/HOME preempted
+            leave ROOT preempted
+            finished
+              end of run: preempted (-2), 5 states
+        "]],
+    );
+}
+
+#[test]
+fn a_branch_of_a_barrier_recovers_by_itself() {
+    let policy =
+        "hierarchy ARM\n      semantic {\"lost_link\": {\"finish_s\": 0.01, \"recover_s\": 0.03}}";
+    let machine = RECOVER.replace("{\"recover_s\": 0.03}", "\"continue\"");
+    let machine = machine.replace("hierarchy ARM", policy).replace("A.ok -> B", "A.preempted -> B");
+    let machine = machine.replacen("        semantic {\"lost_link\": \"continue\"}\n", "", 1);
+    check(
+        &machine,
+        "start; silence 30; A preempted; B ok; C ok; D ok; unique_decider_state_id ok",
+        &expect![[r"
+            > start
+            enter ROOT
+            enter ROOT/DRIVE
+            enter ROOT/DRIVE/ARM
+            enter ROOT/DRIVE/ARM/A
+            enter ROOT/DRIVE/WHEELS
+            enter ROOT/DRIVE/WHEELS/C
+              fork 1
+              run ROOT/DRIVE/ARM/A on 1
+              fork 2
+              run ROOT/DRIVE/WHEELS/C on 2
+            > silence 30
+            lost_link preempts ROOT/DRIVE/ARM
+              preempt ROOT/DRIVE/ARM
+              preempt ROOT/DRIVE/ARM/A
+            > A preempted
+            leave ROOT/DRIVE/ARM/A preempted
+            enter ROOT/DRIVE/ARM/B
+              run ROOT/DRIVE/ARM/B on 1
+            > B ok
+            leave ROOT/DRIVE/ARM/B ok
+            leave ROOT/DRIVE/ARM preempted
+              end 1
+            > C ok
+            leave ROOT/DRIVE/WHEELS/C ok
+            enter ROOT/DRIVE/WHEELS/D
+              run ROOT/DRIVE/WHEELS/D on 2
+            > D ok
+            leave ROOT/DRIVE/WHEELS/D ok
+            leave ROOT/DRIVE/WHEELS ok
+            enter ROOT/DRIVE/unique_decider_state_id
+              end 2
+              run ROOT/DRIVE/unique_decider_state_id [ARM preempted] [WHEELS ok]
+            > unique_decider_state_id ok
+            leave ROOT/DRIVE/unique_decider_state_id ok
+            leave ROOT/DRIVE ok
+            leave ROOT done
+            finished
+              end of run: done (0), 9 states
+        "]],
+    );
+}
+
+#[test]
+fn a_branch_that_recovers_wins_its_race() {
+    let machine = "
+hierarchy ROOT
+  outcome done
+  start -> RACE ; RACE.ok -> .done ; RACE.lost -> HOME ; HOME.ok -> .done
+  preemptive RACE
+    outcome ok
+    outcome lost
+    DRIVE.ok -> .ok ; DRIVE.preempted -> .lost ; WATCH.ok -> .ok
+    execution DRIVE
+      outcome ok
+      semantic {\"lost_link\": {\"finish_s\": 0.01, \"recover_s\": 0.03}}
+    execution WATCH
+      outcome ok
+  execution HOME
+    outcome ok
+";
+    check(
+        machine,
+        "start; silence 30; DRIVE preempted; WATCH ok",
+        &expect![[r"
+        > start
+        enter ROOT
+        enter ROOT/RACE
+        enter ROOT/RACE/DRIVE
+        enter ROOT/RACE/WATCH
+          fork 1
+          run ROOT/RACE/DRIVE on 1
+          fork 2
+          run ROOT/RACE/WATCH on 2
+        > silence 30
+        lost_link preempts ROOT/RACE/DRIVE
+          preempt ROOT/RACE/DRIVE
+        > DRIVE preempted
+        leave ROOT/RACE/DRIVE preempted
+          end 1
+          preempt ROOT/RACE/WATCH
+        > WATCH ok
+        leave ROOT/RACE/WATCH preempted
+        leave ROOT/RACE lost
+        enter ROOT/HOME
+          end 2
+          run ROOT/HOME
+    "]],
+    );
+}
+
+#[test]
+fn a_root_that_is_to_finish_pauses_nothing() {
+    let machine = DRIVE.replace("hold_s", "finish_s");
+    check(
+        &machine,
+        "start; silence 60; DRIVE ok; A ok; B ok",
+        &expect![[r"
+        > start
+        enter ROOT
+        enter ROOT/DRIVE
+          run ROOT/DRIVE
+        > silence 60
+        > DRIVE ok
+        leave ROOT/DRIVE ok
+        enter ROOT/SAMPLE
+        enter ROOT/SAMPLE/A
+          run ROOT/SAMPLE/A
+        > A ok
+        leave ROOT/SAMPLE/A ok
+        enter ROOT/SAMPLE/B
+          run ROOT/SAMPLE/B
+        > B ok
+        leave ROOT/SAMPLE/B ok
+        leave ROOT/SAMPLE ok
+        leave ROOT done
+        finished
+          end of run: done (0), 5 states
+    "]],
+    );
+}
+
+#[test]
+fn what_a_policy_holds_goes_on_once_it_is_preempted() {
+    check(
+        &work(r#"{"hold_s": 0.03}"#).replace("DRIVE.ok -> .ok", "DRIVE.ok -> STOW"),
+        "start; silence 30; DRIVE ok; preempt ROOT/WORK; HOME ok",
+        &expect![[r"
+            > start
+            enter ROOT
+            enter ROOT/WORK
+            enter ROOT/WORK/DRIVE
+              run ROOT/WORK/DRIVE
+            > silence 30
+            > DRIVE ok
+            leave ROOT/WORK/DRIVE ok
+            hold ROOT/WORK before ROOT/WORK/STOW (Loss(Link))
+            > preempt ROOT/WORK
+            leave ROOT/WORK preempted
+            enter ROOT/HOME
+              preempt ROOT/WORK
+              run ROOT/HOME
+            > HOME ok
+            leave ROOT/HOME ok
+            leave ROOT done
+            finished
+              end of run: done (0), 4 states
+        "]],
+    );
+}

@@ -2,10 +2,10 @@
 //! (`docs/semantics.md`, Lost link). Knows how long the silence lasts, but no clock.
 
 use crate::engine::Status;
-use crate::engine::state::frames::NONE;
+use crate::engine::state::frames::{Children, NONE};
 use crate::engine::state::step::{Step, View};
 use crate::engine::state::suspended::StopPoint;
-use crate::program::{Body, Concurrency};
+use crate::program::{ABORTED, Body, Concurrency, PREEMPTED};
 use crate::{Datum, Event, HeldBy, Program, Silence, When};
 use rafcon_model::{Loss, LossPolicy};
 
@@ -27,13 +27,12 @@ impl<D: Datum> Step<'_, D> {
         let path = self.run.frames.get(slot).path;
         self.out.events.push(Event::LossRecovery { path, loss });
         let frames = self.run.frames.below(slot);
-        self.free_lost(&frames);
         self.preempt(&frames);
         true
     }
 
-    /// Branches that policies hold in these frames go step by step no longer: what recovers is not held.
-    fn free_lost(&mut self, frames: &[u32]) {
+    /// Branches that policies hold in these frames go step by step no longer: what is asked to end is not held.
+    pub(in crate::engine) fn free_lost(&mut self, frames: &[u32]) {
         let holds = self.run.control.holds.iter();
         let lost = holds.filter(|hold| matches!(hold.by(), Some(HeldBy::Loss(_))));
         for hold in lost.filter(|hold| frames.contains(&hold.spot.parent)) {
@@ -43,30 +42,50 @@ impl<D: Datum> Step<'_, D> {
 }
 
 impl<D: Datum> View<'_, '_, D> {
-    /// By which loss a branch is held at a spot: before a state that may not begin, or after one that was to end first.
-    pub(in crate::engine) fn loss_at(&self, spot: StopPoint) -> Option<Loss> {
-        if self.run.control.silence.is_over() || !spot.is_root() && self.is_decider(spot) {
+    /// The loss that holds a branch at a stop point: before a state that may not begin, or after one that was to end first.
+    pub(in crate::engine) fn loss_at(&self, stop_point: StopPoint) -> Option<Loss> {
+        if self.run.control.silence.is_over()
+            || !stop_point.is_root() && self.is_decider(stop_point)
+        {
             return None;
         }
-        Loss::ALL.into_iter().find(|loss| match spot.when {
+        Loss::ALL.into_iter().find(|loss| match stop_point.when {
             When::Before => {
-                let policy = self.own_policy_at(spot, *loss);
-                let policy = policy.or_else(|| self.policy_around(spot.parent, *loss));
+                let policy = self.own_policy_at(stop_point, *loss);
+                let policy = policy.or_else(|| self.policy_around(stop_point.parent, *loss));
                 policy.is_some_and(|policy| {
                     self.is_over(policy.hold_ms, *loss) || self.is_over(policy.recover_ms, *loss)
                 })
             }
             When::After => {
-                let may_hold = !spot.is_root() && !self.is_racer(spot);
-                let policy = self.own_policy_at(spot, *loss).filter(|_| may_hold);
-                policy.is_some_and(|policy| self.is_over(policy.finish_ms, *loss))
+                let may_hold = !stop_point.is_root() && !self.is_racer(stop_point);
+                let policy = self.own_policy_at(stop_point, *loss).filter(|_| may_hold);
+                policy.is_some_and(|policy| {
+                    let recovers = self.is_over(policy.recover_ms, *loss);
+                    self.is_over(policy.finish_ms, *loss)
+                        && !(recovers && self.has_left_unfinished(stop_point))
+                })
             }
         })
     }
 
+    /// True if the child of a stop point was left by *preempted*, or by *aborted* because its recovery failed.
+    fn has_left_unfinished(&self, stop_point: StopPoint) -> bool {
+        let frame = self.run.frames.get(stop_point.parent);
+        let outcome = match &frame.children {
+            Children::None => None,
+            Children::Library(root) => root.end.as_ref().map(|ended| ended.outcome),
+            Children::Hierarchy(_) => frame.last.map(|(_, outcome)| outcome),
+            Children::Concurrency(children) => {
+                children.ended(stop_point.child).map(|ended| ended.outcome)
+            }
+        };
+        matches!(outcome, Some(PREEMPTED | ABORTED))
+    }
+
     /// Whether a branch of a race ends here: held, it would win later, and the others would continue.
-    fn is_racer(&self, spot: StopPoint) -> bool {
-        matches!(self.body(spot.parent), Body::Concurrency(Concurrency::Preemptive, _))
+    fn is_racer(&self, stop_point: StopPoint) -> bool {
+        matches!(self.body(stop_point.parent), Body::Concurrency(Concurrency::Preemptive, _))
     }
 
     /// The outermost state that the silence has lasted too long for, unless a state in it has a policy of its own.
@@ -91,21 +110,25 @@ impl<D: Datum> View<'_, '_, D> {
         time_ms.is_some_and(|time_ms| silent_ms > 0 && silent_ms >= time_ms)
     }
 
-    /// The policy that the state of a spot has of its own.
-    fn own_policy_at(&self, spot: StopPoint, loss: Loss) -> Option<LossPolicy> {
-        if spot.is_root() {
+    /// The policy that the state of a stop point has of its own.
+    fn own_policy_at(&self, stop_point: StopPoint, loss: Loss) -> Option<LossPolicy> {
+        if stop_point.is_root() {
             return self.program.node(Program::<D>::ROOT).loss_policy(loss);
         }
-        let around = self.program.node(self.run.frames.get(spot.parent).node);
-        let child = around.child(usize::try_from(spot.child).ok()?)?;
+        let around = self.program.node(self.run.frames.get(stop_point.parent).node);
+        let child = around.child(usize::try_from(stop_point.child).ok()?)?;
         self.program.node(child).loss_policy(loss)
     }
 
-    /// The policy of an active state: its own, or that of the next state around it that has one.
+    /// The policy of an active state: its own, or that of the next state around it that has one. A preempted state ends the
+    /// search, so that its handlers run.
     fn policy_around(&self, slot: u32, loss: Loss) -> Option<LossPolicy> {
         let mut next = slot;
         while next != NONE {
             let frame = self.run.frames.get(next);
+            if frame.preempted {
+                return None;
+            }
             let policy = self.program.node(frame.node).loss_policy(loss);
             if policy.is_some() {
                 return policy;

@@ -22,6 +22,7 @@ impl<D: Datum> Step<'_, D> {
                 self.out.effects.push(Effect::Preempt(frame.path));
             }
         }
+        self.free_lost(frames);
         self.wake(frames, Cause::Preempted);
         if !self.run.control.holds.is_empty() {
             for &slot in frames {
