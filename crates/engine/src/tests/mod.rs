@@ -18,6 +18,7 @@ mod outcomes;
 mod preemption;
 mod restore;
 mod scoped;
+mod silence;
 mod starting;
 mod stepping;
 mod world;
