@@ -1,7 +1,9 @@
 //! Finds all faults of a machine. Knows the way through the tree; the rules themselves are in
 //! [`rules`](crate::rules).
 
-use crate::rules::{Fault, MAX_NESTING, Part, Rule, Severity, errors_of, faults_of, parts};
+use crate::rules::{
+    Fault, MAX_NESTING, Part, PoliciesAround, Rule, Severity, errors_of, faults_of, parts, traps,
+};
 use crate::{Container, Kind, LibraryContent, Machine, Origin, State, StateId, StatePath, Types};
 use std::collections::BTreeSet;
 use std::fmt;
@@ -66,6 +68,7 @@ pub fn problems(machine: &Machine, types: &dyn Types) -> Vec<Problem> {
         path: StatePath::root(machine.root.id.clone()),
         parent: None,
         state: &machine.root,
+        around: PoliciesAround::default(),
     }];
     while let Some(visit) = open.pop() {
         visit.look(types, &mut found);
@@ -83,7 +86,8 @@ pub(crate) fn refusal(
     state: &State,
     types: &dyn Types,
 ) -> Option<Problem> {
-    let mut open = vec![Visit { path: path.clone(), parent: Some(parent), state }];
+    let around = PoliciesAround::default();
+    let mut open = vec![Visit { path: path.clone(), parent: Some(parent), state, around }];
     while let Some(visit) = open.pop() {
         for part in parts(visit.state) {
             let faults = errors_of(visit.parent, visit.state, part, types);
@@ -103,6 +107,7 @@ struct Visit<'m> {
     path: StatePath,
     parent: Option<&'m State>,
     state: &'m State,
+    around: PoliciesAround<'m>,
 }
 
 impl Visit<'_> {
@@ -114,6 +119,8 @@ impl Visit<'_> {
             let faults = faults_of(self.parent, self.state, part, types);
             found.extend(faults.into_iter().map(|fault| Problem::new(&self.path, part, fault)));
         }
+        let traps = traps(self.around, self.parent, self.state).into_iter();
+        found.extend(traps.map(|fault| Problem::new(&self.path, Part::State, fault)));
         if let Kind::Hierarchy(container) = &self.state.kind {
             found.extend(unreachable(container).map(|child| {
                 let fault = Fault::new(Rule::Unreachable, "no way leads to it from the start");
@@ -130,11 +137,13 @@ impl Visit<'_> {
     }
 
     fn children(&self, open: &mut Vec<Self>) {
+        let around = self.around.within(self.state);
         let children = self.state.container().into_iter().flat_map(|c| c.states.values().rev());
         open.extend(children.map(|child| Self {
             path: self.path.child(child.id.clone()),
             parent: Some(self.state),
             state: child,
+            around,
         }));
     }
 
@@ -145,7 +154,8 @@ impl Visit<'_> {
             && seen.insert(Arc::as_ptr(root))
         {
             let path = self.path.child(root.id.clone());
-            open.push(Self { path, parent: Some(self.state), state: root });
+            let around = self.around.within(self.state);
+            open.push(Self { path, parent: Some(self.state), state: root, around });
         }
     }
 }

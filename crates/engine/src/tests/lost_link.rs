@@ -1189,3 +1189,96 @@ fn what_a_policy_holds_goes_on_once_it_is_preempted() {
         "]],
     );
 }
+
+#[test]
+fn the_state_around_recovers_behind_what_was_paused() {
+    let machine = "
+hierarchy ROOT
+  outcome done
+  start -> MISSION ; MISSION.preempted -> HOME ; MISSION.ok -> .done ; HOME.ok -> .done
+  hierarchy MISSION
+    outcome ok
+    semantic {\"lost_link\": {\"recover_s\": 0.14}}
+    start -> WORK ; WORK.ok -> .ok
+    execution WORK
+      outcome ok
+      semantic {\"lost_link\": {\"finish_s\": 0.04, \"recover_s\": 0.14}}
+  execution HOME
+    outcome ok
+";
+    check(
+        machine,
+        "start; silence 40; WORK ok; silence 140",
+        &expect![[r"
+        > start
+        enter ROOT
+        enter ROOT/MISSION
+        enter ROOT/MISSION/WORK
+          run ROOT/MISSION/WORK
+        > silence 40
+        > WORK ok
+        leave ROOT/MISSION/WORK ok
+        hold ROOT/MISSION (Loss(Link))
+        > silence 140
+        lost_link preempts ROOT/MISSION
+        leave ROOT/MISSION preempted
+        enter ROOT/HOME
+          preempt ROOT/MISSION
+          run ROOT/HOME
+    "]],
+    );
+    check(
+        machine,
+        "start; silence 40; silence 140; WORK preempted",
+        &expect![[r"
+        > start
+        enter ROOT
+        enter ROOT/MISSION
+        enter ROOT/MISSION/WORK
+          run ROOT/MISSION/WORK
+        > silence 40
+        > silence 140
+        lost_link preempts ROOT/MISSION/WORK
+          preempt ROOT/MISSION/WORK
+        > WORK preempted
+        leave ROOT/MISSION/WORK preempted
+        leave ROOT/MISSION preempted
+        enter ROOT/HOME
+          run ROOT/HOME
+    "]],
+    );
+}
+
+#[test]
+fn the_way_home_continues_when_the_ground_is_heard_again() {
+    check(
+        &work(r#"{"recover_s": 0.05}"#).replace("HOME.ok -> .done", "HOME.ok -> WORK"),
+        "start; silence 50; DRIVE preempted; STOW ok; silence 0; HOME ok",
+        &expect![[r"
+            > start
+            enter ROOT
+            enter ROOT/WORK
+            enter ROOT/WORK/DRIVE
+              run ROOT/WORK/DRIVE
+            > silence 50
+            lost_link preempts ROOT/WORK
+              preempt ROOT/WORK
+              preempt ROOT/WORK/DRIVE
+            > DRIVE preempted
+            leave ROOT/WORK/DRIVE preempted
+            enter ROOT/WORK/STOW
+              run ROOT/WORK/STOW
+            > STOW ok
+            leave ROOT/WORK/STOW ok
+            leave ROOT/WORK preempted
+            enter ROOT/HOME
+              run ROOT/HOME
+            > silence 0
+            > HOME ok
+            leave ROOT/HOME ok
+            enter ROOT/WORK
+            enter ROOT/WORK/DRIVE
+              run ROOT/WORK/DRIVE
+        "]],
+    );
+}

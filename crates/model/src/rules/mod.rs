@@ -3,11 +3,13 @@
 
 mod interface;
 mod library;
+mod lost_link;
 mod part;
 mod state;
 mod transition;
 mod wire;
 
+pub(crate) use lost_link::{PoliciesAround, traps};
 pub use part::{Part, PortKind};
 pub(crate) use part::{errors_of, faults_of, parts};
 pub use state::MAX_NESTING;
@@ -89,6 +91,12 @@ rules! {
     LostLink: Note, "write the text continue, or seconds under finish_s, hold_s or recover_s; it is ignored until then";
     /// What a lost-link policy preempts has a way to go on.
     LostLinkRecovery: Note, "lead the outcome preempted to the state that recovers";
+    /// A state whose policy pauses behind it ends by itself.
+    LostLinkFinish: Note, "set hold_s or recover_s on the state, or finish_s on the states in it";
+    /// A state that a policy may pause behind still recovers.
+    LostLinkFinishFirst: Note, "put the state into one that recovers, too, or remove finish_s";
+    /// No policy pauses a recovery.
+    LostLinkWayHome: Note, "write continue under this key on the state to which preempted leads";
     /// An execution state has a script; without one it aborts.
     ScriptMissing: Note, "write a script";
     /// A barrier has a decider.

@@ -1,7 +1,7 @@
 //! Rules about a state as a whole.
 
-use super::{Fault, Rule, library};
-use crate::{DECIDER_ID, Json, Kind, Loss, LossPolicy, Origin, OutcomeId, State, StateId};
+use super::{Fault, Rule, library, lost_link};
+use crate::{DECIDER_ID, Json, Kind, Origin, OutcomeId, State, StateId};
 
 /// The maximum nesting of states, including the root.
 pub const MAX_NESTING: usize = 1024;
@@ -19,7 +19,7 @@ pub(super) fn faults(parent: Option<&State>, state: &State) -> Vec<Fault> {
     if state.semantic_data.as_deref().is_some_and(|data| !matches!(data, Json::Object(_))) {
         faults.push(Fault::new(Rule::SemanticData, "the semantic data is not a dictionary"));
     }
-    faults.extend(lost_link_faults(parent, state));
+    faults.extend(lost_link::faults(parent, state));
     faults.extend(decider_fault(parent, state));
     if state.damage.is_none() {
         kind_faults(state, &mut faults);
@@ -45,29 +45,6 @@ fn id_fault(parent: Option<&State>, id: &StateId) -> Option<Fault> {
     let what = || format!("its parent has the id {id}, too");
     let parent = parent.filter(|parent| parent.id == *id && parent.container().is_some());
     parent.map(|_| Fault::new(Rule::StateIdOfParent, what()))
-}
-
-fn lost_link_faults(parent: Option<&State>, state: &State) -> Vec<Fault> {
-    let unclear = Loss::ALL.into_iter().filter(|loss| LossPolicy::is_unclear(state, *loss));
-    let what = |loss: Loss| format!("the semantic data `{}` is not understood", loss.key());
-    let mut faults: Vec<_> = unclear.map(|loss| Fault::new(Rule::LostLink, what(loss))).collect();
-    let recovers =
-        |loss| LossPolicy::of(state, loss).is_some_and(|policy| policy.recover_ms.is_some());
-    if let Some(loss) = Loss::ALL.into_iter().find(|loss| recovers(*loss))
-        && !leads_on(parent, state)
-    {
-        let key = loss.key();
-        let what = format!("`{key}` preempts the state, and no transition begins at `preempted`");
-        faults.push(Fault::new(Rule::LostLinkRecovery, what));
-    }
-    faults
-}
-
-/// Whether something follows if a state is preempted. What is around the root of a library decides elsewhere.
-fn leads_on(parent: Option<&State>, state: &State) -> bool {
-    let Some(parent) = parent else { return false };
-    let origin = Origin::Outcome(state.id.clone(), OutcomeId::PREEMPTED);
-    parent.container().is_none_or(|container| container.transitions.from(&origin).next().is_some())
 }
 
 fn decider_fault(parent: Option<&State>, state: &State) -> Option<Fault> {

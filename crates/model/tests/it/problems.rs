@@ -399,8 +399,100 @@ fn lost_link_policies_are_understood_and_lead_on() {
              semantic {"lost_command": {"recover_s": 30}, "lost_link": "go home"}"#,
         &expect![[r"
             Note LostLinkRecovery: ROOT, state: `lost_link` preempts the state, and no transition begins at `preempted`; lead the outcome preempted to the state that recovers
+            Note LostLinkWayHome: ROOT/AAAAAA, state: the recovery of `lost_command` leads to BBBBBB, and `recover_s` of BBBBBB pauses that state; write continue under this key on the state to which preempted leads
             Note LostLink: ROOT/BBBBBB, state: the semantic data `lost_link` is not understood; write the text continue, or seconds under finish_s, hold_s or recover_s; it is ignored until then
             Note LostLinkRecovery: ROOT/BBBBBB, state: `lost_command` preempts the state, and no transition begins at `preempted`; lead the outcome preempted to the state that recovers
         "]],
+    );
+}
+
+#[test]
+fn a_finish_that_pauses_nothing_is_noted() {
+    check(
+        r#"hierarchy ROOT
+           outcome success
+           start -> LOOPXX
+           LOOPXX.success -> ENDING ; ENDING.success -> .success
+           semantic {"lost_command": {"finish_s": 30}}
+           hierarchy LOOPXX
+             outcome success
+             semantic {"lost_link": {"finish_s": 30}}
+             start -> AAAAAA
+             AAAAAA.success -> BBBBBB ; AAAAAA.aborted -> .success ; BBBBBB.success -> AAAAAA
+             execution AAAAAA
+               outcome success
+               script ""
+             execution BBBBBB
+               outcome success
+               script ""
+           hierarchy ENDING
+             outcome success
+             semantic {"lost_link": {"finish_s": 30}}
+             start -> CCCCCC ; CCCCCC.success -> .success
+             execution CCCCCC
+               outcome success
+               script """#,
+        &expect![[r"
+            Note LostLinkFinish: ROOT, state: `finish_s` of `lost_command` pauses nothing: the run ends with the root; set hold_s or recover_s on the state, or finish_s on the states in it
+            Note LostLinkFinish: ROOT/LOOPXX, state: `finish_s` of `lost_link` pauses nothing: the state never ends by itself; set hold_s or recover_s on the state, or finish_s on the states in it
+        "]],
+    );
+}
+
+#[test]
+fn a_state_that_may_be_paused_before_it_recovers_is_noted() {
+    check(
+        r#"hierarchy ROOT
+           outcome success
+           start -> AAAAAA
+           AAAAAA.success -> MISSIO ; AAAAAA.preempted -> .success
+           MISSIO.success -> .success ; MISSIO.preempted -> .success
+           execution AAAAAA
+             outcome success
+             script ""
+             semantic {"lost_link": {"finish_s": 30, "recover_s": 60}}
+           hierarchy MISSIO
+             outcome success
+             semantic {"lost_link": {"recover_s": 60}}
+             start -> BBBBBB ; BBBBBB.success -> .success ; BBBBBB.preempted -> .success
+             execution BBBBBB
+               outcome success
+               script ""
+               semantic {"lost_link": {"finish_s": 30, "recover_s": 60}}"#,
+        &expect![[r"
+            Note LostLinkFinishFirst: ROOT/AAAAAA, state: if the state ends between `finish_s` and `recover_s` of `lost_link`, its branch is paused and never recovers; put the state into one that recovers, too, or remove finish_s
+        "]],
+    );
+}
+
+#[test]
+fn a_way_home_that_a_policy_around_pauses_is_noted() {
+    let machine = r#"hierarchy ROOT
+           outcome success
+           start -> AAAAAA
+           AAAAAA.success -> .success ; AAAAAA.preempted -> HOMEXX
+           HOMEXX.success -> .success
+           semantic {"lost_link": {"hold_s": 30}}
+           execution AAAAAA
+             outcome success
+             script ""
+             semantic {"lost_link": {"recover_s": 60}}
+           execution HOMEXX
+             outcome success
+             script """#;
+    check(
+        machine,
+        &expect![[r"
+        Note LostLinkWayHome: ROOT/AAAAAA, state: the recovery of `lost_link` leads to HOMEXX, and `hold_s` of ROOT pauses that state; write continue under this key on the state to which preempted leads
+    "]],
+    );
+    let own = "\n             semantic {\"lost_link\": \"continue\"}";
+    check(&format!("{machine}{own}"), &expect![]);
+    let own = own.replace("\"continue\"", "{\"hold_s\": 90}");
+    check(
+        &format!("{machine}{own}"),
+        &expect![[r"
+        Note LostLinkWayHome: ROOT/AAAAAA, state: the recovery of `lost_link` leads to HOMEXX, and `hold_s` of HOMEXX pauses that state; write continue under this key on the state to which preempted leads
+    "]],
     );
 }
