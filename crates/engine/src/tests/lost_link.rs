@@ -1282,3 +1282,38 @@ fn the_way_home_continues_when_the_ground_is_heard_again() {
         "]],
     );
 }
+
+#[test]
+fn the_root_of_a_library_recovers() {
+    let machine = "
+hierarchy ROOT
+  outcome done
+  start -> LIB ; LIB.preempted -> HOME ; LIB.ok -> .done ; HOME.ok -> .done
+  library LIB from \"some/library\"
+    content
+      execution WORK
+        outcome ok
+        semantic {\"lost_link\": {\"finish_s\": 0.04, \"recover_s\": 0.14}}
+  execution HOME
+    outcome ok
+";
+    check(
+        machine,
+        "start; silence 140; WORK preempted",
+        &expect![[r"
+        > start
+        enter ROOT
+        enter ROOT/LIB
+        enter ROOT/LIB/WORK
+          run ROOT/LIB/WORK
+        > silence 140
+        lost_link preempts ROOT/LIB/WORK
+          preempt ROOT/LIB/WORK
+        > WORK preempted
+        leave ROOT/LIB/WORK preempted
+        leave ROOT/LIB preempted
+        enter ROOT/HOME
+          run ROOT/HOME
+    "]],
+    );
+}
