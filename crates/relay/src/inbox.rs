@@ -2,12 +2,13 @@
 
 use crate::carrier::{Carrier, Deliver};
 use crate::error::RelayError;
+use parking_lot::Mutex;
 use std::io;
 use std::net::{SocketAddr, UdpSocket};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::mpsc::{self, Receiver, SyncSender};
-use std::thread;
+use std::thread::{self, JoinHandle};
 use std::time::Duration;
 
 /// So much waits at most.
@@ -21,16 +22,37 @@ pub(crate) const LOOK: Duration = Duration::from_millis(200);
 
 /// Ends a relay.
 #[derive(Debug, Clone, Default)]
-pub struct Stopper(Arc<AtomicBool>);
+pub struct Stopper(Arc<Stopping>);
+
+#[derive(Debug, Default)]
+struct Stopping {
+    is_stopped: AtomicBool,
+    /// Threads that hold sockets.
+    threads: Mutex<Vec<JoinHandle<()>>>,
+}
 
 impl Stopper {
     /// Ends it; it takes a moment.
     pub fn stop(&self) {
-        self.0.store(true, Ordering::Release);
+        self.0.is_stopped.store(true, Ordering::Release);
     }
 
     pub(crate) fn is_stopped(&self) -> bool {
-        self.0.load(Ordering::Acquire)
+        self.0.is_stopped.load(Ordering::Acquire)
+    }
+
+    /// Starts a thread that holds a socket and ends after a stop.
+    pub(crate) fn spawn(&self, name: &str, work: impl FnOnce() + Send + 'static) -> io::Result<()> {
+        let thread = thread::Builder::new().name(name.to_owned()).spawn(work)?;
+        self.0.threads.lock().push(thread);
+        Ok(())
+    }
+
+    /// Waits after a stop until the threads have closed their sockets, so that the next start can bind the address.
+    pub(crate) fn join(&self) {
+        let threads = std::mem::take(&mut *self.0.threads.lock());
+        // A thread that panicked has closed its socket, too.
+        threads.into_iter().for_each(|thread| drop(thread.join()));
     }
 }
 
@@ -100,8 +122,8 @@ impl<T: Send + 'static> Inbox<T> {
     pub(crate) fn receive(&self, socket: &Arc<UdpSocket>, stopper: &Stopper) -> io::Result<()> {
         socket.set_read_timeout(Some(LOOK))?;
         let (socket, stopper, deliver) = (Arc::clone(socket), stopper.clone(), self.deliver());
-        let receive = move || receive(&socket, &deliver, &stopper);
-        thread::Builder::new().name("datagrams".to_owned()).spawn(receive).map(drop)
+        let starter = stopper.clone();
+        starter.spawn("datagrams", move || receive(&socket, &deliver, &stopper))
     }
 }
 

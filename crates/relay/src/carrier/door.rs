@@ -39,9 +39,9 @@ pub(crate) fn open_door(
 ) -> io::Result<()> {
     listener.set_nonblocking(true)?;
     let door = Door { tls, deliver, clock: SessionClock::begin(), guests: Mutex::default() };
-    let (door, stopper) = (Arc::new(door), stopper.clone());
+    let (door, stopped) = (Arc::new(door), stopper.clone());
     let accept = move || {
-        while !stopper.is_stopped() {
+        while !stopped.is_stopped() {
             if let Some(stream) = accept(&listener) {
                 // Who cannot be let in dials again.
                 drop(door.let_in(stream));
@@ -49,7 +49,7 @@ pub(crate) fn open_door(
         }
         door.guests.lock().iter().for_each(|guest| guest.close());
     };
-    thread::Builder::new().name("door".to_owned()).spawn(accept).map(drop)
+    stopper.spawn("door", accept)
 }
 
 /// The next who comes; nothing if none comes for a while.

@@ -134,6 +134,8 @@ pub fn relay_robot(settings: &RobotSettings, stopper: &Stopper) -> Result<(), Re
         }
     }
     relay.keep_heard(&mut start);
+    drop((relay, inbox));
+    stopper.join();
     Ok(())
 }
 

@@ -177,5 +177,8 @@ pub fn relay_station(
         }
     }
     robots.iter_mut().for_each(StationRobot::end);
+    // They hold the socket, too.
+    drop((robots, inbox));
+    stopper.join();
     Ok(())
 }
