@@ -30,4 +30,4 @@ pub use pairing::{BadPairing, Paired, Pairing};
 pub use report::read_reports;
 pub use rights::{BadRights, PairingRights};
 pub use robot::{Authority, Projects, RobotSettings, relay_robot};
-pub use station::{StationSettings, relay_station};
+pub use station::{PairingList, StationSettings, relay_station};

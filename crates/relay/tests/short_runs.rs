@@ -109,7 +109,7 @@ impl World {
         let station = StationSettings {
             folder: self.path("ground"),
             runs: self.path("ground-runs"),
-            pairings: vec![self.paired("ground")],
+            pairings: Arc::new(vec![self.paired("ground")]),
             bind: self.address,
             tls: None,
             profile: Profile::LAN,

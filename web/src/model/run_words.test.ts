@@ -92,6 +92,10 @@ test("what is held says by what, each reason once", () => {
   const held = [{ next: "R/B", by }];
   expect(inShort(live("stepping", [{ held }, { held }]))).toBe("stepping: breakpoint 3");
   const step = [{ next: "R/B", by: { type: "step" } as const }];
+  const loss = [{ next: null, by: { type: "loss", loss: "link" } as const }];
+  expect(inShort(live("stepping", [{ held: loss }]))).toBe(
+    "paused: the ground was not heard; resume to continue",
+  );
   expect(inShort(live("stepping", [{ held: step }]))).toBe("stepping");
   expect(holdInWords({ type: "start" })).toBe("paused at the start");
 });

@@ -95,7 +95,7 @@ export function runStatusWords(now: RunNow): RunStatusWords {
     case "paused":
       return { word: "paused", tone: "held", detail: snapshot.journal_problem ?? held };
     case "stepping":
-      return { word: "stepping", tone: "held", detail: held };
+      return { word: isHeldByLoss(snapshot) ? "paused" : "stepping", tone: "held", detail: held };
     case "stopping":
       return { word: "stopping", tone: "preempted", detail: "" };
     case "finished":
@@ -125,6 +125,11 @@ function outcomeTone(id: number): RunTone {
   return id === PREEMPTED ? "preempted" : "plain";
 }
 
+/** True if a lost-link policy holds a branch: it stays paused until somebody resumes it, also once the ground is heard. */
+export function isHeldByLoss({ active }: Snapshot): boolean {
+  return active.some(({ held }) => held.some(({ by }) => by.type === "loss"));
+}
+
 /** By what the run is held, in words: each reason once; empty if it is not held, or by the steps that it goes by alone. */
 function heldInWords(active: readonly ActiveState[]): string {
   const all = active.flatMap(({ held }) => held.map(({ by }) => by));
@@ -150,10 +155,10 @@ export function reasonOfHold(by: HeldBy): string {
   }
 }
 
-/** What a policy for a lost link acts on. */
+/** Cause of a hold by a lost-link policy, and the way out. */
 export const LOSS_WORDS: Readonly<Record<Loss, string>> = {
-  link: "the ground is not heard",
-  command: "nobody commands",
+  link: "the ground was not heard; resume to continue",
+  command: "nobody gave a command; resume to continue",
 };
 
 /** What something is held by: `paused by breakpoint 3`. */

@@ -164,9 +164,8 @@ impl Commands {
 
     /// When the next one is to be sent. The link is free from `free_at` on.
     pub(super) fn due_at(&self, free_at: Duration) -> Duration {
-        let due = |sent: &SentCommand| match sent.is_overdue {
-            true => sent.due.max(free_at),
-            false => sent.due,
+        let due = |sent: &SentCommand| {
+            if sent.is_overdue { sent.due.max(free_at) } else { sent.due }
         };
         self.sent.values().map(due).min().unwrap_or(Duration::MAX)
     }

@@ -10,8 +10,8 @@ use rafcon_link::Profile;
 use rafcon_protocol::Command;
 use rafcon_protocol::api::{Control, ControlMove, Right, ValueFetch};
 use rafcon_relay::{
-    Authority, Paired, Pairing, PairingRights, Projects, RobotSettings, StationSettings, Stopper,
-    ValueCost, ValueDesk, relay_robot, relay_station,
+    Authority, Paired, Pairing, PairingList, PairingRights, Projects, RobotSettings,
+    StationSettings, Stopper, ValueCost, ValueDesk, relay_robot, relay_station,
 };
 use rafcon_server::{RobotValues, RunAuthority, Settings};
 use std::fs::{self, OpenOptions};
@@ -237,21 +237,21 @@ impl Relays {
     ) -> Result<()> {
         let (state, runs) = (&server.state, &server.runs);
         let (tls, fingerprint) = rafcon_server::tls_config(server)?;
+        if pairings(state, "taken")?.is_empty() {
+            bail!(
+                "this station is paired with no robot: run `rafcon pair NAME` on the robot and `rafcon pair --paste` here"
+            );
+        }
         let settings = StationSettings {
             folder: station_folder(state),
             runs: runs.to_owned(),
-            pairings: pairings(state, "taken")?,
+            pairings: Arc::new(TakenPairings(state.to_owned())),
             bind: listen,
             tls: Some(Arc::new(StationTls(tls))),
             profile: profile(raw.profile),
             desk,
             tell: complain,
         };
-        if settings.pairings.is_empty() {
-            bail!(
-                "this station is paired with no robot: run `rafcon pair NAME` on the robot and `rafcon pair --paste` here"
-            );
-        }
         let stopper = self.stopper.clone();
         let greet = move |address| {
             complain(&format!("robots are received at udp://{address}"));
@@ -310,6 +310,16 @@ pub(super) fn station_folder(state: &Path) -> PathBuf {
 
 fn pairings_folder(state: &Path) -> PathBuf {
     state.join("link/pairings")
+}
+
+/// The pairings in the state folder of a station.
+#[derive(Debug)]
+struct TakenPairings(PathBuf);
+
+impl PairingList for TakenPairings {
+    fn read(&self) -> Result<Vec<Paired>, String> {
+        pairings(&self.0, "taken").map_err(|error| format!("{error:#}"))
+    }
 }
 
 /// All pairings, with the files for new keys that a robot has `offered`, or a station `taken`.

@@ -500,6 +500,26 @@ fn a_station_does_on_the_robot_what_its_pairing_allows() {
 }
 
 #[test]
+fn a_robot_that_is_paired_while_the_station_runs_is_received_at_once() {
+    let place = Place::with(&ticks(1_000_000));
+    pair(&place, "scout");
+    let (_ground, address) = station(&place, "127.0.0.1:0");
+    let made = place.call("pair rover --state rover");
+    std::fs::write(place.path("line"), &made.stdout).unwrap();
+    let mut paste = place.command("pair --paste --state ground");
+    let line = std::fs::File::open(place.path("line")).unwrap();
+    assert!(paste.stdin(line).stdout(Stdio::null()).status().unwrap().success());
+    let serve = format!(
+        "serve --state rover --runs rover-runs --bind 127.0.0.1:0 --link lan --station udp://{address}"
+    );
+    let _rover = Program::new(place.command(&serve).stdout(Stdio::piped()).spawn().unwrap());
+    let run = Run::start(&place, "--runs rover-runs");
+    wait_at_station(&place, "Ticks  running");
+    drop(place.call("tell last stop --runs rover-runs"));
+    drop(run.end());
+}
+
+#[test]
 fn what_is_not_paired_is_not_received() {
     let place = Place::empty();
     let station = place.call("station --state ground --listen 127.0.0.1:0 --bind 127.0.0.1:0");

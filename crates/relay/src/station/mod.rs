@@ -26,6 +26,8 @@ use crate::report::{REPORT_EVERY, Reporter};
 use disk::FromDisk;
 use rafcon_link::{Profile, StreamId};
 use robot::StationRobot;
+use std::collections::BTreeSet;
+use std::fmt;
 use std::io;
 use std::net::{SocketAddr, TcpListener, UdpSocket};
 use std::path::PathBuf;
@@ -42,6 +44,18 @@ const KEEP_EVERY: Duration = Duration::from_secs(10);
 /// So many ports are tried if any will do.
 const TRIES: usize = 16;
 
+/// Pairings of a station. It reads them every second, so that it receives a robot that was paired after its start.
+pub trait PairingList: fmt::Debug + Send + Sync {
+    /// All pairings. An error says what cannot be read.
+    fn read(&self) -> Result<Vec<Paired>, String>;
+}
+
+impl PairingList for Vec<Paired> {
+    fn read(&self) -> Result<Vec<Paired>, String> {
+        Ok(self.clone())
+    }
+}
+
 /// What a station's relay needs.
 #[derive(Debug, Clone)]
 pub struct StationSettings {
@@ -50,7 +64,7 @@ pub struct StationSettings {
     /// The folder for the replicas.
     pub runs: PathBuf,
     /// What it shares with its robots.
-    pub pairings: Vec<Paired>,
+    pub pairings: Arc<dyn PairingList>,
     /// Where it receives: by UDP, and over a WebSocket at the same port of TCP.
     pub bind: SocketAddr,
     /// Speaks TLS with robots that ask for it.
@@ -100,6 +114,62 @@ fn receive(
     begin().map_err(|source| RelayError::Bind { address: settings.bind, source })
 }
 
+/// Names of the robots whose pairings were read.
+#[derive(Debug, Default)]
+struct PairedRobots {
+    names: BTreeSet<String>,
+    /// The last error of the list.
+    problem: Option<String>,
+}
+
+impl PairedRobots {
+    /// The robots that are paired when the station starts. One that cannot be received ends the station.
+    fn begin_all(
+        &mut self,
+        settings: &StationSettings,
+        inbox: &Inbox<ToStation>,
+        clock: SessionClock,
+    ) -> Result<Vec<StationRobot>, RelayError> {
+        let new = self.read(settings);
+        let robots = new.iter().enumerate().map(|(number, paired)| {
+            StationRobot::begin(settings, number, paired, inbox.sender(), clock)
+        });
+        robots.collect()
+    }
+
+    /// Adds robots paired after the start. Reports a robot that cannot be received, once.
+    fn begin_new(
+        &mut self,
+        settings: &StationSettings,
+        inbox: &Inbox<ToStation>,
+        clock: SessionClock,
+        robots: &mut Vec<StationRobot>,
+    ) {
+        for paired in self.read(settings) {
+            let (name, number) = (&paired.pairing.robot, robots.len());
+            match StationRobot::begin(settings, number, &paired, inbox.sender(), clock) {
+                Ok(robot) => {
+                    (settings.tell)(&format!("robot {name} is paired now and is received"));
+                    robots.push(robot);
+                }
+                Err(error) => (settings.tell)(&format!("robot {name} is not received: {error}")),
+            }
+        }
+    }
+
+    /// Pairings of robots that were not read before.
+    fn read(&mut self, settings: &StationSettings) -> Vec<Paired> {
+        let read = settings.pairings.read();
+        let problem = read.as_ref().err().cloned();
+        if let Some(problem) = problem.as_ref().filter(|_| self.problem != problem) {
+            (settings.tell)(problem);
+        }
+        self.problem = problem;
+        let paired = read.unwrap_or_default().into_iter();
+        paired.filter(|paired| self.names.insert(paired.pairing.robot.clone())).collect()
+    }
+}
+
 /// A port of UDP and the same of TCP.
 fn bind_both(address: SocketAddr) -> io::Result<(UdpSocket, TcpListener)> {
     let mut tries = 0;
@@ -125,11 +195,8 @@ pub fn relay_station(
     let inbox = Inbox::new();
     is_up(receive(settings, &inbox, stopper)?);
     let clock = SessionClock::begin();
-    let robots = settings.pairings.iter().enumerate();
-    let robots = robots.map(|(number, pairing)| {
-        StationRobot::begin(settings, number, pairing, inbox.sender(), clock)
-    });
-    let mut robots = robots.collect::<Result<Vec<_>, _>>()?;
+    let mut paired = PairedRobots::default();
+    let mut robots = paired.begin_all(settings, &inbox, clock)?;
     let reporter = Reporter::open(&settings.folder)?;
     let (mut look_at, mut keep_at, mut report_at) = (LOOK_EVERY, KEEP_EVERY, REPORT_EVERY);
     while !stopper.is_stopped() {
@@ -144,6 +211,7 @@ pub fn relay_station(
         }
         if now >= report_at {
             report_at = now + REPORT_EVERY;
+            paired.begin_new(settings, &inbox, clock, &mut robots);
             reporter.set(robots.iter_mut().map(StationRobot::report).collect());
         }
         let mut next = look_at.min(keep_at).min(report_at);

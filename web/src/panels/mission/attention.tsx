@@ -3,6 +3,7 @@
 
 import { CircleHelp, OctagonAlert, TriangleAlert } from "lucide-react";
 import type { MouseEvent } from "react";
+import { isHeldByLoss } from "../../model/run_words.ts";
 import { openQuestions } from "../../store/history/questions.ts";
 import type { Watch } from "../../store/history/run.ts";
 import { clock1s } from "../../store/page/clock1s.ts";
@@ -23,6 +24,10 @@ export function Attention({ watch }: { readonly watch: Watch }) {
   const { length } = useSignal(openFailures(watch));
   const { page } = useHost().context();
   const { isOld } = useRunAge(page, watch);
+  const isLost = useComputed(() => {
+    const now = watch.now.value;
+    return now?.snapshot ? isHeldByLoss(now.snapshot) : false;
+  }, [watch]);
   const isDiverged = useComputed(() => watch.now.value?.run.phase === "diverged", [watch]);
   return (
     <div className="mission-wants">
@@ -33,7 +38,8 @@ export function Attention({ watch }: { readonly watch: Watch }) {
       {questions > 0 && <Asked watch={watch} count={questions} />}
       {decisions > 0 && <ToDecide count={decisions} />}
       {length > 0 && <ToAcknowledge count={length} />}
-      {questions + decisions + length === 0 && !isOld && !isDiverged && (
+      {isLost && <p className="mission-want">Paused by a lost link: resume to continue</p>}
+      {questions + decisions + length === 0 && !isLost && !isOld && !isDiverged && (
         <p className="mission-soft">Nothing to decide</p>
       )}
       <LinkAge watch={watch} />
