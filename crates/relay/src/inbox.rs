@@ -52,7 +52,9 @@ impl Stopper {
     pub(crate) fn join(&self) {
         let threads = std::mem::take(&mut *self.0.threads.lock());
         // A thread that panicked has closed its socket, too.
-        threads.into_iter().for_each(|thread| drop(thread.join()));
+        for thread in threads {
+            drop(thread.join());
+        }
     }
 }
 

@@ -22,10 +22,10 @@ pub(super) struct PendingRequests {
 /// Times of a word by the station's clock, in ms since 1970, UTC.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct SendTimes {
-    pub(super) sent_ms: u64,
+    pub(super) sent: u64,
     /// Arrival at the robot if the link is whole.
-    pub(super) arrives_ms: Option<u64>,
-    pub(super) expires_ms: Option<u64>,
+    pub(super) arrival: Option<u64>,
+    pub(super) expiry: Option<u64>,
 }
 
 /// The answer to a command whose time is over before the robot has answered.
@@ -45,7 +45,7 @@ struct OpenRequest {
 impl PendingRequests {
     /// A word for this run was sent. One that is open stays as it is.
     pub(super) fn add(&mut self, stream: StreamId, given: &PendingRequest, times: SendTimes) {
-        let SendTimes { sent_ms, arrives_ms, expires_ms } = times;
+        let SendTimes { sent: sent_ms, arrival: arrives_ms, expiry: expires_ms } = times;
         let (id, stage) = (given.id.clone(), CommandStage::Sent);
         let not_before_ms = given.not_before;
         let command = OpenCommand { id, stage, sent_ms, arrives_ms, expires_ms, not_before_ms };
@@ -107,7 +107,7 @@ mod tests {
     #[test]
     fn answers_are_known_up_to_the_bound() {
         let mut words = PendingRequests::default();
-        let times = SendTimes { sent_ms: 0, arrives_ms: None, expires_ms: None };
+        let times = SendTimes { sent: 0, arrival: None, expiry: None };
         let given = |nth: usize| {
             PendingRequest::soon(nth.to_string(), StationRequest::Present(String::new()))
         };
@@ -123,7 +123,7 @@ mod tests {
     #[test]
     fn an_overdue_word_has_an_answer_although_it_is_open() {
         let mut words = PendingRequests::default();
-        let times = SendTimes { sent_ms: 0, arrives_ms: None, expires_ms: None };
+        let times = SendTimes { sent: 0, arrival: None, expiry: None };
         let given = PendingRequest::soon("1".to_owned(), StationRequest::Present(String::new()));
         let id = ids::command("1");
         words.add(StreamId(1), &given, times);

@@ -586,9 +586,9 @@ impl StationRobot {
         }
         let there_ms = self.session.round_trip().map(|round_trip| millis(round_trip) / 2);
         let times = SendTimes {
-            sent_ms: today,
-            arrives_ms: there_ms.map(|there_ms| today + there_ms),
-            expires_ms: (!given.is_lasting).then(|| today + millis(valid)),
+            sent: today,
+            arrival: there_ms.map(|there_ms| today + there_ms),
+            expiry: (!given.is_lasting).then(|| today + millis(valid)),
         };
         self.requests.add(stream, given, times);
     }
