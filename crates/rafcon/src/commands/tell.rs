@@ -58,9 +58,9 @@ pub(super) fn tell(raw: &cli::Tell, environment: &Environment) -> Result<ExitCod
     let told = envelope(id.clone(), &environment.user, command);
     let told = ToRunner::Command(timed(told, raw, clock::since_1970_ms()));
     if is_replica {
-        StationLine(control).say(&told)?
+        StationLine(control).say(&told)?;
     } else {
-        control.say(&told)?
+        control.say(&told)?;
     }
     let mut content = Vec::new();
     while let Some(kind) = read_frame(&mut runner, &mut content)? {
