@@ -110,6 +110,11 @@ impl TroubledLink {
         }
     }
 
+    /// Time of the robot's session.
+    fn robot_time(&self) -> Duration {
+        self.now.saturating_sub(self.robot_began)
+    }
+
     fn restart_robot(&mut self) {
         (self.robot_starts, self.robot_began) = (self.robot_starts + 1, self.now);
         self.robot = robot_session(&self.scenario.profile, self.robot_starts, self.robot_heard);
@@ -117,7 +122,7 @@ impl TroubledLink {
 
     /// The robot's runner does what it may, and its journal keeps that.
     fn do_command(&mut self, command: &ReceivedCommand) {
-        let local = self.now - self.robot_began;
+        let local = self.robot_time();
         let is_done = self.carried_out.contains_key(&command.id);
         if !command.is_late && !is_done {
             assert!(local.as_millis() <= u128::from(command.not_after_ms), "carried out late");
@@ -131,7 +136,7 @@ impl TroubledLink {
     /// Goes on to this time, from one moment to the next at which something is due.
     fn go_on(&mut self, until: Duration) {
         while self.now < until {
-            let local = self.now - self.robot_began;
+            let local = self.robot_time();
             while let Some(datagram) = self.robot.transmit(local, &mut NoRuns).expect("numbers") {
                 if !self.scenario.is_cut(self.now, false) {
                     self.down.push_back((self.now + self.scenario.one_way, datagram));
@@ -155,13 +160,15 @@ impl TroubledLink {
     }
 
     fn arrive(&mut self) {
-        let local = self.now - self.robot_began;
+        let local = self.robot_time();
         while let Some((_, mut datagram)) = self.up.pop_front_if(|(at, _)| *at <= self.now) {
             let mut commands = Vec::new();
             let _of_an_earlier_start =
                 self.robot.receive(local, &mut datagram, |command| commands.push(command));
             self.robot_heard = self.robot.horizon();
-            commands.iter().for_each(|command| self.do_command(command));
+            for command in &commands {
+                self.do_command(command);
+            }
         }
         while let Some((_, mut datagram)) = self.down.pop_front_if(|(at, _)| *at <= self.now) {
             let fates = &mut self.fates;
@@ -187,7 +194,7 @@ impl TroubledLink {
     }
 }
 
-fn check(scenario: Scenario) -> TroubledLink {
+fn check(scenario: &Scenario) -> TroubledLink {
     let mut world = TroubledLink::new(scenario.clone());
     let at = |percent: u64| scenario.troubled() * u32::try_from(percent).expect("percent") / 100;
     let mut moments: Vec<(Duration, Option<(u8, u32)>)> = Vec::new();
@@ -236,7 +243,7 @@ fn a_command_that_was_carried_out_is_never_called_expired() {
     for (profile, delay_ms) in PROFILES.iter().flat_map(|it| DELAYS_MS.map(|ms| (it.clone(), ms))) {
         let one_way = Duration::from_millis(delay_ms);
         let troubles = vec![Trouble::DownCut(40, 90)];
-        let world = check(Scenario { profile, one_way, troubles, commands: vec![(45, 1)] });
+        let world = check(&Scenario { profile, one_way, troubles, commands: vec![(45, 1)] });
         let id = CommandId([1; 16]);
         assert_eq!(world.carried_out.get(&id), Some(&1));
         assert_eq!(world.fates.get(&id), Some(&CommandState::Done));
@@ -284,6 +291,6 @@ proptest! {
         commands in prop::collection::vec((20..100_u64, 0..4_u32), 1..8),
     ) {
         let one_way = Duration::from_millis(delay);
-        check(Scenario { profile, one_way, troubles, commands });
+        check(&Scenario { profile, one_way, troubles, commands });
     }
 }
