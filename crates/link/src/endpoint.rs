@@ -150,6 +150,11 @@ impl Endpoint {
         (&self.sent, &self.received)
     }
 
+    /// Maximum bytes of the header and the tag of the next datagram, to a side that is heard or not.
+    pub(crate) fn overhead(&self, is_heard: bool) -> usize {
+        self.sealer.overhead(if is_heard { For::Listener } else { For::Anyone })
+    }
+
     /// The other side says that it has opened this datagram of this start.
     pub(crate) fn confirm(&mut self, number: u64) {
         self.sealer.confirm(number);

@@ -2,8 +2,8 @@
 //! first datagram after a silence is as good as any other.
 //!
 //! The construction is that of CCSDS 355.0-B (space data link security) with the primitives of RFC 5869 and RFC 8439: one key for
-//! each direction and start, derived by HKDF-SHA256 from a pairing key, and ChaCha20-Poly1305 with the full header up to its salt as
-//! nonce and the header that is sent as associated data. To a receiver that said which packet number it has heard, a short header is sent, from
+//! each direction and start, derived by HKDF-SHA256 from a pairing key, and ChaCha20-Poly1305 with the full header without its salt
+//! as nonce and the header that is sent as associated data. To a receiver that said which packet number it has heard, a short header is sent, from
 //! which it can tell the full one: as QUIC does it (RFC 9000, 17.1).
 
 use crate::replay_window::ReplayWindow;
@@ -13,10 +13,16 @@ use ring::rand::{SecureRandom as _, SystemRandom};
 use std::fmt;
 
 /// Maximum bytes of the header and the tag of a datagram.
-pub const OVERHEAD: usize = HEADER + TAG;
+pub const OVERHEAD: usize = SALTED_HEADER + TAG;
 
 const VERSION: u8 = 4;
-const HEADER: usize = NONCE_LEN + 4;
+/// Bytes of a full header without the salt.
+const HEADER: usize = NONCE_LEN;
+const SALTED_HEADER: usize = HEADER + 4;
+/// Bit of the first byte of a full header with a salt.
+const IS_SALTED: u8 = 0x40;
+/// A confirmed receiver knows the salt. For one that has lost it, every eighth full header has it again.
+const SALT_EVERY: u32 = 8;
 const TAG: usize = 16;
 /// The first bit of a short header.
 const IS_SHORT: u8 = 0x80;
@@ -217,6 +223,8 @@ pub struct Sealer {
     first: u64,
     /// The receiver has opened the datagram of this number.
     confirmed: Option<u64>,
+    /// Full headers since the last one with a salt.
+    unsalted: u32,
 }
 
 /// Receivers that have to be able to open a datagram.
@@ -224,14 +232,16 @@ pub struct Sealer {
 pub enum For {
     /// The receiver that confirmed one lately; anyone, if none did.
     Confirmed,
-    /// Anyone who has the key, whatever was heard before.
+    /// A receiver in contact, which may have missed the last datagrams.
+    Listener,
+    /// Any receiver with the key.
     Anyone,
 }
 
 /// A header as it is sent.
 #[derive(Debug, Clone, Copy)]
 struct Header {
-    bytes: [u8; HEADER],
+    bytes: [u8; SALTED_HEADER],
     length: usize,
 }
 
@@ -250,7 +260,7 @@ impl Sealer {
         start: SenderStart,
     ) -> Self {
         let key = derived(key, robot, direction, start);
-        Self { key, key_id, start, next: 0, first: 0, confirmed: None }
+        Self { key, key_id, start, next: 0, first: 0, confirmed: None, unsalted: 0 }
     }
 
     /// Continues the numbers of the sealer before this one, so that what the receiver confirms is known to be of this key.
@@ -271,22 +281,39 @@ impl Sealer {
         self.confirmed = None;
     }
 
+    /// Maximum bytes of the header and the tag of the next datagram, if it is for `whom`.
+    pub fn overhead(&self, whom: For) -> usize {
+        if self.is_salted(whom) { OVERHEAD } else { HEADER + TAG }
+    }
+
+    /// True if the next full header has the salt.
+    fn is_salted(&self, whom: For) -> bool {
+        whom == For::Anyone || self.confirmed.is_none() || self.unsalted + 1 >= SALT_EVERY
+    }
+
     /// Appends the sealed datagram to `out` and returns its packet number.
     pub fn seal(&mut self, whom: For, payload: &[u8], out: &mut Vec<u8>) -> Result<u64, SealError> {
         let number = self.next;
         if number >= NUMBERS {
             return Err(SealError::NumbersUsed);
         }
-        let full = header(self.key_id, self.start, number);
         let is_near = self.confirmed.is_some_and(|confirmed| number - confirmed < CONFIRMED_FOR);
         let sent = match whom {
             For::Confirmed if is_near => short_header(self.key_id, self.start.generation, number),
-            _ => Header { bytes: full, length: HEADER },
+            _ if self.is_salted(whom) => {
+                self.unsalted = 0;
+                salted_header(self.key_id, self.start, number)
+            }
+            _ => {
+                self.unsalted += 1;
+                full_header(self.key_id, self.start.generation, number)
+            }
         };
         let start = out.len();
         out.extend_from_slice(sent.sent());
         out.extend_from_slice(payload);
-        let (nonce, sealed) = (nonce(&full), &mut out[start + sent.length..]);
+        let nonce = nonce(self.key_id, self.start.generation, number);
+        let (nonce, sealed) = (nonce, &mut out[start + sent.length..]);
         let tag = self.key.seal_in_place_separate_tag(nonce, Aad::from(sent.sent()), sealed);
         let Ok(tag) = tag else {
             // Only of gigabytes at once.
@@ -343,7 +370,12 @@ impl Opener {
     pub fn open<'d>(&mut self, datagram: &'d mut [u8]) -> Result<Opened<'d>, Rejected> {
         let length = datagram.len();
         let is_short = datagram.first().is_some_and(|first| first & IS_SHORT != 0);
-        let header_length = if is_short { SHORT_HEADER } else { HEADER };
+        let is_salted = datagram.first().is_some_and(|first| first & IS_SALTED != 0);
+        let header_length = match (is_short, is_salted) {
+            (true, _) => SHORT_HEADER,
+            (false, true) => SALTED_HEADER,
+            (false, false) => HEADER,
+        };
         let (sent, sealed) = datagram
             .split_at_mut_checked(header_length)
             .filter(|(_, sealed)| sealed.len() >= TAG)
@@ -358,7 +390,7 @@ impl Opener {
             .is_none()
             .then(|| derived(&self.pairing_key, &self.robot, self.direction, start));
         let key = made.as_ref().or(newest.map(|newest| &newest.key)).ok_or(Rejected::Forged)?;
-        let nonce = nonce(&header(self.key_id, start, number));
+        let nonce = nonce(self.key_id, generation, number);
         let payload = key
             .open_in_place(nonce, Aad::from(&*sent), sealed)
             .map_err(|_forged| Rejected::Forged)?;
@@ -393,10 +425,23 @@ impl Opener {
                 let number = nearest(expected, u16::from_be_bytes([n0, n1]));
                 Ok((newest.start, number))
             }
-            [version, key, g0, g1, g2, g3, n0, n1, n2, n3, n4, n5, s0, s1, s2, s3] => {
-                self.check(version, KeyId(key), u8::MAX)?;
-                let generation = u32::from_be_bytes([g0, g1, g2, g3]);
-                let start = SenderStart::new(generation, u32::from_be_bytes([s0, s1, s2, s3]));
+            [version, key, g0, g1, g2, g3, n0, n1, n2, n3, n4, n5, ref salt @ ..] => {
+                self.check(version & !IS_SALTED, KeyId(key), u8::MAX)?;
+                let generation = Generation(u32::from_be_bytes([g0, g1, g2, g3]));
+                let newest = self.newest.as_ref().map(|newest| newest.start);
+                let start = match *salt {
+                    [s0, s1, s2, s3] => {
+                        SenderStart { generation, salt: Salt(u32::from_be_bytes([s0, s1, s2, s3])) }
+                    }
+                    _ => match newest {
+                        Some(newest) if generation == newest.generation => newest,
+                        Some(newest) if generation < newest.generation => {
+                            let (was, newest) = (generation, newest.generation);
+                            return Err(Rejected::OldGeneration { was, newest });
+                        }
+                        _ => return Err(Rejected::UnknownStart),
+                    },
+                };
                 Ok((start, u64::from_be_bytes([0, 0, n0, n1, n2, n3, n4, n5])))
             }
             _ => Err(Rejected::TooShort(header.len())),
@@ -436,22 +481,33 @@ fn nearest(expected: u64, last: u16) -> u64 {
 fn short_header(KeyId(key): KeyId, generation: Generation, number: u64) -> Header {
     let first = IS_SHORT | few(generation) << 5 | (key & FEW) << 3 | VERSION;
     let [.., n0, n1] = number.to_be_bytes();
-    let mut bytes = [0; HEADER];
+    let mut bytes = [0; SALTED_HEADER];
     bytes[..SHORT_HEADER].copy_from_slice(&[first, n0, n1]);
     Header { bytes, length: SHORT_HEADER }
 }
 
-fn header(KeyId(key): KeyId, start: SenderStart, number: u64) -> [u8; HEADER] {
-    let [g0, g1, g2, g3] = start.generation.0.to_be_bytes();
-    let [s0, s1, s2, s3] = start.salt.0.to_be_bytes();
-    let [_, _, n0, n1, n2, n3, n4, n5] = number.to_be_bytes();
-    [VERSION, key, g0, g1, g2, g3, n0, n1, n2, n3, n4, n5, s0, s1, s2, s3]
+fn full_header(key: KeyId, generation: Generation, number: u64) -> Header {
+    let mut bytes = [0; SALTED_HEADER];
+    bytes[..HEADER].copy_from_slice(&nonce_bytes(key, generation, number));
+    Header { bytes, length: HEADER }
 }
 
-/// The full header up to its salt, which is in the key: under one key, no two datagrams have the same.
-fn nonce(header: &[u8; HEADER]) -> Nonce {
-    let [nonce @ .., _, _, _, _] = *header;
-    Nonce::assume_unique_for_key(nonce)
+fn salted_header(key: KeyId, start: SenderStart, number: u64) -> Header {
+    let mut header = full_header(key, start.generation, number);
+    header.bytes[0] |= IS_SALTED;
+    header.bytes[HEADER..].copy_from_slice(&start.salt.0.to_be_bytes());
+    Header { length: SALTED_HEADER, ..header }
+}
+
+fn nonce_bytes(KeyId(key): KeyId, generation: Generation, number: u64) -> [u8; HEADER] {
+    let [g0, g1, g2, g3] = generation.0.to_be_bytes();
+    let [_, _, n0, n1, n2, n3, n4, n5] = number.to_be_bytes();
+    [VERSION, key, g0, g1, g2, g3, n0, n1, n2, n3, n4, n5]
+}
+
+/// The full header without salt, which is in the key: under one key, no two datagrams have the same.
+fn nonce(key: KeyId, generation: Generation, number: u64) -> Nonce {
+    Nonce::assume_unique_for_key(nonce_bytes(key, generation, number))
 }
 
 /// The key of one direction and start.

@@ -400,7 +400,7 @@ impl RobotSession {
         if !may_send {
             return Ok(None);
         }
-        let room = self.profile.down_bytes_max - OVERHEAD;
+        let room = self.profile.down_bytes_max - self.end.overhead(is_heard);
         let mut payload = Vec::with_capacity(room);
         write_number(now_ms(now), &mut payload);
         let empty = payload.len();
@@ -439,7 +439,11 @@ impl RobotSession {
         }
         self.sent_at = Some(now);
         // Whoever else has the key, and begins to listen now, learns which start this is with the status.
-        let whom = if is_heard && !shows_status { For::Confirmed } else { For::Anyone };
+        let whom = match (is_heard, shows_status) {
+            (true, false) => For::Confirmed,
+            (true, true) => For::Listener,
+            (false, _) => For::Anyone,
+        };
         self.end.seal(now, whom, &payload).map(Some)
     }
 

@@ -190,7 +190,7 @@ fn a_report_that_waited_in_a_cut_is_no_sign_that_the_station_knows_a_context() {
     robot.receive(now, &mut late.expect("a report"), |_| {}).expect("a report");
     robot.advance(RUN, 2_100);
     let mut restarted = StationSession::new(
-        &Identity { start: SenderStart::new(2, 0), ..identity },
+        &Identity { start: SenderStart::new(2, 0), heard: station.horizon(), ..identity },
         Profile::DELAY_2S,
     );
     let events = station.received(RUN).expect("a run");
@@ -286,9 +286,9 @@ fn twenty_seconds(profile: &Profile) -> ([u64; 4], u32) {
 fn a_snapshot_is_coded_from_one_that_the_station_has() {
     let plain = Profile { codes: false, ..Profile::DELAY_2S };
     let all = [plain, Profile::DELAY_2S].map(|profile| format!("{:?}", twenty_seconds(&profile)));
-    expect![[r"
-        ([5526, 3544, 3558, 3530], 44)
-        ([4071, 665, 2114, 723], 39)"]]
+    expect![[r#"
+        ([5526, 3544, 3558, 3530], 43)
+        ([4071, 665, 2120, 678], 38)"#]]
     .assert_eq(&all.join("\n"));
 }
 

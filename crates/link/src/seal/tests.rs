@@ -1,8 +1,8 @@
 //! Sealed datagrams in every order, changed, repeated, and made by others.
 
 use super::{
-    Direction, For, Generation, HEADER, Horizon, KeyId, OVERHEAD, Opener, PairingKey, Rejected,
-    SealError, Sealer, SenderStart,
+    Direction, For, Generation, Horizon, KeyId, OVERHEAD, Opener, PairingKey, Rejected,
+    SALTED_HEADER, SealError, Sealer, SenderStart,
 };
 use expect_test::expect;
 use proptest::prelude::{any, prop_assert, prop_assert_eq, proptest};
@@ -49,7 +49,7 @@ fn the_bytes_of_a_datagram_are_these() {
     let mut sealer = sealer(7);
     sealed(&mut sealer, b"");
     let bytes = sealed(&mut sealer, b"hold");
-    expect!["[04, 01, 00, 00, 00, 07, 00, 00, 00, 00, 00, 01, 00, 00, 5a, 17, 8c, 19, 2d, 1a, 1f, 73, 45, cd, 4b, f2, 92, f8, 7a, 01, 6d, 4a, 37, 81, 42, 87]"].assert_eq(&format!("{bytes:02x?}"));
+    expect!["[44, 01, 00, 00, 00, 07, 00, 00, 00, 00, 00, 01, 00, 00, 5a, 17, 8c, 19, 2d, 1a, 4f, c6, 62, 04, f8, 10, 4d, 14, f3, 9d, 5d, 32, b3, d0, 18, 1c]"].assert_eq(&format!("{bytes:02x?}"));
     assert_eq!(bytes.len(), 4 + OVERHEAD);
 }
 
@@ -92,7 +92,7 @@ fn two_copies_of_a_sender_share_no_key_and_only_the_first_is_heard() {
     let copy = |salt| Sealer::new((ID, &key()), "rover", Direction::Down, start(salt));
     let (mut first, mut second) = (copy(1), copy(2));
     let [ours, theirs] = [&mut first, &mut second].map(|sealer| sealed(sealer, b"the same"));
-    let stream = |datagram: &[u8]| datagram[HEADER..].to_vec();
+    let stream = |datagram: &[u8]| datagram[SALTED_HEADER..].to_vec();
     assert_ne!(stream(&ours), stream(&theirs), "one key stream for two datagrams");
     let mut before = opener(None);
     let mut told = vec![open(&mut before, &ours), open(&mut before, &theirs)];
@@ -278,7 +278,7 @@ proptest! {
     #[test]
     fn noise_is_rejected(mut noise: Vec<u8>, header in any::<bool>()) {
         if header {
-            noise.splice(0..0, sealed(&mut sealer(1), b"")[..HEADER].iter().copied());
+            noise.splice(0..0, sealed(&mut sealer(1), b"")[..SALTED_HEADER].iter().copied());
         }
         let rejected = opener(None).open(&mut noise).unwrap_err();
         prop_assert!(!matches!(rejected, Rejected::Repeated(_)), "{rejected}");

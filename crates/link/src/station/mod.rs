@@ -606,7 +606,10 @@ impl StationSession {
 
     /// The next datagram, if one is due.
     pub fn transmit(&mut self, now: Duration) -> Result<Option<Vec<u8>>, SealError> {
-        let (room, mut payload) = (self.profile.up_bytes_max - OVERHEAD, Vec::new());
+        let before = self.end.heard.before(now);
+        let is_heard = before.is_some_and(|before| before < self.profile.silence());
+        let room = self.profile.up_bytes_max - self.end.overhead(is_heard);
+        let mut payload = Vec::new();
         write_number(now_ms(now), &mut payload);
         let empty = payload.len();
         let is_free = self.end.pacer.free_at() <= now;
@@ -621,8 +624,6 @@ impl StationSession {
         if payload.len() == empty {
             return Ok(None);
         }
-        let before = self.end.heard.before(now);
-        let is_heard = before.is_some_and(|before| before < self.profile.silence());
         let whom = if is_heard { For::Confirmed } else { For::Anyone };
         self.end.seal(now, whom, &payload).map(Some)
     }

@@ -354,7 +354,11 @@ impl StationRobot {
                 self.values.take((id, offset), bytes, &mut self.session);
             }
             Received::NoValue(id, why) => self.values.refused(id, why, &mut self.session),
-            Received::Started => self.checked.clear(),
+            Received::Started => {
+                self.checked.clear();
+                // A station that starts again has to know the newest start of its robot.
+                self.keep();
+            }
         }
     }
 
