@@ -286,9 +286,9 @@ fn twenty_seconds(profile: &Profile) -> ([u64; 4], u32) {
 fn a_snapshot_is_coded_from_one_that_the_station_has() {
     let plain = Profile { codes: false, ..Profile::DELAY_2S };
     let all = [plain, Profile::DELAY_2S].map(|profile| format!("{:?}", twenty_seconds(&profile)));
-    expect![[r#"
+    expect![[r"
         ([5526, 3544, 3558, 3530], 43)
-        ([4071, 665, 2120, 678], 38)"#]]
+        ([4071, 665, 2120, 678], 38)"]]
     .assert_eq(&all.join("\n"));
 }
 

@@ -519,6 +519,37 @@ fn a_robot_that_is_paired_while_the_station_runs_is_received_at_once() {
     drop(run.end());
 }
 
+/// How many runs at a server have this phase.
+fn count_of(ground: &Program, phase: &str) -> usize {
+    let (_status, runs) = ground.door.answer("GET", "/api/v1/runs", None).unwrap();
+    runs.matches(&format!(r#""phase":"{phase}""#)).count()
+}
+
+/// Every restart races: the station opens its replicas while its server looks at their folders.
+#[test]
+fn a_station_that_is_killed_shows_every_run_of_its_robot_as_live_again() {
+    const RUNS: usize = 4;
+    let place = Place::with(&ticks(1_000_000));
+    pair(&place, "scout");
+    let (mut ground, address) = station(&place, "127.0.0.1:0");
+    let _robot = robot(&place, address);
+    let runs: Vec<Run> = (0..RUNS).map(|_| Run::start(&place, "--runs robot-runs")).collect();
+    for _restart in 0..4 {
+        while count_of(&ground, "live") < RUNS {
+            thread::yield_now();
+        }
+        drop(ground);
+        ground = station(&place, &address.to_string()).0;
+    }
+    for run in std::fs::read_dir(place.path("robot-runs")).unwrap() {
+        let run = run.unwrap().file_name().into_string().unwrap();
+        drop(place.call(&format!("tell {run} stop --runs robot-runs")));
+    }
+    for run in runs {
+        drop(run.end());
+    }
+}
+
 #[test]
 fn what_is_not_paired_is_not_received() {
     let place = Place::empty();

@@ -68,6 +68,10 @@ pub(super) fn begin(server: &Arc<ServerState>) -> mpsc::Receiver<Noticed> {
 pub(super) async fn serve(server: &Arc<ServerState>, mut noticed: mpsc::Receiver<Noticed>) {
     for folder in folders(server.runs.folder.folder()) {
         keep_an_eye_on(server, &folder);
+        // Its runner, or the station, may have begun to listen between the first look at the run and the watch.
+        if folder.join(SOCKET_FILE).exists() {
+            look(server, folder).await;
+        }
     }
     while let Some(change) = noticed.recv().await {
         match change {
