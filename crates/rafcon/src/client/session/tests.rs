@@ -219,7 +219,7 @@ fn a_command_without_an_answer_is_said_again_while_it_is_wanted() {
             --
             > {"frame":"command","run":"RUN","envelope":{"id":"key-1","author":"ana","decided_on":7,"expiry":114000,"command":{"type":"pause"}}}
             --
-            Messages([Answer { id: "key-1", answer: Refused { reason: "bo holds control of this run" } }])
+            Messages([Answer { id: "key-1", answer: Unknown { reason: "bo holds control of this run" } }])
             --
             --
         "#]],
