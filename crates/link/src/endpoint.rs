@@ -150,7 +150,7 @@ impl Endpoint {
         (&self.sent, &self.received)
     }
 
-    /// Maximum bytes of the header and the tag of the next datagram, to a side that is heard or not.
+    /// Maximum bytes of the header and the tag of the next datagram.
     pub(crate) fn overhead(&self, is_heard: bool) -> usize {
         self.sealer.overhead(if is_heard { For::Listener } else { For::Anyone })
     }

@@ -6,6 +6,7 @@ use crate::console::{Key, UserAction};
 use crate::follow::StopSignal;
 use anyhow::{Context as _, Result};
 use rafcon_protocol::{Hello, Stream, ToRunner, ToViewer, decode, encode, read_frame};
+use rafcon_storage::journal::About;
 use rafcon_storage::journal::stream::StreamReader;
 use rafcon_supervisor::clock::since_1970_ms;
 use rafcon_supervisor::{Exit, Process};
@@ -91,13 +92,19 @@ impl Line for UnixStream {
 }
 
 /// The way to the station of a robot's run: the station knows how long a command is valid over its link.
-pub(crate) struct StationLine(pub(crate) UnixStream);
+struct StationLine(UnixStream);
 
 impl Line for StationLine {
     fn say(&mut self, message: &ToRunner) -> Result<()> {
         self.0.write_all(&encode(message)?).unwrap_or_default();
         Ok(())
     }
+}
+
+/// The way to the run in this folder over its socket.
+pub(crate) fn line_to(folder: &Path, control: UnixStream) -> Box<dyn Line> {
+    let is_replica = About::read(folder).is_ok_and(|about| about.robot.is_some());
+    if is_replica { Box::new(StationLine(control)) } else { Box::new(control) }
 }
 
 /// The queue, and who fills it. Sources of an earlier runner are not heard any more.

@@ -88,7 +88,7 @@ fn heard(path: &Path) -> Result<Option<(KeyId, Horizon)>, RelayError> {
     Ok(start.zip(key).map(|(start, key)| (KeyId(key), Horizon { start, number })))
 }
 
-/// The numbers in a file; nothing if there is no file.
+/// Numbers in a file; `None` without a file.
 fn numbers(path: &Path) -> Result<Option<Vec<u64>>, RelayError> {
     let text = match fs::read_to_string(path) {
         Ok(text) => text,

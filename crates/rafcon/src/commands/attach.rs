@@ -7,12 +7,11 @@ use crate::commands::kept::{find_run, run_id};
 use crate::commands::remote;
 use crate::commands::run::{has_keys, keyboard, names_of_run, view};
 use crate::environment::Environment;
-use crate::event_queue::{EventQueue, Line, StationLine};
+use crate::event_queue::{EventQueue, line_to};
 use crate::failure::complain;
 use crate::follow::{End, RunFollower, RunLoop, RunRole};
 use anyhow::Result;
 use rafcon_protocol::{Hello, Join, encode};
-use rafcon_storage::journal::About;
 use rafcon_supervisor::connect;
 use std::io::Write as _;
 use std::process::ExitCode;
@@ -43,9 +42,7 @@ pub(super) fn attach(
     let follower = RunFollower::new(RunRole::Guest, &environment.user, prefix, None);
     let follower = follower.joining(join).asking_for_the_engine();
     control.write_all(&encode(&Hello::ours())?)?;
-    let is_replica = About::read(&folder).is_ok_and(|about| about.robot.is_some());
-    let line: Box<dyn Line> =
-        if is_replica { Box::new(StationLine(control)) } else { Box::new(control) };
+    let line = line_to(&folder, control);
     let end =
         RunLoop { follower, view, line, group: None, clock }.until_the_end_is_shown(&queue)?;
     Ok(ended(&end, &run_id(&folder)))

@@ -6,7 +6,7 @@ use crate::clock::Clock;
 use crate::commands::kept::find_run;
 use crate::commands::remote;
 use crate::environment::Environment;
-use crate::event_queue::{Line as _, StationLine};
+use crate::event_queue::{Line as _, line_to};
 use crate::failure::{Usage, complain};
 use crate::follow::envelope;
 use anyhow::{Result, bail};
@@ -15,7 +15,6 @@ use rafcon_protocol::{
     Answer, Command, Envelope, Expiry, FrameKind, Hello, Join, ToRunner, ToViewer, decode, encode,
     read_frame,
 };
-use rafcon_storage::journal::About;
 use rafcon_supervisor::{clock, connect};
 use serde_json::{Map, Value};
 use std::io::{self, BufRead as _, BufReader, Write as _};
@@ -46,7 +45,6 @@ pub(super) fn tell(raw: &cli::Tell, environment: &Environment) -> Result<ExitCod
         return said(answer(&server, &run, &envelope, is_wanted)?);
     }
     let folder = find_run(&raw.runs, environment, &raw.run)?;
-    let is_replica = About::read(&folder).is_ok_and(|about| about.robot.is_some());
     let mut control = connect(&folder)?;
     let mut runner = BufReader::new(control.try_clone()?);
     control.write_all(&encode(&Hello::ours())?)?;
@@ -57,11 +55,7 @@ pub(super) fn tell(raw: &cli::Tell, environment: &Environment) -> Result<ExitCod
     control.say(&ToRunner::Join(Join::default()))?;
     let told = envelope(id.clone(), &environment.user, command);
     let told = ToRunner::Command(timed(told, raw, clock::since_1970_ms()));
-    if is_replica {
-        StationLine(control).say(&told)?;
-    } else {
-        control.say(&told)?;
-    }
+    line_to(&folder, control).say(&told)?;
     let mut content = Vec::new();
     while let Some(kind) = read_frame(&mut runner, &mut content)? {
         if kind != FrameKind::Message {
@@ -76,7 +70,7 @@ pub(super) fn tell(raw: &cli::Tell, environment: &Environment) -> Result<ExitCod
     bail!("the runner ended before it answered")
 }
 
-/// The answer of a server. Asks again under the same id until there is one or the command has expired.
+/// The answer of a server. Repeats the request with its id until it is answered or the command expires.
 fn answer(
     server: &Server,
     run: &str,

@@ -40,7 +40,7 @@ pub(super) struct Waiting {
 impl Waiting {
     /// For what the run waits, once each time that it begins to wait for good.
     ///
-    /// The snapshot itself says it, because a snapshot can overtake the events before it.
+    /// Read from the snapshot, which can overtake the events before it.
     pub(super) fn begins(&mut self, snapshot: &Snapshot) -> Option<String> {
         let waits = can_only_wait(snapshot);
         let begins = waits && !self.is_reported;

@@ -38,7 +38,7 @@ pub(super) fn overdue() -> Answer {
 struct OpenRequest {
     stream: StreamId,
     command: OpenCommand,
-    /// Whether it is a command, and not a wish about control or a sign of life: those are not shown.
+    /// False for requests about control and for presence, which are not shown.
     is_command: bool,
 }
 
