@@ -141,9 +141,9 @@ impl RobotSession {
         self.watched.forget(stream);
     }
 
-    /// True if the station has reported a stream as over and complete.
+    /// True if the station has reported a stream as over and complete, and has heard the hash of its events if one is set.
     pub fn is_complete(&self, stream: StreamId) -> bool {
-        self.streams.get(&stream).is_some_and(Outgoing::has_all)
+        self.streams.get(&stream).is_some_and(Outgoing::is_complete)
     }
 
     /// True if the station has reported a stream as over.

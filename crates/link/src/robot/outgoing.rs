@@ -53,6 +53,7 @@ pub(super) struct Outgoing {
     is_state_new: bool,
     /// The hash of the events so far, or nearly.
     chain: Option<EventHash>,
+    chain_told: ChainTold,
     tail: Tail,
     /// When anything was sent from which the station knows the head.
     shown_at: Option<Duration>,
@@ -73,6 +74,15 @@ pub(super) struct Outgoing {
     coding: Coding,
     /// Whether the station is asked what it has before anything is sent.
     asks: Asks,
+}
+
+/// Whether the station has been told the newest hash.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum ChainTold {
+    No,
+    /// A status with it was sent then, and is not reported as heard.
+    Sent(Duration),
+    Yes,
 }
 
 /// Whether the station is asked what it has before anything is sent.
@@ -101,6 +111,7 @@ impl Outgoing {
             state: Vec::new(),
             is_state_new: false,
             chain: None,
+            chain_told: ChainTold::No,
             tail: Tail::default(),
             shown_at: None,
             status_at: None,
@@ -162,13 +173,19 @@ impl Outgoing {
 
     /// The events so far have this hash: it goes with the next status.
     pub(super) fn set_chain(&mut self, chain: EventHash) {
-        self.chain = Some(chain);
+        (self.chain, self.chain_told) = (Some(chain), ChainTold::No);
+    }
+
+    /// True if a run that is over has a hash of which the station may not have heard.
+    fn is_chain_due(&self) -> bool {
+        self.is_over && self.chain.is_some() && self.chain_told != ChainTold::Yes
     }
 
     /// The station has started again: it may have less than it reported, and is asked by the status. It knows no context of the start
     /// before, so what is on its way by one of them is lost.
     pub(super) fn station_started(&mut self) {
         (self.knows_end, self.is_state_new) = (false, true);
+        self.chain_told = ChainTold::No;
         self.coding.offer(None);
         self.snapshots.offer(None);
         self.sent.retain(|sent| !sent.is_coded);
@@ -189,6 +206,9 @@ impl Outgoing {
         self.knows_end = received.is_over;
         self.asks = Asks::No;
         let Some((newest_ms, late_ms)) = echo else { return };
+        if matches!(self.chain_told, ChainTold::Sent(at) if at.as_millis() <= newest_ms.into()) {
+            self.chain_told = ChainTold::Yes;
+        }
         // What was sent before this, and is not received, is lost; a repetition may still heal the newest of it.
         let late = Duration::from_millis(late_ms) + profile.repeat_after * u32::from(tail::SENDS);
         let lost_before = Duration::from_millis(newest_ms).saturating_sub(late);
@@ -217,6 +237,11 @@ impl Outgoing {
         self.is_over && self.knows_end && self.received.contiguous() >= self.head
     }
 
+    /// True if the station needs nothing more: it has all, and has heard the hash if there is one.
+    pub(super) fn is_complete(&self) -> bool {
+        self.has_all() && !self.is_chain_due()
+    }
+
     pub(super) fn is_end_known(&self) -> bool {
         self.is_over && self.knows_end
     }
@@ -226,7 +251,8 @@ impl Outgoing {
         let status = match (self.shown_at, self.status_at) {
             _ if self.is_state_new => Duration::ZERO,
             // The station reports that it has all: nothing is new ever after.
-            _ if self.has_all() => Duration::MAX,
+            _ if self.is_complete() => Duration::MAX,
+            _ if self.has_all() && self.chain_told == ChainTold::No => Duration::ZERO,
             // There is nothing to see of files.
             (Some(shown), Some(_)) if self.id.is_files() => {
                 shown + profile.status_every * STATUS_BESIDE
@@ -272,6 +298,9 @@ impl Outgoing {
             return false;
         }
         (self.status_at, self.shown_at, self.is_state_new) = (Some(now), Some(now), false);
+        if self.chain.is_some() && self.chain_told == ChainTold::No {
+            self.chain_told = ChainTold::Sent(now);
+        }
         true
     }
 

@@ -2,7 +2,7 @@
 
 use super::{EventBuffer, Rank, RobotSession, RunSource};
 use crate::endpoint::Identity;
-use crate::frame::{Events, StreamId};
+use crate::frame::{EventHash, Events, StreamId};
 use crate::profile::Profile;
 use crate::seal::{KeyId, PairingKey, SenderStart};
 use crate::station::{FromRobot, StationSession};
@@ -363,4 +363,50 @@ fn a_station_is_asked_for_what_it_may_have_from_before() {
     robot.ask_first(AHEAD);
     let all = |order: &[StreamId], _| order.len() == 120;
     assert_eq!(order(robot, &key, true, all).len(), 120);
+}
+
+/// The hash of the events of `RUN` that a datagram tells.
+fn told_chain(station: &mut StationSession, now: Duration, datagram: &mut [u8]) -> Option<u64> {
+    let mut told = None;
+    let show = |shown: FromRobot<'_>| {
+        if let FromRobot::Status { stream: RUN, chain, .. } = shown {
+            told = chain.map(|chain| chain.hash);
+        }
+    };
+    station.receive(now, datagram, show).expect("a datagram");
+    told
+}
+
+#[test]
+fn a_run_is_complete_once_the_hash_of_its_events_was_heard() {
+    let key = PairingKey::from_bytes([7; 32]);
+    let (key_id, start) = (KeyId(1), SenderStart::new(1, 0));
+    let identity = Identity { key_id, key: &key, robot: "scout", start, heard: None };
+    let mut robot = RobotSession::new(&identity, Profile::LAN);
+    let mut station = StationSession::new(&identity, Profile::LAN);
+    robot.begin(RUN, 0);
+    robot.append(&Events { stream: RUN, first: 1, count: 1, t_before: 0, items: b"an event" });
+    robot.set_state(RUN, b"ended", true);
+    let (mut now, mut told, mut sent) = (Duration::ZERO, Vec::new(), 0);
+    let mut wait_until_complete = |robot: &mut RobotSession| {
+        while !robot.is_complete(RUN) && now < Duration::from_mins(1) {
+            now += Duration::from_millis(10);
+            while let Some(mut datagram) = robot.transmit(now, &mut NoJournal).expect("a number") {
+                sent += 1;
+                // The first one after the hash was set is lost.
+                if sent != 2 {
+                    told.extend(told_chain(&mut station, now, &mut datagram));
+                }
+            }
+            while let Some(mut report) = station.transmit(now).expect("a number") {
+                robot.receive(now, &mut report, |_| {}).expect("a report");
+            }
+        }
+        told.clone()
+    };
+    assert_eq!(wait_until_complete(&mut robot), [0; 0]);
+    robot.set_chain(RUN, EventHash { last: 1, hash: 9 });
+    assert!(!robot.is_complete(RUN));
+    assert_eq!(wait_until_complete(&mut robot), [9]);
+    assert!(robot.is_complete(RUN));
 }

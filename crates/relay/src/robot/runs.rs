@@ -44,6 +44,8 @@ const WHOLE_MAX: usize = 8;
 
 /// So many bytes of events are hashed at a time.
 const HASH_BYTES: usize = 256 << 10;
+/// Of so many runs that are over the events are hashed at a time.
+const HASHED_AT_ONCE: usize = 4;
 
 /// So many of the runs that earlier starts sent are looked at again.
 const LISTED_MAX: usize = 256;
@@ -168,7 +170,7 @@ impl RobotRuns {
 
     /// Goes on to the next of the older runs when the station has those before.
     fn look_at_older(&mut self, session: &mut RobotSession, is_heard: bool) {
-        let is_open = |run: &&RobotRun| run.is_older && !run.is_at_station(session);
+        let is_open = |run: &&RobotRun| run.is_older && !run.is_done(session);
         let mut open = self.all.values().filter(is_open).count();
         while is_heard
             && open < OLDER_AT_ONCE
@@ -240,8 +242,8 @@ impl RobotRuns {
             run.let_go(session, &mut self.parcels);
             run.rest();
         }
-        self.hash(session);
         self.look_at_older(session, is_heard);
+        self.hash(session);
         let folders = run_folders(&self.folder).unwrap_or_default();
         let there: BTreeSet<_> = folders.iter().filter_map(|folder| folder.file_name()).collect();
         self.seen.retain(|id| there.contains(OsStr::new(id)));
@@ -284,29 +286,26 @@ impl RobotRuns {
 
     /// Goes on with the hashes of the events of all runs, so far at a time that nothing else waits for it.
     fn hash(&mut self, session: &mut RobotSession) {
-        let mut left = HASH_BYTES;
+        let (mut left, mut ended_left) = (HASH_BYTES, HASHED_AT_ONCE);
         let (live, ended): (Vec<_>, Vec<_>) =
             self.all.iter_mut().partition(|(_, run)| run.runner.is_some());
         for (_, run) in live.into_iter().chain(ended) {
-            let head = run.head;
-            if run.chain.is_none_or(|chain| chain.last() >= head) || run.open().is_none() {
+            if run.is_hashed() || run.open().is_none() {
                 continue;
             }
             let (Some(chain), Some(source)) = (&mut run.chain, &mut run.source) else { continue };
             // Of a journal that has dropped something there is none.
-            if chain.advance(source.reader(), run.head, left).is_err() {
+            let Ok(hashed) = chain.advance(source.reader(), run.head, left) else {
                 run.chain = None;
                 continue;
-            }
+            };
+            left = left.saturating_sub(hashed);
             if chain.last() == run.head {
                 let (last, hash) = (chain.last(), chain.hash());
                 session.set_chain(run.events, EventHash { last, hash });
             }
-            // Of those that are over, one at a time.
-            if chain.last() < run.head || run.runner.is_none() {
-                left = 0;
-            }
-            if left == 0 {
+            ended_left -= usize::from(run.runner.is_none());
+            if left == 0 || ended_left == 0 {
                 break;
             }
         }
@@ -535,22 +534,20 @@ impl RobotRun {
         [self.events, ids::about_beside(self.events)]
     }
 
-    /// True if the station has reported all of it.
-    fn is_at_station(&self, session: &RobotSession) -> bool {
-        let is_there =
-            |stream: StreamId| session.progress(stream).is_none_or(|(_, missing)| missing == 0);
-        self.streams().into_iter().all(is_there)
-    }
-
     /// True if nothing more of it will be sent.
     fn is_done(&self, session: &RobotSession) -> bool {
         let [events, about] = self.streams();
         let is_over = match self.fate {
             RunFate::Live | RunFate::Crashed => false,
-            RunFate::Finished => session.is_complete(events),
+            RunFate::Finished => self.is_hashed() && session.is_complete(events),
             RunFate::Removed => session.is_end_known(events),
         };
         is_over && self.runner.is_none() && self.named.is_empty() && session.is_complete(about)
+    }
+
+    /// True if the station can compare all events, or nobody can.
+    fn is_hashed(&self) -> bool {
+        self.chain.is_none_or(|chain| chain.last() >= self.head)
     }
 
     /// Its journal, to be read anew.

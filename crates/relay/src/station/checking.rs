@@ -33,6 +33,11 @@ impl Checking {
         self.goes_on
     }
 
+    /// Closes the journal, which is opened again when there is more to be hashed.
+    pub(super) fn rest(&mut self) {
+        self.reader = None;
+    }
+
     /// Goes on with the events in this folder that are safe.
     pub(super) fn check(&mut self, folder: Option<PathBuf>) -> Option<KeepError> {
         let EventHash { last, hash } = self.wanted?;
@@ -50,6 +55,7 @@ impl Checking {
         if self.chain.last() != last {
             return None;
         }
+        self.rest();
         self.wanted = None;
         (self.chain.hash() != hash).then(|| {
             let why = format!("the robot has other events than this replica, up to event {last}");

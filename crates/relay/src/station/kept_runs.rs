@@ -570,6 +570,8 @@ impl KeptRun {
                 if let Some(replica) = self.replica.take() {
                     self.closed = Some(replica.next() - 1);
                     self.is_whole = matches!(work, Work::Close);
+                    // While somebody reads it, a journal cannot be closed for long.
+                    self.checking.rest();
                     replica.close();
                 }
                 place.say(FromDisk::Closed(stream));

@@ -25,16 +25,16 @@ impl Chain {
         self.hash.first_chunk().map_or(0, |first| u64::from_be_bytes(*first))
     }
 
-    /// Goes on up to event `to`, or for about so many bytes. An error if the journal does not have what was: it is damaged, or has
-    /// dropped detail.
+    /// Goes on up to event `to`, or for about so many bytes; answers how many it took. An error if the journal does not have what
+    /// was: it is damaged, or has dropped detail.
     pub fn advance(
         &mut self,
         reader: &mut Reader,
         to: u64,
         bytes_max: usize,
-    ) -> Result<(), JournalError> {
+    ) -> Result<usize, JournalError> {
         if self.last >= to {
-            return Ok(());
+            return Ok(0);
         }
         if reader.thinned_before()?.is_some_and(|before| self.last + 1 < before) {
             return Err(reader.given_up());
@@ -50,7 +50,7 @@ impl Chain {
             read += bytes.len();
             ControlFlow::Continue(())
         })?;
-        lost.map_or(Ok(()), |(first, last)| Err(reader.lost_events(first, last)))
+        lost.map_or(Ok(read), |(first, last)| Err(reader.lost_events(first, last)))
     }
 
     fn add(&mut self, entry: Entry, bytes: &mut Vec<u8>) {
