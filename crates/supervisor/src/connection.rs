@@ -2,15 +2,20 @@
 
 use rafcon_protocol::{FrameError, Hello, Launch, ToRunner, encode};
 use rafcon_storage::journal::folder::SOCKET_FILE;
+use rafcon_storage::journal::writer_of;
 use std::fs::File;
 use std::io::{self, Write as _};
 use std::os::fd::AsRawFd as _;
 use std::os::unix::net::UnixStream;
 use std::path::{Path, PathBuf};
+use std::thread;
 use std::time::Duration;
 
 /// How long a runner may take to read its first words.
 const LAUNCH_TIMEOUT: Duration = Duration::from_mins(1);
+/// A runner that has just begun is looked for so often, and at most so many times.
+const LOOK_EVERY: Duration = Duration::from_millis(10);
+const LOOKS_MAX: u32 = 1_000;
 
 /// Why a runner was not told what to run.
 #[derive(Debug, thiserror::Error)]
@@ -81,11 +86,40 @@ pub fn connect(folder: &Path) -> Result<UnixStream, JoinError> {
         })
 }
 
+/// Connects to the runner of the run in `folder`, as [`connect`] does. A runner that has just begun listens to nobody yet: it is
+/// waited for, for at most 10 s and while it lives.
+pub fn connect_once_listening(folder: &Path) -> Result<UnixStream, JoinError> {
+    let mut looks = 0;
+    connect_while(folder, || {
+        looks += 1;
+        let goes_on = looks <= LOOKS_MAX && matches!(writer_of(folder), Ok(Some(_)));
+        if goes_on {
+            thread::sleep(LOOK_EVERY);
+        }
+        goes_on
+    })
+}
+
+/// Tries again while nobody listens and `goes_on` says so.
+fn connect_while(
+    folder: &Path,
+    mut goes_on: impl FnMut() -> bool,
+) -> Result<UnixStream, JoinError> {
+    loop {
+        match connect(folder) {
+            Err(JoinError::Nobody { .. }) if goes_on() => {}
+            connected => return connected,
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
-    use super::begin;
+    use super::{begin, connect_once_listening, connect_while};
     use rafcon_protocol::{Hello, Launch, ToRunner, decode};
+    use rafcon_storage::journal::folder::SOCKET_FILE;
     use std::io::{BufRead as _, BufReader};
+    use std::os::unix::net::UnixListener;
     use std::os::unix::net::UnixStream;
 
     #[test]
@@ -106,5 +140,28 @@ mod tests {
         drop(theirs);
         let error = begin(&ours, Launch::default()).unwrap_err().to_string();
         assert_eq!(error, "the runner ended before it read the launch; its output says why");
+    }
+
+    #[test]
+    fn a_runner_that_has_just_begun_is_waited_for() {
+        let folder = tempfile::tempdir().unwrap();
+        let mut listener = None;
+        let mut looks = 0;
+        let connected = connect_while(folder.path(), || {
+            looks += 1;
+            if looks == 3 {
+                listener = Some(UnixListener::bind(folder.path().join(SOCKET_FILE)).unwrap());
+            }
+            true
+        });
+        assert!(connected.is_ok());
+        assert_eq!(looks, 3);
+    }
+
+    #[test]
+    fn nobody_is_waited_for_whose_runner_is_gone() {
+        let folder = tempfile::tempdir().unwrap();
+        let error = connect_once_listening(folder.path()).unwrap_err().to_string();
+        assert!(error.contains("is not active"), "{error}");
     }
 }

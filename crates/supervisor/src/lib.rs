@@ -25,7 +25,7 @@ mod restart_policy;
 mod ros_bridge;
 mod runs;
 
-pub use connection::{BeginError, JoinError, begin, connect};
+pub use connection::{BeginError, JoinError, begin, connect, connect_once_listening};
 pub use interpreter::{
     Interpreter, NoExtension, NoInterpreter, ProgramEnvironment, find_extension,
 };

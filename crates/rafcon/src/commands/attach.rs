@@ -12,7 +12,7 @@ use crate::failure::complain;
 use crate::follow::{End, RunFollower, RunLoop, RunRole};
 use anyhow::Result;
 use rafcon_protocol::{Hello, Join, encode};
-use rafcon_supervisor::connect;
+use rafcon_supervisor::connect_once_listening;
 use std::io::Write as _;
 use std::process::ExitCode;
 use std::sync::Arc;
@@ -32,7 +32,7 @@ pub(super) fn attach(
         return Ok(ended(&end, &at.named(&run)));
     }
     let folder = find_run(&raw.runs, environment, &raw.run)?;
-    let mut control = connect(&folder)?;
+    let mut control = connect_once_listening(&folder)?;
     let keyboard = keyboard(raw.output, environment, true);
     let mut queue = EventQueue::new(keyboard.is_some())?;
     let view = view(raw.output, environment, names_of_run(&folder), keyboard);

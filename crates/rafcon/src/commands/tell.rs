@@ -15,7 +15,7 @@ use rafcon_protocol::{
     Answer, Command, Envelope, Expiry, FrameKind, Hello, Join, ToRunner, ToViewer, decode, encode,
     read_frame,
 };
-use rafcon_supervisor::{clock, connect};
+use rafcon_supervisor::{clock, connect_once_listening};
 use serde_json::{Map, Value};
 use std::io::{self, BufRead as _, BufReader, Write as _};
 use std::process::ExitCode;
@@ -45,7 +45,7 @@ pub(super) fn tell(raw: &cli::Tell, environment: &Environment) -> Result<ExitCod
         return said(answer(&server, &run, &envelope, is_wanted)?);
     }
     let folder = find_run(&raw.runs, environment, &raw.run)?;
-    let mut control = connect(&folder)?;
+    let mut control = connect_once_listening(&folder)?;
     let mut runner = BufReader::new(control.try_clone()?);
     control.write_all(&encode(&Hello::ours())?)?;
     let mut hello = String::new();
