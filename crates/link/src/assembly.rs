@@ -22,7 +22,7 @@ impl Assembly {
         self.number == number && self.bytes.len() == length as usize
     }
 
-    /// How many bytes it takes.
+    /// Its bytes in memory.
     pub(crate) fn length(&self) -> usize {
         self.bytes.len()
     }

@@ -17,7 +17,7 @@ pub(crate) fn write_number(mut number: u64, out: &mut Vec<u8>) {
     }
 }
 
-/// How long the number is in bytes.
+/// Length of the number in bytes.
 pub(crate) fn number_length(number: u64) -> usize {
     (64 - (number | 1).leading_zeros() as usize).div_ceil(7)
 }
@@ -39,7 +39,7 @@ impl<'b> FrameReader<'b> {
         Self { rest: bytes }
     }
 
-    /// How many bytes are left.
+    /// The remaining bytes.
     pub(crate) fn left(&self) -> usize {
         self.rest.len()
     }

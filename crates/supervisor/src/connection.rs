@@ -1,4 +1,4 @@
-//! The connection to a runner: of who started it, with the first words that say what to run, and of who joins a run in progress.
+//! Connections to runners: that of the program that starts a run, with the launch, and those of programs that join it.
 
 use rafcon_protocol::{FrameError, Hello, Launch, ToRunner, encode};
 use rafcon_storage::journal::folder::SOCKET_FILE;
@@ -11,9 +11,9 @@ use std::path::{Path, PathBuf};
 use std::thread;
 use std::time::Duration;
 
-/// How long a runner may take to read its first words.
+/// Time for a runner to read the launch.
 const LAUNCH_TIMEOUT: Duration = Duration::from_mins(1);
-/// A runner that has just begun is looked for so often, and at most so many times.
+/// Interval and number of the attempts to connect to a runner that has just begun.
 const LOOK_EVERY: Duration = Duration::from_millis(10);
 const LOOKS_MAX: u32 = 1_000;
 
@@ -86,36 +86,34 @@ pub fn connect(folder: &Path) -> Result<UnixStream, JoinError> {
         })
 }
 
-/// Connects to the runner of the run in `folder`, as [`connect`] does. A runner that has just begun listens to nobody yet: it is
-/// waited for, for at most 10 s and while it lives.
+/// Connects to the runner of the run in `folder`, as [`connect`] does. A runner that has just begun does not listen yet: it is
+/// awaited for 10 s, as long as it lives.
 pub fn connect_once_listening(folder: &Path) -> Result<UnixStream, JoinError> {
-    let mut looks = 0;
     connect_while(folder, || {
-        looks += 1;
-        let goes_on = looks <= LOOKS_MAX && matches!(writer_of(folder), Ok(Some(_)));
-        if goes_on {
+        let is_starting = matches!(writer_of(folder), Ok(Some(_)));
+        if is_starting {
             thread::sleep(LOOK_EVERY);
         }
-        goes_on
+        is_starting
     })
 }
 
-/// Tries again while nobody listens and `goes_on` says so.
 fn connect_while(
     folder: &Path,
-    mut goes_on: impl FnMut() -> bool,
+    mut is_starting: impl FnMut() -> bool,
 ) -> Result<UnixStream, JoinError> {
-    loop {
+    for _ in 0..LOOKS_MAX {
         match connect(folder) {
-            Err(JoinError::Nobody { .. }) if goes_on() => {}
+            Err(JoinError::Nobody { .. }) if is_starting() => {}
             connected => return connected,
         }
     }
+    connect(folder)
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{begin, connect_once_listening, connect_while};
+    use super::{LOOKS_MAX, begin, connect_once_listening, connect_while};
     use rafcon_protocol::{Hello, Launch, ToRunner, decode};
     use rafcon_storage::journal::folder::SOCKET_FILE;
     use std::io::{BufRead as _, BufReader};
@@ -143,10 +141,9 @@ mod tests {
     }
 
     #[test]
-    fn a_runner_that_has_just_begun_is_waited_for() {
+    fn a_runner_that_has_just_begun_is_awaited() {
         let folder = tempfile::tempdir().unwrap();
-        let mut listener = None;
-        let mut looks = 0;
+        let (mut listener, mut looks) = (None, 0);
         let connected = connect_while(folder.path(), || {
             looks += 1;
             if looks == 3 {
@@ -154,14 +151,26 @@ mod tests {
             }
             true
         });
-        assert!(connected.is_ok());
-        assert_eq!(looks, 3);
+        assert_eq!((connected.is_ok(), looks), (true, 3));
     }
 
     #[test]
-    fn nobody_is_waited_for_whose_runner_is_gone() {
+    fn a_runner_that_never_listens_is_awaited_up_to_the_bound() {
         let folder = tempfile::tempdir().unwrap();
-        let error = connect_once_listening(folder.path()).unwrap_err().to_string();
-        assert!(error.contains("is not active"), "{error}");
+        let mut looks = 0;
+        let is_starting = || {
+            looks += 1;
+            true
+        };
+        let error = connect_while(folder.path(), is_starting).unwrap_err();
+        assert!(error.to_string().contains("is not active"), "{error}");
+        assert_eq!(looks, LOOKS_MAX);
+    }
+
+    #[test]
+    fn a_runner_that_is_gone_is_not_awaited() {
+        let folder = tempfile::tempdir().unwrap();
+        let error = connect_once_listening(folder.path()).unwrap_err();
+        assert!(error.to_string().contains("is not active"), "{error}");
     }
 }

@@ -15,13 +15,13 @@ const CONTEXTS: [&[usize]; COUNT] = [&[1], &[1, 2], &[1, 2, 3], &[2], &[2, 3], &
 const COUNT: usize = 6;
 /// The longest distance in `CONTEXTS`.
 const BEHIND: usize = 5;
-/// Each context has so many slots.
+/// Slots of a context.
 const SLOTS: usize = 1 << 14;
 /// A slot counts up to this; then old bits count less and less.
 const SEEN_MAX: u16 = 14;
-/// How fast weights learn.
+/// Learning rate of the weights.
 const LEARN: i32 = 8;
-/// What a weight of one is.
+/// A weight of one.
 const ONE: i32 = 1 << 16;
 /// Probabilities have 12 bits.
 pub(super) const SCALE: i32 = 1 << 12;

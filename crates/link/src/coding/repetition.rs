@@ -4,7 +4,7 @@
 const BEGIN: usize = 5;
 /// Lengths are counted up to this.
 pub(super) const LENGTHS: usize = 32;
-/// How sure a repetition can be.
+/// Greatest confidence in a repetition.
 pub(super) const SURE: usize = 3;
 /// Where bytes came last is found by a hash of so many bits.
 const HASH_BITS: u32 = 13;
@@ -34,7 +34,7 @@ pub(super) struct Repetition {
 struct RepetitionState {
     /// The place of the byte that is expected; 0 if none is.
     next: usize,
-    /// How many bytes are the same.
+    /// Length of the repetition in bytes.
     length: usize,
 }
 

@@ -76,11 +76,11 @@ pub(super) struct Outgoing {
     asks: Asks,
 }
 
-/// Whether the station has been told the newest hash.
+/// Progress of the newest hash to the station.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum ChainTold {
     No,
-    /// A status with it was sent then, and is not reported as heard.
+    /// First sent at this time, not reported yet.
     Sent(Duration),
     Yes,
 }
@@ -176,7 +176,7 @@ impl Outgoing {
         (self.chain, self.chain_told) = (Some(chain), ChainTold::No);
     }
 
-    /// True if a run that is over has a hash of which the station may not have heard.
+    /// True if a run is over and its hash is not known to have arrived.
     fn is_chain_due(&self) -> bool {
         self.is_over && self.chain.is_some() && self.chain_told != ChainTold::Yes
     }
@@ -237,7 +237,7 @@ impl Outgoing {
         self.is_over && self.knows_end && self.received.contiguous() >= self.head
     }
 
-    /// True if the station needs nothing more: it has all, and has heard the hash if there is one.
+    /// True if the station has all, and the hash if there is one.
     pub(super) fn is_complete(&self) -> bool {
         self.has_all() && !self.is_chain_due()
     }
