@@ -1,6 +1,6 @@
 //! In which order the robot sends what the station lacks.
 
-use super::outgoing::{Outgoing, Turn};
+use super::outgoing::{Outgoing, TransmitContext};
 use super::source::RunSource;
 use super::values::Values;
 use crate::frame::StreamId;
@@ -11,10 +11,12 @@ use std::collections::BTreeMap;
 const NEEDED_TURN: u64 = 4;
 const AHEAD_TURN: u64 = 16;
 
-/// When what the station lacks of a stream is sent, beside that of others: in this order.
+/// Order in which the streams are sent.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default)]
 pub enum Rank {
-    /// Events.
+    /// Descriptions of runs: a station shows a run once it has its description.
+    Description,
+    /// Events. Datagrams begin with one run after the other: no history waits for the end of another.
     #[default]
     Events,
     /// What runs that are sent need besides.
@@ -32,6 +34,8 @@ pub(super) struct Bulk {
     ranks: BTreeMap<StreamId, Rank>,
     /// How many datagrams had room.
     turns: u64,
+    /// The stream of events that the last datagram began with.
+    served: Option<StreamId>,
 }
 
 impl Bulk {
@@ -47,7 +51,7 @@ impl Bulk {
     pub(super) fn write(
         &mut self,
         (streams, values): (&mut BTreeMap<StreamId, Outgoing>, &mut Values),
-        turn: Turn<'_>,
+        turn: TransmitContext<'_>,
         source: &mut impl RunSource,
         payload: &mut Vec<u8>,
     ) {
@@ -59,7 +63,8 @@ impl Bulk {
                 self.write_rank(Rank::Needed, streams, turn, (source, payload));
             }
         }
-        self.write_rank(Rank::Events, streams, turn, (source, payload));
+        self.write_rank(Rank::Description, streams, turn, (source, payload));
+        self.write_events(streams, turn, source, payload);
         self.write_rank(Rank::Needed, streams, turn, (source, payload));
         if turn.is_heard {
             values.write(turn, source, payload);
@@ -71,16 +76,41 @@ impl Bulk {
         self.write_rank(Rank::Last, streams, turn, (source, payload));
     }
 
+    fn write_events(
+        &mut self,
+        streams: &mut BTreeMap<StreamId, Outgoing>,
+        turn: TransmitContext<'_>,
+        source: &mut impl RunSource,
+        payload: &mut Vec<u8>,
+    ) {
+        let is_events = |id: &&StreamId| self.rank(**id) == Rank::Events;
+        let ids: Vec<_> = streams.keys().filter(is_events).copied().collect();
+        let first = ids.partition_point(|id| Some(*id) <= self.served);
+        let mut served = None;
+        for id in ids[first..].iter().chain(&ids[..first]) {
+            let Some(stream) = streams.get_mut(id) else { continue };
+            let length = payload.len();
+            stream.write_bulk(turn, source, payload);
+            if served.is_none() && payload.len() > length {
+                served = Some(*id);
+            }
+        }
+        self.served = served.or(self.served);
+    }
+
     fn write_rank(
         &self,
         rank: Rank,
         streams: &mut BTreeMap<StreamId, Outgoing>,
-        turn: Turn<'_>,
+        turn: TransmitContext<'_>,
         (source, payload): (&mut impl RunSource, &mut Vec<u8>),
     ) {
-        let is_it = |id: &StreamId| self.ranks.get(id).copied().unwrap_or_default() == rank;
-        for (_, stream) in streams.iter_mut().filter(|(id, _)| is_it(id)) {
+        for (_, stream) in streams.iter_mut().filter(|(id, _)| self.rank(**id) == rank) {
             stream.write_bulk(turn, source, payload);
         }
+    }
+
+    fn rank(&self, stream: StreamId) -> Rank {
+        self.ranks.get(&stream).copied().unwrap_or_default()
     }
 }

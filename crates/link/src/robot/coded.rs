@@ -1,6 +1,6 @@
 //! Events in fewer bytes, by a context that the station offers.
 
-use super::outgoing::Turn;
+use super::outgoing::TransmitContext;
 use super::source::RunSource;
 use crate::coding::{CONTEXT_MAX, ContextName, LastCoder, PLAIN_MAX};
 use crate::frame::{Events, Frame, StreamId};
@@ -54,7 +54,7 @@ impl Coding {
     }
 
     /// Whether events are coded: a station that does not report may have started again, and then it knows nothing.
-    pub(super) fn is_used(&self, turn: Turn<'_>) -> bool {
+    pub(super) fn is_used(&self, turn: TransmitContext<'_>) -> bool {
         turn.is_heard && turn.profile.codes && self.used.is_some()
     }
 
@@ -67,7 +67,7 @@ impl Coding {
     pub(super) fn write_uncut(
         &mut self,
         events: &Events<'_>,
-        turn: Turn<'_>,
+        turn: TransmitContext<'_>,
         payload: &mut Vec<u8>,
     ) -> bool {
         let written = self.is_used(turn).then(|| self.write(events, usize::MAX, payload));

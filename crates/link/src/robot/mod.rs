@@ -29,7 +29,7 @@ use crate::seal::{Direction, For, Generation, Horizon, KeyId, OVERHEAD, PairingK
 use crate::traffic::Traffic;
 use bulk::Bulk;
 use later::Later;
-use outgoing::{Outgoing, Turn};
+use outgoing::{Outgoing, TransmitContext};
 use std::collections::{BTreeMap, VecDeque};
 use std::time::Duration;
 use values::Values;
@@ -406,7 +406,7 @@ impl RobotSession {
         let empty = payload.len();
         self.write_states(now, room, &mut payload);
         self.write_offer(now, &mut payload);
-        let turn = Turn { now, profile: &self.profile, is_heard, room };
+        let turn = TransmitContext { now, profile: &self.profile, is_heard, room };
         let was_silent = self.alive_at() <= now;
         let mut shows_status = was_silent;
         for stream in self.streams.values_mut() {

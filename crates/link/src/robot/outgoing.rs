@@ -34,7 +34,7 @@ struct SentEvents {
 
 /// What a datagram is written for.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Turn<'p> {
+pub(super) struct TransmitContext<'p> {
     pub(super) now: Duration,
     pub(super) profile: &'p Profile,
     /// Whether the station reports what it has.
@@ -268,11 +268,11 @@ impl Outgoing {
     /// Writes the status and the newest events if they are due. Answers whether the status is among them.
     pub(super) fn write_urgent(
         &mut self,
-        turn: Turn<'_>,
+        turn: TransmitContext<'_>,
         source: &mut impl RunSource,
         payload: &mut Vec<u8>,
     ) -> bool {
-        let Turn { now, profile, is_heard, room } = turn;
+        let TransmitContext { now, profile, is_heard, room } = turn;
         if self.urgent_at(profile, is_heard) > now {
             return false;
         }
@@ -304,7 +304,7 @@ impl Outgoing {
         true
     }
 
-    fn write_tail(&mut self, turn: Turn<'_>, payload: &mut Vec<u8>) {
+    fn write_tail(&mut self, turn: TransmitContext<'_>, payload: &mut Vec<u8>) {
         let Some(written) = self.tail.write(self.id, turn, &mut self.coding, payload) else {
             return;
         };
@@ -361,11 +361,11 @@ impl Outgoing {
     /// Fills the rest of the datagram with events that the station lacks.
     pub(super) fn write_bulk(
         &mut self,
-        turn: Turn<'_>,
+        turn: TransmitContext<'_>,
         source: &mut impl RunSource,
         payload: &mut Vec<u8>,
     ) {
-        let Turn { now, profile, is_heard, .. } = turn;
+        let TransmitContext { now, profile, is_heard, .. } = turn;
         if self.asks == Asks::Yes {
             self.asks = Asks::Since(now);
         }
@@ -397,12 +397,12 @@ impl Outgoing {
     /// Writes the first of these events that fit. Nothing if the datagram is full, or if they cannot be read now.
     fn write_old(
         &mut self,
-        turn: Turn<'_>,
+        turn: TransmitContext<'_>,
         range: &RangeInclusive<u64>,
         source: &mut impl RunSource,
         payload: &mut Vec<u8>,
     ) -> Option<Written> {
-        let Turn { now, room, .. } = turn;
+        let TransmitContext { now, room, .. } = turn;
         let left = room.saturating_sub(payload.len());
         let coded_max = Events::items_max(left, *range.end(), u64::MAX >> 8);
         if coded_max < PART_MIN {
@@ -462,7 +462,7 @@ impl Outgoing {
     /// Writes the next part of a snapshot, if one is due.
     pub(super) fn write_snapshot(
         &mut self,
-        turn: Turn<'_>,
+        turn: TransmitContext<'_>,
         source: &mut impl RunSource,
         payload: &mut Vec<u8>,
     ) {
@@ -473,7 +473,7 @@ impl Outgoing {
     }
 
     /// Writes the next part of an event that is too long for a datagram. Answers whether nothing of it is left.
-    fn write_large(&mut self, turn: Turn<'_>, payload: &mut Vec<u8>) -> bool {
+    fn write_large(&mut self, turn: TransmitContext<'_>, payload: &mut Vec<u8>) -> bool {
         let Some((events, sent)) = &mut self.large else { return true };
         let (offset, part) =
             next_part(&events.items, *sent, turn.room.saturating_sub(payload.len()));

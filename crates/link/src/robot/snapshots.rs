@@ -1,7 +1,7 @@
 //! How snapshots of one run are sent: whole in one datagram if they can be coded from one that the station has, else deflated and in
 //! parts.
 
-use super::outgoing::{Turn, next_part, small};
+use super::outgoing::{TransmitContext, next_part, small};
 use super::source::RunSource;
 use super::tail::Tail;
 use crate::assembly::LENGTH_MAX;
@@ -104,11 +104,11 @@ impl Snapshots {
     pub(super) fn write(
         &mut self,
         (run, head, tail): (StreamId, u64, &mut Tail),
-        turn: Turn<'_>,
+        turn: TransmitContext<'_>,
         source: &mut impl RunSource,
         payload: &mut Vec<u8>,
     ) {
-        let Turn { now, profile, is_heard, room } = turn;
+        let TransmitContext { now, profile, is_heard, room } = turn;
         let is_alone = payload.len() <= EMPTY_MAX;
         let due_at = if is_alone { Self::alone_at } else { Self::due_at };
         if due_at(self, is_heard, profile) > now {
@@ -146,7 +146,7 @@ impl Snapshots {
         (stream, sequence): (StreamId, u64),
         plain: Vec<u8>,
         (context, coded): (ContextId, &[u8]),
-        (turn, payload): (Turn<'_>, &mut Vec<u8>),
+        (turn, payload): (TransmitContext<'_>, &mut Vec<u8>),
     ) {
         let (length, before) = (small(plain.len()), payload.len());
         Frame::CodedSnapshot { context, stream, sequence, length, bytes: coded }.write(payload);
@@ -163,10 +163,10 @@ impl Snapshots {
         &mut self,
         stream: StreamId,
         tail: &mut Tail,
-        turn: Turn<'_>,
+        turn: TransmitContext<'_>,
         payload: &mut Vec<u8>,
     ) {
-        let Turn { now, profile, is_heard, room } = turn;
+        let TransmitContext { now, profile, is_heard, room } = turn;
         let Some(Parts { sequence, plain, deflated, sent, rounds }) = &mut self.parts else {
             return;
         };

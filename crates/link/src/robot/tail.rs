@@ -1,7 +1,7 @@
 //! The newest events of a run: sent at once, and again in the next datagrams, so that one loss heals without a round trip.
 
 use super::coded::Coding;
-use super::outgoing::Turn;
+use super::outgoing::TransmitContext;
 use super::source::EventBuffer;
 use crate::frame::{Events, StreamId};
 use crate::profile::Profile;
@@ -89,7 +89,7 @@ impl Tail {
     pub(super) fn write(
         &mut self,
         stream: StreamId,
-        turn: Turn<'_>,
+        turn: TransmitContext<'_>,
         coding: &mut Coding,
         payload: &mut Vec<u8>,
     ) -> Option<WrittenTail> {

@@ -351,6 +351,30 @@ fn what_may_be_needed_some_day_waits_for_everything_else() {
 }
 
 #[test]
+fn no_run_waits_for_the_history_of_another() {
+    const RUNS: u32 = 4;
+    let key = PairingKey::from_bytes([7; 32]);
+    let mut robot = with_ranks(&key);
+    for stream in [RUN, NEEDED, AHEAD] {
+        robot.end(stream);
+    }
+    for run in 0..RUNS {
+        let (events, about) = (StreamId(run * 4 + 1), StreamId(run * 4));
+        robot.begin(events, 1_000);
+        robot.begin(about, 2);
+        robot.set_rank(about, Rank::Description);
+    }
+    let order = order(robot, &key, true, |order, _| order.len() >= 200);
+    let is_about = |stream: &&StreamId| stream.0.is_multiple_of(4);
+    let last_about = order.iter().rposition(|stream| is_about(&stream));
+    assert!(last_about < Some(4 * RUNS as usize), "{order:?}");
+    let counts = (0..RUNS)
+        .map(|run| order.iter().filter(|stream| **stream == StreamId(run * 4 + 1)).count());
+    let (least, most) = (counts.clone().min(), counts.max());
+    assert!(least >= most.map(|most| most / 2), "{least:?} to {most:?}");
+}
+
+#[test]
 fn a_station_is_asked_for_what_it_may_have_from_before() {
     let key = PairingKey::from_bytes([7; 32]);
     let mut robot = with_ranks(&key);

@@ -1,7 +1,7 @@
 //! Large values that the station has asked for, on their way to it: whatever nothing else needs of the rate, and never more bytes
 //! than it allowed.
 
-use super::outgoing::Turn;
+use super::outgoing::TransmitContext;
 use super::source::RunSource;
 use crate::assembly::PART_MIN;
 use crate::frame::{Fetch, Frame, NoValue, ValueName, ValuePart, WishFrame};
@@ -89,7 +89,7 @@ impl Values {
     /// Fills the rest of the datagram with parts.
     pub(super) fn write(
         &mut self,
-        turn: Turn<'_>,
+        turn: TransmitContext<'_>,
         source: &mut impl RunSource,
         payload: &mut Vec<u8>,
     ) {

@@ -1,7 +1,7 @@
 //! The newest values of data ports that the station watches. The events have them, too: values go ahead only while older events are
 //! still to come, or nothing is heard of the station. Of each value only the newest counts.
 
-use super::outgoing::Turn;
+use super::outgoing::TransmitContext;
 use crate::assembly::Assembly;
 use crate::bytes::{number_length, write_bytes};
 use crate::frame::{Frame, StreamId, WatchPart, Watched, WishFrame};
@@ -143,7 +143,7 @@ impl WatchedValues {
         &mut self,
         stream: StreamId,
         behind: Behind,
-        turn: Turn<'_>,
+        turn: TransmitContext<'_>,
         payload: &mut Vec<u8>,
     ) {
         let Some(run) = self.runs.get_mut(&stream) else { return };
@@ -172,8 +172,8 @@ impl WatchedRun {
     }
 
     /// Values that are due and fit, the most wanted first.
-    fn take(&mut self, room: usize, behind: Behind, turn: Turn<'_>) -> Vec<u8> {
-        let Turn { now, profile, .. } = turn;
+    fn take(&mut self, room: usize, behind: Behind, turn: TransmitContext<'_>) -> Vec<u8> {
+        let TransmitContext { now, profile, .. } = turn;
         let is_due = |sent: &&mut Sent| sent.is_open(behind) && sent.due <= now;
         let mut due: Vec<_> = self.values.values_mut().filter(is_due).collect();
         due.sort_by_key(|sent| (sent.value.priority, sent.sends, sent.due, sent.value.sequence));

@@ -344,6 +344,7 @@ impl RobotRuns {
         let beside = ids::about_beside(events);
         session.begin(beside, about.len() as u64);
         session.set_state(beside, &[], true);
+        session.set_rank(beside, Rank::Description);
         session.begin(events, head);
         self.streams.extend([(events, id.to_owned()), (beside, id.to_owned())]);
         let (folder, runner) = (folder.to_owned(), None);
