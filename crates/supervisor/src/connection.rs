@@ -92,7 +92,7 @@ pub fn connect_once_listening(folder: &Path) -> Result<UnixStream, JoinError> {
     connect_while(folder, || {
         let is_starting = matches!(writer_of(folder), Ok(Some(_)));
         if is_starting {
-            thread::sleep(LOOK_EVERY);
+            thread::park_timeout(LOOK_EVERY);
         }
         is_starting
     })
