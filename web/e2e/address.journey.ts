@@ -79,6 +79,8 @@ journey(
   { ...HERE, serve: ["--base-path", "/robot"] },
   async ({ app, server }) => {
     const asked: string[] = [];
+    // The page that the journey began with loads its last parts when it is idle.
+    await app.sheet.goto("about:blank");
     app.sheet.on("request", (request) => asked.push(request.url()));
     app.sheet.on("websocket", (socket) => asked.push(socket.url()));
     await app.sheet.goto(`${server.url}/robot?token=${server.token}`);
