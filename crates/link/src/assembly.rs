@@ -27,6 +27,11 @@ impl Assembly {
         self.bytes.len()
     }
 
+    /// The bytes that are here, numbered from 1.
+    pub(crate) fn here(&self) -> &RangeSet {
+        &self.here
+    }
+
     /// Adds a part of the thing of this number; answers the whole once it is complete.
     pub(crate) fn add(
         &mut self,

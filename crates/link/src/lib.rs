@@ -29,7 +29,8 @@ pub use bytes::BrokenFrame;
 pub use deflate::{deflate, inflate};
 pub use endpoint::{Identity, Unusable};
 pub use frame::{
-    CommandId, CommandState, EventHash, Events, NoValue, StreamId, ValueId, ValueName,
+    COMMAND_LENGTH_MAX, CommandId, CommandState, EventHash, Events, NoValue, StreamId, ValueId,
+    ValueName,
 };
 pub use heard::ClockBounds;
 pub use profile::{CARRIER_OVERHEAD, Profile};
@@ -42,6 +43,7 @@ pub use seal::{
     Salt, SealError, Sealer, SenderStart,
 };
 pub use station::{
-    FetchProgress, FromRobot, NewCommand, NotSent, NotWatched, StationSession, StreamProgress,
+    CommandProgress, FetchProgress, FromRobot, NewCommand, NotSent, NotWatched, StationSession,
+    StreamProgress,
 };
 pub use traffic::Traffic;

@@ -38,10 +38,10 @@ impl Frame<'_> {
             Self::Events(_) | Self::Coded { .. } | Self::Large { .. } => "events",
             Self::Status { .. } => "status",
             Self::Snapshot { .. } | Self::CodedSnapshot { .. } => "snapshots",
-            Self::CommandState { .. } => "states of commands",
+            Self::CommandState { .. } | Self::PartsHere(_) => "states of commands",
             Self::Calendar { .. } | Self::Heard { .. } => "clocks",
             Self::NewKey { .. } => "keys",
-            Self::Command(_) => "commands",
+            Self::Command(_) | Self::CommandPart(_) => "commands",
             Self::Received(_) => "reports",
             Self::Wish(wish) => wish.kind(),
         }

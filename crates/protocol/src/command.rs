@@ -1,6 +1,6 @@
 //! What a person or program asks of a run.
 
-use crate::{Breakpoint, OnCrash};
+use crate::{Breakpoint, LinkLifetime, OnCrash};
 use serde::{Deserialize, Serialize};
 
 /// A command with what law 7 asks for: an id, the moment it was decided on, and an expiry.
@@ -39,12 +39,16 @@ impl Envelope {
         Self { id, author, decided_on: None, expiry: None, not_before: None, epoch: None, command }
     }
 
-    /// Adds the expiry of a command of a person, unless it has one. `now_ms` is the runner's clock; `link_ms` is the lifetime of
-    /// commands over the link to the run, if there is one ([`crate::LinkHealth::lifetime_ms`]).
+    /// Adds the expiry of a command of a person, unless it has one. `now_ms` is the runner's clock; `link` is the lifetime of
+    /// commands over the link to the run, if there is one.
     #[must_use]
-    pub fn dated(self, now_ms: u64, link_ms: Option<u64>) -> Self {
+    pub fn dated(self, now_ms: u64, link: Option<LinkLifetime>) -> Self {
         let now_ms = self.not_before.map_or(now_ms, |not_before| not_before.max(now_ms));
-        let until = |lifetime_ms| Expiry(now_ms.saturating_add(link_ms.unwrap_or(lifetime_ms)));
+        let length = || serde_json::to_vec(&self.command).map_or(0, |json| json.len() as u64);
+        let until = |lifetime_ms| {
+            let link_ms = link.map(|link| link.of_length(length()));
+            Expiry(now_ms.saturating_add(link_ms.unwrap_or(lifetime_ms)))
+        };
         let expiry = self.expiry.or_else(|| self.command.lifetime_ms().map(until));
         Self { expiry, ..self }
     }

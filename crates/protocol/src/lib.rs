@@ -38,8 +38,8 @@ pub use frame::{
 pub use hello::{Hello, VERSION, VersionMismatch};
 pub use launch::{Beginning, Launch};
 pub use link::{
-    AT_ROBOT, AT_STATION, ClockOffset, CommandStage, LinkHealth, LinkReport, LinkRun, LinkTraffic,
-    OpenCommand,
+    AT_ROBOT, AT_STATION, ClockOffset, CommandProgress, CommandStage, LinkHealth, LinkLifetime,
+    LinkReport, LinkRun, LinkTraffic, OpenCommand,
 };
 pub use message::{EnginePulse, Join, StateData, ToRunner, ToViewer};
 pub use question::{Closing, Form, Question};

@@ -29,6 +29,9 @@ pub struct LinkHealth {
     /// station only.
     #[serde(default)]
     pub lifetime_ms: Option<u64>,
+    /// Rate at which long commands are sent, in bytes per second. Known at a station only.
+    #[serde(default)]
+    pub command_bytes_per_s: Option<u64>,
     /// From the robot, in bytes per second, with the headers of IP and UDP.
     pub down_bytes_per_s: u64,
     /// To the robot, likewise.
@@ -61,6 +64,44 @@ pub struct OpenCommand {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[cfg_attr(feature = "schema", ts(optional))]
     pub not_before_ms: Option<u64>,
+    /// Progress of a command that is sent in parts.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", ts(optional))]
+    pub progress: Option<CommandProgress>,
+}
+
+/// Progress of a command that is sent in parts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
+pub struct CommandProgress {
+    /// Bytes that have arrived, as the robot said.
+    pub arrived_bytes: u64,
+    /// Length of the command, as it is sent.
+    pub bytes: u64,
+}
+
+/// Lifetime of commands over a link.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct LinkLifetime {
+    /// Lifetime of a short command, in ms.
+    pub lifetime_ms: u64,
+    /// Rate at which long commands are sent, in bytes per second.
+    pub bytes_per_s: u64,
+}
+
+impl LinkLifetime {
+    /// Lifetime of a command whose JSON has this length, in ms: the time to send it is added twice, for parts that are lost.
+    pub fn of_length(&self, bytes: u64) -> u64 {
+        self.lifetime_ms.saturating_add(bytes.saturating_mul(2_000) / self.bytes_per_s.max(1))
+    }
+}
+
+impl LinkHealth {
+    /// Lifetime of commands over this link, if it is known.
+    pub fn lifetime(&self) -> Option<LinkLifetime> {
+        let (lifetime_ms, bytes_per_s) = (self.lifetime_ms?, self.command_bytes_per_s);
+        Some(LinkLifetime { lifetime_ms, bytes_per_s: bytes_per_s.unwrap_or(u64::MAX) })
+    }
 }
 
 /// How far a command is that has no answer yet.

@@ -14,6 +14,7 @@ mod meter;
 mod pairing;
 mod parcels;
 mod report;
+mod request_words;
 mod rights;
 mod robot;
 mod snapshot_words;

@@ -1,9 +1,9 @@
 import { signal } from "@preact/signals-core";
 import { expect, test } from "vitest";
-import type { Command } from "../model/generated/protocol.ts";
+import type { Command, LinkHealth } from "../model/generated/protocol.ts";
 import type { Server } from "../store/page/server.ts";
 import type { Clock } from "./clock.ts";
-import { CommandOutbox } from "./command_outbox.ts";
+import { CommandOutbox, lifetimeOverLink_ms } from "./command_outbox.ts";
 
 /** The expiry with which a command is sent, by a clock that stands at 1000 ms and a server 500 ms ahead. */
 async function expiryOf(command: Command, link_ms: number | null = null): Promise<number | null> {
@@ -25,6 +25,13 @@ async function expiryOf(command: Command, link_ms: number | null = null): Promis
   await outbox.send(command);
   return sent[0]?.expiry ?? null;
 }
+
+test("over a link a long command is wanted longer, so that all of it can arrive", () => {
+  const link = { lifetime_ms: 22_000, command_bytes_per_s: 100 } as LinkHealth;
+  expect(lifetimeOverLink_ms(link, 5_000)).toBe(122_000);
+  expect(lifetimeOverLink_ms({ ...link, command_bytes_per_s: null }, 5_000)).toBe(22_000);
+  expect(lifetimeOverLink_ms({ ...link, lifetime_ms: null }, 5_000)).toBeNull();
+});
 
 test("over a link a command is wanted as long as the station says", async () => {
   expect(await expiryOf({ type: "pause" }, 42_000)).toBe(43_500);

@@ -2,7 +2,13 @@
  * by the run's own history. Knows nothing of what they do. */
 
 import { signal } from "@preact/signals-core";
-import type { Command, CommandAnswer, Envelope, Event } from "../model/generated/protocol.ts";
+import type {
+  Command,
+  CommandAnswer,
+  Envelope,
+  Event,
+  LinkHealth,
+} from "../model/generated/protocol.ts";
 import type { SentCommand } from "../store/history/run.ts";
 import { REPEATED, type Server } from "../store/page/server.ts";
 import type { Clock } from "./clock.ts";
@@ -17,7 +23,8 @@ export interface CommandOutboxPorts {
   /** The last event that was told. */
   readonly decidedOn: () => number;
   /** Lifetime of a command over the link to the robot; null without a link. */
-  readonly linkLifetime_ms?: () => number | null;
+  /** Lifetime over the link to the run of a command with this length in bytes; null without a link. */
+  readonly linkLifetime_ms?: (bytes: number) => number | null;
 }
 
 type Fate = NonNullable<SentCommand["answer"]>;
@@ -39,6 +46,16 @@ const LASTING: readonly Command["type"][] = ["stop", "kill"];
 const FATE_MS = 600_000;
 /** So many answered commands are kept. */
 const SENT_MAX = 50;
+
+/** As `LinkLifetime::of_length` in the protocol: the time to send a command is added twice, for parts that are lost. */
+export function lifetimeOverLink_ms(
+  link: LinkHealth | null | undefined,
+  bytes: number,
+): number | null {
+  if (!link || link.lifetime_ms === null) return null;
+  const rate = link.command_bytes_per_s;
+  return link.lifetime_ms + (rate === null ? 0 : (2_000 * bytes) / Math.max(1, rate));
+}
 
 export class CommandOutbox {
   readonly sent = signal<readonly SentCommand[]>([]);
@@ -70,7 +87,8 @@ export class CommandOutbox {
 
   async send(command: Command, wanted_ms?: number): Promise<SentCommand> {
     const { clock, newId, server, decidedOn, linkLifetime_ms } = this.#ports;
-    const patience_ms = wanted_ms ?? linkLifetime_ms?.() ?? PATIENCE_MS;
+    const bytes = new TextEncoder().encode(JSON.stringify(command)).length;
+    const patience_ms = wanted_ms ?? linkLifetime_ms?.(bytes) ?? PATIENCE_MS;
     const [id, sent_ms] = [newId(), clock.now()];
     const isLasting = LASTING.includes(command.type);
     const expiry_ms = isLasting ? Number.POSITIVE_INFINITY : sent_ms + patience_ms;

@@ -19,7 +19,7 @@ import { rolled, withBase } from "../store/history/rolled.ts";
 import type { RunSnapshot, SentCommand, Watch } from "../store/history/run.ts";
 import { REPEATED, RefusalError, type Server } from "../store/page/server.ts";
 import type { Clock } from "./clock.ts";
-import { CommandOutbox } from "./command_outbox.ts";
+import { CommandOutbox, lifetimeOverLink_ms } from "./command_outbox.ts";
 import { PastWindows } from "./past_windows.ts";
 import { requestUntilAnswered } from "./request_until_answered.ts";
 import { SnapshotLoader } from "./snapshot_loader.ts";
@@ -79,7 +79,7 @@ export class RunWatch implements Watch {
       ...ports,
       path: this.#path("commands"),
       decidedOn: () => this.journal.next - 1,
-      linkLifetime_ms: () => this.now.peek()?.robot?.lifetime_ms ?? null,
+      linkLifetime_ms: (bytes) => lifetimeOverLink_ms(this.now.peek()?.robot, bytes),
     });
     this.#snapshots = new SnapshotLoader({
       clock,

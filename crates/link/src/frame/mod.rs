@@ -1,7 +1,10 @@
 //! What is in a datagram once it is opened: the time of its sender, then frames. The format is that of `docs/link.md`.
 
+mod command;
 mod wishes;
 
+pub(crate) use command::{Body, Command, CommandPart, PartsHere, Terms};
+pub use command::{COMMAND_LENGTH_MAX, CommandId};
 pub(crate) use wishes::{Fetch, ValuePart, WatchPart, Watched, WishFrame};
 pub use wishes::{NoValue, ValueId, ValueName};
 
@@ -25,10 +28,6 @@ impl StreamId {
         self.0 % 4 == 2
     }
 }
-
-/// The id of a command, which its author chose by chance.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct CommandId(pub [u8; 16]);
 
 /// Consecutive events of a run, as its journal encodes them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -87,23 +86,6 @@ pub enum CommandState {
 impl CommandState {
     const ALL: [Self; 5] =
         [Self::Received, Self::Started, Self::Done, Self::Refused, Self::Expired];
-}
-
-/// A command as it travels.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub(crate) struct Command<'b> {
-    /// Its id.
-    pub(crate) id: CommandId,
-    /// The start of the robot whose clock counts.
-    pub(crate) robot_start: Generation,
-    /// The last moment at which it may be carried out, in ms of that clock.
-    pub(crate) not_after_ms: u64,
-    /// The first moment at which it may be carried out; 0 for at once.
-    pub(crate) not_before_ms: u64,
-    /// The epoch of authority under which it was given.
-    pub(crate) epoch: u64,
-    /// The command, as both servers understand it.
-    pub(crate) body: &'b [u8],
 }
 
 /// What a station has of one run.
@@ -212,8 +194,12 @@ pub(crate) enum Frame<'b> {
         /// The key.
         key: PairingKey,
     },
-    /// A command.
+    /// A command, or the head of one that comes in parts.
     Command(Command<'b>),
+    /// A part of a command.
+    CommandPart(CommandPart<'b>),
+    /// The parts of a command that the robot has.
+    PartsHere(PartsHere),
     /// What was heard of the other side last.
     Heard {
         /// The start of the other side that it was heard in.
@@ -242,7 +228,6 @@ const CALENDAR: u8 = 6;
 const CODED_SNAPSHOT: u8 = 7;
 const NEW_KEY: u8 = 11;
 const CODED: u8 = 12;
-const COMMAND: u8 = 16;
 const HEARD: u8 = 17;
 const RECEIVED: u8 = 18;
 /// So many ranges are reported at most.
@@ -300,7 +285,9 @@ impl<'b> Frame<'b> {
                 out.extend_from_slice(&[NEW_KEY, id.0]);
                 out.extend_from_slice(key.bytes());
             }
-            Self::Command(command) => write_command(command, out),
+            Self::Command(command) => command.write(out),
+            Self::CommandPart(part) => part.write(out),
+            Self::PartsHere(here) => here.write(out),
             Self::Heard { start, number, newest_ms, held_ms, late_ms } => {
                 numbers(HEARD, &[u64::from(start.0), *number, *newest_ms, *held_ms, *late_ms]);
             }
@@ -353,14 +340,11 @@ impl<'b> Frame<'b> {
                 let id = KeyId(reader.byte()?);
                 Self::NewKey { id, key: PairingKey::from_bytes(reader.fixed()?) }
             }
-            COMMAND => Self::Command(Command {
-                id: CommandId(reader.fixed()?),
-                robot_start: Generation(reader.small()?),
-                not_after_ms: reader.number()?,
-                not_before_ms: reader.number()?,
-                epoch: reader.number()?,
-                body: reader.bytes()?,
-            }),
+            kind @ (command::COMMAND | command::HEAD) => {
+                Self::Command(Command::read(kind, reader)?)
+            }
+            command::PART => Self::CommandPart(CommandPart::read(reader)?),
+            command::PARTS_HERE => Self::PartsHere(PartsHere::read(reader)?),
             HEARD => Self::Heard {
                 start: Generation(reader.small()?),
                 number: reader.number()?,
@@ -381,16 +365,6 @@ fn write_coded((kind, context): (u8, ContextId), numbers: &[u64], coded: &[u8], 
         write_number(*number, out);
     }
     write_bytes(coded, out);
-}
-
-fn write_command(command: &Command<'_>, out: &mut Vec<u8>) {
-    let Command { id, robot_start, not_after_ms, not_before_ms, epoch, body } = command;
-    out.push(COMMAND);
-    out.extend_from_slice(&id.0);
-    for number in [u64::from(robot_start.0), *not_after_ms, *not_before_ms, *epoch] {
-        write_number(number, out);
-    }
-    write_bytes(body, out);
 }
 
 fn read_flag(reader: &mut FrameReader<'_>) -> Result<bool, BrokenFrame> {

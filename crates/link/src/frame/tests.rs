@@ -2,7 +2,8 @@
 
 use super::write_received;
 use super::{
-    Command, CommandId, CommandState, EventHash, Events, Frame, RANGES_MAX, Received, StreamId,
+    Body, COMMAND_LENGTH_MAX, Command, CommandId, CommandPart, CommandState, EventHash, Events,
+    Frame, PartsHere, RANGES_MAX, Received, StreamId, Terms,
 };
 use super::{Fetch, NoValue, ValueId, ValueName, ValuePart, WatchPart, Watched, WishFrame};
 use crate::bytes::{BrokenFrame, write_number};
@@ -26,8 +27,8 @@ fn bytes() -> impl Strategy<Value = Vec<u8>> {
     prop::collection::vec(any::<u8>(), 0..200)
 }
 
-fn ranges() -> impl Strategy<Value = RangeSet> {
-    let parts = prop::collection::vec((1..1_000_u64, 1..1_000_u64), 0..40);
+fn ranges(most: usize) -> impl Strategy<Value = RangeSet> {
+    let parts = prop::collection::vec((1..1_000_u64, 1..1_000_u64), 0..most);
     (0..1_000_u64, parts).prop_map(|(contiguous, parts)| {
         let (mut set, mut end) = (RangeSet::up_to(contiguous), contiguous + 1);
         for (gap, length) in parts {
@@ -39,11 +40,42 @@ fn ranges() -> impl Strategy<Value = RangeSet> {
 }
 
 /// A frame whose bytes are these.
+fn not_empty(bytes: &[u8]) -> &[u8] {
+    if bytes.is_empty() { b"x" } else { bytes }
+}
+
+fn command(bytes: &[u8]) -> impl Strategy<Value = Frame<'_>> {
+    let id = any::<[u8; 16]>().prop_map(CommandId);
+    let state = prop::sample::select(CommandState::ALL.to_vec());
+    prop_oneof![
+        (id.clone(), state).prop_map(move |(id, state)| Frame::CommandState {
+            id,
+            state,
+            reason: bytes
+        }),
+        (id.clone(), any::<u32>(), any::<[u64; 3]>()).prop_map(
+            move |(id, start, [not_after_ms, not_before_ms, epoch])| {
+                let robot_start = Generation(start);
+                let terms = Terms { robot_start, not_after_ms, not_before_ms, epoch };
+                let parts = Body::Parts(1 + start % COMMAND_LENGTH_MAX);
+                let body = if epoch % 2 == 0 { Body::Whole(bytes) } else { parts };
+                Frame::Command(Command { id, terms, body })
+            }
+        ),
+        (id.clone(), 0..COMMAND_LENGTH_MAX - 200).prop_map(move |(id, offset)| {
+            let bytes = not_empty(bytes);
+            let length = offset + u32::try_from(bytes.len()).expect("few");
+            Frame::CommandPart(CommandPart { id, length, offset, bytes })
+        }),
+        (id, any::<bool>(), ranges(RANGES_MAX)).prop_map(|(id, has_head, bytes)| {
+            Frame::PartsHere(PartsHere { id, has_head, bytes })
+        }),
+    ]
+}
+
 fn frame(bytes: &[u8]) -> impl Strategy<Value = Frame<'_>> {
     let length = u32::try_from(bytes.len()).expect("few");
     let stream = any::<u32>().prop_map(StreamId);
-    let id = any::<[u8; 16]>().prop_map(CommandId);
-    let state = prop::sample::select(CommandState::ALL.to_vec());
     let part = (stream.clone(), 1..u64::MAX, any::<u64>(), 0..1_000_u32);
     let events = prop_oneof![
         (stream.clone(), 1..u64::from(u32::MAX), 1..1_000_u64, any::<u64>()).prop_map(
@@ -77,25 +109,7 @@ fn frame(bytes: &[u8]) -> impl Strategy<Value = Frame<'_>> {
             id: KeyId(id),
             key: PairingKey::from_bytes(key)
         }),
-        (id.clone(), state).prop_map(move |(id, state)| Frame::CommandState {
-            id,
-            state,
-            reason: bytes
-        }),
-        (id, any::<u32>(), any::<[u64; 3]>()).prop_map(
-            move |(id, start, [not_after_ms, not_before_ms, epoch])| {
-                let robot_start = Generation(start);
-                let body = bytes;
-                Frame::Command(Command {
-                    id,
-                    robot_start,
-                    not_after_ms,
-                    not_before_ms,
-                    epoch,
-                    body,
-                })
-            }
-        ),
+        command(bytes),
         (any::<u32>(), any::<[u64; 4]>()).prop_map(
             |(start, [number, newest_ms, held_ms, late_ms])| {
                 Frame::Heard { start: Generation(start), number, newest_ms, held_ms, late_ms }
@@ -107,7 +121,7 @@ fn frame(bytes: &[u8]) -> impl Strategy<Value = Frame<'_>> {
 
 fn received<'b>() -> impl Strategy<Value = Frame<'b>> {
     let offers = (prop::option::of(context()), prop::option::of(context()));
-    (any::<u32>(), any::<(bool, u64)>(), ranges(), offers).prop_map(
+    (any::<u32>(), any::<(bool, u64)>(), ranges(40), offers).prop_map(
         |(stream, (is_over, safe), events, (context, snapshot))| {
             let (stream, events) = (StreamId(stream), newest(&events));
             let snapshot = snapshot.map(|name| ContextName { first: name.last, ..name });
@@ -142,7 +156,7 @@ fn wish(bytes: &[u8]) -> impl Strategy<Value = WishFrame<'_>> {
         (stream.clone(), any::<u64>()).prop_map(move |(stream, number)| {
             WishFrame::Watched(Watched { stream, number, values: bytes })
         }),
-        (value, any::<u64>(), ranges()).prop_map(|(value, budget, here)| {
+        (value, any::<u64>(), ranges(40)).prop_map(|(value, budget, here)| {
             WishFrame::Fetch(Fetch { value, budget, here: newest(&here) })
         }),
         (stream, any::<u64>(), 0..1_000_u32).prop_map(move |(stream, number, offset)| {

@@ -8,6 +8,7 @@ mod bulk;
 mod coded;
 mod later;
 mod outgoing;
+mod parts;
 mod snapshots;
 mod source;
 mod tail;
@@ -22,7 +23,8 @@ pub use watched::{NewestValue, VALUE_BYTES_MAX, Wish};
 use crate::bytes::write_number;
 use crate::endpoint::{Arrived, Endpoint, Identity, Unusable};
 use crate::frame::{
-    self, CommandId, CommandState, EventHash, Fetch, Frame, Received, StreamId, WishFrame,
+    self, Body, CommandId, CommandState, EventHash, Fetch, Frame, Received, StreamId, Terms,
+    WishFrame,
 };
 use crate::profile::Profile;
 use crate::seal::{Direction, For, Generation, Horizon, KeyId, OVERHEAD, PairingKey, SealError};
@@ -30,6 +32,7 @@ use crate::traffic::Traffic;
 use bulk::Bulk;
 use later::Later;
 use outgoing::{Outgoing, TransmitContext};
+use parts::IncompleteCommands;
 use std::collections::{BTreeMap, VecDeque};
 use std::time::Duration;
 use values::Values;
@@ -81,6 +84,7 @@ pub struct RobotSession {
     offered: Option<(KeyId, PairingKey, Duration)>,
     /// Commands whose time has not come.
     later: Later,
+    incomplete: IncompleteCommands,
     /// The ids in `states`, oldest first.
     ids: VecDeque<CommandId>,
     watched: WatchedValues,
@@ -109,6 +113,7 @@ impl RobotSession {
             states: BTreeMap::new(),
             offered: None,
             later: Later::default(),
+            incomplete: IncompleteCommands::default(),
             ids: VecDeque::new(),
             watched: WatchedValues::new(&profile),
             wishes: VecDeque::new(),
@@ -316,27 +321,23 @@ impl RobotSession {
                 }
                 Frame::Received(received) => reports.push(received),
                 Frame::Wish(wish) => self.take(wish, &mut fetches),
-                Frame::Command(command) => {
-                    if let Some(state) = self.states.get_mut(&command.id) {
+                Frame::Command(frame::Command { id, terms, body }) => {
+                    if let Some(state) = self.states.get_mut(&id) {
                         (state.sends, state.due) = (0, now);
                         continue;
                     }
-                    let frame::Command { robot_start, not_after_ms, not_before_ms, .. } = command;
-                    let (id, epoch, body) = (command.id, command.epoch, command.body.to_vec());
-                    let is_late =
-                        robot_start != self.end.start.generation || now_ms(now) > not_after_ms;
-                    let new =
-                        ReceivedCommand { id, epoch, not_after_ms, not_before_ms, is_late, body };
-                    let (mut state, mut why) = (CommandState::Received, "");
-                    if is_late {
-                        state = CommandState::Expired;
-                        carry_out(new);
-                    } else if now_ms(now) >= not_before_ms {
-                        carry_out(new);
-                    } else if !self.later.add(new) {
-                        (state, why) = (CommandState::Refused, later::TOO_MANY);
-                    }
-                    self.set_command_state(now, id, state, why);
+                    let whole = match body {
+                        Body::Whole(bytes) => Some(bytes.to_vec()),
+                        Body::Parts(length) => self.incomplete.take_head(now, id, length, terms),
+                    };
+                    let passed = whole.and_then(|body| self.take_command(now, id, terms, body));
+                    passed.into_iter().for_each(&mut carry_out);
+                }
+                Frame::CommandPart(part) if !self.states.contains_key(&part.id) => {
+                    let whole = self.incomplete.take_part(now + self.profile.gather, &part);
+                    let passed = whole
+                        .and_then(|(terms, body)| self.take_command(now, part.id, terms, body));
+                    passed.into_iter().for_each(&mut carry_out);
                 }
                 _ => {}
             }
@@ -346,6 +347,30 @@ impl RobotSession {
             self.values.wanted(now, fetch, echo, &self.profile);
         }
         Ok(())
+    }
+
+    /// Returns a new command that is to be passed on; keeps it if its time has not come.
+    fn take_command(
+        &mut self,
+        now: Duration,
+        id: CommandId,
+        terms: Terms,
+        body: Vec<u8>,
+    ) -> Option<ReceivedCommand> {
+        let Terms { robot_start, not_after_ms, not_before_ms, epoch } = terms;
+        let is_late = robot_start != self.end.start.generation || now_ms(now) > not_after_ms;
+        let new = ReceivedCommand { id, epoch, not_after_ms, not_before_ms, is_late, body };
+        let (state, why, passed) = if is_late {
+            (CommandState::Expired, "", Some(new))
+        } else if now_ms(now) >= not_before_ms {
+            (CommandState::Received, "", Some(new))
+        } else if self.later.add(new) {
+            (CommandState::Received, "", None)
+        } else {
+            (CommandState::Refused, later::TOO_MANY, None)
+        };
+        self.set_command_state(now, id, state, why);
+        passed
     }
 
     /// Passes on each command whose time has come, once.
@@ -405,6 +430,7 @@ impl RobotSession {
         write_number(now_ms(now), &mut payload);
         let empty = payload.len();
         self.write_states(now, room, &mut payload);
+        self.incomplete.write(now, self.profile.repeat_after, room, &mut payload);
         self.write_offer(now, &mut payload);
         let turn = TransmitContext { now, profile: &self.profile, is_heard, room };
         let was_silent = self.alive_at() <= now;
@@ -469,7 +495,9 @@ impl RobotSession {
         let states = states.map(|state| state.due).min().unwrap_or(Duration::MAX);
         let streams = self.streams.values().map(|stream| stream.urgent_at(&self.profile, is_heard));
         let offer = self.offered.as_ref().map_or(Duration::MAX, |(.., due)| *due);
-        streams.min().unwrap_or(Duration::MAX).min(states).min(self.alive_at()).min(offer)
+        let incomplete = self.incomplete.due_at();
+        let urgent = streams.min().unwrap_or(Duration::MAX).min(states).min(incomplete);
+        urgent.min(self.alive_at()).min(offer)
     }
 
     /// Whether the station reports what it has.

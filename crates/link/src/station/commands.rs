@@ -1,6 +1,9 @@
 //! Commands on their way to the robot: each is sent until it is known what became of it, or its time is over.
 
-use crate::frame::{Command, CommandId, CommandState, Frame};
+use super::command_parts::CommandParts;
+use crate::frame::{
+    Body, COMMAND_LENGTH_MAX, Command, CommandId, CommandState, Frame, PartsHere, Terms,
+};
 use crate::heard::{ClockBounds, drift};
 use crate::robot::now_ms;
 use crate::seal::Generation;
@@ -30,8 +33,17 @@ pub struct NewCommand {
     pub wait: Option<Duration>,
     /// The epoch of authority under which it is given.
     pub epoch: u64,
-    /// The command; at most 200 bytes.
+    /// The command: 1 to [`COMMAND_LENGTH_MAX`] bytes. What does not fit into one datagram is sent in parts.
     pub body: Vec<u8>,
+}
+
+/// Progress of a command that is sent in parts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct CommandProgress {
+    /// Bytes of which the robot said that it has them.
+    pub arrived: u64,
+    /// Length of the command in bytes.
+    pub length: u64,
 }
 
 /// Why a command cannot be sent.
@@ -58,9 +70,23 @@ pub enum NotSent {
         "{COMMANDS_MAX} commands are on their way to the robot already: wait until it has answered some"
     )]
     TooMany,
-    /// It does not fit into one datagram.
-    #[error("the command has {0} bytes, and at most {1} fit: give it in a shorter form")]
-    TooLong(usize, usize),
+    /// It is empty or longer than the link carries.
+    #[error("the command has {0} bytes, and the link carries 1 to {COMMAND_LENGTH_MAX}")]
+    TooLong(usize),
+    /// It expires before all of it can have arrived.
+    #[error(
+        "the command has {bytes} bytes, which need {} s over this link, and it is valid for {} s: let it expire later",
+        takes.as_secs_f32().ceil(),
+        valid.as_secs()
+    )]
+    TooSlow {
+        /// Length of the command in bytes.
+        bytes: usize,
+        /// Time until the robot has all of it, without losses.
+        takes: Duration,
+        /// Its lifetime.
+        valid: Duration,
+    },
 }
 
 /// Between which times of the clock of this start of the robot a command may be carried out, in ms.
@@ -101,6 +127,8 @@ pub(super) struct Commands {
 struct SentCommand {
     epoch: u64,
     body: Vec<u8>,
+    /// Set if it does not fit into one datagram.
+    parts: Option<CommandParts>,
     times: RobotTimes,
     sends: u32,
     /// Time of this session at which it was first sent.
@@ -117,21 +145,24 @@ impl Commands {
         self.sent.contains_key(&id)
     }
 
-    /// Adds a command. One that is on its way already stays as it is.
+    /// Adds a command; one with more than `whole_max` bytes is sent in parts. One that is on its way already stays as it is.
     pub(super) fn add(
         &mut self,
         now: Duration,
         NewCommand { id, epoch, body, .. }: NewCommand,
         times: RobotTimes,
+        whole_max: usize,
     ) -> Result<(), NotSent> {
         if self.sent.len() >= COMMANDS_MAX && !self.has(id) {
             let overdue = self.sent.iter().filter(|(_, sent)| sent.is_overdue);
             let oldest = overdue.min_by_key(|(_, sent)| sent.first_sent).map(|(id, _)| *id);
             self.sent.remove(&oldest.ok_or(NotSent::TooMany)?);
         }
+        let parts = (body.len() > whole_max).then(CommandParts::default);
         self.sent.entry(id).or_insert(SentCommand {
             epoch,
             body,
+            parts,
             times,
             sends: 0,
             first_sent: None,
@@ -162,10 +193,37 @@ impl Commands {
         }
     }
 
+    /// Takes the robot's report on the parts of a command.
+    pub(super) fn parts_here(&mut self, now: Duration, here: &PartsHere, round_trip: Duration) {
+        let Some(sent) = self.sent.get_mut(&here.id) else { return };
+        let (Some(parts), length) = (&mut sent.parts, sent.body.len() as u64) else { return };
+        if parts.report(now, here, length, round_trip) {
+            // The head is due again after the parts.
+            sent.due = now;
+        }
+    }
+
+    /// The robot has started again, without any parts.
+    pub(super) fn robot_started(&mut self) {
+        for parts in self.sent.values_mut().filter_map(|sent| sent.parts.as_mut()) {
+            parts.robot_started();
+        }
+    }
+
+    /// Bytes that are not known to have arrived, of all commands in parts.
+    pub(super) fn missing_bytes(&self) -> u64 {
+        self.sent.values().filter_map(SentCommand::progress).map(|it| it.length - it.arrived).sum()
+    }
+
+    /// Progress of a command that is sent in parts.
+    pub(super) fn progress(&self, id: CommandId) -> Option<CommandProgress> {
+        self.sent.get(&id)?.progress()
+    }
+
     /// When the next one is to be sent. The link is free from `free_at` on.
     pub(super) fn due_at(&self, free_at: Duration) -> Duration {
         let due = |sent: &SentCommand| {
-            if sent.is_overdue { sent.due.max(free_at) } else { sent.due }
+            if sent.is_overdue || sent.parts.is_some() { sent.due.max(free_at) } else { sent.due }
         };
         self.sent.values().map(due).min().unwrap_or(Duration::MAX)
     }
@@ -175,8 +233,9 @@ impl Commands {
         let Some(clock) = clock else { return Vec::new() };
         let mut overdue = Vec::new();
         for (id, sent) in &mut self.sent {
+            let is_sent = sent.sends >= FIRST_SENDS || sent.parts.is_some();
             let is_over = clock.start != sent.times.start
-                || clock.earliest_ms > sent.times.not_after && sent.sends >= FIRST_SENDS;
+                || clock.earliest_ms > sent.times.not_after && is_sent;
             if is_over && !sent.is_overdue {
                 sent.is_overdue = true;
                 overdue.push(*id);
@@ -210,7 +269,8 @@ impl Commands {
         }
     }
 
-    /// Writes those that are due, as far as they fit; overdue ones only if the link is free. `round_trip` is how long an answer takes.
+    /// Writes those that are due and fit into one datagram, as far as there is room; overdue ones only if the link is free.
+    /// `round_trip` is how long an answer takes.
     pub(super) fn write(
         &mut self,
         now: Duration,
@@ -219,26 +279,74 @@ impl Commands {
         (room, payload): (usize, &mut Vec<u8>),
     ) {
         let is_due = |sent: &SentCommand| sent.due <= now && (is_free || !sent.is_overdue);
-        for (id, sent) in self.sent.iter_mut().filter(|(_, sent)| is_due(sent)) {
-            let length = payload.len();
-            let SentCommand { epoch, body, times, .. } = &*sent;
-            let RobotTimes { start: robot_start, not_before, not_after } = *times;
-            let (not_before_ms, not_after_ms, epoch) = (not_before, not_after, *epoch);
-            let (id, body) = (*id, body.as_slice());
-            Frame::Command(Command { id, robot_start, not_after_ms, not_before_ms, epoch, body })
-                .write(payload);
-            if payload.len() > room {
-                payload.truncate(length);
-                break;
+        let whole = self.sent.iter_mut().filter(|(_, sent)| sent.parts.is_none() && is_due(sent));
+        for (id, sent) in whole {
+            if !sent.write(*id, room, payload) {
+                return;
             }
-            sent.first_sent.get_or_insert(now);
-            sent.sends += 1;
-            sent.due = now + sent.next_after(round_trip);
+            sent.note_sent(now, round_trip);
+        }
+    }
+
+    /// Writes the parts of longer ones, and their heads after them, as far as there is room.
+    pub(super) fn write_parts(
+        &mut self,
+        now: Duration,
+        round_trip: Duration,
+        room: usize,
+        payload: &mut Vec<u8>,
+    ) {
+        let parted = self.sent.iter_mut().filter(|(_, sent)| sent.parts.is_some());
+        for (id, sent) in parted.filter(|(_, sent)| sent.due <= now) {
+            let is_unanswered = !sent.is_received && !sent.is_overdue;
+            let is_blind_round = sent.sends >= FIRST_SENDS && is_unanswered;
+            let SentCommand { parts: Some(parts), body, .. } = sent else { continue };
+            if is_blind_round && parts.is_round_over() {
+                parts.begin_round();
+                sent.sends = 0;
+            }
+            let begun = payload.len();
+            let are_sent = parts.write(*id, body, room, payload);
+            if payload.len() > begun {
+                sent.first_sent.get_or_insert(now);
+            }
+            if !are_sent || !sent.write(*id, room, payload) {
+                return;
+            }
+            sent.note_sent(now, round_trip);
         }
     }
 }
 
 impl SentCommand {
+    /// Writes the command, or the head of one in parts; false if there is no room.
+    fn write(&self, id: CommandId, room: usize, payload: &mut Vec<u8>) -> bool {
+        let Self { epoch, body, parts, times, .. } = self;
+        let RobotTimes { start: robot_start, not_before, not_after } = *times;
+        let (not_before_ms, not_after_ms, epoch) = (not_before, not_after, *epoch);
+        let terms = Terms { robot_start, not_after_ms, not_before_ms, epoch };
+        let length = u32::try_from(body.len()).unwrap_or(u32::MAX);
+        let body = if parts.is_some() { Body::Parts(length) } else { Body::Whole(body) };
+        let begun = payload.len();
+        Frame::Command(Command { id, terms, body }).write(payload);
+        let fits = payload.len() <= room;
+        if !fits {
+            payload.truncate(begun);
+        }
+        fits
+    }
+
+    fn note_sent(&mut self, now: Duration, round_trip: Duration) {
+        self.first_sent.get_or_insert(now);
+        self.sends += 1;
+        self.due = now + self.next_after(round_trip);
+    }
+
+    fn progress(&self) -> Option<CommandProgress> {
+        let (parts, length) = (self.parts.as_ref()?, self.body.len() as u64);
+        Some(CommandProgress { arrived: parts.arrived().min(length), length })
+    }
+
     /// Time from a send to the next one.
     fn next_after(&self, round_trip: Duration) -> Duration {
         if self.sends < FIRST_SENDS && !self.is_received {

@@ -2,11 +2,12 @@
 //!
 //! Long because every kind of frame is taken here.
 
+mod command_parts;
 mod commands;
 mod streams;
 mod wishes;
 
-pub use commands::{NewCommand, NotSent};
+pub use commands::{CommandProgress, NewCommand, NotSent};
 #[cfg(test)]
 pub(crate) use streams::OPEN_MAX;
 pub use streams::StreamProgress;
@@ -18,11 +19,11 @@ use crate::coding::{ContextId, Contexts, LastCoder, OfferedSnapshots};
 use crate::deflate::inflate;
 use crate::endpoint::{Arrived, Endpoint, Identity, Unusable};
 use crate::frame::{
-    CommandId, CommandState, EventHash, Events, Frame, NoValue, Received, StreamId, ValueId,
-    WishFrame,
+    COMMAND_LENGTH_MAX, CommandId, CommandState, EventHash, Events, Frame, NoValue, Received,
+    StreamId, ValueId, WishFrame,
 };
 use crate::heard::{ClockBounds, RobotClock};
-use crate::profile::Profile;
+use crate::profile::{CARRIER_OVERHEAD, Profile};
 use crate::range_set::RangeSet;
 use crate::robot::now_ms;
 use crate::seal::{Direction, For, Horizon, KeyId, OVERHEAD, PairingKey, SealError};
@@ -41,6 +42,8 @@ pub(crate) const GAPS_MAX: usize = 4_096;
 /// So many bytes wait at most for the rest of their parts.
 pub(crate) const PARTS_MAX: usize = 64 << 20;
 
+/// Bytes of a datagram besides the body of a command.
+const COMMAND_HEAD_MAX: usize = 64;
 /// Part of a command's lifetime that no link needs: the time of a runner that is busy.
 const COMMAND_TIME: Duration = Duration::from_secs(10);
 
@@ -366,6 +369,7 @@ impl StationSession {
         if is_new_start {
             (self.round_trip, self.reached_ms, self.calendar_ms) = (None, None, None);
             self.wishes.repeat();
+            self.commands.robot_started();
             // The robot does not have what it sent before.
             let streams = self.streams.open.values_mut();
             streams.for_each(|incoming| incoming.snapshots = OfferedSnapshots::default());
@@ -409,6 +413,9 @@ impl StationSession {
             Frame::CommandState { id, state, reason } => {
                 self.commands.answered(now, id, state, self.answer_time());
                 show(FromRobot::CommandState { id, state, reason });
+            }
+            Frame::PartsHere(ref here) => {
+                self.commands.parts_here(now, here, self.answer_time());
             }
             Frame::Heard { start, number, newest_ms, held_ms, .. }
                 if start == self.end.start.generation =>
@@ -595,13 +602,46 @@ impl StationSession {
 
     /// Sends a command until its fate is known or its time is over.
     pub fn command(&mut self, now: Duration, command: NewCommand) -> Result<(), NotSent> {
-        let (max, length) = (self.profile.up_bytes_max - OVERHEAD - 64, command.body.len());
-        if length > max {
-            return Err(NotSent::TooLong(length, max));
+        let (length, valid) = (command.body.len(), command.valid);
+        if length == 0 || length > COMMAND_LENGTH_MAX as usize {
+            return Err(NotSent::TooLong(length));
+        }
+        let takes = self.transfer_time(length);
+        if takes > valid {
+            return Err(NotSent::TooSlow { bytes: length, takes, valid });
         }
         let clock = self.robot_clock(now).ok_or(NotSent::Unheard)?;
         let times = RobotTimes::new(clock, command.wait, command.valid)?;
-        self.commands.add(now, command, times)
+        self.commands.add(now, command, times, self.whole_max())
+    }
+
+    /// Length of a command that fits into one datagram, in bytes.
+    fn whole_max(&self) -> usize {
+        self.profile.up_bytes_max - OVERHEAD - COMMAND_HEAD_MAX
+    }
+
+    /// Time that the parts of a command of this length need on the up-link, after those of the commands before, and half a round trip;
+    /// zero for one that fits into a datagram.
+    pub fn transfer_time(&self, length: usize) -> Duration {
+        if length <= self.whole_max() {
+            return Duration::ZERO;
+        }
+        let bytes = length as u64 + self.commands.missing_bytes();
+        let datagrams = bytes / self.whole_max() as u64 + 1;
+        let each = (self.profile.up_bytes_max + CARRIER_OVERHEAD) as u64 * 8;
+        let nanos = (datagrams * each).saturating_mul(1_000_000_000) / self.profile.up_bits_per_s;
+        Duration::from_nanos(nanos) + self.answer_time() / 2
+    }
+
+    /// Rate at which the parts of a long command are sent, in bytes of the command per second.
+    pub fn command_bytes_per_s(&self) -> u64 {
+        let each = (self.profile.up_bytes_max + CARRIER_OVERHEAD) as u64 * 8;
+        (self.whole_max() as u64 * self.profile.up_bits_per_s / each).max(1)
+    }
+
+    /// Progress of a command that is sent in parts.
+    pub fn command_progress(&self, id: CommandId) -> Option<CommandProgress> {
+        self.commands.progress(id)
     }
 
     /// The next datagram, if one is due.
@@ -620,6 +660,8 @@ impl StationSession {
         }
         if is_free {
             self.wishes.write_watches(now, self.answer_time(), (room, &mut payload));
+            // Nothing else waits for the parts of a long command.
+            self.commands.write_parts(now, self.answer_time(), room, &mut payload);
         }
         if payload.len() == empty {
             return Ok(None);
@@ -647,8 +689,14 @@ impl StationSession {
     }
 
     fn write_report(&mut self, now: Duration, room: usize, payload: &mut Vec<u8>) {
+        let begun = payload.len();
         if let Some(heard) = self.end.heard.frame(now) {
             heard.write(payload);
+        }
+        if payload.len() > room {
+            // Commands need all of this datagram; the report is due again with the next one.
+            payload.truncate(begun);
+            return;
         }
         self.write_settled(payload.len() + (room - payload.len()) / 2, payload);
         let (from, codes) = (self.report_from, self.profile.codes);

@@ -3,7 +3,7 @@
 use super::commands::COMMANDS_MAX;
 use super::{FromRobot, NewCommand, NotSent, StationSession};
 use crate::endpoint::Identity;
-use crate::frame::{CommandId, CommandState, StreamId};
+use crate::frame::{COMMAND_LENGTH_MAX, CommandId, CommandState, StreamId};
 use crate::profile::Profile;
 use crate::range_set::RangeSet;
 use crate::robot::{EventBuffer, RobotSession, RunSource};
@@ -106,6 +106,21 @@ fn the_fate_of_a_command_is_told_although_every_word_of_it_was_lost_at_first() {
     assert_eq!(pair.told.last(), Some(&CommandState::Done));
     assert_eq!(pair.carried_out, [id]);
     assert!(!pair.station.is_open(id));
+}
+
+#[test]
+fn a_command_has_at_most_so_many_bytes() {
+    let mut pair = Pair::new();
+    pair.go_on(500, true);
+    let valid = Duration::from_hours(1);
+    let mut give = |nth, length: usize| {
+        let (id, body) = (CommandId([nth; 16]), vec![nth; length]);
+        pair.station.command(pair.now, NewCommand { id, valid, wait: None, epoch: 0, body })
+    };
+    let most = COMMAND_LENGTH_MAX as usize;
+    assert_eq!(give(1, 0), Err(NotSent::TooLong(0)));
+    assert_eq!(give(2, most + 1), Err(NotSent::TooLong(most + 1)));
+    assert_eq!(give(3, most), Ok(()));
 }
 
 #[test]

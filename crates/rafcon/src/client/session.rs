@@ -7,7 +7,10 @@
 use crate::event_queue::{Cause, STUCK};
 use rafcon_protocol::api::{CommandAnswer, LinkState, Refusal, RunNow, RunPhase};
 use rafcon_protocol::socket::{ToClient, ToServer, Topic, VERSION};
-use rafcon_protocol::{Answer, Envelope, Event, Expiry, Hello, Join, Snapshot, ToRunner, ToViewer};
+use rafcon_protocol::{
+    Answer, Envelope, Event, Expiry, Hello, Join, LinkHealth, LinkLifetime, Snapshot, ToRunner,
+    ToViewer,
+};
 
 /// The subscription of the run's status.
 const STATUS: u32 = 1;
@@ -74,7 +77,7 @@ pub(super) struct Session {
     /// The server's clock minus ours, in ms.
     offset_ms: i64,
     /// Lifetime of commands over the link to the robot, if the run is a replica.
-    link_lifetime_ms: Option<u64>,
+    link_lifetime: Option<LinkLifetime>,
 }
 
 impl Session {
@@ -93,7 +96,7 @@ impl Session {
             is_over: false,
             crashed: None,
             offset_ms: 0,
-            link_lifetime_ms: None,
+            link_lifetime: None,
         }
     }
 
@@ -129,7 +132,7 @@ impl Session {
     /// Sets the expiry by the server's clock.
     fn dated(&self, envelope: Envelope, now_ms: u64) -> Envelope {
         let now_ms = now_ms.saturating_add_signed(self.offset_ms);
-        let envelope = envelope.dated(now_ms, self.link_lifetime_ms);
+        let envelope = envelope.dated(now_ms, self.link_lifetime);
         let seen = self.next.map(|next| next.saturating_sub(1)).filter(|seen| *seen > 0);
         Envelope { decided_on: envelope.decided_on.or(seen), ..envelope }
     }
@@ -266,7 +269,7 @@ impl Session {
     fn status(&mut self, now: RunNow, todo: &mut Todo) {
         let mut messages = Vec::new();
         let link = now.link;
-        self.link_lifetime_ms = now.robot.as_ref().and_then(|robot| robot.lifetime_ms);
+        self.link_lifetime = now.robot.as_ref().and_then(LinkHealth::lifetime);
         let is_linked = matches!(link, LinkState::Up | LinkState::Silent | LinkState::Stuck);
         let is_told = is_linked && (self.next.is_some() || now.snapshot.is_some());
         if !self.is_loaded && (is_told || !is_live(&now.run.phase)) {

@@ -98,9 +98,20 @@ fn up_link(health: &LinkHealth, now_ms: u64) -> String {
     let round_trip = health.round_trip_ms.map(spell).unwrap_or_default();
     let commands = match health.commands.len() as u64 {
         0 => String::new(),
-        count => format!(", {} on the way", counted(count, "command")),
+        count => format!(", {} on the way{}", counted(count, "command"), progress(health)),
     };
     format!("the robot heard what was sent {ago} ago; there and back takes {round_trip}{commands}")
+}
+
+/// How much of the commands that are sent in parts has arrived.
+fn progress(health: &LinkHealth) -> String {
+    let parts = || health.commands.iter().filter_map(|command| command.progress);
+    let bytes: u64 = parts().map(|it| it.bytes).sum();
+    let arrived: u64 = parts().map(|it| it.arrived_bytes).sum();
+    match (arrived * 100).checked_div(bytes) {
+        Some(percent) => format!(", {percent} % of {} has arrived", size(bytes)),
+        None => String::new(),
+    }
 }
 
 fn offset(clock: Option<ClockOffset>) -> String {
@@ -146,7 +157,8 @@ mod tests {
     use super::in_words;
     use expect_test::expect;
     use rafcon_protocol::{
-        ClockOffset, CommandStage, LinkHealth, LinkReport, LinkRun, LinkTraffic, OpenCommand,
+        ClockOffset, CommandProgress, CommandStage, LinkHealth, LinkReport, LinkRun, LinkTraffic,
+        OpenCommand,
     };
     use std::collections::BTreeMap;
 
@@ -169,6 +181,7 @@ mod tests {
                 reached_ms: Some(9_995_000),
                 round_trip_ms: Some(4_100),
                 lifetime_ms: Some(22_300),
+                command_bytes_per_s: Some(2_000),
                 down_bytes_per_s: 900,
                 up_bytes_per_s: 31,
                 missing: 12,
@@ -179,6 +192,7 @@ mod tests {
                     expires_ms: None,
                     not_before_ms: None,
                     arrives_ms: None,
+                    progress: Some(CommandProgress { arrived_bytes: 1_300, bytes: 2_900 }),
                 }],
                 clock: Some(ClockOffset { least_ms: -200, most_ms: Some(3_900) }),
             },
@@ -212,7 +226,7 @@ mod tests {
         expect![[r"
             scout: the robot was heard 0.3 s ago, profile delay-2s
               from the robot 900 B/s, to the robot 31 B/s
-              the robot heard what was sent 5.0 s ago; there and back takes 4.1 s, 1 command on the way
+              the robot heard what was sent 5.0 s ago; there and back takes 4.1 s, 1 command on the way, 44 % of 2.9 KB has arrived
               robot's clock between -0.2 s and +3.9 s ahead of this one
               received 1.2 MB in 4,000 datagrams: events 800 KB, headers 415 KB, status 20.0 KB
               sent 90 B in 1 datagram: headers 90 B

@@ -34,8 +34,8 @@ pub(super) fn tell(raw: &cli::Tell, environment: &Environment) -> Result<ExitCod
         let now = server.now(&run)?;
         let waited_ms = u64::try_from(waiting.now().as_millis()).unwrap_or(u64::MAX);
         let now_ms = now.now_ms.saturating_sub(waited_ms);
-        let link_ms = now.robot.and_then(|robot| robot.lifetime_ms);
-        let envelope = timed(envelope, raw, now_ms).dated(now_ms, link_ms);
+        let link = now.robot.and_then(|robot| robot.lifetime());
+        let envelope = timed(envelope, raw, now_ms).dated(now_ms, link);
         // A stop does not expire: it is sent once.
         let expires_ms = envelope.expiry.map_or(0, |Expiry(until)| until);
         let is_wanted = || {

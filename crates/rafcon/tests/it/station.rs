@@ -319,6 +319,39 @@ fn commands_at_a_station_reach_the_robot() {
     assert_eq!(history(&place, "ground-runs"), history(&place, "robot-runs"));
 }
 
+/// Lines that no compression shortens by much.
+fn long_script(lines: u64) -> String {
+    let mut number = 1_u64;
+    let noise = (0..lines).map(|_| {
+        number = number.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963);
+        format!("# {number:016x}\n")
+    });
+    noise
+        .chain(["def execute(self, inputs, outputs, gvm):\n    return \"enough\"\n".into()])
+        .collect()
+}
+
+#[test]
+fn a_script_of_many_datagrams_crosses_a_slow_link() {
+    let place = Place::with(&ticks(1_000_000));
+    pair_with(&place, "scout --rights change", "ground");
+    let (_ground, address, _) =
+        begin_station(place.command(&station_words("ground", "127.0.0.1:0", "delay-2s")));
+    let _robot = robot_over(&place, address, "delay-2s");
+    let run = Run::start(&place, "--runs robot-runs");
+    wait_at_station(&place, "Ticks  running");
+    let script = long_script(300);
+    let mut tell = place.command("tell last edit_script path=ROOT/TICKXX --runs ground-runs");
+    let told = tell.arg(format!("script={script}")).output().unwrap();
+    assert_eq!(String::from_utf8_lossy(&told.stdout), "applied\n", "{told:?}");
+    // The new script ends the machine.
+    drop(run.end());
+    wait_at_station(&place, "Ticks  ended with");
+    let journal = history(&place, "robot-runs");
+    assert!(journal.contains(&serde_json::to_string(&script).unwrap()));
+    assert_eq!(history(&place, "ground-runs"), journal);
+}
+
 #[test]
 fn a_session_that_was_recorded_and_is_sent_again_changes_nothing() {
     let place = Place::with(&ticks(1_000_000));

@@ -21,6 +21,7 @@ use crate::inbox::{Inbox, Input, Stopper};
 use crate::meter::{LinkMeter, millis};
 use crate::pairing::{Paired, Pairing};
 use crate::report::{REPORT_EVERY, Reporter};
+use crate::request_words;
 use crate::start::Start;
 use crate::words::{StationRequest, at_robot, author_at_robot};
 use early::EarlyCommands;
@@ -304,11 +305,11 @@ impl RobotRelay<'_> {
 
     /// Does what someone at a station wants, if they may.
     fn command(&mut self, now: Duration, command: ReceivedCommand) {
-        let read = serde_json::from_slice::<(u32, StationRequest)>(&command.body);
+        let read = request_words::read(&command.body);
         let mut command = command;
         if let Ok((stream, StationRequest::Command(..))) = &read
             && !command.is_late
-            && !self.runs.make_ready(StreamId(*stream))
+            && !self.runs.make_ready(*stream)
         {
             match self.early.add(command) {
                 None => return,
@@ -317,8 +318,8 @@ impl RobotRelay<'_> {
         }
         let ReceivedCommand { id, not_after_ms, epoch, is_late, .. } = command;
         let done = match read {
-            Ok((stream, word)) if is_late => self.late_fate(StreamId(stream), &word),
-            Ok((stream, word)) => self.heed(now, (StreamId(stream), word), (epoch, not_after_ms)),
+            Ok((stream, word)) if is_late => self.late_fate(stream, &word),
+            Ok((stream, word)) => self.heed(now, (stream, word), (epoch, not_after_ms)),
             Err(error) => Err(format!("the robot's server does not understand it: {error}")),
         };
         let (state, reason) = match done {

@@ -18,6 +18,7 @@ pub(super) fn health(meter: &mut LinkMeter, session: &StationSession, now: Durat
         reached_ms: reached.map(|before| today.saturating_sub(millis(before))),
         round_trip_ms: session.round_trip().map(millis),
         lifetime_ms: Some(millis(session.command_lifetime(now))),
+        command_bytes_per_s: Some(session.command_bytes_per_s()),
         clock,
         ..meter.health(now, session.traffic(), session.heard_before(now))
     }

@@ -3,8 +3,8 @@
 use super::viewers::PendingRequest;
 use crate::ids;
 use crate::words::StationRequest;
-use rafcon_link::{CommandId, StreamId};
-use rafcon_protocol::{Answer, CommandStage, OpenCommand};
+use rafcon_link::{CommandId, StationSession, StreamId};
+use rafcon_protocol::{Answer, CommandProgress, CommandStage, OpenCommand};
 use std::collections::{BTreeMap, VecDeque};
 
 /// Capacity of the kept answers. Beyond it, the oldest is dropped; a viewer that asks again makes the station ask the robot.
@@ -48,7 +48,15 @@ impl PendingRequests {
         let SendTimes { sent: sent_ms, arrival: arrives_ms, expiry: expires_ms } = times;
         let (id, stage) = (given.id.clone(), CommandStage::Sent);
         let not_before_ms = given.not_before;
-        let command = OpenCommand { id, stage, sent_ms, arrives_ms, expires_ms, not_before_ms };
+        let command = OpenCommand {
+            id,
+            stage,
+            sent_ms,
+            arrives_ms,
+            expires_ms,
+            not_before_ms,
+            progress: None,
+        };
         let is_command = matches!(given.word, StationRequest::Command(..));
         let word = OpenRequest { stream, command, is_command };
         self.open.entry(ids::command(&given.id)).or_insert(word);
@@ -93,10 +101,21 @@ impl PendingRequests {
     }
 
     /// The commands among them, of this run or of all.
-    pub(super) fn commands(&self, stream: Option<StreamId>) -> Vec<OpenCommand> {
+    pub(super) fn commands(
+        &self,
+        stream: Option<StreamId>,
+        session: &StationSession,
+    ) -> Vec<OpenCommand> {
         let is_wanted = |word: &&OpenRequest| stream.is_none_or(|stream| word.stream == stream);
-        let words = self.open.values().filter(|word| word.is_command).filter(is_wanted);
-        words.map(|word| word.command.clone()).collect()
+        let shown = |(id, word): (&CommandId, &OpenRequest)| {
+            (word.is_command && is_wanted(&word)).then(|| {
+                let progress = session.command_progress(*id);
+                let progress = progress
+                    .map(|it| CommandProgress { arrived_bytes: it.arrived, bytes: it.length });
+                OpenCommand { progress, ..word.command.clone() }
+            })
+        };
+        self.open.iter().filter_map(shown).collect()
     }
 }
 

@@ -21,6 +21,7 @@ use crate::ids;
 use crate::inbox::Input;
 use crate::meter::{LinkMeter, millis};
 use crate::pairing::{Paired, Pairing};
+use crate::request_words;
 use crate::start::Start;
 use crate::watch_words;
 use crate::words::{ReportedRunState, RunFate};
@@ -401,7 +402,7 @@ impl StationRobot {
         let (session, requests) = (&self.session, &self.requests);
         for (stream, run) in &mut self.runs {
             let missing = run_of(session, *stream, &run.id).missing;
-            let commands = requests.commands(Some(*stream));
+            let commands = requests.commands(Some(*stream), session);
             run.shared.set_link(LinkHealth { missing, commands, ..link.clone() });
             let progress = session.progress(*stream);
             let head = progress.map_or(0, |progress| progress.head);
@@ -419,7 +420,7 @@ impl StationRobot {
         let run = |(stream, run): (&StreamId, &StationRun)| run_of(&self.session, *stream, &run.id);
         let runs = self.runs.iter().map(run).collect();
         let link = health(&mut self.meter, &self.session, self.clock.now());
-        let link = LinkHealth { commands: self.requests.commands(None), ..link };
+        let link = LinkHealth { commands: self.requests.commands(None, &self.session), ..link };
         let report = self.meter.report(link, self.session.traffic(), runs);
         let problems = self.problem.iter().chain(self.refused.values());
         let problems = problems.map(|problem| format!("not everything is kept: {problem}"));
@@ -572,26 +573,23 @@ impl StationRobot {
         let left = |ms: u64| Duration::from_millis(ms.saturating_sub(today));
         let known = self.runs.get(&stream).map_or(0, |run| run.epoch);
         let wait = given.not_before.map(left);
-        let usual = || wait.unwrap_or_default() + self.session.command_lifetime(now);
+        let body = request_words::write(stream, &given.word);
+        let transfer = self.session.transfer_time(body.len());
+        // Twice: parts are lost and sent again.
+        let usual = || wait.unwrap_or_default() + self.session.command_lifetime(now) + transfer * 2;
         let valid = match given.expiry {
             Some(Expiry(until)) => left(until),
             None if given.is_lasting => STOP_LIFETIME,
             None => usual(),
         };
-        let command = NewCommand {
-            id,
-            valid,
-            wait,
-            epoch: given.epoch.unwrap_or(known),
-            body: serde_json::to_vec(&(stream.0, &given.word)).unwrap_or_default(),
-        };
+        let command = NewCommand { id, valid, wait, epoch: given.epoch.unwrap_or(known), body };
         if let Err(error) = self.session.command(now, command) {
             return self.answer(stream, &given.id, &Answer::Refused { reason: error.to_string() });
         }
         let there_ms = self.session.round_trip().map(|round_trip| millis(round_trip) / 2);
         let times = SendTimes {
             sent: today,
-            arrival: there_ms.map(|there_ms| today + there_ms),
+            arrival: there_ms.map(|there_ms| today + there_ms.max(millis(transfer))),
             expiry: (!given.is_lasting).then(|| today + millis(valid)),
         };
         self.requests.add(stream, given, times);

@@ -192,6 +192,13 @@ export type CommandAnswer = {
   /** Cause, and how to find out. */
   reason: string, });
 
+/** How much of a command that is sent in parts has arrived. */
+export type CommandProgress = {
+  /** Bytes that have arrived, as the robot said. */
+  arrived_bytes: number,
+  /** Length of the command, as it is sent. */
+  bytes: number, };
+
 /** How far a command is that has no answer yet. */
 export type CommandStage = "sent" | "received" | "started" | "overdue";
 
@@ -1084,6 +1091,8 @@ export type LinkHealth = {
   /** Lifetime of a command that has no expiry, in ms: two round trips, the uncertainty of the robot's clock, and 10 s. Known at a
    * station only. */
   lifetime_ms: number | null,
+  /** Rate at which long commands are sent, in bytes per second. Known at a station only. */
+  command_bytes_per_s: number | null,
   /** From the robot, in bytes per second, with the headers of IP and UDP. */
   down_bytes_per_s: number,
   /** To the robot, likewise. */
@@ -1428,7 +1437,9 @@ export type OpenCommand = {
   /** Expiry, likewise; none for a stop. */
   expires_ms?: number,
   /** Before which time it is not carried out, likewise. */
-  not_before_ms?: number, };
+  not_before_ms?: number,
+  /** Progress of a command that is sent in parts. */
+  progress?: CommandProgress, };
 
 /** The outcome of a state. */
 export type Outcome = {

@@ -43,6 +43,7 @@ test("of a robot that is far away it is said how old the newest is", async () =>
     reached_ms: STARTED_MS + 56_000,
     round_trip_ms: 4_000,
     lifetime_ms: 22_000,
+    command_bytes_per_s: 2_000,
     down_bytes_per_s: 900,
     up_bytes_per_s: 90,
     missing: 0,

@@ -20,6 +20,7 @@ const WHOLE: LinkHealth = {
   reached_ms: STARTED_MS + 57_000,
   round_trip_ms: 4_100,
   lifetime_ms: 22_300,
+  command_bytes_per_s: 2_000,
   down_bytes_per_s: 5_200,
   up_bytes_per_s: 31,
   missing: 0,

@@ -36,6 +36,10 @@ test("a command to a robot far away says how far it is, as far as the station kn
   expect(said({ arrives_ms: 2_000, isRobotHeard: false })).toBe(
     "sent 0.5 s ago, sent again and again; the robot is not heard",
   );
+  const progress = { arrived_bytes: 1_300, bytes: 2_900 };
+  expect(said({ arrives_ms: 2_000, progress })).toBe(
+    "sent 0.5 s ago, 44 % of 2.9 KB has arrived at the robot",
+  );
   expect(said({ stage: "received" })).toBe("sent 0.5 s ago, the robot has it");
   expect(said({ stage: "received", not_before_ms: 2_000 })).toBe(
     "sent 0.5 s ago, the robot has it and waits 1.5 s until its time",

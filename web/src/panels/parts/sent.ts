@@ -3,6 +3,7 @@
 
 import type { Command, OpenCommand } from "../../model/generated/protocol.ts";
 import type { SentCommand } from "../../store/history/run.ts";
+import { dataSize } from "./data_size.ts";
 
 /** What a station knows of a command to a robot far away. */
 export interface CommandOnTheWay extends OpenCommand {
@@ -76,7 +77,7 @@ function words(
 
 /** How far a command to a robot far away is, as far as the station knows. */
 function underWay(
-  { stage, sent_ms, arrives_ms, not_before_ms, isRobotHeard }: CommandOnTheWay,
+  { stage, sent_ms, arrives_ms, not_before_ms, progress, isRobotHeard }: CommandOnTheWay,
   since_ms: number,
 ): string {
   if (stage === "overdue") {
@@ -89,6 +90,10 @@ function underWay(
   }
   if (stage === "received") return "the robot has it";
   if (!isRobotHeard) return "sent again and again; the robot is not heard";
+  if (progress && progress.arrived_bytes < progress.bytes) {
+    const percent = Math.floor((100 * progress.arrived_bytes) / progress.bytes);
+    return `${percent} % of ${dataSize(progress.bytes)} has arrived at the robot`;
+  }
   if (arrives_ms === null) return "in flight; the delay is unknown";
   const left_ms = arrives_ms - sent_ms - since_ms;
   if (left_ms > 0) return `in flight; at the robot in about ${(left_ms / 1_000).toFixed(1)} s`;
