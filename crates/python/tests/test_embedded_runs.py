@@ -296,10 +296,11 @@ class EmbeddedRuns(unittest.TestCase):
             """
             machine = data()
             engine.step_mode(machine.state_machine_id)
-            for _ in range(3):
+            for _ in range(2):
                 wait_for(1)
                 engine.synchronization_counter = 0
                 engine.step_into()
+            # The second step ends at a hold, so the machine cannot have finished.
             engine.start()
             print(engine.join(), engine.finished_or_stopped())
             """,
