@@ -74,7 +74,7 @@ pub struct OpenCommand {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct CommandProgress {
-    /// Bytes that have arrived, as the robot said.
+    /// Bytes that the robot has reported.
     pub arrived_bytes: u64,
     /// Length of the command, as it is sent.
     pub bytes: u64,

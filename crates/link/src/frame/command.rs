@@ -65,7 +65,7 @@ pub(crate) struct CommandPart<'b> {
 pub(crate) struct PartsHere {
     /// The command.
     pub(crate) id: CommandId,
-    /// True if the head is there: parts that were sent before it and are not here are lost.
+    /// True if the head has arrived: missing parts that were sent before it are lost.
     pub(crate) has_head: bool,
     /// The bytes, numbered from 1.
     pub(crate) bytes: RangeSet,

@@ -40,7 +40,7 @@ pub struct NewCommand {
 /// Progress of a command that is sent in parts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct CommandProgress {
-    /// Bytes of which the robot said that it has them.
+    /// Bytes that the robot has reported.
     pub arrived: u64,
     /// Length of the command in bytes.
     pub length: u64,

@@ -628,15 +628,19 @@ impl StationSession {
         }
         let bytes = length as u64 + self.commands.missing_bytes();
         let datagrams = bytes / self.whole_max() as u64 + 1;
-        let each = (self.profile.up_bytes_max + CARRIER_OVERHEAD) as u64 * 8;
-        let nanos = (datagrams * each).saturating_mul(1_000_000_000) / self.profile.up_bits_per_s;
+        let bits = datagrams * self.datagram_bits();
+        let nanos = bits.saturating_mul(1_000_000_000) / self.profile.up_bits_per_s;
         Duration::from_nanos(nanos) + self.answer_time() / 2
     }
 
     /// Rate at which the parts of a long command are sent, in bytes of the command per second.
     pub fn command_bytes_per_s(&self) -> u64 {
-        let each = (self.profile.up_bytes_max + CARRIER_OVERHEAD) as u64 * 8;
-        (self.whole_max() as u64 * self.profile.up_bits_per_s / each).max(1)
+        (self.whole_max() as u64 * self.profile.up_bits_per_s / self.datagram_bits()).max(1)
+    }
+
+    /// Size of the longest datagram on the carrier, in bits.
+    fn datagram_bits(&self) -> u64 {
+        (self.profile.up_bytes_max + CARRIER_OVERHEAD) as u64 * 8
     }
 
     /// Progress of a command that is sent in parts.

@@ -103,7 +103,7 @@ fn up_link(health: &LinkHealth, now_ms: u64) -> String {
     format!("the robot heard what was sent {ago} ago; there and back takes {round_trip}{commands}")
 }
 
-/// How much of the commands that are sent in parts has arrived.
+/// Progress of the commands that are sent in parts.
 fn progress(health: &LinkHealth) -> String {
     let parts = || health.commands.iter().filter_map(|command| command.progress);
     let bytes: u64 = parts().map(|it| it.bytes).sum();

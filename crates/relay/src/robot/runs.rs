@@ -44,7 +44,7 @@ const WHOLE_MAX: usize = 8;
 
 /// So many bytes of events are hashed at a time.
 const HASH_BYTES: usize = 256 << 10;
-/// Of so many runs that are over the events are hashed at a time.
+/// Ended runs whose events are hashed in one look.
 const HASHED_AT_ONCE: usize = 4;
 
 /// So many of the runs that earlier starts sent are looked at again.

@@ -194,7 +194,7 @@ export type CommandAnswer = {
 
 /** How much of a command that is sent in parts has arrived. */
 export type CommandProgress = {
-  /** Bytes that have arrived, as the robot said. */
+  /** Bytes that the robot has reported. */
   arrived_bytes: number,
   /** Length of the command, as it is sent. */
   bytes: number, };
