@@ -192,7 +192,7 @@ export type CommandAnswer = {
   /** Cause, and how to find out. */
   reason: string, });
 
-/** How much of a command that is sent in parts has arrived. */
+/** Progress of a command that is sent in parts. */
 export type CommandProgress = {
   /** Bytes that the robot has reported. */
   arrived_bytes: number,
