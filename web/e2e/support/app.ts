@@ -9,7 +9,6 @@ import type { Box, Point } from "../../src/model/geometry.ts";
 import { childBox, portPlaces, rootSize } from "../../src/model/layout_reader.ts";
 import { lineage } from "../../src/model/path.ts";
 import type { Page } from "../../src/store/page/page.ts";
-import type { Camera } from "../../src/store/page/view.ts";
 import { PATIENCE } from "./patience.ts";
 import type { Server } from "./server.ts";
 
@@ -188,10 +187,14 @@ export class App {
 
   /** Waits until exactly these are selected. */
   async selected(...keys: readonly string[]): Promise<void> {
-    await this.until(({ tab }, wanted) => {
+    const isSo = ({ tab }: CommandContext, wanted: readonly string[]) => {
       const found = [...(tab?.view.selection.value ?? [])];
       return found.length === wanted.length && wanted.every((key) => found.includes(key));
-    }, keys);
+    };
+    await this.until(isSo, keys).catch(async (cause: unknown) => {
+      const selected = (await this.selection()).join(", ") || "nothing";
+      throw new Error(`${keys.join(", ")} should be selected, but ${selected} is`, { cause });
+    });
   }
 
   /** Waits until everything that was done has its answer. */
@@ -278,15 +281,30 @@ export class App {
     return box;
   }
 
+  /** Where a box of the machine is drawn, as soon as camera and canvas stand still for a frame: a panel or a banner that comes moves
+   * both. */
   private async onScreen(world: Box): Promise<Box> {
-    const camera: Camera | undefined = await this.sheet.evaluate(
-      () => window.__rafcon.context().tab?.view.camera.value,
-    );
-    const frame = await this.canvas.boundingBox();
-    if (!camera || !frame) throw new Error("no machine is shown");
+    const { camera, left, top } = await this.canvas.evaluate(async (canvas) => {
+      const look = () => {
+        const view = window.__rafcon.context().tab?.view.camera.value;
+        if (!view) throw new Error("no machine is shown");
+        const frame = canvas.getBoundingClientRect();
+        return { camera: view, left: frame.left, top: frame.top };
+      };
+      const frame = () => new Promise((done) => requestAnimationFrame(done));
+      for (let before = look(); ; ) {
+        await frame();
+        await frame();
+        const now = look();
+        const isStill =
+          now.camera === before.camera && now.left === before.left && now.top === before.top;
+        if (isStill) return now;
+        before = now;
+      }
+    });
     return {
-      x: frame.x + (world.x - camera.x) * camera.scale,
-      y: frame.y + (world.y - camera.y) * camera.scale,
+      x: left + (world.x - camera.x) * camera.scale,
+      y: top + (world.y - camera.y) * camera.scale,
       width: world.width * camera.scale,
       height: world.height * camera.scale,
     };

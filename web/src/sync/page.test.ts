@@ -123,6 +123,15 @@ describe("the page", () => {
     expect(page.tabs.value).toEqual([one]);
   });
 
+  it("shows a run that it was not told of yet in the tab of its machine", async () => {
+    const { server, page } = setUp();
+    const tab = await page.open(FILE);
+    await settle();
+    server.runs = [RUN];
+    expect(await page.showRun("r")).toBe(tab);
+    expect(tab.run.value?.id).toBe("r");
+  });
+
   it("says which run is on its way until it is there, or cannot be shown", async () => {
     const { server, page } = setUp();
     server.runs = [RUN];

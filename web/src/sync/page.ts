@@ -168,7 +168,10 @@ function openMachines(ports: OpenMachineSessionPorts, settings: Signal<Settings>
   };
 
   const toTab = async (id: string) => {
-    const file = runs.all.peek().find((run) => run.id === id)?.machine;
+    const known = () => runs.all.peek().find((run) => run.id === id);
+    // It may have begun elsewhere, a moment ago.
+    if (!known()) await runs.refresh();
+    const file = known()?.machine;
     const isOf = ({ session }: OpenTab) => {
       const own = session.status.peek()?.summary.file;
       return session.fixed === null && file != null && own != null && isSame(own, file);

@@ -67,13 +67,14 @@ function OfRun({ inspected, watch }: { inspected: InspectedState; watch: Watch }
   useEffect(() => watch.wantValues(), [watch]);
   const signal = useMemo(() => computed(() => stateStatusOf(watch, path)), [watch, path]);
   const status = useThrottled(signal, PACE_MS);
+  const isCaughtUp = useSignal(watch.isCaughtUp);
   const { entered, left } = status;
   const { runs } = inspected.page;
   const entry = useDetail(runs, watch.id, wanted(entered?.sequence, status.inputs));
   const isAborted = left?.outcome?.id === ABORTED;
   const end = useDetail(runs, watch.id, wanted(left?.sequence, status.outputs, isAborted));
   if (!entered && !status.active) {
-    return <p className="inspector-none">{neverInWords(status)}</p>;
+    return <p className="inspector-none">{neverInWords(status, isCaughtUp)}</p>;
   }
   return (
     <div className="shows-run">
@@ -84,8 +85,9 @@ function OfRun({ inspected, watch }: { inspected: InspectedState; watch: Watch }
   );
 }
 
-function neverInWords({ next, until }: StateStatus): string {
+function neverInWords({ next, until }: StateStatus, isCaughtUp: boolean): string {
   if (next) return `It runs next, ${holdInWords(next)}.`;
+  if (!isCaughtUp) return "The history of the run is not here yet.";
   return until === null ? "It has not run yet in this run." : "It had not run yet at this moment.";
 }
 
