@@ -38,13 +38,15 @@ pub(crate) struct Product {
 }
 
 impl Product {
-    /// Builds the program and the extension. A debug build includes the tests: with the features that they need, each dependency
-    /// is compiled once for all.
+    /// Builds the program and the extension. A debug build includes tests and examples: with the features that they need, each
+    /// dependency is compiled once for all.
     pub(crate) fn build(profile: Profile) -> Result<Self> {
         let mut cargo = process::cargo();
         cargo.args(["build", "--profile", profile.name()]);
         match profile {
-            Profile::Debug => cargo.args(["--workspace", "--lib", "--bins", "--tests"]),
+            Profile::Debug => {
+                cargo.args(["--workspace", "--lib", "--bins", "--tests", "--examples"])
+            }
             Profile::Release | Profile::Symbols => {
                 cargo.args(["-p", "rafcon", "-p", "rafcon-python"])
             }

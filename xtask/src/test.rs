@@ -95,7 +95,7 @@ fn run_part(part: Part, product: &Product) -> Result<()> {
         Part::Rust => rust(),
         Part::Python => python_side(product),
         Part::Api => {
-            types::run(types::TypesOptions::CHECK)?;
+            types::check_by_built()?;
             interface(product)
         }
         Part::Web => web::test(),
