@@ -311,6 +311,42 @@ class EmbeddedRuns(unittest.TestCase):
 
     # ---- files
 
+    def test_a_command_for_a_run_that_ends_in_this_moment_begins_another(self):
+        self.check(
+            """
+            states = [script("one", "print('one'); return 0"), script("two", "print('two'); return 0")]
+            machine = known(row(HierarchyState("root", "ROOT"), *states))
+            run(machine)
+            is_running = engine._is_running
+
+            def it_ends_now():
+                engine._is_running = is_running
+                return True
+
+            engine._is_running = it_ends_now
+            run(machine)
+            engine._is_running = it_ends_now
+            engine.step_mode(machine.state_machine_id)
+            run(machine)
+            engine._is_running = it_ends_now
+            engine.run_to_selected_state("ROOT/TWO", machine.state_machine_id)
+            wait_for(2)
+            print("held")
+            run(machine)
+            """,
+            """
+            one
+            two
+            one
+            two
+            one
+            two
+            one
+            held
+            two
+            """,
+        )
+
     def test_a_machine_that_is_started_for_one_state_is_held_once(self):
         self.check(
             """

@@ -75,8 +75,25 @@ class ExecutionEngine(Observable):
         ``FILE_SYSTEM_EXECUTION_HISTORY_ENABLE`` of the configuration counts. Scripts can only resume the machine that
         they are part of.
         """
-        if not self._begin(state_machine_id, {"start_from": start_state_path}, inputs, journal):
-            self._command("resume")
+
+        def begin():
+            return self._begin(state_machine_id, {"start_from": start_state_path}, inputs, journal)
+
+        if not begin():
+            self._command_or(begin, "resume")
+
+    def _command_or(self, begin, name, *arguments):
+        """Sends a command to the run that there is; where that has ended meanwhile, begins another. True if it did."""
+        try:
+            self._command(name, *arguments)
+        except RuntimeError:
+            if _objects.is_host() or self._mode() is not StateMachineExecutionStatus.FINISHED:
+                raise
+            self._run.join()
+            if not begin():
+                raise
+            return True
+        return False
 
     def _begin(self, state_machine_id, wanted, inputs=None, journal=None, is_led=False):
         """Starts a machine of this program, as ``wanted`` says; False if one runs already."""
@@ -168,10 +185,12 @@ class ExecutionEngine(Observable):
     @Observable.observed
     def step_mode(self, state_machine_id=None):
         """Holds wherever a next state would begin, from now on; a machine of this program is started for it."""
-        if self._begin(state_machine_id, {"hold": True}):
+
+        def begin():
+            return self._begin(state_machine_id, {"hold": True})
+
+        if begin() or self._command_or(begin, "step_mode"):
             self._last_command = "step_mode"
-        else:
-            self._command("step_mode")
 
     def step_into(self):
         """One state further on every branch that is held, entering it."""
@@ -189,20 +208,27 @@ class ExecutionEngine(Observable):
         """One step back on every branch that is held."""
         self._command("step_back")
 
+    def _lead(self, state_machine_id, name, path):
+        """Sends a command about a state; where no machine runs, to one that is started for it."""
+
+        def begin():
+            return self._begin(state_machine_id, {"hold": True}, is_led=True)
+
+        begin()
+        if self._command_or(begin, name, path):
+            self._command(name, path)
+
     def run_to_selected_state(self, path, state_machine_id=None):
         """Runs until before the state at a path, and holds there."""
-        self._begin(state_machine_id, {"hold": True}, is_led=True)
-        self._command("run_to", path)
+        self._lead(state_machine_id, "run_to", path)
 
     def run_selected_state(self, path, state_machine_id=None):
         """Begins again at the state at a path, runs it, and holds. The machine has to be held."""
-        self._begin(state_machine_id, {"hold": True}, is_led=True)
-        self._command("run_selected", path)
+        self._lead(state_machine_id, "run_selected", path)
 
     def run_only_selected_state(self, path, state_machine_id=None):
         """Begins again at the state at a path, runs it, and stops. The machine has to be held."""
-        self._begin(state_machine_id, {"hold": True}, is_led=True)
-        self._command("run_only_selected", path)
+        self._lead(state_machine_id, "run_only_selected", path)
 
     def replay_from_history(self, call_item, state_machine=None):
         """Begins again at an entry of ``state.execution_history`` with its data, and holds there.
