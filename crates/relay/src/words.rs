@@ -1,7 +1,7 @@
 //! What a station says to a robot's server, and a robot's server to its stations, inside commands and status.
 
 use rafcon_protocol::api::{Control, ControlMove};
-use rafcon_protocol::{AT_ROBOT, Command, Envelope};
+use rafcon_protocol::{AT_ROBOT, Command, Envelope, OnCrash};
 use serde::{Deserialize, Serialize};
 
 /// So many of those who ask for control are named: the status has to fit into a datagram.
@@ -19,6 +19,10 @@ pub(crate) enum StationRequest {
     /// A user who holds control is here.
     #[serde(rename = "p")]
     Present(String),
+    /// A run whose runner died is to be resumed: id, author, the run's id, what becomes of interrupted scripts, and the event of the
+    /// history to begin at, if not the end. The station may number the run otherwise than the robot, so its id is named.
+    #[serde(rename = "r")]
+    Resume(String, String, String, OnCrash, Option<u64>),
 }
 
 impl StationRequest {

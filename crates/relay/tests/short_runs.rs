@@ -4,11 +4,11 @@
 #![expect(clippy::unwrap_used, reason = "a test ends where it goes wrong")]
 
 use rafcon_link::Profile;
-use rafcon_protocol::api::{Control, ControlMove, Right};
+use rafcon_protocol::api::{Control, ControlMove, ResumeRun, Right};
 use rafcon_protocol::{Command, Event, Outcome};
 use rafcon_relay::{
-    Authority, Paired, Pairing, Projects, RobotSettings, StationAddress, StationSettings, Stopper,
-    ValueDesk, relay_robot, relay_station,
+    Answered, Authority, Paired, Pairing, Projects, ResumeDesk, RobotSettings, StationAddress,
+    StationSettings, Stopper, ValueDesk, relay_robot, relay_station,
 };
 use rafcon_storage::journal::{
     About, Batch, Journal, Options, Record, Retention, RunState, Summary, run_folders, size_of,
@@ -47,6 +47,14 @@ impl Authority for Nobody {
 
     fn move_control(&self, _: &str, _: &str, _: &ControlMove) -> Result<(), String> {
         Err("nobody commands".to_owned())
+    }
+
+    fn resume(&self, _: &str, _: &str, _: ResumeRun, _: Answered) -> Result<(), String> {
+        Err("nobody resumes".to_owned())
+    }
+
+    fn was_resumed(&self, _: &str, _: &str, _: &str) -> bool {
+        false
     }
 
     fn present(&self, _: &str) {}
@@ -114,6 +122,7 @@ impl World {
             tls: None,
             profile: Profile::LAN,
             desk: ValueDesk::default(),
+            resumes: ResumeDesk::default(),
             tell: |problem| panic!("{problem}"),
         };
         let stopper = Stopper::default();

@@ -1,7 +1,8 @@
 //! What a server is started with: values that its program has read from command line and environment.
 
 use crate::page_files::PageFiles;
-use rafcon_protocol::api::ValueFetch;
+use rafcon_protocol::Answer;
+use rafcon_protocol::api::{ResumeRun, ValueFetch};
 use rafcon_supervisor::ProgramEnvironment;
 use std::fmt;
 use std::net::{IpAddr, Ipv4Addr, SocketAddr};
@@ -37,16 +38,27 @@ pub struct Settings {
     pub tell: fn(&str),
     /// Where the page's files are.
     pub page: PageFiles,
-    /// Brings large values of robots here, if this is a station.
-    pub robots: Option<Arc<dyn RobotValues>>,
+    /// Carries requests to the robots, if this is a station.
+    pub robots: Option<Arc<dyn Robots>>,
     /// Where it listens, and as whom.
     pub listen: Listen,
     /// Who may come in.
     pub access: Access,
 }
 
-/// Brings large values of robots here, if this server is a station.
-pub trait RobotValues: fmt::Debug + Send + Sync {
+/// A run that its robot is to resume.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct RobotResume {
+    /// Id of the run.
+    pub run: String,
+    /// User who asks.
+    pub user: String,
+    /// Content, under an id unique at this server.
+    pub asked: ResumeRun,
+}
+
+/// Requests of a station's server to its robots.
+pub trait Robots: fmt::Debug + Send + Sync {
     /// Asks for a value of `length` bytes of a run of a robot, of which `budget` bytes may be sent. Answers whether that is possible.
     fn fetch(&self, robot: &str, value: (&str, u64), length: u64, budget: u64) -> bool;
 
@@ -55,6 +67,15 @@ pub trait RobotValues: fmt::Debug + Send + Sync {
 
     /// How far a value is, if it is being fetched or was last.
     fn progress(&self, value: (&str, u64)) -> Option<ValueFetch>;
+
+    /// Asks a robot to resume a run, once for each id. `answered` is called with the robot's answer, or once it is overdue. Returns false
+    /// if the station does not receive the robot, or too many requests wait.
+    fn resume(
+        &self,
+        robot: &str,
+        request: RobotResume,
+        answered: Box<dyn FnOnce(Answer) + Send>,
+    ) -> bool;
 
     /// What so many bytes cost on the link to a robot, in bytes, and how long that takes, in ms, if the robot is heard. Nothing if it is
     /// not received here.

@@ -25,7 +25,7 @@ export const RUN_CRASH: readonly UserCommand[] = [
     refusal: ({ page, tab }) => {
       const run = tab?.run.value?.now.value?.run;
       if (run?.phase !== "crashed") return "only for runs whose program died";
-      return run.robot ? `it can be resumed on its robot, ${run.robot}` : lacks(page, "start");
+      return lacks(page, "start");
     },
     run: resumeCrashed,
   },
@@ -75,12 +75,20 @@ function interrupted({ tab }: CommandContext): readonly string[] {
   return all.filter(({ phase }) => phase === "interrupted").map(({ path }) => path);
 }
 
-async function resumeCrashed({ tab, shell }: CommandContext, argument: unknown): Promise<void> {
+async function resumeCrashed(context: CommandContext, argument: unknown): Promise<void> {
+  const { page, tab, shell } = context;
   const watch = tab?.run.peek();
   if (!watch) return;
   const given = typeof argument === "string" ? (argument as OnCrash) : null;
   const policy = given ?? (await shell.dialog("resume-crashed", watch));
-  if (policy) await watch.resume(policy);
+  if (!policy) return;
+  const robot = watch.now.peek()?.run.robot;
+  if (robot) page.tell({ level: "info", text: `${robot} is asked to resume the run.` });
+  await watch.resume(policy);
+  if (robot) {
+    const text = `${robot} has resumed the run. Its first events are on their way.`;
+    page.tell({ level: "info", text });
+  }
 }
 
 async function reload(context: CommandContext): Promise<void> {

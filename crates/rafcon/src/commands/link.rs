@@ -8,12 +8,13 @@ use crate::failure::complain;
 use anyhow::{Context as _, Result, bail};
 use rafcon_link::Profile;
 use rafcon_protocol::Command;
-use rafcon_protocol::api::{Control, ControlMove, Right, ValueFetch};
+use rafcon_protocol::api::{Control, ControlMove, ResumeRun, Right, ValueFetch};
 use rafcon_relay::{
-    Authority, Paired, Pairing, PairingList, PairingRights, Projects, RobotSettings,
-    StationSettings, Stopper, ValueCost, ValueDesk, relay_robot, relay_station,
+    Answered, Authority, Paired, Pairing, PairingList, PairingRights, Projects, ResumeDesk,
+    ResumeRequest, RobotSettings, StationSettings, Stopper, ValueCost, ValueDesk, relay_robot,
+    relay_station,
 };
-use rafcon_server::{RobotValues, RunAuthority, Settings};
+use rafcon_server::{RobotResume, Robots, RunAuthority, Settings};
 use std::fs::{self, OpenOptions};
 use std::io::{self, IsTerminal as _, Write as _};
 use std::net::SocketAddr;
@@ -138,6 +139,20 @@ impl Authority for ServerAuthority {
         self.server()?.move_control(run, user, wanted)
     }
 
+    fn resume(
+        &self,
+        run: &str,
+        user: &str,
+        asked: ResumeRun,
+        answered: Answered,
+    ) -> Result<(), String> {
+        self.server()?.resume(run, user, asked, answered)
+    }
+
+    fn was_resumed(&self, run: &str, user: &str, id: &str) -> bool {
+        self.server().is_ok_and(|server| server.was_resumed(run, user, id))
+    }
+
     fn present(&self, user: &str) {
         if let Ok(server) = self.server() {
             server.present(user);
@@ -149,26 +164,34 @@ impl Authority for ServerAuthority {
     }
 }
 
-/// Brings large values of robots to the station's server.
-#[derive(Debug)]
-pub(super) struct StationDesk(pub(super) ValueDesk);
+/// Carries what the station's server asks of its robots to the station.
+#[derive(Debug, Clone, Default)]
+pub(super) struct StationDesk {
+    values: ValueDesk,
+    resumes: ResumeDesk,
+}
 
-impl RobotValues for StationDesk {
+impl Robots for StationDesk {
     fn fetch(&self, robot: &str, (run, number): (&str, u64), length: u64, budget: u64) -> bool {
-        self.0.fetch(robot, (run.to_owned(), number), length, budget)
+        self.values.fetch(robot, (run.to_owned(), number), length, budget)
     }
 
     fn cancel(&self, robot: &str, (run, number): (&str, u64)) {
-        self.0.cancel(robot, (run.to_owned(), number));
+        self.values.cancel(robot, (run.to_owned(), number));
     }
 
     fn progress(&self, (run, number): (&str, u64)) -> Option<ValueFetch> {
-        self.0.progress(run, number)
+        self.values.progress(run, number)
     }
 
     fn cost(&self, robot: &str, bytes: u64) -> Option<(u64, Option<u64>)> {
-        let ValueCost { link_bytes, takes_ms } = self.0.cost(robot, bytes)?;
+        let ValueCost { link_bytes, takes_ms } = self.values.cost(robot, bytes)?;
         Some((link_bytes, takes_ms))
+    }
+
+    fn resume(&self, robot: &str, request: RobotResume, answered: Answered) -> bool {
+        let (robot, RobotResume { run, user, asked }) = (robot.to_owned(), request);
+        self.resumes.ask(ResumeRequest { robot, run, user, asked }, answered)
     }
 }
 
@@ -233,7 +256,7 @@ impl Relays {
         raw: &cli::Link,
         listen: SocketAddr,
         server: &Settings,
-        desk: ValueDesk,
+        desk: &StationDesk,
     ) -> Result<()> {
         let (state, runs) = (&server.state, &server.runs);
         let (tls, fingerprint) = rafcon_server::tls_config(server)?;
@@ -249,7 +272,8 @@ impl Relays {
             bind: listen,
             tls: Some(Arc::new(StationTls(tls))),
             profile: profile(raw.profile),
-            desk,
+            desk: desk.values.clone(),
+            resumes: desk.resumes.clone(),
             tell: complain,
         };
         let stopper = self.stopper.clone();

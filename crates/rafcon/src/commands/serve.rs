@@ -8,7 +8,7 @@ use crate::environment::{self, Environment};
 use crate::failure::complain;
 use crate::machine;
 use anyhow::{Context as _, Result, bail};
-use rafcon_relay::{Projects, ValueDesk};
+use rafcon_relay::Projects;
 use rafcon_server::{RunAuthority, Server, Settings};
 use rafcon_storage::{config, roots};
 use std::io::{self, Write as _};
@@ -30,9 +30,9 @@ pub(super) fn serve(
     let projects = projects(&settings);
     relays.robot(&raw.link, (&state, &runs, &projects), &authority, environment)?;
     if let Some(listen) = robots {
-        let desk = ValueDesk::default();
-        relays.station(&raw.link, listen, &settings, desk.clone())?;
-        settings.robots = Some(Arc::new(StationDesk(desk)));
+        let desk = StationDesk::default();
+        relays.station(&raw.link, listen, &settings, &desk)?;
+        settings.robots = Some(Arc::new(desk));
     }
     let mut bridge = None;
     let served = rafcon_server::serve(settings, |server| {

@@ -3,9 +3,10 @@
 use crate::harness::{Place, Run, ticks};
 use crate::served::Door;
 use expect_test::expect;
-use rafcon_storage::journal::Pack;
+use rafcon_storage::journal::{Pack, writer_of};
 use rafcon_supervisor::clock;
-use serde_json::json;
+use rustix::process::{Pid, Signal, kill_process};
+use serde_json::{Value, json};
 use std::io::{BufRead as _, BufReader, Write as _};
 use std::net::{SocketAddr, UdpSocket};
 use std::process::{Child, Command, Stdio};
@@ -284,7 +285,7 @@ fn a_station_has_the_run_of_its_robot_although_the_path_is_bad_and_both_servers_
     drop(ground);
     wait_at_station(&place, "Ticks  crashed");
     let resumed = place.call("resume last --runs ground-runs");
-    expect!["error: this is the replica of a run of robot `scout`: resume it there"]
+    expect!["error: this is the replica of a run of robot `scout`: resume it there, or name the server of this station with `--server`"]
         .assert_eq(resumed.stderr.lines().last().unwrap());
     drop(first);
     assert_eq!(run.end().0, Some(0));
@@ -532,6 +533,68 @@ fn a_station_does_on_the_robot_what_its_pairing_allows() {
     .assert_eq(&said.concat());
 }
 
+/// A state that runs until it is preempted.
+const WAITS: &str = r#"
+hierarchy ROOT "Waits"
+  outcome success
+  start -> WAITXX
+  WAITXX.success -> .success
+  execution WAITXX "Wait"
+    outcome success
+    script |
+      def execute(self, inputs, outputs, gvm):
+          self.preemptive_wait()
+          return "success"
+"#;
+
+#[test]
+fn a_run_whose_program_died_is_resumed_from_the_station() {
+    let mut said = Vec::new();
+    for rights in ["observe", "command"] {
+        let place = Place::with(WAITS);
+        pair_with(&place, &format!("scout --rights {rights}"), "ground");
+        let (ground, address) = station(&place, "127.0.0.1:0");
+        let robot = robot(&place, address);
+        let run = Run::start(&place, "--runs robot-runs");
+        wait_at_station(&place, "Waits  running");
+        kill_process(run.runner().unwrap(), Signal::KILL).unwrap();
+        drop(run.end());
+        wait_at_station(&place, "Waits  crashed");
+        let id = only_run(&place, "ground-runs");
+        let resume = |request: &str| {
+            let path = format!("/api/v1/runs/{id}/resume");
+            let body = json!({ "id": request, "policy": "ask" });
+            let (status, answer) = ground.door.answer("POST", &path, Some(&body)).unwrap();
+            let answer: Value = serde_json::from_str(&answer).unwrap();
+            format!("{rights}, request {request}: {status} {}\n", answer["message"])
+        };
+        said.push(resume("one"));
+        if rights == "command" {
+            wait_at_station(&place, "Waits  running");
+            // An answer that was lost is asked for again; another request comes too late.
+            said.extend([resume("one"), resume("two")]);
+            kill_process(runner_of(&place), Signal::KILL).unwrap();
+            wait_at_station(&place, "Waits  crashed");
+            let url = &ground.url;
+            let resumed = place.call(&format!("resume last --server {url} --state ground"));
+            said.push(resumed.stderr);
+            wait_at_station(&place, "Waits  running");
+            assert_eq!(place.call("tell last stop --runs ground-runs").stdout, "applied\n");
+            wait_at_station(&place, "Waits  ended with");
+            assert_eq!(history(&place, "ground-runs"), history(&place, "robot-runs"));
+            assert_eq!(history(&place, "robot-runs").matches("resumed").count(), 2);
+        }
+        drop(robot);
+    }
+    expect![[r#"
+        observe, request one: 409 "scout: the pairing of this station allows `observe`, and this needs `command`: pair again with `rafcon pair NAME --rights command` on the robot"
+        command, request one: 200 null
+        command, request one: 200 null
+        command, request two: 409 "scout: the run is active: command it instead"
+        robot scout has resumed the run; follow it with `rafcon attach`
+    "#]].assert_eq(&said.concat());
+}
+
 #[test]
 fn a_robot_that_is_paired_while_the_station_runs_is_received_at_once() {
     let place = Place::with(&ticks(1_000_000));
@@ -550,6 +613,19 @@ fn a_robot_that_is_paired_while_the_station_runs_is_received_at_once() {
     wait_at_station(&place, "Ticks  running");
     drop(place.call("tell last stop --runs rover-runs"));
     drop(run.end());
+}
+
+/// The process that runs the only run of the robot.
+fn runner_of(place: &Place) -> Pid {
+    let folder = place.path("robot-runs").join(only_run(place, "robot-runs"));
+    let process = writer_of(&folder).unwrap().unwrap();
+    Pid::from_raw(i32::try_from(process).unwrap()).unwrap()
+}
+
+/// The id of the only run here.
+fn only_run(place: &Place, runs: &str) -> String {
+    let mut runs = std::fs::read_dir(place.path(runs)).unwrap();
+    runs.next().unwrap().unwrap().file_name().into_string().unwrap()
 }
 
 /// How many runs at a server have this phase.

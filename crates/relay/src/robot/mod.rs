@@ -28,7 +28,7 @@ use early::EarlyCommands;
 use follow::FromRun;
 use parcels::SentParcels;
 use rafcon_link::{CommandState, Generation, Profile, ReceivedCommand, RobotSession, StreamId};
-use rafcon_protocol::api::{ControlMove, Right};
+use rafcon_protocol::api::{ControlMove, ResumeRun, Right};
 use rafcon_protocol::{Answer, Envelope, Expiry, LinkReport};
 use rafcon_supervisor::clock;
 use runs::RobotRuns;
@@ -331,7 +331,18 @@ impl RobotRelay<'_> {
 
     /// Fate of a late command, by the run's journal: an earlier start of this server may have given it to the runner.
     fn late_fate(&self, stream: StreamId, word: &StationRequest) -> Result<CommandState, String> {
-        let StationRequest::Command(id, ..) = word else { return Ok(CommandState::Expired) };
+        let id = match word {
+            StationRequest::Command(id, ..) => id,
+            StationRequest::Resume(id, author, run, ..) => {
+                let Self { settings, .. } = self;
+                let author = author_at_robot(author, settings.paired.pairing.station_name());
+                let is_done = settings.authority.was_resumed(run, &author, id);
+                return Ok(if is_done { CommandState::Done } else { CommandState::Expired });
+            }
+            StationRequest::MoveControl(..) | StationRequest::Present(_) => {
+                return Ok(CommandState::Expired);
+            }
+        };
         match self.runs.answer_of(stream, id) {
             Some(Answer::Applied) => Ok(CommandState::Done),
             Some(Answer::Refused { reason }) => Err(reason),
@@ -348,7 +359,10 @@ impl RobotRelay<'_> {
         let authority = Arc::clone(&self.settings.authority);
         let Pairing { rights, .. } = self.settings.paired.pairing;
         let station = self.settings.paired.pairing.station_name();
-        let run = self.runs.name(stream).ok_or("the robot has no such run")?.to_owned();
+        let run = match &word {
+            StationRequest::Resume(_, _, run, ..) => run.clone(),
+            _ => self.runs.name(stream).ok_or("the robot has no such run")?.to_owned(),
+        };
         match word {
             StationRequest::Command(id, author, decided_on, command) => {
                 rights.check(&command, authority.right_of(&command))?;
@@ -379,6 +393,13 @@ impl RobotRelay<'_> {
                 authority.move_control(&run, &author_at_robot(&author, station), &wanted)?;
                 self.tell_control();
                 Ok(CommandState::Done)
+            }
+            StationRequest::Resume(id, author, _, policy, from) => {
+                rights.check_right(Right::Start)?;
+                let author = author_at_robot(&author, station);
+                let answered = self.runs.answerer(id.clone());
+                authority.resume(&run, &author, ResumeRun { id, policy, from }, answered)?;
+                Ok(CommandState::Started)
             }
             StationRequest::Present(user) => {
                 authority.present(&author_at_robot(&user, station));

@@ -12,6 +12,7 @@ use crate::clock::SessionClock;
 use crate::ids;
 use crate::inbox::Input;
 use crate::meter::millis;
+use crate::resumes::Answered;
 use crate::snapshot_words;
 use crate::words::{ReportedRunState, RunFate};
 use rafcon_link::{
@@ -508,6 +509,13 @@ impl RobotRuns {
             ))
         };
         self.all.iter().filter_map(problem).collect()
+    }
+
+    /// Tells the relay what became of the request with this id, from any thread.
+    pub(super) fn answerer(&self, id: String) -> Answered {
+        let inbox = self.inbox.clone();
+        // Without the relay, nobody waits for the answer.
+        Box::new(move |answer| drop(inbox.send(Input::Other(FromRun::Answered(id, answer)))))
     }
 
     /// The folder of the run with these events, whether it is sent now or not.

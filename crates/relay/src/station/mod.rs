@@ -23,6 +23,7 @@ use crate::error::RelayError;
 use crate::inbox::{Inbox, Input, Stopper};
 use crate::pairing::Paired;
 use crate::report::{REPORT_EVERY, Reporter};
+use crate::resumes::ResumeDesk;
 use disk::FromDisk;
 use rafcon_link::{Profile, StreamId};
 use robot::StationRobot;
@@ -73,6 +74,8 @@ pub struct StationSettings {
     pub profile: Profile,
     /// Where large values are asked for.
     pub desk: ValueDesk,
+    /// Where runs are asked to be resumed.
+    pub resumes: ResumeDesk,
     /// Told what goes wrong.
     pub tell: fn(&str),
 }

@@ -57,7 +57,8 @@ impl PendingRequests {
             not_before_ms,
             progress: None,
         };
-        let is_command = matches!(given.word, StationRequest::Command(..));
+        let is_command =
+            matches!(given.word, StationRequest::Command(..) | StationRequest::Resume(..));
         let word = OpenRequest { stream, command, is_command };
         self.open.entry(ids::command(&given.id)).or_insert(word);
     }

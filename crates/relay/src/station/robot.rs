@@ -22,9 +22,10 @@ use crate::inbox::Input;
 use crate::meter::{LinkMeter, millis};
 use crate::pairing::{Paired, Pairing};
 use crate::request_words;
+use crate::resumes::{ResumeDesk, ResumeRequest};
 use crate::start::Start;
 use crate::watch_words;
-use crate::words::{ReportedRunState, RunFate};
+use crate::words::{ReportedRunState, RunFate, StationRequest};
 use rafcon_link::{
     CARRIER_OVERHEAD, CommandId, CommandState, EventHash, NewCommand, Profile, RangeSet, Rejected,
     StationSession, StreamId, Unusable,
@@ -84,6 +85,7 @@ pub(super) struct StationRobot {
     /// What was given for the robot and whose fate is open.
     requests: PendingRequests,
     values: StationValues,
+    resumes: ResumeDesk,
     /// What the robot is asked for of runs.
     watching: BTreeMap<StreamId, Asked>,
     /// The number of the last wish.
@@ -130,8 +132,10 @@ impl StationRobot {
         let (restored, parcels) = (kept.restore(), kept.restored_parcels());
         let whole = kept.whole();
         let disk = Disk::begin(kept).map_err(|source| RelayError::Thread { source })?;
+        settings.resumes.receive(&pairing.robot);
         let mut robot = Self {
             values,
+            resumes: settings.resumes.clone(),
             watching: BTreeMap::new(),
             wishes: clock::since_1970_ms(),
             profile: settings.profile.clone(),
@@ -398,6 +402,7 @@ impl StationRobot {
             self.pass(stream);
         }
         self.sync_wishes();
+        self.ask_to_resume();
         let link = health(&mut self.meter, &self.session, self.clock.now());
         let (session, requests) = (&self.session, &self.requests);
         for (stream, run) in &mut self.runs {
@@ -595,6 +600,15 @@ impl StationRobot {
         self.requests.add(stream, given, times);
     }
 
+    /// Sends what the server asks for: the runs are closed here, so that no viewer does.
+    fn ask_to_resume(&mut self) {
+        for ResumeRequest { run, user, asked, .. } in self.resumes.take(&self.name) {
+            let (stream, id) = (ids::events_of(&run), asked.id.clone());
+            let word = StationRequest::Resume(asked.id, user, run, asked.policy, asked.from);
+            self.command(stream, &PendingRequest::soon(id, word));
+        }
+    }
+
     fn answered(&mut self, id: CommandId, state: CommandState, reason: String) {
         match state {
             CommandState::Received => self.requests.set_stage(id, CommandStage::Received),
@@ -625,6 +639,7 @@ impl StationRobot {
         if let Some(run) = self.runs.get(&stream) {
             run.shared.answer(name, answer);
         }
+        self.resumes.answer(name, answer);
     }
 }
 

@@ -55,7 +55,7 @@ impl PendingRequest {
         Self { id, expiry, is_lasting, not_before, epoch, word }
     }
 
-    /// A word about control.
+    /// A request of the station's server.
     pub(super) fn soon(id: String, word: StationRequest) -> Self {
         Self { id, expiry: None, is_lasting: false, not_before: None, epoch: None, word }
     }

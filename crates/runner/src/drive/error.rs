@@ -181,7 +181,9 @@ pub enum ResumeError {
     #[error("a run is resumed by its folder: name it in `run_folder`")]
     NoFolder,
     /// The run happens elsewhere.
-    #[error("this is the replica of a run of robot `{robot}`: resume it there")]
+    #[error(
+        "this is the replica of a run of robot `{robot}`: resume it there, or name the server of this station with `--server`"
+    )]
     Replica {
         /// The robot.
         robot: String,

@@ -2,7 +2,7 @@
 
 use super::{Json, read};
 use crate::extract::{Path, Query};
-use crate::settings::RobotValues;
+use crate::settings::Robots;
 use crate::{Failure, ServerState};
 use axum::extract::State;
 use rafcon_protocol::api::{EventDetail, EventPage, EventQuery, HistoryEntry, NamedValue, Refusal};
@@ -153,7 +153,7 @@ pub(super) fn nanos(ms: u64) -> u64 {
 
 fn detail(
     reader: &mut Reader,
-    robots: Option<&dyn RobotValues>,
+    robots: Option<&dyn Robots>,
     sequence: u64,
 ) -> Result<EventDetail, Failure> {
     let page = reader.page(sequence, 1)?;
@@ -173,7 +173,7 @@ fn detail(
 
 fn values(
     reader: &Reader,
-    robots: Option<&dyn RobotValues>,
+    robots: Option<&dyn Robots>,
     entry: &Entry,
 ) -> Result<Vec<NamedValue>, Failure> {
     let mut values = Vec::new();

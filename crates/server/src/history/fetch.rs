@@ -4,7 +4,7 @@
 use super::moments::value;
 use super::{Json, folder, read};
 use crate::extract::{Body, Path};
-use crate::settings::RobotValues;
+use crate::settings::Robots;
 use crate::{Failure, ServerState};
 use axum::extract::State;
 use rafcon_protocol::api::{FetchValue, KeptAs, KeptValue, Refusal};
@@ -21,7 +21,7 @@ pub(super) fn routes() -> OpenApiRouter<Arc<ServerState>> {
 /// How a value of so many bytes in a file of its own is kept by a run.
 pub(super) fn kept_in_file(
     reader: &Reader,
-    robots: Option<&dyn RobotValues>,
+    robots: Option<&dyn Robots>,
     number: ValueNumber,
     (hash, bytes): (&str, u64),
 ) -> KeptAs {
@@ -114,7 +114,7 @@ async fn cancel(
 /// A value of a run, with what is kept of it.
 pub(super) fn kept(
     reader: &Reader,
-    robots: Option<&dyn RobotValues>,
+    robots: Option<&dyn Robots>,
     number: ValueNumber,
 ) -> Result<KeptValue, Failure> {
     let stored = reader.value(number)?.ok_or_else(|| {

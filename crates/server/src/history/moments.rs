@@ -5,7 +5,7 @@ use super::events::{nanos, no_such_event};
 use super::fetch;
 use super::{Json, read};
 use crate::extract::{Path, Query};
-use crate::settings::RobotValues;
+use crate::settings::Robots;
 use crate::{Failure, ServerState};
 use axum::extract::State;
 use rafcon_protocol::api::{KeptAs, KeptValue, Moment, MomentQuery, Refusal};
@@ -106,7 +106,7 @@ async fn kept(
 /// A value as the wire has it.
 pub(super) fn value(
     reader: &Reader,
-    robots: Option<&dyn RobotValues>,
+    robots: Option<&dyn Robots>,
     number: ValueNumber,
     stored: Stored,
 ) -> KeptValue {

@@ -1,11 +1,13 @@
 //! Control of runs for those who come neither over HTTP nor over a socket: the users of a station far away.
 
 use super::commands::{move_holder, take};
+use super::folder_files::RunRequest;
+use super::resume::once;
 use super::run::Run;
 use crate::ServerState;
 use crate::access::of_command;
-use rafcon_protocol::Command;
-use rafcon_protocol::api::{Control, ControlMove, Right};
+use rafcon_protocol::api::{Control, ControlMove, ResumeRun, Right};
+use rafcon_protocol::{Answer, Command};
 use std::sync::Arc;
 use tokio::runtime::Handle;
 
@@ -44,6 +46,36 @@ impl RunAuthority {
             return Err(format!("{to} is nobody who may command runs on the robot"));
         }
         move_holder(&self.server, &run, user, wanted).map_err(|failure| failure.to_string())
+    }
+
+    /// Begins to resume a run whose runner died, once for each id of a user. `answered` is called with the result. The error is the
+    /// reason for a refusal.
+    pub fn resume(
+        &self,
+        run: &str,
+        user: &str,
+        asked: ResumeRun,
+        answered: Box<dyn FnOnce(Answer) + Send>,
+    ) -> Result<(), String> {
+        let run = self.run(run)?;
+        let (server, user) = (Arc::clone(&self.server), user.to_owned());
+        self.runtime.spawn(async move {
+            let answer = match once(&server, &user, &run, asked).await {
+                Ok(_goes_on) => Answer::Applied,
+                Err(failure) => Answer::Refused { reason: failure.to_string() },
+            };
+            // The relay's queue may be full for a moment.
+            let told = tokio::task::spawn_blocking(move || answered(answer));
+            told.await.unwrap_or_default();
+        });
+        Ok(())
+    }
+
+    /// True if this request of the user resumed the run.
+    pub fn was_resumed(&self, run: &str, user: &str, id: &str) -> bool {
+        let Ok(run) = self.run(run) else { return false };
+        let request = RunRequest::read(run.folder());
+        request.is_some_and(|request| request.was_resumed_by(user, id))
     }
 
     /// A user is there: who holds control is not silent.

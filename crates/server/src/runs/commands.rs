@@ -19,7 +19,7 @@ use std::time::Duration;
 use tokio::time::{sleep, timeout};
 
 /// How long an answer is waited for: a runner whose disk refuses may take long.
-const COMMAND_TIMEOUT: Duration = Duration::from_secs(30);
+pub(super) const COMMAND_TIMEOUT: Duration = Duration::from_secs(30);
 
 /// How long an answer to a stop is waited for; then the process of the run is ended. A runner whose engine does not take a stop
 /// ends itself a little before that.

@@ -11,12 +11,15 @@ use super::supervise;
 use crate::access::Who;
 use crate::failure::reason;
 use crate::gate::blocking;
+use crate::settings::RobotResume;
 use crate::{Failure, ServerState};
-use rafcon_protocol::Launch;
 use rafcon_protocol::api::{ResumeRun, RunPhase, RunSummary};
+use rafcon_protocol::{Answer, Launch};
 use rafcon_supervisor::resume_launch;
 use std::io;
 use std::sync::Arc;
+use tokio::sync::oneshot;
+use tokio::time::timeout;
 
 /// Resumes a run, or finds that it was resumed by this id.
 pub(crate) async fn resume(
@@ -27,13 +30,62 @@ pub(crate) async fn resume(
 ) -> Result<RunSummary, Failure> {
     crate::extract::check_request_id(&asked.id)?;
     let run = server.runs.get(run).await?;
-    let (server, who) = (Arc::clone(server), who.clone());
-    to_its_end(async move { once(&server, &who, &run, asked).await }).await
+    if run.is_replica() {
+        return by_robot(server, who, &run, asked).await;
+    }
+    let (server, user) = (Arc::clone(server), who.user.clone());
+    to_its_end(async move { once(&server, &user, &run, asked).await }).await
 }
 
-async fn once(
-    server: &Arc<ServerState>,
+/// Has the robot of a replica resume its run. The robot knows whether it can be.
+async fn by_robot(
+    server: &ServerState,
     who: &Who,
+    run: &Run,
+    asked: ResumeRun,
+) -> Result<RunSummary, Failure> {
+    let robot = run.robot().unwrap_or_default();
+    let (answer, answered) = oneshot::channel();
+    // After a time-out nobody receives it; a repeated request does.
+    let answered_by_robot = Box::new(move |it| answer.send(it).unwrap_or_default());
+    let asked = ResumeRun { id: format!("{}/resume/{}", who.user, asked.id), ..asked };
+    let robots = server.settings.robots.as_ref();
+    let request = RobotResume { run: run.id().to_owned(), user: who.user.clone(), asked };
+    if !robots.is_some_and(|robots| robots.resume(&robot, request, answered_by_robot)) {
+        let message = format!(
+            "robot {robot} is not received here, or too many requests wait for it: start this server as its station (`rafcon station`), \
+             or try again"
+        );
+        return Err(Failure::unavailable("robot_not_received", message));
+    }
+    match timeout(commands::COMMAND_TIMEOUT, answered).await {
+        Ok(Ok(Answer::Applied)) => {
+            server.audit().note(&who.user, "run_resumed", &format!("{} by {robot}", run.id()));
+            Ok(run.summary())
+        }
+        Ok(Ok(Answer::Refused { reason })) => {
+            Err(Failure::conflict("refused_by_robot", format!("{robot}: {reason}")))
+        }
+        Ok(Ok(Answer::Expired)) => {
+            let message = format!(
+                "robot {robot} received the request too late and did nothing: repeat it with another id"
+            );
+            Err(Failure::conflict("expired", message))
+        }
+        Ok(Ok(Answer::Unknown { reason })) => Err(Failure::conflict("fate_unknown", reason)),
+        Ok(Err(_)) | Err(_) => {
+            let message = format!(
+                "robot {robot} has not answered yet; the station repeats the request until it expires: repeat it with the same id"
+            );
+            Err(Failure::unavailable("not_finished", message))
+        }
+    }
+}
+
+/// Resumes a run that is here for a user.
+pub(super) async fn once(
+    server: &Arc<ServerState>,
+    user: &str,
     run: &Arc<Run>,
     asked: ResumeRun,
 ) -> Result<RunSummary, Failure> {
@@ -45,20 +97,20 @@ async fn once(
     let before = blocking(move || Ok(RunRequest::read(&folder))).await?;
     let known = before.as_ref();
     let is_done = known.is_some_and(|request| {
-        let is_begun = request.is_being_resumed_by(&who.user, &asked.id) && run.is_live();
-        is_begun || request.was_resumed_by(&who.user, &asked.id)
+        let is_begun = request.is_being_resumed_by(user, &asked.id) && run.is_live();
+        is_begun || request.was_resumed_by(user, &asked.id)
     });
     if is_done {
         return Ok(run.summary());
     }
     may_be_resumed(&run.summary(), &asked)?;
-    commands::take(server, run, &who.user, None)?;
+    commands::take(server, run, user, None)?;
     let turn = server.runs.turn().await?;
     if !run.try_claim() {
         return Err(still_live());
     }
     run.set_phase(RunPhase::Starting);
-    let (here, there, author) = (Arc::clone(server), Arc::clone(run), who.user.clone());
+    let (here, there, author) = (Arc::clone(server), Arc::clone(run), user.to_owned());
     let begin = move || {
         let _turn = turn;
         begun(&here, &there, &author, &asked, before)
@@ -66,7 +118,7 @@ async fn once(
     match blocking(begin).await {
         Ok(launched) => {
             run.set_phase(RunPhase::Live);
-            server.audit().note(&who.user, "run_resumed", run.id());
+            server.audit().note(user, "run_resumed", run.id());
             supervise::follow_ours(server, run, launched, true).await;
             Ok(run.summary())
         }
@@ -79,7 +131,7 @@ async fn once(
 }
 
 fn still_live() -> Failure {
-    Failure::conflict("run_is_live", "the run goes on: command it instead")
+    Failure::conflict("run_is_live", "the run is active: command it instead")
 }
 
 fn may_be_resumed(run: &RunSummary, asked: &ResumeRun) -> Result<(), Failure> {

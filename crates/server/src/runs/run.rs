@@ -397,6 +397,11 @@ impl Run {
         self.now.borrow().run.robot.is_some()
     }
 
+    /// The robot of a replica.
+    pub(crate) fn robot(&self) -> Option<String> {
+        self.now.borrow().run.robot.clone()
+    }
+
     /// The robot of a replica says who holds control.
     pub(super) fn robot_controls(&self, control: Control) {
         self.change(|now| now.control = control);

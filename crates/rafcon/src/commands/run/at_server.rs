@@ -50,6 +50,12 @@ pub(super) fn resume(
     let before = remote::run(server, &raw.run)?;
     let policy = request::on_crash(raw.policy);
     let request = ResumeRun { id: remote::unique("resume")?, policy, from: raw.from };
+    if let Some(robot) = &before.robot {
+        // The first event of the resumed run is a delay of the link away.
+        begun(clock, || server.resume(&before.id, &request))?;
+        complain(&format!("robot {robot} has resumed the run; follow it with `rafcon attach`"));
+        return Ok(ExitCode::SUCCESS);
+    }
     let at = AtServer { server, output: raw.output, environment, clock };
     begin(&at, timeout, before.events + 1, || server.resume(&before.id, &request))
 }
