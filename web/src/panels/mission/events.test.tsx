@@ -41,3 +41,16 @@ test("a line that counts up can be acknowledged all the while, and only another 
   act(() => tell(warning("R/A")));
   expect(lines()).toEqual(["B ×1", "A ×3"]);
 });
+
+test("the list says how many older events it dropped", () => {
+  const { watch, tell } = watched(runLine("finished", "many"));
+  const place = shown(<Events watch={watch} />, { watch });
+  const soft = () => [...place.querySelectorAll("section > .mission-soft")].at(-1)?.textContent;
+  act(() => tell(...Array.from({ length: 1_000 }, (_, at) => warning(`R/${at}`))));
+  expect(soft()).toBe("and 970 older events");
+  act(() => tell(warning("R/A")));
+  const end = "that nobody acknowledged";
+  expect(soft()).toBe(`1 older event ${end} is no longer listed here; the history has them.`);
+  act(() => tell(warning("R/B")));
+  expect(soft()).toBe(`2 older events ${end} are no longer listed here; the history has them.`);
+});

@@ -7,7 +7,12 @@ import { shortValue } from "../../model/short_value.ts";
 import { didInWords, FAILURES_MAX, type RunFailure } from "../../store/history/failures.ts";
 import type { Watch } from "../../store/history/run.ts";
 import { RefusalError } from "../../store/page/server.ts";
-import { acknowledged, failures, openFailures } from "../../store/run/acknowledged.ts";
+import {
+  acknowledged,
+  droppedFailures,
+  failures,
+  openFailures,
+} from "../../store/run/acknowledged.ts";
 import { Button } from "../../ui/button.tsx";
 import { useComputed, useSignal } from "../../ui/signals.ts";
 import { useStableFor } from "../../ui/stable_for.ts";
@@ -25,9 +30,11 @@ export function Events({ watch }: { readonly watch: Watch }) {
   const open = useSignal(openFailures(watch));
   const all = useSignal(failures(watch));
   const done = useSignal(acknowledged(watch));
+  const dropped = useSignal(droppedFailures(watch));
   const names = useMachineNames();
   const [showsDone, setShowsDone] = useState(false);
   const shown = showsDone ? all : open;
+  const unlisted = showsDone ? dropped.all : dropped.open;
   // What one acknowledges oneself is meant to make room for the next.
   const newest = shown.slice(-SHOWN_MAX).reverse();
   // A line that counts on stays where it is: only another line could come under the pointer.
@@ -75,6 +82,7 @@ export function Events({ watch }: { readonly watch: Watch }) {
       {shown.length > SHOWN_MAX && (
         <p className="mission-soft">and {shown.length - SHOWN_MAX} older events</p>
       )}
+      {unlisted > 0 && <p className="mission-soft">{unlistedInWords(unlisted, showsDone)}</p>}
     </section>
   );
 }
@@ -82,6 +90,12 @@ export function Events({ watch }: { readonly watch: Watch }) {
 /** More than are kept are not counted. */
 export function countInWords(count: number): string {
   return count < FAILURES_MAX ? String(count) : `${FAILURES_MAX} or more`;
+}
+
+function unlistedInWords(count: number, withDone: boolean): string {
+  const events = `${count} older ${count === 1 ? "event" : "events"}`;
+  const left = `${count === 1 ? "is" : "are"} no longer listed here`;
+  return `${events}${withDone ? "" : " that nobody acknowledged"} ${left}; the history has them.`;
 }
 
 interface EventLineProps {

@@ -29,16 +29,27 @@ export interface RunFailure {
   readonly count: number;
 }
 
-/** So many are kept, the newest. */
+/** So many are kept: at the bound acknowledged ones leave first, the oldest of them, then the oldest open ones. */
 export const FAILURES_MAX = 1_000;
 /** A script's traceback is logged so few events before its state ends by it. */
 const TRACEBACK_NEAR = 5;
+
+/** How many failures have left the list at its bound. */
+export interface DroppedFailures {
+  /** Those of them that nobody had acknowledged. */
+  readonly open: number;
+  readonly all: number;
+}
 
 export class Failures {
   /** By state and cause, in the order in which they happened first. */
   readonly #all = new Map<string, RunFailure>();
   #list: readonly RunFailure[] = [];
   #next = 0;
+  /** The sequence numbers of what was acknowledged, and the causes of those that are listed. */
+  #acknowledged: ReadonlySet<number> = new Set();
+  #settled = new Set<string>();
+  #dropped: DroppedFailures = { open: 0, all: 0 };
   /** The newest by itself, its cause, and what stood there before it; null before anything went wrong. */
   #last: {
     readonly failure: RunFailure;
@@ -48,8 +59,18 @@ export class Failures {
   /** The state that an error has climbed to and may climb on from: nothing has run beside it since. */
   #climbing: string | null = null;
 
+  /** How many have left the list; the same object as before if no further one has. */
+  get dropped(): DroppedFailures {
+    return this.#dropped;
+  }
+
   /** All of them, in the order in which they happened first; the same object as before if there is nothing new. */
-  found(journal: Journal): readonly RunFailure[] {
+  found(journal: Journal, acknowledged: ReadonlySet<number> = new Set()): readonly RunFailure[] {
+    if (acknowledged !== this.#acknowledged && this.#next < journal.length) {
+      this.#acknowledged = acknowledged;
+      const settled = [...this.#all].filter(([, { sequence }]) => acknowledged.has(sequence));
+      this.#settled = new Set(settled.map(([cause]) => cause));
+    }
     let isNew = false;
     for (; this.#next < journal.length; this.#next += 1) {
       if (this.#look(journal, this.#next)) isNew = true;
@@ -74,8 +95,7 @@ export class Failures {
     const joined = last && this.#together(last.failure, failure);
     if (isEnd(failure)) this.#climbing = failure.path;
     if (joined) {
-      if (last.before) this.#all.set(last.cause, last.before);
-      else this.#all.delete(last.cause);
+      this.#set(last.cause, last.before);
     }
     this.#fold(joined ?? failure);
   }
@@ -85,10 +105,24 @@ export class Failures {
     const cause = causeOf(failure);
     const before = this.#all.get(cause) ?? null;
     const { first, count } = before ?? { first: failure.sequence, count: 0 };
-    this.#all.set(cause, { ...failure, first, count: count + 1 });
+    this.#set(cause, { ...failure, first, count: count + 1 });
     this.#last = { failure, cause, before };
-    const [oldest] = this.#all.keys();
-    if (this.#all.size > FAILURES_MAX && oldest !== undefined) this.#all.delete(oldest);
+    while (this.#all.size > FAILURES_MAX) this.#drop();
+  }
+
+  #set(cause: string, failure: RunFailure | null): void {
+    if (failure) this.#all.set(cause, failure);
+    else this.#all.delete(cause);
+    if (failure && this.#acknowledged.has(failure.sequence)) this.#settled.add(cause);
+    else this.#settled.delete(cause);
+  }
+
+  #drop(): void {
+    const [settled] = this.#settled;
+    const [oldest = ""] = this.#all.keys();
+    this.#set(settled ?? oldest, null);
+    const { open, all } = this.#dropped;
+    this.#dropped = { open: settled === undefined ? open + 1 : open, all: all + 1 };
   }
 
   #together(before: RunFailure, failure: RunFailure): RunFailure | null {

@@ -1,10 +1,11 @@
 import { signal } from "@preact/signals-core";
 import { expect, test } from "vitest";
 import type { Event, JsonValue } from "../../model/generated/protocol.ts";
+import { FAILURES_MAX } from "../history/failures.ts";
 import { Journal } from "../history/journal.ts";
 import { memoryStore } from "../local_store.ts";
 import { twoTabs } from "../testing/two_tabs.ts";
-import { acknowledge, failures, openFailures } from "./acknowledged.ts";
+import { acknowledge, droppedFailures, failures, openFailures } from "./acknowledged.ts";
 
 /** A run whose journal grows by what is told. */
 function run(id: string) {
@@ -151,6 +152,41 @@ test("nothing new is the same list, so that no one is drawn again", () => {
   const before = failures(watch).value;
   tell({ type: "entered", path: "R/B" });
   expect(failures(watch).value).toBe(before);
+});
+
+test("at the bound of failures acknowledged ones leave first, then the oldest open ones", () => {
+  const { watch, tell } = run("many failures");
+  const paths = Array.from({ length: FAILURES_MAX }, (_, at) => `R/${at}/A`);
+  tell(...paths.map((path) => left(path)));
+  const has = (...sequences: readonly number[]) => {
+    const listed = new Set(failures(watch).value.map(({ sequence }) => sequence));
+    return sequences.map((sequence) => listed.has(sequence));
+  };
+  expect([failures(watch).value.length, droppedFailures(watch).value.all]).toEqual([1_000, 0]);
+  acknowledge(watch, [500, 700]);
+  tell(left("R/B/A"));
+  expect(has(1, 500, 700, 1_001)).toEqual([true, false, true, true]);
+  tell(left("R/C/A"));
+  expect(has(1, 700, 1_002)).toEqual([true, false, true]);
+  expect(droppedFailures(watch).value).toEqual({ open: 0, all: 2 });
+  tell(left("R/D/A"), left("R/E/A"));
+  expect(has(1, 2, 3, 1_004)).toEqual([false, false, true, true]);
+  expect(droppedFailures(watch).value).toEqual({ open: 2, all: 4 });
+  expect(openFailures(watch).value.length).toBe(FAILURES_MAX);
+  tell(left("R/E/A"));
+  expect(openFailures(watch).value.at(-1)?.count).toBe(2);
+});
+
+test("of a run that is read again acknowledged failures leave first too", () => {
+  const { watch, tell } = run("read again");
+  acknowledge(watch, [1_001], memoryStore());
+  tell(...Array.from({ length: 1_002 }, (_, at) => left(`R/${at}/A`)));
+  expect(
+    openFailures(watch)
+      .value.map(({ sequence }) => sequence)
+      .slice(0, 2),
+  ).toEqual([2, 3]);
+  expect(droppedFailures(watch).value).toEqual({ open: 1, all: 2 });
 });
 
 test("what was acknowledged is kept by run, and old runs make room", () => {

@@ -2,7 +2,7 @@
 
 import { computed, type ReadonlySignal, signal } from "@preact/signals-core";
 import { perOwner } from "../../model/per_owner.ts";
-import { Failures, type RunFailure } from "../history/failures.ts";
+import { type DroppedFailures, Failures, type RunFailure } from "../history/failures.ts";
 import type { Journal } from "../history/journal.ts";
 import { openQuestions } from "../history/questions.ts";
 import type { Watch } from "../history/run.ts";
@@ -20,6 +20,7 @@ interface RunFailures {
   readonly failures: ReadonlySignal<readonly RunFailure[]>;
   readonly acknowledged: ReadonlySignal<ReadonlySet<number>>;
   readonly open: ReadonlySignal<readonly RunFailure[]>;
+  readonly dropped: ReadonlySignal<DroppedFailures>;
 }
 
 /** What wants acknowledgement, and what was acknowledged already; the oldest first. */
@@ -30,6 +31,11 @@ export function failures(watch: FailuresWatch): ReadonlySignal<readonly RunFailu
 /** The failures that nobody has acknowledged here; the oldest first. */
 export function openFailures(watch: FailuresWatch): ReadonlySignal<readonly RunFailure[]> {
   return about(watch).open;
+}
+
+/** How many failures are not listed any more. */
+export function droppedFailures(watch: FailuresWatch): ReadonlySignal<DroppedFailures> {
+  return about(watch).dropped;
 }
 
 /** How many things of a run want a human: questions, decisions and failures. */
@@ -61,18 +67,22 @@ export function acknowledge(
 const failuresIn = perOwner((_journal: Journal) => new Failures());
 
 const about = perOwner((watch: FailuresWatch, localStore?: LocalStore): RunFailures => {
-  const failures = computed(() => {
-    watch.journalVersion.value;
-    return failuresIn(watch.journal).found(watch.journal);
-  });
   const known = knownIn(localStore ?? BROWSER_STORE);
   const own = computed(() => known.value[watch.id]);
   const acknowledged = computed<ReadonlySet<number>>(() => new Set(own.value));
+  const failures = computed(() => {
+    watch.journalVersion.value;
+    return failuresIn(watch.journal).found(watch.journal, acknowledged.peek());
+  });
+  const dropped = computed(() => {
+    failures.value;
+    return failuresIn(watch.journal).dropped;
+  });
   const open = computed(() => {
     const done = acknowledged.value;
     return failures.value.filter(({ sequence }) => !done.has(sequence));
   });
-  return { failures, acknowledged, open };
+  return { failures, acknowledged, open, dropped };
 });
 
 type ByRun = Readonly<Record<string, readonly number[]>>;
