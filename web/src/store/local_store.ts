@@ -1,5 +1,6 @@
-/** Where the page keeps what is to outlive it. A browser that keeps nothing, or has no room, is no reason to fail. */
+/** Where the page keeps what is to outlive it. A browser that keeps nothing, or has no room, is no reason to fail, and is told. */
 
+import { signal } from "@preact/signals-core";
 import { pageBase, storePrefix } from "./page/base.ts";
 
 export interface LocalStore {
@@ -12,6 +13,9 @@ export interface LocalStore {
   /** Tells when another tab of the browser has put something else there. */
   readonly whenOther: (key: string, told: () => void) => void;
 }
+
+/** Why the browser does not keep what was put into its storage; null while it does. Remains until the page is left. */
+export const storageFault = signal<"full" | "refused" | null>(null);
 
 /** What was kept, if it is an object. */
 export function kept<T extends object>(localStore: LocalStore, key: string): T | undefined {
@@ -33,11 +37,12 @@ export function localStoreOf(
       }
     },
     put: (key, value) => {
+      const text = value === undefined ? undefined : JSON.stringify(value);
       try {
-        if (value === undefined) storage().removeItem(prefix + key);
-        else storage().setItem(prefix + key, JSON.stringify(value));
-      } catch {
-        // No room, or nothing may be kept.
+        if (text === undefined) storage().removeItem(prefix + key);
+        else storage().setItem(prefix + key, text);
+      } catch (error) {
+        storageFault.value ??= isFull(error) ? "full" : "refused";
       }
     },
     keys: (beginning) => {
@@ -54,6 +59,12 @@ export function localStoreOf(
       });
     },
   };
+}
+
+/** Firefox had a name of its own for it. */
+function isFull(error: unknown): boolean {
+  const names = ["QuotaExceededError", "NS_ERROR_DOM_QUOTA_REACHED"];
+  return error instanceof Error && names.includes(error.name);
 }
 
 /** What this browser keeps over visits; without a browser, as long as the program runs. */

@@ -1,7 +1,8 @@
-import { describe, expect, it } from "vitest";
+import { afterEach, describe, expect, it } from "vitest";
 import type { RunSummary, ServerStatus } from "../model/generated/protocol.ts";
 import { sketch } from "../model/testing/sketch.ts";
-import { memoryStore } from "../store/local_store.ts";
+import { openDrafts } from "../store/document/drafts.ts";
+import { localStoreOf, memoryStore, storageFault } from "../store/local_store.ts";
 import { type Follower, RefusalError } from "../store/page/server.ts";
 import { FIRST_SETTINGS } from "../store/page/settings.ts";
 import { select } from "../store/page/view.ts";
@@ -40,7 +41,43 @@ async function settle(): Promise<void> {
   for (let turn = 0; turn < 50; turn += 1) await Promise.resolve();
 }
 
+/** A storage that reads as empty and refuses what is put there. */
+function refusingStore(name: string) {
+  const setItem = () => {
+    throw new DOMException("no", name);
+  };
+  const storage = { getItem: () => null, setItem } as unknown as Storage;
+  return { ...localStoreOf(() => storage, ""), whenOther: () => {} };
+}
+
 describe("the page", () => {
+  afterEach(() => {
+    storageFault.value = null;
+  });
+
+  it.each([
+    ["QuotaExceededError", "The browser's storage for this page is full."],
+    ["SecurityError", "The browser does not let this page store anything."],
+  ])("says once what a browser does not keep, and goes on with it: %s", (name, reason) => {
+    const store = refusingStore(name);
+    const { page } = setUp({ own: store, shared: store });
+    expect(page.notices.value).toEqual([]);
+    page.settings.value = { ...page.settings.value, theme: "dark" };
+    page.settings.value = { ...page.settings.value, wheel: "pan" };
+    const drafts = openDrafts(store);
+    const draft = { machine: "m", path: "R", field: "script", text: "new", base: "" } as const;
+    drafts.keep(draft);
+    expect(page.settings.value).toMatchObject({ theme: "dark", wheel: "pan" });
+    expect(drafts.get(draft)?.text).toBe("new");
+    const lost = /you lose changed settings, scripts and descriptions that are not applied/;
+    const told = page.notices.value.map(({ text, count }) => [
+      text.split(". ")[0],
+      lost.test(text),
+      count,
+    ]);
+    expect(told).toEqual([[reason.slice(0, -1), true, 1]]);
+  });
+
   it("keeps one notice on each passing topic", () => {
     const { page } = setUp();
     const passing = { topic: "failures", machine: "m" };

@@ -1,6 +1,6 @@
 /** Starts the page: connects, follows what the server tells, and opens machines as tabs. */
 
-import { effect, type Signal, signal } from "@preact/signals-core";
+import { effect, type Signal, signal, untracked } from "@preact/signals-core";
 import type {
   LibraryRoot,
   MachineDocument,
@@ -15,7 +15,7 @@ import { drafts } from "../store/document/drafts.ts";
 import { followDrafts } from "../store/document/follow_drafts.ts";
 import { comparedRun } from "../store/history/compared_run.ts";
 import type { Runs } from "../store/history/run.ts";
-import { type LocalStore, localStoreOf, memoryStore } from "../store/local_store.ts";
+import { type LocalStore, localStoreOf, memoryStore, storageFault } from "../store/local_store.ts";
 import { pageBase } from "../store/page/base.ts";
 import { withStateNames } from "../store/page/names.ts";
 import { withNotice } from "../store/page/notices.ts";
@@ -74,6 +74,7 @@ export function startPage(options: PageOptions = {}): Page {
   const isRestoring = followSession({ ...ports, ...stores, ...machines, runs, leaving });
   tellPresence(server, () => machines.active.value, clock);
   tellBreaks(server, clock, tell);
+  tellStorageFault(tell);
   const known = { serverStatus, projects, libraries, isRestoring };
   return { server, ...known, runs, notices, settings, tell, ...machines };
 }
@@ -193,6 +194,22 @@ function openMachines(ports: OpenMachineSessionPorts, settings: Signal<Settings>
   };
 
   return { tabs, active, comingRun, open, join, showRun, showAsRan, leave };
+}
+
+const STORAGE_FAULTS = {
+  full: "The browser's storage for this page is full.",
+  refused: "The browser does not let this page store anything.",
+};
+
+/** Says once what is lost when the browser does not keep it. */
+function tellStorageFault(tell: Page["tell"]): void {
+  effect(() => {
+    const fault = storageFault.value;
+    if (fault === null) return;
+    const lost =
+      "When you reload or close the page, you lose changed settings, scripts and descriptions that are not applied, watches, breakpoints for the next run, and acknowledgements. Apply your texts before you leave.";
+    untracked(() => tell({ level: "warning", text: `${STORAGE_FAULTS[fault]} ${lost}` }));
+  });
 }
 
 /** A break that people may have noticed is told. */

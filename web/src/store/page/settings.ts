@@ -2,6 +2,7 @@
 
 import { effect, type Signal, signal } from "@preact/signals-core";
 import type { MachineFile } from "../../model/generated/protocol.ts";
+import { isSame } from "../../model/json.ts";
 import { kept, type LocalStore } from "../local_store.ts";
 import type { Settings } from "./page.ts";
 import { timeScale } from "./times.ts";
@@ -34,6 +35,8 @@ function readSettings(localStore: LocalStore): Settings {
 /** The settings, kept from now on. Only what was changed here is written, so that tabs of a browser leave each other's changes. */
 export function followSettings(localStore: LocalStore): Signal<Settings> {
   let known = readSettings(localStore);
+  /** What the browser did not keep. */
+  let unkept: Partial<Settings> = {};
   const settings = signal(known);
   effect(() => {
     const wanted = settings.value;
@@ -41,15 +44,17 @@ export function followSettings(localStore: LocalStore): Signal<Settings> {
       ([name, value]) => known[name as keyof Settings] !== value,
     );
     if (changed.length === 0) return;
-    known = { ...readSettings(localStore), ...Object.fromEntries(changed) };
+    const own: Partial<Settings> = { ...unkept, ...Object.fromEntries(changed) };
+    known = { ...readSettings(localStore), ...own };
     localStore.put(KEY, known);
+    unkept = isSame(readSettings(localStore), known) ? {} : own;
     settings.value = known;
   });
   effect(() => {
     timeScale.value = settings.value.times;
   });
   localStore.whenOther(KEY, () => {
-    known = readSettings(localStore);
+    known = { ...readSettings(localStore), ...unkept };
     settings.value = known;
   });
   return settings;
