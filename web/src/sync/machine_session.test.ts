@@ -71,6 +71,16 @@ describe("an open machine", () => {
     expect(session.machine.state("R/A")?.name).toBe("Look");
   });
 
+  it("gives a step a name of at most 200 characters", () => {
+    const { session } = setUp();
+    void session.edit("x".repeat(200), RENAME);
+    void session.edit("😀".repeat(201), RENAME);
+    expect(session.pending.value.map(({ name }) => name)).toEqual([
+      "x".repeat(200),
+      "😀".repeat(200),
+    ]);
+  });
+
   it("tells which states are different, and nothing when a prediction comes true", async () => {
     const { server, session } = setUp();
     const told: (string[] | null)[] = [];

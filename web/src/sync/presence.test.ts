@@ -54,4 +54,23 @@ describe("presence", () => {
     if (up.state === "up") server.link.value = { ...up, connection: 2 };
     expect(told()).toEqual(["", ""]);
   });
+
+  it.each([
+    ["a thousand states", 1, 1_001, 1_000],
+    ["20,000 characters", 200, 101, 100],
+  ])("tells of a large selection %s at most", (_, length, count, expected) => {
+    const { server, clock, tab, listed, told } = setUp();
+    listed(1);
+    clock.pass(500);
+    const path = (at: number) => `R/${at}`.padEnd(length, "x");
+    const states = Array.from({ length: count }, (_, at) => {
+      return { kind: "state", path: path(at) } as const;
+    });
+    select(tab.view, states);
+    clock.pass(50);
+    expect((server.said.at(-1) as { selection: string[] }).selection.length).toBe(expected);
+    select(tab.view, states.slice(0, 2));
+    clock.pass(50);
+    expect(told().at(-1)).toBe(`${path(0)} ${path(1)}`);
+  });
 });

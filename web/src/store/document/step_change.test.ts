@@ -38,4 +38,17 @@ describe("the trace of a step", () => {
     }
     expect([changes.get(1), changes.get(2) === undefined]).toEqual([undefined, false]);
   });
+
+  it("has the names of the first 300 children of a container", () => {
+    const names = Array.from({ length: 301 }, (_, at) => `    S${1_000 + at} execution`);
+    const machine = new OptimisticDocument(
+      sketch(["", "  R hierarchy", ...names].join("\n")),
+      () => undefined,
+    );
+    const { after } = stepChangeOf(new Map([["R", machine.state("R")]]), machine);
+    expect(after.children("R").length).toBe(300);
+    const last = machine.children("R").at(-1) ?? "";
+    const changed = stepChangeOf(new Map([[last, machine.state(last)]]), machine);
+    expect(changed.after.state(last)?.name).toBe(machine.state(last)?.name);
+  });
 });

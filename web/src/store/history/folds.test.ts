@@ -45,3 +45,11 @@ test("no call is lost or moved, however the calls are cut", () => {
     }),
   );
 });
+
+test("a round of more than 24 calls is no loop", () => {
+  const round = (length: number) =>
+    Array.from({ length }, (_, at) => String.fromCodePoint(65 + at)).join("");
+  expect(folded(round(24).repeat(2))).toBe(`${round(24)}×2`);
+  expect(folded(round(25).repeat(2))).toBe([...round(25).repeat(2)].join(" "));
+  expect(folded(`${round(25).repeat(2)}aa`)).toMatch(/ a×2$/);
+});

@@ -41,3 +41,20 @@ test("a question is known from when it was asked until someone answers it, and t
   tell({ type: "entered", path: "R/B" });
   expect(asked.value).toBe(before);
 });
+
+test("of more than twenty ended questions the oldest goes", () => {
+  const journal = new Journal();
+  const ids = Array.from({ length: 21 }, (_, at) => at + 1);
+  const events = ids.flatMap((id): Event[] => [
+    { type: "asked", question: question(id) },
+    closed(id, "anna"),
+  ]);
+  const entries = events.map((event, at) => ({ sequence: at + 1, t_ns: at, event }));
+  const ended = (count: number) => {
+    journal.add(entries.slice(0, 2 * count), 2 * count + 1);
+    const { closed } = askedQuestions({ journal, journalVersion: signal(0) }).value;
+    return [closed.length, closed[0]?.question.id, closed.at(-1)?.question.id];
+  };
+  expect(ended(20)).toEqual([20, 20, 1]);
+  expect(ended(21)).toEqual([20, 21, 2]);
+});

@@ -85,3 +85,14 @@ test("what is worth a mark is kept from before, and what is learnt of before cha
   expect(callsFrom(bare, 5)).toEqual(callsFrom(part, 5));
   expect([bare.first, part.first]).toEqual([1, 3]);
 });
+
+test("of more than 5,000 marks from before the oldest goes", () => {
+  const warned = (count: number) => {
+    const text = Array.from({ length: count }, (_, at) => `! R/A ${at + 1}`);
+    const part = rolled(journalOf(events([...text, "> R/B"].join("\n"))), 1);
+    const notable = part.base?.earlier?.notable ?? [];
+    return [notable.length, notable[0]?.sequence, notable.at(-1)?.sequence];
+  };
+  expect(warned(5_000)).toEqual([5_000, 1, 5_000]);
+  expect(warned(5_001)).toEqual([5_000, 2, 5_001]);
+});

@@ -31,3 +31,13 @@ test("however many come, few are kept, the extremes among them, in their order",
   expect(sequences).toEqual([...new Set(sequences)].sort((one, other) => one - other));
   expect(series.count).toBe(100_000);
 });
+
+test("of more than a hundred changes the oldest goes, and all are counted", () => {
+  const series = new Series();
+  for (let n = 1; n <= 100; n += 1) series.add(n, n, `text ${n}`);
+  expect(series.changes[0]?.value).toBe("text 1");
+  series.add(101, 101, "text 101");
+  const values = series.changes.map(({ value }) => value);
+  expect([values.length, values[0], values.at(-1)]).toEqual([100, "text 2", "text 101"]);
+  expect(series.count).toBe(101);
+});

@@ -49,3 +49,18 @@ test("what was not closed stays to be had, the newest first, a hundred at most",
   expect(open.length).toBe(100);
   check(open.slice(0, 2), ["149 149", "148 148"]);
 });
+
+test("of more than a thousand notices the oldest goes, closed or not", () => {
+  const all = Array.from({ length: 1_001 }, (_, at) => warning(`${at + 1}`));
+  check(told(...all.slice(0, 1_000)).slice(0, 1), ["1 1"]);
+  const kept = told(...all);
+  expect(kept.length).toBe(1_000);
+  check([...kept.slice(0, 1), ...kept.slice(-1)], ["2 2", "1001 1001"]);
+});
+
+test("a notice counts with an equal one of the last twenty, and not with one before them", () => {
+  const others = (count: number) => Array.from({ length: count }, (_, at) => warning(`${at}`));
+  check(told(warning("a"), ...others(19), warning("a")).slice(-1), ["21 a (2 times)"]);
+  const apart = told(warning("a"), ...others(20), warning("a"));
+  check([...apart.slice(0, 1), ...apart.slice(-1)], ["1 a", "22 a"]);
+});

@@ -216,3 +216,25 @@ test("the browser is listened to once, however many runs are looked at", () => {
   there.put("rafcon.acknowledged", { "many 2": [1] });
   expect(runs.map(({ watch }) => words(watch).length)).toEqual([1, 0, 1]);
 });
+
+test("of a run at most 2,000 acknowledgements are kept, the last ones", () => {
+  const localStore = memoryStore();
+  const { watch, tell } = run("all seen");
+  const kept = () => localStore.get("rafcon.acknowledged") as Record<string, readonly number[]>;
+  tell(left("R/A"));
+  const all = Array.from({ length: 2_000 }, (_, at) => at + 1);
+  acknowledge(watch, all, localStore);
+  expect([kept()["all seen"]?.length, words(watch).length]).toEqual([2_000, 0]);
+  acknowledge(watch, [2_001], localStore);
+  expect([kept()["all seen"]?.length, kept()["all seen"]?.at(-1)]).toEqual([2_000, 2_001]);
+  expect(words(watch)).toEqual(["1 aborted R/A "]);
+  acknowledge(watch, [1], localStore);
+  expect(words(watch)).toEqual([]);
+});
+
+test("a long error is told by its first 400 characters", () => {
+  const { watch, tell } = run("long");
+  tell(left("R/A", -1, { __exc__: "ValueError", msg: "x".repeat(1_000) }));
+  const text = openFailures(watch).value[0]?.text ?? "";
+  expect([text.length, text.endsWith("…")]).toEqual([400, true]);
+});

@@ -1,10 +1,13 @@
+import { signal } from "@preact/signals-core";
 import { expect, test } from "vitest";
+import type { RunSummary } from "../../model/generated/protocol.ts";
 import { Counts, LENGTHS_MAX } from "../history/counts.ts";
 import type { Watch } from "../history/run.ts";
 import type { Page } from "../page/page.ts";
 import {
   type Baseline,
   baselineOf,
+  earlierRuns,
   expectedLength,
   isLongerThanEver,
   pastBaselines,
@@ -83,4 +86,22 @@ test("an earlier run is asked for once, and again after fifty others", () => {
   for (let run = 0; run < 50; run += 1) pastBaselines(page, `more-${run}`);
   pastBaselines(page, "first");
   expect(asked.filter((run) => run === "first")).toHaveLength(2);
+});
+
+test("of earlier runs the newest twenty count", () => {
+  const file = { project: "p", path: "arm" };
+  const line = (id: number) => {
+    const outcome = { id: 0, name: "success" };
+    return { id: `${id}`, started_ms: id, phase: "finished", machine: file, outcome };
+  };
+  const earlier = (count: number) => {
+    const all = Array.from({ length: count + 1 }, (_, at) => line(count - at));
+    const page = { runs: { all: signal(all) } } as unknown as Page;
+    const run = all[0] as unknown as RunSummary;
+    const watch = { id: run.id, now: signal({ run }) } as unknown as Watch;
+    const found = earlierRuns(page, watch);
+    return [found.length, found[0]?.id, found.at(-1)?.id];
+  };
+  expect(earlier(20)).toEqual([20, "19", "0"]);
+  expect(earlier(21)).toEqual([20, "20", "1"]);
 });

@@ -3,6 +3,7 @@
 import { signal } from "@preact/signals-core";
 import { beforeEach, expect, test } from "vitest";
 import type { OpenTab } from "../page/page.ts";
+import { setStateWatched } from "./watched_states.ts";
 import { addWatched, changeWatched, removeWatched, watchedOf } from "./watched_values.ts";
 
 beforeEach(() => localStorage.clear());
@@ -49,4 +50,24 @@ test("another expression of the same value, and no more", () => {
   ]);
   removeWatched(here, 1);
   expect(watchedOf(here).value.map(({ id }) => id)).toEqual([2]);
+});
+
+test("of more than fifty machines the watches of the one watched first go", () => {
+  const kept = (key: string) => Object.keys(JSON.parse(localStorage.getItem(key) ?? "{}"));
+  for (let at = 1; at <= 50; at += 1) {
+    addWatched(tab(`many ${at}`), X);
+    setStateWatched(tab(`many ${at}`), "R/A", true);
+  }
+  for (const key of ["rafcon.watched", "rafcon.watched_states"]) {
+    expect([kept(key).length, kept(key)[0]]).toEqual([50, "arm/many 1"]);
+  }
+  addWatched(tab("many 51"), X);
+  setStateWatched(tab("many 51"), "R/A", true);
+  for (const key of ["rafcon.watched", "rafcon.watched_states"]) {
+    expect([kept(key).length, kept(key)[0], kept(key).at(-1)]).toEqual([
+      50,
+      "arm/many 2",
+      "arm/many 51",
+    ]);
+  }
 });
