@@ -81,6 +81,24 @@ describe("an open machine", () => {
     ]);
   });
 
+  it.each([
+    [10_000, 2],
+    [10_001, 3],
+  ])("lists the last 10,000 of %i steps", (count, first) => {
+    const { server, session } = setUp();
+    const about = { id: "other", author: "ben", name: "Step", at_ms: 0, kind: "edit" } as const;
+    const revisions = Array.from({ length: count }, (_, at) => {
+      return { revision: at + 2, ...about, changes: [] };
+    });
+    server.news({ frame: "revisions", subscription: 1, revisions });
+    const { steps } = session.steps.value;
+    expect([steps.length, steps[0]?.revision, steps.at(-1)?.revision]).toEqual([
+      10_000,
+      first,
+      count + 1,
+    ]);
+  });
+
   it("tells which states are different, and nothing when a prediction comes true", async () => {
     const { server, session } = setUp();
     const told: (string[] | null)[] = [];

@@ -103,6 +103,20 @@ describe("the socket", () => {
     expect(topics).toEqual([{ topic: "machine_history", machine: "m", from: 5 }]);
   });
 
+  it.each([
+    ["300,000 characters goes over the socket", 300_000, ["edit"], 0],
+    ["300,001 characters goes by HTTP", 300_001, [], 1],
+  ])("an edit of %s", async (_, length, expected, posted) => {
+    const { ask, welcome, said, posts } = setUp();
+    welcome();
+    const edit = { edit: "set_name", path: "R", name: "" } as const;
+    const name = "x".repeat(length - JSON.stringify(edit).length);
+    const large = { id: "1", base: 1, name: "", edit: { ...edit, name } };
+    void ask("1", { frame: "edit", machine: "m", edit: large });
+    await settle();
+    expect([said(), posts.length]).toEqual([expected, posted]);
+  });
+
   it("says an edit again after a break until it is answered, and never after that", async () => {
     const { clock, ask, wire, hear, welcome, said } = setUp();
     welcome();
