@@ -107,6 +107,21 @@ class Output(unittest.TestCase):
         self.assertLessEqual(max(map(len, self.lines())), 64 * 1024)
         self.assertEqual(_capture.pending, {})
 
+    def test_a_text_of_more_than_an_entry_holds_is_several_entries(self):
+        most = 64 * 1024
+        for length, pieces in ((most, [most]), (most + 1, [most, 1]), (2 * most + 1, [most, most, 1])):
+            for ends in (("\n",), ("", "\n")):
+                with self.subTest(length=length, ends=ends):
+                    stage.native.sent.clear()
+                    for number, end in enumerate(ends):
+                        self.out.write(("x" * length if number == 0 else "") + end)
+                    self.assertEqual(list(map(len, self.lines())), pieces)
+        stage.native.sent.clear()
+        self.out.write("x" * (most + 1))
+        self.assertEqual(list(map(len, self.lines())), [most])
+        self.out.write("after\n")
+        self.assertEqual(self.lines()[1:], ["xafter"])
+
     def test_bytes_and_odd_texts(self):
         self.out.buffer.write(b"caf\xc3\xa9 \xff\r\n")
         self.out.write("\ud800\n")

@@ -91,6 +91,15 @@ class Mapping(unittest.TestCase):
                 inputs_of_text(text)
         self.assertEqual(inputs_of_text('{"a": ' + "[" * 50 + "1.5" + "]" * 50 + "}").keys(), {"a"})
 
+    def test_inputs_may_have_so_many_levels(self):
+        for lists in (98, 99, 100):
+            text = '{"a": ' + "[" * lists + "]" * lists + "}"
+            if lists < 100:
+                self.assertEqual(inputs_of_text(text).keys(), {"a"})
+            else:
+                with self.assertRaisesRegex(Refusal, "more than 100 levels"):
+                    inputs_of_text(text)
+
 
 class Asked(http.server.BaseHTTPRequestHandler):
     """Answers each request with the parts of its path; closes the connection after those that are too long, and says so."""

@@ -128,6 +128,18 @@ class Built(unittest.TestCase):
             with self.subTest(text):
                 self.refused(value, text)
 
+    def test_a_number_too_large_for_32_bits_is_refused(self):
+        most = 3.4028235677973366e38
+        for sign in (1, -1):
+            self.assertEqual(self.build({"single": sign * most})["single"], sign * most)
+            with self.assertRaisesRegex(RosError, r"single: float32 \(up to 3.4e38\) is expected"):
+                self.build({"single": sign * math.nextafter(most, math.inf)})
+        self.assertEqual(self.build({"single": math.inf})["single"], math.inf)
+
+    def test_of_a_long_value_that_does_not_fit_the_beginning_is_shown(self):
+        self.refused({"small": "x" * 58}, f"p/msg/All.small: int8 is expected, not '{'x' * 58}' (str)")
+        self.refused({"small": "x" * 59}, f"p/msg/All.small: int8 is expected, not '{'x' * 59}… (str)")
+
     def test_a_message_of_another_type_is_refused(self):
         point = Message.of("p/msg/Point", self.types, self.build({}, "p/msg/Point"))
         self.assertEqual(self.build({"point": point})["point"], {"x": 0.0, "y": 1.5})
@@ -187,6 +199,10 @@ class Messages(unittest.TestCase):
         self.assertEqual(repr(self.of("p/msg/Point", {"x": 1})), "p/msg/Point(x=1.0, y=1.5)")
         long = self.of("p/msg/All", {"data": bytes(1000)})
         self.assertIn("data=[0, 0, 0, 0, 0, 0, 0, 0, … 1000 in all]", repr(long))
+
+    def test_of_a_long_array_the_first_items_are_shown(self):
+        for count, shown in ((8, "[0, 0, 0, 0, 0, 0, 0, 0]"), (9, "[0, 0, 0, 0, 0, 0, 0, 0, … 9 in all]")):
+            self.assertIn(f"data={shown}", repr(self.of("p/msg/All", {"data": bytes(count)})))
 
 
 class Names(unittest.TestCase):

@@ -112,6 +112,14 @@ class Buffers(unittest.TestCase):
         self.add("y", "x", 1)
         self.refused("the frames x → y → x go round in a circle", "map", "x")
 
+    def test_a_frame_below_too_many_others_is_refused_and_the_others_are_found(self):
+        for number in range(1, 1001):
+            self.add(f"f{number}", f"f{number - 1}", None, (1, 0, 0))
+        self.same(self.find("f0", "f999").translation, (999, 0, 0))
+        self.refused("more than 999 frames lie above f1000, the last of them f1", "f0", "f1000")
+        self.refused("more than 999 frames lie above f1000, the last of them f1", "f1000", "f0")
+        self.same(self.find("f1", "f1000").translation, (999, 0, 0))
+
     def test_ways_there_and_back_agree(self):
         """Any tree, any turns: the way through a third frame is the direct one."""
         numbers = random.Random(7)

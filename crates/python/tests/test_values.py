@@ -5,6 +5,7 @@ import json
 import unittest
 
 import stage  # noqa: F401, it comes before `rafcon`
+from rafcon import _conditions
 from rafcon._runtime import convert, decode, decode_plain, encode, format_error, resolve_type
 
 try:
@@ -35,6 +36,10 @@ class Decode(unittest.TestCase):
         self.check('{"1": 2, "01": 5}', {"1": 2, "01": 5})
         self.check('{"1": 2, "x": 5}', {"1": 2, "x": 5})
         self.check('{"%s": 1}' % ("9" * 5000), {"9" * 5000: 1})
+
+    def test_a_key_of_more_digits_than_are_read_stays_a_text(self):
+        for key, found in (("9" * 18, int("9" * 18)), ("9" * 19, "9" * 19), ("-" + "9" * 18, -int("9" * 18)), ("-" + "9" * 19, "-" + "9" * 19)):
+            self.check('{"%s": 1}' % key, {found: 1})
 
     def test_what_cannot_be_decoded(self):
         with self.assertRaises(ValueError):
@@ -112,6 +117,36 @@ class Encode(unittest.TestCase):
         self.check(b"x" * 300, {"__repr__": repr(b"x" * 300)[:200], "__class__": "bytes", "__len__": 300})
         self.check(2**4000, {"__repr__": "an int of 4001 bits", "__class__": "int"})
 
+    def test_integers_are_digits_up_to_their_bounds(self):
+        for value in (2**53 - 1, 1 - 2**53):
+            self.check(value, value)
+        for value in (2**53, -(2**53), 2**3400 - 1, 1 - 2**3400):
+            self.check(value, {"__int__": str(value)})
+        self.check(2**3400, {"__repr__": "an int of 3401 bits", "__class__": "int"})
+        self.check([2**3400, 1], [{"__repr__": "an int of 3401 bits", "__class__": "int"}, 1])
+
+    def test_texts_are_cut_at_their_bounds(self):
+        for count, more in ((197, {}), (198, {"__len__": 198})):
+            shown = repr(b"x" * count)
+            self.check(b"x" * count, {"__repr__": shown[:200], "__class__": "bytes", **more})
+        self.check(ValueError("x" * 16384), {"__exc__": "ValueError", "msg": "x" * 16384})
+        self.check(ValueError("x" * 16385), {"__exc__": "ValueError", "msg": "x" * 16384 + "… (16385 characters)"})
+
+    def test_deep_values_are_shown_as_text_below_a_depth(self):
+        def nested(levels):
+            value = 1
+            for _ in range(levels):
+                value = [value]
+            return value
+
+        self.check(nested(64), nested(64))
+        found = encode([nested(64), 1])
+        self.assertEqual(found[1], 1)
+        inner = found
+        while isinstance(inner, list):
+            inner = inner[0]
+        self.assertEqual(inner, {"__repr__": "[1]", "__class__": "list"})
+
     def test_what_resists(self):
         self.assertIn("RuntimeError", encode(Broken())["__repr__"])
         self.check("\ud800", {"__repr__": "'\\ud800'", "__class__": "str"})
@@ -161,6 +196,14 @@ class Types(unittest.TestCase):
                 convert(text, type_name)
 
 
+class Conditions(unittest.TestCase):
+    def test_the_reason_why_a_condition_fails_is_cut(self):
+        head = "ValueError: "
+        for length in (200, 201, 5000):
+            shown = _conditions.reason(ValueError("x" * (length - len(head))))
+            self.assertEqual(shown, head + "x" * (min(length, 200) - len(head)))
+
+
 class Tracebacks(unittest.TestCase):
     def run_script(self, text):
         module = {}
@@ -181,6 +224,16 @@ class Tracebacks(unittest.TestCase):
         self.assertIn('File "/m/A/script.py", line 1', shown)
         self.assertIn("SyntaxError", shown)
         self.assertNotIn("test_values", shown)
+
+    def test_of_many_frames_the_innermost_are_shown(self):
+        for left, frames in ((19, 39), (20, 40), (150, 40)):
+            text = f"def execute(left={left}):\n    if left: other(left - 1)\n    1 / 0\ndef other(left):\n    execute(left)\n"
+            with self.subTest(left):
+                shown = self.run_script(text)
+                places = [line for line in shown.splitlines() if line.lstrip().startswith("File ")]
+                self.assertEqual(len(places), frames, shown)
+                self.assertTrue(places[-1].endswith("line 3, in execute"), shown)
+                self.assertTrue(shown.endswith("ZeroDivisionError: division by zero"), shown)
 
     def test_a_script_without_execute(self):
         self.assertEqual(self.run_script("x = 1\n"), "KeyError: 'execute'")

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 _KEPT_NS = 10_000_000_000
 #: A jump back in time by more than this (ns) is a simulation that began anew: all is forgotten.
 _JUMP_NS = 1_000_000_000
+#: Frames on the way up from a frame, itself included.
 _DEPTH_MAX = 1000
 
 
@@ -145,6 +146,9 @@ class Buffer:
         for frame in (target, source):
             if frame not in known:
                 return f"there is no frame {frame!r}; known are {', '.join(sorted(known)) or 'none'}"
+        for frame, above in ((source, above_source), (target, above_target)):
+            if len(above) == _DEPTH_MAX and above[-1] in self._frames:
+                return f"more than {_DEPTH_MAX - 1} frames lie above {frame}, the last of them {above[-1]}"
         return f"{source} hangs below {above_source[-1]} and {target} below {above_target[-1]}: the two trees are not connected"
 
     def _common_ns(self, target, source):

@@ -1,0 +1,157 @@
+"""The bounds of queues, frames and questions of ``rafcon.ros``, with a back end that only hands over."""
+
+import io
+import threading
+import types
+import unittest
+
+import stage  # noqa: F401, it brings the package
+from rafcon.ros import _native_frames as frames
+from rafcon.ros import _services, _topics
+from rafcon.ros._backend import Field, MessageType, Qos, RosError, UnknownType
+from rafcon.ros._native_descriptions import Descriptions
+from rafcon.ros._types import Types
+
+LINE = MessageType("p/msg/Line", (Field("data", "string"),))
+REQUEST = MessageType("p/srv/Say_Request", (Field("data", "string"),))
+RESPONSE = MessageType("p/srv/Say_Response", (Field("data", "string"),))
+
+
+class Handed:
+    """A back end that hands over what the test gives it."""
+
+    def subscription(self, _topic, _type, _quality, hear):
+        self.give = hear
+        return types.SimpleNamespace(close=lambda: None, publishers=lambda: 1)
+
+    def service(self, _name, _type, put):
+        self.give = put
+        return types.SimpleNamespace(close=lambda: None)
+
+    def publishers_of(self, _topic):
+        return []
+
+
+class Here:
+    """The node of a run that has no network."""
+
+    ended = None
+
+    def __init__(self):
+        self.backend = Handed()
+        self.types = Types(self._unknown)
+        self.types.learn({each.name: each for each in (LINE, REQUEST, RESPONSE)})
+        self.types.learn({"p/srv/Say": MessageType("p/srv/Say", ())})
+
+    @staticmethod
+    def _unknown(name):
+        raise UnknownType(name)
+
+    def absolute(self, name):
+        return name
+
+    def check(self):
+        pass
+
+
+class SlowCallback:
+    """A callback that begins with the first item and ends with the test's permission."""
+
+    def __init__(self, last):
+        self.began, self.may_end, self.had_last = threading.Event(), threading.Event(), threading.Event()
+        self.last = last
+        self.texts = []
+
+    def __call__(self, message):
+        self.began.set()
+        self.may_end.wait()
+        self.texts.append(message.data)
+        if message.data == self.last:
+            self.had_last.set()
+        return {"data": message.data}
+
+
+class Queues(unittest.TestCase):
+    def setUp(self):
+        self.here = Here()
+
+    def subscription(self, callback=None, depth=0):
+        made = _topics.Subscription(self.here, "/line", "p/msg/Line", callback, Qos(depth=depth))
+        self.addCleanup(made.close)
+        return made
+
+    def give(self, begin, end):
+        for number in range(begin, end):
+            self.here.backend.give({"data": str(number)})
+
+    def test_of_messages_that_nobody_takes_the_newest_are_kept(self):
+        for depth, most in ((0, 1000), (3, 3)):
+            subscription = self.subscription(depth=depth)
+            self.give(0, most + 1)
+            found = [subscription.next(timeout=0).data for _ in range(most)]
+            self.assertEqual(found, [str(number) for number in range(1, most + 1)])
+            self.assertIsNone(subscription._taken(None))
+            self.give(5, 6)
+            self.assertEqual(subscription.next(timeout=0).data, "5")
+
+    def check_slow(self, callback, give):
+        """One item is worked on, 1,000 wait, one more takes the place of the oldest."""
+        self.addCleanup(callback.may_end.set)
+        give(0)
+        callback.began.wait()
+        for number in range(1, 1001):
+            give(number)
+        with self.assertLogs("rafcon", "WARNING") as logged:
+            give(1001)
+        self.assertIn("the callback is too slow, a message was dropped", logged.output[0])
+        callback.may_end.set()
+        callback.had_last.wait()
+        self.assertEqual(callback.texts, [str(number) for number in (0, *range(2, 1002))])
+
+    def test_a_callback_that_is_too_slow_loses_the_oldest_message_and_the_log_says_so(self):
+        callback = SlowCallback("1001")
+        self.subscription(callback)
+        self.check_slow(callback, lambda number: self.give(number, number + 1))
+
+    def test_a_service_that_is_too_slow_loses_the_oldest_request_and_the_log_says_so(self):
+        callback, answered = SlowCallback("1001"), []
+        self.addCleanup(setattr, _services, "node", _services.node)
+        _services.node = lambda: self.here
+        server = _services.serve("/say", callback, "p/srv/Say")
+        self.addCleanup(server.close)
+
+        def give(number):
+            request = {"data": str(number)}
+            self.here.backend.give(types.SimpleNamespace(request=request, answer=lambda _response: answered.append(number)))
+
+        self.check_slow(callback, give)
+        self.assertNotIn(1, answered)
+
+
+class Frames(unittest.TestCase):
+    def test_a_message_larger_than_a_frame_is_refused_and_the_next_one_is_sent(self):
+        size = frames._FRAME_MAX - len('{"data":{"$":["B",0,1073741824]}}') + 1
+        with self.assertRaisesRegex(ValueError, "a message of 1073741825 bytes is larger than 1073741824"):
+            frames.packed({"data": bytes(size)})
+        self.assertEqual(frames.read(io.BytesIO(frames.packed({"data": b"abc"}))), {"data": b"abc"})
+
+
+class Users(unittest.TestCase):
+    def test_so_many_users_of_a_type_are_asked_for_it(self):
+        asked = []
+
+        def client(name, _type):
+            asked.append(name)
+            raise RosError("it is gone")
+
+        users = [["p/msg/New", "hash", f"/user{number}"] for number in range(4)]
+        descriptions = Descriptions(types.SimpleNamespace(client=client), lambda _question, **_more: users, print)
+        with self.assertRaises(UnknownType) as caught:
+            descriptions.complete("p/msg/New", "there is no type p/msg/New")
+        self.assertEqual(asked, [f"/user{number}/get_type_description" for number in range(3)])
+        said = "; ".join(f"/user{number}: it is gone" for number in range(3))
+        self.assertEqual(str(caught.exception), f"there is no type p/msg/New. Its users did not help: {said}")
+
+
+if __name__ == "__main__":
+    unittest.main()
