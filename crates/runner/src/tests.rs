@@ -1,5 +1,6 @@
 //! Whole runs on real threads, with scripts of plain Rust: what a state does is said by the first word of its name.
 
+mod bounds;
 mod changes;
 mod ground;
 mod holding;

@@ -105,3 +105,24 @@ fn cut(mut line: String) -> String {
     }
     line
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{LINE_BYTES_MAX, cut};
+
+    #[test]
+    fn a_line_is_cut_at_a_character_and_says_how_much_is_missing() {
+        let most = LINE_BYTES_MAX;
+        let cases = [
+            ("x".repeat(most), most, ""),
+            ("x".repeat(most + 1), most, "… (1 more bytes)"),
+            (format!("{}é", "x".repeat(most - 2)), most, ""),
+            (format!("{}é", "x".repeat(most - 1)), most - 1, "… (2 more bytes)"),
+            ("x".repeat(3 * most), most, "… (2097152 more bytes)"),
+        ];
+        for (line, kept, rest) in cases {
+            let expected = format!("{}{rest}", &line[..kept]);
+            assert!(cut(line) == expected, "{kept} bytes and {rest:?}");
+        }
+    }
+}

@@ -150,7 +150,7 @@ fn tag_of(members: &Map<String, Value>) -> Option<(&str, &Value)> {
 
 #[cfg(test)]
 mod tests {
-    use super::{WHOLE_MAX, bounded};
+    use super::{View, WHOLE_MAX, bounded};
     use rafcon_protocol::{Event, Outcome};
     use rafcon_storage::journal::folder::EndValues;
     use serde_json::{Map, Value, json};
@@ -213,6 +213,48 @@ mod tests {
         );
         let whole = EndValues::read(folder.path()).unwrap().unwrap();
         assert_eq!(Value::from(whole.outputs), outputs);
+    }
+
+    #[test]
+    fn a_view_has_so_many_items_levels_and_characters() {
+        let list = |count: usize| Value::from(vec![7; count]);
+        let nested = |levels: usize| (0..levels).fold(json!(7), |inner, _| json!([inner]));
+        let text = |length: usize| Value::from("x".repeat(length));
+        for whole in [list(255), nested(16), text(1024), json!([text(1024), 1])] {
+            assert_eq!(View::of(&whole), whole);
+        }
+        let cut = View::of(&list(256));
+        assert_eq!((&cut["__len__"], &cut["__first__"]), (&json!(256), &list(255)));
+        let spent = View::of(&json!([list(253), 1, 2]));
+        assert_eq!((&spent["__len__"], &spent["__first__"]), (&json!(3), &json!([list(253), 1])));
+        let cut = View::of(&text(1025));
+        assert_eq!(
+            cut,
+            json!({ "__repr__": "x".repeat(200), "__class__": "str", "__len__": 1025 })
+        );
+        let mut deep = &View::of(&json!([nested(16), 1]));
+        while let Value::Array(items) = deep {
+            deep = &items[0];
+        }
+        assert_eq!(
+            (&deep["__repr__"], &deep["__first__"]),
+            (&json!("a list of 1 items"), &json!([]))
+        );
+    }
+
+    #[test]
+    fn the_event_has_so_many_names_and_the_folder_all() {
+        let folder = tempfile::tempdir().unwrap();
+        let long = ("long".to_owned(), Value::from("x".repeat(WHOLE_MAX)));
+        for (count, left) in [(256, 256), (257, 256), (9_000, 256)] {
+            let names = (1..count).map(|it| (format!("name{it:05}"), it.into()));
+            let outputs: Value = names.chain([long.clone()]).collect::<Map<_, _>>().into();
+            let (event, message) = bounded(finished(&outputs), folder.path());
+            let Event::Finished { outputs: views, .. } = event else { panic!("the end") };
+            assert_eq!((views.len(), message), (left, None), "of {count}");
+            let whole = EndValues::read(folder.path()).unwrap().unwrap();
+            assert_eq!(Value::from(whole.outputs), outputs);
+        }
     }
 
     #[test]

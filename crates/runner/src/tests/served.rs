@@ -116,6 +116,18 @@ impl Cast {
                 let is_safe = recorder.safety().state().0 == recorder.last();
                 plain(Returned::Id(if is_safe { 0 } else { -1 }), Vec::new())
             }
+            "chatter" => {
+                let count =
+                    if let Some(Value::Int(count)) = job.inputs.first() { *count } else { 0 };
+                (0..count).for_each(|_| self.print(place, LogLevel::Info, String::new()));
+                plain(Returned::Id(0), Vec::new())
+            }
+            "recall" => {
+                let past = self.driver().past();
+                let texts: Vec<_> = past.iter().map(|past| text(&past.event)).collect();
+                self.print(place, LogLevel::Info, texts.join(" "));
+                plain(Returned::Id(0), Vec::new())
+            }
             "grow" => self.grow(place),
             "count" => self.count(),
             "show" => {

@@ -177,6 +177,9 @@ impl Receiver {
             return None;
         }
         if self.line.pop() != Some(b'\n') {
+            // The rest of a line that is too long is no message of its own.
+            self.line = Vec::new();
+            self.lines.skip_until(b'\n').ok()?;
             return Some(IncomingLine::Nonsense);
         }
         let text = String::from_utf8(std::mem::take(&mut self.line));
