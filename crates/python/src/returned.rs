@@ -20,7 +20,10 @@ pub(crate) fn returned(value: &Bound<'_, PyAny>, outcomes: &[Outcome]) -> PyResu
         return Ok(value.extract().map_or_else(|_too_large| other(value), Returned::Id));
     }
     if let Ok(name) = value.cast_exact::<PyString>() {
-        return Ok(Returned::Name(SmolStr::new(name.to_string_lossy())));
+        let name = SmolStr::new(name.to_string_lossy());
+        let is_short = name.chars().nth(SHOWN_MAX).is_none();
+        let is_outcome = is_short || outcomes.iter().any(|outcome| outcome.name == name);
+        return Ok(if is_outcome { Returned::Name(name) } else { other(value) });
     }
     if let Ok(truth) = value.cast_exact::<PyBool>() {
         return Ok(Returned::Id(i64::from(truth.is_true())));

@@ -125,6 +125,42 @@ def execute(self, inputs, outputs, gvm):
         self.assertEqual(sum(map(len, lines)), sum(len(str(n)) * 50_000 for n in range(50)) + 5_000_000)
         self.assertEqual(result.outcome, "success")
 
+    def test_of_a_long_return_value_the_beginning_is_shown(self):
+        for value, shown in (
+            ("'ä' * 200", "'" + "ä" * 200 + "'"),
+            ("'ä' * 201", "'" + "ä" * 199),
+            ("'ä' * 5000", "'" + "ä" * 199),
+            ("('ä' * 195,)", "('" + "ä" * 195 + "',)"),
+            ("('ä' * 196,)", "('" + "ä" * 196 + "',"),
+        ):
+            with self.subTest(value):
+                result = self.check(f"def execute(*a):\n    return {value}\n", "None", shown)
+                (said,) = result.logged("engine", "R/BAD")
+                self.assertEqual(said.count("ä"), shown.count("ä"))
+
+    def test_types_without_end_are_forgotten(self):
+        text = """
+import gc, sys, weakref
+made = sys.modules.setdefault("made", weakref.WeakSet())
+counts = sys.modules.setdefault("counts", [0])
+def execute(self, inputs, outputs, gvm):
+    counts[0] += 1
+    outputs["v"] = (kind := type("Kind", (), {}))()
+    made.add(kind)
+    if counts[0] < 4200:
+        return "again"
+    del kind, outputs["v"]
+    gc.collect()
+    print(len(made))
+    return "success"
+"""
+        root = sequence(script(text, outputs=[("v", "int", None)], outcomes=("success", "again")))
+        root["transitions"].append(("A", 1, "A"))
+        result = run(save(self.folder, root), keeping="off")
+        (alive,) = result.logged("stdout")
+        self.assertLess(int(alive), 1000)
+        self.assertEqual(result.outcome, "success")
+
     def test_a_value_with_code_in_its_end_is_let_go(self):
         text = """
 class Loud:

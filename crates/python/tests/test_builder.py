@@ -446,6 +446,28 @@ class Building(unittest.TestCase):
             """,
         )
 
+    def test_a_value_that_is_nested_too_deep_is_refused(self):
+        self.check(
+            """
+            def nested(levels):
+                value = 1
+                for _ in range(levels):
+                    value = [value]
+                return value
+            state = ExecutionState("s")
+            refused(state.add_input_data_port, "a", list, nested(189))
+            refused(state.add_input_data_port, "b", list, nested(190))
+            refused(state.add_input_data_port, "c", list, nested(100_000))
+            print([port.name for port in state.input_data_ports.values()])
+            """,
+            """
+            done
+            RecursionError
+            RecursionError
+            ['a']
+            """,
+        )
+
     def test_what_was_saved_is_loaded(self):
         self.check(
             EVERYTHING

@@ -3,6 +3,7 @@
 import importlib.util
 import json
 import pathlib
+import pickle
 import tempfile
 import textwrap
 import unittest
@@ -136,6 +137,25 @@ class Values(Lives):
         self.assertEqual(len(files), 1, files)
         self.assertGreater(files[0].stat().st_size, 200000)
         self.assertEqual((self.run_folder / "values").stat().st_mode & 0o777, 0o700)
+
+    def test_a_value_has_a_file_of_its_own_from_some_size_on(self):
+        # The head and the end of a pickle of bytes.
+        more = len(pickle.dumps(bytes(60_000))) - 60_000
+        self.live_on_with(f"bytes({64 * 1024 - more})")
+        self.assertEqual(list(self.run_folder.glob("values/*")), [])
+        self.setUp()
+        result = self.live_on_with(f"bytes({64 * 1024 - more + 1})")
+        self.assertEqual(result.logged("stdout"), ["done"])
+        self.assertEqual(len(list(self.run_folder.glob("values/*"))), 1)
+
+    def test_the_reason_why_a_value_is_not_kept_is_cut(self):
+        head = "import types\nmodule = types.ModuleType('m')\nexec('class Bad:\\n def __reduce__(self): raise ValueError(\"ä\" * 1000)', module.__dict__)\n"
+        first = execute("outputs['v'] = module.Bad()\nreturn 0", head, id="A", outputs=[("v", "object", None)])
+        second = execute("print('never')\nreturn 0", ONCE, id="B", inputs=[("v", "object", None)])
+        result = self.live_twice(sequence(first, second, flows=[("A", "v", "B", "v")]))
+        self.check_lost(result, "ValueError: ")
+        error = result.finished["outputs"]["error"]["msg"]
+        self.assertEqual(error.count("ä"), 300 - len("ValueError: "), error)
 
     def test_a_damaged_file_is_an_error_that_names_the_value(self):
         root = sequence(
@@ -281,6 +301,31 @@ class Views(unittest.TestCase):
         self.check("set(range(10**5))", {"__repr__": "set of many", "__class__": "set", "__len__": 10**5})
         self.check("[[[0] * 200, [0] * 200]] * 5")
 
+    def test_containers_are_cut_at_their_bounds(self):
+        most, cut = [0] * 255, [0] * 256
+        self.check("[0] * 255", most)
+        self.check("[0] * 256", {"__class__": "list", "__len__": 256, "__repr__": "list of 256", "__first__": most})
+        for levels, innermost in ((16, []), (17, {"__repr__": "a nested list", "__class__": "list"})):
+            shown = self.shown("[" * levels + "]" * levels)
+            for _ in range(levels - 1):
+                (shown,) = shown
+            self.assertEqual(shown, innermost)
+
+    def test_texts_and_numbers_are_cut_at_their_bounds(self):
+        head = "class Loud:\n    def __init__(self, count): self.count = count\n    def __repr__(self): return 'x' * self.count\n"
+        cases = (
+            ("'x' * 1024", "x" * 1024),
+            ("'x' * 1025", {"__repr__": "x" * 200, "__class__": "str", "__len__": 1025}),
+            ("Loud(200)", {"__repr__": "x" * 200, "__class__": "Loud"}),
+            ("Loud(201)", {"__repr__": "x" * 200, "__class__": "Loud", "__len__": 201}),
+            ("2**3400 - 1", {"__int__": str(2**3400 - 1)}),
+            ("2**3400", {"__repr__": "an int of 3401 bits", "__class__": "int"}),
+            ("1", 1),
+        )
+        self.check(f"[{', '.join(value for value, _view in cases)}]", [view for _value, view in cases], head=head)
+        self.check("ValueError('x' * 16384)", {"__exc__": "ValueError", "msg": "x" * 16384})
+        self.check("ValueError('x' * 16385)", {"__exc__": "ValueError", "msg": "x" * 16384 + "… (16385 characters)"})
+
     def test_others_show_what_they_say_of_themselves(self):
         self.check("ValueError('no')", {"__exc__": "ValueError", "msg": "no"})
         self.check("int", {"__type__": "int"})
@@ -359,6 +404,9 @@ class Arrays(unittest.TestCase):
         shown = self.shown("{'big': big, 'pose': {'x': 1, 'y': [2, 3]}}", head)
         self.assertEqual(view, {key: shown["big"][key] for key in view})
         self.assertEqual({"x": 1, "y": [2, 3]}, shown["pose"])
+        for count, sampled in ((64, 64), (65, 33)):
+            shown = self.shown(f"[Array(({count},), float)]", ARRAY)
+            self.assertEqual(([count], [sampled]), (shown[0]["__shape__"], shown[0]["__sampled__"]))
 
     def test_objects_in_arrays_and_arrays_that_refuse(self):
         for value in ("Array((2,), lambda at: 'text', 'O')", "Array((2,), lambda at: 'text')", "Array((2,), None)"):

@@ -64,6 +64,16 @@ class Plugins(unittest.TestCase):
             ["imported", "one\ntwo", "wrong", "runs"],
         )
 
+    def test_of_what_it_prints_without_end_the_beginning_is_kept(self):
+        hooks = """
+            for number in range(16):
+                print(str(number % 10) * 65536)
+            print("no room")
+            print("nor here")
+            """
+        kept = [str(number % 10) * 65536 for number in range(16)]
+        self.check(hooks, [*kept, "2 further lines from before the start of the run are left out", "runs"])
+
     def test_one_that_fails_is_left_out(self):
         def left_out(first):
             self.setUp()
