@@ -1,6 +1,6 @@
 //! What stations watch of the runs of a robot, and the newest values of that, read from the journals: the runs do not know of it.
 
-use crate::watch_words;
+use crate::watch_words::{self, RUNS_MAX};
 use rafcon_link::{NewestValue, RobotSession, StreamId, Wish};
 use rafcon_protocol::{LongValue, WatchKind, WatchTarget, WatchedValue};
 use rafcon_storage::journal::record::Content;
@@ -15,8 +15,6 @@ use std::time::Duration;
 const LOOK_EVERY: Duration = Duration::from_millis(200);
 /// So many values of a run are followed.
 const VALUES_MAX: usize = 1_024;
-/// So many runs are watched.
-const RUNS_MAX: usize = 64;
 
 /// What is watched of the runs of a robot.
 #[derive(Debug)]
@@ -84,12 +82,21 @@ impl RobotWatches {
     /// A station watches this from now on.
     pub(super) fn take(&mut self, Wish { stream, number, body }: Wish) {
         let targets = watch_words::read_wish(&body).unwrap_or_default();
-        let is_room = self.runs.len() < RUNS_MAX || self.runs.contains_key(&stream);
-        if targets.is_empty() || !is_room {
-            self.runs.remove(&stream);
-        } else {
-            self.runs.insert(stream, WatchedRun { number, targets, ..WatchedRun::default() });
+        self.runs.remove(&stream);
+        if targets.is_empty() {
+            return;
         }
+        if self.runs.len() >= RUNS_MAX {
+            self.forget_oldest();
+        }
+        self.runs.insert(stream, WatchedRun { number, targets, ..WatchedRun::default() });
+    }
+
+    /// A station asks for no more runs than there is room for. One that has started again asks anew, with higher numbers: the lowest is
+    /// of before.
+    fn forget_oldest(&mut self) {
+        let oldest = self.runs.iter().min_by_key(|(_, run)| run.number).map(|(stream, _)| *stream);
+        self.runs.retain(|stream, _| Some(*stream) != oldest);
     }
 
     /// Drops the watch of a run.
@@ -261,4 +268,39 @@ fn long_value(stored: &Stored) -> LongValue {
 pub(super) fn age_max(profile: &rafcon_link::Profile) -> Duration {
     // The slower the link, the longer its silences.
     profile.silence() * 10_000
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::pairing::Pairing;
+    use crate::start::Start;
+    use rafcon_link::Profile;
+
+    #[test]
+    fn of_more_runs_than_a_robot_can_watch_the_one_asked_for_first_makes_room() {
+        let folder = tempfile::tempdir().unwrap();
+        let pairing = Pairing::generate("scout", None).unwrap();
+        let start = Start::begin(folder.path()).unwrap();
+        let mut session = RobotSession::new(&start.identity(&pairing), Profile::LAN);
+        let file = folder.path().join("watches");
+        let mut watches = RobotWatches::begin(file, Duration::MAX, 0, &mut session);
+        let target = WatchTarget {
+            kind: WatchKind::State,
+            path: "R".to_owned(),
+            name: String::new(),
+            priority: 0,
+        };
+        let body = watch_words::wish(&[target]);
+        let runs = u32::try_from(RUNS_MAX).unwrap();
+        let wish = |stream, number| Wish { stream: StreamId(stream), number, body: body.clone() };
+        (1..=runs).for_each(|nth| watches.take(wish(nth, u64::from(nth))));
+        // Asked for anew, the first run is not the oldest any more.
+        watches.take(wish(1, 1_000));
+        assert_eq!(watches.runs.len(), RUNS_MAX);
+        watches.take(wish(runs + 1, 1_001));
+        let has = |stream| watches.runs.contains_key(&StreamId(stream));
+        assert_eq!(watches.runs.len(), RUNS_MAX);
+        assert_eq!([1, 2, 3, runs + 1].map(has), [true, false, true, true]);
+    }
 }

@@ -1,5 +1,6 @@
 //! The station's side: keeps a replica of each run of its robots, reports what it has, and sends commands.
 
+mod asked;
 mod checking;
 mod disk;
 mod had;

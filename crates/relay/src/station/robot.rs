@@ -2,6 +2,7 @@
 //!
 //! Long because it joins session, disk and viewers of one robot.
 
+use super::asked::{Asked, is_room};
 use super::disk::{Disk, FromDisk, KeyWork, OpenRun, SettledRun, Work};
 use super::health::{health, run_of};
 use super::in_order::InOrder;
@@ -36,6 +37,7 @@ use rafcon_protocol::{
 use rafcon_storage::journal::EventItems;
 use rafcon_supervisor::clock;
 use std::collections::BTreeMap;
+use std::sync::Arc;
 use std::sync::mpsc::SyncSender;
 use std::time::Duration;
 
@@ -91,14 +93,6 @@ pub(super) struct StationRobot {
     /// The number of the last wish.
     wishes: u64,
     profile: Profile,
-}
-
-/// What the robot is asked for of a run.
-struct Asked {
-    at: Duration,
-    /// Anything is watched.
-    is_any: bool,
-    watching: Watching,
 }
 
 impl StationRobot {
@@ -518,15 +512,21 @@ impl StationRobot {
         let now = self.clock.now();
         let is_due = |asked: Option<&Asked>| asked.is_none_or(|it| it.at + ASK_EVERY <= now);
         let open = self.runs.iter().filter(|(stream, _)| is_due(self.watching.get(stream)));
-        let mut wishes: Vec<_> =
-            open.filter_map(|(stream, run)| Some((*stream, run.shared.take_wish()?))).collect();
+        let open: Vec<_> = open.map(|(stream, run)| (*stream, Arc::clone(&run.shared))).collect();
         // Nobody watches a run that is closed.
         let is_left =
             |(stream, asked): &(&StreamId, &Asked)| asked.is_any && !self.runs.contains_key(stream);
         let left = self.watching.iter().filter(is_left);
-        wishes.extend(left.map(|(stream, _)| (*stream, Vec::new())));
-        for (stream, targets) in wishes {
-            self.watch(stream, targets);
+        let left: Vec<_> = left.map(|(stream, _)| *stream).collect();
+        for stream in left {
+            self.watch(stream, Vec::new());
+        }
+        for (stream, shared) in open {
+            if !is_room(&self.watching, stream) {
+                shared.leave_out();
+            } else if let Some(targets) = shared.take_wish() {
+                self.watch(stream, targets);
+            }
         }
     }
 

@@ -168,6 +168,12 @@ impl Shared {
         self.shown.lock().watched.take_wish()
     }
 
+    /// The robot is asked for nothing of the run for now: it watches as many runs as it can.
+    pub(super) fn leave_out(&self) {
+        let messages = self.shown.lock().watched.leave_out();
+        self.send_each(messages);
+    }
+
     fn pong(&self, id: u64) -> ToViewer {
         let link = Some(Box::new(self.shown.lock().link.clone()));
         ToViewer::Pong { id, now_ms: clock::since_1970_ms(), engine: None, link }

@@ -17,6 +17,8 @@ pub(super) struct ReplicaWatch {
     wish: Vec<WatchTarget>,
     /// The robot is to be asked for something else than before.
     is_wish_new: bool,
+    /// The robot cannot be asked for now.
+    is_left_out: bool,
     watching: Watching,
     values: BTreeMap<(WatchKind, String, String), WatchedValue>,
 }
@@ -45,7 +47,20 @@ impl ReplicaWatch {
 
     /// What the robot is to be asked for, if that is something else than before.
     pub(super) fn take_wish(&mut self) -> Option<Vec<WatchTarget>> {
+        self.is_left_out = false;
         std::mem::take(&mut self.is_wish_new).then(|| self.wish.clone())
+    }
+
+    /// The robot cannot be asked for now: nothing of what is watched is sent ahead, and what is to be asked for waits.
+    pub(super) fn leave_out(&mut self) -> Vec<(u64, ToViewer)> {
+        if !self.is_wish_new {
+            return Vec::new();
+        }
+        let left_out = u32::try_from(self.wish.len()).unwrap_or(u32::MAX);
+        self.is_left_out = false;
+        let messages = self.set_watching(&Watching { is_confirmed: true, asked_ms: 0, left_out });
+        self.is_left_out = true;
+        messages
     }
 
     /// The robot says that these are the newest; older ones than those that are here change nothing.
@@ -70,7 +85,7 @@ impl ReplicaWatch {
 
     /// Whether the robot knows what is watched.
     pub(super) fn set_watching(&mut self, watching: &Watching) -> Vec<(u64, ToViewer)> {
-        if self.watching == *watching {
+        if self.is_left_out || self.watching == *watching {
             return Vec::new();
         }
         self.watching = watching.clone();
@@ -168,6 +183,28 @@ mod tests {
             then
         "#]]
         .assert_eq(&said);
+    }
+
+    #[test]
+    fn while_the_robot_cannot_be_asked_a_viewer_is_told_what_is_left_out() {
+        let mut run = ReplicaWatch::default();
+        let known = Watching { is_confirmed: true, asked_ms: 5, left_out: 0 };
+        let mut said = Vec::new();
+        run.watch(1, targets(&["R/ARM", "R/EYE"]));
+        said.extend(run.leave_out());
+        said.extend(run.leave_out());
+        // Of what was asked before, nothing counts meanwhile.
+        said.extend(run.set_watching(&known));
+        run.watch(1, targets(&["R/ARM"]));
+        said.extend(run.leave_out());
+        assert_eq!(run.take_wish().expect("a wish").len(), 1);
+        said.extend(run.set_watching(&known));
+        said.extend(run.leave_out());
+        let left_out = |(_, message): &(u64, ToViewer)| match message {
+            ToViewer::Watched { watching, .. } => watching.left_out,
+            _ => u32::MAX,
+        };
+        assert_eq!(said.iter().map(left_out).collect::<Vec<_>>(), [2, 1, 0]);
     }
 
     #[test]
