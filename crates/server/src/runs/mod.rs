@@ -18,6 +18,7 @@ mod ring;
 mod routes;
 mod run;
 mod start;
+mod start_requests;
 mod summary;
 mod supervise;
 mod talk;
@@ -39,6 +40,7 @@ use rafcon_locks::Mutex;
 use rafcon_protocol::api::{RunPhase, RunSummary};
 use rafcon_storage::journal::folder::check_run_id;
 use rafcon_supervisor::{MakeError, Runs as Folder, clock, policy_of};
+use start_requests::{StartRequestState, StartRequests};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -56,24 +58,12 @@ const TURN_TIMEOUT: Duration = Duration::from_secs(30);
 /// How long the disk is asked what runs take.
 const DISK_TIMEOUT: Duration = Duration::from_millis(300);
 
-/// What has become of a request; held while something does.
-type Slot = Arc<tokio::sync::Mutex<Option<StartRequestState>>>;
-
-/// A request to start a run that was written down.
-#[derive(Debug)]
-enum StartRequestState {
-    /// It has begun the run with this id.
-    Begun(String),
-    /// Its run has this folder and has not begun, as far as is known.
-    Open(PathBuf),
-}
-
 /// All runs.
 #[derive(Debug)]
 pub(crate) struct Runs {
     folder: Folder,
     all: Mutex<BTreeMap<String, Arc<Run>>>,
-    requests: Mutex<BTreeMap<String, Slot>>,
+    requests: StartRequests,
     launches: Arc<Semaphore>,
     /// Taken while the disk is asked what runs take.
     measuring: Arc<Semaphore>,
@@ -89,7 +79,7 @@ impl Runs {
         Ok(Self {
             folder: Folder::new(Some(&settings.runs), &settings.surroundings)?,
             all: Mutex::default(),
-            requests: Mutex::default(),
+            requests: StartRequests::default(),
             launches: Arc::new(Semaphore::new(LAUNCHES)),
             measuring: Arc::new(Semaphore::new(1)),
             known: tokio_watch::Sender::new(false),
@@ -172,20 +162,6 @@ impl Runs {
         })
     }
 
-    /// The request with this id: whoever has it locked begins its run.
-    fn request(&self, id: &str) -> Slot {
-        Arc::clone(self.requests.lock().entry(id.to_owned()).or_default())
-    }
-
-    /// A request has begun nothing: unless someone else asks the same now, it was never made.
-    fn forget_request(&self, id: &str, slot: &Slot) {
-        let mut requests = self.requests.lock();
-        // One of them is the table's, the other the caller's.
-        if Arc::strong_count(slot) == 2 {
-            requests.remove(id);
-        }
-    }
-
     /// This is what was found in the folder of a run; nothing if it is none, or none any more.
     fn found(
         &self,
@@ -221,7 +197,7 @@ impl Runs {
         if let Some(key) = looked.request.and_then(|request| request.key()) {
             let is_open =
                 matches!(looked.summary.phase, RunPhase::Starting | RunPhase::NotStarted { .. });
-            self.note_request(
+            self.requests.note(
                 &key,
                 if is_open {
                     StartRequestState::Open(folder.to_path_buf())
@@ -232,13 +208,6 @@ impl Runs {
         }
         self.news.send_modify(|revision| *revision += 1);
         Some(run)
-    }
-
-    /// This has become of a request. Whoever begins it just now notes it down by itself.
-    fn note_request(&self, request: &str, asked: StartRequestState) {
-        if let Ok(mut known) = self.request(request).try_lock() {
-            *known = Some(asked);
-        }
     }
 
     /// The folder of a run is there no more.

@@ -90,7 +90,7 @@ pub(super) async fn once(
     asked: ResumeRun,
 ) -> Result<RunSummary, Failure> {
     // One after the other: two who ask at once do not both start a runner.
-    let slot = server.runs.request(&format!("resume/{}", run.id()));
+    let slot = server.runs.requests.get(&format!("resume/{}", run.id()));
     let _turn = slot.lock().await;
     run.wait_settled().await;
     let folder = run.folder().to_path_buf();

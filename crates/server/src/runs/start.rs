@@ -2,10 +2,10 @@
 //!
 //! Knows requests and folders of runs. Does not know what becomes of a run afterwards.
 
-use super::StartRequestState;
 use super::folder_files::RunRequest;
 use super::launch::{LaunchError, Launched, launch};
 use super::run::Run;
+use super::start_requests::StartRequestState;
 use super::supervise;
 use crate::access::{Who, of_start};
 use crate::failure::reason;
@@ -64,7 +64,7 @@ async fn once(
 ) -> Result<RunSummary, Failure> {
     server.runs.wait_until_known().await;
     let id = RunRequest::start_key(author, &asked.id);
-    let slot = server.runs.request(&id);
+    let slot = server.runs.requests.get(&id);
     let mut known = slot.lock().await;
     let folder = match &*known {
         Some(asked) => {
@@ -89,7 +89,7 @@ async fn once(
         Err(failure) => {
             *known = None;
             drop(known);
-            server.runs.forget_request(&id, &slot);
+            server.runs.requests.forget(&id, &slot);
             Err(failure)
         }
     }
