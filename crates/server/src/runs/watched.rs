@@ -15,7 +15,7 @@ use tokio::sync::watch;
 const TARGETS_MAX: usize = 1_024;
 /// So many values of a run are kept.
 const VALUES_MAX: usize = 1_024;
-/// So many values are told at once.
+/// So many values are told a client; further ones are counted.
 const TOLD_MAX: usize = 256;
 
 /// What is watched of one run.
@@ -144,14 +144,13 @@ pub(crate) fn frame(
     now: &WatchedNow,
 ) -> ToClient {
     let WatchedNow { watching, left_out, values } = now;
-    let left_out = watching.left_out.saturating_add(*left_out);
+    let mut values: Vec<_> =
+        values.values().filter(|value| fits(targets, value)).cloned().collect();
+    let untold = u32::try_from(values.len().saturating_sub(TOLD_MAX)).unwrap_or(u32::MAX);
+    values.truncate(TOLD_MAX);
+    let left_out = watching.left_out.saturating_add(*left_out).saturating_add(untold);
     let watching = is_replica.then(|| Watching { left_out, ..watching.clone() });
-    let values = values.values().filter(|value| fits(targets, value));
-    ToClient::RunWatched {
-        subscription,
-        watching,
-        values: values.take(TOLD_MAX).cloned().collect(),
-    }
+    ToClient::RunWatched { subscription, watching, values }
 }
 
 fn fits(targets: &[WatchTarget], value: &WatchedValue) -> bool {
@@ -160,7 +159,7 @@ fn fits(targets: &[WatchTarget], value: &WatchedValue) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use super::{RunWatched, frame};
+    use super::{RunWatched, TOLD_MAX, VALUES_MAX, frame};
     use rafcon_protocol::socket::ToClient;
     use rafcon_protocol::{WatchKind, WatchTarget, WatchedValue, Watching};
 
@@ -198,5 +197,32 @@ mod tests {
         assert_eq!(told(&watched, &["R/A", "R/B"]), [("R/B".to_owned(), 6)]);
         assert!(watched.set(3, None));
         assert!(watched.union().is_empty());
+    }
+
+    #[test]
+    fn of_more_values_than_a_client_is_told_the_number_is_told() {
+        let watched = RunWatched::default();
+        let whole = WatchTarget { kind: WatchKind::State, ..target("R") };
+        watched.set(1, Some(vec![whole.clone()]));
+        let values = |count: usize| (0..count).map(|nth| value(&format!("R/{nth}"), 1)).collect();
+        let said = || match frame(1, std::slice::from_ref(&whole), true, &watched.now.borrow()) {
+            ToClient::RunWatched { watching: Some(watching), values, .. } => {
+                (values.len(), watching.left_out as usize)
+            }
+            other => panic!("{other:?}"),
+        };
+        watched.take(Watching::default(), values(TOLD_MAX));
+        assert_eq!(said(), (TOLD_MAX, 0));
+        watched.take(Watching { left_out: 2, ..Watching::default() }, values(TOLD_MAX + 1));
+        assert_eq!(said(), (TOLD_MAX, 3));
+        watched.take(Watching::default(), values(VALUES_MAX + 1));
+        assert_eq!(said(), (TOLD_MAX, VALUES_MAX - TOLD_MAX));
+        // Of a value that is here the newest counts, also without room for others.
+        watched.take(Watching::default(), vec![value("R/0", 2), value("R/new", 2)]);
+        assert_eq!(told(&watched, &["R/0", "R/new"]), [("R/0".to_owned(), 2)]);
+        // Room comes with what is watched no more.
+        watched.set(1, Some(vec![target("R/new")]));
+        watched.take(Watching::default(), vec![value("R/new", 3)]);
+        assert_eq!(told(&watched, &["R/0", "R/new"]), [("R/new".to_owned(), 3)]);
     }
 }
