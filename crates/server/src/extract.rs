@@ -143,7 +143,7 @@ pub(crate) fn check_request_id(id: &str) -> Result<(), Failure> {
 
 #[cfg(test)]
 mod tests {
-    use super::Small;
+    use super::{LENGTH_MAX, Small, check_request_id};
     use crate::{ServerState, Settings};
     use axum::body::{Body, Bytes};
     use axum::extract::{FromRequest as _, Request};
@@ -174,5 +174,13 @@ mod tests {
     async fn strangers_can_keep_little_and_not_for_long() {
         assert_eq!(check(b" ").await, (400, 30));
         assert_eq!(check(&[b' '; 4096]).await, (413, 5));
+    }
+
+    #[test]
+    fn an_id_has_at_most_so_many_bytes() {
+        check_request_id(&"i".repeat(LENGTH_MAX)).unwrap();
+        for id in ["", &"i".repeat(LENGTH_MAX + 1), &"ä".repeat(LENGTH_MAX / 2 + 1)] {
+            assert_eq!(check_request_id(id).unwrap_err().code(), "bad_id");
+        }
     }
 }

@@ -199,3 +199,16 @@ impl HashCost {
     /// What people's passwords are hashed with: 19 MiB, twice.
     pub const USUAL: Self = Self { memory_kib: 19 * 1024, passes: 2 };
 }
+
+#[cfg(test)]
+mod tests {
+    use super::BasePath;
+
+    #[test]
+    fn a_base_path_has_at_most_so_many_bytes() {
+        let path = "a".repeat(BasePath::MAX);
+        let parsed = BasePath::parse(&format!("/{path}/")).unwrap();
+        assert_eq!(parsed.as_str(), format!("/{path}"));
+        assert!(BasePath::parse(&format!("/{path}a")).is_none());
+    }
+}

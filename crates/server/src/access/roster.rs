@@ -219,7 +219,7 @@ fn is_name(name: &str) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use super::{Entry, Roster, Token};
+    use super::{Entry, NAME_MAX, Roster, RosterError, TOKENS_MAX, Token};
     use crate::access::secret::Secret;
     use expect_test::{Expect, expect};
     use rafcon_protocol::api::Role;
@@ -344,5 +344,36 @@ mod tests {
         assert!(roster.token_of(other.digest()).is_none());
         let token = roster.token("t").unwrap();
         assert_eq!((token.is_over(8), token.is_over(9)), (false, true));
+    }
+
+    #[test]
+    fn a_name_has_at_most_so_many_bytes() {
+        let mut roster = Roster::default();
+        let name = "a".repeat(NAME_MAX);
+        let long = format!("{name}a");
+        assert_eq!(roster.add(&long, entry(Role::Viewer)), Err(RosterError::BadName(long.clone())));
+        roster.add(&name, entry(Role::Viewer)).unwrap();
+        assert_eq!(roster.users().len(), 1);
+    }
+
+    #[test]
+    fn a_user_has_at_most_so_many_tokens() {
+        let mut roster = Roster::default();
+        let add =
+            |roster: &mut Roster, id: usize, token: Token| roster.add_token(format!("{id}"), token);
+        for id in 0..TOKENS_MAX {
+            add(&mut roster, id, token("owner", Role::Viewer, Some(9))).unwrap();
+        }
+        let refused = add(&mut roster, TOKENS_MAX, token("owner", Role::Viewer, None));
+        assert_eq!(refused, Err(RosterError::TooMany("owner".to_owned())));
+        // Others have their own.
+        roster.add("anna", entry(Role::Viewer)).unwrap();
+        add(&mut roster, TOKENS_MAX, token("anna", Role::Viewer, None)).unwrap();
+        roster.remove_token("7", None).unwrap();
+        add(&mut roster, 7, token("owner", Role::Viewer, None)).unwrap();
+        // Those that have expired make room.
+        let late = Token { made_ms: 9, ..token("owner", Role::Viewer, None) };
+        add(&mut roster, TOKENS_MAX + 1, late).unwrap();
+        assert_eq!(roster.tokens(Some("owner")).len(), 2);
     }
 }

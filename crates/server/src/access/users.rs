@@ -154,3 +154,29 @@ fn made() -> Result<(String, Secret), UsersError> {
     let id = hex(&random::<8>().map_err(failed)?);
     Ok((id, Secret::new().map_err(failed)?))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{BYTES_MAX, TOKEN_NAME_MAX, Users, UsersError};
+    use crate::settings::HashCost;
+    use rafcon_protocol::api::{NewToken, Role};
+
+    #[test]
+    fn passwords_and_names_of_tokens_have_bounds() {
+        let state = tempfile::tempdir().unwrap();
+        let users = Users::open(state.path(), HashCost { memory_kib: 8, passes: 1 }).unwrap();
+        let long = "p".repeat(BYTES_MAX);
+        let add = |name, password: &str| users.add(name, Role::Viewer, password);
+        assert!(matches!(add("anna", &format!("{long}p")), Err(UsersError::BadPassword)));
+        // Bytes count, not characters.
+        assert!(matches!(add("anna", &"ä".repeat(BYTES_MAX)), Err(UsersError::BadPassword)));
+        add("anna", &long).unwrap();
+        let token = |characters: usize| {
+            let name = "ä".repeat(characters);
+            users.make_token("anna", Role::Viewer, &NewToken { name, lifetime_s: None, role: None })
+        };
+        assert!(matches!(token(TOKEN_NAME_MAX + 1), Err(UsersError::BadTokenName)));
+        assert!(matches!(token(0), Err(UsersError::BadTokenName)));
+        token(TOKEN_NAME_MAX).unwrap();
+    }
+}

@@ -202,3 +202,28 @@ fn inverse(change: InverseChange, machine: &Machine, before: &Machine) -> Invers
     };
     Inverse { places, layouts, change }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{ANSWERED_MAX, AnsweredRequests, EditRequest};
+
+    fn request(number: u64) -> EditRequest {
+        EditRequest { author: "ann".to_owned(), id: number.to_string() }
+    }
+
+    #[test]
+    fn of_answered_requests_the_oldest_is_forgotten() {
+        let mut answered = AnsweredRequests::default();
+        let last = ANSWERED_MAX as u64;
+        (0..last).for_each(|number| answered.push(request(number), number));
+        let known =
+            |answered: &AnsweredRequests, number| answered.revisions.get(&request(number)).copied();
+        assert_eq!(known(&answered, 0), Some(0));
+        answered.push(request(last), last);
+        assert_eq!(
+            [0, 1, last].map(|number| known(&answered, number)),
+            [None, Some(1), Some(last)]
+        );
+        assert_eq!((answered.revisions.len(), answered.order.len()), (ANSWERED_MAX, ANSWERED_MAX));
+    }
+}

@@ -211,3 +211,28 @@ fn left_alone(failure: &Failure) -> Failure {
     );
     Failure::unprocessable("unfit_draft", message)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{ANSWERED_MAX, RecordedAnswer, answered};
+    use crate::documents::draft::{DraftHeader, find};
+    use crate::documents::operation::EditRequest;
+    use std::path::Path;
+
+    #[test]
+    fn of_the_ids_in_a_draft_the_newest_stay_known() {
+        let place = tempfile::tempdir().unwrap();
+        let mut head = DraftHeader::new(Path::new("/m"), "hash", 3);
+        let request = |id: usize| EditRequest { author: "ann".to_owned(), id: id.to_string() };
+        let known = |id: usize| RecordedAnswer { request: request(id), revision: id as u64 };
+        head.answered = (0..ANSWERED_MAX).map(known).collect();
+        let done = r#"{"line":"done","author":"ann","id":"new","at_ms":0,"what":{"what":"undo"}}"#;
+        let lines = format!("{}\n{done}\n", serde_json::to_string(&head).unwrap());
+        std::fs::write(place.path().join("operations.jsonl"), lines).unwrap();
+        let answers = answered(&find(place.path()).unwrap().unwrap());
+        assert_eq!(answers.len(), ANSWERED_MAX);
+        assert_eq!(answers[0].request, request(1));
+        let last = answers.last().unwrap();
+        assert_eq!((last.request.id.as_str(), last.revision), ("new", 4));
+    }
+}

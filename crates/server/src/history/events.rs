@@ -189,3 +189,30 @@ pub(super) fn no_such_event(sequence: u64) -> Failure {
     let message = format!("the run has no event {sequence}: its events say which there are");
     Failure::not_found("no_such_event", message)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::{LINE_BYTES, long_log};
+    use super::{BYTES_MAX, COUNT_MAX, EventQuery, Filter, count, page};
+
+    #[test]
+    fn a_page_of_events_with_values_ends_with_so_many_bytes_and_the_next_one_goes_on() {
+        let full = BYTES_MAX / LINE_BYTES;
+        let (_folder, mut reader) = long_log(full + 1);
+        let mut look = |from: u64, values: bool| {
+            let query = EventQuery { from, values, ..EventQuery::default() };
+            let page = page(&mut reader, &query, &Filter::default(), 1_000).unwrap();
+            (page.events.len(), page.next, page.last)
+        };
+        let last = full as u64 + 1;
+        assert_eq!(look(1, true), (full, last, last));
+        assert_eq!(look(last, true), (1, last + 1, last));
+    }
+
+    #[test]
+    fn a_page_has_at_most_so_many_events() {
+        assert_eq!(count(Some(COUNT_MAX)).unwrap(), COUNT_MAX as usize);
+        assert_eq!(count(Some(COUNT_MAX + 1)).unwrap_err().code(), "bad_count");
+        assert_eq!(count(Some(0)).unwrap_err().code(), "bad_count");
+    }
+}

@@ -102,10 +102,13 @@ async fn comparison(
 
 fn short_enough(reader: &Reader) -> Result<(), Failure> {
     let events = reader.last_sequence()?;
+    check_length(&reader.about().id, events)
+}
+
+fn check_length(id: &str, events: u64) -> Result<(), Failure> {
     if events <= COMPARED_MAX {
         return Ok(());
     }
-    let id = &reader.about().id;
     let message = format!(
         "{id} has {events} events, and up to {COMPARED_MAX} are compared here: use `rafcon compare` beside the runs"
     );
@@ -142,5 +145,18 @@ impl Figures {
             tallies.pop_front();
         }
         tally
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{COMPARED_MAX, check_length};
+
+    #[test]
+    fn a_run_that_is_too_long_to_compare_is_refused_with_the_way_out() {
+        check_length("r", COMPARED_MAX).unwrap();
+        let failure = check_length("r", COMPARED_MAX + 1).unwrap_err();
+        assert_eq!((failure.status().as_u16(), failure.code()), (422, "too_long_to_compare"));
+        assert!(failure.refusal().message.contains("rafcon compare"));
     }
 }

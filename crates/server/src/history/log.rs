@@ -88,3 +88,23 @@ fn line(found: Found) -> Option<LogLine> {
 fn has(line: &LogLine, wanted: Option<&str>) -> bool {
     wanted.is_none_or(|wanted| line.message.to_lowercase().contains(wanted))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::{LINE_BYTES, long_log};
+    use super::{BYTES_MAX, LogQuery, page};
+
+    #[test]
+    fn a_page_of_the_log_ends_with_so_many_bytes_and_the_next_one_goes_on() {
+        let full = BYTES_MAX / LINE_BYTES;
+        let (_folder, mut reader) = long_log(full + 1);
+        let mut look = |from: u64| {
+            let query = LogQuery { from, ..LogQuery::default() };
+            let page = page(&mut reader, &query, 1_000).unwrap();
+            (page.lines.len(), page.next, page.last)
+        };
+        let last = full as u64 + 1;
+        assert_eq!(look(1), (full, last, last));
+        assert_eq!(look(last), (1, last + 1, last));
+    }
+}

@@ -223,3 +223,45 @@ fn library_folder(packed: &Packed, library: &str) -> Result<String, Failure> {
         Failure::not_found("no_such_library", message)
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{BYTES_MAX, Bytes, COUNT_MAX, CachedDocument, Hash, Machines, Which};
+    use std::path::PathBuf;
+
+    fn which(nth: usize) -> Which {
+        let folder = PathBuf::from(format!("/runs/{nth}"));
+        Which { folder, hash: Hash([0; 32]), library: None }
+    }
+
+    /// Which of those with these sizes stay, kept one after the other.
+    fn stay(sizes: &[usize]) -> Vec<usize> {
+        let machines = Machines::default();
+        for (nth, size) in sizes.iter().enumerate() {
+            let document = Bytes::from(vec![b' '; *size]);
+            machines.keep(CachedDocument { which: which(nth), document });
+        }
+        let last = sizes.len() - 1;
+        assert_eq!(machines.known(&which(last)).map(|it| it.len()), Some(sizes[last]));
+        (0..sizes.len()).filter(|nth| machines.known(&which(*nth)).is_some()).collect()
+    }
+
+    #[test]
+    fn machines_of_runs_in_memory_are_bounded_and_the_last_one_stays() {
+        assert_eq!(stay(&[1; COUNT_MAX]).len(), COUNT_MAX);
+        assert_eq!(stay(&[1; COUNT_MAX + 2]), (2..COUNT_MAX + 2).collect::<Vec<_>>());
+        assert_eq!(stay(&[BYTES_MAX / 2, BYTES_MAX / 2]), [0, 1]);
+        assert_eq!(stay(&[BYTES_MAX / 2, BYTES_MAX / 2, 1]), [1, 2]);
+        assert_eq!(stay(&[1, BYTES_MAX + 1]), [1]);
+    }
+
+    #[test]
+    fn a_machine_that_is_asked_for_again_stays_longest() {
+        let machines = Machines::default();
+        for nth in 0..=COUNT_MAX {
+            machines.keep(CachedDocument { which: which(nth), document: Bytes::new() });
+            assert!(machines.known(&which(0)).is_some());
+        }
+        assert!(machines.known(&which(1)).is_none());
+    }
+}

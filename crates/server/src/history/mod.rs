@@ -112,3 +112,33 @@ async fn read(
     let folder = folder(server, run).await?;
     server.history.readers.read(folder, work).await
 }
+
+#[cfg(test)]
+mod tests {
+    use rafcon_storage::journal::{About, Journal, Options, Reader};
+    use rafcon_testkit::journal_notation;
+    use tempfile::TempDir;
+
+    /// The bytes of each line of [`long_log`].
+    pub(super) const LINE_BYTES: usize = 1 << 20;
+
+    /// A run that has written so many lines of a MiB, as events 1 and after.
+    pub(super) fn long_log(lines: usize) -> (TempDir, Reader) {
+        let folder = tempfile::tempdir().unwrap();
+        let options = Options { recorder_bytes: 1 << 22, ..Options::default() };
+        let run = folder.path().join("r");
+        let journal = Journal::create(&run, &About::default(), &options).unwrap();
+        let mut before = 0;
+        for _ in 0..lines {
+            let text = "x".repeat(LINE_BYTES);
+            let line = format!("place R \"Root\" outcome done\nlog R info \"{text}\"\n");
+            let batch = journal_notation::batch(&line, before).unwrap();
+            before = batch.t_last();
+            journal.append(&batch).unwrap();
+            journal.commit().unwrap();
+        }
+        journal.close().unwrap();
+        let reader = Reader::open(&run).unwrap();
+        (folder, reader)
+    }
+}

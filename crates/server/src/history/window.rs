@@ -245,3 +245,18 @@ impl Outlines {
         outline
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{COUNT_MAX, PIXELS_MAX, WINDOW_MAX, bounded};
+
+    #[test]
+    fn what_is_asked_for_at_once_is_bounded() {
+        for most in [COUNT_MAX, PIXELS_MAX, WINDOW_MAX] {
+            assert_eq!(bounded(Some(most), most).unwrap(), most);
+            assert_eq!(bounded(None, most).unwrap(), most);
+            assert_eq!(bounded(Some(most + 1), most).unwrap_err().code(), "bad_count");
+            assert_eq!(bounded(Some(0), most).unwrap_err().code(), "bad_count");
+        }
+    }
+}

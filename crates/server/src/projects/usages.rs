@@ -149,9 +149,11 @@ fn about(core: &Path) -> Option<(String, String)> {
 
 #[cfg(test)]
 mod tests {
-    use super::Search;
+    use super::{BYTES_MAX, DEPTH_MAX, Part, Search, is_fit};
+    use rafcon_storage::files::HEADER;
     use std::collections::BTreeSet;
     use std::fs;
+    use std::path::PathBuf;
 
     /// A project may be someone's home, with millions of folders in which no machine is.
     #[test]
@@ -164,5 +166,53 @@ mod tests {
         let mut search = Search { folders: 20, ..Search::new("skills", "grip", &hidden, 10) };
         search.look(place.path());
         assert_eq!((search.is_full(), search.seen.len()), (true, 20));
+    }
+
+    #[test]
+    fn what_lies_too_deep_or_is_too_large_is_not_looked_at() {
+        let place = tempfile::tempdir().unwrap();
+        let core = r#"{"state_id": "R", "library_path": "skills", "library_name": "grip"}"#;
+        let machine = |depth: usize| {
+            let folder = place.path().join("d/".repeat(depth));
+            fs::create_dir_all(&folder).unwrap();
+            fs::write(folder.join(HEADER), "{}").unwrap();
+            fs::write(folder.join(Part::Core.file_name()), core).unwrap();
+            folder
+        };
+        let (deep, deeper) = (machine(DEPTH_MAX), machine(DEPTH_MAX + 1));
+        let hidden = BTreeSet::new();
+        let found = || {
+            let mut search = Search::new("skills", "grip", &hidden, 10);
+            search.look(place.path());
+            assert!(!search.is_full());
+            search.found.into_iter().map(|used| used.machine).collect::<Vec<_>>()
+        };
+        assert_eq!(found(), std::slice::from_ref(&deep));
+        let core = fs::OpenOptions::new().write(true).open(deep.join(Part::Core.file_name()));
+        let core = core.unwrap();
+        core.set_len(BYTES_MAX).unwrap();
+        assert!(is_fit(&deep.join(Part::Core.file_name())));
+        core.set_len(BYTES_MAX + 1).unwrap();
+        assert_eq!(found(), Vec::<PathBuf>::new());
+        assert!(deeper.exists());
+    }
+
+    #[test]
+    fn a_search_ends_with_the_uses_that_are_wanted() {
+        let place = tempfile::tempdir().unwrap();
+        for number in 0..3 {
+            let folder = place.path().join(number.to_string());
+            fs::create_dir(&folder).unwrap();
+            fs::write(folder.join(HEADER), "{}").unwrap();
+            let core = r#"{"state_id": "R", "library_path": "skills", "library_name": "grip"}"#;
+            fs::write(folder.join(Part::Core.file_name()), core).unwrap();
+        }
+        let hidden = BTreeSet::new();
+        let search = |most: usize| {
+            let mut search = Search::new("skills", "grip", &hidden, most);
+            search.look(place.path());
+            (search.found.len(), search.is_full())
+        };
+        assert_eq!([2, 4].map(search), [(2, true), (3, false)]);
     }
 }

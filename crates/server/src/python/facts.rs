@@ -88,3 +88,21 @@ async fn read(settings: &Settings, texts: &[&str]) -> Result<Vec<Facts>, String>
         format!("the interpreter `{interpreter}`: {error}; {last}")
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{Facts, Hash, KEPT_MAX, Known};
+
+    #[test]
+    fn what_is_known_of_scripts_is_bounded() {
+        let hash = |number: usize| *blake3::hash(&number.to_le_bytes()).as_bytes();
+        let known = Known::default();
+        let all: Vec<Hash> = (0..=KEPT_MAX).map(hash).collect();
+        let keep = |some: &[Hash]| known.keep(some.iter().map(|hash| (*hash, Facts::default())));
+        keep(&all[..KEPT_MAX]);
+        assert_eq!(known.0.lock().len(), KEPT_MAX);
+        // All of them are read again when they are needed.
+        keep(&all[KEPT_MAX..]);
+        assert_eq!(known.0.lock().keys().copied().collect::<Vec<_>>(), all[KEPT_MAX..]);
+    }
+}

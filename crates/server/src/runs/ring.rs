@@ -220,7 +220,7 @@ fn bytes_of(group: &EventGroup) -> usize {
 
 #[cfg(test)]
 mod tests {
-    use super::{EventsPage, Ring};
+    use super::{BYTES_MAX, EventsPage, Ring};
     use crate::runs::event_group::EventText;
     use expect_test::expect;
     use proptest::prelude::*;
@@ -272,7 +272,7 @@ mod tests {
     }
 
     fn ring() -> Ring {
-        Ring::with_room(super::BYTES_MAX, None)
+        Ring::with_room(BYTES_MAX, None)
     }
 
     #[test]
@@ -304,6 +304,10 @@ mod tests {
         (1..=100).for_each(|sequence| push(&ring, sequence..=sequence));
         assert_eq!(read(&ring, 90), None);
         assert_eq!(read(&ring, 91), Some((91..=100).collect()));
+        let ring = Ring::new(std::path::PathBuf::new());
+        (1..=20_000).for_each(|sequence| push(&ring, sequence..=sequence));
+        assert!((BYTES_MAX / 2..=BYTES_MAX).contains(&ring.kept.lock().bytes));
+        assert_eq!((read(&ring, 1), read(&ring, 20_000)), (None, Some(vec![20_000])));
     }
 
     #[test]

@@ -217,3 +217,41 @@ fn unreadable(error: &axum::Error) -> Failure {
     );
     Failure::bad("unreadable", message)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{Cause, Connection, Message, Outbox, RequestHandler, ToClient};
+    use super::{Received, UNDER_WAY_MAX};
+    use crate::access::{Credential, Who};
+    use crate::{ServerState, Settings};
+    use futures_util::{FutureExt as _, stream};
+    use rafcon_protocol::api::Role;
+    use std::sync::Arc;
+    use tokio::sync::oneshot;
+
+    #[tokio::test]
+    async fn who_has_too_much_under_way_is_heard_again_after_an_answer() {
+        let place = tempfile::tempdir().unwrap();
+        let settings = Settings::new(place.path().join("state"), place.path().join("runs"));
+        std::fs::create_dir(&settings.state).unwrap();
+        let (by, user) = (Credential::Owner, "owner".to_owned());
+        let who = Who { user, role: Role::Admin, expires_ms: None, by };
+        let handler = RequestHandler::new(ServerState::new(settings).unwrap(), who, 1);
+        let mut connection = Connection::new(handler, Arc::new(Outbox::new()));
+        let mut frames = Box::pin(stream::repeat_with(|| Received::Ok(Message::text("x"))));
+        let mut open = Vec::new();
+        for _ in 0..UNDER_WAY_MAX {
+            let heard = connection.wait(frames.as_mut()).now_or_never();
+            assert!(matches!(heard, Some(Cause::Received(_))));
+            let (answer, answered) = oneshot::channel::<ToClient>();
+            connection.answers.push_back(async move { answered.await.unwrap() }.boxed());
+            open.push(answer);
+        }
+        assert!(connection.wait(frames.as_mut()).now_or_never().is_none());
+        open.remove(0).send(ToClient::Pong { id: 1, now_ms: 0 }).unwrap();
+        let answered = connection.wait(frames.as_mut()).now_or_never();
+        assert!(matches!(answered, Some(Cause::Answered(_))));
+        let heard = connection.wait(frames.as_mut()).now_or_never();
+        assert!(matches!(heard, Some(Cause::Received(_))));
+    }
+}

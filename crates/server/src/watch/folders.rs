@@ -29,13 +29,15 @@ pub(super) struct Plan {
 pub(super) struct Folders {
     watcher: RecommendedWatcher,
     watched: BTreeSet<PathBuf>,
+    /// So many at most.
+    most: usize,
     is_full: bool,
 }
 
 impl Folders {
     /// None yet.
     pub(super) fn new(watcher: RecommendedWatcher) -> Self {
-        Self { watcher, watched: BTreeSet::new(), is_full: false }
+        Self { watcher, watched: BTreeSet::new(), most: MOST, is_full: false }
     }
 
     /// Whether the system is asked about a folder.
@@ -96,7 +98,7 @@ impl Folders {
         if self.is_full {
             return false;
         }
-        let asked = if self.watched.len() < MOST {
+        let asked = if self.watched.len() < self.most {
             self.watcher.watch(folder, RecursiveMode::NonRecursive)
         } else {
             Err(notify::Error::new(ErrorKind::MaxFilesWatch))
@@ -220,5 +222,21 @@ mod tests {
         place.check(&expect!["p p/a p/a/c p/ab"]);
         place.folders.forget_all();
         place.check(&expect![""]);
+    }
+
+    #[test]
+    fn of_too_many_folders_some_are_watched_and_others_once_there_is_room() {
+        let mut place = Place::new(&["p/a/b", "q"]);
+        assert_eq!(place.folders.most, MOST);
+        place.folders.most = 2;
+        place.follow(&["p", "q"], &[]);
+        place.check(&expect!["p p/a"]);
+        place.follow(&["p/a", "q"], &[]);
+        place.check(&expect!["p/a"]);
+        place.follow(&["p/a", "q"], &[]);
+        place.check(&expect!["p/a p/a/b"]);
+        place.follow(&["q"], &[]);
+        place.follow(&["q"], &[]);
+        place.check(&expect!["q"]);
     }
 }

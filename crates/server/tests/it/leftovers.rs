@@ -66,6 +66,19 @@ fn a_long_run_is_asked_for_by_the_part_that_is_looked_at() {
     assert_eq!(found["events"][0]["event"]["path"], "R/A", "{found}");
 }
 
+#[test]
+fn a_part_of_a_run_that_is_asked_for_has_bounds() {
+    let server = server(&[("one", &format!("{RUN}{END}"))]);
+    let said = |path: &str| said(&server, Role::Viewer, "GET", &format!("one/{path}"));
+    for (path, most) in
+        [("window?count", 20_000), ("overview?pixels", 10_000), ("hits?text=a&count", 1_000)]
+    {
+        assert_eq!(said(&format!("{path}={most}")), "200", "{path}");
+        assert_eq!(said(&format!("{path}={}", most + 1)), "400 bad_count", "{path}");
+        assert_eq!(said(&format!("{path}=0")), "400 bad_count", "{path}");
+    }
+}
+
 /// A run with machines: one that uses a library, and a small one that came later.
 fn with_machines(run: &Path) -> Vec<String> {
     let examples = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples");

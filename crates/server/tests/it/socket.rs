@@ -193,6 +193,24 @@ fn what_cannot_be_followed_is_ended_with_the_reason() {
 }
 
 #[test]
+fn who_watches_too_much_is_told_so() {
+    let server = server(1);
+    let mut client = Client::connect(&server, Role::Viewer);
+    let mut watch = |count: usize| {
+        let target = json!({ "kind": "input", "path": "R/A", "name": "a", "priority": 0 });
+        let topic = json!({ "topic": "run_watched", "run": "r", "targets": vec![target; count] });
+        client.subscribe(1, &topic);
+        let frame = client.hear();
+        frame["refusal"]["code"]
+            .as_str()
+            .unwrap_or_else(|| frame["frame"].as_str().unwrap())
+            .to_owned()
+    };
+    assert_eq!(watch(1_025), "too_many_watched");
+    assert_eq!(watch(1_024), "run_watched");
+}
+
+#[test]
 fn commands_and_edits_that_nobody_can_carry_out_are_refused() {
     check(
         &[

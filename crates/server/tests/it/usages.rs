@@ -231,3 +231,27 @@ fn a_library_that_changed_keeps_no_edit_from_being_made_again() {
     let kinds: Vec<_> = kinds.as_array().unwrap().iter().map(|step| step["kind"].clone()).collect();
     assert_eq!(kinds, ["edit", "jump", "edit"]);
 }
+
+#[test]
+fn of_very_many_usages_some_are_told_and_that_there_may_be_more() {
+    let server = with_library(LIBRARY);
+    let machine = |uses: usize| {
+        let one = |number: usize| {
+            format!("  library USE{number:03} from \"skills/arm/grip\"\n    missing \"\"\n")
+        };
+        let libraries: String = (0..uses).map(one).collect();
+        format!("hierarchy ROOT \"Mission\"\n{libraries}")
+    };
+    let told = || {
+        let found = usages(&server, "path=skills/arm&name=grip");
+        (found["usages"].as_array().unwrap().len(), found["is_cut"].as_bool().unwrap())
+    };
+    write(&server, "many", &machine(999));
+    assert_eq!(told(), (999, false));
+    // Those of open machines come first, and count.
+    write(&server, "few", &machine(2));
+    open(&server, "few");
+    assert_eq!(told(), (1000, true));
+    open(&server, "many");
+    assert_eq!(told(), (1000, true));
+}

@@ -4,8 +4,9 @@ use crate::harness::{Answer, TestServer};
 use crate::machines::{MACHINE, get, open, post, write};
 use rafcon_protocol::api::Role;
 use serde_json::{Value, json};
+use std::io::Write as _;
 use std::path::Path;
-use std::process::Command;
+use std::process::{Command, Stdio};
 
 fn git(folder: &Path, arguments: &[&str]) {
     let who = ["user.name=Ann", "user.email=ann@example.org", "commit.gpgSign=false"];
@@ -114,6 +115,40 @@ fn a_repository_outside_the_project_is_not_asked() {
     for name in ["none", "file", "link", "common", "borrowed"] {
         assert_eq!(is_git(name), json!(false), "{name}");
     }
+}
+
+/// Adds so many commits that touch the folder of the machine.
+fn commit_often(server: &TestServer, commits: usize) {
+    let one = |number: usize| {
+        let second = 1_700_000_000 + number;
+        format!(
+            "commit refs/heads/many\ncommitter Ann <ann@example.org> {second} +0000\ndata 3\nabc\n\
+             M 100644 inline in/one/note\ndata <<END\n{number}\nEND\n\n"
+        )
+    };
+    let stream: String = (0..commits).map(one).collect();
+    let mut git = Command::new("git");
+    git.current_dir(server.project()).args(["fast-import", "--quiet"]).stdin(Stdio::piped());
+    let mut git = git.env("GIT_CONFIG_NOSYSTEM", "1").spawn().unwrap();
+    git.stdin.take().unwrap().write_all(stream.as_bytes()).unwrap();
+    assert!(git.wait().unwrap().success());
+}
+
+#[test]
+fn of_many_versions_the_newest_are_told() {
+    let (server, id) = committed();
+    git(&server.project(), &["symbolic-ref", "HEAD", "refs/heads/many"]);
+    let told = || {
+        let versions = get(&server, &format!("/{id}/versions"));
+        let all = versions["versions"].as_array().unwrap();
+        let newest = all[0]["at_ms"].as_u64().unwrap() / 1000 - 1_700_000_000;
+        (all.len(), newest, versions["is_cut"].as_bool().unwrap())
+    };
+    commit_often(&server, 200);
+    assert_eq!(told(), (200, 199, false));
+    git(&server.project(), &["update-ref", "-d", "refs/heads/many"]);
+    commit_often(&server, 201);
+    assert_eq!(told(), (200, 200, true));
 }
 
 #[test]

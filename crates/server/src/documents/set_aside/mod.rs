@@ -170,3 +170,35 @@ impl Documents {
         Ok(())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{EDITS_MAX, draft, folder_of, listed};
+    use crate::documents::draft::DraftHeader;
+    use std::fs;
+    use std::path::Path;
+
+    #[test]
+    fn of_many_edits_that_are_set_aside_the_first_are_listed_and_all_counted() {
+        let state = tempfile::tempdir().unwrap();
+        let place = state.path().join("m");
+        let folder = folder_of(&place, "1");
+        fs::create_dir(&folder).unwrap();
+        let head = DraftHeader::new(Path::new("/m"), "hash", 1);
+        let done = |id: usize| {
+            format!(
+                r#"{{"line":"done","author":"ann","id":"{id}","at_ms":{id},"what":{{"what":"undo"}}}}"#
+            )
+        };
+        let list = |edits: usize| {
+            let head = serde_json::to_string(&head).unwrap();
+            let lines: Vec<_> = [head].into_iter().chain((0..edits).map(done)).collect();
+            fs::write(folder.join(draft::OPERATIONS), lines.join("\n") + "\n").unwrap();
+            let draft = listed(&place, "1".to_owned());
+            (draft.count, draft.edits.len(), draft.edits.last().unwrap().at_ms)
+        };
+        let most = EDITS_MAX as u64;
+        assert_eq!(list(EDITS_MAX), (most, EDITS_MAX, most - 1));
+        assert_eq!(list(EDITS_MAX + 1), (most + 1, EDITS_MAX, most - 1));
+    }
+}

@@ -210,7 +210,8 @@ fn failed(error: &ChildError) -> Failure {
 
 #[cfg(test)]
 mod tests {
-    use super::{check_hash, file, refused};
+    use super::{BYTES_MAX, CommittedFile, FILES_MAX, GitFolder, check_hash, file, refused};
+    use std::path::Path;
 
     #[test]
     fn only_regular_files_below_the_folder_count() {
@@ -248,5 +249,24 @@ mod tests {
         for text in ["", "HEAD", "--output=x", "0a0a", &"0g".repeat(20), "HEAD~1"] {
             check_hash(text).unwrap_err();
         }
+    }
+
+    #[tokio::test]
+    async fn a_version_that_is_too_large_is_refused_and_git_is_not_asked() {
+        let nowhere = Path::new("/nowhere");
+        let folder = GitFolder { path: nowhere, project: nowhere, programs: Some("/nowhere") };
+        let read = async |count: usize, bytes: u64| {
+            let file = |nth: usize| CommittedFile {
+                path: String::new(),
+                object: String::new(),
+                bytes: if nth == 0 { bytes } else { 0 },
+            };
+            let files: Vec<_> = (0..count).map(file).collect();
+            folder.contents(&files).await.unwrap_err().refusal().code
+        };
+        assert_eq!(read(FILES_MAX + 1, 0).await, "version_too_large");
+        assert_eq!(read(2, BYTES_MAX + 1).await, "version_too_large");
+        // What is just not too large is asked for, and there is no git here.
+        assert_eq!(read(FILES_MAX, BYTES_MAX).await, "git_refused");
     }
 }

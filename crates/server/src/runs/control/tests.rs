@@ -1,6 +1,6 @@
 //! Control of a run as text: who does what when, and who holds it then.
 
-use super::Holding;
+use super::{Denied, Holding, REQUESTS_MAX};
 use expect_test::{Expect, expect};
 use proptest::prelude::*;
 use rafcon_protocol::api::ControlMove;
@@ -25,7 +25,7 @@ fn wanted(word: &str) -> Option<ControlMove> {
 }
 
 /// Lines of `second user what`; `commands` is a command, `decides-3` one that was decided on under epoch 3.
-fn play(holding: &mut Holding, line: &str) -> Result<(), super::Denied> {
+fn play(holding: &mut Holding, line: &str) -> Result<(), Denied> {
     let words: Vec<&str> = line.split_whitespace().collect();
     let [second, user, what] = words[..] else { panic!("{line}") };
     let now_ms = second.parse::<u64>().unwrap() * 1000;
@@ -223,15 +223,15 @@ fn after(lines: &str) -> Holding {
     holding
 }
 
-fn denied_as(denied: &super::Denied) -> &'static str {
+fn denied_as(denied: &Denied) -> &'static str {
     match denied {
-        super::Denied::Held { .. } => ", denied: held",
-        super::Denied::Heard { .. } => ", denied: heard",
-        super::Denied::Nobody => ", denied: nobody holds it",
-        super::Denied::NoName => ", denied: no name",
-        super::Denied::NotOffered => ", denied: not offered",
-        super::Denied::TooMany => ", denied: too many",
-        super::Denied::Epoch { .. } => ", denied: decided before control passed",
+        Denied::Held { .. } => ", denied: held",
+        Denied::Heard { .. } => ", denied: heard",
+        Denied::Nobody => ", denied: nobody holds it",
+        Denied::NoName => ", denied: no name",
+        Denied::NotOffered => ", denied: not offered",
+        Denied::TooMany => ", denied: too many",
+        Denied::Epoch { .. } => ", denied: decided before control passed",
     }
 }
 
@@ -334,4 +334,20 @@ proptest! {
             prop_assert!(after.is_some() || holding.requests.is_empty());
         }
     }
+}
+
+#[test]
+fn so_many_may_request_control_and_one_who_withdraws_makes_room() {
+    let mut holding = Holding::default();
+    play(&mut holding, "0 ana commands").unwrap();
+    for nth in 0..REQUESTS_MAX {
+        play(&mut holding, &format!("1 user{nth} requests")).unwrap();
+    }
+    assert!(matches!(play(&mut holding, "1 cy requests"), Err(Denied::TooMany)));
+    // Who has requested it already keeps the place.
+    play(&mut holding, "1 user3 requests").unwrap();
+    assert_eq!(holding.told(SILENCE).requests.len(), REQUESTS_MAX);
+    play(&mut holding, "2 user3 withdraws").unwrap();
+    play(&mut holding, "2 cy requests").unwrap();
+    assert_eq!(holding.told(SILENCE).requests.last().map(String::as_str), Some("cy"));
 }

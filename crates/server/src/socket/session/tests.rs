@@ -1,6 +1,6 @@
 //! Frames in, what is to be done out: a line each.
 
-use super::{ClientRequest, SUBSCRIPTIONS_MAX, Session};
+use super::{ClientRequest, SELECTION_MAX, SUBSCRIPTIONS_MAX, Session};
 use crate::access::{Credential, Who};
 use crate::socket::words;
 use expect_test::{Expect, expect};
@@ -68,12 +68,16 @@ fn subscriptions_are_limited() {
 
 #[test]
 fn a_selection_is_not_longer_than_others_can_be_told() {
-    let look = |bytes: usize| {
-        let path = "S".repeat(bytes);
-        let frame = format!(r#"{{"frame":"presence","machine":"m","selection":["{path}"]}}"#);
+    let select = |paths: &[String]| {
+        let paths = serde_json::to_string(paths).unwrap();
+        let frame = format!(r#"{{"frame":"presence","machine":"m","selection":{paths}}}"#);
         hear(&mut Session::default(), Role::Viewer, &frame)
     };
+    let look = |bytes: usize| select(&["S".repeat(bytes)]);
     assert!(look(64 << 10).starts_with("Look"));
+    assert!(select(&vec!["S".to_owned(); SELECTION_MAX]).starts_with("Look"));
+    let refused = select(&vec!["S".to_owned(); SELECTION_MAX + 1]);
+    assert!(refused.contains("too_many_selected"), "{refused}");
     expect![[r#"
         {"frame":"refused","id":null,"refusal":{"code":"too_many_selected","message":"1 states are selected in machine m, with paths of 65537 bytes: tell of at most 1000 states and 65536 bytes"}}
     "#]]
