@@ -159,8 +159,8 @@ impl Shared {
 
     /// A viewer watches this now, or nothing any more.
     fn watch(&self, viewer: u64, targets: Vec<WatchTarget>) {
-        let message = self.shown.lock().watched.watch(viewer, targets);
-        self.send_each(message.into_iter().collect());
+        let messages = self.shown.lock().watched.watch(viewer, targets);
+        self.send_each(messages);
     }
 
     /// What the robot is to be asked for, if that is something else than before.
@@ -444,4 +444,47 @@ fn line<T: serde::de::DeserializeOwned>(lines: &mut BufReader<UnixStream>) -> io
         return Err(io::ErrorKind::UnexpectedEof.into());
     }
     decode(&line).map_err(io::Error::other)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_viewer_that_does_not_take_its_frames_is_gone() {
+        let folder = tempfile::tempdir().unwrap();
+        let health = LinkHealth::default();
+        let shared = Shared::new(folder.path().to_owned(), &About::default(), 0, health);
+        let (ours, mut theirs) = UnixStream::pair().unwrap();
+        let viewer = shared.arrive(ours);
+        (0..FRAMES_MAX).for_each(|_| shared.send(viewer, vec![1]));
+        theirs.set_nonblocking(true).unwrap();
+        let open = theirs.read(&mut [0]).unwrap_err();
+        assert_eq!(open.kind(), io::ErrorKind::WouldBlock);
+        shared.send(viewer, vec![2]);
+        assert_eq!(theirs.read(&mut [0]).unwrap(), 0);
+        // No more than that waits for it, and others are served.
+        let news = shared.wait(viewer, 1, 0).unwrap();
+        assert_eq!(news.frames.len(), FRAMES_MAX);
+        let (ours, _theirs) = UnixStream::pair().unwrap();
+        let other = shared.arrive(ours);
+        shared.send(other, vec![3]);
+        assert_eq!(shared.wait(other, 1, 0).unwrap().frames, [[3]]);
+    }
+
+    #[test]
+    fn a_line_of_a_viewer_has_at_most_so_many_bytes() {
+        let said = |bytes: usize| {
+            let (mut theirs, ours) = UnixStream::pair().unwrap();
+            let text = format!("\"{}\"\n", "x".repeat(bytes - 3));
+            let write = move || theirs.write_all(text.as_bytes());
+            let writing = thread::Builder::new().spawn(write).unwrap();
+            let heard = line::<String>(&mut BufReader::new(ours));
+            drop(writing.join().unwrap());
+            heard.map(|text| text.len()).map_err(|error| error.kind())
+        };
+        let most = usize::try_from(LINE_MAX).unwrap();
+        assert_eq!(said(most), Ok(most - 3));
+        assert_eq!(said(most + 2), Err(io::ErrorKind::Other));
+    }
 }

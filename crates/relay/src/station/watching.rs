@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 const VALUES_MAX: usize = 1_024;
 /// So many values go in one message.
 const MESSAGE_MAX: usize = 256;
-/// A viewer watches at most so much; the rest is left out.
+/// A viewer watches at most so much; the rest is left out, and counted.
 const TARGETS_MAX: usize = 1_024;
 
 /// What is watched of one run.
@@ -15,6 +15,8 @@ const TARGETS_MAX: usize = 1_024;
 pub(super) struct ReplicaWatch {
     viewers: BTreeMap<u64, Vec<WatchTarget>>,
     wish: Vec<WatchTarget>,
+    /// So much of what is watched is in no wish.
+    left_out: usize,
     /// The robot is to be asked for something else than before.
     is_wish_new: bool,
     /// The robot cannot be asked for now.
@@ -29,20 +31,22 @@ impl ReplicaWatch {
         &mut self,
         viewer: u64,
         mut targets: Vec<WatchTarget>,
-    ) -> Option<(u64, ToViewer)> {
+    ) -> Vec<(u64, ToViewer)> {
+        let too_many = targets.len().saturating_sub(TARGETS_MAX);
         targets.truncate(TARGETS_MAX);
         if targets.is_empty() {
-            self.viewers.remove(&viewer)?;
+            self.viewers.remove(&viewer);
         } else {
             self.viewers.insert(viewer, targets);
         }
-        let (wish, _) = WatchTarget::union(self.viewers.values().flatten());
+        let (wish, left_out) = WatchTarget::union(self.viewers.values().flatten());
+        self.left_out = left_out + too_many;
         if wish != self.wish {
             self.values.retain(|_, value| is_watched(&wish, value));
             (self.wish, self.is_wish_new) = (wish, true);
         }
         let known: Vec<_> = self.values.values().collect();
-        self.message(viewer, &known)
+        self.messages(viewer, &known)
     }
 
     /// What the robot is to be asked for, if that is something else than before.
@@ -80,7 +84,7 @@ impl ReplicaWatch {
             return Vec::new();
         }
         let new: Vec<_> = new.iter().collect();
-        self.viewers.keys().filter_map(|viewer| self.message(*viewer, &new)).collect()
+        self.viewers.keys().flat_map(|viewer| self.messages(*viewer, &new)).collect()
     }
 
     /// Whether the robot knows what is watched.
@@ -89,15 +93,24 @@ impl ReplicaWatch {
             return Vec::new();
         }
         self.watching = watching.clone();
-        self.viewers.keys().filter_map(|viewer| self.message(*viewer, &[])).collect()
+        self.viewers.keys().flat_map(|viewer| self.messages(*viewer, &[])).collect()
     }
 
     /// What a viewer is told of these values; nothing if it watches nothing.
-    fn message(&self, viewer: u64, values: &[&WatchedValue]) -> Option<(u64, ToViewer)> {
-        let targets = self.viewers.get(&viewer)?;
+    fn messages(&self, viewer: u64, values: &[&WatchedValue]) -> Vec<(u64, ToViewer)> {
+        let Some(targets) = self.viewers.get(&viewer) else { return Vec::new() };
+        let left_out = u32::try_from(self.left_out).unwrap_or(u32::MAX);
+        let left_out = self.watching.left_out.saturating_add(left_out);
+        let watching = Watching { left_out, ..self.watching.clone() };
         let values = values.iter().filter(|value| is_watched(targets, value));
-        let values = values.take(MESSAGE_MAX).map(|value| (*value).clone()).collect();
-        Some((viewer, ToViewer::Watched { watching: self.watching.clone(), values }))
+        let values: Vec<_> = values.map(|value| (*value).clone()).collect();
+        let message = |values: &[WatchedValue]| {
+            (viewer, ToViewer::Watched { watching: watching.clone(), values: values.to_vec() })
+        };
+        if values.is_empty() {
+            return vec![message(&[])];
+        }
+        values.chunks(MESSAGE_MAX).map(message).collect()
     }
 }
 
@@ -107,9 +120,9 @@ fn is_watched(targets: &[WatchTarget], value: &WatchedValue) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use super::ReplicaWatch;
+    use super::{MESSAGE_MAX, ReplicaWatch, TARGETS_MAX, VALUES_MAX};
     use expect_test::expect;
-    use rafcon_protocol::{ToViewer, WatchKind, WatchTarget, WatchedValue, Watching};
+    use rafcon_protocol::{ToViewer, WATCHED_MAX, WatchKind, WatchTarget, WatchedValue, Watching};
 
     fn targets(paths: &[&str]) -> Vec<WatchTarget> {
         let target = |path: &&str| {
@@ -136,12 +149,28 @@ mod tests {
         messages.iter().map(one).collect()
     }
 
+    fn left_out(messages: &[(u64, ToViewer)]) -> Vec<usize> {
+        let one = |(_, message): &(u64, ToViewer)| match message {
+            ToViewer::Watched { watching, .. } => watching.left_out as usize,
+            _ => usize::MAX,
+        };
+        messages.iter().map(one).collect()
+    }
+
+    fn lengths(messages: &[(u64, ToViewer)]) -> Vec<usize> {
+        let one = |(_, message): &(u64, ToViewer)| match message {
+            ToViewer::Watched { values, .. } => values.len(),
+            _ => usize::MAX,
+        };
+        messages.iter().map(one).collect()
+    }
+
     #[test]
     fn what_several_watch_is_asked_for_once_and_each_is_sent_its_part() {
         let mut run = ReplicaWatch::default();
         let mut said = String::new();
         let mut watch = |run: &mut ReplicaWatch, viewer, paths: &[&str]| {
-            let message: Vec<_> = run.watch(viewer, targets(paths)).into_iter().collect();
+            let message = run.watch(viewer, targets(paths));
             let wish = run.take_wish();
             let wish = wish.map(|wish| wish.iter().map(|it| it.path.clone()).collect::<Vec<_>>());
             said.extend([format!("asks {wish:?}\n"), told(&message)]);
@@ -200,11 +229,7 @@ mod tests {
         assert_eq!(run.take_wish().expect("a wish").len(), 1);
         said.extend(run.set_watching(&known));
         said.extend(run.leave_out());
-        let left_out = |(_, message): &(u64, ToViewer)| match message {
-            ToViewer::Watched { watching, .. } => watching.left_out,
-            _ => u32::MAX,
-        };
-        assert_eq!(said.iter().map(left_out).collect::<Vec<_>>(), [2, 1, 0]);
+        assert_eq!(left_out(&said), [2, 1, 0]);
     }
 
     #[test]
@@ -212,10 +237,23 @@ mod tests {
         let mut run = ReplicaWatch::default();
         let paths: Vec<_> = (0..10_000).map(|nth| format!("R/{nth}")).collect();
         let paths: Vec<_> = paths.iter().map(String::as_str).collect();
-        run.watch(1, targets(&paths));
-        assert_eq!(run.take_wish().expect("a wish").len(), 256);
+        let told = run.watch(1, targets(&paths));
+        assert_eq!(run.viewers[&1].len(), TARGETS_MAX);
+        assert_eq!(run.take_wish().expect("a wish").len(), WATCHED_MAX);
+        assert_eq!(left_out(&told), [10_000 - WATCHED_MAX]);
         run.watch(1, targets(&["R"]));
-        run.take((0..10_000).map(|nth| value(&format!("R/{nth}"), 1)).collect());
-        assert_eq!(run.values.len(), 1_024);
+        let told = run.take((0..10_000).map(|nth| value(&format!("R/{nth}"), 1)).collect());
+        assert_eq!(run.values.len(), VALUES_MAX);
+        // What fits into no message is in the next one: nothing that is here is lost.
+        assert_eq!(lengths(&told), [MESSAGE_MAX; VALUES_MAX / MESSAGE_MAX]);
+        assert_eq!(lengths(&run.watch(2, targets(&["R"]))), lengths(&told));
+        // A newer one of a value that is here finds its place; there is none for another.
+        let told = run.take(vec![value("R/0", 2), value("R/other", 2)]);
+        assert_eq!(lengths(&told), [1, 1]);
+        // Room comes with what is watched no more.
+        run.watch(2, Vec::new());
+        run.watch(1, targets(&["R/other"]));
+        assert_eq!(lengths(&run.take(vec![value("R/other", 3)])), [1]);
+        assert_eq!(left_out(&run.watch(1, targets(&["R/other"]))), [0]);
     }
 }
