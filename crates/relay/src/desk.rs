@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 /// So many requests wait for a station at most.
 const REQUESTS_MAX: usize = 256;
-/// So many fetches that ended are remembered.
+/// Of more fetches, those that failed before are forgotten.
 const ENDED_MAX: usize = 256;
 
 /// A value by its run and its number there.
@@ -69,10 +69,12 @@ impl ValueDesk {
     /// A value is not wanted any more.
     pub fn cancel(&self, robot: &str, key: (String, u64)) {
         let mut desk = self.0.lock();
-        let is_asked = desk.fetches.remove(&key).is_some();
-        if is_asked && desk.requests.len() < REQUESTS_MAX {
-            desk.requests.push(Request { robot: robot.to_owned(), key, budget: None });
+        if desk.fetches.remove(&key).is_none() {
+            return;
         }
+        // It takes the place of the request that it ends, or is one more for each fetch that was taken: none is lost.
+        desk.requests.retain(|request| request.robot != robot || request.key != key);
+        desk.requests.push(Request { robot: robot.to_owned(), key, budget: None });
     }
 
     /// How far a value is, if it is being fetched or was last.
@@ -99,7 +101,7 @@ impl ValueDesk {
         let mut desk = self.0.lock();
         desk.fetches.insert(key.clone(), fetch);
         if desk.fetches.len() > ENDED_MAX {
-            desk.fetches.retain(|_, fetch| fetch.failed.is_none());
+            desk.fetches.retain(|other, fetch| other == key || fetch.failed.is_none());
         }
     }
 
@@ -116,7 +118,7 @@ impl ValueDesk {
 
 #[cfg(test)]
 mod tests {
-    use super::{LinkRate, Request, ValueCost, ValueDesk};
+    use super::{ENDED_MAX, LinkRate, REQUESTS_MAX, Request, ValueCost, ValueDesk, ValueFetch};
 
     #[test]
     fn a_value_costs_its_bytes_and_the_headers_of_its_datagrams() {
@@ -147,5 +149,47 @@ mod tests {
         desk.cancel("scout", key());
         assert_eq!(desk.progress("run", 7), None);
         assert_eq!(desk.take("scout"), [request(None)]);
+    }
+
+    fn key(number: usize) -> (String, u64) {
+        ("run".to_owned(), number as u64)
+    }
+
+    #[test]
+    fn so_many_requests_wait_and_none_that_ends_a_fetch_is_lost() {
+        let desk = ValueDesk::default();
+        desk.set_link("scout", LinkRate { part: 100, overhead: 20, spare_per_s: None });
+        let fetch = |number| desk.fetch("scout", key(number), 1_000, 1_250);
+        assert!((0..REQUESTS_MAX).all(fetch));
+        let before = desk.take("scout");
+        assert!((0..REQUESTS_MAX).all(|number| fetch(REQUESTS_MAX + number)));
+        assert!(!fetch(9_999));
+        assert_eq!(desk.progress("run", 9_999), None);
+        // One that the station has, and one that it has not: both are given up.
+        desk.cancel("scout", key(0));
+        desk.cancel("scout", key(REQUESTS_MAX));
+        let ended = |number| Request { robot: "scout".to_owned(), key: key(number), budget: None };
+        let requests = desk.take("scout");
+        assert_eq!((before.len(), requests.len()), (REQUESTS_MAX, REQUESTS_MAX + 1));
+        assert_eq!(requests[REQUESTS_MAX - 1..], [ended(0), ended(REQUESTS_MAX)]);
+        assert!(fetch(9_999));
+    }
+
+    #[test]
+    fn of_many_failed_fetches_the_last_is_told_and_those_under_way_stay() {
+        let desk = ValueDesk::default();
+        let progress = |failed: Option<&str>| ValueFetch {
+            here: 1,
+            budget: 2,
+            failed: failed.map(str::to_owned),
+        };
+        desk.set_progress(&key(0), progress(None));
+        for number in 1..ENDED_MAX {
+            desk.set_progress(&key(number), progress(Some("gone")));
+        }
+        assert!(desk.progress("run", 1).is_some());
+        desk.set_progress(&key(ENDED_MAX), progress(Some("stuck")));
+        let known = [0, 1, ENDED_MAX].map(|number| desk.progress("run", number as u64));
+        assert_eq!(known, [Some(progress(None)), None, Some(progress(Some("stuck")))]);
     }
 }
