@@ -135,9 +135,13 @@ pub(crate) enum Taken {
 
 #[cfg(test)]
 mod tests {
-    use super::{ABOUT, ABOUT_MAX, AboutReader, AboutRecord, Taken, about_parts, parts};
+    use super::{
+        ABOUT, ABOUT_MAX, AboutReader, AboutRecord, MACHINE, MACHINE_MAX, PARCEL_MAX, Taken,
+        about_parts, machine_parts, parcel_bytes, parts, read_parcel,
+    };
     use rafcon_protocol::Beginning;
-    use rafcon_storage::journal::About;
+    use rafcon_storage::journal::{About, Hash, Manifest, Pack, Parcel};
+    use std::collections::BTreeMap;
 
     fn read(parts: &[Vec<u8>]) -> Taken {
         let mut reader = AboutReader::default();
@@ -165,5 +169,32 @@ mod tests {
         assert!(
             matches!(read(&parts), Taken::Record(Some(AboutRecord::About(read))) if read.id == "a")
         );
+    }
+
+    #[test]
+    fn a_machine_that_is_too_long_is_neither_sent_nor_taken() {
+        let file = vec![0; MACHINE_MAX];
+        let fresh = [(Hash::of(b""), file)].into();
+        let pack = Pack { manifest: Manifest::default(), fresh };
+        assert!(machine_parts(&pack).is_none());
+        assert!(machine_parts(&Pack { fresh: BTreeMap::new(), ..pack }).is_some());
+        let said = |length: usize| {
+            let length = u32::try_from(length).unwrap().to_le_bytes();
+            read(&[[&[MACHINE], &length[..]].concat()])
+        };
+        assert!(matches!(said(MACHINE_MAX), Taken::Part));
+        assert!(matches!(said(MACHINE_MAX + 1), Taken::TooLong(_, MACHINE_MAX)));
+    }
+
+    #[test]
+    fn a_parcel_that_inflates_to_more_than_it_may_is_none() {
+        let parcel = |bytes: usize| {
+            let fresh = [(Hash::of(b""), vec![0; bytes])].into();
+            parcel_bytes(&Parcel::new(&Manifest::default(), None, Vec::new(), fresh))
+        };
+        let (fits, bomb) = (parcel(PARCEL_MAX), parcel(2 * PARCEL_MAX));
+        assert!(bomb.len() < PARCEL_MAX / 100, "{} bytes", bomb.len());
+        assert!(read_parcel(&fits).is_some());
+        assert!(read_parcel(&bomb).is_none());
     }
 }

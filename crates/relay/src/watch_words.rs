@@ -81,7 +81,7 @@ pub(crate) fn read_value(bytes: &[u8]) -> Option<WatchedValue> {
 
 #[cfg(test)]
 mod tests {
-    use super::{read_value, read_wish, value, wish};
+    use super::{WISH_BYTES_MAX, read_value, read_wish, value, wish};
     use expect_test::expect;
     use rafcon_protocol::{LongValue, WatchKind, WatchTarget, WatchedValue};
 
@@ -135,5 +135,16 @@ mod tests {
         assert_eq!(read_value(&words[1]), Some(WatchedValue { value: None, ..long }));
         assert_eq!(value(&endless), None);
         assert_eq!(read_value(b"[1]"), None);
+    }
+
+    #[test]
+    fn a_wish_that_inflates_to_more_than_it_may_is_none() {
+        let body = |bytes: usize| {
+            let rest = bytes - br#"[["s","","n",0]]"#.len();
+            let path = "R".repeat(rest);
+            rafcon_link::deflate(format!(r#"[["s","{path}","n",0]]"#).as_bytes())
+        };
+        assert_eq!(read_wish(&body(WISH_BYTES_MAX)).map(|targets| targets.len()), Some(1));
+        assert_eq!(read_wish(&body(WISH_BYTES_MAX + 1)), None);
     }
 }

@@ -178,3 +178,55 @@ impl From<Arc<Dialler>> for Carrier {
         Self::Dialler(dialler)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::net::{TcpListener, TcpStream};
+
+    #[derive(Debug)]
+    struct Nowhere;
+
+    impl Dial for Nowhere {
+        fn uri(&self) -> String {
+            "ws://127.0.0.1:1".to_owned()
+        }
+
+        fn dial(&self) -> Result<Box<dyn ByteStream>, String> {
+            Err("there is none".to_owned())
+        }
+    }
+
+    #[test]
+    fn of_the_connections_that_nobody_is_heard_over_the_newest_are_kept() {
+        let (changed, _changes) = mpsc::sync_channel(1);
+        let dialler = Dialler {
+            dial: Arc::new(Nowhere),
+            clock: SessionClock::begin(),
+            silence: Duration::from_secs(1),
+            connections: Mutex::default(),
+            dials: AtomicUsize::new(0),
+            dial_every: Mutex::new(DIAL_EVERY.0),
+            deliver: Arc::new(|_, _| {}),
+            stopper: Stopper::default(),
+            tell: |_| {},
+            told: Mutex::default(),
+            changed,
+        };
+        let listener = TcpListener::bind(("127.0.0.1", 0)).unwrap();
+        let address = listener.local_addr().unwrap();
+        let connect = || {
+            let socket = TcpStream::connect(address).unwrap();
+            Connection::new(&socket, dialler.clock).unwrap()
+        };
+        let all: Vec<_> = (0..=SILENT_MAX).map(|_| connect()).collect();
+        let choose = |some: &[Arc<Connection>]| {
+            *dialler.connections.lock() = some.to_vec();
+            dialler.choose(Duration::ZERO);
+            all.iter().map(|it| it.is_closed()).collect::<Vec<_>>()
+        };
+        assert_eq!(choose(&all[1..]), [false; SILENT_MAX + 1]);
+        assert_eq!(choose(&all), [true, false, false, false]);
+        assert_eq!(dialler.connections.lock().len(), SILENT_MAX);
+    }
+}

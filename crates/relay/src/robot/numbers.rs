@@ -62,7 +62,7 @@ fn append(path: &Path, stream: StreamId, check: u32) -> std::io::Result<()> {
 
 #[cfg(test)]
 mod tests {
-    use super::RunNumbers;
+    use super::{NUMBERS_MAX, RunNumbers};
     use crate::ids;
 
     #[test]
@@ -80,5 +80,23 @@ mod tests {
         numbers.taken.insert(ids::events_of("b"), 0);
         assert_eq!([numbers.take("b"), numbers.take("a")], [second, first]);
         assert_eq!((numbers.find("b"), numbers.find("c")), (Some(second), None));
+    }
+
+    #[test]
+    fn beyond_the_bound_a_run_takes_its_first_number_and_is_not_remembered() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("numbers");
+        let most = u32::try_from(NUMBERS_MAX).unwrap();
+        let entry = |number: u32| (u64::from(number) << 32).to_be_bytes();
+        std::fs::write(&path, (0..=most).flat_map(entry).collect::<Vec<_>>()).unwrap();
+        let bytes = || std::fs::metadata(&path).unwrap().len();
+        let (before, mut numbers) = (bytes(), RunNumbers::read(path.clone()));
+        assert_eq!(numbers.taken.len(), NUMBERS_MAX);
+        assert_eq!(numbers.take("a"), ids::events_of("a"));
+        assert_eq!((numbers.taken.len(), bytes()), (NUMBERS_MAX, before));
+        // With room it is remembered again.
+        numbers.taken.pop_first();
+        numbers.take("a");
+        assert_eq!((numbers.find("a"), bytes()), (Some(ids::events_of("a")), before + 8));
     }
 }

@@ -242,3 +242,91 @@ impl ParcelMaker {
         found.flat_map(|kept| kept.needs.iter().copied().chain([kept.name])).collect()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rafcon_storage::Packer;
+    use rafcon_storage::journal::{Manifest, Parcel};
+    use rafcon_testkit::notation;
+    use std::collections::BTreeMap;
+
+    fn maker(folder: &Path) -> (ParcelMaker, Receiver<Input<FromRun>>) {
+        let (inbox, told) = mpsc::sync_channel(8);
+        let maker = ParcelMaker {
+            parcels: Parcels::open(folder).unwrap(),
+            projects: ProjectMachines::new(Projects::default()),
+            needed: BTreeMap::new(),
+            inbox,
+            tell: |problem| panic!("{problem}"),
+            problem: None,
+        };
+        (maker, told)
+    }
+
+    #[test]
+    fn of_more_parcels_than_are_kept_the_oldest_that_nothing_needs_go() {
+        let folder = tempfile::tempdir().unwrap();
+        let (mut maker, _told) = maker(folder.path());
+        let machines: Vec<_> = (0..=PARCELS_MAX)
+            .map(|number| {
+                let text = format!("execution ROOT \"{number}\"\n  script \"x = {number}\"\n");
+                let machine = notation::parse(&text).unwrap();
+                let pack =
+                    Packer::default().pack(&machine, None, &rafcon_storage::Libraries::default());
+                maker.parcels.make(&pack).unwrap();
+                pack.manifest.hash()
+            })
+            .collect();
+        let is_here =
+            |maker: &ParcelMaker, nth: usize| maker.parcels.of_machine(machines[nth]).is_some();
+        maker.needed.insert(NeededMachine { is_older: false, machine: machines[0] }, 1);
+        assert!(maker.show());
+        assert_eq!(maker.parcels.all().len(), PARCELS_MAX);
+        assert_eq!([0, 1, 2].map(|nth| is_here(&maker, nth)), [true, false, true]);
+    }
+
+    #[test]
+    fn of_more_bytes_than_are_kept_the_oldest_that_nothing_needs_go_and_needed_ones_stay() {
+        let folder = tempfile::tempdir().unwrap();
+        let (mut maker, _told) = maker(folder.path());
+        // Noise: it is not shorter once it is deflated.
+        let machines = [1, 2, 3].map(|seed| {
+            let mut noise = vec![0; 6 << 20];
+            blake3::Hasher::new().update(&[seed]).finalize_xof().fill(&mut noise);
+            let fresh = BTreeMap::from([(Hash::of(&noise), noise)]);
+            let mut parcel = Parcel::new(&Manifest::default(), None, Vec::new(), fresh);
+            parcel.machine = Hash([seed; 32]);
+            maker.parcels.add(&crate::about::parcel_bytes(&parcel)).unwrap().unwrap();
+            parcel.machine
+        });
+        assert!(maker.parcels.bytes() > BYTES_MAX);
+        let needed = |machine| (NeededMachine { is_older: false, machine }, 1);
+        maker.needed = machines.map(needed).into();
+        assert!(maker.show());
+        assert_eq!(maker.parcels.all().len(), 3);
+        maker.needed.clear();
+        assert!(maker.show());
+        assert!(maker.parcels.bytes() <= BYTES_MAX);
+        let is_here = machines.map(|machine| maker.parcels.of_machine(machine).is_some());
+        assert_eq!(is_here, [false, true, true]);
+    }
+
+    #[test]
+    fn what_finds_no_room_at_the_thread_waits_and_comes_in_its_turn() {
+        let (maker, works) = mpsc::sync_channel(WORKS_MAX);
+        let mut sent = SentParcels::new(maker);
+        let work = |number: usize| {
+            let machine = Hash::of(&number.to_le_bytes());
+            ParcelWork::CompletedRuns(NeededMachine { is_older: false, machine })
+        };
+        (0..WORKS_MAX + 3).for_each(|number| sent.tell(work(number)));
+        assert_eq!(sent.waiting.len(), 3);
+        let mut came: Vec<_> = works.try_iter().collect();
+        sent.tell_waiting();
+        came.extend(works.try_iter());
+        let all: Vec<_> = (0..WORKS_MAX + 3).map(work).collect();
+        assert_eq!(format!("{came:?}"), format!("{all:?}"));
+        assert!(sent.waiting.is_empty());
+    }
+}

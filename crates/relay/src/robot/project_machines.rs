@@ -175,3 +175,58 @@ fn stamp(folders: &[PathBuf], left: &mut usize) -> Stamp {
     }
     Stamp { newest, files: *hasher.finalize().as_bytes() }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rafcon_storage::config::Naming;
+    use rafcon_storage::save;
+    use rafcon_testkit::notation;
+
+    fn write(folder: &Path, script: &str) {
+        let text = format!("execution ROOT \"M\"\n  script \"{script}\"\n");
+        save(&notation::parse(&text).unwrap(), folder, None, Naming::default()).unwrap();
+    }
+
+    #[test]
+    fn what_is_sent_ahead_has_a_bounded_number_and_size() {
+        let place = tempfile::tempdir().unwrap();
+        let (project, kept) = (place.path().join("project"), place.path().join("kept"));
+        let mut parcels = Parcels::open(&kept).unwrap();
+        let folders = vec![project.clone()];
+        let mut machines = ProjectMachines::new(Projects { folders, libraries: Vec::new() });
+        for number in 0..MACHINES_MAX {
+            write(&project.join(number.to_string()), &format!("x = {number}"));
+        }
+        assert!(machines.look(&mut parcels).unwrap());
+        assert_eq!(machines.ahead().len(), MACHINES_MAX);
+        let before = machines.ahead().to_vec();
+        write(&project.join("more"), "x = 99");
+        assert!(machines.look(&mut parcels).unwrap());
+        assert_eq!(machines.ahead().len(), MACHINES_MAX);
+        assert!(!before.contains(&machines.ahead()[0]));
+        // The newest one is too large by itself; the others are sent as before.
+        write(&project.join("large"), &"#".repeat(BYTES_MAX + 1));
+        assert!(machines.look(&mut parcels).unwrap());
+        assert_eq!(machines.ahead().len(), MACHINES_MAX - 1);
+        assert_eq!(parcels.all().len(), MACHINES_MAX + 1);
+    }
+
+    #[test]
+    fn so_many_files_and_folders_are_looked_at() {
+        let place = tempfile::tempdir().unwrap();
+        for number in 0..10 {
+            fs::create_dir(place.path().join(number.to_string())).unwrap();
+        }
+        write(&place.path().join("9/machine"), "x = 1");
+        let found = |left: usize| {
+            let (mut left, mut found) = (left, Vec::new());
+            find_machines(place.path(), &[], &mut left, &mut found);
+            (found.len(), left)
+        };
+        let (machines, left) = found(ENTRIES_MAX);
+        assert_eq!(machines, 1);
+        assert_eq!(found(ENTRIES_MAX - left).0, 1);
+        assert_eq!(found(10), (0, 0));
+    }
+}

@@ -276,6 +276,8 @@ mod tests {
     use crate::pairing::Pairing;
     use crate::start::Start;
     use rafcon_link::Profile;
+    use rafcon_storage::journal::{About, Journal, Options};
+    use rafcon_testkit::journal_notation;
 
     #[test]
     fn of_more_runs_than_a_robot_can_watch_the_one_asked_for_first_makes_room() {
@@ -302,5 +304,53 @@ mod tests {
         let has = |stream| watches.runs.contains_key(&StreamId(stream));
         assert_eq!(watches.runs.len(), RUNS_MAX);
         assert_eq!([1, 2, 3, runs + 1].map(has), [true, false, true, true]);
+    }
+
+    #[test]
+    fn so_many_values_of_a_run_are_followed_and_those_that_are_known_stay_new() {
+        let folder = tempfile::tempdir().unwrap();
+        let pairing = Pairing::generate("scout", None).unwrap();
+        let start = Start::begin(folder.path()).unwrap();
+        let mut session = RobotSession::new(&start.identity(&pairing), Profile::LAN);
+        let mut watches =
+            RobotWatches::begin(folder.path().join("watches"), Duration::MAX, 0, &mut session);
+        let run = folder.path().join("r");
+        let journal = Journal::create(&run, &About::default(), &Options::default()).unwrap();
+        let ports: Vec<_> = (0..=VALUES_MAX).map(|number| format!("p{number:04}")).collect();
+        let values: Vec<_> = ports.iter().map(|port| format!("{port}=1")).collect();
+        let place = format!("place R \"R\" in {} outcome done\n", ports.join(","));
+        let record = |text: &str, before| {
+            let batch = journal_notation::batch(&format!("{place}{text}\n"), before);
+            let batch = batch.unwrap();
+            journal.append(&batch).unwrap();
+            journal.commit().unwrap();
+            batch.t_last()
+        };
+        let enter = format!("enter R {}", values.join(" "));
+        let before = record(&enter, 0);
+        let target = |kind, name: &str| WatchTarget {
+            kind,
+            path: "R".to_owned(),
+            name: name.to_owned(),
+            priority: 0,
+        };
+        let watch = |number, target| Wish {
+            stream: StreamId(1),
+            number,
+            body: watch_words::wish(&[target]),
+        };
+        watches.take(watch(1, target(WatchKind::State, "")));
+        let mut reader = Reader::open(&run).unwrap();
+        watches.look(StreamId(1), &mut reader, &mut session).unwrap();
+        assert_eq!(watches.runs[&StreamId(1)].found.len(), VALUES_MAX);
+        record(&format!("leave R done\n{enter}"), before);
+        watches.look(StreamId(1), &mut reader, &mut session).unwrap();
+        let found = &watches.runs[&StreamId(1)].found;
+        assert_eq!(found.len(), VALUES_MAX);
+        assert!(found.values().all(|found| found.order == 3));
+        // Who watches less is sent what had no room.
+        watches.take(watch(2, target(WatchKind::Input, &ports[VALUES_MAX])));
+        watches.look(StreamId(1), &mut reader, &mut session).unwrap();
+        assert_eq!(watches.runs[&StreamId(1)].found.len(), 1);
     }
 }

@@ -26,7 +26,10 @@ pub(super) fn is_room(asked: &BTreeMap<StreamId, Asked>, stream: StreamId) -> bo
 mod tests {
     use super::*;
 
-    fn asked(is_any: bool, is_confirmed: bool) -> Asked {
+    /// `asked`, then `watched` once that is confirmed; `withdrawn`, then `forgotten`.
+    fn asked(state: &str) -> Asked {
+        let is_confirmed = ["watched", "forgotten"].contains(&state);
+        let is_any = ["asked", "watched"].contains(&state);
         let watching = Watching { is_confirmed, ..Watching::default() };
         Asked { at: Duration::ZERO, is_any, watching }
     }
@@ -35,15 +38,15 @@ mod tests {
     fn a_further_run_is_asked_for_once_the_robot_has_forgotten_another() {
         let runs = u32::try_from(RUNS_MAX).expect("a small number");
         let mut all: BTreeMap<_, _> =
-            (1..runs).map(|nth| (StreamId(nth), asked(true, true))).collect();
+            (1..runs).map(|nth| (StreamId(nth), asked("watched"))).collect();
         assert!(is_room(&all, StreamId(runs)));
-        all.insert(StreamId(runs), asked(true, false));
+        all.insert(StreamId(runs), asked("asked"));
         assert!(!is_room(&all, StreamId(runs + 1)));
         // What is asked for already may change.
         assert!(is_room(&all, StreamId(runs)) && is_room(&all, StreamId(1)));
-        all.insert(StreamId(1), asked(false, false));
+        all.insert(StreamId(1), asked("withdrawn"));
         assert!(!is_room(&all, StreamId(runs + 1)));
-        all.insert(StreamId(1), asked(false, true));
+        all.insert(StreamId(1), asked("forgotten"));
         assert!(is_room(&all, StreamId(runs + 1)));
     }
 }

@@ -624,3 +624,6 @@ impl KeptRun {
         written + self.todo.drain(..).map(|work| work.cost()).sum::<usize>()
     }
 }
+
+#[cfg(test)]
+mod tests;

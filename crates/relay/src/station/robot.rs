@@ -653,3 +653,6 @@ fn has_machines(session: &StationSession, events: StreamId) -> bool {
     let about = session.progress(ids::about_beside(events));
     about.is_some_and(|about| about.contiguous >= about.head)
 }
+
+#[cfg(test)]
+mod tests;

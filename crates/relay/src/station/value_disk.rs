@@ -226,3 +226,39 @@ fn find(runs: &Path, (run, number): &ValueKey) -> Result<Option<WantedValue>, St
     let here = noted.into_iter().map(|(first, last)| first..=last).collect();
     Ok(Some(WantedValue { name, content, here }))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn so_much_waits_for_the_disk_and_parts_leave_room_for_the_rest() {
+        let (work, works) = mpsc::sync_channel(WAITING_MAX);
+        let disk = ValueDisk { work, waiting: Arc::default() };
+        let id = ids::value_id(ContentHash::of(b"x"));
+        let write = || disk.write(id, 0, Vec::new());
+        assert!((0..PARTS_MAX).all(|_| write()));
+        assert!(!write());
+        disk.note(id, &RangeSet::default());
+        assert_eq!(disk.waiting.load(Ordering::Acquire), PARTS_MAX);
+        let key = || ("run".to_owned(), 1);
+        assert!((PARTS_MAX..WAITING_MAX).all(|_| disk.open(key())));
+        assert!(!disk.open(key()) && !disk.finish(id));
+        assert_eq!(disk.waiting.load(Ordering::Acquire), WAITING_MAX);
+        // The disk catches up.
+        let folder = tempfile::tempdir().unwrap();
+        let (inbox, said) = mpsc::sync_channel(WAITING_MAX);
+        let (runs, wanted) = (folder.path().to_owned(), folder.path().join("wanted"));
+        let keeper = Keeper { runs, wanted, open: BTreeMap::new(), robot: 0, inbox };
+        let waiting = Arc::clone(&disk.waiting);
+        let (again, rest) = mpsc::sync_channel(WAITING_MAX);
+        for work in works.try_iter() {
+            again.try_send(work).unwrap();
+        }
+        drop(again);
+        keeper.keep(&rest, &waiting);
+        assert_eq!(disk.waiting.load(Ordering::Acquire), 0);
+        assert_eq!(said.try_iter().count(), WAITING_MAX - PARTS_MAX);
+        assert!(write() && disk.open(key()));
+    }
+}

@@ -1,0 +1,67 @@
+//! What a station remembers of a robot is bounded.
+
+use super::*;
+use crate::desk::ValueDesk;
+use crate::inbox::Inbox;
+use std::path::Path;
+use std::sync::Arc;
+
+fn robot(folder: &Path) -> (StationRobot, Inbox<ToStation>) {
+    let pairing = Pairing::generate("scout", None).unwrap();
+    let (file, next) = (folder.join("pairing"), folder.join("next"));
+    let paired = Paired { pairing, file, next };
+    let settings = StationSettings {
+        folder: folder.join("ground"),
+        runs: folder.join("runs"),
+        pairings: Arc::new(vec![paired.clone()]),
+        bind: ([127, 0, 0, 1], 0).into(),
+        tls: None,
+        profile: Profile::LAN,
+        desk: ValueDesk::default(),
+        tell: |_| {},
+    };
+    let inbox = Inbox::new();
+    let clock = SessionClock::begin();
+    let robot = StationRobot::begin(&settings, 0, &paired, inbox.sender(), clock).unwrap();
+    (robot, inbox)
+}
+
+fn stream(number: usize) -> StreamId {
+    ids::events_of(&format!("run-{number}"))
+}
+
+#[test]
+fn of_many_refused_runs_the_first_are_named_and_the_others_counted() {
+    let folder = tempfile::tempdir().unwrap();
+    let (mut robot, _inbox) = robot(folder.path());
+    let mut refuse = |number: usize| {
+        robot.hear_disk(FromDisk::Refused(stream(number), format!("run-{number} is bad")));
+        robot.report().problems
+    };
+    let named: Vec<_> = (0..REFUSED_MAX).map(&mut refuse).collect();
+    assert_eq!(named.last().map(Vec::len), Some(REFUSED_MAX));
+    assert_eq!(
+        refuse(REFUSED_MAX).last().unwrap(),
+        "not everything is kept: 1 more runs are refused"
+    );
+    let problems = refuse(REFUSED_MAX + 1);
+    assert_eq!(problems.len(), REFUSED_MAX + 1);
+    assert_eq!(problems.last().unwrap(), "not everything is kept: 2 more runs are refused");
+    assert!(problems.iter().any(|it| it.ends_with("robot scout: run-0 is bad")), "{problems:?}");
+}
+
+#[test]
+fn beyond_so_many_compared_hashes_all_are_forgotten_and_compared_again() {
+    let folder = tempfile::tempdir().unwrap();
+    let (mut robot, _inbox) = robot(folder.path());
+    let chain = EventHash { last: 4, hash: 0 };
+    (0..CHECKED_MAX).for_each(|number| robot.check(stream(number), 1, chain));
+    assert_eq!(robot.checked.len(), CHECKED_MAX);
+    // What is known is not compared again.
+    robot.check(stream(0), 1, chain);
+    assert_eq!(robot.checked.len(), CHECKED_MAX);
+    robot.check(stream(CHECKED_MAX), 1, chain);
+    assert_eq!(robot.checked.keys().copied().collect::<Vec<_>>(), [stream(CHECKED_MAX)]);
+    robot.check(stream(0), 1, chain);
+    assert_eq!(robot.checked.len(), 2);
+}
