@@ -5,9 +5,9 @@ use rafcon_protocol::api::ValueFetch;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// So many requests wait for a station at most.
+/// Capacity of the requests that wait for a station.
 const REQUESTS_MAX: usize = 256;
-/// Of more fetches, those that failed before are forgotten.
+/// Capacity of the fetches. Beyond it, those that failed before are forgotten.
 const ENDED_MAX: usize = 256;
 
 /// A value by its run and its number there.
@@ -120,9 +120,13 @@ impl ValueDesk {
 mod tests {
     use super::{ENDED_MAX, LinkRate, REQUESTS_MAX, Request, ValueCost, ValueDesk, ValueFetch};
 
+    fn desk() -> ValueDesk {
+        ValueDesk::default()
+    }
+
     #[test]
     fn a_value_costs_its_bytes_and_the_headers_of_its_datagrams() {
-        let desk = ValueDesk::default();
+        let desk = desk();
         assert_eq!(desk.cost("scout", 1_000), None);
         assert!(!desk.fetch("scout", ("run".to_owned(), 7), 1_000, 2_000), "no such robot");
         let rate = LinkRate { part: 100, overhead: 20, spare_per_s: Some(600) };
@@ -135,7 +139,7 @@ mod tests {
 
     #[test]
     fn requests_are_for_one_robot_each_and_taken_once() {
-        let desk = ValueDesk::default();
+        let desk = desk();
         let rate = LinkRate { part: 100, overhead: 20, spare_per_s: None };
         for robot in ["scout", "mule"] {
             desk.set_link(robot, rate);
@@ -157,7 +161,7 @@ mod tests {
 
     #[test]
     fn so_many_requests_wait_and_none_that_ends_a_fetch_is_lost() {
-        let desk = ValueDesk::default();
+        let desk = desk();
         desk.set_link("scout", LinkRate { part: 100, overhead: 20, spare_per_s: None });
         let fetch = |number| desk.fetch("scout", key(number), 1_000, 1_250);
         assert!((0..REQUESTS_MAX).all(fetch));
@@ -177,7 +181,7 @@ mod tests {
 
     #[test]
     fn of_many_failed_fetches_the_last_is_told_and_those_under_way_stay() {
-        let desk = ValueDesk::default();
+        let desk = desk();
         let progress = |failed: Option<&str>| ValueFetch {
             here: 1,
             budget: 2,

@@ -7,7 +7,7 @@ use serde_json::Value;
 /// No wish is longer once it is inflated.
 const WISH_BYTES_MAX: usize = 256 << 10;
 
-/// So many runs of a robot are watched at a time.
+/// Maximum number of runs of a robot that are watched at a time.
 pub(crate) const RUNS_MAX: usize = 64;
 
 const KINDS: [(WatchKind, char); 5] = [

@@ -13,7 +13,7 @@ use std::time::Duration;
 
 /// Values are looked for at most this often.
 const LOOK_EVERY: Duration = Duration::from_millis(200);
-/// So many values of a run are followed.
+/// Capacity of the values of a run.
 const VALUES_MAX: usize = 1_024;
 
 /// What is watched of the runs of a robot.
@@ -279,6 +279,11 @@ mod tests {
     use rafcon_storage::journal::{About, Journal, Options};
     use rafcon_testkit::journal_notation;
 
+    fn watch(watches: &mut RobotWatches, stream: u32, number: u64, target: &WatchTarget) {
+        let body = watch_words::wish(std::slice::from_ref(target));
+        watches.take(Wish { stream: StreamId(stream), number, body });
+    }
+
     #[test]
     fn of_more_runs_than_a_robot_can_watch_the_one_asked_for_first_makes_room() {
         let folder = tempfile::tempdir().unwrap();
@@ -293,14 +298,12 @@ mod tests {
             name: String::new(),
             priority: 0,
         };
-        let body = watch_words::wish(&[target]);
         let runs = u32::try_from(RUNS_MAX).unwrap();
-        let wish = |stream, number| Wish { stream: StreamId(stream), number, body: body.clone() };
-        (1..=runs).for_each(|nth| watches.take(wish(nth, u64::from(nth))));
+        (1..=runs).for_each(|nth| watch(&mut watches, nth, u64::from(nth), &target));
         // Asked for anew, the first run is not the oldest any more.
-        watches.take(wish(1, 1_000));
+        watch(&mut watches, 1, 1_000, &target);
         assert_eq!(watches.runs.len(), RUNS_MAX);
-        watches.take(wish(runs + 1, 1_001));
+        watch(&mut watches, runs + 1, 1_001, &target);
         let has = |stream| watches.runs.contains_key(&StreamId(stream));
         assert_eq!(watches.runs.len(), RUNS_MAX);
         assert_eq!([1, 2, 3, runs + 1].map(has), [true, false, true, true]);
@@ -334,12 +337,7 @@ mod tests {
             name: name.to_owned(),
             priority: 0,
         };
-        let watch = |number, target| Wish {
-            stream: StreamId(1),
-            number,
-            body: watch_words::wish(&[target]),
-        };
-        watches.take(watch(1, target(WatchKind::State, "")));
+        watch(&mut watches, 1, 1, &target(WatchKind::State, ""));
         let mut reader = Reader::open(&run).unwrap();
         watches.look(StreamId(1), &mut reader, &mut session).unwrap();
         assert_eq!(watches.runs[&StreamId(1)].found.len(), VALUES_MAX);
@@ -348,8 +346,8 @@ mod tests {
         let found = &watches.runs[&StreamId(1)].found;
         assert_eq!(found.len(), VALUES_MAX);
         assert!(found.values().all(|found| found.order == 3));
-        // Who watches less is sent what had no room.
-        watches.take(watch(2, target(WatchKind::Input, &ports[VALUES_MAX])));
+        // A shorter list makes room for the last value.
+        watch(&mut watches, 1, 2, &target(WatchKind::Input, &ports[VALUES_MAX]));
         watches.look(StreamId(1), &mut reader, &mut session).unwrap();
         assert_eq!(watches.runs[&StreamId(1)].found.len(), 1);
     }

@@ -1,4 +1,4 @@
-//! What a robot is asked to watch: of as many runs at a time as it can. Knows nothing of viewers or values.
+//! Requests to a robot to watch values of its runs: of as many runs at a time as it can. Knows nothing of viewers or values.
 
 use crate::watch_words::RUNS_MAX;
 use rafcon_link::StreamId;
@@ -6,7 +6,7 @@ use rafcon_protocol::Watching;
 use std::collections::BTreeMap;
 use std::time::Duration;
 
-/// What the robot is asked for of a run.
+/// A request for values of a run.
 pub(super) struct Asked {
     pub(super) at: Duration,
     /// Anything is watched.
@@ -14,7 +14,7 @@ pub(super) struct Asked {
     pub(super) watching: Watching,
 }
 
-/// Whether the robot can watch this run, too. A run that it was asked to forget counts until it has confirmed that.
+/// True if the robot can watch this run, too. A run that it was asked to forget counts until it has confirmed that.
 pub(super) fn is_room(asked: &BTreeMap<StreamId, Asked>, stream: StreamId) -> bool {
     let is_watched = |(other, asked): &(&StreamId, &Asked)| {
         **other != stream && (asked.is_any || !asked.watching.is_confirmed)
@@ -42,7 +42,7 @@ mod tests {
         assert!(is_room(&all, StreamId(runs)));
         all.insert(StreamId(runs), asked("asked"));
         assert!(!is_room(&all, StreamId(runs + 1)));
-        // What is asked for already may change.
+        // Requests of before may change.
         assert!(is_room(&all, StreamId(runs)) && is_room(&all, StreamId(1)));
         all.insert(StreamId(1), asked("withdrawn"));
         assert!(!is_room(&all, StreamId(runs + 1)));

@@ -77,13 +77,18 @@ impl ValueDisk {
         wanted: PathBuf,
         (robot, inbox): (usize, SyncSender<Input<ToStation>>),
     ) -> io::Result<Self> {
-        let (work, works) = mpsc::sync_channel(WAITING_MAX);
-        let waiting = Arc::<AtomicUsize>::default();
+        let (disk, works) = Self::new();
         let keeper = Keeper { runs, wanted, open: BTreeMap::new(), robot, inbox };
-        let theirs = Arc::clone(&waiting);
-        let keep = move || keeper.keep(&works, &theirs);
+        let waiting = Arc::clone(&disk.waiting);
+        let keep = move || keeper.keep(&works, &waiting);
         thread::Builder::new().name("values".to_owned()).spawn(keep)?;
-        Ok(Self { work, waiting })
+        Ok(disk)
+    }
+
+    /// Without its thread, which takes the work.
+    fn new() -> (Self, Receiver<ValueWork>) {
+        let (work, works) = mpsc::sync_channel(WAITING_MAX);
+        (Self { work, waiting: Arc::default() }, works)
     }
 
     /// Answers whether there is room for it.
@@ -233,8 +238,7 @@ mod tests {
 
     #[test]
     fn so_much_waits_for_the_disk_and_parts_leave_room_for_the_rest() {
-        let (work, works) = mpsc::sync_channel(WAITING_MAX);
-        let disk = ValueDisk { work, waiting: Arc::default() };
+        let (disk, works) = ValueDisk::new();
         let id = ids::value_id(ContentHash::of(b"x"));
         let write = || disk.write(id, 0, Vec::new());
         assert!((0..PARTS_MAX).all(|_| write()));

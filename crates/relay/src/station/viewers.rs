@@ -27,7 +27,7 @@ use std::time::Duration;
 const BLOCK_BYTES: usize = 64 << 10;
 /// A viewer that does not read for so long is gone.
 const WRITE_TIMEOUT: Duration = Duration::from_secs(30);
-/// So many frames besides events may wait for a viewer.
+/// Capacity of the frames besides events that wait for a viewer.
 const FRAMES_MAX: usize = 256;
 /// A line of a viewer is at most so long, in bytes.
 const LINE_MAX: u64 = 1 << 20;
@@ -323,14 +323,14 @@ fn welcome(stream: &UnixStream, shared: &Arc<Shared>, give: &Give) -> io::Result
         drop(out.shutdown(Shutdown::Both));
     };
     thread::Builder::new().name("showing".to_owned()).spawn(show)?;
-    let heeded = heed(&mut lines, viewer, shared, give);
+    let handled = handle(&mut lines, viewer, shared, give);
     shared.watch(viewer, Vec::new());
     shared.leave(viewer);
-    heeded
+    handled
 }
 
 /// Takes what a viewer says until it is gone.
-fn heed(
+fn handle(
     lines: &mut BufReader<UnixStream>,
     viewer: u64,
     shared: &Shared,
@@ -463,7 +463,7 @@ mod tests {
         assert_eq!(open.kind(), io::ErrorKind::WouldBlock);
         shared.send(viewer, vec![2]);
         assert_eq!(theirs.read(&mut [0]).unwrap(), 0);
-        // No more than that waits for it, and others are served.
+        // The capacity holds, and other viewers are served.
         let news = shared.wait(viewer, 1, 0).unwrap();
         assert_eq!(news.frames.len(), FRAMES_MAX);
         let (ours, _theirs) = UnixStream::pair().unwrap();

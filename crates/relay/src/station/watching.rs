@@ -3,11 +3,11 @@
 use rafcon_protocol::{ToViewer, WatchKind, WatchTarget, WatchedValue, Watching};
 use std::collections::BTreeMap;
 
-/// So many values are kept of a run.
+/// Capacity of the values of a run.
 const VALUES_MAX: usize = 1_024;
-/// So many values go in one message.
+/// Maximum number of values in a message.
 const MESSAGE_MAX: usize = 256;
-/// A viewer watches at most so much; the rest is left out, and counted.
+/// Capacity of the list of a viewer. The rest is left out, and counted.
 const TARGETS_MAX: usize = 1_024;
 
 /// What is watched of one run.
@@ -15,7 +15,7 @@ const TARGETS_MAX: usize = 1_024;
 pub(super) struct ReplicaWatch {
     viewers: BTreeMap<u64, Vec<WatchTarget>>,
     wish: Vec<WatchTarget>,
-    /// So much of what is watched is in no wish.
+    /// Number of the targets of viewers that the robot is not asked for.
     left_out: usize,
     /// The robot is to be asked for something else than before.
     is_wish_new: bool,
@@ -222,7 +222,7 @@ mod tests {
         run.watch(1, targets(&["R/ARM", "R/EYE"]));
         said.extend(run.leave_out());
         said.extend(run.leave_out());
-        // Of what was asked before, nothing counts meanwhile.
+        // Meanwhile reports about earlier requests do not count.
         said.extend(run.set_watching(&known));
         run.watch(1, targets(&["R/ARM"]));
         said.extend(run.leave_out());
@@ -244,13 +244,13 @@ mod tests {
         run.watch(1, targets(&["R"]));
         let told = run.take((0..10_000).map(|nth| value(&format!("R/{nth}"), 1)).collect());
         assert_eq!(run.values.len(), VALUES_MAX);
-        // What fits into no message is in the next one: nothing that is here is lost.
+        // Several messages bring all values that are known.
         assert_eq!(lengths(&told), [MESSAGE_MAX; VALUES_MAX / MESSAGE_MAX]);
         assert_eq!(lengths(&run.watch(2, targets(&["R"]))), lengths(&told));
-        // A newer one of a value that is here finds its place; there is none for another.
+        // A newer one of a known value replaces it; another finds no room.
         let told = run.take(vec![value("R/0", 2), value("R/other", 2)]);
         assert_eq!(lengths(&told), [1, 1]);
-        // Room comes with what is watched no more.
+        // A shorter list of a viewer makes room.
         run.watch(2, Vec::new());
         run.watch(1, targets(&["R/other"]));
         assert_eq!(lengths(&run.take(vec![value("R/other", 3)])), [1]);

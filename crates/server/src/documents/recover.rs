@@ -14,7 +14,7 @@ use rafcon_model::Machine;
 use rafcon_storage::Libraries;
 use std::path::{Path, PathBuf};
 
-/// How many ids of operations that were done and saved stay known.
+/// Capacity of the ids of saved operations.
 const ANSWERED_MAX: usize = 10_000;
 
 /// A machine as users left it.

@@ -8,7 +8,7 @@ use rafcon_protocol::api::{LibraryName, LibraryUsage, LibraryUsages, UsagesOf};
 use std::collections::BTreeSet;
 use std::path::Path;
 
-/// How many usages are listed.
+/// Capacity of the list of usages.
 const USAGES_MAX: usize = 1000;
 
 impl Documents {

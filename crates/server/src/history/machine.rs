@@ -234,7 +234,7 @@ mod tests {
         Which { folder, hash: Hash([0; 32]), library: None }
     }
 
-    /// Which of those with these sizes stay, kept one after the other.
+    /// Keeps documents of these sizes one after the other; returns the places of those that stay.
     fn stay(sizes: &[usize]) -> Vec<usize> {
         let machines = Machines::default();
         for (nth, size) in sizes.iter().enumerate() {

@@ -122,7 +122,7 @@ mod tests {
     /// The bytes of each line of [`long_log`].
     pub(super) const LINE_BYTES: usize = 1 << 20;
 
-    /// A run that has written so many lines of a MiB, as events 1 and after.
+    /// A run whose events are this number of lines of a MiB.
     pub(super) fn long_log(lines: usize) -> (TempDir, Reader) {
         let folder = tempfile::tempdir().unwrap();
         let options = Options { recorder_bytes: 1 << 22, ..Options::default() };

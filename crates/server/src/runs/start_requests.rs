@@ -1,6 +1,6 @@
-//! The requests to start or resume a run, by id: whoever has one locked carries it out, so that it is carried out once.
+//! The requests to start or resume a run, by id. The task that has a request locked carries it out; others wait.
 //!
-//! Knows nothing of what a request asks for. The table is bounded; the folder of a run has its request, too.
+//! Knows ids and states of requests, not their content. The table is bounded.
 
 use rafcon_locks::Mutex;
 use std::collections::BTreeMap;
@@ -45,7 +45,7 @@ impl StartRequests {
         table.add(id)
     }
 
-    /// A request has begun nothing: unless someone else asks the same now, it was never made.
+    /// Removes a request that has begun nothing, unless another task waits for it.
     pub(super) fn forget(&self, id: &str, slot: &Slot) {
         let mut table = self.0.lock();
         // One of them is the table's, the other the caller's.
@@ -54,7 +54,7 @@ impl StartRequests {
         }
     }
 
-    /// The state of a request is this. Whoever carries it out just now notes it down by itself.
+    /// Sets the state of a request, unless a task carries it out: that one sets it by itself.
     pub(super) fn note(&self, id: &str, state: StartRequestState) {
         if let Ok(mut known) = self.get(id).try_lock() {
             *known = Some(state);
@@ -113,7 +113,7 @@ mod tests {
         assert_eq!(requests.0.lock().order.len(), REQUESTS_MAX);
         let known = |nth: usize| requests.0.lock().slots.contains_key(&format!("start/ana/{nth}"));
         assert_eq!([0, 1, 2, 3, 4].map(known), [true, false, false, false, true]);
-        // Whoever asks the same as the one under way waits for its end.
+        // A second task with the id of the one under way waits for its end.
         let held = under_way.try_lock().unwrap();
         assert!(requests.get("start/ana/0").try_lock().is_err());
         drop(held);

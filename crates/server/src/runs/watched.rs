@@ -15,7 +15,7 @@ use tokio::sync::watch;
 const TARGETS_MAX: usize = 1_024;
 /// So many values of a run are kept.
 const VALUES_MAX: usize = 1_024;
-/// So many values are told a client; further ones are counted.
+/// Maximum number of values in a message to a client; further ones are counted.
 const TOLD_MAX: usize = 256;
 
 /// What is watched of one run.
@@ -217,10 +217,10 @@ mod tests {
         assert_eq!(said(), (TOLD_MAX, 3));
         watched.take(Watching::default(), values(VALUES_MAX + 1));
         assert_eq!(said(), (TOLD_MAX, VALUES_MAX - TOLD_MAX));
-        // Of a value that is here the newest counts, also without room for others.
+        // A newer one of a known value replaces it, also without room for others.
         watched.take(Watching::default(), vec![value("R/0", 2), value("R/new", 2)]);
         assert_eq!(told(&watched, &["R/0", "R/new"]), [("R/0".to_owned(), 2)]);
-        // Room comes with what is watched no more.
+        // A shorter list of a client makes room.
         watched.set(1, Some(vec![target("R/new")]));
         watched.take(Watching::default(), vec![value("R/new", 3)]);
         assert_eq!(told(&watched, &["R/0", "R/new"]), [("R/new".to_owned(), 3)]);

@@ -29,7 +29,7 @@ pub(super) struct Plan {
 pub(super) struct Folders {
     watcher: RecommendedWatcher,
     watched: BTreeSet<PathBuf>,
-    /// So many at most.
+    /// Their maximum number.
     most: usize,
     is_full: bool,
 }

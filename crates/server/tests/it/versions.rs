@@ -117,7 +117,7 @@ fn a_repository_outside_the_project_is_not_asked() {
     }
 }
 
-/// Adds so many commits that touch the folder of the machine.
+/// Adds this number of commits that touch the folder of the machine.
 fn commit_often(server: &TestServer, commits: usize) {
     let one = |number: usize| {
         let second = 1_700_000_000 + number;

@@ -1,4 +1,4 @@
-//! What a station's disk remembers of runs that it refuses is bounded.
+//! The list of refused runs of a station's disk is bounded.
 
 use super::*;
 use crate::pairing::Pairing;
@@ -35,7 +35,7 @@ fn of_many_refused_runs_the_late_work_of_the_newest_is_dropped() {
     }
     assert!(kept.all.is_empty());
     assert_eq!(kept.dropped, REFUSED_MAX * part().cost());
-    // Of the one that is forgotten the work waits.
+    // The forgotten one is unknown: its work waits.
     kept.add(stream(0), part());
     assert_eq!(kept.all.keys().copied().collect::<Vec<_>>(), [stream(0)]);
 }

@@ -1,4 +1,4 @@
-//! What a station remembers of a robot is bounded.
+//! The lists that a station has of a robot are bounded.
 
 use super::*;
 use crate::desk::ValueDesk;
@@ -57,7 +57,7 @@ fn beyond_so_many_compared_hashes_all_are_forgotten_and_compared_again() {
     let chain = EventHash { last: 4, hash: 0 };
     (0..CHECKED_MAX).for_each(|number| robot.check(stream(number), 1, chain));
     assert_eq!(robot.checked.len(), CHECKED_MAX);
-    // What is known is not compared again.
+    // A known hash is not compared again.
     robot.check(stream(0), 1, chain);
     assert_eq!(robot.checked.len(), CHECKED_MAX);
     robot.check(stream(CHECKED_MAX), 1, chain);

@@ -11,7 +11,7 @@ use std::path::Path;
 use std::time::Duration;
 use tokio::process::Command;
 
-/// How many commits are listed.
+/// Capacity of the list of commits.
 const COMMITS_MAX: usize = 200;
 /// How many bytes the files of a commit may have together.
 const BYTES_MAX: u64 = 128 << 20;
@@ -266,7 +266,7 @@ mod tests {
         };
         assert_eq!(read(FILES_MAX + 1, 0).await, "version_too_large");
         assert_eq!(read(2, BYTES_MAX + 1).await, "version_too_large");
-        // What is just not too large is asked for, and there is no git here.
+        // At the bound git is asked; this folder has none.
         assert_eq!(read(FILES_MAX, BYTES_MAX).await, "git_refused");
     }
 }

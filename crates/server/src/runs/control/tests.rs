@@ -344,7 +344,7 @@ fn so_many_may_request_control_and_one_who_withdraws_makes_room() {
         play(&mut holding, &format!("1 user{nth} requests")).unwrap();
     }
     assert!(matches!(play(&mut holding, "1 cy requests"), Err(Denied::TooMany)));
-    // Who has requested it already keeps the place.
+    // A second request of a user changes nothing.
     play(&mut holding, "1 user3 requests").unwrap();
     assert_eq!(holding.told(SILENCE).requests.len(), REQUESTS_MAX);
     play(&mut holding, "2 user3 withdraws").unwrap();
