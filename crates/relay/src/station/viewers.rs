@@ -158,7 +158,7 @@ impl Shared {
     }
 
     /// A viewer watches this now, or nothing any more.
-    fn watch(&self, viewer: u64, targets: Vec<WatchTarget>) {
+    pub(super) fn watch(&self, viewer: u64, targets: Vec<WatchTarget>) {
         let messages = self.shown.lock().watched.watch(viewer, targets);
         self.send_each(messages);
     }

@@ -3,6 +3,9 @@
 use super::*;
 use crate::desk::ValueDesk;
 use crate::inbox::Inbox;
+use crate::station::viewers::Shared;
+use rafcon_protocol::WatchKind;
+use rafcon_storage::journal::About;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -64,4 +67,39 @@ fn beyond_so_many_compared_hashes_all_are_forgotten_and_compared_again() {
     assert_eq!(robot.checked.keys().copied().collect::<Vec<_>>(), [stream(CHECKED_MAX)]);
     robot.check(stream(0), 1, chain);
     assert_eq!(robot.checked.len(), 2);
+}
+
+#[test]
+fn the_robot_is_asked_for_as_many_runs_as_it_can_watch_and_for_another_once_it_forgets_one() {
+    let folder = tempfile::tempdir().unwrap();
+    let (mut robot, _inbox) = robot(folder.path());
+    let target = WatchTarget {
+        kind: WatchKind::State,
+        path: "R".to_owned(),
+        name: String::new(),
+        priority: 0,
+    };
+    for number in 0..=watch_words::RUNS_MAX {
+        let about = About::default();
+        let shared = Shared::new(folder.path().to_owned(), &about, 0, LinkHealth::default());
+        shared.watch(1, vec![target.clone()]);
+        let open = OpenRun { id: String::new(), safe: 0, shared: Arc::new(shared) };
+        robot.runs.insert(stream(number), StationRun::new(open));
+    }
+    robot.ask();
+    let asked = |robot: &StationRobot| -> Vec<StreamId> {
+        let asked = robot.watching.iter().filter(|(_, asked)| asked.is_any);
+        asked.map(|(stream, _)| *stream).collect()
+    };
+    let first = asked(&robot);
+    assert_eq!(first.len(), watch_words::RUNS_MAX);
+    let last = *robot.runs.keys().find(|run| !first.contains(run)).unwrap();
+    // The run is closed, and the robot does not know it yet.
+    robot.runs.remove(&first[0]);
+    robot.ask();
+    assert_eq!(asked(&robot), first[1..]);
+    robot.watching.get_mut(&first[0]).unwrap().watching.is_confirmed = true;
+    robot.ask();
+    assert!(asked(&robot).contains(&last));
+    assert_eq!(asked(&robot).len(), watch_words::RUNS_MAX);
 }
