@@ -256,3 +256,37 @@ proptest! {
         prop_assert_eq!(entries + ends, sequence);
     }
 }
+
+#[test]
+fn the_newest_events_worth_a_mark_are_kept_and_older_ones_are_found_by_a_search() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut reader = reader(folder.path(), &"log R/A warning \"dark\"\n".repeat(5_001));
+    let outline = outlined(&mut reader);
+    let mut marks = |sequence| {
+        let earlier = outline.earlier(&mut reader, sequence).unwrap();
+        (earlier.notable.len(), earlier.notable.first().map(|entry| entry.sequence))
+    };
+    assert_eq!(marks(5_001), (5_000, Some(2)));
+    assert_eq!(marks(1), (0, None));
+    let (hits, _) = reader.hits("dark", 1, 1, 9).unwrap();
+    assert_eq!(hits[0].sequence, 1);
+}
+
+#[test]
+fn a_place_with_the_largest_number_is_counted_like_any_other() {
+    let folder = tempfile::tempdir().unwrap();
+    let number = PlaceNumber(u32::MAX);
+    let mut batch = journal_notation::batch("", 0).unwrap();
+    let places = journal_notation::parse("place R \"Root\" outcome done").unwrap();
+    let Some(Item::Definition(Definition::Place(_, place))) = places.into_iter().next() else {
+        panic!("no place");
+    };
+    batch.define(&Definition::Place(number, place));
+    batch.entered(1, number, NOTHING, None);
+    let journal = Journal::create(folder.path(), &About::default(), &Options::default()).unwrap();
+    journal.append(&batch).unwrap();
+    journal.close().unwrap();
+    let mut reader = Reader::open(folder.path()).unwrap();
+    let earlier = outlined(&mut reader).earlier(&mut reader, 1).unwrap();
+    assert_eq!(earlier.states[0].entries, 1);
+}

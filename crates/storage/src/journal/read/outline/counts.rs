@@ -3,10 +3,11 @@
 use super::super::{Entry, outcome_of};
 use crate::journal::record::{PlaceNumber, Places, Record};
 use rafcon_protocol::api::{EarlierState, EndTime, EventTime};
+use std::collections::BTreeMap;
 
-/// What each state did, by the number of its place.
+/// What each state did, by the number of its place: as large as there are places, whatever numbers they have.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Counts(Vec<StateCount>);
+pub(super) struct Counts(BTreeMap<PlaceNumber, StateCount>);
 
 #[derive(Debug, Clone, Default)]
 struct StateCount {
@@ -24,31 +25,21 @@ impl Counts {
         let turn = EventTime { sequence: entry.sequence, t_ns: entry.t_ns };
         match &entry.record {
             Record::Entered { place, undoes, .. } => {
-                let Some(state) = self.of(*place) else { return };
+                let state = self.0.entry(*place).or_default();
                 state.entries += u64::from(undoes.is_none());
                 state.entered = Some(turn);
             }
             Record::Left { place, outcome, undoes, .. } => {
-                let Some(state) = self.of(*place) else { return };
+                let state = self.0.entry(*place).or_default();
                 state.left(turn, *outcome, undoes.is_some());
             }
             _ => {}
         }
     }
 
-    /// None of a number that no journal has.
-    fn of(&mut self, place: PlaceNumber) -> Option<&mut StateCount> {
-        const PLACES_MAX: usize = 1 << 22;
-        let index = usize::try_from(place.0).ok().filter(|index| *index < PLACES_MAX)?;
-        if self.0.len() <= index {
-            self.0.resize_with(index + 1, StateCount::default);
-        }
-        self.0.get_mut(index)
-    }
-
     pub(super) fn told(&self, places: &Places) -> Vec<EarlierState> {
         let named = places.iter().filter_map(|(number, place)| {
-            let state = self.0.get(usize::try_from(number.0).ok()?)?;
+            let state = self.0.get(&number)?;
             let end = |(turn, outcome): &(EventTime, i64)| EndTime {
                 sequence: turn.sequence,
                 t_ns: turn.t_ns,
