@@ -162,3 +162,46 @@ fn a_run_may_just_be_longer() {
     "]],
     );
 }
+
+#[test]
+fn of_many_branches_that_part_the_earliest_are_reported_and_all_are_counted() {
+    let mut places = String::from("place R/C \"Root/Many\" outcome ok\n");
+    let (mut entries, mut one, mut other) = (String::new(), String::new(), String::new());
+    for branch in 0..65 {
+        writeln!(places, "place R/C/S{branch} \"Root/Many/S{branch}\" script outcome ok,lost")
+            .unwrap();
+        writeln!(entries, "enter R/C/S{branch}").unwrap();
+        writeln!(one, "leave R/C/S{branch} ok").unwrap();
+        writeln!(other, "leave R/C/S{branch} lost").unwrap();
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let [mut one, mut other] = [("one", one), ("other", other)].map(|(name, ends)| {
+        run(&folder.path().join(name), &format!("{places}enter R\nenter R/C\n{entries}{ends}"))
+    });
+    let compared = compare(&mut one, &mut other).unwrap();
+    assert_eq!((compared.branches_parted, compared.parted.len()), (65, 64));
+    assert_eq!(compared.parted[0].branch, "R/C/S0");
+    assert!(compared.parted.iter().all(|parting| parting.branch != "R/C/S64"));
+}
+
+#[test]
+fn of_many_values_that_differ_the_earliest_are_reported() {
+    let ports: Vec<_> = (0..101).map(|port| format!("p{port}")).collect();
+    let text = |value: u8| {
+        let mut text = "enter R\n".to_owned();
+        for (name, ports) in [("M", &ports[..60]), ("N", &ports[60..])] {
+            let values: Vec<_> = ports.iter().map(|port| format!("{port}={value}")).collect();
+            let (ports, values) = (ports.join(","), values.join(" "));
+            writeln!(text, "place R/{name} \"Root/{name}\" script in {ports} outcome ok").unwrap();
+            writeln!(text, "enter R/{name} {values}\nleave R/{name} ok").unwrap();
+        }
+        text
+    };
+    let folder = tempfile::tempdir().unwrap();
+    let [mut one, mut other] =
+        [1, 2].map(|value| run(&folder.path().join(value.to_string()), &text(value)));
+    let compared = compare(&mut one, &mut other).unwrap();
+    let reported: Vec<_> = compared.changed.iter().map(|change| change.port.as_str()).collect();
+    assert_eq!((compared.alike, reported.len()), (5, 100));
+    assert_eq!((reported[0], reported[99]), ("p0", "p99"));
+}

@@ -34,6 +34,7 @@ pub(super) fn changes(
             changes.extend(differences(&mut x, &mut y)?);
         }
     }
+    changes.truncate(CHANGES_MAX);
     Ok(changes)
 }
 
