@@ -252,13 +252,16 @@ fn a_stream_that_is_turned_away_is_reported_and_comes_once_there_is_room() {
 
 #[test]
 fn a_stream_that_the_robot_does_not_name_any_more_makes_room() {
-    let (mut station, mut robot) = full();
-    let now = Duration::from_hours(1);
-    for run in (1..).take(OPEN_MAX) {
-        name(&mut station, &mut robot, now, run);
+    for (seconds, makes_room) in [(599, false), (600, true), (3_600, true)] {
+        let (mut station, mut robot) = full();
+        let now = Duration::from_secs(seconds);
+        for run in (1..).take(OPEN_MAX) {
+            name(&mut station, &mut robot, now, run);
+        }
+        assert_eq!(station.is_crowded(now), !makes_room, "after {seconds} s");
+        let is_settled = station.progress(events_of(0)).is_some_and(|it| it.is_settled);
+        assert_eq!(is_settled, makes_room, "after {seconds} s");
     }
-    assert!(!station.is_crowded(now));
-    assert!(station.progress(events_of(0)).is_some_and(|it| it.is_settled));
 }
 
 #[test]

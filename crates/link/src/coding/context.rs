@@ -138,3 +138,44 @@ impl Contexts {
         (first, length)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::frame::StreamId;
+
+    fn noted(lengths: &[usize]) -> Contexts {
+        let mut contexts = Contexts::default();
+        for (first, length) in (1..).zip(lengths) {
+            let (stream, items) = (StreamId(1), vec![7; *length]);
+            contexts.note(&Events { stream, first, count: 1, t_before: 0, items: &items });
+        }
+        contexts
+    }
+
+    #[test]
+    fn a_context_is_made_of_so_many_bytes_at_most() {
+        let offer = |lengths: &[usize]| noted(lengths).offer().map(|name| (name.first, name.last));
+        let most = CONTEXT_MAX;
+        assert_eq!(offer(&[most]), Some((1, 1)));
+        assert_eq!(offer(&[most + 1]), None);
+        assert_eq!(offer(&[most / 2, most / 2]), Some((1, 2)));
+        assert_eq!(offer(&[1, most / 2, most / 2]), Some((2, 3)));
+        assert_eq!(offer(&[most + 1, most]), Some((2, 2)));
+    }
+
+    #[test]
+    fn of_the_newest_events_so_many_bytes_are_at_hand() {
+        let at_hand = |lengths: &[usize]| {
+            let contexts = noted(lengths);
+            (contexts.recent.keys().next().copied(), contexts.bytes)
+        };
+        let (quarter, most) = (RECENT_MAX / 4, RECENT_MAX);
+        assert_eq!(at_hand(&[quarter; 4]), (Some(1), most));
+        assert_eq!(
+            at_hand(&[quarter, quarter, quarter, quarter, 1]),
+            (Some(2), most - quarter + 1)
+        );
+        assert_eq!(at_hand(&[quarter; 100]), (Some(97), most));
+    }
+}

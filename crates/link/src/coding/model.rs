@@ -240,3 +240,22 @@ impl Bits {
         self.known.to_le_bytes()[0]
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_slot_counts_up_to_the_bound_and_still_learns() {
+        let mut model = Model::new();
+        for (bit, from, to) in [(true, 3_900, 4_095), (false, 0, 195)] {
+            for seen in 0..1_000 {
+                model.move_slot(0, bit);
+                let most = if bit { SEEN_MAX.min(seen + 1) } else { SEEN_MAX };
+                assert_eq!(model.slots[0] & 15, most);
+            }
+            let probability = model.slots[0] >> 4;
+            assert!((from..=to).contains(&probability), "{probability} after {bit}");
+        }
+    }
+}

@@ -1,6 +1,6 @@
 //! The coder there and back: whatever is coded is the same afterwards. Knows nothing of frames.
 
-use super::{Coder, PLAIN_MAX};
+use super::{Coder, ContextName, PLAIN_MAX, SentSnapshots};
 use proptest::prelude::*;
 
 proptest! {
@@ -35,4 +35,18 @@ proptest! {
 #[test]
 fn a_datagram_does_not_become_more_than_so_much() {
     assert_eq!(Coder::new(b"").decode(b"bomb", PLAIN_MAX + 1), None);
+}
+
+#[test]
+fn of_the_snapshots_that_were_sent_the_oldest_leaves_and_others_are_coded_from() {
+    let snapshot = |sequence: u64| vec![sequence.to_le_bytes()[0]; 8_192];
+    let codes_from = |count: u64, known: u64| {
+        let mut sent = SentSnapshots::default();
+        (1..=count).for_each(|sequence| sent.note(sequence, snapshot(sequence)));
+        sent.offer(Some(ContextName::of(known, known, &snapshot(known))));
+        sent.encode(b"how it stands").is_some()
+    };
+    assert!(codes_from(32, 1));
+    assert!(!codes_from(33, 1));
+    assert!(codes_from(33, 2) && codes_from(33, 33));
 }

@@ -306,3 +306,24 @@ fn a_report_names_the_newest_ranges() {
     expect!["[12 03 01 07 0a 10 32 02 08 02 08 02 08 02 08 02 08 02 08 02 08 02 08 02 08 02 08 02 08 02 08 02 08 02 08 02 08 02 00]"]
         .assert_eq(&format!("{out:02x?}").replace(", ", " "));
 }
+
+#[test]
+fn a_report_has_the_newest_ranges_up_to_the_bound_and_one_with_more_is_broken() {
+    let mut events = RangeSet::up_to(1);
+    let count = RANGES_MAX as u64;
+    (1..=count + 1).for_each(|nth| events.insert(nth * 10..=nth * 10));
+    let received = |events: &RangeSet| {
+        let (stream, events) = (StreamId(1), events.clone());
+        Received { stream, is_over: false, safe: 0, events, context: None, snapshot: None }
+    };
+    let mut payload = vec![0];
+    Frame::Received(received(&events)).write(&mut payload);
+    let frames = read_payload(&payload).expect("a time").1;
+    events.remove(10..=10);
+    assert_eq!(frames.collect::<Vec<_>>(), [Ok(Frame::Received(received(&events)))]);
+    // Behind the time: the tag, the stream, whether it is over, what is safe, what is contiguous, then the number of ranges.
+    assert_eq!(payload[6], 16);
+    payload[6] = 17;
+    let mut frames = read_payload(&payload).expect("a time").1;
+    assert_eq!(frames.next(), Some(Err(BrokenFrame("too many ranges"))));
+}

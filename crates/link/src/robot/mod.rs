@@ -387,9 +387,11 @@ impl RobotSession {
     fn take(&mut self, wish: WishFrame<'_>, fetches: &mut Vec<Fetch>) {
         match wish {
             WishFrame::Fetch(fetch) => fetches.push(fetch),
-            WishFrame::Watch(part) if self.streams.contains_key(&part.stream) => {
+            // One that has no room does not count, so the station repeats it.
+            WishFrame::Watch(part)
+                if self.wishes.len() < WISHES_MAX && self.streams.contains_key(&part.stream) =>
+            {
                 self.wishes.extend(self.watched.wished(&part));
-                self.wishes.truncate(WISHES_MAX);
             }
             _ => {}
         }
@@ -539,5 +541,7 @@ pub(crate) fn now_ms(now: Duration) -> u64 {
     u64::try_from(now.as_millis()).unwrap_or(u64::MAX)
 }
 
+#[cfg(test)]
+mod bound_tests;
 #[cfg(test)]
 mod tests;

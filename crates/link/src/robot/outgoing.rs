@@ -159,6 +159,11 @@ impl Outgoing {
         }
     }
 
+    #[cfg(test)]
+    pub(super) fn tail_holds(&self, sequence: u64) -> bool {
+        self.tail.continues(sequence - 1, self.head)
+    }
+
     /// The source has a newer snapshot than before.
     pub(super) fn set_snapshot_changed(&mut self) {
         self.snapshots.set_changed();

@@ -192,3 +192,16 @@ impl Snapshots {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::EMPTY_MAX;
+    use crate::bytes::write_number;
+
+    #[test]
+    fn no_time_of_the_sender_counts_as_news() {
+        let mut payload = Vec::new();
+        write_number(u64::MAX, &mut payload);
+        assert_eq!(payload.len(), EMPTY_MAX);
+    }
+}

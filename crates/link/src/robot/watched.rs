@@ -198,3 +198,59 @@ impl Sent {
         behind.needs(self.value.sequence) && (!behind.is_heard || self.sends < SENDS)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const RUN: StreamId = StreamId(1);
+
+    fn value(bytes: usize) -> NewestValue {
+        NewestValue { priority: 0, sequence: 1, bytes: vec![7; bytes] }
+    }
+
+    /// Which of these values are kept.
+    fn kept(watched: &WatchedValues, keys: [u32; 3]) -> [Option<usize>; 3] {
+        let values = &watched.runs[&RUN].values;
+        keys.map(|key| values.get(&key).map(|sent| sent.value.bytes.len()))
+    }
+
+    #[test]
+    fn values_are_kept_up_to_the_bound_until_another_wish_counts() {
+        let mut watched = WatchedValues::new(&Profile::LAN);
+        watched.count(RUN, 1);
+        let most = u32::try_from(VALUES_MAX).unwrap();
+        (0..=most).for_each(|key| watched.set(RUN, key, value(1)));
+        assert_eq!(kept(&watched, [0, most - 1, most]), [Some(1), Some(1), None]);
+        watched.set(RUN, 0, value(2));
+        assert_eq!(kept(&watched, [0, 1, most]), [Some(2), Some(1), None]);
+        watched.count(RUN, 2);
+        watched.set(RUN, most, value(1));
+        assert_eq!(kept(&watched, [0, 1, most]), [None, None, Some(1)]);
+    }
+
+    #[test]
+    fn a_value_that_is_too_long_does_not_go_ahead_and_a_shorter_one_does() {
+        let mut watched = WatchedValues::new(&Profile::LAN);
+        watched.count(RUN, 1);
+        watched.set(RUN, 0, value(VALUE_BYTES_MAX));
+        watched.set(RUN, 1, value(VALUE_BYTES_MAX + 1));
+        assert_eq!(kept(&watched, [0, 1, 2]), [Some(320), None, None]);
+        watched.set(RUN, 1, value(3));
+        assert_eq!(kept(&watched, [0, 1, 2]), [Some(320), Some(3), None]);
+    }
+
+    #[test]
+    fn a_wish_that_is_too_long_is_ignored_and_the_next_one_counts() {
+        let mut watched = WatchedValues::new(&Profile::LAN);
+        let bytes = vec![7; WISH_BYTES_MAX as usize + 1];
+        let mut wish = |number, length: u32| {
+            let bytes = &bytes[..length as usize];
+            let part = WatchPart { stream: RUN, number, length, offset: 0, bytes };
+            watched.wished(&part).map(|wish| wish.body.len())
+        };
+        assert_eq!(wish(1, WISH_BYTES_MAX + 1), None);
+        assert_eq!(wish(1, WISH_BYTES_MAX), Some(16_384));
+        assert_eq!(wish(2, 3), Some(3));
+    }
+}
