@@ -104,3 +104,29 @@ impl Bounds<'_> {
 fn by_number(open: &OwnedFd) -> PathBuf {
     PathBuf::from(format!("/proc/self/fd/{}", open.as_raw_fd()))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::fs::File;
+
+    #[test]
+    fn a_file_that_is_too_large_is_refused_only_under_a_restriction() {
+        let dir = tempfile::tempdir().unwrap();
+        let homes = [dir.path().canonicalize().unwrap()];
+        let folder = File::open(dir.path()).unwrap();
+        let path = Path::new("file");
+        for (bytes, within) in [
+            (BYTES_MAX, Ok(())),
+            (BYTES_MAX + 1, Err(Unread::Unfit(path.to_owned()))),
+            (u64::from(u32::MAX), Err(Unread::Unfit(path.to_owned()))),
+            (0, Ok(())),
+        ] {
+            File::create(dir.path().join(path)).unwrap().set_len(bytes).unwrap();
+            for (bounds, admitted) in [(Bounds(Some(&homes)), within), (Bounds(None), Ok(()))] {
+                let file = bounds.open(&folder, path, OFlags::empty()).unwrap();
+                assert_eq!(bounds.admit(&file, path), admitted, "{bytes} bytes");
+            }
+        }
+    }
+}

@@ -361,3 +361,49 @@ fn show(entries: &[LibraryEntry], depth: usize, out: &mut String) {
         }
     }
 }
+
+#[test]
+fn libraries_nest_up_to_the_bound() {
+    let dir = tempfile::tempdir().unwrap();
+    let library = |number: usize| format!(r#"library AAAAAA "a" from "lib/l{number}" version "2""#);
+    put(&dir.path().join("libs/l0"), LEAF);
+    for number in 1..=100 {
+        put(&dir.path().join(format!("libs/l{number}")), &library(number - 1));
+    }
+    for (number, problem) in [(99, None), (100, Some("libraries nest deeper than 100 levels"))] {
+        let machine = dir.path().join("m");
+        put(&machine, &library(number));
+        let read = load(&machine, &libraries(dir.path())).unwrap();
+        let content =
+            print_with(&read.machine, Shown { layout: false, scripts: false, contents: true });
+        let refused = problem.map_or(0, |problem| content.matches(problem).count());
+        assert_eq!(
+            (refused, content.contains("LEAFXX")),
+            (usize::from(problem.is_some()), problem.is_none())
+        );
+    }
+}
+
+#[test]
+fn the_tree_ends_at_the_bound_and_in_a_loop_of_links() {
+    let dir = tempfile::tempdir().unwrap();
+    let mut folder = dir.path().join("libs");
+    for _ in 1..32 {
+        folder.push("d");
+    }
+    put(&folder.join("last"), LEAF);
+    put(&folder.join("d/beyond"), LEAF);
+    std::os::unix::fs::symlink(dir.path().join("libs"), dir.path().join("libs/loop")).unwrap();
+    let mut found = Vec::new();
+    library_paths(&libraries(dir.path()).tree(), &mut found);
+    assert_eq!(found, [format!("lib{}/last", "/d".repeat(31))]);
+}
+
+fn library_paths(entries: &[LibraryEntry], out: &mut Vec<String>) {
+    for entry in entries {
+        match &entry.kind {
+            EntryKind::Folder(entries) => library_paths(entries, out),
+            EntryKind::Library => out.push(entry.path.to_string()),
+        }
+    }
+}

@@ -487,3 +487,21 @@ fn a_stop_is_known_by_its_first_record_until_there_is_a_second() {
     let twice = format!("{once}\n told {{\"type\": \"stopping\"}}");
     expect!["Some(StopRequest { order: 6, twice: true, repeats: false })"].assert_eq(&stop(&twice));
 }
+
+#[test]
+fn the_latest_commands_are_known_with_their_answers_and_older_ones_are_forgotten() {
+    let commanded = |number: u64| {
+        format!(
+            "told {{\"type\": \"commanded\", \"envelope\": {{\"id\": \"c{number}\", \"command\": {{\"type\": \"pause\"}}}}, \
+             \"answer\": {{\"answer\": \"applied\"}}}}\n"
+        )
+    };
+    let known = |commands: u64| {
+        let moment = after(&(1..=commands).map(commanded).collect::<String>());
+        let again = Moment::from_bytes(&moment.to_bytes(), moment.places().clone()).unwrap();
+        let is_known = |number: u64| again.whole().answer(&format!("c{number}")).is_some();
+        [1, 2, commands].map(is_known)
+    };
+    assert_eq!(known(1_024), [true, true, true]);
+    assert_eq!(known(1_025), [false, true, true]);
+}

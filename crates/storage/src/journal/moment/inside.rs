@@ -262,3 +262,41 @@ fn weight(step: &Step) -> usize {
         Step::End(end) => end.weight(),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn ended(order: u64, inside: Option<Box<Inside>>) -> End {
+        let (inputs, outputs) = (Vec::new(), Vec::new());
+        let place = PlaceNumber(0);
+        let (entered, outcome, error, is_open) = (order, 0, None, false);
+        End { place, entered, inputs, outcome, outputs, error, order, inside, is_open }
+    }
+
+    /// A container in which one ended in which one ended, as many levels.
+    fn nested(levels: u64) -> Inside {
+        let mut inside = Inside::default();
+        for level in 0..=levels {
+            let mut around = Inside::default();
+            around.end(ended(level, (level > 0).then(|| Box::new(inside))));
+            inside = around;
+        }
+        inside
+    }
+
+    /// The number of levels that are there.
+    fn depth(inside: &Inside) -> usize {
+        let inner = inside.ends().next().and_then(|end| end.inside.as_deref());
+        inner.map_or(0, |inside| 1 + depth(inside))
+    }
+
+    #[test]
+    fn containers_that_ended_too_deep_lose_what_is_in_them_and_others_nest_on() {
+        for (levels, kept) in [(200, 200), (201, 1), (210, 10)] {
+            let inside = nested(levels);
+            assert_eq!((depth(&inside), inside.weight()), (kept, kept + 1), "{levels} levels");
+        }
+        assert!(depth(&nested(100_000)) <= DEPTH_MAX);
+    }
+}

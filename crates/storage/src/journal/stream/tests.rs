@@ -1,12 +1,15 @@
 //! What a reader makes of a stream.
 
-use super::{EventBlock, StreamReader, VALUE_LIFE};
+use super::definitions::PlaceHistory;
+use super::{EventBlock, StreamDefinitions, StreamItem, StreamReader, VALUE_LIFE};
 use crate::journal::record::Content;
+use crate::journal::{About, Batch, Journal, Options};
 use crate::journal::{Definition, Item, Kept, Place, PlaceNumber, Record, Stored, ValueNumber};
 use expect_test::{Expect, expect};
 use proptest::prelude::*;
 use rafcon_protocol::Event;
 use serde_json::json;
+use std::sync::Arc;
 
 fn place(path: &str, inputs: &[&str]) -> Item {
     let place = Place {
@@ -121,4 +124,64 @@ proptest! {
         let block = EventBlock { first: u64::MAX, t_before: u64::MAX, items: &bytes };
         drop(reader.read_block(&block, &mut |_, _, _| {}));
     }
+}
+
+/// The input of an event that names this value.
+fn told(definitions: &StreamDefinitions, number: u64) -> serde_json::Value {
+    let inputs = vec![Kept::Value(ValueNumber(number))];
+    let entered = Record::Entered { place: PlaceNumber(0), inputs, undoes: None };
+    match definitions.event(1, entered, true).unwrap() {
+        Event::Entered { inputs: Some(inputs), .. } => inputs["a"].clone(),
+        other => panic!("{other:?}"),
+    }
+}
+
+#[test]
+fn values_beyond_the_memory_are_read_from_the_journal() {
+    let folder = tempfile::tempdir().unwrap();
+    let stored = |number: u64| Stored {
+        view: json!([number]),
+        type_name: "list".into(),
+        content: Content::Pickle(vec![0; 1 << 20]),
+    };
+    let mut batch = Batch::new(0);
+    batch.define(&Definition::Value(ValueNumber(1), stored(1)));
+    batch.record(1, &Record::Global { name: "a".into(), value: Some(Kept::Value(ValueNumber(1))) });
+    let journal = Journal::create(folder.path(), &About::default(), &Options::default()).unwrap();
+    journal.append(&batch).unwrap();
+    journal.close().unwrap();
+    for (folder, oldest) in [
+        (None, json!({ "__repr__": "<no longer kept>", "__class__": "" })),
+        (Some(folder.path().to_owned()), json!([1])),
+    ] {
+        let definitions = StreamDefinitions::new(folder);
+        let Item::Definition(Definition::Place(number, place)) = place("R/A", &["a"]) else {
+            panic!("no place");
+        };
+        definitions.learn(StreamItem::Place { from: 1, number, place });
+        for number in 1..=16 {
+            let stored = stored(number).to_bytes();
+            let number = ValueNumber(number);
+            definitions.learn(StreamItem::Value { from: 1, number, stored: &stored });
+        }
+        assert_eq!(told(&definitions, 1), oldest);
+        assert_eq!(told(&definitions, 2), json!([2]));
+        assert_eq!(told(&definitions, 16), json!([16]));
+    }
+}
+
+#[test]
+fn a_place_beyond_the_bound_is_ignored_and_others_are_known() {
+    let Item::Definition(Definition::Place(_, place)) = place("R/A", &["a"]) else {
+        panic!("no place");
+    };
+    let place = Arc::new(place);
+    let mut places = PlaceHistory::default();
+    for number in [u32::MAX, 1 << 22, 7] {
+        places.define(1, PlaceNumber(number), Arc::clone(&place));
+    }
+    assert_eq!(places.latest().len(), 8);
+    places.define(1, PlaceNumber((1 << 22) - 1), Arc::clone(&place));
+    assert_eq!(places.latest().len(), 1 << 22);
+    assert_eq!(places.at(PlaceNumber((1 << 22) - 1), 1), Some(&place));
 }

@@ -128,3 +128,33 @@ impl Block {
         later.crossing.into_iter().for_each(|call| self.add(call));
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn beyond_the_bound_two_blocks_become_one_and_no_call_is_lost() {
+        let (place, step) = (PlaceNumber(0), EVENTS);
+        let mut blocks = Blocks::default();
+        let most = u64::try_from(BLOCKS_MAX).unwrap();
+        let counts = |blocks: &Blocks| {
+            let calls = blocks.all().flat_map(Block::rows).map(|sum| sum.many).sum::<u64>();
+            (blocks.all().count(), blocks.every, calls)
+        };
+        let mut happen = |numbers: std::ops::Range<u64>| {
+            for number in numbers {
+                let (first, from_ns) = (1 + number * step, number);
+                blocks.event(first, from_ns);
+                let (row, end) = (BarRow::Of(place), CallEnd::Ended);
+                blocks.ended(Call { place, row, first, from_ns, to_ns: Some(from_ns), end });
+            }
+            counts(&blocks)
+        };
+        assert_eq!(happen(0..most), (BLOCKS_MAX, step, most));
+        assert_eq!(happen(most..most + 1), (BLOCKS_MAX / 2 + 1, 2 * step, most + 1));
+        let (count, every, calls) = happen(most + 1..10 * most);
+        assert!(count <= BLOCKS_MAX, "{count} blocks");
+        assert_eq!((every, calls), (16 * step, 10 * most));
+    }
+}

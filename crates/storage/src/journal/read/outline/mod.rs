@@ -229,3 +229,26 @@ fn is_notable(record: &Record) -> bool {
         _ => false,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn beyond_the_bound_every_second_place_to_start_from_is_dropped() {
+        let mut outline = Outline::default();
+        let mut begin = |numbers: std::ops::Range<usize>| {
+            for number in numbers {
+                outline.sequence = number as u64 * START_EVERY;
+                outline.begin_here();
+            }
+            (outline.starts.len(), outline.start_every, outline.start(3 * START_EVERY).sequence)
+        };
+        assert_eq!(begin(1..STARTS_MAX), (STARTS_MAX, START_EVERY, 3 * START_EVERY));
+        let halved = (STARTS_MAX / 2 + 1, 2 * START_EVERY, 2 * START_EVERY);
+        assert_eq!(begin(STARTS_MAX..STARTS_MAX + 1), halved);
+        let (count, _, first) = begin(STARTS_MAX + 1..10 * STARTS_MAX);
+        assert!(count <= STARTS_MAX, "{count} places");
+        assert_eq!(first, 0);
+    }
+}
