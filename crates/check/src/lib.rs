@@ -74,3 +74,26 @@ pub fn findings(machine: &Machine, files: &[LoadProblem], facts: &ScriptFacts<'_
     found.extend(of_scripts(machine, facts));
     found
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{REPAIRED_MAX, of_rules_with_repairs};
+    use rafcon_testkit::notation;
+
+    #[test]
+    fn the_first_findings_have_repairs_and_all_are_reported() {
+        let count = REPAIRED_MAX + 1;
+        let lines = |line: fn(usize) -> String| (0..count).map(line).collect::<String>();
+        let outcomes = lines(|nth| format!("    outcome o{nth}\n"));
+        let ways = lines(|nth| format!("  AAAAAA.o{nth} -> GONEEE\n"));
+        let text = format!("hierarchy ROOT\n{ways}  execution AAAAAA\n{outcomes}");
+        let machine = notation::parse(&text).expect("a machine");
+        let findings = of_rules_with_repairs(&machine);
+        let rule = findings[REPAIRED_MAX].rule;
+        let broken: Vec<_> = (0..).zip(&findings).filter(|(_, it)| it.rule == rule).collect();
+        assert_eq!(broken.len(), count);
+        for (nth, finding) in broken {
+            assert_eq!(finding.repairs.is_empty(), nth >= REPAIRED_MAX, "finding {nth}");
+        }
+    }
+}

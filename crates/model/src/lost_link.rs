@@ -117,6 +117,10 @@ mod tests {
             r#"{"finish_s": "0.5", "hold_s": 600, "recover_s": 3600.0}"#,
             &expect!["finish Some(500) hold Some(600000) recover Some(3600000)"],
         );
+        check(
+            r#"{"hold_s": 31536000}"#,
+            &expect!["finish None hold Some(31536000000) recover None"],
+        );
     }
 
     #[test]
@@ -128,6 +132,8 @@ mod tests {
             r#""hold""#,
             r#"{"hold_s": "soon"}"#,
             r#"{"hold_s": -1}"#,
+            r#"{"hold_s": 31536001}"#,
+            r#"{"hold_s": 1e300}"#,
             r#"{"hold_s": 30, "wait_s": 30}"#,
         ] {
             check(nonsense, &expect!["not understood"]);

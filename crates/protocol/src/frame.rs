@@ -110,7 +110,7 @@ fn is_end(read: io::Result<()>) -> io::Result<bool> {
 
 #[cfg(test)]
 mod tests {
-    use super::{FrameKind, encode_frame, read_frame};
+    use super::{FRAME_BYTES_MAX, FrameKind, encode_frame, read_frame, read_frame_head};
     use crate::{Command, Envelope, ToRunner, ToViewer, decode, encode};
     use expect_test::{Expect, expect};
 
@@ -154,6 +154,16 @@ mod tests {
         let error = read_frame(&mut &b"{\"message\":"[..], &mut Vec::new()).unwrap_err();
         expect!["a runner sent a frame of 1936026914 bytes, which is more than any has"]
             .assert_eq(&error.to_string());
+    }
+
+    #[test]
+    fn a_frame_is_as_long_as_the_bound_at_most() {
+        let read = |length: u32| {
+            let [a, b, c, d] = length.to_le_bytes();
+            read_frame_head([b'e', a, b, c, d]).ok()
+        };
+        assert_eq!(read(FRAME_BYTES_MAX), Some((FrameKind::Events, 1 << 30)));
+        assert_eq!([FRAME_BYTES_MAX + 1, u32::MAX].map(read), [None, None]);
     }
 
     #[test]

@@ -120,7 +120,7 @@ impl WatchTarget {
 
 #[cfg(test)]
 mod tests {
-    use super::{WATCHED_MAX, WatchKind, WatchTarget};
+    use super::{NAME_MAX, PATH_MAX, WATCHED_MAX, WatchKind, WatchTarget};
 
     fn target(kind: WatchKind, path: &str, name: &str, priority: u8) -> WatchTarget {
         WatchTarget { kind, path: path.to_owned(), name: name.to_owned(), priority }
@@ -158,7 +158,20 @@ mod tests {
         let (union, left_out) = WatchTarget::union(&many);
         assert_eq!((union.len(), left_out), (WATCHED_MAX, 10_000 - WATCHED_MAX));
         assert!(union.iter().all(|target| target.priority <= 5));
-        let long = [target(WatchKind::Output, &"R/".repeat(500), "x", 0)];
-        assert_eq!(WatchTarget::union(&long), (Vec::new(), 1));
+    }
+
+    #[test]
+    fn what_has_too_long_a_path_or_name_is_left_out_and_counted() {
+        let watched = |path: usize, name: usize| {
+            let (path, name) = ("p".repeat(path), "n".repeat(name));
+            let (union, left_out) = WatchTarget::union(&[
+                target(WatchKind::Output, &path, &name, 0),
+                target(WatchKind::Output, "R", "x", 1),
+            ]);
+            (union.len(), left_out)
+        };
+        assert_eq!(watched(PATH_MAX, NAME_MAX), (2, 0));
+        assert_eq!(watched(PATH_MAX + 1, NAME_MAX), (1, 1));
+        assert_eq!(watched(PATH_MAX, NAME_MAX + 1), (1, 1));
     }
 }

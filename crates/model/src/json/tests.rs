@@ -1,6 +1,6 @@
 //! Text in, text out.
 
-use super::{canonical_int, parse, write, write_compact};
+use super::{MAX_DEPTH, canonical_int, parse, write, write_compact};
 use expect_test::{Expect, expect};
 use proptest::prelude::*;
 
@@ -78,8 +78,12 @@ fn errors_say_where() {
 
 #[test]
 fn deep_nesting_is_refused_and_not_a_crash() {
-    let text = "[".repeat(100_000);
-    assert_eq!(parse(&text).map_err(|e| e.reason), Err("nested too deep"));
+    let nested = |levels: usize| parse(&("[".repeat(levels) + &"]".repeat(levels)));
+    // The outermost list has depth 0.
+    assert!(nested(MAX_DEPTH + 1).is_ok());
+    for levels in [MAX_DEPTH + 2, 100_000] {
+        assert_eq!(nested(levels).map_err(|e| e.reason), Err("nested too deep"));
+    }
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! Python literals in, values out, and back.
 
-use super::{parse, write};
+use super::{LiteralError, MAX_DEPTH, parse, write};
 use crate::Value;
 use expect_test::{Expect, expect};
 use proptest::prelude::*;
@@ -118,8 +118,12 @@ fn what_is_not_a_literal_says_where() {
         1 2 !! character 2: more text follows the value
         (,) !! character 1: not a Python literal"]],
     );
-    let deep = "[".repeat(100_000);
-    assert!(parse(&deep).is_err());
+    let nested = |levels: usize| parse(&("[".repeat(levels) + &"]".repeat(levels)));
+    // The outermost list has depth 0.
+    assert!(nested(MAX_DEPTH + 1).is_ok());
+    for levels in [MAX_DEPTH + 2, 100_000] {
+        assert_eq!(nested(levels), Err(LiteralError::NeedsPython("nesting this deep")));
+    }
 }
 
 fn values() -> impl Strategy<Value = Value> {

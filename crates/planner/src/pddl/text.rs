@@ -157,3 +157,19 @@ pub(super) fn read_one(text: &str, what: &str) -> Result<Expression, PddlError> 
         None => Ok(first),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{DEPTH_MAX, Place, read};
+
+    #[test]
+    fn lists_that_nest_too_deep_are_refused_with_their_place() {
+        let nested = |levels: usize| read(&("(".repeat(levels) + &")".repeat(levels)));
+        assert!(nested(DEPTH_MAX).is_ok());
+        for levels in [DEPTH_MAX + 1, 100_000] {
+            let refused = nested(levels).expect_err("too deep");
+            assert_eq!(refused.place, Place { line: 1, column: DEPTH_MAX + 1 });
+            assert_eq!(refused.reason, "lists nest too deep here");
+        }
+    }
+}

@@ -369,6 +369,26 @@ fn what_is_free_is_done_at_the_same_time() {
 }
 
 #[test]
+fn what_nests_too_deep_is_done_level_by_level() {
+    // A step, and beside another one the same again; so many steps.
+    let nested = |count: usize| {
+        let pairs: Vec<_> = (0..count)
+            .step_by(2)
+            .flat_map(|before| (before + 1..count).map(move |after| (before, after)))
+            .collect();
+        shape(&Structure::of(&Order::from_pairs(count, &pairs)))
+    };
+    let around = |inner: &str| {
+        (0..20)
+            .step_by(2)
+            .rev()
+            .fold(inner.to_owned(), |inner, first| format!("({first} [{} | {inner}])", first + 1))
+    };
+    assert_eq!(nested(23), around("(20 [21 | 22])"));
+    assert_eq!(nested(24), around("(20 [21 | 22] 23)"));
+}
+
+#[test]
 fn the_lost_time_is_known() {
     let plan = plan("0: (a) [5]\n0: (b) [1]\n5: (c) [1]\n1: (d) [5]");
     let order = Order::from_pairs(4, &[(0, 3), (1, 2), (1, 3)]);

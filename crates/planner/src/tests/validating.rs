@@ -240,3 +240,14 @@ skill leave room
     "]]
     .assert_eq(&explained(&task, &plan));
 }
+
+#[test]
+fn a_plan_has_so_many_steps_at_most() {
+    let read = |steps: usize| {
+        let steps = vec![r#"{"action": "(go)"}"#; steps].join(",");
+        Plan::read(&format!(r#"{{"steps": [{steps}]}}"#)).map(|plan| plan.steps.len())
+    };
+    assert_eq!(read(100_000), Ok(100_000));
+    let refused = "the plan has 100001 steps; at most 100000 are taken";
+    assert_eq!(read(100_001), Err(refused.to_owned()));
+}

@@ -232,7 +232,7 @@ fn pairs_of(inner: &Wire) -> Result<impl Iterator<Item = Result<(&Wire, &Wire), 
 
 #[cfg(test)]
 mod tests {
-    use super::{decode, encode};
+    use super::{DEPTH_MAX, decode, encode};
     use expect_test::{Expect, expect};
     use proptest::prelude::*;
     use rafcon_model::{Json, Value, json};
@@ -288,8 +288,12 @@ mod tests {
             .assert_eq(&refused(r#"{"__dict__":[[1]]}"#));
         expect!["a key of `__dict__` is a text or a whole number"]
             .assert_eq(&refused(r#"{"__dict__":[[null,1]]}"#));
-        let deep = "[".repeat(100) + &"]".repeat(100);
-        expect!["it is nested deeper than 96 levels; take levels out"].assert_eq(&refused(&deep));
+        // The outermost list has depth 0.
+        let nested = |levels: usize| "[".repeat(levels) + &"]".repeat(levels);
+        expect!["it is nested deeper than 96 levels; take levels out"]
+            .assert_eq(&refused(&nested(DEPTH_MAX + 2)));
+        let most = serde_json::from_str(&nested(DEPTH_MAX + 1)).expect("JSON");
+        assert!(decode(&most).is_ok());
     }
 
     fn any_value() -> impl Strategy<Value = Value> {

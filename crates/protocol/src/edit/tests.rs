@@ -64,7 +64,11 @@ fn what_is_no_edit_is_refused_with_the_field() {
         Err(error) => error.to_string() + "\n",
     };
     let batch = |inner: &str| format!(r#"{{"edit":"batch","edits":[{inner}]}}"#);
-    let deep = (0..5).fold(r#"{"edit":"set_version"}"#.to_owned(), |inner, _| batch(&inner));
+    let nested = |levels: u8| {
+        (0..levels).fold(r#"{"edit":"set_version"}"#.to_owned(), |inner, _| batch(&inner))
+    };
+    let most = serde_json::from_str::<Edit>(&nested(4)).expect("an edit");
+    assert!(Model::try_from(&most).is_ok());
     expect![[r"
         unknown variant `explode`, expected one of `set_name`, `set_id`, `set_description`, `set_semantic_data`, `set_script`, `set_kind`, `add_outcome`, `rename_outcome`, `remove_outcome`, `add_port`, `rename_port`, `set_port_type`, `set_port_default`, `remove_port`, `add_transition`, `set_transition_origin`, `set_transition_target`, `remove_transition`, `add_data_flow`, `set_data_flow_source`, `set_data_flow_target`, `remove_data_flow`, `set_runtime_value`, `use_runtime_value`, `remove_runtime_value`, `set_position`, `set_size`, `set_waypoints`, `set_layout`, `add_state`, `remove_state`, `set_start`, `group`, `ungroup`, `substitute_state`, `move_states`, `paste`, `set_version`, `set_machine_layout`, `set_header`, `batch` at line 1 column 17
         missing field `name`
@@ -83,7 +87,7 @@ fn what_is_no_edit_is_refused_with_the_field() {
             refused(r#"{"edit":"add_state","path":"ROOT","states":[]}"#),
             refused(r#"{"edit":"add_state","path":"ROOT","states":[{"path":"X","name":"X","kind":"library"}]}"#),
             refused(r#"{"edit":"set_layout","path":"ROOT","layout":[]}"#),
-            refused(&deep),
+            refused(&nested(5)),
         ]
         .concat(),
     );
