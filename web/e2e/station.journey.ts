@@ -12,6 +12,7 @@ import {
   startRun,
   status,
 } from "./support/mission.ts";
+import { runnersOf } from "./support/runner.ts";
 import type { Server } from "./support/server.ts";
 import { keepDisk } from "./support/station.ts";
 
@@ -66,6 +67,24 @@ journey(
     robot.freeze();
     await app.sheet.locator(".runs-row.is-old .run-assumed").waitFor();
     robot.thaw();
+    await endRun(robot, run);
+  },
+);
+
+journey(
+  "a run whose program died far away is resumed by mission control",
+  HERE,
+  async ({ app, server, robot }) => {
+    const run = await startRun(robot, "drives");
+    await untilRun(server, run, ({ phase }) => phase === "live");
+    await openMission(app, "drives");
+    for (const pid of runnersOf(robot, run)) process.kill(pid, "SIGKILL");
+    const choices = missionOf(app).getByRole("region", { name: "The run crashed" });
+    await choices.getByRole("button", { name: "Run scripts again" }).click();
+    await app.told("scout is asked to resume the run.");
+    await app.told("scout has resumed the run. Its first events are on their way.");
+    await choices.waitFor({ state: "detached" });
+    await missionOf(app).getByRole("button", { name: "Drive to the bay" }).waitFor();
     await endRun(robot, run);
   },
 );

@@ -3,6 +3,7 @@
 use super::*;
 use crate::desk::ValueDesk;
 use crate::inbox::Inbox;
+use crate::resumes::ResumeDesk;
 use crate::station::viewers::Shared;
 use rafcon_protocol::WatchKind;
 use rafcon_storage::journal::About;
@@ -21,6 +22,7 @@ fn robot(folder: &Path) -> (StationRobot, Inbox<ToStation>) {
         tls: None,
         profile: Profile::LAN,
         desk: ValueDesk::default(),
+        resumes: ResumeDesk::default(),
         tell: |_| {},
     };
     let inbox = Inbox::new();
