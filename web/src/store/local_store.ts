@@ -1,4 +1,4 @@
-/** Where the page keeps what is to outlive it. A browser that keeps nothing, or has no room, is no reason to fail, and is told. */
+/** Storage of the browser. The page works without it and reports when a value cannot be stored. */
 
 import { signal } from "@preact/signals-core";
 import { pageBase, storePrefix } from "./page/base.ts";
@@ -14,7 +14,7 @@ export interface LocalStore {
   readonly whenOther: (key: string, told: () => void) => void;
 }
 
-/** Why the browser does not keep what was put into its storage; null while it does. Remains until the page is left. */
+/** Reason why the browser's storage failed; null before a failure. Remains until the page is closed. */
 export const storageFault = signal<"full" | "refused" | null>(null);
 
 /** What was kept, if it is an object. */

@@ -29,14 +29,14 @@ export interface RunFailure {
   readonly count: number;
 }
 
-/** So many are kept: at the bound acknowledged ones leave first, the oldest of them, then the oldest open ones. */
+/** Capacity. Acknowledged failures are dropped first, then open ones, the oldest first. */
 export const FAILURES_MAX = 1_000;
 /** A script's traceback is logged so few events before its state ends by it. */
 const TRACEBACK_NEAR = 5;
 
-/** How many failures have left the list at its bound. */
+/** Numbers of failures dropped from the list. */
 export interface DroppedFailures {
-  /** Those of them that nobody had acknowledged. */
+  /** Number of failures dropped before anybody acknowledged them. */
   readonly open: number;
   readonly all: number;
 }
@@ -59,7 +59,7 @@ export class Failures {
   /** The state that an error has climbed to and may climb on from: nothing has run beside it since. */
   #climbing: string | null = null;
 
-  /** How many have left the list; the same object as before if no further one has. */
+  /** Numbers of dropped failures; the same object while they are equal. */
   get dropped(): DroppedFailures {
     return this.#dropped;
   }

@@ -35,7 +35,7 @@ function readSettings(localStore: LocalStore): Settings {
 /** The settings, kept from now on. Only what was changed here is written, so that tabs of a browser leave each other's changes. */
 export function followSettings(localStore: LocalStore): Signal<Settings> {
   let known = readSettings(localStore);
-  /** What the browser did not keep. */
+  /** Values that the browser did not store. */
   let unkept: Partial<Settings> = {};
   const settings = signal(known);
   effect(() => {
