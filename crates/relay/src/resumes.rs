@@ -92,7 +92,7 @@ mod tests {
     use super::{RESUMES_MAX, ResumeDesk, ResumeRequest};
     use rafcon_protocol::api::ResumeRun;
     use rafcon_protocol::{Answer, OnCrash};
-    use std::sync::mpsc::channel;
+    use std::sync::mpsc::sync_channel;
 
     fn request(robot: &str, nth: usize) -> ResumeRequest {
         let asked = ResumeRun { id: format!("ana/{nth}"), policy: OnCrash::Ask, from: None };
@@ -107,7 +107,7 @@ mod tests {
     #[test]
     fn a_request_is_taken_once_and_its_answer_reaches_who_asked_last() {
         let desk = ResumeDesk::default();
-        let (answer, answered) = channel();
+        let (answer, answered) = sync_channel(8);
         let ask = |robot: &str, nth, word: &'static str| {
             let answer = answer.clone();
             let said = Box::new(move |it| answer.send((word, it)).unwrap_or_default());
