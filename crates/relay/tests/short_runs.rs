@@ -4,11 +4,11 @@
 #![expect(clippy::unwrap_used, reason = "a test ends where it goes wrong")]
 
 use rafcon_link::Profile;
-use rafcon_protocol::api::{Control, ControlMove, ResumeRun, Right};
+use rafcon_protocol::api::{Control, ControlMove, Right};
 use rafcon_protocol::{Command, Event, Outcome};
 use rafcon_relay::{
-    Answered, Authority, Paired, Pairing, Projects, ResumeDesk, RobotSettings, StationAddress,
-    StationSettings, Stopper, ValueDesk, relay_robot, relay_station,
+    Answered, Authority, Paired, Pairing, Projects, ResumeDesk, ResumeRequest, RobotSettings,
+    StationAddress, StationSettings, Stopper, ValueDesk, relay_robot, relay_station,
 };
 use rafcon_storage::journal::{
     About, Batch, Journal, Options, Record, Retention, RunState, Summary, run_folders, size_of,
@@ -49,12 +49,16 @@ impl Authority for Nobody {
         Err("nobody commands".to_owned())
     }
 
-    fn resume(&self, _: &str, _: &str, _: ResumeRun, _: Answered) -> Result<(), String> {
+    fn is_ready(&self) -> bool {
+        true
+    }
+
+    fn resume(&self, _: ResumeRequest, _: Answered) -> Result<(), String> {
         Err("nobody resumes".to_owned())
     }
 
-    fn was_resumed(&self, _: &str, _: &str, _: &str) -> bool {
-        false
+    fn was_resumed(&self, _: &str, _: &str, _: &str) -> Option<bool> {
+        Some(false)
     }
 
     fn present(&self, _: &str) {}

@@ -55,6 +55,8 @@ pub struct RobotResume {
     pub user: String,
     /// Content, under an id unique at this server.
     pub asked: ResumeRun,
+    /// End of its validity in ms since 1970, UTC. None: as is usual over the link.
+    pub expiry_ms: Option<u64>,
 }
 
 /// Requests of a station's server to its robots.
@@ -68,14 +70,14 @@ pub trait Robots: fmt::Debug + Send + Sync {
     /// How far a value is, if it is being fetched or was last.
     fn progress(&self, value: (&str, u64)) -> Option<ValueFetch>;
 
-    /// Asks a robot to resume a run, once for each id. `answered` is called with the robot's answer, or once it is overdue. Returns false
-    /// if the station does not receive the robot, or too many requests wait.
+    /// Asks a robot to resume a run, once for each id. `answered` is called with the robot's answer, or once it is overdue. The error is
+    /// the reason why the request is not taken.
     fn resume(
         &self,
         robot: &str,
         request: RobotResume,
         answered: Box<dyn FnOnce(Answer) + Send>,
-    ) -> bool;
+    ) -> Result<(), String>;
 
     /// What so many bytes cost on the link to a robot, in bytes, and how long that takes, in ms, if the robot is heard. Nothing if it is
     /// not received here.

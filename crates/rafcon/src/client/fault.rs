@@ -74,7 +74,11 @@ impl Fault {
 
     /// Whether the server may have done what it was asked for.
     pub(crate) fn may_have_arrived(&self) -> bool {
-        matches!(self, Self::Lost { .. })
+        match self {
+            Self::Lost { .. } => true,
+            Self::Refused { refusal, .. } => refusal.code == "not_finished",
+            _ => false,
+        }
     }
 }
 

@@ -8,7 +8,7 @@ use crate::failure::complain;
 use anyhow::{Context as _, Result, bail};
 use rafcon_link::Profile;
 use rafcon_protocol::Command;
-use rafcon_protocol::api::{Control, ControlMove, ResumeRun, Right, ValueFetch};
+use rafcon_protocol::api::{Control, ControlMove, Right, ValueFetch};
 use rafcon_relay::{
     Answered, Authority, Paired, Pairing, PairingList, PairingRights, Projects, ResumeDesk,
     ResumeRequest, RobotSettings, StationSettings, Stopper, ValueCost, ValueDesk, relay_robot,
@@ -139,18 +139,17 @@ impl Authority for ServerAuthority {
         self.server()?.move_control(run, user, wanted)
     }
 
-    fn resume(
-        &self,
-        run: &str,
-        user: &str,
-        asked: ResumeRun,
-        answered: Answered,
-    ) -> Result<(), String> {
-        self.server()?.resume(run, user, asked, answered)
+    fn is_ready(&self) -> bool {
+        self.server().is_ok_and(RunAuthority::is_ready)
     }
 
-    fn was_resumed(&self, run: &str, user: &str, id: &str) -> bool {
-        self.server().is_ok_and(|server| server.was_resumed(run, user, id))
+    fn resume(&self, request: ResumeRequest, answered: Answered) -> Result<(), String> {
+        let ResumeRequest { run, user, asked, expiry_ms } = request;
+        self.server()?.resume(RobotResume { run, user, asked, expiry_ms }, answered)
+    }
+
+    fn was_resumed(&self, run: &str, user: &str, id: &str) -> Option<bool> {
+        self.server().ok()?.was_resumed(run, user, id)
     }
 
     fn present(&self, user: &str) {
@@ -189,9 +188,10 @@ impl Robots for StationDesk {
         Some((link_bytes, takes_ms))
     }
 
-    fn resume(&self, robot: &str, request: RobotResume, answered: Answered) -> bool {
-        let (robot, RobotResume { run, user, asked }) = (robot.to_owned(), request);
-        self.resumes.ask(ResumeRequest { robot, run, user, asked }, answered)
+    fn resume(&self, robot: &str, request: RobotResume, answered: Answered) -> Result<(), String> {
+        let RobotResume { run, user, asked, expiry_ms } = request;
+        let request = ResumeRequest { run, user, asked, expiry_ms };
+        self.resumes.ask(robot, request, answered).map_err(|why| why.to_string())
     }
 }
 

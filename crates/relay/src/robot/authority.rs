@@ -1,8 +1,8 @@
 //! Who may command the runs of a robot: one user at a time, over its own page and all stations.
 
-use crate::resumes::Answered;
+use crate::resumes::{Answered, ResumeRequest};
 use rafcon_protocol::Command;
-use rafcon_protocol::api::{Control, ControlMove, ResumeRun, Right};
+use rafcon_protocol::api::{Control, ControlMove, Right};
 use std::fmt;
 
 /// Decides who commands. Users of a station have `@` and its name after theirs.
@@ -17,18 +17,15 @@ pub trait Authority: fmt::Debug + Send + Sync {
     /// Moves control of a run as a user wants, or says why not.
     fn move_control(&self, run: &str, user: &str, wanted: &ControlMove) -> Result<(), String>;
 
-    /// Begins to resume a run whose runner died, once for each id of a user. `answered` is called with the result. The error is the
-    /// reason for a refusal.
-    fn resume(
-        &self,
-        run: &str,
-        user: &str,
-        asked: ResumeRun,
-        answered: Answered,
-    ) -> Result<(), String>;
+    /// True once the runs in the folder are known.
+    fn is_ready(&self) -> bool;
 
-    /// True if this request of the user resumed the run.
-    fn was_resumed(&self, run: &str, user: &str, id: &str) -> bool;
+    /// Begins to resume a run whose runner died, once for each id of a user. `answered` is called with the result: `Expired` if nothing
+    /// was done by the end of its validity.
+    fn resume(&self, request: ResumeRequest, answered: Answered) -> Result<(), String>;
+
+    /// Whether a request of this user has resumed the run; none if that cannot be known.
+    fn was_resumed(&self, run: &str, user: &str, id: &str) -> Option<bool>;
 
     /// A user is there: who holds control is not silent.
     fn present(&self, user: &str);

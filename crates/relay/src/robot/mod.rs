@@ -22,6 +22,7 @@ use crate::meter::{LinkMeter, millis};
 use crate::pairing::{Paired, Pairing};
 use crate::report::{REPORT_EVERY, Reporter};
 use crate::request_words;
+use crate::resumes::ResumeRequest;
 use crate::start::Start;
 use crate::words::{StationRequest, at_robot, author_at_robot};
 use early::EarlyCommands;
@@ -307,10 +308,7 @@ impl RobotRelay<'_> {
     fn command(&mut self, now: Duration, command: ReceivedCommand) {
         let read = request_words::read(&command.body);
         let mut command = command;
-        if let Ok((stream, StationRequest::Command(..))) = &read
-            && !command.is_late
-            && !self.runs.make_ready(*stream)
-        {
+        if !self.make_ready(&read, command.is_late) {
             match self.early.add(command) {
                 None => return,
                 Some(refused) => command = refused,
@@ -329,6 +327,19 @@ impl RobotRelay<'_> {
         self.session.set_command_state(now, id, state, &reason);
     }
 
+    /// Prepares to carry out a request; false if that, or its fate, needs another moment.
+    fn make_ready(
+        &mut self,
+        read: &Result<(StreamId, StationRequest), String>,
+        is_late: bool,
+    ) -> bool {
+        match read {
+            Ok((stream, StationRequest::Command(..))) => !is_late && !self.runs.make_ready(*stream),
+            Ok((_, StationRequest::Resume(..))) => self.settings.authority.is_ready(),
+            Ok((_, StationRequest::MoveControl(..) | StationRequest::Present(_))) | Err(_) => true,
+        }
+    }
+
     /// Fate of a late command, by the run's journal: an earlier start of this server may have given it to the runner.
     fn late_fate(&self, stream: StreamId, word: &StationRequest) -> Result<CommandState, String> {
         let id = match word {
@@ -336,8 +347,12 @@ impl RobotRelay<'_> {
             StationRequest::Resume(id, author, run, ..) => {
                 let Self { settings, .. } = self;
                 let author = author_at_robot(author, settings.paired.pairing.station_name());
-                let is_done = settings.authority.was_resumed(run, &author, id);
-                return Ok(if is_done { CommandState::Done } else { CommandState::Expired });
+                return Ok(match settings.authority.was_resumed(run, &author, id) {
+                    Some(true) => CommandState::Done,
+                    Some(false) => CommandState::Expired,
+                    // The station reports that the fate is unknown.
+                    None => CommandState::Started,
+                });
             }
             StationRequest::MoveControl(..) | StationRequest::Present(_) => {
                 return Ok(CommandState::Expired);
@@ -396,9 +411,12 @@ impl RobotRelay<'_> {
             }
             StationRequest::Resume(id, author, _, policy, from) => {
                 rights.check_right(Right::Start)?;
-                let author = author_at_robot(&author, station);
+                let user = author_at_robot(&author, station);
                 let answered = self.runs.answerer(id.clone());
-                authority.resume(&run, &author, ResumeRun { id, policy, from }, answered)?;
+                let left_ms = not_after_ms.saturating_sub(millis(now));
+                let expiry_ms = Some(clock::since_1970_ms().saturating_add(left_ms));
+                let asked = ResumeRun { id, policy, from };
+                authority.resume(ResumeRequest { run, user, asked, expiry_ms }, answered)?;
                 Ok(CommandState::Started)
             }
             StationRequest::Present(user) => {

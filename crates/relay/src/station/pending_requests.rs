@@ -40,6 +40,7 @@ struct OpenRequest {
     command: OpenCommand,
     /// False for requests about control and for presence, which are not shown.
     is_command: bool,
+    is_resume: bool,
 }
 
 impl PendingRequests {
@@ -57,9 +58,9 @@ impl PendingRequests {
             not_before_ms,
             progress: None,
         };
-        let is_command =
-            matches!(given.word, StationRequest::Command(..) | StationRequest::Resume(..));
-        let word = OpenRequest { stream, command, is_command };
+        let is_resume = matches!(given.word, StationRequest::Resume(..));
+        let is_command = is_resume || matches!(given.word, StationRequest::Command(..));
+        let word = OpenRequest { stream, command, is_command, is_resume };
         self.open.entry(ids::command(&given.id)).or_insert(word);
     }
 
@@ -82,6 +83,12 @@ impl PendingRequests {
             self.answers.remove(&oldest);
         }
         Some((word.stream, word.command.id))
+    }
+
+    /// True if the robot has begun to resume a run by this request: a machine may take minutes to load.
+    pub(super) fn is_resuming(&self, id: CommandId) -> bool {
+        let word = self.open.get(&id);
+        word.is_some_and(|word| word.is_resume && word.command.stage == CommandStage::Started)
     }
 
     /// The run and the name of a word.

@@ -628,6 +628,9 @@ impl StationRobot {
     /// Says of commands whose time is over that their fate is unknown.
     fn note_overdue(&mut self) {
         for id in self.session.take_overdue(self.clock.now()) {
+            if self.requests.is_resuming(id) {
+                continue;
+            }
             self.requests.set_stage(id, CommandStage::Overdue);
             if let Some((stream, name)) = self.requests.find(id) {
                 self.answer(stream, name, &overdue());
@@ -639,7 +642,7 @@ impl StationRobot {
         if let Some(run) = self.runs.get(&stream) {
             run.shared.answer(name, answer);
         }
-        self.resumes.answer(name, answer);
+        self.resumes.answer(&self.name, name, answer);
     }
 }
 

@@ -2,11 +2,12 @@
 
 use super::commands::{move_holder, take};
 use super::folder_files::RunRequest;
-use super::resume::once;
+use super::resume::{Asked, EXPIRED, once};
 use super::run::Run;
 use crate::ServerState;
 use crate::access::of_command;
-use rafcon_protocol::api::{Control, ControlMove, ResumeRun, Right};
+use crate::settings::RobotResume;
+use rafcon_protocol::api::{Control, ControlMove, Right};
 use rafcon_protocol::{Answer, Command};
 use std::sync::Arc;
 use tokio::runtime::Handle;
@@ -48,20 +49,28 @@ impl RunAuthority {
         move_holder(&self.server, &run, user, wanted).map_err(|failure| failure.to_string())
     }
 
-    /// Begins to resume a run whose runner died, once for each id of a user. `answered` is called with the result. The error is the
-    /// reason for a refusal.
+    /// True once the runs in the folder are known.
+    pub fn is_ready(&self) -> bool {
+        self.server.runs.are_known()
+    }
+
+    /// Begins to resume a run whose runner died, once for each id of a user. `answered` is called with the result: `Expired` if nothing
+    /// was done by the end of its validity.
     pub fn resume(
         &self,
-        run: &str,
-        user: &str,
-        asked: ResumeRun,
+        request: RobotResume,
         answered: Box<dyn FnOnce(Answer) + Send>,
     ) -> Result<(), String> {
-        let run = self.run(run)?;
-        let (server, user) = (Arc::clone(&self.server), user.to_owned());
+        let run = self.run(&request.run)?;
+        if let Some(robot) = run.robot() {
+            return Err(format!("it is a replica here, too: robot {robot} has the run"));
+        }
+        let server = Arc::clone(&self.server);
         self.runtime.spawn(async move {
-            let answer = match once(&server, &user, &run, asked).await {
+            let RobotResume { user, asked, expiry_ms, .. } = request;
+            let answer = match once(&server, &run, &Asked { user: &user, asked, expiry_ms }).await {
                 Ok(_goes_on) => Answer::Applied,
+                Err(failure) if failure.code() == EXPIRED => Answer::Expired,
                 Err(failure) => Answer::Refused { reason: failure.to_string() },
             };
             // The relay's queue may be full for a moment.
@@ -71,11 +80,18 @@ impl RunAuthority {
         Ok(())
     }
 
-    /// True if this request of the user resumed the run.
-    pub fn was_resumed(&self, run: &str, user: &str, id: &str) -> bool {
-        let Ok(run) = self.run(run) else { return false };
+    /// Whether a request of this user has resumed the run; none if that cannot be known.
+    pub fn was_resumed(&self, run: &str, user: &str, id: &str) -> Option<bool> {
+        let Ok(run) = self.run(run) else { return Some(false) };
         let request = RunRequest::read(run.folder());
-        request.is_some_and(|request| request.was_resumed_by(user, id))
+        let was_resumed = |request: &RunRequest| request.was_resumed_by(user, id);
+        let may_be = |request: &RunRequest| request.is_being_resumed_by(user, id);
+        match request {
+            Some(request) if was_resumed(&request) => Some(true),
+            // Whoever began it may have died before the program ran, or after.
+            Some(request) if may_be(&request) => run.is_live().then_some(true),
+            Some(_) | None => Some(false),
+        }
     }
 
     /// A user is there: who holds control is not silent.

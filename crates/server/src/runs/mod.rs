@@ -147,6 +147,11 @@ impl Runs {
     }
 
     /// Waits until the folder was looked through.
+    /// True once the folder was looked through.
+    pub(crate) fn are_known(&self) -> bool {
+        *self.known.borrow()
+    }
+
     async fn wait_until_known(&self) {
         let mut known = self.known.subscribe();
         // The sender lives as long as we do.

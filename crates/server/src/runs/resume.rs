@@ -13,9 +13,9 @@ use crate::failure::reason;
 use crate::gate::blocking;
 use crate::settings::RobotResume;
 use crate::{Failure, ServerState};
-use rafcon_protocol::api::{ResumeRun, RunPhase, RunSummary};
+use rafcon_protocol::api::{ControlMove, ResumeRun, RunPhase, RunSummary};
 use rafcon_protocol::{Answer, Launch};
-use rafcon_supervisor::resume_launch;
+use rafcon_supervisor::{clock, resume_launch};
 use std::io;
 use std::sync::Arc;
 use tokio::sync::oneshot;
@@ -34,7 +34,9 @@ pub(crate) async fn resume(
         return by_robot(server, who, &run, asked).await;
     }
     let (server, user) = (Arc::clone(server), who.user.clone());
-    to_its_end(async move { once(&server, &user, &run, asked).await }).await
+    let resumed =
+        async move { once(&server, &run, &Asked { user: &user, asked, expiry_ms: None }).await };
+    to_its_end(resumed).await
 }
 
 /// Has the robot of a replica resume its run. The robot knows whether it can be.
@@ -45,32 +47,34 @@ async fn by_robot(
     asked: ResumeRun,
 ) -> Result<RunSummary, Failure> {
     let robot = run.robot().unwrap_or_default();
+    if let RunPhase::Finished { .. } = run.summary().phase {
+        let message =
+            format!("the run has come to its end: robot {robot} itself can begin it again");
+        return Err(Failure::conflict("run_is_over", message));
+    }
     let (answer, answered) = oneshot::channel();
     // After a time-out nobody receives it; a repeated request does.
     let answered_by_robot = Box::new(move |it| answer.send(it).unwrap_or_default());
-    let asked = ResumeRun { id: format!("{}/resume/{}", who.user, asked.id), ..asked };
+    // No command has such an id.
+    let id = format!("{}//resume/{}/{}", who.user, run.id(), asked.id);
+    let (user, asked) = (who.user.clone(), ResumeRun { id, ..asked });
+    let request = RobotResume { run: run.id().to_owned(), user, asked, expiry_ms: None };
+    let not_taken =
+        |why| Failure::unavailable("robot_not_received", format!("robot {robot}: {why}"));
     let robots = server.settings.robots.as_ref();
-    let request = RobotResume { run: run.id().to_owned(), user: who.user.clone(), asked };
-    if !robots.is_some_and(|robots| robots.resume(&robot, request, answered_by_robot)) {
-        let message = format!(
-            "robot {robot} is not received here, or too many requests wait for it: start this server as its station (`rafcon station`), \
-             or try again"
-        );
-        return Err(Failure::unavailable("robot_not_received", message));
-    }
+    let robots = robots.ok_or_else(|| not_taken("this server is no station".to_owned()))?;
+    robots.resume(&robot, request, answered_by_robot).map_err(not_taken)?;
+    server.audit().note(&who.user, "resume_asked", &format!("{} of {robot}", run.id()));
     match timeout(commands::COMMAND_TIMEOUT, answered).await {
-        Ok(Ok(Answer::Applied)) => {
-            server.audit().note(&who.user, "run_resumed", &format!("{} by {robot}", run.id()));
-            Ok(run.summary())
-        }
+        Ok(Ok(Answer::Applied)) => Ok(run.summary()),
         Ok(Ok(Answer::Refused { reason })) => {
             Err(Failure::conflict("refused_by_robot", format!("{robot}: {reason}")))
         }
         Ok(Ok(Answer::Expired)) => {
             let message = format!(
-                "robot {robot} received the request too late and did nothing: repeat it with another id"
+                "robot {robot} did not receive the request in time and did nothing: repeat it with another id"
             );
-            Err(Failure::conflict("expired", message))
+            Err(Failure::conflict(EXPIRED, message))
         }
         Ok(Ok(Answer::Unknown { reason })) => Err(Failure::conflict("fate_unknown", reason)),
         Ok(Err(_)) | Err(_) => {
@@ -82,16 +86,38 @@ async fn by_robot(
     }
 }
 
-/// Resumes a run that is here for a user.
+/// The code of a request whose validity ended before it was carried out.
+pub(super) const EXPIRED: &str = "expired";
+
+/// A request to resume a run that is here.
+pub(super) struct Asked<'u> {
+    pub(super) user: &'u str,
+    pub(super) asked: ResumeRun,
+    /// End of its validity in ms since 1970, UTC.
+    pub(super) expiry_ms: Option<u64>,
+}
+
+/// Resumes a run that is here.
 pub(super) async fn once(
     server: &Arc<ServerState>,
-    user: &str,
     run: &Arc<Run>,
-    asked: ResumeRun,
+    request: &Asked<'_>,
 ) -> Result<RunSummary, Failure> {
     // One after the other: two who ask at once do not both start a runner.
-    let slot = server.runs.requests.get(&format!("resume/{}", run.id()));
-    let _turn = slot.lock().await;
+    let id = format!("resume/{}", run.id());
+    let slot = server.runs.requests.get(&id);
+    let turn = slot.lock().await;
+    let resumed = in_turn(server, run, request).await;
+    drop(turn);
+    server.runs.requests.forget(&id, &slot);
+    resumed
+}
+
+async fn in_turn(
+    server: &Arc<ServerState>,
+    run: &Arc<Run>,
+    Asked { user, asked, expiry_ms }: &Asked<'_>,
+) -> Result<RunSummary, Failure> {
     run.wait_settled().await;
     let folder = run.folder().to_path_buf();
     let before = blocking(move || Ok(RunRequest::read(&folder))).await?;
@@ -103,14 +129,25 @@ pub(super) async fn once(
     if is_done {
         return Ok(run.summary());
     }
-    may_be_resumed(&run.summary(), &asked)?;
-    commands::take(server, run, user, None)?;
+    may_be_resumed(&run.summary(), asked)?;
+    // No program hears a holder who is silent, so that control could not be moved before.
+    commands::take(server, run, user, None).or_else(|denied| {
+        let taken = commands::move_holder(server, run, user, &ControlMove::TakeOver);
+        taken.map_err(|_still_heard| denied)
+    })?;
     let turn = server.runs.turn().await?;
+    if expiry_ms.is_some_and(|expiry_ms| clock::since_1970_ms() > expiry_ms) {
+        return Err(Failure::conflict(
+            EXPIRED,
+            "the request expired before its turn: nothing was done",
+        ));
+    }
     if !run.try_claim() {
         return Err(still_live());
     }
     run.set_phase(RunPhase::Starting);
-    let (here, there, author) = (Arc::clone(server), Arc::clone(run), user.to_owned());
+    let (here, there) = (Arc::clone(server), Arc::clone(run));
+    let (author, asked) = ((*user).to_owned(), asked.clone());
     let begin = move || {
         let _turn = turn;
         begun(&here, &there, &author, &asked, before)

@@ -51,6 +51,9 @@ pub(super) fn resume(
     let policy = request::on_crash(raw.policy);
     let request = ResumeRun { id: remote::unique("resume")?, policy, from: raw.from };
     if let Some(robot) = &before.robot {
+        let why =
+            "the robot resumes the run, and its station does not follow it: `rafcon attach` does";
+        refuse(timeout.is_some(), "--timeout", why)?;
         // The first event of the resumed run is a delay of the link away.
         begun(clock, || server.resume(&before.id, &request))?;
         complain(&format!("robot {robot} has resumed the run; follow it with `rafcon attach`"));
