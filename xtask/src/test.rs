@@ -81,11 +81,12 @@ pub(crate) fn run(options: &TestOptions) -> Result<()> {
     run_side_by_side()
 }
 
-/// What the parts need besides what is built; each looks for it again, and then it is there.
+/// What the parts need besides what is built; each looks for it again, and then it is there: two at once would disturb each other.
 fn install() -> Result<()> {
     Reference::installed()?;
     web::install()?;
     planner()?;
+    engine_environment()?;
     interface_environment()?;
     python::all().iter().try_for_each(|interpreter| python_environment(interpreter).map(drop))
 }

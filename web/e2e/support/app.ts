@@ -284,10 +284,11 @@ export class App {
   /** Where a box of the machine is drawn, as soon as camera and canvas stand still for a frame: a panel or a banner that comes moves
    * both. */
   private async onScreen(world: Box): Promise<Box> {
-    const { camera, left, top } = await this.canvas.evaluate(async (canvas) => {
+    const { camera, left, top } = await this.sheet.evaluate(async () => {
       const look = () => {
         const view = window.__rafcon.context().tab?.view.camera.value;
-        if (!view) throw new Error("no machine is shown");
+        const canvas = document.querySelector('[role="application"][aria-label="State machine"]');
+        if (!view || !canvas) throw new Error("no machine is shown");
         const frame = canvas.getBoundingClientRect();
         return { camera: view, left: frame.left, top: frame.top };
       };
