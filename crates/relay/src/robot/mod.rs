@@ -334,7 +334,7 @@ impl RobotRelay<'_> {
         is_late: bool,
     ) -> bool {
         match read {
-            Ok((stream, StationRequest::Command(..))) => !is_late && !self.runs.make_ready(*stream),
+            Ok((stream, StationRequest::Command(..))) => is_late || self.runs.make_ready(*stream),
             Ok((_, StationRequest::Resume(..))) => self.settings.authority.is_ready(),
             Ok((_, StationRequest::MoveControl(..) | StationRequest::Present(_))) | Err(_) => true,
         }
