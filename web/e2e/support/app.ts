@@ -281,8 +281,7 @@ export class App {
     return box;
   }
 
-  /** Where a box of the machine is drawn, as soon as camera and canvas stand still for a frame: a panel or a banner that comes moves
-   * both. */
+  /** Place of a box on the screen, once camera and canvas have not moved for two frames: a new panel or banner moves both. */
   private async onScreen(world: Box): Promise<Box> {
     const { camera, left, top } = await this.sheet.evaluate(async () => {
       const look = () => {
