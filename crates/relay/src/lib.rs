@@ -30,7 +30,7 @@ pub use error::RelayError;
 pub use inbox::Stopper;
 pub use pairing::{BadPairing, Paired, Pairing};
 pub use report::read_reports;
-pub use resumes::{Answered, NotTaken, ResumeDesk, ResumeRequest};
+pub use resumes::{Answered, NotTaken, ResumeDesk};
 pub use rights::{BadRights, PairingRights};
 pub use robot::{Authority, Projects, RobotSettings, relay_robot};
 pub use station::{PairingList, StationSettings, relay_station};

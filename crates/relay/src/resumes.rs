@@ -2,7 +2,7 @@
 
 use parking_lot::Mutex;
 use rafcon_protocol::Answer;
-use rafcon_protocol::api::ResumeRun;
+use rafcon_protocol::api::ResumeRequest;
 use std::collections::{BTreeMap, VecDeque};
 use std::fmt;
 use std::sync::Arc;
@@ -14,19 +14,6 @@ const REPEATED_MAX: usize = 4;
 
 /// Takes the answer to a request.
 pub type Answered = Box<dyn FnOnce(Answer) + Send>;
-
-/// A run that its robot is to resume.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct ResumeRequest {
-    /// Id of the run.
-    pub run: String,
-    /// Name of the asking user.
-    pub user: String,
-    /// Content, under an id unique at the station.
-    pub asked: ResumeRun,
-    /// End of its validity in ms since 1970, UTC, by this computer's clock. None: as is usual over the link.
-    pub expiry_ms: Option<u64>,
-}
 
 /// Reason why a request was not taken.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
@@ -78,7 +65,7 @@ impl ResumeDesk {
         let oldest = if waiting.len() >= REPEATED_MAX { waiting.pop_front() } else { None };
         waiting.push_back(answered);
         drop(robots);
-        // To drop it wakes whoever waits.
+        // Its client wakes up, so the lock is released first.
         drop(oldest);
         Ok(())
     }

@@ -4,11 +4,11 @@
 #![expect(clippy::unwrap_used, reason = "a test ends where it goes wrong")]
 
 use rafcon_link::Profile;
-use rafcon_protocol::api::{Control, ControlMove, Right};
+use rafcon_protocol::api::{Control, ControlMove, ResumeRequest, Right};
 use rafcon_protocol::{Command, Event, Outcome};
 use rafcon_relay::{
-    Answered, Authority, Paired, Pairing, Projects, ResumeDesk, ResumeRequest, RobotSettings,
-    StationAddress, StationSettings, Stopper, ValueDesk, relay_robot, relay_station,
+    Answered, Authority, Paired, Pairing, Projects, ResumeDesk, RobotSettings, StationAddress,
+    StationSettings, Stopper, ValueDesk, relay_robot, relay_station,
 };
 use rafcon_storage::journal::{
     About, Batch, Journal, Options, Record, Retention, RunState, Summary, run_folders, size_of,

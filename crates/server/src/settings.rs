@@ -2,7 +2,7 @@
 
 use crate::page_files::PageFiles;
 use rafcon_protocol::Answer;
-use rafcon_protocol::api::{ResumeRun, ValueFetch};
+use rafcon_protocol::api::{ResumeRequest, ValueFetch};
 use rafcon_supervisor::ProgramEnvironment;
 use std::fmt;
 use std::net::{IpAddr, Ipv4Addr, SocketAddr};
@@ -46,19 +46,6 @@ pub struct Settings {
     pub access: Access,
 }
 
-/// A run that its robot is to resume.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct RobotResume {
-    /// Id of the run.
-    pub run: String,
-    /// User who asks.
-    pub user: String,
-    /// Content, under an id unique at this server.
-    pub asked: ResumeRun,
-    /// End of its validity in ms since 1970, UTC. None: as is usual over the link.
-    pub expiry_ms: Option<u64>,
-}
-
 /// Requests of a station's server to its robots.
 pub trait Robots: fmt::Debug + Send + Sync {
     /// Asks for a value of `length` bytes of a run of a robot, of which `budget` bytes may be sent. Answers whether that is possible.
@@ -75,7 +62,7 @@ pub trait Robots: fmt::Debug + Send + Sync {
     fn resume(
         &self,
         robot: &str,
-        request: RobotResume,
+        request: ResumeRequest,
         answered: Box<dyn FnOnce(Answer) + Send>,
     ) -> Result<(), String>;
 

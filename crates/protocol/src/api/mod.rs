@@ -44,8 +44,8 @@ pub use python::{CheckScript, ScriptPlace, ScriptProblem};
 pub use run_wait::RunWait;
 pub use runs::{
     CommandAnswer, Control, ControlMove, EventPage, HistoryEntry, LinkState, LoadedMachine,
-    OutputEnd, Pruned, ResumeRun, Retention, RunNow, RunOutput, RunPhase, RunSummary, StartRun,
-    StateAt,
+    OutputEnd, Pruned, ResumeRequest, ResumeRun, Retention, RunNow, RunOutput, RunPhase,
+    RunSummary, StartRun, StateAt,
 };
 pub use server::{Health, Refusal, ServerStatus};
 pub use set_aside::{SetAsideDraft, SetAsideEdit};

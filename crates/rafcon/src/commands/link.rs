@@ -8,13 +8,12 @@ use crate::failure::complain;
 use anyhow::{Context as _, Result, bail};
 use rafcon_link::Profile;
 use rafcon_protocol::Command;
-use rafcon_protocol::api::{Control, ControlMove, Right, ValueFetch};
+use rafcon_protocol::api::{Control, ControlMove, ResumeRequest, Right, ValueFetch};
 use rafcon_relay::{
     Answered, Authority, Paired, Pairing, PairingList, PairingRights, Projects, ResumeDesk,
-    ResumeRequest, RobotSettings, StationSettings, Stopper, ValueCost, ValueDesk, relay_robot,
-    relay_station,
+    RobotSettings, StationSettings, Stopper, ValueCost, ValueDesk, relay_robot, relay_station,
 };
-use rafcon_server::{RobotResume, Robots, RunAuthority, Settings};
+use rafcon_server::{Robots, RunAuthority, Settings};
 use std::fs::{self, OpenOptions};
 use std::io::{self, IsTerminal as _, Write as _};
 use std::net::SocketAddr;
@@ -144,8 +143,7 @@ impl Authority for ServerAuthority {
     }
 
     fn resume(&self, request: ResumeRequest, answered: Answered) -> Result<(), String> {
-        let ResumeRequest { run, user, asked, expiry_ms } = request;
-        self.server()?.resume(RobotResume { run, user, asked, expiry_ms }, answered)
+        self.server()?.resume(request, answered)
     }
 
     fn was_resumed(&self, run: &str, user: &str, id: &str) -> Option<bool> {
@@ -188,9 +186,12 @@ impl Robots for StationDesk {
         Some((link_bytes, takes_ms))
     }
 
-    fn resume(&self, robot: &str, request: RobotResume, answered: Answered) -> Result<(), String> {
-        let RobotResume { run, user, asked, expiry_ms } = request;
-        let request = ResumeRequest { run, user, asked, expiry_ms };
+    fn resume(
+        &self,
+        robot: &str,
+        request: ResumeRequest,
+        answered: Answered,
+    ) -> Result<(), String> {
         self.resumes.ask(robot, request, answered).map_err(|why| why.to_string())
     }
 }

@@ -1,8 +1,8 @@
 //! Who may command the runs of a robot: one user at a time, over its own page and all stations.
 
-use crate::resumes::{Answered, ResumeRequest};
+use crate::resumes::Answered;
 use rafcon_protocol::Command;
-use rafcon_protocol::api::{Control, ControlMove, Right};
+use rafcon_protocol::api::{Control, ControlMove, ResumeRequest, Right};
 use std::fmt;
 
 /// Decides who commands. Users of a station have `@` and its name after theirs.
@@ -24,7 +24,7 @@ pub trait Authority: fmt::Debug + Send + Sync {
     /// was done by the end of its validity.
     fn resume(&self, request: ResumeRequest, answered: Answered) -> Result<(), String>;
 
-    /// Whether a request of this user has resumed the run; none if that cannot be known.
+    /// True if this request resumed the run, false if not; none if the fate is unknown.
     fn was_resumed(&self, run: &str, user: &str, id: &str) -> Option<bool>;
 
     /// A user is there: who holds control is not silent.

@@ -22,14 +22,13 @@ use crate::meter::{LinkMeter, millis};
 use crate::pairing::{Paired, Pairing};
 use crate::report::{REPORT_EVERY, Reporter};
 use crate::request_words;
-use crate::resumes::ResumeRequest;
 use crate::start::Start;
 use crate::words::{StationRequest, at_robot, author_at_robot};
 use early::EarlyCommands;
 use follow::FromRun;
 use parcels::SentParcels;
 use rafcon_link::{CommandState, Generation, Profile, ReceivedCommand, RobotSession, StreamId};
-use rafcon_protocol::api::{ControlMove, ResumeRun, Right};
+use rafcon_protocol::api::{ControlMove, ResumeRequest, ResumeRun, Right};
 use rafcon_protocol::{Answer, Envelope, Expiry, LinkReport};
 use rafcon_supervisor::clock;
 use runs::RobotRuns;
@@ -378,6 +377,8 @@ impl RobotRelay<'_> {
             StationRequest::Resume(_, _, run, ..) => run.clone(),
             _ => self.runs.name(stream).ok_or("the robot has no such run")?.to_owned(),
         };
+        let left_ms = not_after_ms.saturating_sub(millis(now));
+        let expiry_ms = clock::since_1970_ms().saturating_add(left_ms);
         match word {
             StationRequest::Command(id, author, decided_on, command) => {
                 rights.check(&command, authority.right_of(&command))?;
@@ -387,9 +388,7 @@ impl RobotRelay<'_> {
                     // Whoever takes control by it decides the next one under the new epoch.
                     self.tell_control();
                 }
-                let left_ms = not_after_ms.saturating_sub(millis(now));
-                let expiry = Some(Expiry(clock::since_1970_ms().saturating_add(left_ms)));
-                let epoch = Some(epoch);
+                let (expiry, epoch) = (Some(Expiry(expiry_ms)), Some(epoch));
                 let new = Envelope::new(id, author, command);
                 let envelope = Envelope { decided_on, expiry, epoch, ..new };
                 if self.runs.command(&run, envelope) {
@@ -413,9 +412,7 @@ impl RobotRelay<'_> {
                 rights.check_right(Right::Start)?;
                 let user = author_at_robot(&author, station);
                 let answered = self.runs.answerer(id.clone());
-                let left_ms = not_after_ms.saturating_sub(millis(now));
-                let expiry_ms = Some(clock::since_1970_ms().saturating_add(left_ms));
-                let asked = ResumeRun { id, policy, from };
+                let (asked, expiry_ms) = (ResumeRun { id, policy, from }, Some(expiry_ms));
                 authority.resume(ResumeRequest { run, user, asked, expiry_ms }, answered)?;
                 Ok(CommandState::Started)
             }

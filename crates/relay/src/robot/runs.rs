@@ -45,7 +45,7 @@ const WHOLE_MAX: usize = 8;
 
 /// So many bytes of events are hashed at a time.
 const HASH_BYTES: usize = 256 << 10;
-/// Ended runs whose events are hashed in one look.
+/// Number of ended runs whose events are hashed at a time.
 const HASHED_AT_ONCE: usize = 4;
 
 /// So many of the runs that earlier starts sent are looked at again.

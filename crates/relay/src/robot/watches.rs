@@ -278,6 +278,16 @@ mod tests {
     use rafcon_link::Profile;
     use rafcon_storage::journal::{About, Journal, Options};
     use rafcon_testkit::journal_notation;
+    use std::path::Path;
+
+    /// Nothing is watched yet.
+    fn none(folder: &Path) -> (RobotWatches, RobotSession) {
+        let pairing = Pairing::generate("scout", None).unwrap();
+        let start = Start::begin(folder).unwrap();
+        let mut session = RobotSession::new(&start.identity(&pairing), Profile::LAN);
+        let watches = RobotWatches::begin(folder.join("watches"), Duration::MAX, 0, &mut session);
+        (watches, session)
+    }
 
     fn watch(watches: &mut RobotWatches, stream: u32, number: u64, target: &WatchTarget) {
         let body = watch_words::wish(std::slice::from_ref(target));
@@ -287,11 +297,7 @@ mod tests {
     #[test]
     fn of_more_runs_than_a_robot_can_watch_the_one_asked_for_first_makes_room() {
         let folder = tempfile::tempdir().unwrap();
-        let pairing = Pairing::generate("scout", None).unwrap();
-        let start = Start::begin(folder.path()).unwrap();
-        let mut session = RobotSession::new(&start.identity(&pairing), Profile::LAN);
-        let file = folder.path().join("watches");
-        let mut watches = RobotWatches::begin(file, Duration::MAX, 0, &mut session);
+        let (mut watches, _session) = none(folder.path());
         let target = WatchTarget {
             kind: WatchKind::State,
             path: "R".to_owned(),
@@ -312,11 +318,7 @@ mod tests {
     #[test]
     fn so_many_values_of_a_run_are_followed_and_those_that_are_known_stay_new() {
         let folder = tempfile::tempdir().unwrap();
-        let pairing = Pairing::generate("scout", None).unwrap();
-        let start = Start::begin(folder.path()).unwrap();
-        let mut session = RobotSession::new(&start.identity(&pairing), Profile::LAN);
-        let mut watches =
-            RobotWatches::begin(folder.path().join("watches"), Duration::MAX, 0, &mut session);
+        let (mut watches, mut session) = none(folder.path());
         let run = folder.path().join("r");
         let journal = Journal::create(&run, &About::default(), &Options::default()).unwrap();
         let ports: Vec<_> = (0..=VALUES_MAX).map(|number| format!("p{number:04}")).collect();

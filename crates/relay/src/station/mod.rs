@@ -75,7 +75,7 @@ pub struct StationSettings {
     pub profile: Profile,
     /// Where large values are asked for.
     pub desk: ValueDesk,
-    /// Where runs are asked to be resumed.
+    /// Requests to resume runs.
     pub resumes: ResumeDesk,
     /// Told what goes wrong.
     pub tell: fn(&str),

@@ -23,7 +23,7 @@ use crate::inbox::Input;
 use crate::meter::{LinkMeter, millis};
 use crate::pairing::{Paired, Pairing};
 use crate::request_words;
-use crate::resumes::{ResumeDesk, ResumeRequest};
+use crate::resumes::ResumeDesk;
 use crate::start::Start;
 use crate::watch_words;
 use crate::words::{ReportedRunState, RunFate, StationRequest};
@@ -31,6 +31,7 @@ use rafcon_link::{
     CARRIER_OVERHEAD, CommandId, CommandState, EventHash, NewCommand, Profile, RangeSet, Rejected,
     StationSession, StreamId, Unusable,
 };
+use rafcon_protocol::api::ResumeRequest;
 use rafcon_protocol::{
     Answer, CommandStage, Expiry, LinkHealth, LinkReport, WatchTarget, Watching,
 };

@@ -2,12 +2,11 @@
 
 use super::commands::{move_holder, take};
 use super::folder_files::RunRequest;
-use super::resume::{Asked, EXPIRED, once};
+use super::resume::{EXPIRED, once};
 use super::run::Run;
 use crate::ServerState;
 use crate::access::of_command;
-use crate::settings::RobotResume;
-use rafcon_protocol::api::{Control, ControlMove, Right};
+use rafcon_protocol::api::{Control, ControlMove, ResumeRequest, Right};
 use rafcon_protocol::{Answer, Command};
 use std::sync::Arc;
 use tokio::runtime::Handle;
@@ -58,7 +57,7 @@ impl RunAuthority {
     /// was done by the end of its validity.
     pub fn resume(
         &self,
-        request: RobotResume,
+        request: ResumeRequest,
         answered: Box<dyn FnOnce(Answer) + Send>,
     ) -> Result<(), String> {
         let run = self.run(&request.run)?;
@@ -67,8 +66,7 @@ impl RunAuthority {
         }
         let server = Arc::clone(&self.server);
         self.runtime.spawn(async move {
-            let RobotResume { user, asked, expiry_ms, .. } = request;
-            let answer = match once(&server, &run, &Asked { user: &user, asked, expiry_ms }).await {
+            let answer = match once(&server, &run, &request).await {
                 Ok(_goes_on) => Answer::Applied,
                 Err(failure) if failure.code() == EXPIRED => Answer::Expired,
                 Err(failure) => Answer::Refused { reason: failure.to_string() },
@@ -80,18 +78,11 @@ impl RunAuthority {
         Ok(())
     }
 
-    /// Whether a request of this user has resumed the run; none if that cannot be known.
+    /// True if this request resumed the run, false if not; none if the fate is unknown.
     pub fn was_resumed(&self, run: &str, user: &str, id: &str) -> Option<bool> {
         let Ok(run) = self.run(run) else { return Some(false) };
         let request = RunRequest::read(run.folder());
-        let was_resumed = |request: &RunRequest| request.was_resumed_by(user, id);
-        let may_be = |request: &RunRequest| request.is_being_resumed_by(user, id);
-        match request {
-            Some(request) if was_resumed(&request) => Some(true),
-            // Whoever began it may have died before the program ran, or after.
-            Some(request) if may_be(&request) => run.is_live().then_some(true),
-            Some(_) | None => Some(false),
-        }
+        request.map_or(Some(false), |request| request.was_resumed(user, id, run.is_live()))
     }
 
     /// A user is there: who holds control is not silent.

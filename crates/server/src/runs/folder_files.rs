@@ -84,14 +84,17 @@ impl RunRequest {
         self
     }
 
-    /// Whether it was resumed by this id of this author.
-    pub(super) fn was_resumed_by(&self, author: &str, id: &str) -> bool {
-        self.resumed.contains(&key(author, id))
-    }
-
-    /// Whether this id of this author was the last to resume it, with no one knowing whether a runner was started.
-    pub(super) fn is_being_resumed_by(&self, author: &str, id: &str) -> bool {
-        self.resuming.as_ref() == Some(&key(author, id))
+    /// True if this request of the author resumed the run, false if not; none if the server that began it may have died before the
+    /// program ran, or after.
+    pub(super) fn was_resumed(&self, author: &str, id: &str, is_live: bool) -> Option<bool> {
+        let key = key(author, id);
+        if self.resumed.contains(&key) {
+            return Some(true);
+        }
+        if self.resuming.as_ref() == Some(&key) {
+            return is_live.then_some(true);
+        }
+        Some(false)
     }
 
     /// What tells a request to start a run from all other requests.
@@ -172,9 +175,11 @@ mod tests {
     #[test]
     fn a_run_goes_on_by_itself_unless_the_computer_was_started_anew_or_it_is_left_alone() {
         let request = RunRequest::default().resuming("ana", "1");
-        assert!(request.is_being_resumed_by("ana", "1") && !request.was_resumed_by("ana", "1"));
+        let fates = [true, false].map(|is_live| request.was_resumed("ana", "1", is_live));
+        assert_eq!(fates, [Some(true), None]);
         let request = request.resumed();
-        assert!(request.was_resumed_by("ana", "1") && !request.was_resumed_by("bob", "1"));
+        let fates = ["ana", "bob"].map(|author| request.was_resumed(author, "1", false));
+        assert_eq!(fates, [Some(true), Some(false)]);
         assert!(request.may_go_on());
         assert!(!RunRequest { boot: "another".to_owned(), ..request.clone() }.may_go_on());
         assert!(!RunRequest { is_left_alone: true, ..request.clone() }.may_go_on());

@@ -147,7 +147,7 @@ impl Runs {
     }
 
     /// Waits until the folder was looked through.
-    /// True once the folder was looked through.
+    /// True once the folder has been read.
     pub(crate) fn are_known(&self) -> bool {
         *self.known.borrow()
     }

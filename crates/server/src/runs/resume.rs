@@ -11,9 +11,8 @@ use super::supervise;
 use crate::access::Who;
 use crate::failure::reason;
 use crate::gate::blocking;
-use crate::settings::RobotResume;
 use crate::{Failure, ServerState};
-use rafcon_protocol::api::{ControlMove, ResumeRun, RunPhase, RunSummary};
+use rafcon_protocol::api::{ControlMove, ResumeRequest, ResumeRun, RunPhase, RunSummary};
 use rafcon_protocol::{Answer, Launch};
 use rafcon_supervisor::{clock, resume_launch};
 use std::io;
@@ -33,10 +32,14 @@ pub(crate) async fn resume(
     if run.is_replica() {
         return by_robot(server, who, &run, asked).await;
     }
-    let (server, user) = (Arc::clone(server), who.user.clone());
-    let resumed =
-        async move { once(&server, &run, &Asked { user: &user, asked, expiry_ms: None }).await };
-    to_its_end(resumed).await
+    let request = request(&run, who, asked);
+    let server = Arc::clone(server);
+    to_its_end(async move { once(&server, &run, &request).await }).await
+}
+
+fn request(run: &Run, who: &Who, asked: ResumeRun) -> ResumeRequest {
+    let (run, user) = (run.id().to_owned(), who.user.clone());
+    ResumeRequest { run, user, asked, expiry_ms: None }
 }
 
 /// Has the robot of a replica resume its run. The robot knows whether it can be.
@@ -57,8 +60,7 @@ async fn by_robot(
     let answered_by_robot = Box::new(move |it| answer.send(it).unwrap_or_default());
     // No command has such an id.
     let id = format!("{}//resume/{}/{}", who.user, run.id(), asked.id);
-    let (user, asked) = (who.user.clone(), ResumeRun { id, ..asked });
-    let request = RobotResume { run: run.id().to_owned(), user, asked, expiry_ms: None };
+    let request = request(run, who, ResumeRun { id, ..asked });
     let not_taken =
         |why| Failure::unavailable("robot_not_received", format!("robot {robot}: {why}"));
     let robots = server.settings.robots.as_ref();
@@ -89,19 +91,11 @@ async fn by_robot(
 /// The code of a request whose validity ended before it was carried out.
 pub(super) const EXPIRED: &str = "expired";
 
-/// A request to resume a run that is here.
-pub(super) struct Asked<'u> {
-    pub(super) user: &'u str,
-    pub(super) asked: ResumeRun,
-    /// End of its validity in ms since 1970, UTC.
-    pub(super) expiry_ms: Option<u64>,
-}
-
 /// Resumes a run that is here.
 pub(super) async fn once(
     server: &Arc<ServerState>,
     run: &Arc<Run>,
-    request: &Asked<'_>,
+    request: &ResumeRequest,
 ) -> Result<RunSummary, Failure> {
     // One after the other: two who ask at once do not both start a runner.
     let id = format!("resume/{}", run.id());
@@ -116,21 +110,18 @@ pub(super) async fn once(
 async fn in_turn(
     server: &Arc<ServerState>,
     run: &Arc<Run>,
-    Asked { user, asked, expiry_ms }: &Asked<'_>,
+    ResumeRequest { user, asked, expiry_ms, .. }: &ResumeRequest,
 ) -> Result<RunSummary, Failure> {
     run.wait_settled().await;
     let folder = run.folder().to_path_buf();
     let before = blocking(move || Ok(RunRequest::read(&folder))).await?;
-    let known = before.as_ref();
-    let is_done = known.is_some_and(|request| {
-        let is_begun = request.is_being_resumed_by(user, &asked.id) && run.is_live();
-        is_begun || request.was_resumed_by(user, &asked.id)
-    });
+    let was_resumed = |request: &RunRequest| request.was_resumed(user, &asked.id, run.is_live());
+    let is_done = before.as_ref().is_some_and(|request| was_resumed(request) == Some(true));
     if is_done {
         return Ok(run.summary());
     }
     may_be_resumed(&run.summary(), asked)?;
-    // No program hears a holder who is silent, so that control could not be moved before.
+    // Control of a dead run cannot be moved; it passes to the user if its holder is silent.
     commands::take(server, run, user, None).or_else(|denied| {
         let taken = commands::move_holder(server, run, user, &ControlMove::TakeOver);
         taken.map_err(|_still_heard| denied)
@@ -147,7 +138,7 @@ async fn in_turn(
     }
     run.set_phase(RunPhase::Starting);
     let (here, there) = (Arc::clone(server), Arc::clone(run));
-    let (author, asked) = ((*user).to_owned(), asked.clone());
+    let (author, asked) = (user.clone(), asked.clone());
     let begin = move || {
         let _turn = turn;
         begun(&here, &there, &author, &asked, before)

@@ -285,7 +285,7 @@ mod tests {
         inside
     }
 
-    /// The number of levels that are there.
+    /// Number of levels.
     fn depth(inside: &Inside) -> usize {
         let inner = inside.ends().next().and_then(|end| end.inside.as_deref());
         inner.map_or(0, |inside| 1 + depth(inside))

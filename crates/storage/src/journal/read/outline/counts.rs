@@ -5,7 +5,7 @@ use crate::journal::record::{PlaceNumber, Places, Record};
 use rafcon_protocol::api::{EarlierState, EndTime, EventTime};
 use std::collections::BTreeMap;
 
-/// What each state did, by the number of its place: as large as there are places, whatever numbers they have.
+/// What each state did, by the number of its place: its size follows from the number of places, not from their numbers.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Counts(BTreeMap<PlaceNumber, StateCount>);
 
