@@ -75,8 +75,14 @@ export class App {
     await this.drawn();
   }
 
+  /** Waits until a machine without a drawing is arranged: until then its states are elsewhere. */
+  private async arranged(): Promise<void> {
+    await this.until(({ tab }) => tab?.session.proposal?.isDue.value !== true, null);
+  }
+
   /** Waits until the page has drawn what it is now: sizes are known, and the camera stands. */
   async drawn(): Promise<void> {
+    await this.arranged();
     await this.sheet.evaluate(
       () =>
         new Promise<void>((done) => {
@@ -259,6 +265,7 @@ export class App {
 
   /** A state's box in the root's coordinates: the sum of the positions on the way to it. */
   private async worldBox(path: string): Promise<Box> {
+    await this.arranged();
     const found: readonly Found[] = await this.sheet.evaluate(
       (paths) => {
         const machine = window.__rafcon.context().tab?.session.machine;

@@ -1,5 +1,5 @@
 // @vitest-environment happy-dom
-import { signal } from "@preact/signals-core";
+import { computed, signal } from "@preact/signals-core";
 import { act } from "react";
 import { afterEach, expect, test, vi } from "vitest";
 import { allCommands } from "../commands/all.ts";
@@ -58,18 +58,24 @@ test("the bar of a long layout says how far it is, and Escape cancels it", async
   expect(place.textContent).toBe("");
 });
 
-test("a machine without a layout is arranged when it opens, and the bar keeps that", async () => {
-  vi.mocked(layOut).mockImplementation((graph) => Promise.resolve(graph));
+function undrawn() {
   const context = testContext(["R hierarchy", ...states(3)].join("\n"));
   const proposed = signal<ProposedEdit | null>(null);
   const keep = vi.fn(async () => {});
   const proposal: LayoutProposal = {
     shown: proposed,
+    isDue: computed(() => proposed.value === null),
     show: (edit) => {
       proposed.value = edit;
     },
     keep,
   };
+  return { context, proposed, proposal, keep };
+}
+
+test("a machine without a layout is arranged when it opens, and the bar keeps that", async () => {
+  vi.mocked(layOut).mockImplementation((graph) => Promise.resolve(graph));
+  const { context, proposed, proposal, keep } = undrawn();
   const place = shown({
     ...context,
     tab: { ...context.tab, session: { ...context.tab.session, proposal } },
@@ -80,4 +86,20 @@ test("a machine without a layout is arranged when it opens, and the bar keeps th
   expect(context.record).toEqual([]);
   click(place.querySelector("button"));
   expect(keep).toHaveBeenCalled();
+});
+
+test("a machine that changes while its layout is computed is arranged as it is then", async () => {
+  const { context, proposed, proposal } = undrawn();
+  const machine = { ...context.tab.session.machine, version: 1 };
+  vi.mocked(layOut).mockReset();
+  vi.mocked(layOut).mockImplementation((graph) => {
+    machine.version = 2;
+    return Promise.resolve(graph);
+  });
+  shown({
+    ...context,
+    tab: { ...context.tab, session: { ...context.tab.session, machine, proposal } },
+  });
+  await vi.waitFor(() => expect(proposed.value).not.toBe(null));
+  expect(layOut).toHaveBeenCalledTimes(2);
 });

@@ -4,7 +4,6 @@ import { LayoutGrid, Workflow } from "lucide-react";
 import { useEffect } from "react";
 import { proposeLayout } from "../commands/arrange.ts";
 import { cancelLayout, layoutWork } from "../commands/layout_work.ts";
-import { isUndrawn } from "../model/undrawn.ts";
 import type { OpenTab } from "../store/page/page.ts";
 import { mayEdit } from "../store/page/rights.ts";
 import { Button } from "../ui/button.tsx";
@@ -50,18 +49,15 @@ export function LayoutWorkBar({ tab }: { tab: OpenTab }) {
 export function ProposedLayoutBar({ tab }: { tab: OpenTab }) {
   const { page, commands, context } = useSession();
   const { session } = tab;
-  const isWanted = useComputed(() => {
-    session.version.value;
-    return session.proposal?.shown.value === null && isUndrawn(session.machine);
-  }, [session]);
+  const isDue = useComputed(() => session.proposal?.isDue.value ?? false, [session]);
   const isShown = useComputed(() => session.proposal?.shown.value != null, [session]);
   const may = useComputed(() => mayEdit(page), [page]);
   useEffect(() => {
-    if (!isWanted) return;
+    if (!isDue) return;
     void proposeLayout(tab).then((isProposed) => {
       if (isProposed && context().tab === tab) context().canvas?.fit([]);
     });
-  }, [isWanted, tab, context]);
+  }, [isDue, tab, context]);
   if (!isShown) return null;
   return (
     <Bar

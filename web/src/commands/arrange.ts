@@ -4,7 +4,6 @@ import type { StateKind } from "../model/generated/protocol.ts";
 import { readLayout } from "../model/layout_reader.ts";
 import { isContainer, type Machine, startOf } from "../model/machine.ts";
 import { idOf, parentOf } from "../model/path.ts";
-import { isUndrawn } from "../model/undrawn.ts";
 import { boxIn, childBoxes } from "../plan/boxes.ts";
 import { group, substitute } from "../plan/group.ts";
 import {
@@ -250,15 +249,18 @@ async function layOutFrom(context: CommandContext, container: string | null, dee
 /** Shows a machine without a drawing arranged; false if that is not possible. It is an edit once the user keeps it, edits or saves. */
 export async function proposeLayout(tab: OpenTab): Promise<boolean> {
   const { proposal, machine } = tab.session;
-  if (!proposal || !isUndrawn(machine)) return false;
-  const version = machine.version;
-  const levels = await layoutOf(tab, machine, machine.root, true);
-  const { arranged } = await import("../plan/arranged.ts");
-  if (!levels || machine.version !== version) return false;
-  const plan = arranged(machine, machine.root, levels);
-  if (isRefused(plan)) return false;
-  proposal.show(plan);
-  return true;
+  while (proposal?.isDue.peek()) {
+    const version = machine.version;
+    const levels = await layoutOf(tab, machine, machine.root, true);
+    const { arranged } = await import("../plan/arranged.ts");
+    if (!levels) return false;
+    if (machine.version !== version) continue;
+    const plan = arranged(machine, machine.root, levels);
+    if (isRefused(plan)) return false;
+    proposal.show(plan);
+    return true;
+  }
+  return false;
 }
 
 /** The level that one looks at: the container of what is selected, else the one that one works in. */

@@ -61,6 +61,10 @@ export class OpenMachineSession implements MachineSession {
   readonly problems = signal<readonly MachineProblem[]>([]);
   readonly isChecked = signal(false);
   readonly proposal = new ProposedLayout({
+    machine: () => {
+      this.version.value;
+      return this.machine;
+    },
     make: (name, edit) => this.#make(name, edit),
     renew: () => this.#renew(() => {}),
   });

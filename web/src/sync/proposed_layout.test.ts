@@ -51,8 +51,9 @@ const RENAME: Edit = { edit: "set_name", path: "R/A", name: "Look" };
 
 test("a proposed layout shows, and the machine has no edit", () => {
   const { session, server, at } = setUp();
-  expect(isUndrawn(session.machine)).toBe(true);
+  expect([isUndrawn(session.machine), session.proposal.isDue.value]).toEqual([true, true]);
   session.proposal.show(PROPOSED);
+  expect(session.proposal.isDue.value).toBe(false);
   expect([at("R/A")?.x, at("R/B")?.x]).toEqual([10, 50]);
   expect(session.pending.value).toEqual([]);
   server.take();

@@ -1,6 +1,6 @@
 /** An automatic layout that is shown and not made, of a machine without a drawing: the next edit or save makes it first. */
 
-import { type ReadonlySignal, signal } from "@preact/signals-core";
+import { computed, type ReadonlySignal, signal } from "@preact/signals-core";
 import type { Edit } from "../model/generated/protocol.ts";
 import type { Machine } from "../model/machine.ts";
 import { isUndrawn } from "../model/undrawn.ts";
@@ -11,6 +11,8 @@ import type {
 } from "../store/document/machine_session.ts";
 
 interface ProposedLayoutPorts {
+  /** The machine as it is shown; asked again with each change. */
+  readonly machine: () => Machine;
   /** Makes the edit. */
   readonly make: (name: string, edit: Edit) => Promise<EditAnswer>;
   /** Shows the machine anew, with the proposal as it is now. */
@@ -19,10 +21,12 @@ interface ProposedLayoutPorts {
 
 export class ProposedLayout implements LayoutProposal {
   readonly #shown = signal<ProposedEdit | null>(null);
+  readonly isDue: ReadonlySignal<boolean>;
   readonly #ports: ProposedLayoutPorts;
 
   constructor(ports: ProposedLayoutPorts) {
     this.#ports = ports;
+    this.isDue = computed(() => this.#shown.value === null && isUndrawn(ports.machine()));
   }
 
   get shown(): ReadonlySignal<ProposedEdit | null> {

@@ -38,6 +38,8 @@ export interface ProposedEdit {
 /** A layout that is shown although the machine does not have it: the next edit or save makes it first. */
 export interface LayoutProposal {
   readonly shown: ReadonlySignal<ProposedEdit | null>;
+  /** Whether the machine has no drawing, and no layout is shown for it yet. */
+  readonly isDue: ReadonlySignal<boolean>;
   readonly show: (edit: ProposedEdit) => void;
   /** Makes it an edit, if there is one. */
   readonly keep: () => Promise<void>;
