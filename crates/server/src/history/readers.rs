@@ -7,7 +7,7 @@ use crate::Failure;
 use crate::gate::blocking;
 use rafcon_locks::Mutex;
 use rafcon_storage::journal::folder::{DATABASE_FILE, RECORDER_FILE};
-use rafcon_storage::journal::{JournalError, Reader, writer_of};
+use rafcon_storage::journal::{JournalError, Reader, leave_log, writer_of};
 use std::collections::VecDeque;
 use std::fs;
 use std::os::unix::fs::MetadataExt as _;
@@ -44,6 +44,15 @@ struct OpenReader {
     version: JournalVersion,
     reader: Reader,
     used: Instant,
+}
+
+impl OpenReader {
+    /// Takes time: nobody may wait for a lock meanwhile.
+    fn close(self) {
+        let Self { folder, reader, .. } = self;
+        drop(reader);
+        leave_log(&folder);
+    }
 }
 
 /// What shows that what was read of a journal is still valid: its writer is the same, or it has the same leftovers.
@@ -117,7 +126,11 @@ impl Readers {
         }
         let readers = Arc::clone(self);
         tokio::spawn(async move {
-            while readers.close_unused() {
+            loop {
+                let now = Arc::clone(&readers);
+                if blocking(move || Ok(now.close_unused())).await != Ok(true) {
+                    break;
+                }
                 sleep(IDLE_TIME).await;
             }
         });
@@ -131,8 +144,7 @@ impl Readers {
         let is_left = !idle.is_empty();
         self.is_closing.store(is_left, Ordering::Release);
         drop(idle);
-        // Closed with no one waiting for the lock.
-        drop(old);
+        old.into_iter().for_each(OpenReader::close);
         is_left
     }
 
@@ -177,8 +189,9 @@ impl Readers {
         idle.push_back(open);
         let oldest = if idle.len() > IDLE { idle.pop_front() } else { None };
         drop(idle);
-        // Closed with no one waiting for the lock.
-        drop(oldest);
+        if let Some(oldest) = oldest {
+            oldest.close();
+        }
     }
 }
 
@@ -188,6 +201,7 @@ mod tests {
     use crate::Failure;
     use rafcon_storage::journal::{About, Journal, Options, Reader};
     use rafcon_testkit::journal_notation;
+    use std::fs;
     use std::path::Path;
     use std::sync::Arc;
     use tokio::time::sleep;
@@ -243,6 +257,26 @@ mod tests {
         readers.read(folder.path().join("1"), last).await.unwrap();
         sleep(3 * IDLE_TIME).await;
         assert_eq!(readers.idle.lock().len(), 0);
+    }
+
+    #[tokio::test(start_paused = true)]
+    async fn a_run_that_ended_while_it_was_read_takes_no_more_disk_than_others() {
+        let folder = tempfile::tempdir().unwrap();
+        let readers = Arc::new(Readers::default());
+        let run = folder.path().join("run");
+        let journal = begin(&run);
+        readers.read(run.clone(), last).await.unwrap();
+        journal.close_for_long().unwrap();
+        assert_eq!(logs(&run), 2);
+        sleep(3 * IDLE_TIME).await;
+        assert_eq!(logs(&run), 0);
+        assert_eq!(readers.read(run, last).await, Ok(0));
+    }
+
+    /// Files that belong to a write-ahead log.
+    fn logs(folder: &Path) -> usize {
+        let names = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().file_name());
+        names.filter(|name| name.to_string_lossy().starts_with("journal.db-")).count()
     }
 
     #[test]

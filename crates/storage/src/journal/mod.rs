@@ -38,6 +38,7 @@ pub use record::{
 pub use replicate::{
     Chain, EventItems, EventSource, IncomingContent, Replica, ReplicaError, ValueContent,
 };
+pub use store::leave_log;
 pub use write::{
     Committed, Journal, Options, Pruned, RECORDER_BYTES, ResumePoint, Retention, SIZE_MAX,
     has_begun, remove,

@@ -5,11 +5,12 @@ pub(in crate::journal) mod leftovers;
 pub(in crate::journal) mod recorder;
 pub(in crate::journal) mod sums;
 
-use crate::journal::folder::{DATABASE_FILE, Doing, JournalError, create_file};
+use crate::journal::folder::{DATABASE_FILE, Doing, JournalError, RECORDER_FILE, create_file};
 use crate::journal::record::{Definition, Item, Items, Place, PlaceNumber, ValueNumber};
 use group::{Block, Group};
 use rusqlite::{Connection, OpenFlags, OptionalExtension as _};
 use std::collections::BTreeMap;
+use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 use sums::{Checked, Damage, RowHeader};
@@ -281,6 +282,19 @@ impl Database {
     /// An error: the database is damaged.
     pub(in crate::journal) fn damaged(&self, what: &str) -> JournalError {
         JournalError::Damaged { path: self.path.clone(), what: what.to_owned() }
+    }
+}
+
+/// Gives up the write-ahead log of the run in `folder` once nobody writes or reads it. A reader leaves its files beside the
+/// database of a run that ended while it was read, and they take more disk than a short run. Changes nothing of a run that did
+/// not close, and nothing where that fails: the next reader may do it.
+pub fn leave_log(folder: &Path) {
+    let is_left = |file: String| fs::exists(folder.join(file)).unwrap_or(false);
+    if is_left(RECORDER_FILE.to_owned()) || !is_left(format!("{DATABASE_FILE}-shm")) {
+        return;
+    }
+    if let Ok(mut database) = Database::open_with(folder, OpenFlags::SQLITE_OPEN_READ_WRITE) {
+        drop(database.leave_log());
     }
 }
 
