@@ -204,6 +204,13 @@ class Conditions(unittest.TestCase):
             self.assertEqual(shown, head + "x" * (min(length, 200) - len(head)))
 
 
+    def test_of_many_conditions_some_are_kept_compiled_and_all_hold(self):
+        texts = [f"inputs['x'] == {number}" for number in range(2000)]
+        for number, text in enumerate(texts + texts):
+            self.assertTrue(_conditions.check(text, {"x": number % 2000}, None, {}, None))
+        self.assertEqual(_conditions._code.cache_info().currsize, 1000)
+
+
 class Tracebacks(unittest.TestCase):
     def run_script(self, text):
         module = {}

@@ -2,14 +2,15 @@
 
 import builtins
 from collections.abc import Mapping
+from functools import lru_cache
 from types import MappingProxyType
 
 from rafcon.core.global_variable_manager import global_variables
 
 #: What is shown of an error.
 _TEXT_MAX = 200
-
-_compiled = {}
+#: Conditions that are kept compiled.
+_COMPILED_MAX = 1000
 
 
 class Variables(Mapping):
@@ -45,11 +46,9 @@ def check(text, inputs, outputs, scoped, outcome):
     return bool(eval(_code(text), names))
 
 
+@lru_cache(maxsize=_COMPILED_MAX)
 def _code(text):
-    code = _compiled.get(text)
-    if code is None:
-        code = _compiled[text] = compile(text.strip(), "<condition>", "eval")
-    return code
+    return compile(text.strip(), "<condition>", "eval")
 
 
 def reason(error):
