@@ -86,7 +86,7 @@ pub struct Listen {
     pub certificate: Option<(PathBuf, PathBuf)>,
     /// How many connections there may be at a time.
     pub connections_max: usize,
-    /// How long a client may take for the head of a request.
+    /// How long a client may take for the head of a request, TLS included: at 2 s each way that alone takes 10 s.
     pub head_patience: Duration,
     /// How long a client may be silent in the middle of a body.
     pub body_patience: Duration,
@@ -171,7 +171,7 @@ impl Default for Listen {
             proxies: Vec::new(),
             certificate: None,
             connections_max: 1024,
-            head_patience: Duration::from_secs(10),
+            head_patience: Duration::from_secs(30),
             body_patience: Duration::from_secs(30),
             write_limit: Duration::from_mins(1),
         }
