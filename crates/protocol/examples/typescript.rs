@@ -94,7 +94,9 @@ fn in_requests(words: &mut Words) {
     words.visit::<api::Retention>();
     words.visit::<api::SaveMachine>();
     words.visit::<api::SaveState>();
+    words.visit::<api::StartAgain>();
     words.visit::<api::StartRun>();
+    words.visit::<api::StartedRun>();
 }
 
 fn in_queries(words: &mut Words) {

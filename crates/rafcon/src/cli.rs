@@ -11,7 +11,7 @@ pub(crate) use kept::{
 };
 pub(crate) use link::{Link, LinkProfile, LinkStatus, Pair, Station};
 pub(crate) use plan::{Plan, Then};
-pub(crate) use remote::{Access, Control, Fetch, KeptRemote, Login, Remote, Wanted};
+pub(crate) use remote::{Access, Again, Control, Fetch, KeptRemote, Login, Remote, Wanted};
 pub(crate) use serve::{Role, Serve, State, User, UserAction};
 
 use crate::templates;
@@ -35,6 +35,7 @@ pub(crate) enum Command {
     Attach(Attach),
     Tell(Tell),
     Resume(Resume),
+    Again(Again),
     Runs(ListRuns),
     History(History),
     Log(Log),
@@ -99,6 +100,9 @@ pub(crate) struct Run {
     /// over `inputs`, `outputs`, `scoped`, `outcome` and `gvm` (repeat for more)
     #[arg(long = "break", value_name = "STATE [after] [if CONDITION]")]
     pub(crate) breakpoints: Vec<String>,
+    /// Have this robot of the station (`--server`) start the machine, which lies in a project of the robot
+    #[arg(long, value_name = "NAME", requires = "server")]
+    pub(crate) robot: Option<String>,
     #[command(flatten)]
     pub(crate) remote: Remote,
 }

@@ -1,6 +1,6 @@
 //! What a station says to a robot's server, and a robot's server to its stations, inside commands and status.
 
-use rafcon_protocol::api::{Control, ControlMove};
+use rafcon_protocol::api::{Control, ControlMove, StartOf};
 use rafcon_protocol::{AT_ROBOT, Command, Envelope, OnCrash};
 use serde::{Deserialize, Serialize};
 
@@ -23,6 +23,9 @@ pub(crate) enum StationRequest {
     /// history to begin at, if not the end. The station may number the run otherwise than the robot, so its id is named.
     #[serde(rename = "r")]
     Resume(String, String, String, OnCrash, Option<u64>),
+    /// A run is to be started: id, author, and what.
+    #[serde(rename = "s")]
+    Start(String, String, StartOf),
 }
 
 impl StationRequest {

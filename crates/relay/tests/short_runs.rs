@@ -4,10 +4,12 @@
 #![expect(clippy::unwrap_used, reason = "a test ends where it goes wrong")]
 
 use rafcon_link::Profile;
-use rafcon_protocol::api::{Control, ControlMove, ResumeRequest, Right};
+use rafcon_protocol::api::{
+    Control, ControlMove, ResumeRequest, Right, RobotAnswer, StartOf, StartRequest,
+};
 use rafcon_protocol::{Command, Event, Outcome};
 use rafcon_relay::{
-    Answered, Authority, Paired, Pairing, Projects, ResumeDesk, RobotSettings, StationAddress,
+    Answered, Authority, Paired, Pairing, Projects, RequestDesk, RobotSettings, StationAddress,
     StationSettings, Stopper, ValueDesk, relay_robot, relay_station,
 };
 use rafcon_storage::journal::{
@@ -57,8 +59,20 @@ impl Authority for Nobody {
         Err("nobody resumes".to_owned())
     }
 
-    fn was_resumed(&self, _: &str, _: &str, _: &str) -> Option<bool> {
-        Some(false)
+    fn fate_of_resume(&self, _: &str, _: &str, _: &str) -> RobotAnswer {
+        RobotAnswer::Expired
+    }
+
+    fn right_to_start(&self, _: &StartOf) -> Result<Right, String> {
+        Ok(Right::Start)
+    }
+
+    fn start(&self, _: StartRequest, _: Answered) -> Result<(), String> {
+        Err("nobody starts".to_owned())
+    }
+
+    fn fate_of_start(&self, _: &str, _: &str) -> RobotAnswer {
+        RobotAnswer::Expired
     }
 
     fn present(&self, _: &str) {}
@@ -126,7 +140,7 @@ impl World {
             tls: None,
             profile: Profile::LAN,
             desk: ValueDesk::default(),
-            resumes: ResumeDesk::default(),
+            server_requests: RequestDesk::default(),
             tell: |problem| panic!("{problem}"),
         };
         let stopper = Stopper::default();

@@ -1,8 +1,7 @@
 //! What a server is started with: values that its program has read from command line and environment.
 
 use crate::page_files::PageFiles;
-use rafcon_protocol::Answer;
-use rafcon_protocol::api::{ResumeRequest, ValueFetch};
+use rafcon_protocol::api::{RobotAnswer, RobotRequest, ValueFetch};
 use rafcon_supervisor::ProgramEnvironment;
 use std::fmt;
 use std::net::{IpAddr, Ipv4Addr, SocketAddr};
@@ -57,13 +56,13 @@ pub trait Robots: fmt::Debug + Send + Sync {
     /// How far a value is, if it is being fetched or was last.
     fn progress(&self, value: (&str, u64)) -> Option<ValueFetch>;
 
-    /// Asks a robot to resume a run, once for each id. `answered` is called with the robot's answer, or once it is overdue. The error is
+    /// Gives a robot a request, once for each id. `answered` is called with the robot's answer, or once it is overdue. The error is
     /// the reason why the request is not taken.
-    fn resume(
+    fn request(
         &self,
         robot: &str,
-        request: ResumeRequest,
-        answered: Box<dyn FnOnce(Answer) + Send>,
+        request: RobotRequest,
+        answered: Box<dyn FnOnce(RobotAnswer) + Send>,
     ) -> Result<(), String>;
 
     /// What so many bytes cost on the link to a robot, in bytes, and how long that takes, in ms, if the robot is heard. Nothing if it is

@@ -7,6 +7,7 @@ mod past;
 mod people;
 mod plans;
 mod python;
+mod robots;
 mod run_wait;
 mod runs;
 mod server;
@@ -41,11 +42,14 @@ pub use plans::{
     PlanThen,
 };
 pub use python::{CheckScript, ScriptPlace, ScriptProblem};
+pub use robots::{
+    ResumeRequest, RobotAnswer, RobotRequest, StartAgain, StartOf, StartRequest, StartedRun,
+};
 pub use run_wait::RunWait;
 pub use runs::{
     CommandAnswer, Control, ControlMove, EventPage, HistoryEntry, LinkState, LoadedMachine,
-    OutputEnd, Pruned, ResumeRequest, ResumeRun, Retention, RunNow, RunOutput, RunPhase,
-    RunSummary, StartRun, StateAt,
+    OutputEnd, Pruned, ResumeRun, Retention, RunNow, RunOutput, RunPhase, RunSummary, StartRun,
+    StateAt,
 };
 pub use server::{Health, Refusal, ServerStatus};
 pub use set_aside::{SetAsideDraft, SetAsideEdit};

@@ -64,19 +64,6 @@ pub struct ResumeRun {
     pub from: Option<u64>,
 }
 
-/// A user's request to resume a run, between a station and its robot.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct ResumeRequest {
-    /// Id of the run.
-    pub run: String,
-    /// Name of the user.
-    pub user: String,
-    /// Content, under an id unique at the station.
-    pub asked: ResumeRun,
-    /// End of its validity in ms since 1970, UTC, by this computer's clock. None: as is usual over the link, or without end.
-    pub expiry_ms: Option<u64>,
-}
-
 /// What has become of a run.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]

@@ -82,6 +82,21 @@ pub(crate) struct Control {
     pub(crate) access: Access,
 }
 
+/// Start the machine of a run again.
+///
+/// Another run begins with the same inputs and settings, at the server that has the run. A station asks the robot of the run; what
+/// the robot sends of the new run arrives after the delay of the link.
+#[derive(Debug, Args)]
+pub(crate) struct Again {
+    /// The run before: its id or the start of the id, or `last`
+    pub(crate) run: String,
+    /// Address of the server or station, such as `https://ground:4747`
+    #[arg(long, value_name = "URL")]
+    pub(crate) server: String,
+    #[command(flatten)]
+    pub(crate) access: Access,
+}
+
 /// Fetch a large value of a robot's run to its station.
 ///
 /// Events bring what can be shown of a value; a large one stays on the robot until someone needs its bytes. Without NAME, this lists the

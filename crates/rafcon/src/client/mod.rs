@@ -26,7 +26,8 @@ pub(crate) use notebook::CredentialStore;
 use rafcon_model::Machine;
 use rafcon_protocol::api::{
     CommandAnswer, Control, ControlMove, Login, MachineAt, MachineDocument, MachineFile,
-    MachineSummary, Moment, NewToken, ResumeRun, RunNow, RunSummary, StartRun, TokenMade,
+    MachineSummary, Moment, NewToken, ResumeRun, RunNow, RunSummary, StartAgain, StartRun,
+    StartedRun, TokenMade,
 };
 use rafcon_protocol::document::{Document, leave};
 use rafcon_protocol::{Envelope, StateData};
@@ -70,6 +71,16 @@ impl Server {
     /// Resumes a run.
     pub(crate) fn resume(&self, run: &str, request: &ResumeRun) -> Result<RunSummary, Fault> {
         self.send(&format!("/runs/{}/resume", escaped(run)), request)
+    }
+
+    /// Has a robot of a station start a machine.
+    pub(crate) fn start_at(&self, robot: &str, request: &StartRun) -> Result<StartedRun, Fault> {
+        self.send(&format!("/robots/{}/runs", escaped(robot)), request)
+    }
+
+    /// Starts the machine of a run again.
+    pub(crate) fn start_again(&self, run: &str, request: &StartAgain) -> Result<StartedRun, Fault> {
+        self.send(&format!("/runs/{}/again", escaped(run)), request)
     }
 
     /// How a run stands.

@@ -8,9 +8,12 @@ use crate::failure::complain;
 use anyhow::{Context as _, Result, bail};
 use rafcon_link::Profile;
 use rafcon_protocol::Command;
-use rafcon_protocol::api::{Control, ControlMove, ResumeRequest, Right, ValueFetch};
+use rafcon_protocol::api::{
+    Control, ControlMove, ResumeRequest, Right, RobotAnswer, RobotRequest, StartOf, StartRequest,
+    ValueFetch,
+};
 use rafcon_relay::{
-    Answered, Authority, Paired, Pairing, PairingList, PairingRights, Projects, ResumeDesk,
+    Answered, Authority, Paired, Pairing, PairingList, PairingRights, Projects, RequestDesk,
     RobotSettings, StationSettings, Stopper, ValueCost, ValueDesk, relay_robot, relay_station,
 };
 use rafcon_server::{Robots, RunAuthority, Settings};
@@ -125,6 +128,10 @@ impl ServerAuthority {
     }
 }
 
+fn unknown(reason: String) -> RobotAnswer {
+    RobotAnswer::Unknown { reason }
+}
+
 impl Authority for ServerAuthority {
     fn command(&self, run: &str, user: &str, epoch: u64) -> Result<(), String> {
         self.server()?.command(run, user, epoch)
@@ -146,8 +153,20 @@ impl Authority for ServerAuthority {
         self.server()?.resume(request, answered)
     }
 
-    fn was_resumed(&self, run: &str, user: &str, id: &str) -> Option<bool> {
-        self.server().ok()?.was_resumed(run, user, id)
+    fn fate_of_resume(&self, run: &str, user: &str, id: &str) -> RobotAnswer {
+        self.server().map_or_else(unknown, |server| server.fate_of_resume(run, user, id))
+    }
+
+    fn right_to_start(&self, of: &StartOf) -> Result<Right, String> {
+        self.server()?.right_to_start(of)
+    }
+
+    fn start(&self, request: StartRequest, answered: Answered) -> Result<(), String> {
+        self.server()?.start(request, answered)
+    }
+
+    fn fate_of_start(&self, user: &str, id: &str) -> RobotAnswer {
+        self.server().map_or_else(unknown, |server| server.fate_of_start(user, id))
     }
 
     fn present(&self, user: &str) {
@@ -165,7 +184,7 @@ impl Authority for ServerAuthority {
 #[derive(Debug, Clone, Default)]
 pub(super) struct StationDesk {
     values: ValueDesk,
-    resumes: ResumeDesk,
+    requests: RequestDesk,
 }
 
 impl Robots for StationDesk {
@@ -186,13 +205,13 @@ impl Robots for StationDesk {
         Some((link_bytes, takes_ms))
     }
 
-    fn resume(
+    fn request(
         &self,
         robot: &str,
-        request: ResumeRequest,
+        request: RobotRequest,
         answered: Answered,
     ) -> Result<(), String> {
-        self.resumes.ask(robot, request, answered).map_err(|why| why.to_string())
+        self.requests.ask(robot, request, answered).map_err(|why| why.to_string())
     }
 }
 
@@ -274,7 +293,7 @@ impl Relays {
             tls: Some(Arc::new(StationTls(tls))),
             profile: profile(raw.profile),
             desk: desk.values.clone(),
-            resumes: desk.resumes.clone(),
+            server_requests: desk.requests.clone(),
             tell: complain,
         };
         let stopper = self.stopper.clone();

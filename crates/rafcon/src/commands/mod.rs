@@ -40,6 +40,7 @@ pub(crate) fn main(cli: Cli, environment: &Environment, clock: Clock) -> Result<
         Command::Attach(request) => attach::attach(&request, environment, clock),
         Command::Tell(request) => tell::tell(&request, environment),
         Command::Resume(request) => run::resume(&request, environment, clock),
+        Command::Again(request) => run::again(&request, environment, clock),
         Command::Runs(request) => runs::runs(&request, environment),
         Command::History(request) => history::history(&request, environment),
         Command::Log(request) => history::log(&request, environment),

@@ -34,6 +34,7 @@ mod signals;
 mod starts;
 mod station;
 mod station_machines;
+mod station_starts;
 mod station_trouble;
 mod station_values;
 mod station_websocket;

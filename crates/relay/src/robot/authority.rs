@@ -1,8 +1,10 @@
 //! Who may command the runs of a robot: one user at a time, over its own page and all stations.
 
-use crate::resumes::Answered;
+use crate::requests::Answered;
 use rafcon_protocol::Command;
-use rafcon_protocol::api::{Control, ControlMove, ResumeRequest, Right};
+use rafcon_protocol::api::{
+    Control, ControlMove, ResumeRequest, Right, RobotAnswer, StartOf, StartRequest,
+};
 use std::fmt;
 
 /// Decides who commands. Users of a station have `@` and its name after theirs.
@@ -24,8 +26,18 @@ pub trait Authority: fmt::Debug + Send + Sync {
     /// was done by the end of its validity.
     fn resume(&self, request: ResumeRequest, answered: Answered) -> Result<(), String>;
 
-    /// True if this request resumed the run, false if not; none if the fate is unknown.
-    fn was_resumed(&self, run: &str, user: &str, id: &str) -> Option<bool>;
+    /// What is known of a request to resume a run.
+    fn fate_of_resume(&self, run: &str, user: &str, id: &str) -> RobotAnswer;
+
+    /// Right that a start needs, or why there is nothing to start.
+    fn right_to_start(&self, of: &StartOf) -> Result<Right, String>;
+
+    /// Begins to start a run, once for each id of a user. `answered` is called with the result: `Expired` if nothing was done by the
+    /// end of its validity.
+    fn start(&self, request: StartRequest, answered: Answered) -> Result<(), String>;
+
+    /// What is known of a request to start a run.
+    fn fate_of_start(&self, user: &str, id: &str) -> RobotAnswer;
 
     /// A user is there: who holds control is not silent.
     fn present(&self, user: &str);

@@ -3,9 +3,9 @@
 use super::parcels::SentParcel;
 use crate::inbox::Input;
 use crate::meter::millis;
+use rafcon_protocol::api::RobotAnswer;
 use rafcon_protocol::{
-    Answer, Envelope, FrameKind, Hello, Join, Snapshot, ToRunner, ToViewer, decode, encode,
-    read_frame,
+    Envelope, FrameKind, Hello, Join, Snapshot, ToRunner, ToViewer, decode, encode, read_frame,
 };
 use rafcon_supervisor::connect;
 use std::io::{self, BufRead as _, BufReader, Write as _};
@@ -26,8 +26,8 @@ pub(super) enum FromRun {
     Happened(String),
     /// This is its present state.
     Snapshot(String, Box<Snapshot>),
-    /// This became of the command with this id.
-    Answered(String, Answer),
+    /// This became of the request with this id.
+    Answered(String, RobotAnswer),
     /// The connection to the runner of this run ended.
     Gone(String),
     /// These parcels are sent, and no others.
@@ -121,7 +121,7 @@ fn follow(
 fn said(run: &str, content: &[u8]) -> Option<FromRun> {
     match serde_json::from_slice(content).ok()? {
         ToViewer::Snapshot(snapshot) => Some(FromRun::Snapshot(run.to_owned(), Box::new(snapshot))),
-        ToViewer::Answer { id, answer } => Some(FromRun::Answered(id, answer)),
+        ToViewer::Answer { id, answer } => Some(FromRun::Answered(id, answer.into())),
         ToViewer::Loaded { .. }
         | ToViewer::LoadFailed { .. }
         | ToViewer::Inspection { .. }

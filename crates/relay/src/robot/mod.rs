@@ -28,8 +28,10 @@ use early::EarlyCommands;
 use follow::FromRun;
 use parcels::SentParcels;
 use rafcon_link::{CommandState, Generation, Profile, ReceivedCommand, RobotSession, StreamId};
-use rafcon_protocol::api::{ControlMove, ResumeRequest, ResumeRun, Right};
-use rafcon_protocol::{Answer, Envelope, Expiry, LinkReport};
+use rafcon_protocol::api::{
+    ControlMove, ResumeRequest, ResumeRun, Right, RobotAnswer, StartRequest,
+};
+use rafcon_protocol::{Envelope, Expiry, LinkReport};
 use rafcon_supervisor::clock;
 use runs::RobotRuns;
 use std::path::PathBuf;
@@ -315,15 +317,14 @@ impl RobotRelay<'_> {
         }
         let ReceivedCommand { id, not_after_ms, epoch, is_late, .. } = command;
         let done = match read {
-            Ok((stream, word)) if is_late => self.late_fate(stream, &word),
-            Ok((stream, word)) => self.heed(now, (stream, word), (epoch, not_after_ms)),
+            Ok((stream, word)) if is_late => Ok(self.late_fate(stream, &word)),
+            Ok((stream, word)) => self
+                .heed(now, (stream, word), (epoch, not_after_ms))
+                .map(|state| (state, String::new())),
             Err(error) => Err(format!("the robot's server does not understand it: {error}")),
         };
-        let (state, reason) = match done {
-            Ok(state) => (state, String::new()),
-            Err(reason) => (CommandState::Refused, reason),
-        };
-        self.session.set_command_state(now, id, state, &reason);
+        let (state, text) = done.unwrap_or_else(|reason| (CommandState::Refused, reason));
+        self.session.set_command_state(now, id, state, &text);
     }
 
     /// Prepares to carry out a request; false if that, or its fate, needs another moment.
@@ -334,34 +335,29 @@ impl RobotRelay<'_> {
     ) -> bool {
         match read {
             Ok((stream, StationRequest::Command(..))) => is_late || self.runs.make_ready(*stream),
-            Ok((_, StationRequest::Resume(..))) => self.settings.authority.is_ready(),
+            Ok((_, StationRequest::Resume(..) | StationRequest::Start(..))) => {
+                self.settings.authority.is_ready()
+            }
             Ok((_, StationRequest::MoveControl(..) | StationRequest::Present(_))) | Err(_) => true,
         }
     }
 
-    /// Fate of a late command, by the run's journal: an earlier start of this server may have given it to the runner.
-    fn late_fate(&self, stream: StreamId, word: &StationRequest) -> Result<CommandState, String> {
-        let id = match word {
-            StationRequest::Command(id, ..) => id,
+    /// Fate of a late request, by the run's journal and the server: an earlier start of this server may have carried it out.
+    fn late_fate(&self, stream: StreamId, word: &StationRequest) -> (CommandState, String) {
+        let Self { settings, .. } = self;
+        let authority = &settings.authority;
+        let at_robot = |author| author_at_robot(author, settings.paired.pairing.station_name());
+        let fate = match word {
+            StationRequest::Command(id, ..) => {
+                self.runs.answer_of(stream, id).map_or(RobotAnswer::Expired, RobotAnswer::from)
+            }
             StationRequest::Resume(id, author, run, ..) => {
-                let Self { settings, .. } = self;
-                let author = author_at_robot(author, settings.paired.pairing.station_name());
-                return Ok(match settings.authority.was_resumed(run, &author, id) {
-                    Some(true) => CommandState::Done,
-                    Some(false) => CommandState::Expired,
-                    // The station reports that the fate is unknown.
-                    None => CommandState::Started,
-                });
+                authority.fate_of_resume(run, &at_robot(author), id)
             }
-            StationRequest::MoveControl(..) | StationRequest::Present(_) => {
-                return Ok(CommandState::Expired);
-            }
+            StationRequest::Start(id, author, _) => authority.fate_of_start(&at_robot(author), id),
+            StationRequest::MoveControl(..) | StationRequest::Present(_) => RobotAnswer::Expired,
         };
-        match self.runs.answer_of(stream, id) {
-            Some(Answer::Applied) => Ok(CommandState::Done),
-            Some(Answer::Refused { reason }) => Err(reason),
-            Some(Answer::Expired | Answer::Unknown { .. }) | None => Ok(CommandState::Expired),
-        }
+        outcome(fate)
     }
 
     fn heed(
@@ -375,6 +371,7 @@ impl RobotRelay<'_> {
         let station = self.settings.paired.pairing.station_name();
         let run = match &word {
             StationRequest::Resume(_, _, run, ..) => run.clone(),
+            StationRequest::Start(..) => String::new(),
             _ => self.runs.name(stream).ok_or("the robot has no such run")?.to_owned(),
         };
         let left_ms = not_after_ms.saturating_sub(millis(now));
@@ -416,6 +413,14 @@ impl RobotRelay<'_> {
                 authority.resume(ResumeRequest { run, user, asked, expiry_ms }, answered)?;
                 Ok(CommandState::Started)
             }
+            StationRequest::Start(id, author, of) => {
+                rights.check_right(authority.right_to_start(&of)?)?;
+                let user = author_at_robot(&author, station);
+                let answered = self.runs.answerer(id.clone());
+                let expiry_ms = Some(expiry_ms);
+                authority.start(StartRequest { id, user, of, expiry_ms }, answered)?;
+                Ok(CommandState::Started)
+            }
             StationRequest::Present(user) => {
                 authority.present(&author_at_robot(&user, station));
                 Ok(CommandState::Done)
@@ -429,19 +434,23 @@ impl RobotRelay<'_> {
             FromRun::Snapshot(run, snapshot) => {
                 self.runs.reported(&run, snapshot, &mut self.session);
             }
-            FromRun::Answered(envelope, answer) => {
-                let (state, reason) = match answer {
-                    Answer::Applied => (CommandState::Done, String::new()),
-                    Answer::Refused { reason } => (CommandState::Refused, reason),
-                    Answer::Expired => (CommandState::Expired, String::new()),
-                    // Runners know what they did.
-                    Answer::Unknown { .. } => return,
-                };
-                let (now, id) = (self.clock.now(), ids::command(&envelope));
-                self.session.set_command_state(now, id, state, &reason);
+            FromRun::Answered(id, answer) => {
+                let (state, text) = outcome(answer);
+                self.session.set_command_state(self.clock.now(), ids::command(&id), state, &text);
             }
             FromRun::Gone(run) => self.runs.gone(&run, &mut self.session),
             FromRun::Parcels(parcels) => self.runs.set_parcels(parcels, &mut self.session),
         }
+    }
+}
+
+/// State of a request with its text: the reason of a refusal, or the run that was started. While the fate is unknown, the station
+/// reports so.
+fn outcome(answer: RobotAnswer) -> (CommandState, String) {
+    match answer {
+        RobotAnswer::Done { run } => (CommandState::Done, run),
+        RobotAnswer::Refused { reason } => (CommandState::Refused, reason),
+        RobotAnswer::Expired => (CommandState::Expired, String::new()),
+        RobotAnswer::Unknown { .. } => (CommandState::Started, String::new()),
     }
 }

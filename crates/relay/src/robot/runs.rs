@@ -12,7 +12,7 @@ use crate::clock::SessionClock;
 use crate::ids;
 use crate::inbox::Input;
 use crate::meter::millis;
-use crate::resumes::Answered;
+use crate::requests::Answered;
 use crate::snapshot_words;
 use crate::words::{ReportedRunState, RunFate};
 use rafcon_link::{

@@ -24,7 +24,7 @@ use crate::error::RelayError;
 use crate::inbox::{Inbox, Input, Stopper};
 use crate::pairing::Paired;
 use crate::report::{REPORT_EVERY, Reporter};
-use crate::resumes::ResumeDesk;
+use crate::requests::RequestDesk;
 use disk::FromDisk;
 use rafcon_link::{Profile, StreamId};
 use robot::StationRobot;
@@ -75,8 +75,8 @@ pub struct StationSettings {
     pub profile: Profile,
     /// Where large values are asked for.
     pub desk: ValueDesk,
-    /// Requests to resume runs.
-    pub resumes: ResumeDesk,
+    /// Requests of the server to start and resume runs.
+    pub server_requests: RequestDesk,
     /// Told what goes wrong.
     pub tell: fn(&str),
 }

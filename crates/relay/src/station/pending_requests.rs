@@ -4,7 +4,8 @@ use super::viewers::PendingRequest;
 use crate::ids;
 use crate::words::StationRequest;
 use rafcon_link::{CommandId, StationSession, StreamId};
-use rafcon_protocol::{Answer, CommandProgress, CommandStage, OpenCommand};
+use rafcon_protocol::api::RobotAnswer;
+use rafcon_protocol::{CommandProgress, CommandStage, OpenCommand};
 use std::collections::{BTreeMap, VecDeque};
 
 /// Capacity of the kept answers. Beyond it, the oldest is dropped; a viewer that asks again makes the station ask the robot.
@@ -14,7 +15,7 @@ const ANSWERS_MAX: usize = 1_024;
 #[derive(Debug, Default)]
 pub(super) struct PendingRequests {
     open: BTreeMap<CommandId, OpenRequest>,
-    answers: BTreeMap<CommandId, Answer>,
+    answers: BTreeMap<CommandId, RobotAnswer>,
     /// Ids of `answers`, the oldest first.
     answered: VecDeque<CommandId>,
 }
@@ -29,9 +30,9 @@ pub(super) struct SendTimes {
 }
 
 /// The answer to a command whose time is over before the robot has answered.
-pub(super) fn overdue() -> Answer {
+pub(super) fn overdue() -> RobotAnswer {
     let reason = "it expired without an answer of the robot, which may have carried it out; the station repeats the question";
-    Answer::Unknown { reason: reason.to_owned() }
+    RobotAnswer::Unknown { reason: reason.to_owned() }
 }
 
 #[derive(Debug)]
@@ -40,7 +41,8 @@ struct OpenRequest {
     command: OpenCommand,
     /// False for requests about control and for presence, which are not shown.
     is_command: bool,
-    is_resume: bool,
+    /// It starts or resumes a run.
+    begins_run: bool,
 }
 
 impl PendingRequests {
@@ -58,9 +60,10 @@ impl PendingRequests {
             not_before_ms,
             progress: None,
         };
-        let is_resume = matches!(given.word, StationRequest::Resume(..));
-        let is_command = is_resume || matches!(given.word, StationRequest::Command(..));
-        let word = OpenRequest { stream, command, is_command, is_resume };
+        let begins_run =
+            matches!(given.word, StationRequest::Resume(..) | StationRequest::Start(..));
+        let is_command = begins_run || matches!(given.word, StationRequest::Command(..));
+        let word = OpenRequest { stream, command, is_command, begins_run };
         self.open.entry(ids::command(&given.id)).or_insert(word);
     }
 
@@ -72,7 +75,11 @@ impl PendingRequests {
     }
 
     /// Closes a word with this answer; returns its run and its name.
-    pub(super) fn close(&mut self, id: CommandId, answer: &Answer) -> Option<(StreamId, String)> {
+    pub(super) fn close(
+        &mut self,
+        id: CommandId,
+        answer: &RobotAnswer,
+    ) -> Option<(StreamId, String)> {
         let word = self.open.remove(&id)?;
         if self.answers.insert(id, answer.clone()).is_none() {
             self.answered.push_back(id);
@@ -85,10 +92,10 @@ impl PendingRequests {
         Some((word.stream, word.command.id))
     }
 
-    /// True if the robot has begun to resume a run by this request: a machine may take minutes to load.
-    pub(super) fn is_resuming(&self, id: CommandId) -> bool {
+    /// True if the robot has begun to start or resume a run by this request: a machine may take minutes to load.
+    pub(super) fn is_beginning_run(&self, id: CommandId) -> bool {
         let word = self.open.get(&id);
-        word.is_some_and(|word| word.is_resume && word.command.stage == CommandStage::Started)
+        word.is_some_and(|word| word.begins_run && word.command.stage == CommandStage::Started)
     }
 
     /// The run and the name of a word.
@@ -97,7 +104,7 @@ impl PendingRequests {
     }
 
     /// The answer to a word that was closed, or that it is overdue. None: it has to be sent, or waits for its answer in time.
-    pub(super) fn known_answer(&self, id: CommandId) -> Option<Answer> {
+    pub(super) fn known_answer(&self, id: CommandId) -> Option<RobotAnswer> {
         let is_overdue = |word: &OpenRequest| word.command.stage == CommandStage::Overdue;
         let overdue = self.open.get(&id).filter(|word| is_overdue(word)).map(|_| overdue());
         self.answers.get(&id).cloned().or(overdue)
@@ -141,10 +148,10 @@ mod tests {
         for nth in 0..=ANSWERS_MAX {
             let given = given(nth);
             words.add(StreamId(1), &given, times);
-            assert!(words.close(ids::command(&given.id), &Answer::Applied).is_some());
+            assert!(words.close(ids::command(&given.id), &RobotAnswer::Expired).is_some());
         }
         let known = |nth: usize| words.known_answer(ids::command(&nth.to_string()));
-        assert_eq!([known(0), known(1)], [None, Some(Answer::Applied)]);
+        assert_eq!([known(0), known(1)], [None, Some(RobotAnswer::Expired)]);
     }
 
     #[test]
@@ -156,6 +163,6 @@ mod tests {
         words.add(StreamId(1), &given, times);
         assert_eq!((words.known_answer(id), words.is_open(id)), (None, true));
         words.set_stage(id, CommandStage::Overdue);
-        assert!(matches!(words.known_answer(id), Some(Answer::Unknown { .. })));
+        assert!(matches!(words.known_answer(id), Some(RobotAnswer::Unknown { .. })));
     }
 }

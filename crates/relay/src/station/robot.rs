@@ -23,7 +23,7 @@ use crate::inbox::Input;
 use crate::meter::{LinkMeter, millis};
 use crate::pairing::{Paired, Pairing};
 use crate::request_words;
-use crate::resumes::ResumeDesk;
+use crate::requests::RequestDesk;
 use crate::start::Start;
 use crate::watch_words;
 use crate::words::{ReportedRunState, RunFate, StationRequest};
@@ -31,10 +31,8 @@ use rafcon_link::{
     CARRIER_OVERHEAD, CommandId, CommandState, EventHash, NewCommand, Profile, RangeSet, Rejected,
     StationSession, StreamId, Unusable,
 };
-use rafcon_protocol::api::ResumeRequest;
-use rafcon_protocol::{
-    Answer, CommandStage, Expiry, LinkHealth, LinkReport, WatchTarget, Watching,
-};
+use rafcon_protocol::api::{RobotAnswer, RobotRequest};
+use rafcon_protocol::{CommandStage, Expiry, LinkHealth, LinkReport, WatchTarget, Watching};
 use rafcon_storage::journal::EventItems;
 use rafcon_supervisor::clock;
 use std::collections::BTreeMap;
@@ -88,7 +86,7 @@ pub(super) struct StationRobot {
     /// What was given for the robot and whose fate is open.
     requests: PendingRequests,
     values: StationValues,
-    resumes: ResumeDesk,
+    server_requests: RequestDesk,
     /// What the robot is asked for of runs.
     watching: BTreeMap<StreamId, Asked>,
     /// The number of the last wish.
@@ -127,10 +125,10 @@ impl StationRobot {
         let (restored, parcels) = (kept.restore(), kept.restored_parcels());
         let whole = kept.whole();
         let disk = Disk::begin(kept).map_err(|source| RelayError::Thread { source })?;
-        settings.resumes.receive(&pairing.robot);
+        settings.server_requests.receive(&pairing.robot);
         let mut robot = Self {
             values,
-            resumes: settings.resumes.clone(),
+            server_requests: settings.server_requests.clone(),
             watching: BTreeMap::new(),
             wishes: clock::since_1970_ms(),
             profile: settings.profile.clone(),
@@ -397,7 +395,7 @@ impl StationRobot {
             self.pass(stream);
         }
         self.sync_wishes();
-        self.ask_to_resume();
+        self.send_server_requests();
         let link = health(&mut self.meter, &self.session, self.clock.now());
         let (session, requests) = (&self.session, &self.requests);
         for (stream, run) in &mut self.runs {
@@ -590,7 +588,11 @@ impl StationRobot {
         };
         let command = NewCommand { id, valid, wait, epoch: given.epoch.unwrap_or(known), body };
         if let Err(error) = self.session.command(now, command) {
-            return self.answer(stream, &given.id, &Answer::Refused { reason: error.to_string() });
+            return self.answer(
+                stream,
+                &given.id,
+                &RobotAnswer::Refused { reason: error.to_string() },
+            );
         }
         let there_ms = self.session.round_trip().map(|round_trip| millis(round_trip) / 2);
         let times = SendTimes {
@@ -601,11 +603,21 @@ impl StationRobot {
         self.requests.add(stream, given, times);
     }
 
-    /// Sends what the server asks for: the runs are closed here, so that no viewer does.
-    fn ask_to_resume(&mut self) {
-        for ResumeRequest { run, user, asked, .. } in self.resumes.take(&self.name) {
-            let (stream, id) = (ids::events_of(&run), asked.id.clone());
-            let word = StationRequest::Resume(asked.id, user, run, asked.policy, asked.from);
+    /// Sends what the server asks for: these runs have no viewers here.
+    fn send_server_requests(&mut self) {
+        for request in self.server_requests.take(&self.name) {
+            let (stream, id, word) = match request {
+                RobotRequest::Resume(it) => {
+                    let (stream, id) = (ids::events_of(&it.run), it.asked.id.clone());
+                    let (policy, from) = (it.asked.policy, it.asked.from);
+                    (stream, id, StationRequest::Resume(it.asked.id, it.user, it.run, policy, from))
+                }
+                RobotRequest::Start(it) => {
+                    // No run has an empty id.
+                    let (stream, id) = (ids::events_of(""), it.id.clone());
+                    (stream, id, StationRequest::Start(it.id, it.user, it.of))
+                }
+            };
             self.command(stream, &PendingRequest::soon(id, word));
         }
     }
@@ -614,13 +626,13 @@ impl StationRobot {
         match state {
             CommandState::Received => self.requests.set_stage(id, CommandStage::Received),
             CommandState::Started => self.requests.set_stage(id, CommandStage::Started),
-            CommandState::Done => self.close_word(id, &Answer::Applied),
-            CommandState::Refused => self.close_word(id, &Answer::Refused { reason }),
-            CommandState::Expired => self.close_word(id, &Answer::Expired),
+            CommandState::Done => self.close_word(id, &RobotAnswer::Done { run: reason }),
+            CommandState::Refused => self.close_word(id, &RobotAnswer::Refused { reason }),
+            CommandState::Expired => self.close_word(id, &RobotAnswer::Expired),
         }
     }
 
-    fn close_word(&mut self, id: CommandId, answer: &Answer) {
+    fn close_word(&mut self, id: CommandId, answer: &RobotAnswer) {
         if let Some((stream, name)) = self.requests.close(id, answer) {
             self.answer(stream, &name, answer);
         }
@@ -629,7 +641,7 @@ impl StationRobot {
     /// Says of commands whose time is over that their fate is unknown.
     fn note_overdue(&mut self) {
         for id in self.session.take_overdue(self.clock.now()) {
-            if self.requests.is_resuming(id) {
+            if self.requests.is_beginning_run(id) {
                 continue;
             }
             self.requests.set_stage(id, CommandStage::Overdue);
@@ -639,11 +651,11 @@ impl StationRobot {
         }
     }
 
-    fn answer(&self, stream: StreamId, name: &str, answer: &Answer) {
+    fn answer(&self, stream: StreamId, name: &str, answer: &RobotAnswer) {
         if let Some(run) = self.runs.get(&stream) {
-            run.shared.answer(name, answer);
+            run.shared.answer(name, &answer.to_command());
         }
-        self.resumes.answer(&self.name, name, answer);
+        self.server_requests.answer(&self.name, name, answer);
     }
 }
 

@@ -69,6 +69,8 @@ pub const ROUTES: &[Row] = &[
     (Method::GET, "/api/v1/runs/{run}", Right::Observe),
     (Method::DELETE, "/api/v1/runs/{run}", Right::Administer),
     (Method::POST, "/api/v1/runs/{run}/resume", Right::Start),
+    (Method::POST, "/api/v1/runs/{run}/again", Right::Start),
+    (Method::POST, "/api/v1/robots/{robot}/runs", Right::Start),
     (Method::POST, "/api/v1/runs/{run}/commands", Right::Command),
     (Method::GET, "/api/v1/runs/{run}/control", Right::Observe),
     (Method::POST, "/api/v1/runs/{run}/control", Right::Command),

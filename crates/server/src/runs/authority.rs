@@ -4,12 +4,19 @@ use super::commands::{move_holder, take};
 use super::folder_files::RunRequest;
 use super::resume::{EXPIRED, once};
 use super::run::Run;
-use crate::ServerState;
-use crate::access::of_command;
-use rafcon_protocol::api::{Control, ControlMove, ResumeRequest, Right};
-use rafcon_protocol::{Answer, Command};
+use super::start;
+use super::start_requests::unknown;
+use crate::access::{of_command, of_start};
+use crate::{Failure, ServerState};
+use rafcon_protocol::Command;
+use rafcon_protocol::api::{
+    Control, ControlMove, ResumeRequest, Right, RobotAnswer, RunSummary, StartOf, StartRequest,
+};
 use std::sync::Arc;
 use tokio::runtime::Handle;
+
+/// Takes the answer to a request.
+type Answered = Box<dyn FnOnce(RobotAnswer) + Send>;
 
 /// Decides who commands the runs of a server, on any thread. The station vouches for what its users may do.
 #[derive(Debug, Clone)]
@@ -55,34 +62,68 @@ impl RunAuthority {
 
     /// Begins to resume a run whose runner died, once for each id of a user. `answered` is called with the result: `Expired` if nothing
     /// was done by the end of its validity.
-    pub fn resume(
-        &self,
-        request: ResumeRequest,
-        answered: Box<dyn FnOnce(Answer) + Send>,
-    ) -> Result<(), String> {
+    pub fn resume(&self, request: ResumeRequest, answered: Answered) -> Result<(), String> {
         let run = self.run(&request.run)?;
         if let Some(robot) = run.robot() {
             return Err(format!("it is a replica here, too: robot {robot} has the run"));
         }
         let server = Arc::clone(&self.server);
+        self.carry_out(async move { once(&server, &run, &request).await }, answered);
+        Ok(())
+    }
+
+    /// What is known of a request to resume a run.
+    pub fn fate_of_resume(&self, run: &str, user: &str, id: &str) -> RobotAnswer {
+        let Ok(found) = self.run(run) else { return RobotAnswer::Expired };
+        let was_resumed = RunRequest::read(found.folder())
+            .map_or(Some(false), |request| request.was_resumed(user, id, found.is_live()));
+        match was_resumed {
+            Some(true) => RobotAnswer::Done { run: run.to_owned() },
+            Some(false) => RobotAnswer::Expired,
+            None => unknown("the server may have died before the program ran, or after"),
+        }
+    }
+
+    /// Right that a start needs, or why there is nothing to start.
+    pub fn right_to_start(&self, of: &StartOf) -> Result<Right, String> {
+        let asked = start::resolved(&self.server, of, "").map_err(|failure| failure.to_string())?;
+        Ok(of_start(&asked))
+    }
+
+    /// Begins to start a run, once for each id of a user. `answered` is called with the result: `Expired` if nothing was done by the
+    /// end of its validity.
+    pub fn start(&self, request: StartRequest, answered: Answered) -> Result<(), String> {
+        let StartRequest { id, user, of, expiry_ms } = request;
+        let server = Arc::clone(&self.server);
+        let started = async move {
+            let asked = start::resolved(&server, &of, &id)?;
+            start::must_be_kept(&asked)?;
+            start::once(&server, &user, asked, expiry_ms).await
+        };
+        self.carry_out(started, answered);
+        Ok(())
+    }
+
+    /// What is known of a request to start a run.
+    pub fn fate_of_start(&self, user: &str, id: &str) -> RobotAnswer {
+        self.server.runs.requests.fate(&RunRequest::start_key(user, id))
+    }
+
+    fn carry_out(
+        &self,
+        request: impl Future<Output = Result<RunSummary, Failure>> + Send + 'static,
+        answered: Answered,
+    ) {
         self.runtime.spawn(async move {
-            let answer = match once(&server, &run, &request).await {
-                Ok(_goes_on) => Answer::Applied,
-                Err(failure) if failure.code() == EXPIRED => Answer::Expired,
-                Err(failure) => Answer::Refused { reason: failure.to_string() },
+            let answer = match request.await {
+                Ok(run) => RobotAnswer::Done { run: run.id },
+                Err(failure) if failure.code() == EXPIRED => RobotAnswer::Expired,
+                Err(failure) => RobotAnswer::Refused { reason: failure.to_string() },
             };
             // The relay's queue may be full for a moment.
             let told = tokio::task::spawn_blocking(move || answered(answer));
             told.await.unwrap_or_default();
         });
-        Ok(())
-    }
-
-    /// True if this request resumed the run, false if not; none if the fate is unknown.
-    pub fn was_resumed(&self, run: &str, user: &str, id: &str) -> Option<bool> {
-        let Ok(run) = self.run(run) else { return Some(false) };
-        let request = RunRequest::read(run.folder());
-        request.map_or(Some(false), |request| request.was_resumed(user, id, run.is_live()))
     }
 
     /// A user is there: who holds control is not silent.

@@ -3,6 +3,7 @@
 //! Every run is a folder; one that continues is a process that lives without the server, and is spoken with over the socket in its
 //! folder. Knows nothing of HTTP beyond its own routes, nor what a runner does with what it is told.
 
+mod at_robot;
 mod authority;
 mod commands;
 mod control;

@@ -2,23 +2,23 @@
 //!
 //! Knows requests and launches. Does not know what the run does then.
 
-use super::commands;
 use super::folder_files::RunRequest;
 use super::launch::{LaunchError, Launched, launch};
 use super::run::Run;
-use super::start::{cannot_write, not_launched, to_its_end};
+use super::start::{cannot_write, not_launched, to_its_end, unless_expired};
 use super::supervise;
+use super::{at_robot, commands};
 use crate::access::Who;
 use crate::failure::reason;
 use crate::gate::blocking;
 use crate::{Failure, ServerState};
-use rafcon_protocol::api::{ControlMove, ResumeRequest, ResumeRun, RunPhase, RunSummary};
-use rafcon_protocol::{Answer, Launch};
-use rafcon_supervisor::{clock, resume_launch};
+use rafcon_protocol::Launch;
+use rafcon_protocol::api::{
+    ControlMove, ResumeRequest, ResumeRun, RobotRequest, RunPhase, RunSummary,
+};
+use rafcon_supervisor::resume_launch;
 use std::io;
 use std::sync::Arc;
-use tokio::sync::oneshot;
-use tokio::time::timeout;
 
 /// Resumes a run, or finds that it was resumed by this id.
 pub(crate) async fn resume(
@@ -55,37 +55,12 @@ async fn by_robot(
             format!("the run has come to its end: robot {robot} itself can begin it again");
         return Err(Failure::conflict("run_is_over", message));
     }
-    let (answer, answered) = oneshot::channel();
-    // After a time-out nobody receives it; a repeated request does.
-    let answered_by_robot = Box::new(move |it| answer.send(it).unwrap_or_default());
     // No command has such an id.
     let id = format!("{}//resume/{}/{}", who.user, run.id(), asked.id);
-    let request = request(run, who, ResumeRun { id, ..asked });
-    let not_taken =
-        |why| Failure::unavailable("robot_not_received", format!("robot {robot}: {why}"));
-    let robots = server.settings.robots.as_ref();
-    let robots = robots.ok_or_else(|| not_taken("this server is no station".to_owned()))?;
-    robots.resume(&robot, request, answered_by_robot).map_err(not_taken)?;
+    let request = RobotRequest::Resume(request(run, who, ResumeRun { id, ..asked }));
     server.audit().note(&who.user, "resume_asked", &format!("{} of {robot}", run.id()));
-    match timeout(commands::COMMAND_TIMEOUT, answered).await {
-        Ok(Ok(Answer::Applied)) => Ok(run.summary()),
-        Ok(Ok(Answer::Refused { reason })) => {
-            Err(Failure::conflict("refused_by_robot", format!("{robot}: {reason}")))
-        }
-        Ok(Ok(Answer::Expired)) => {
-            let message = format!(
-                "robot {robot} did not receive the request in time and did nothing: repeat it with another id"
-            );
-            Err(Failure::conflict(EXPIRED, message))
-        }
-        Ok(Ok(Answer::Unknown { reason })) => Err(Failure::conflict("fate_unknown", reason)),
-        Ok(Err(_)) | Err(_) => {
-            let message = format!(
-                "robot {robot} has not answered yet; the station repeats the request until it expires: repeat it with the same id"
-            );
-            Err(Failure::unavailable("not_finished", message))
-        }
-    }
+    at_robot::carry_out(server, &robot, request).await?;
+    Ok(run.summary())
 }
 
 /// The code of a request whose validity ended before it was carried out.
@@ -127,12 +102,7 @@ async fn in_turn(
         taken.map_err(|_still_heard| denied)
     })?;
     let turn = server.runs.turn().await?;
-    if expiry_ms.is_some_and(|expiry_ms| clock::since_1970_ms() > expiry_ms) {
-        return Err(Failure::conflict(
-            EXPIRED,
-            "the request expired before its turn: nothing was done",
-        ));
-    }
+    unless_expired(*expiry_ms)?;
     if !run.try_claim() {
         return Err(still_live());
     }

@@ -1,6 +1,6 @@
 //! What is asked about runs: how they begin, stand and are commanded. Knows requests and answers; the work is done next door.
 
-use super::{Run, commands, leftovers, resume, start};
+use super::{Run, at_robot, commands, leftovers, resume, start};
 use crate::access::Who;
 use crate::extract::{Body, Path, Query};
 use crate::gate::blocking;
@@ -9,7 +9,7 @@ use axum::Json;
 use axum::extract::State;
 use rafcon_protocol::api::{
     CommandAnswer, Control, ControlMove, Moment, OutputEnd, Refusal, ResumeRun, RunNow, RunOutput,
-    RunSummary, StartRun, StateAt,
+    RunSummary, StartAgain, StartRun, StartedRun, StateAt,
 };
 use rafcon_protocol::{Breakpoint, Envelope, Question, StateData, Values};
 use rafcon_supervisor::clock;
@@ -23,6 +23,8 @@ pub(crate) fn routes() -> OpenApiRouter<Arc<ServerState>> {
         .routes(routes!(list, begin))
         .routes(routes!(now))
         .routes(routes!(resume))
+        .routes(routes!(again))
+        .routes(routes!(begin_at_robot))
         .routes(routes!(command))
         .routes(routes!(control, move_control))
         .routes(routes!(state))
@@ -101,6 +103,56 @@ async fn resume(
     Body(asked): Body<ResumeRun>,
 ) -> Result<Json<RunSummary>, Failure> {
     resume::resume(&server, &who, &run, asked).await.map(Json)
+}
+
+/// Starts the machine of a run again: another run, with the same inputs and settings.
+///
+/// A station asks the robot of the run, which checks the rights of the pairing. The same id of the same author starts one run.
+#[utoipa::path(post, path = "/api/v1/runs/{run}/again", tag = "runs", request_body = StartAgain,
+    params(("run" = String, Path, description = "The id of the run before")),
+    responses(
+        (status = 200, description = "The run that was started, or was once by this id", body = StartedRun),
+        (status = 400, description = "Something is wrong with the request itself", body = Refusal),
+        (status = 403, description = "The run before had a breakpoint with a condition, and you may not edit", body = Refusal),
+        (status = 404, description = "There is no such run", body = Refusal),
+        (status = 409, description = "Its machine is in no project, or the robot refused it, or its fate is unknown", body = Refusal),
+        (status = 413, description = "The request is too large", body = Refusal),
+        (status = 422, description = "The machine cannot be run", body = Refusal),
+        (status = 429, description = "Too many runs are being started", body = Refusal),
+        (status = 503, description = "The robot has not answered yet, or there is no interpreter or room", body = Refusal),
+    )
+)]
+async fn again(
+    State(server): State<Arc<ServerState>>,
+    who: Who,
+    Path(run): Path<String>,
+    Body(asked): Body<StartAgain>,
+) -> Result<Json<StartedRun>, Failure> {
+    at_robot::start_again(&server, &who, &run, asked).await.map(Json)
+}
+
+/// Has a robot start a machine of its projects.
+///
+/// Asked of a station, which sends the request to the robot; the robot checks the rights of the pairing. The same id of the same
+/// author starts one run. What the robot sends of the run arrives after the delay of the link.
+#[utoipa::path(post, path = "/api/v1/robots/{robot}/runs", tag = "runs", request_body = StartRun,
+    params(("robot" = String, Path, description = "The robot's name at this station")),
+    responses(
+        (status = 200, description = "The run that was started, or was once by this id", body = StartedRun),
+        (status = 400, description = "Something is wrong with the request itself", body = Refusal),
+        (status = 403, description = "A breakpoint has a condition, and you may not edit", body = Refusal),
+        (status = 409, description = "The robot refused it, it expired, or its fate is unknown", body = Refusal),
+        (status = 413, description = "The request is too large", body = Refusal),
+        (status = 503, description = "The robot has not answered yet, or is not received here", body = Refusal),
+    )
+)]
+async fn begin_at_robot(
+    State(server): State<Arc<ServerState>>,
+    who: Who,
+    Path(robot): Path<String>,
+    Body(asked): Body<StartRun>,
+) -> Result<Json<StartedRun>, Failure> {
+    at_robot::start(&server, &who, robot, asked).await.map(Json)
 }
 
 /// Gives a run a command.

@@ -4,6 +4,7 @@
 
 use super::folder_files::RunRequest;
 use super::launch::{LaunchError, Launched, launch};
+use super::resume::EXPIRED;
 use super::run::Run;
 use super::start_requests::StartRequestState;
 use super::supervise;
@@ -11,8 +12,8 @@ use crate::access::{Who, of_start};
 use crate::failure::reason;
 use crate::gate::blocking;
 use crate::{Failure, Reason, ServerState};
-use rafcon_protocol::api::{RunPhase, RunSummary, StartRun};
-use rafcon_protocol::{Keeping, Launch};
+use rafcon_protocol::api::{RunPhase, RunSummary, StartOf, StartRun};
+use rafcon_protocol::{Afterwards, Keeping, Launch, Values};
 use rafcon_supervisor::{KeptRun, Next, RestartPolicy, RunnerDeath, clock};
 use std::fs;
 use std::io;
@@ -33,7 +34,58 @@ pub(crate) async fn start(
     check(&asked)?;
     who.must(of_start(&asked))?;
     let (server, author) = (Arc::clone(server), who.user.clone());
-    to_its_end(async move { once(&server, &author, asked).await }).await
+    to_its_end(async move { once(&server, &author, asked, None).await }).await
+}
+
+/// Starts the machine of a run that is here again, as the run was started.
+pub(super) async fn start_again_here(
+    server: &Arc<ServerState>,
+    who: &Who,
+    run: &Run,
+    id: String,
+) -> Result<RunSummary, Failure> {
+    start(server, who, as_started(run, id)?).await
+}
+
+/// What a station asks for, under this id.
+pub(super) fn resolved(server: &ServerState, of: &StartOf, id: &str) -> Result<StartRun, Failure> {
+    match of {
+        StartOf::Machine(asked) => Ok(StartRun { id: id.to_owned(), ..(**asked).clone() }),
+        StartOf::Again(run) => {
+            let known = server.runs.known(run).filter(|run| !run.is_replica());
+            let run = known.ok_or_else(|| {
+                let message = "the robot has no such run: name its machine instead";
+                Failure::not_found("no_such_run", message)
+            })?;
+            as_started(&run, id.to_owned())
+        }
+    }
+}
+
+/// How a run was started; what is not known of one that was started without the server is as usual.
+fn as_started(run: &Run, id: String) -> Result<StartRun, Failure> {
+    let before = RunRequest::read(run.folder()).and_then(|request| request.start);
+    if let Some(before) = before {
+        return Ok(StartRun { id, ..before });
+    }
+    let machine = run.summary().machine.ok_or_else(|| {
+        let message = "the machine of the run lies in no project of its server: start it there";
+        Failure::conflict("no_machine", message)
+    })?;
+    Ok(StartRun {
+        id,
+        machine,
+        inputs: Values::default(),
+        globals: Values::default(),
+        start_from: None,
+        afterwards: Afterwards::default(),
+        keeping: Keeping::default(),
+        strict: false,
+        hold: false,
+        breakpoints: Vec::new(),
+        on_crash: None,
+        size_max: None,
+    })
 }
 
 /// Carries out a request, also if whoever asks goes away meanwhile.
@@ -47,8 +99,13 @@ pub(super) async fn to_its_end(
 }
 
 /// What is wrong with a request by itself.
-fn check(asked: &StartRun) -> Result<(), Failure> {
+pub(super) fn check(asked: &StartRun) -> Result<(), Failure> {
     crate::extract::check_request_id(&asked.id)?;
+    must_be_kept(asked)
+}
+
+/// Refuses a run that nobody could follow.
+pub(super) fn must_be_kept(asked: &StartRun) -> Result<(), Failure> {
     if asked.keeping == Keeping::Off {
         let message = "a run under a server is kept, or nobody could follow it: ask for `full` or `status`, or use \
                        `rafcon run --keep off`";
@@ -57,10 +114,12 @@ fn check(asked: &StartRun) -> Result<(), Failure> {
     Ok(())
 }
 
-async fn once(
+/// Starts the run, or finds the one that this author started by this id. Past `expiry_ms` none is started.
+pub(super) async fn once(
     server: &Arc<ServerState>,
     author: &str,
     asked: StartRun,
+    expiry_ms: Option<u64>,
 ) -> Result<RunSummary, Failure> {
     server.runs.wait_until_known().await;
     let id = RunRequest::start_key(author, &asked.id);
@@ -80,7 +139,7 @@ async fn once(
         }
         None => None,
     };
-    match begin(server, author, asked, folder).await {
+    match begin(server, author, asked, (folder, expiry_ms)).await {
         Ok(run) => {
             *known = Some(StartRequestState::Begun(run.id().to_owned()));
             server.audit().note(author, "run_started", run.id());
@@ -138,10 +197,11 @@ async fn begin(
     server: &Arc<ServerState>,
     author: &str,
     asked: StartRun,
-    folder: Option<PathBuf>,
+    (folder, expiry_ms): (Option<PathBuf>, Option<u64>),
 ) -> Result<Arc<Run>, Failure> {
     let request = RunRequest::to_start(author, asked.clone());
     let turn = server.runs.turn().await?;
+    unless_expired(expiry_ms)?;
     let here = Arc::clone(server);
     let made = move || {
         let _turn = turn;
@@ -159,6 +219,15 @@ async fn begin(
         }
     }));
     Ok(run)
+}
+
+/// Refuses a request whose turn comes after the end of its validity.
+pub(super) fn unless_expired(expiry_ms: Option<u64>) -> Result<(), Failure> {
+    if expiry_ms.is_some_and(|expiry_ms| clock::since_1970_ms() > expiry_ms) {
+        let message = "the request expired before its turn: nothing was done";
+        return Err(Failure::conflict(EXPIRED, message));
+    }
+    Ok(())
 }
 
 fn not_kept(folder: &Path) -> Failure {

@@ -3,6 +3,7 @@
 //! Knows ids and states of requests, not their content. The table is bounded.
 
 use rafcon_locks::Mutex;
+use rafcon_protocol::api::RobotAnswer;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -45,6 +46,18 @@ impl StartRequests {
         table.add(id)
     }
 
+    /// What is known of a request. One that is under way, or that a server before this one may have begun, is of unknown fate.
+    pub(super) fn fate(&self, id: &str) -> RobotAnswer {
+        let slot = self.0.lock().slots.get(id).map(|(_, slot)| Arc::clone(slot));
+        let Some(slot) = slot else { return RobotAnswer::Expired };
+        let Ok(known) = slot.try_lock() else { return unknown("it is under way") };
+        match &*known {
+            Some(StartRequestState::Begun(run)) => RobotAnswer::Done { run: run.clone() },
+            Some(StartRequestState::Open(_)) => unknown("its run may begin"),
+            None => RobotAnswer::Expired,
+        }
+    }
+
     /// Removes a request that has begun nothing, unless another task waits for it.
     pub(super) fn forget(&self, id: &str, slot: &Slot) {
         let mut table = self.0.lock();
@@ -85,6 +98,11 @@ impl Table {
         let oldest = self.order.values().find(is_idle).cloned();
         oldest.inspect(|id| self.remove(id)).is_some()
     }
+}
+
+/// The fate of a request that nobody knows, with the reason.
+pub(super) fn unknown(reason: &str) -> RobotAnswer {
+    RobotAnswer::Unknown { reason: reason.to_owned() }
 }
 
 #[cfg(test)]

@@ -2059,6 +2059,11 @@ export type Snapshot = {
   /** Questions that no one has answered yet. */
   questions: Array<Question>, };
 
+/** Starts the machine of a run again: another run, with the same inputs and settings. */
+export type StartAgain = {
+  /** Chosen by the sender; the same id starts one run. */
+  id: string, };
+
 /** Starts a run. */
 export type StartRun = {
   /** Chosen by the sender; the same id starts one run. */
@@ -2085,6 +2090,13 @@ export type StartRun = {
   on_crash: OnCrash | null,
   /** The journal's size, in bytes, beyond which old detail is given up. */
   size_max: number | null, };
+
+/** A run that was started. */
+export type StartedRun = {
+  /** Id of the run. */
+  run: string,
+  /** The robot that started it, if this is a station: what it sends of the run arrives after the delay of the link. */
+  robot: string | null, };
 
 /** Which active state is asked about. */
 export type StateAt = {

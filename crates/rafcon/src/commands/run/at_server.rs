@@ -12,7 +12,7 @@ use crate::follow::{End, RunRole};
 use crate::view::Names;
 use anyhow::Result;
 use rafcon_protocol::Afterwards;
-use rafcon_protocol::api::{MachineFile, ResumeRun, RunSummary, StartRun};
+use rafcon_protocol::api::{MachineFile, ResumeRun, RunSummary, StartAgain, StartRun, StartedRun};
 use std::process::ExitCode;
 use std::sync::Arc;
 use std::thread;
@@ -32,6 +32,15 @@ pub(super) fn run(
 ) -> Result<ExitCode> {
     fits(raw, environment)?;
     let timeout = raw.timeout.map(request::timeout).transpose()?;
+    if let Some(robot) = &raw.robot {
+        let why =
+            "the robot runs the machine, and its station does not follow it: `rafcon attach` does";
+        refuse(timeout.is_some(), "--timeout", why)?;
+        let names = "the station does not have the robot's machines: set it once the run is there";
+        refuse(!raw.breakpoints.is_empty(), "--break", names)?;
+        let request = start_run(raw, server)?;
+        return Ok(started(&begun(clock, || server.start_at(robot, &request))?));
+    }
     let request = start_run(raw, server)?;
     let at = AtServer { server, output: raw.output, environment, clock };
     begin(&at, timeout, 1, || server.start(&request))
@@ -61,6 +70,19 @@ pub(super) fn resume(
     }
     let at = AtServer { server, output: raw.output, environment, clock };
     begin(&at, timeout, before.events + 1, || server.resume(&before.id, &request))
+}
+
+/// Has a server start the machine of a run again.
+pub(super) fn again(raw: &cli::Again, server: &Server, clock: Clock) -> Result<ExitCode> {
+    let before = remote::run(server, &raw.run)?;
+    let request = StartAgain { id: remote::unique("again")? };
+    Ok(started(&begun(clock, || server.start_again(&before.id, &request))?))
+}
+
+fn started(StartedRun { run, robot }: &StartedRun) -> ExitCode {
+    let by = robot.as_ref().map(|robot| format!("robot {robot} has ")).unwrap_or_default();
+    complain(&format!("{by}started {run}; follow it with `rafcon attach {run}`"));
+    ExitCode::SUCCESS
 }
 
 /// Refuses what is the server's to decide.
@@ -123,7 +145,7 @@ fn machine(raw: &cli::Run) -> Result<MachineFile> {
 }
 
 /// Asks for a run, and again by the same id if the answer got lost.
-fn begun(clock: Clock, ask: impl Fn() -> Result<RunSummary, Fault>) -> Result<RunSummary, Fault> {
+fn begun<T>(clock: Clock, ask: impl Fn() -> Result<T, Fault>) -> Result<T, Fault> {
     let (until, mut is_sent) = (clock.now() + START_RETRY_TIMEOUT, false);
     loop {
         let fault = match ask() {

@@ -65,6 +65,12 @@ pub(super) fn resume(
     ended(setup, launch, &place, &names)
 }
 
+/// Starts the machine of a run of a server again.
+pub(super) fn again(raw: &cli::Again, environment: &Environment, clock: Clock) -> Result<ExitCode> {
+    let server = remote::meet(&raw.server, &raw.access, environment)?;
+    at_server::again(raw, &server, clock)
+}
+
 /// The names of the machine that a run goes by, as the run keeps it, else as it lies where it was.
 pub(super) fn names_of_run(folder: &Path) -> Names {
     let run = folder.to_owned();

@@ -3,7 +3,7 @@
 use super::*;
 use crate::desk::ValueDesk;
 use crate::inbox::Inbox;
-use crate::resumes::ResumeDesk;
+use crate::requests::RequestDesk;
 use crate::station::viewers::Shared;
 use rafcon_protocol::WatchKind;
 use rafcon_storage::journal::About;
@@ -22,7 +22,7 @@ fn robot(folder: &Path) -> (StationRobot, Inbox<ToStation>) {
         tls: None,
         profile: Profile::LAN,
         desk: ValueDesk::default(),
-        resumes: ResumeDesk::default(),
+        server_requests: RequestDesk::default(),
         tell: |_| {},
     };
     let inbox = Inbox::new();

@@ -1,0 +1,125 @@
+//! Requests of a station's users to a robot that concern no program in progress: it starts one.
+
+use super::{ResumeRun, StartRun};
+use crate::Answer;
+use serde::{Deserialize, Serialize};
+
+/// A request of a station's server to a robot.
+#[derive(Debug, Clone, PartialEq)]
+pub enum RobotRequest {
+    /// Resume a run.
+    Resume(ResumeRequest),
+    /// Start a run.
+    Start(StartRequest),
+}
+
+impl RobotRequest {
+    /// Its id.
+    pub fn id(&self) -> &str {
+        match self {
+            Self::Resume(resume) => &resume.asked.id,
+            Self::Start(start) => &start.id,
+        }
+    }
+}
+
+/// A user's request to resume a run, between a station and its robot.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ResumeRequest {
+    /// Id of the run.
+    pub run: String,
+    /// Name of the user.
+    pub user: String,
+    /// Content, under an id unique at the station.
+    pub asked: ResumeRun,
+    /// End of its validity in ms since 1970, UTC, by this computer's clock. None: as is usual over the link, or without end.
+    pub expiry_ms: Option<u64>,
+}
+
+/// A user's request to start a run, between a station and its robot.
+#[derive(Debug, Clone, PartialEq)]
+pub struct StartRequest {
+    /// Unique at the station.
+    pub id: String,
+    /// Name of the user.
+    pub user: String,
+    /// What is started.
+    pub of: StartOf,
+    /// End of its validity, as in [`ResumeRequest`].
+    pub expiry_ms: Option<u64>,
+}
+
+/// What a station asks its robot to start. Short names: it crosses the link.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub enum StartOf {
+    /// A machine of the robot. The id in it does not count.
+    #[serde(rename = "m")]
+    Machine(Box<StartRun>),
+    /// The machine of this run of the robot, as the run was started.
+    #[serde(rename = "a")]
+    Again(String),
+}
+
+/// Answer to a request to a robot.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum RobotAnswer {
+    /// It was carried out.
+    Done {
+        /// Id of the run that was started or resumed; empty for a command.
+        run: String,
+    },
+    /// The robot refused it.
+    Refused {
+        /// Why.
+        reason: String,
+    },
+    /// Nothing was done by the end of its validity.
+    Expired,
+    /// Nobody knows whether it was carried out.
+    Unknown {
+        /// Why.
+        reason: String,
+    },
+}
+
+impl From<Answer> for RobotAnswer {
+    fn from(answer: Answer) -> Self {
+        match answer {
+            Answer::Applied => Self::Done { run: String::new() },
+            Answer::Refused { reason } => Self::Refused { reason },
+            Answer::Expired => Self::Expired,
+            Answer::Unknown { reason } => Self::Unknown { reason },
+        }
+    }
+}
+
+impl RobotAnswer {
+    /// The answer to a command.
+    pub fn to_command(&self) -> Answer {
+        match self.clone() {
+            Self::Done { .. } => Answer::Applied,
+            Self::Refused { reason } => Answer::Refused { reason },
+            Self::Expired => Answer::Expired,
+            Self::Unknown { reason } => Answer::Unknown { reason },
+        }
+    }
+}
+
+/// Starts the machine of a run again: another run, with the same inputs and settings.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
+pub struct StartAgain {
+    /// Chosen by the sender; the same id starts one run.
+    #[cfg_attr(feature = "schema", schema(min_length = 1, max_length = 128))]
+    pub id: String,
+}
+
+/// A run that was started.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
+pub struct StartedRun {
+    /// Id of the run.
+    pub run: String,
+    /// The robot that started it, if this is a station: what it sends of the run arrives after the delay of the link.
+    pub robot: Option<String>,
+}

@@ -1,0 +1,147 @@
+//! Runs that users of a station start on a robot far away.
+
+use crate::harness::Place;
+use crate::station::{Program, pair_with, robot_with, station, wait_at_station};
+use expect_test::expect;
+use serde_json::{Value, json};
+use std::net::SocketAddr;
+use std::thread;
+
+const WAITS: &str = r#"
+hierarchy WAITSS "Waits"
+  outcome success
+  in rounds: int = "1"
+  start -> WAITXX
+  WAITXX.success -> .success
+  flow .rounds -> WAITXX.rounds
+  execution WAITXX "Wait"
+    outcome success
+    in rounds: int = "1"
+    script |
+      def execute(self, inputs, outputs, gvm):
+          print("rounds", inputs["rounds"])
+          self.preemptive_wait()
+          return "success"
+"#;
+
+/// A robot that has a project `missions` with the machine `waits`.
+fn robot(place: &Place, station: SocketAddr) -> Program {
+    let missions = place.path("missions");
+    robot_with(place, &format!("--station udp://{station} {}", missions.display()))
+}
+
+fn place(rights: &str) -> Place {
+    let place = Place::with(WAITS);
+    std::fs::create_dir(place.path("missions")).unwrap();
+    std::fs::rename(place.machine(), place.path("missions/waits")).unwrap();
+    pair_with(&place, &format!("scout --rights {rights}"), "ground");
+    place
+}
+
+/// Asks the station to have its robot start a machine.
+fn start(ground: &Program, id: &str, path: &str) -> (u16, Value) {
+    let body = json!({ "id": id, "machine": { "project": "missions", "path": path }, "inputs": { "rounds": 7 } });
+    ask(ground, "/api/v1/robots/scout/runs", &body)
+}
+
+fn ask(ground: &Program, path: &str, body: &Value) -> (u16, Value) {
+    let (status, answer) = ground.door.answer("POST", path, Some(body)).unwrap();
+    (status, serde_json::from_str(&answer).unwrap())
+}
+
+fn runs_of_robot(place: &Place) -> usize {
+    std::fs::read_dir(place.path("robot-runs")).map_or(0, Iterator::count)
+}
+
+fn wait_for_log(place: &Place, words: &str) {
+    while !place.call("log last --runs ground-runs").stdout.contains(words) {
+        thread::yield_now();
+    }
+}
+
+#[test]
+fn a_run_is_started_from_the_station_once_for_each_request_and_started_again() {
+    let place = place("command");
+    let (ground, address) = station(&place, "127.0.0.1:0");
+    let _robot = robot(&place, address);
+    let (status, first) = start(&ground, "one", "waits");
+    assert_eq!((status, &first["robot"]), (200, &json!("scout")), "{first}");
+    wait_at_station(&place, "Waits  running");
+    wait_for_log(&place, "rounds 7");
+    // An answer that was lost is asked for again.
+    assert_eq!(start(&ground, "one", "waits"), (200, first.clone()));
+    assert_eq!(runs_of_robot(&place), 1);
+    let run = first["run"].as_str().unwrap();
+    assert_eq!(place.call(&format!("tell {run} stop --runs ground-runs")).stdout, "applied\n");
+    wait_at_station(&place, "Waits  ended with");
+    let again = place.call(&format!("again {run} --server {} --state ground", ground.url));
+    assert_eq!(again.code, Some(0), "{}", again.stderr);
+    assert!(again.stderr.contains("robot scout has started "), "{}", again.stderr);
+    wait_at_station(&place, "Waits  running");
+    wait_for_log(&place, "rounds 7");
+    assert_eq!(runs_of_robot(&place), 2);
+    drop(place.call("tell last stop --runs ground-runs"));
+    wait_at_station(&place, "Waits  ended with");
+    let words = format!("run missions/waits --robot scout --server {} --state ground", ground.url);
+    let third = place.call(&format!("{words} --input rounds=9"));
+    assert_eq!(third.code, Some(0), "{}", third.stderr);
+    wait_for_log(&place, "rounds 9");
+    drop(place.call("tell last stop --runs ground-runs"));
+    wait_at_station(&place, "Waits  ended with");
+}
+
+#[test]
+fn what_a_robot_does_not_start_is_refused_with_the_reason() {
+    let mut said = Vec::new();
+    let mut note = |what: &str, (status, answer): (u16, Value)| {
+        let message = answer["message"].as_str().unwrap();
+        let message = message.split_once("/missions/").map_or(message, |(_, words)| words);
+        said.push(format!("{what}: {status} {} {message}\n", answer["code"]));
+    };
+    for rights in ["observe", "command"] {
+        let place = place(rights);
+        let (ground, address) = station(&place, "127.0.0.1:0");
+        let robot = robot(&place, address);
+        note(rights, start(&ground, "one", if rights == "observe" { "waits" } else { "gone" }));
+        if rights == "command" {
+            let machine = json!({ "project": "missions", "path": "../outside" });
+            let body = json!({ "id": "two", "machine": machine });
+            note("outside", ask(&ground, "/api/v1/robots/scout/runs", &body));
+            note("nobody", ask(&ground, "/api/v1/robots/rover/runs", &body));
+            let machine = json!({ "project": "missions", "path": "waits" });
+            let breakpoint = json!({ "id": 1, "path": "WAITSS", "condition": "True" });
+            let body = json!({ "id": "three", "machine": machine, "breakpoints": [breakpoint] });
+            note("condition", ask(&ground, "/api/v1/robots/scout/runs", &body));
+        }
+        assert_eq!(runs_of_robot(&place), 0);
+        drop(robot);
+    }
+    expect![[r#"
+        observe: 409 "refused_by_robot" scout: the pairing of this station allows `observe`, and this needs `command`: pair again with `rafcon pair NAME --rights command` on the robot
+        command: 409 "refused_by_robot" gone does not exist; give the folder of a state machine or a file in it
+        outside: 409 "refused_by_robot" scout: `../outside` is not a path in a project: names joined by `/`, none of them hidden (with a dot in front), no `/` at the beginning, 4096 bytes at most
+        nobody: 503 "robot_not_received" robot rover: this server does not receive the robot now: run it as its station (`rafcon station`)
+        condition: 409 "refused_by_robot" scout: the pairing of this station allows `command`, and this needs `change`: pair again with `rafcon pair NAME --rights change` on the robot
+    "#]].assert_eq(&said.concat());
+}
+
+#[test]
+fn a_start_that_the_robot_hears_after_a_restart_is_carried_out_once() {
+    let place = place("command");
+    let (ground, address) = station(&place, "127.0.0.1:0");
+    drop(robot(&place, address));
+    let (status, answer) = thread::scope(|scope| {
+        let asked = scope.spawn(|| start(&ground, "one", "waits"));
+        let robot = robot(&place, address);
+        let answer = asked.join().unwrap();
+        drop(robot);
+        answer
+    });
+    assert_eq!(status, 200, "{answer}");
+    let _robot = robot(&place, address);
+    wait_at_station(&place, "Waits  running");
+    assert_eq!(start(&ground, "one", "waits"), (200, answer));
+    assert_eq!(runs_of_robot(&place), 1);
+    drop(place.call("tell last stop --runs ground-runs"));
+    wait_at_station(&place, "Waits  ended with");
+}

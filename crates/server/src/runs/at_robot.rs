@@ -1,0 +1,91 @@
+//! Requests of a station's users to a robot: it starts and resumes its runs itself, and says what became of the request.
+
+use super::commands::COMMAND_TIMEOUT;
+use super::resume::EXPIRED;
+use super::start::{check, start_again_here};
+use crate::access::{Who, of_start};
+use crate::{Failure, ServerState};
+use rafcon_protocol::api::{
+    RobotAnswer, RobotRequest, StartAgain, StartOf, StartRequest, StartRun, StartedRun,
+};
+use std::sync::Arc;
+use tokio::sync::oneshot;
+use tokio::time::timeout;
+
+/// Has a robot carry out a request of a user; gives the id of the run that it is about.
+pub(super) async fn carry_out(
+    server: &ServerState,
+    robot: &str,
+    request: RobotRequest,
+) -> Result<String, Failure> {
+    let (answer, answered) = oneshot::channel();
+    // After a time-out nobody receives it; a repeated request does.
+    let answered_by_robot = Box::new(move |it| answer.send(it).unwrap_or_default());
+    let not_taken =
+        |why| Failure::unavailable("robot_not_received", format!("robot {robot}: {why}"));
+    let robots = server.settings.robots.as_ref();
+    let robots = robots.ok_or_else(|| not_taken("this server is no station".to_owned()))?;
+    robots.request(robot, request, answered_by_robot).map_err(not_taken)?;
+    match timeout(COMMAND_TIMEOUT, answered).await {
+        Ok(Ok(RobotAnswer::Done { run })) => Ok(run),
+        Ok(Ok(RobotAnswer::Refused { reason })) => {
+            Err(Failure::conflict("refused_by_robot", format!("{robot}: {reason}")))
+        }
+        Ok(Ok(RobotAnswer::Expired)) => {
+            let message = format!(
+                "robot {robot} did not receive the request in time and did nothing: repeat it with another id"
+            );
+            Err(Failure::conflict(EXPIRED, message))
+        }
+        Ok(Ok(RobotAnswer::Unknown { reason })) => Err(Failure::conflict("fate_unknown", reason)),
+        Ok(Err(_)) | Err(_) => {
+            let message = format!(
+                "robot {robot} has not answered yet; the station repeats the request until it expires: repeat it with the same id"
+            );
+            Err(Failure::unavailable("not_finished", message))
+        }
+    }
+}
+
+/// Has a robot start a machine that it has.
+pub(super) async fn start(
+    server: &ServerState,
+    who: &Who,
+    robot: String,
+    asked: StartRun,
+) -> Result<StartedRun, Failure> {
+    check(&asked)?;
+    who.must(of_start(&asked))?;
+    let id = asked.id.clone();
+    by_robot(server, who, robot, (&id, StartOf::Machine(Box::new(asked)))).await
+}
+
+/// Starts the machine of a run again, where that run is.
+pub(super) async fn start_again(
+    server: &Arc<ServerState>,
+    who: &Who,
+    run: &str,
+    StartAgain { id }: StartAgain,
+) -> Result<StartedRun, Failure> {
+    crate::extract::check_request_id(&id)?;
+    let run = server.runs.get(run).await?;
+    if let Some(robot) = run.robot() {
+        return by_robot(server, who, robot, (&id, StartOf::Again(run.id().to_owned()))).await;
+    }
+    let started = start_again_here(server, who, &run, id).await?;
+    Ok(StartedRun { run: started.id, robot: None })
+}
+
+async fn by_robot(
+    server: &ServerState,
+    who: &Who,
+    robot: String,
+    (id, of): (&str, StartOf),
+) -> Result<StartedRun, Failure> {
+    // No command has such an id.
+    let id = format!("{}//start/{id}", who.user);
+    let start = StartRequest { id, user: who.user.clone(), of, expiry_ms: None };
+    server.audit().note(&who.user, "start_asked", &robot);
+    let run = carry_out(server, &robot, RobotRequest::Start(start)).await?;
+    Ok(StartedRun { run, robot: Some(robot) })
+}
