@@ -90,6 +90,28 @@ journey(
 );
 
 journey(
+  "mission control starts the run of a robot again, which is shown once it arrives",
+  HERE,
+  async ({ app, server, robot }) => {
+    const run = await startRun(robot, "drives");
+    await untilRun(server, run, ({ phase }) => phase === "live");
+    await openMission(app, "drives");
+    await endRun(robot, run);
+    await missionOf(app).getByRole("button", { name: "Start again…" }).click();
+    const question = app.sheet.getByRole("dialog", { name: "Start the run again on scout?" });
+    await question.getByRole("button", { name: "Start again" }).click();
+    await app.told("scout has started the run. It is shown here once its first events arrive.");
+    await app.until(
+      ({ tab }, before) => (tab?.run.value?.id ?? before) !== before && tab !== null,
+      run,
+    );
+    await missionOf(app).getByRole("button", { name: "Drive to the bay" }).waitFor();
+    const again = await app.sheet.evaluate(() => window.__rafcon.context().tab?.run.value?.id);
+    await endRun(robot, again ?? "");
+  },
+);
+
+journey(
   "a replica that is not the run of its robot any more is named in lists, bars and mission control, with the way out",
   HERE,
   async ({ app, server, robot }) => {

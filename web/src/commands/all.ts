@@ -10,6 +10,7 @@ import { INSERT } from "./insert.ts";
 import { MISSION } from "./mission.ts";
 import { PLANNER } from "./planner.ts";
 import { RUN } from "./run.ts";
+import { RUN_AGAIN } from "./run_again.ts";
 import { RUN_CRASH } from "./run_crash.ts";
 import { RUN_PLACE } from "./run_place.ts";
 import { RUN_POINTS } from "./run_points.ts";
@@ -22,6 +23,7 @@ export function allCommands(): Commands {
   const commands = new Commands();
   const runs = [
     ...RUN,
+    ...RUN_AGAIN,
     ...RUN_STEP,
     ...RUN_PLACE,
     ...RUN_POINTS,

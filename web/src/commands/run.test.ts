@@ -206,6 +206,54 @@ test("a run that crashed is resumed by the rule that was chosen", async () => {
   expect(policies).toEqual(["abort", "restart"]);
 });
 
+test("the machine of a run that is over is started again, once the user is sure", async () => {
+  const over = running({ phase: "finished", answers: [false, true] });
+  const shown: string[] = [];
+  let starts = 0;
+  const startAgain = () => {
+    starts += 1;
+    return Promise.resolve({ run: "r2", robot: null });
+  };
+  Object.assign(over.tab.run.peek() ?? {}, { startAgain });
+  Object.assign(over.page, {
+    active: signal(over.tab),
+    showRun: (id: string) => Promise.resolve(void shown.push(id)),
+  });
+  expect(why(running(), "run.start-again")).toMatch(/still active/);
+  expect(why(running({ phase: "finished", rights: ["observe"] }), "run.start-again")).toMatch(
+    /only operators/,
+  );
+  COMMANDS.run("run.start-again", over);
+  await settle();
+  expect([starts, shown]).toEqual([0, []]);
+  COMMANDS.run("run.start-again", over);
+  await settle();
+  expect([starts, shown]).toEqual([1, ["r2"]]);
+});
+
+test("what a robot starts again is shown once its first events arrive", async () => {
+  const over = running({ phase: "finished", answers: [true] });
+  const runs = signal<readonly { readonly id: string }[]>([]);
+  const shown: string[] = [];
+  const startAgain = () => Promise.resolve({ run: "r2", robot: "scout" });
+  const watch = over.tab.run.peek();
+  Object.assign(watch ?? {}, {
+    startAgain,
+    now: signal({ run: { id: "r", name: "Drill", phase: "finished", robot: "scout" } }),
+  });
+  Object.assign(over.page, {
+    active: signal(over.tab),
+    runs: { all: runs },
+    showRun: (id: string) => Promise.resolve(void shown.push(id)),
+  });
+  COMMANDS.run("run.start-again", over);
+  await settle();
+  expect(shown).toEqual([]);
+  runs.value = [{ id: "r2" }];
+  await settle();
+  expect(shown).toEqual(["r2"]);
+});
+
 test("a run that is over begins again at an entry of its history, for whoever may start runs", async () => {
   const over = running({ phase: "finished" });
   const begun: unknown[] = [];

@@ -4,7 +4,7 @@ import type { Right, RunStatus, Snapshot } from "../model/generated/protocol.ts"
 import { runStatusWords } from "../model/run_words.ts";
 import type { Watch } from "../store/history/run.ts";
 import type { Page } from "../store/page/page.ts";
-import { liveRun, snapshotOf } from "../store/run/running.ts";
+import { fileOfTab, liveRun, snapshotOf } from "../store/run/running.ts";
 import type { CommandContext } from "./command.ts";
 import { anyOnlyState } from "./subject.ts";
 
@@ -27,6 +27,12 @@ export function lacks({ server }: Page, right: Right): string | null {
 export function cannotStart({ page, tab }: CommandContext): string | null {
   if (!tab) return "open a machine first";
   if (page.server.link.value.state !== "up") return "there is no connection to the server";
+  if (tab.session.fixed !== null && fileOfTab(tab) === null) {
+    const robot = tab.run.value?.now.value?.run.robot;
+    return robot
+      ? `${robot} has the machine: use “Start again…” in the menu Run`
+      : "the machine of this run is in no project";
+  }
   return lacks(page, "start");
 }
 

@@ -11,6 +11,7 @@ import type {
   OnCrash,
   Refusal,
   RunNow,
+  StartedRun,
   ToClient,
 } from "../model/generated/protocol.ts";
 import { type AheadValues, NOTHING_AHEAD } from "../store/history/ahead.ts";
@@ -131,6 +132,11 @@ export class RunWatch implements Watch {
   async resume(policy: OnCrash, from: number | null = null): Promise<void> {
     const body = { id: this.#ports.newId(), policy, from };
     await requestUntilAnswered(this.#ports, this.#path("resume"), body);
+  }
+
+  startAgain(): Promise<StartedRun> {
+    const body = { id: this.#ports.newId() };
+    return requestUntilAnswered<StartedRun>(this.#ports, this.#path("again"), body);
   }
 
   close(): void {

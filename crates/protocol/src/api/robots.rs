@@ -7,14 +7,14 @@ use serde::{Deserialize, Serialize};
 /// A request of a station's server to a robot.
 #[derive(Debug, Clone, PartialEq)]
 pub enum RobotRequest {
-    /// Resume a run.
+    /// To resume a run after a crash.
     Resume(ResumeRequest),
-    /// Start a run.
+    /// To start a new run.
     Start(StartRequest),
 }
 
 impl RobotRequest {
-    /// Its id.
+    /// Id, unique at the station.
     pub fn id(&self) -> &str {
         match self {
             Self::Resume(resume) => &resume.asked.id,
@@ -43,13 +43,13 @@ pub struct StartRequest {
     pub id: String,
     /// Name of the user.
     pub user: String,
-    /// What is started.
+    /// Machine and settings of the new run.
     pub of: StartOf,
     /// End of its validity, as in [`ResumeRequest`].
     pub expiry_ms: Option<u64>,
 }
 
-/// What a station asks its robot to start. Short names: it crosses the link.
+/// Machine and settings of a run to start. Serialized under short names, because it crosses the link.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub enum StartOf {
     /// A machine of the robot. The id in it does not count.
@@ -70,14 +70,14 @@ pub enum RobotAnswer {
     },
     /// The robot refused it.
     Refused {
-        /// Why.
+        /// Reason for the user, as the robot gave it.
         reason: String,
     },
     /// Nothing was done by the end of its validity.
     Expired,
     /// Nobody knows whether it was carried out.
     Unknown {
-        /// Why.
+        /// Reason for the user.
         reason: String,
     },
 }
@@ -105,11 +105,11 @@ impl RobotAnswer {
     }
 }
 
-/// Starts the machine of a run again: another run, with the same inputs and settings.
+/// Request for a new run with the machine, the inputs and the settings of an earlier one.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct StartAgain {
-    /// Chosen by the sender; the same id starts one run.
+    /// Chosen by the sender. Repetitions with this id start no second run.
     #[cfg_attr(feature = "schema", schema(min_length = 1, max_length = 128))]
     pub id: String,
 }

@@ -5,6 +5,7 @@ use crate::station::{Program, pair_with, robot_with, station, wait_at_station};
 use expect_test::expect;
 use serde_json::{Value, json};
 use std::net::SocketAddr;
+use std::process::Stdio;
 use std::thread;
 
 const WAITS: &str = r#"
@@ -114,6 +115,16 @@ fn what_a_robot_does_not_start_is_refused_with_the_reason() {
             note("condition", ask(&ground, "/api/v1/robots/scout/runs", &body));
         }
         assert_eq!(runs_of_robot(&place), 0);
+        if rights == "command" {
+            let mut run = place.command("run missions/waits --runs robot-runs --timeout 600");
+            let mut run = run.stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
+            wait_at_station(&place, "Waits  running");
+            let id = std::fs::read_dir(place.path("robot-runs")).unwrap().next().unwrap().unwrap();
+            let again = format!("/api/v1/runs/{}/again", id.file_name().display());
+            note("by hand", ask(&ground, &again, &json!({ "id": "four" })));
+            drop(place.call("tell last stop --runs ground-runs"));
+            run.wait().unwrap();
+        }
         drop(robot);
     }
     expect![[r#"
@@ -122,6 +133,7 @@ fn what_a_robot_does_not_start_is_refused_with_the_reason() {
         outside: 409 "refused_by_robot" scout: `../outside` is not a path in a project: names joined by `/`, none of them hidden (with a dot in front), no `/` at the beginning, 4096 bytes at most
         nobody: 503 "robot_not_received" robot rover: this server does not receive the robot now: run it as its station (`rafcon station`)
         condition: 409 "refused_by_robot" scout: the pairing of this station allows `command`, and this needs `change`: pair again with `rafcon pair NAME --rights change` on the robot
+        by hand: 409 "refused_by_robot" scout: the run was started without the server, which does not know its inputs: start the machine missions/waits
     "#]].assert_eq(&said.concat());
 }
 

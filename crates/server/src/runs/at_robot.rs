@@ -57,7 +57,8 @@ pub(super) async fn start(
     check(&asked)?;
     who.must(of_start(&asked))?;
     let id = asked.id.clone();
-    by_robot(server, who, robot, (&id, StartOf::Machine(Box::new(asked)))).await
+    let start = request(who, &id, StartOf::Machine(Box::new(asked)));
+    by_robot(server, robot, start).await
 }
 
 /// Starts the machine of a run again, where that run is.
@@ -70,22 +71,25 @@ pub(super) async fn start_again(
     crate::extract::check_request_id(&id)?;
     let run = server.runs.get(run).await?;
     if let Some(robot) = run.robot() {
-        return by_robot(server, who, robot, (&id, StartOf::Again(run.id().to_owned()))).await;
+        let start = request(who, &id, StartOf::Again(run.id().to_owned()));
+        return by_robot(server, robot, start).await;
     }
     let started = start_again_here(server, who, &run, id).await?;
     Ok(StartedRun { run: started.id, robot: None })
 }
 
-async fn by_robot(
-    server: &ServerState,
-    who: &Who,
-    robot: String,
-    (id, of): (&str, StartOf),
-) -> Result<StartedRun, Failure> {
+fn request(who: &Who, id: &str, of: StartOf) -> StartRequest {
     // No command has such an id.
     let id = format!("{}//start/{id}", who.user);
-    let start = StartRequest { id, user: who.user.clone(), of, expiry_ms: None };
-    server.audit().note(&who.user, "start_asked", &robot);
+    StartRequest { id, user: who.user.clone(), of, expiry_ms: None }
+}
+
+async fn by_robot(
+    server: &ServerState,
+    robot: String,
+    start: StartRequest,
+) -> Result<StartedRun, Failure> {
+    server.audit().note(&start.user, "start_asked", &robot);
     let run = carry_out(server, &robot, RobotRequest::Start(start)).await?;
     Ok(StartedRun { run, robot: Some(robot) })
 }

@@ -13,7 +13,7 @@ use crate::failure::reason;
 use crate::gate::blocking;
 use crate::{Failure, Reason, ServerState};
 use rafcon_protocol::api::{RunPhase, RunSummary, StartOf, StartRun};
-use rafcon_protocol::{Afterwards, Keeping, Launch, Values};
+use rafcon_protocol::{Keeping, Launch};
 use rafcon_supervisor::{KeptRun, Next, RestartPolicy, RunnerDeath, clock};
 use std::fs;
 use std::io;
@@ -62,29 +62,18 @@ pub(super) fn resolved(server: &ServerState, of: &StartOf, id: &str) -> Result<S
     }
 }
 
-/// How a run was started; what is not known of one that was started without the server is as usual.
+/// Inputs and settings of a run, under this id. A run that was started without the server is refused: its inputs are unknown.
 fn as_started(run: &Run, id: String) -> Result<StartRun, Failure> {
     let before = RunRequest::read(run.folder()).and_then(|request| request.start);
-    if let Some(before) = before {
-        return Ok(StartRun { id, ..before });
-    }
-    let machine = run.summary().machine.ok_or_else(|| {
-        let message = "the machine of the run lies in no project of its server: start it there";
-        Failure::conflict("no_machine", message)
-    })?;
-    Ok(StartRun {
-        id,
-        machine,
-        inputs: Values::default(),
-        globals: Values::default(),
-        start_from: None,
-        afterwards: Afterwards::default(),
-        keeping: Keeping::default(),
-        strict: false,
-        hold: false,
-        breakpoints: Vec::new(),
-        on_crash: None,
-        size_max: None,
+    before.map(|before| StartRun { id, ..before }).ok_or_else(|| {
+        let instead = run.summary().machine.map_or_else(
+            || "its machine where it lies".to_owned(),
+            |file| format!("the machine {}/{}", file.project, file.path),
+        );
+        let message = format!(
+            "the run was started without the server, which does not know its inputs: start {instead}"
+        );
+        Failure::conflict("unknown_inputs", message)
     })
 }
 
@@ -114,6 +103,14 @@ pub(super) fn must_be_kept(asked: &StartRun) -> Result<(), Failure> {
     Ok(())
 }
 
+/// A start that waits for its turn.
+struct PendingStart<'r> {
+    author: &'r str,
+    asked: StartRun,
+    /// End of its validity in ms since 1970.
+    expiry_ms: Option<u64>,
+}
+
 /// Starts the run, or finds the one that this author started by this id. Past `expiry_ms` none is started.
 pub(super) async fn once(
     server: &Arc<ServerState>,
@@ -121,6 +118,8 @@ pub(super) async fn once(
     asked: StartRun,
     expiry_ms: Option<u64>,
 ) -> Result<RunSummary, Failure> {
+    let request = PendingStart { author, asked, expiry_ms };
+    let PendingStart { asked, .. } = &request;
     server.runs.wait_until_known().await;
     let id = RunRequest::start_key(author, &asked.id);
     let slot = server.runs.requests.get(&id);
@@ -139,7 +138,7 @@ pub(super) async fn once(
         }
         None => None,
     };
-    match begin(server, author, asked, (folder, expiry_ms)).await {
+    match begin(server, &request, folder).await {
         Ok(run) => {
             *known = Some(StartRequestState::Begun(run.id().to_owned()));
             server.audit().note(author, "run_started", run.id());
@@ -195,13 +194,13 @@ fn run_deleted(run: &str) -> Failure {
 /// Begins the run, in the folder of an earlier attempt if there was one.
 async fn begin(
     server: &Arc<ServerState>,
-    author: &str,
-    asked: StartRun,
-    (folder, expiry_ms): (Option<PathBuf>, Option<u64>),
+    start: &PendingStart<'_>,
+    folder: Option<PathBuf>,
 ) -> Result<Arc<Run>, Failure> {
-    let request = RunRequest::to_start(author, asked.clone());
+    let asked = start.asked.clone();
+    let request = RunRequest::to_start(start.author, asked.clone());
     let turn = server.runs.turn().await?;
-    unless_expired(expiry_ms)?;
+    unless_expired(start.expiry_ms)?;
     let here = Arc::clone(server);
     let made = move || {
         let _turn = turn;

@@ -2059,9 +2059,9 @@ export type Snapshot = {
   /** Questions that no one has answered yet. */
   questions: Array<Question>, };
 
-/** Starts the machine of a run again: another run, with the same inputs and settings. */
+/** Request for a new run with the machine, the inputs and the settings of an earlier one. */
 export type StartAgain = {
-  /** Chosen by the sender; the same id starts one run. */
+  /** Chosen by the sender. Repetitions with this id start no second run. */
   id: string, };
 
 /** Starts a run. */

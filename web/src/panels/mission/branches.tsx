@@ -62,7 +62,10 @@ export function Branches({ watch }: { readonly watch: Watch }) {
 function Nothing({ watch }: { readonly watch: Watch }) {
   const run = useCommand();
   const phase = useComputed(() => watch.now.value?.run.phase, [watch]);
-  const refusal = useRefusalOf("run.start");
+  const isFar = useComputed(() => watch.now.value?.run.robot != null, [watch]);
+  // A robot far away has the machine: nobody edits it here.
+  const command = isFar ? "run.start-again" : "run.start";
+  const refusal = useRefusalOf(command);
   const isKnown = useComputed(() => watch.now.value?.snapshot != null, [watch]);
   if (phase === "live" || phase === "starting") {
     return (
@@ -80,9 +83,9 @@ function Nothing({ watch }: { readonly watch: Watch }) {
       <Button
         icon={<Play size={16} aria-hidden />}
         disabled={refusal !== null}
-        onClick={() => run("run.start")}
+        onClick={() => run(command)}
       >
-        Start again
+        {isFar ? "Start again…" : "Start again"}
       </Button>
       {refusal && <p className="mission-why">You cannot start it: {refusal}.</p>}
     </section>

@@ -38,7 +38,7 @@ export interface ProposedEdit {
 /** A layout that is shown although the machine does not have it: the next edit or save makes it first. */
 export interface LayoutProposal {
   readonly shown: ReadonlySignal<ProposedEdit | null>;
-  /** Whether the machine has no drawing, and no layout is shown for it yet. */
+  /** True while a machine without a drawing waits for its automatic layout. */
   readonly isDue: ReadonlySignal<boolean>;
   readonly show: (edit: ProposedEdit) => void;
   /** Makes it an edit, if there is one. */

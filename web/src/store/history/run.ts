@@ -11,6 +11,7 @@ import type {
   OnCrash,
   RunNow,
   RunSummary,
+  StartedRun,
   StartRun,
 } from "../../model/generated/protocol.ts";
 import type { AheadValues } from "./ahead.ts";
@@ -77,6 +78,8 @@ export interface Watch {
   readonly control: (move: ControlMove) => Promise<Control>;
   /** Resumes a run whose runner died. Throws a `RefusalError`. */
   readonly resume: (policy: OnCrash, from?: number | null) => Promise<void>;
+  /** Starts a new run with the inputs and settings of this one. Throws a `RefusalError`. */
+  readonly startAgain: () => Promise<StartedRun>;
   readonly close: () => void;
   /** Calls when the page leaves the run: what follows it ends with it. */
   readonly whenClosed: (call: () => void) => void;
