@@ -3,6 +3,7 @@
 use crate::harness::{Place, Run};
 use crate::station::{in_background, pair, robot_with, station};
 use rafcon_storage::journal::Pack;
+use rafcon_supervisor::clock;
 use serde_json::Value;
 use std::collections::BTreeSet;
 use std::fs;
@@ -78,13 +79,15 @@ fn run(place: &Place, machine: &str) -> [Vec<Pack>; 2] {
     [place.path("robot-runs").join(id), at_station].map(|run| Pack::read_after(&run, 0).unwrap())
 }
 
-/// How many bytes of machines the robot has sent since its start, once it says that the station has everything.
+/// How many bytes of machines the robot has sent since its start, once it says from now on that the station has everything.
 fn machine_bytes(place: &Place) -> u64 {
+    let now_ms = clock::since_1970_ms();
     loop {
         let said = place.call("link --json --state robot").stdout;
         let report: Value = serde_json::from_str(said.lines().next().unwrap()).unwrap();
         let runs = report["runs"].as_array().unwrap();
-        if !runs.is_empty() && runs.iter().all(|run| run["missing"] == 0) {
+        let is_new = report["now_ms"].as_u64().is_some_and(|at_ms| at_ms > now_ms);
+        if is_new && runs.iter().all(|run| run["missing"] == 0) {
             return report["sent"]["by_kind"]["machines"].as_u64().unwrap_or(0);
         }
         thread::yield_now();
@@ -112,11 +115,12 @@ fn a_machine_is_at_the_station_before_any_run_and_an_edit_sends_what_was_edited(
     let script = scripts.find(is_short).unwrap();
     let text = fs::read_to_string(&script).unwrap();
     fs::write(&script, format!("{text}# edited\n")).unwrap();
+    // The robot looks at its projects now and then. A run that begins before that brings the edit itself.
+    wait_for_parcels(&place, 2);
     let [robots, stations_own] = run(&place, "two");
     assert_eq!((robots.len(), &robots), (1, &stations_own));
     let sent = machine_bytes(&place);
     assert!((1..1_500).contains(&sent), "{sent} bytes of an edit");
-    wait_for_parcels(&place, 2);
     drop((ground, second));
 }
 
