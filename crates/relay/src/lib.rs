@@ -6,6 +6,8 @@
 mod about;
 mod carrier;
 mod clock;
+#[cfg(test)]
+mod command_matrix;
 mod desk;
 mod error;
 mod ids;

@@ -11,3 +11,4 @@ pub mod machines;
 pub mod notation;
 mod random;
 pub mod simulation;
+pub mod troubled_link;

@@ -612,22 +612,22 @@ impl StationSession {
         }
         let clock = self.robot_clock(now).ok_or(NotSent::Unheard)?;
         let times = RobotTimes::new(clock, command.wait, command.valid)?;
-        self.commands.add(now, command, times, self.whole_max())
+        self.commands.add(now, command, times, self.command_bytes_max())
     }
 
-    /// Length of a command that fits into one datagram, in bytes.
-    fn whole_max(&self) -> usize {
+    /// Length of a command that fits into one datagram, in bytes: longer ones are sent in parts.
+    pub fn command_bytes_max(&self) -> usize {
         self.profile.up_bytes_max - OVERHEAD - COMMAND_HEAD_MAX
     }
 
     /// Time that the parts of a command of this length need on the up-link, after those of the commands before, and half a round trip;
     /// zero for one that fits into a datagram.
     pub fn transfer_time(&self, length: usize) -> Duration {
-        if length <= self.whole_max() {
+        if length <= self.command_bytes_max() {
             return Duration::ZERO;
         }
         let bytes = length as u64 + self.commands.missing_bytes();
-        let datagrams = bytes / self.whole_max() as u64 + 1;
+        let datagrams = bytes / self.command_bytes_max() as u64 + 1;
         let bits = datagrams * self.datagram_bits();
         let nanos = bits.saturating_mul(1_000_000_000) / self.profile.up_bits_per_s;
         Duration::from_nanos(nanos) + self.answer_time() / 2
@@ -635,7 +635,7 @@ impl StationSession {
 
     /// Rate at which the parts of a long command are sent, in bytes of the command per second.
     pub fn command_bytes_per_s(&self) -> u64 {
-        (self.whole_max() as u64 * self.profile.up_bits_per_s / self.datagram_bits()).max(1)
+        (self.command_bytes_max() as u64 * self.profile.up_bits_per_s / self.datagram_bits()).max(1)
     }
 
     /// Size of the longest datagram on the carrier, in bits.
@@ -751,7 +751,5 @@ impl StationSession {
     }
 }
 
-#[cfg(test)]
-mod fate_tests;
 #[cfg(test)]
 mod tests;

@@ -17,6 +17,9 @@ mod values;
 mod viewers;
 mod watching;
 
+#[cfg(test)]
+pub(crate) use robot::default_lifetime;
+
 use crate::carrier::{Secure, open_door};
 use crate::clock::SessionClock;
 use crate::desk::ValueDesk;

@@ -579,8 +579,7 @@ impl StationRobot {
         let wait = given.not_before.map(left);
         let body = request_words::write(stream, &given.word);
         let transfer = self.session.transfer_time(body.len());
-        // Twice: parts are lost and sent again.
-        let usual = || wait.unwrap_or_default() + self.session.command_lifetime(now) + transfer * 2;
+        let usual = || wait.unwrap_or_default() + default_lifetime(&self.session, now, body.len());
         let valid = match given.expiry {
             Some(Expiry(until)) => left(until),
             None if given.is_lasting => STOP_LIFETIME,
@@ -657,6 +656,12 @@ impl StationRobot {
         }
         self.server_requests.answer(&self.name, name, answer);
     }
+}
+
+/// Lifetime of a request of so many bytes that is given without one.
+pub(crate) fn default_lifetime(session: &StationSession, now: Duration, length: usize) -> Duration {
+    // Twice: parts are lost and sent again.
+    session.command_lifetime(now) + session.transfer_time(length) * 2
 }
 
 /// The stream with the events of the run that a stream is of; that of a parcel is of no run.

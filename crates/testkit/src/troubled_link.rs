@@ -1,0 +1,248 @@
+//! A station and a robot with a link between them that is cut in either direction, and a robot whose server starts again. Checks what
+//! is promised of commands: none is carried out late, twice or differently, and a fate that the station hears is the robot's.
+
+use rafcon_link::{
+    CommandId, CommandState, EventBuffer, FromRobot, Horizon, Identity, KeyId, NewCommand, NotSent,
+    PairingKey, Profile, ReceivedCommand, RobotSession, RunSource, SenderStart, StationSession,
+    StreamId,
+};
+use std::collections::{BTreeMap, BTreeSet, VecDeque};
+use std::fmt;
+use std::time::Duration;
+
+/// One-way delays for tests, in ms: a room, field tests of missions to other planets, and those planets.
+pub const DELAYS_MS: [u64; 5] = [20, 2_000, 8_000, 60_000, 600_000];
+/// All profiles of links.
+pub const PROFILES: [Profile; 4] = [Profile::LAN, Profile::WIFI, Profile::DELAY_2S, Profile::DEEP];
+
+/// Each profile with each delay.
+pub fn links() -> impl Iterator<Item = (Profile, Duration)> {
+    let delays = DELAYS_MS.map(Duration::from_millis);
+    PROFILES.into_iter().flat_map(move |profile| delays.map(|delay| (profile.clone(), delay)))
+}
+
+struct NoRuns;
+
+impl RunSource for NoRuns {
+    fn events(&mut self, _: StreamId, _: u64, _: u64, _: usize) -> Option<EventBuffer> {
+        None
+    }
+
+    fn snapshot(&mut self, _: StreamId) -> Option<(u64, Vec<u8>)> {
+        None
+    }
+}
+
+/// What happens to the link or to the robot. Times are percentages of [`LinkTroubles::troubled`].
+#[derive(Debug, Clone, Copy)]
+pub enum Trouble {
+    /// Nothing reaches the robot between these times.
+    UpCut(u64, u64),
+    /// Nothing reaches the station between these times.
+    DownCut(u64, u64),
+    /// The robot's server starts again at this time.
+    RobotStarts(u64),
+    /// One of this number of datagrams is lost.
+    Losses(u64),
+}
+
+/// A link, and what happens to it.
+#[derive(Debug, Clone)]
+pub struct LinkTroubles {
+    /// What both sides know of the link.
+    pub profile: Profile,
+    /// Time that each datagram takes.
+    pub one_way: Duration,
+    /// All that happens, before the link is whole for good.
+    pub troubles: Vec<Trouble>,
+}
+
+impl LinkTroubles {
+    /// Time until the link is whole for good: a few exchanges.
+    pub fn troubled(&self) -> Duration {
+        self.one_way * 20 + self.profile.status_every * 20
+    }
+
+    fn is_cut(&self, now: Duration, is_up: bool) -> bool {
+        let percent = now.as_millis() * 100 / self.troubled().as_millis();
+        self.troubles.iter().any(|trouble| match trouble {
+            Trouble::UpCut(from, to) => {
+                is_up && (u128::from(*from)..u128::from(*to)).contains(&percent)
+            }
+            Trouble::DownCut(from, to) => {
+                !is_up && (u128::from(*from)..u128::from(*to)).contains(&percent)
+            }
+            Trouble::RobotStarts(_) | Trouble::Losses(_) => false,
+        })
+    }
+
+    fn is_lost(&self, now: Duration, number: u64, is_up: bool) -> bool {
+        let is_one = |trouble: &Trouble| matches!(trouble, Trouble::Losses(of) if number.is_multiple_of(*of));
+        self.is_cut(now, is_up) || now < self.troubled() && self.troubles.iter().any(is_one)
+    }
+}
+
+/// A station and a robot on both sides of the link, in virtual time.
+pub struct TroubledLink {
+    link: LinkTroubles,
+    /// Time of the world, which is the station's.
+    pub now: Duration,
+    /// Datagrams in flight by their direction: when they arrive, and their bytes.
+    up: VecDeque<(Duration, Vec<u8>)>,
+    down: VecDeque<(Duration, Vec<u8>)>,
+    /// Datagrams that were sent.
+    sent: u64,
+    /// The station's side.
+    pub station: StationSession,
+    robot: RobotSession,
+    robot_began: Duration,
+    robot_starts: u32,
+    robot_heard: Option<Horizon>,
+    /// Bytes of the commands that were given.
+    given: BTreeMap<CommandId, Vec<u8>>,
+    /// The robot's journal: how often it carried out each command.
+    pub carried_out: BTreeMap<CommandId, u32>,
+    /// The last state of each command that the station heard.
+    pub fates: BTreeMap<CommandId, CommandState>,
+    /// Commands that were overdue at some time.
+    pub overdue: BTreeSet<CommandId>,
+}
+
+impl fmt::Debug for TroubledLink {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { link, now, .. } = self;
+        f.debug_struct("TroubledLink").field("link", link).field("now", now).finish_non_exhaustive()
+    }
+}
+
+fn key() -> PairingKey {
+    PairingKey::from_bytes([7; 32])
+}
+
+fn robot_session(profile: &Profile, start: u32, heard: Option<Horizon>) -> RobotSession {
+    let start = SenderStart::new(start, 0);
+    let identity = Identity { key_id: KeyId(1), key: &key(), robot: "scout", start, heard };
+    let mut robot = RobotSession::new(&identity, profile.clone());
+    robot.begin(StreamId(1), 0);
+    robot
+}
+
+impl TroubledLink {
+    /// Both sides begin.
+    pub fn new(link: LinkTroubles) -> Self {
+        let start = SenderStart::new(1, 0);
+        let identity =
+            Identity { key_id: KeyId(1), key: &key(), robot: "scout", start, heard: None };
+        Self {
+            now: Duration::ZERO,
+            up: VecDeque::new(),
+            down: VecDeque::new(),
+            sent: 0,
+            station: StationSession::new(&identity, link.profile.clone()),
+            robot: robot_session(&link.profile, 1, None),
+            robot_began: Duration::ZERO,
+            robot_starts: 1,
+            robot_heard: None,
+            given: BTreeMap::new(),
+            carried_out: BTreeMap::new(),
+            fates: BTreeMap::new(),
+            overdue: BTreeSet::new(),
+            link,
+        }
+    }
+
+    /// Time of the robot's session.
+    fn robot_time(&self) -> Duration {
+        self.now.saturating_sub(self.robot_began)
+    }
+
+    /// The robot's server starts again.
+    pub fn restart_robot(&mut self) {
+        (self.robot_starts, self.robot_began) = (self.robot_starts + 1, self.now);
+        self.robot = robot_session(&self.link.profile, self.robot_starts, self.robot_heard);
+    }
+
+    /// The robot's runner does what it may, and its journal keeps that.
+    fn do_command(&mut self, command: &ReceivedCommand) {
+        let local = self.robot_time();
+        assert_eq!(self.given.get(&command.id), Some(&command.body), "another body");
+        let is_done = self.carried_out.contains_key(&command.id);
+        if !command.is_late && !is_done {
+            assert!(local.as_millis() <= u128::from(command.not_after_ms), "carried out late");
+            *self.carried_out.entry(command.id).or_default() += 1;
+        }
+        if self.carried_out.contains_key(&command.id) {
+            self.robot.set_command_state(local, command.id, CommandState::Done, "");
+        }
+    }
+
+    /// The station sends a command, if it can.
+    pub fn command(&mut self, command: NewCommand) -> Result<(), NotSent> {
+        self.given.insert(command.id, command.body.clone());
+        self.station.command(self.now, command)
+    }
+
+    /// Goes on to this time, from one moment to the next at which something is due. Panics if the robot carries a command out late,
+    /// or another one than was given.
+    pub fn go_on(&mut self, until: Duration) {
+        while self.now < until {
+            let local = self.robot_time();
+            while let Some(datagram) = self.robot.transmit(local, &mut NoRuns).expect("numbers") {
+                self.sent += 1;
+                if !self.link.is_lost(self.now, self.sent, false) {
+                    self.down.push_back((self.now + self.link.one_way, datagram));
+                }
+            }
+            while let Some(datagram) = self.station.transmit(self.now).expect("numbers") {
+                self.sent += 1;
+                if !self.link.is_lost(self.now, self.sent, true) {
+                    self.up.push_back((self.now + self.link.one_way, datagram));
+                }
+            }
+            self.overdue.extend(self.station.take_overdue(self.now));
+            let due = [
+                self.robot_began + self.robot.next_transmit(local),
+                self.station.next_transmit(self.now),
+            ];
+            let arrivals = [&self.up, &self.down].map(|way| way.front().map(|(at, _)| *at));
+            let next = due.into_iter().chain(arrivals.into_iter().flatten()).min();
+            self.now = next.unwrap_or(until).max(self.now + Duration::from_millis(1)).min(until);
+            self.arrive();
+        }
+    }
+
+    fn arrive(&mut self) {
+        let local = self.robot_time();
+        while let Some((_, mut datagram)) = self.up.pop_front_if(|(at, _)| *at <= self.now) {
+            let mut commands = Vec::new();
+            let _of_an_earlier_start =
+                self.robot.receive(local, &mut datagram, |command| commands.push(command));
+            self.robot_heard = self.robot.horizon();
+            for command in &commands {
+                self.do_command(command);
+            }
+        }
+        while let Some((_, mut datagram)) = self.down.pop_front_if(|(at, _)| *at <= self.now) {
+            let fates = &mut self.fates;
+            let show = |shown: FromRobot<'_>| {
+                if let FromRobot::CommandState { id, state, .. } = shown {
+                    fates.insert(id, state);
+                }
+            };
+            let _of_an_earlier_start = self.station.receive(self.now, &mut datagram, show);
+        }
+    }
+
+    /// Panics if a fate that the station heard is not the one in the robot's journal, or a command was carried out twice.
+    pub fn check_fates(&self) {
+        for (id, fate) in &self.fates {
+            let is_done = self.carried_out.contains_key(id);
+            match fate {
+                CommandState::Done => assert!(is_done, "{id:?} was not carried out"),
+                CommandState::Expired => assert!(!is_done, "{id:?} was carried out"),
+                CommandState::Received | CommandState::Started | CommandState::Refused => {}
+            }
+        }
+        assert!(self.carried_out.values().all(|times| *times == 1));
+    }
+}
