@@ -92,6 +92,11 @@ impl Profile {
         self.report_every * 4
     }
 
+    /// A robot counts as not heard after this long without a datagram: eight statuses would have come.
+    pub fn robot_silence(&self) -> Duration {
+        self.status_every * 8
+    }
+
     /// A side that has heard nothing for this long, in which three idle reports would have come, acts as if it were not heard.
     pub fn silence(&self) -> Duration {
         self.report_idle_every() * 7 / 2

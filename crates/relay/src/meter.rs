@@ -53,12 +53,15 @@ impl LinkMeter {
         let (down, up) = if self.is_station { (received, sent) } else { (sent, received) };
         self.down.note(now, down.bytes);
         self.up.note(now, up.bytes);
-        let Profile { status_every, .. } = self.profile;
-        let expected =
-            if self.is_station { status_every } else { self.profile.report_idle_every() };
+        let profile = &self.profile;
+        let (expected, silence) = if self.is_station {
+            (profile.status_every, profile.robot_silence())
+        } else {
+            (profile.report_idle_every(), profile.silence())
+        };
         LinkHealth {
             robot: self.robot.clone(),
-            is_heard: heard_before.is_some_and(|before| before < self.profile.silence()),
+            is_heard: heard_before.is_some_and(|before| before < silence),
             heard_ms: heard_before
                 .map(|before| clock::since_1970_ms().saturating_sub(millis(before))),
             expected_every_ms: millis(expected),
@@ -120,4 +123,25 @@ fn traffic(traffic: &Traffic) -> LinkTraffic {
 
 pub(crate) fn millis(time: Duration) -> u64 {
     u64::try_from(time.as_millis()).unwrap_or(u64::MAX)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::LinkMeter;
+    use crate::pairing::Pairing;
+    use rafcon_link::{Profile, Traffic};
+    use std::time::Duration;
+
+    #[test]
+    fn a_side_is_heard_until_what_it_sends_regularly_is_missing() {
+        let pairing = Pairing::generate("scout", None).expect("a name");
+        let is_heard = |is_station, before| {
+            let mut meter = LinkMeter::new(&pairing, &Profile::DELAY_2S, is_station);
+            let (sent, received) = (Traffic::default(), Traffic::default());
+            let before = Some(Duration::from_millis(before));
+            meter.health(Duration::ZERO, (&sent, &received), before).is_heard
+        };
+        assert_eq!([3_999, 4_000].map(|before| is_heard(true, before)), [true, false]);
+        assert_eq!([6_999, 7_000].map(|before| is_heard(false, before)), [true, false]);
+    }
 }
