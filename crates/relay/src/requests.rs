@@ -106,8 +106,9 @@ mod tests {
             return RobotRequest::Start(StartRequest {
                 id,
                 user,
-                of: StartOf::Again(run),
+                of: StartOf::Again(run, false),
                 expiry_ms,
+                no_edit: None,
             });
         }
         let asked = ResumeRun { id, policy: OnCrash::Ask, from: None };

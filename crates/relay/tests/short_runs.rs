@@ -4,9 +4,7 @@
 #![expect(clippy::unwrap_used, reason = "a test ends where it goes wrong")]
 
 use rafcon_link::Profile;
-use rafcon_protocol::api::{
-    Control, ControlMove, ResumeRequest, Right, RobotAnswer, StartOf, StartRequest,
-};
+use rafcon_protocol::api::{Control, ControlMove, ResumeRequest, Right, RobotAnswer, StartRequest};
 use rafcon_protocol::{Command, Event, Outcome};
 use rafcon_relay::{
     Answered, Authority, Paired, Pairing, Projects, RequestDesk, RobotSettings, StationAddress,
@@ -39,9 +37,11 @@ const DESCRIPTORS: u32 = 200;
 struct Nobody;
 
 impl Authority for Nobody {
-    fn command(&self, _: &str, _: &str, _: u64) -> Result<(), String> {
+    fn command(&self, _: &str, _: &str, _: &str, _: u64) -> Result<(), String> {
         Err("nobody commands".to_owned())
     }
+
+    fn refused(&self, _: &str, _: &str) {}
 
     fn right_of(&self, _: &Command) -> Right {
         Right::Command
@@ -61,10 +61,6 @@ impl Authority for Nobody {
 
     fn fate_of_resume(&self, _: &str, _: &str, _: &str) -> RobotAnswer {
         RobotAnswer::Expired
-    }
-
-    fn right_to_start(&self, _: &StartOf) -> Result<Right, String> {
-        Ok(Right::Start)
     }
 
     fn start(&self, _: StartRequest, _: Answered) -> Result<(), String> {

@@ -47,6 +47,8 @@ pub struct StartRequest {
     pub of: StartOf,
     /// End of its validity, as in [`ResumeRequest`].
     pub expiry_ms: Option<u64>,
+    /// Reason why the request may bring no Python into the run, if it may not. Set by the robot.
+    pub no_edit: Option<String>,
 }
 
 /// Machine and settings of a run to start. Serialized under short names, because it crosses the link.
@@ -55,9 +57,10 @@ pub enum StartOf {
     /// A machine of the robot. The id in it does not count.
     #[serde(rename = "m")]
     Machine(Box<StartRun>),
-    /// The machine of this run of the robot, as the run was started.
+    /// The machine of an earlier run of the robot, as it is on disk now, with the inputs and settings of that run; and whether the user
+    /// may edit, which a breakpoint with a condition requires.
     #[serde(rename = "a")]
-    Again(String),
+    Again(String, bool),
 }
 
 /// Answer to a request to a robot.
@@ -105,7 +108,7 @@ impl RobotAnswer {
     }
 }
 
-/// Request for a new run with the machine, the inputs and the settings of an earlier one.
+/// Request for a new run with the inputs and settings of an earlier one, of the same machine as it is on disk now.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct StartAgain {

@@ -9,8 +9,7 @@ use anyhow::{Context as _, Result, bail};
 use rafcon_link::Profile;
 use rafcon_protocol::Command;
 use rafcon_protocol::api::{
-    Control, ControlMove, ResumeRequest, Right, RobotAnswer, RobotRequest, StartOf, StartRequest,
-    ValueFetch,
+    Control, ControlMove, ResumeRequest, Right, RobotAnswer, RobotRequest, StartRequest, ValueFetch,
 };
 use rafcon_relay::{
     Answered, Authority, Paired, Pairing, PairingList, PairingRights, Projects, RequestDesk,
@@ -133,8 +132,14 @@ fn unknown(reason: String) -> RobotAnswer {
 }
 
 impl Authority for ServerAuthority {
-    fn command(&self, run: &str, user: &str, epoch: u64) -> Result<(), String> {
-        self.server()?.command(run, user, epoch)
+    fn command(&self, run: &str, user: &str, id: &str, epoch: u64) -> Result<(), String> {
+        self.server()?.command(run, user, id, epoch)
+    }
+
+    fn refused(&self, run: &str, id: &str) {
+        if let Ok(server) = self.server() {
+            server.refused(run, id);
+        }
     }
 
     fn right_of(&self, command: &Command) -> Right {
@@ -155,10 +160,6 @@ impl Authority for ServerAuthority {
 
     fn fate_of_resume(&self, run: &str, user: &str, id: &str) -> RobotAnswer {
         self.server().map_or_else(unknown, |server| server.fate_of_resume(run, user, id))
-    }
-
-    fn right_to_start(&self, of: &StartOf) -> Result<Right, String> {
-        self.server()?.right_to_start(of)
     }
 
     fn start(&self, request: StartRequest, answered: Answered) -> Result<(), String> {

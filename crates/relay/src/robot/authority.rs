@@ -2,16 +2,17 @@
 
 use crate::requests::Answered;
 use rafcon_protocol::Command;
-use rafcon_protocol::api::{
-    Control, ControlMove, ResumeRequest, Right, RobotAnswer, StartOf, StartRequest,
-};
+use rafcon_protocol::api::{Control, ControlMove, ResumeRequest, Right, RobotAnswer, StartRequest};
 use std::fmt;
 
 /// Decides who commands. Users of a station have `@` and its name after theirs.
 pub trait Authority: fmt::Debug + Send + Sync {
     /// Whether a user may command this run now, having decided under this epoch of authority; else why not, and the way out. Who
     /// brings a robot to rest is not asked.
-    fn command(&self, run: &str, user: &str, epoch: u64) -> Result<(), String>;
+    fn command(&self, run: &str, user: &str, id: &str, epoch: u64) -> Result<(), String>;
+
+    /// The run refused the command with this id: if its author took control by it, nobody has it.
+    fn refused(&self, run: &str, id: &str);
 
     /// Right that a command needs.
     fn right_of(&self, command: &Command) -> Right;
@@ -28,9 +29,6 @@ pub trait Authority: fmt::Debug + Send + Sync {
 
     /// What is known of a request to resume a run.
     fn fate_of_resume(&self, run: &str, user: &str, id: &str) -> RobotAnswer;
-
-    /// Right that a start needs, or why there is nothing to start.
-    fn right_to_start(&self, of: &StartOf) -> Result<Right, String>;
 
     /// Begins to start a run, once for each id of a user. `answered` is called with the result: `Expired` if nothing was done by the
     /// end of its validity.

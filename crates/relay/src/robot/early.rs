@@ -1,4 +1,5 @@
-//! Commands for runs that have just begun, whose runners accept no connection yet.
+//! Requests that cannot be carried out, or whose fate is not known, at the moment: of runs whose runners accept no connection yet, or
+//! of a server that has not read its runs.
 
 use rafcon_link::ReceivedCommand;
 
@@ -19,11 +20,11 @@ impl EarlyCommands {
         None
     }
 
-    /// Removes all; those that expired by `now_ms` are late.
+    /// Removes all. Those that expired by `now_ms` are late from then on; what was late on arrival stays so.
     pub(super) fn take(&mut self, now_ms: u64) -> Vec<ReceivedCommand> {
         let mut commands = std::mem::take(&mut self.0);
         for command in &mut commands {
-            command.is_late = now_ms > command.not_after_ms;
+            command.is_late |= now_ms > command.not_after_ms;
         }
         commands
     }
@@ -52,5 +53,8 @@ mod tests {
         let taken = early.take(9);
         assert_eq!(taken.iter().filter(|command| command.is_late).count(), 9);
         assert_eq!((taken.len(), early.take(9).len()), (EARLY_MAX, 0));
+        // Of an earlier start of the robot, whose clock was further on.
+        assert_eq!(early.add(ReceivedCommand { is_late: true, ..command(3_600_000) }), None);
+        assert!(early.take(9).iter().all(|command| command.is_late));
     }
 }

@@ -26,8 +26,8 @@ pub(super) enum FromRun {
     Happened(String),
     /// This is its present state.
     Snapshot(String, Box<Snapshot>),
-    /// This became of the request with this id.
-    Answered(String, RobotAnswer),
+    /// This became of a request: its run, if it was for a runner, and its id.
+    Answered(Option<String>, String, RobotAnswer),
     /// The connection to the runner of this run ended.
     Gone(String),
     /// These parcels are sent, and no others.
@@ -121,7 +121,9 @@ fn follow(
 fn said(run: &str, content: &[u8]) -> Option<FromRun> {
     match serde_json::from_slice(content).ok()? {
         ToViewer::Snapshot(snapshot) => Some(FromRun::Snapshot(run.to_owned(), Box::new(snapshot))),
-        ToViewer::Answer { id, answer } => Some(FromRun::Answered(id, answer.into())),
+        ToViewer::Answer { id, answer } => {
+            Some(FromRun::Answered(Some(run.to_owned()), id, answer.into()))
+        }
         ToViewer::Loaded { .. }
         | ToViewer::LoadFailed { .. }
         | ToViewer::Inspection { .. }

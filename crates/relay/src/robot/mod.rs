@@ -309,15 +309,26 @@ impl RobotRelay<'_> {
     fn command(&mut self, now: Duration, command: ReceivedCommand) {
         let read = request_words::read(&command.body);
         let mut command = command;
-        if !self.make_ready(&read, command.is_late) {
+        let late_fate = match &read {
+            _ if !self.make_ready(&read, command.is_late) => Some(None),
+            Ok((stream, word)) if command.is_late => Some(outcome(self.late_fate(*stream, word))),
+            _ => None,
+        };
+        if let Some(None) = late_fate {
+            let id = command.id;
             match self.early.add(command) {
-                None => return,
+                // Until the fate is known, the robot says none.
+                None => {
+                    return self.session.set_command_state(now, id, CommandState::Received, "");
+                }
                 Some(refused) => command = refused,
             }
         }
         let ReceivedCommand { id, not_after_ms, epoch, is_late, .. } = command;
         let done = match read {
-            Ok((stream, word)) if is_late => Ok(self.late_fate(stream, &word)),
+            _ if is_late => {
+                Ok(late_fate.flatten().unwrap_or((CommandState::Started, String::new())))
+            }
             Ok((stream, word)) => self
                 .heed(now, (stream, word), (epoch, not_after_ms))
                 .map(|state| (state, String::new())),
@@ -343,11 +354,11 @@ impl RobotRelay<'_> {
     }
 
     /// Fate of a late request, by the run's journal and the server: an earlier start of this server may have carried it out.
-    fn late_fate(&self, stream: StreamId, word: &StationRequest) -> (CommandState, String) {
+    fn late_fate(&self, stream: StreamId, word: &StationRequest) -> RobotAnswer {
         let Self { settings, .. } = self;
         let authority = &settings.authority;
         let at_robot = |author| author_at_robot(author, settings.paired.pairing.station_name());
-        let fate = match word {
+        match word {
             StationRequest::Command(id, ..) => {
                 self.runs.answer_of(stream, id).map_or(RobotAnswer::Expired, RobotAnswer::from)
             }
@@ -356,8 +367,7 @@ impl RobotRelay<'_> {
             }
             StationRequest::Start(id, author, _) => authority.fate_of_start(&at_robot(author), id),
             StationRequest::MoveControl(..) | StationRequest::Present(_) => RobotAnswer::Expired,
-        };
-        outcome(fate)
+        }
     }
 
     fn heed(
@@ -381,7 +391,7 @@ impl RobotRelay<'_> {
                 rights.check(&command, authority.right_of(&command))?;
                 let author = author_at_robot(&author, station);
                 if !command.is_for_everybody() {
-                    authority.command(&run, &author, epoch)?;
+                    authority.command(&run, &author, &id, epoch)?;
                     // Whoever takes control by it decides the next one under the new epoch.
                     self.tell_control();
                 }
@@ -414,11 +424,11 @@ impl RobotRelay<'_> {
                 Ok(CommandState::Started)
             }
             StationRequest::Start(id, author, of) => {
-                rights.check_right(authority.right_to_start(&of)?)?;
+                rights.check_right(Right::Start)?;
                 let user = author_at_robot(&author, station);
                 let answered = self.runs.answerer(id.clone());
-                let expiry_ms = Some(expiry_ms);
-                authority.start(StartRequest { id, user, of, expiry_ms }, answered)?;
+                let (expiry_ms, no_edit) = (Some(expiry_ms), rights.check_right(Right::Edit).err());
+                authority.start(StartRequest { id, user, of, expiry_ms, no_edit }, answered)?;
                 Ok(CommandState::Started)
             }
             StationRequest::Present(user) => {
@@ -434,8 +444,12 @@ impl RobotRelay<'_> {
             FromRun::Snapshot(run, snapshot) => {
                 self.runs.reported(&run, snapshot, &mut self.session);
             }
-            FromRun::Answered(id, answer) => {
-                let (state, text) = outcome(answer);
+            FromRun::Answered(run, id, answer) => {
+                if let (Some(run), RobotAnswer::Refused { .. }) = (&run, &answer) {
+                    self.settings.authority.refused(run, &id);
+                    self.tell_control();
+                }
+                let Some((state, text)) = outcome(answer) else { return };
                 self.session.set_command_state(self.clock.now(), ids::command(&id), state, &text);
             }
             FromRun::Gone(run) => self.runs.gone(&run, &mut self.session),
@@ -444,13 +458,12 @@ impl RobotRelay<'_> {
     }
 }
 
-/// State of a request with its text: the reason of a refusal, or the run that was started. While the fate is unknown, the station
-/// reports so.
-fn outcome(answer: RobotAnswer) -> (CommandState, String) {
+/// State of a request with its text: the reason of a refusal, or the run that was started. None while the fate is unknown.
+fn outcome(answer: RobotAnswer) -> Option<(CommandState, String)> {
     match answer {
-        RobotAnswer::Done { run } => (CommandState::Done, run),
-        RobotAnswer::Refused { reason } => (CommandState::Refused, reason),
-        RobotAnswer::Expired => (CommandState::Expired, String::new()),
-        RobotAnswer::Unknown { .. } => (CommandState::Started, String::new()),
+        RobotAnswer::Done { run } => Some((CommandState::Done, run)),
+        RobotAnswer::Refused { reason } => Some((CommandState::Refused, reason)),
+        RobotAnswer::Expired => Some((CommandState::Expired, String::new())),
+        RobotAnswer::Unknown { .. } => None,
     }
 }

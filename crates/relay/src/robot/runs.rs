@@ -515,7 +515,7 @@ impl RobotRuns {
     pub(super) fn answerer(&self, id: String) -> Answered {
         let inbox = self.inbox.clone();
         // Without the relay, nobody waits for the answer.
-        Box::new(move |answer| drop(inbox.send(Input::Other(FromRun::Answered(id, answer)))))
+        Box::new(move |answer| drop(inbox.send(Input::Other(FromRun::Answered(None, id, answer)))))
     }
 
     /// The folder of the run with these events, whether it is sent now or not.

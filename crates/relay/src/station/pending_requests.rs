@@ -69,8 +69,10 @@ impl PendingRequests {
 
     /// A word is this far.
     pub(super) fn set_stage(&mut self, id: CommandId, stage: CommandStage) {
-        if let Some(word) = self.open.get_mut(&id) {
-            word.command.stage = stage;
+        // An overdue one was reported as unknown: that stays until its fate is known.
+        let open = self.open.get_mut(&id).map(|word| &mut word.command);
+        if let Some(command) = open.filter(|command| command.stage != CommandStage::Overdue) {
+            command.stage = stage;
         }
     }
 

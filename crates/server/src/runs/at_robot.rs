@@ -6,7 +6,7 @@ use super::start::{check, start_again_here};
 use crate::access::{Who, of_start};
 use crate::{Failure, ServerState};
 use rafcon_protocol::api::{
-    RobotAnswer, RobotRequest, StartAgain, StartOf, StartRequest, StartRun, StartedRun,
+    Right, RobotAnswer, RobotRequest, StartAgain, StartOf, StartRequest, StartRun, StartedRun,
 };
 use std::sync::Arc;
 use tokio::sync::oneshot;
@@ -25,7 +25,12 @@ pub(super) async fn carry_out(
         |why| Failure::unavailable("robot_not_received", format!("robot {robot}: {why}"));
     let robots = server.settings.robots.as_ref();
     let robots = robots.ok_or_else(|| not_taken("this server is no station".to_owned()))?;
+    let (user, action, of) = match &request {
+        RobotRequest::Resume(it) => (it.user.clone(), "resume_asked", format!("{} of ", it.run)),
+        RobotRequest::Start(it) => (it.user.clone(), "start_asked", String::new()),
+    };
     robots.request(robot, request, answered_by_robot).map_err(not_taken)?;
+    server.audit().note(&user, action, &format!("{of}{robot}"));
     match timeout(COMMAND_TIMEOUT, answered).await {
         Ok(Ok(RobotAnswer::Done { run })) => Ok(run),
         Ok(Ok(RobotAnswer::Refused { reason })) => {
@@ -71,17 +76,18 @@ pub(super) async fn start_again(
     crate::extract::check_request_id(&id)?;
     let run = server.runs.get(run).await?;
     if let Some(robot) = run.robot() {
-        let start = request(who, &id, StartOf::Again(run.id().to_owned()));
+        let may_edit = who.must(Right::Edit).is_ok();
+        let start = request(who, &id, StartOf::Again(run.id().to_owned(), may_edit));
         return by_robot(server, robot, start).await;
     }
-    let started = start_again_here(server, who, &run, id).await?;
+    let started = start_again_here(server, who, run, id).await?;
     Ok(StartedRun { run: started.id, robot: None })
 }
 
 fn request(who: &Who, id: &str, of: StartOf) -> StartRequest {
-    // No command has such an id.
-    let id = format!("{}//start/{id}", who.user);
-    StartRequest { id, user: who.user.clone(), of, expiry_ms: None }
+    // The id of a command begins with the name of a user.
+    let id = format!("//start/{}/{id}", who.user);
+    StartRequest { id, user: who.user.clone(), of, expiry_ms: None, no_edit: None }
 }
 
 async fn by_robot(
@@ -89,7 +95,6 @@ async fn by_robot(
     robot: String,
     start: StartRequest,
 ) -> Result<StartedRun, Failure> {
-    server.audit().note(&start.user, "start_asked", &robot);
     let run = carry_out(server, &robot, RobotRequest::Start(start)).await?;
     Ok(StartedRun { run, robot: Some(robot) })
 }

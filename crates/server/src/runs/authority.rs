@@ -1,17 +1,19 @@
 //! Control of runs for those who come neither over HTTP nor over a socket: the users of a station far away.
 
-use super::commands::{move_holder, take};
+use super::commands::{move_holder, refused, take};
+use super::control::GivenCommand;
 use super::folder_files::RunRequest;
 use super::resume::{EXPIRED, once};
 use super::run::Run;
 use super::start;
-use super::start_requests::unknown;
-use crate::access::{of_command, of_start};
+use super::start_requests::StartProgress;
+use crate::access::of_command;
 use crate::{Failure, ServerState};
 use rafcon_protocol::Command;
 use rafcon_protocol::api::{
-    Control, ControlMove, ResumeRequest, Right, RobotAnswer, RunSummary, StartOf, StartRequest,
+    Control, ControlMove, ResumeRequest, Right, RobotAnswer, RunPhase, RunSummary, StartRequest,
 };
+use std::path::Path;
 use std::sync::Arc;
 use tokio::runtime::Handle;
 
@@ -33,9 +35,18 @@ impl RunAuthority {
 
     /// Whether a user may command this run now, having decided under this epoch of authority: the first who does takes control. Else
     /// why not, and the way out.
-    pub fn command(&self, run: &str, user: &str, epoch: u64) -> Result<(), String> {
+    pub fn command(&self, run: &str, user: &str, id: &str, epoch: u64) -> Result<(), String> {
         let (_within, run) = (self.runtime.enter(), self.run(run)?);
-        take(&self.server, &run, user, Some(epoch)).map_err(|failure| failure.to_string())
+        let given = GivenCommand { user, id, epoch: Some(epoch) };
+        take(&self.server, &run, given).map_err(|failure| failure.to_string())
+    }
+
+    /// The run refused the command with this id: if its author took control by it, nobody has it.
+    pub fn refused(&self, run: &str, id: &str) {
+        let _within = self.runtime.enter();
+        if let Ok(run) = self.run(run) {
+            refused(&self.server, &run, id);
+        }
     }
 
     /// Right that a command needs.
@@ -84,29 +95,34 @@ impl RunAuthority {
         }
     }
 
-    /// Right that a start needs, or why there is nothing to start.
-    pub fn right_to_start(&self, of: &StartOf) -> Result<Right, String> {
-        let asked = start::resolved(&self.server, of, "").map_err(|failure| failure.to_string())?;
-        Ok(of_start(&asked))
-    }
-
     /// Begins to start a run, once for each id of a user. `answered` is called with the result: `Expired` if nothing was done by the
     /// end of its validity.
     pub fn start(&self, request: StartRequest, answered: Answered) -> Result<(), String> {
-        let StartRequest { id, user, of, expiry_ms } = request;
         let server = Arc::clone(&self.server);
-        let started = async move {
-            let asked = start::resolved(&server, &of, &id)?;
-            start::must_be_kept(&asked)?;
-            start::once(&server, &user, asked, expiry_ms).await
-        };
-        self.carry_out(started, answered);
+        self.carry_out(async move { start::for_station(&server, request).await }, answered);
         Ok(())
     }
 
     /// What is known of a request to start a run.
     pub fn fate_of_start(&self, user: &str, id: &str) -> RobotAnswer {
-        self.server.runs.requests.fate(&RunRequest::start_key(user, id))
+        match self.server.runs.requests.progress(&RunRequest::start_key(user, id)) {
+            StartProgress::Nothing => RobotAnswer::Expired,
+            StartProgress::UnderWay => unknown("it is under way"),
+            StartProgress::Begun(run) => RobotAnswer::Done { run },
+            StartProgress::Open(folder) => self.fate_in(&folder),
+        }
+    }
+
+    /// Fate of a start that an earlier server wrote into a folder.
+    fn fate_in(&self, folder: &Path) -> RobotAnswer {
+        let id = folder.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        match self.server.runs.known(&id).map(|run| run.summary().phase) {
+            Some(RunPhase::Live | RunPhase::Finished { .. } | RunPhase::Crashed) => {
+                RobotAnswer::Done { run: id }
+            }
+            Some(RunPhase::NotStarted { .. }) => RobotAnswer::Expired,
+            _ => unknown("its run may begin"),
+        }
     }
 
     fn carry_out(
@@ -139,4 +155,8 @@ impl RunAuthority {
     fn run(&self, id: &str) -> Result<Arc<Run>, String> {
         self.server.runs.known(id).ok_or_else(|| "the robot's server has no such run".to_owned())
     }
+}
+
+fn unknown(reason: &str) -> RobotAnswer {
+    RobotAnswer::Unknown { reason: reason.to_owned() }
 }

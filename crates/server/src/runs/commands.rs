@@ -1,6 +1,7 @@
 //! Commands of runs: whether they may be given, on their way to the runner, and their answers. Knows rights, control and
 //! links, but not what a command does.
 
+use super::control::GivenCommand;
 use super::folder_files::key;
 use super::link::{Link, NotSent};
 use super::run::Run;
@@ -49,14 +50,18 @@ pub(crate) async fn command(
     }
     // Who commands a run far away, its robot decides.
     if !envelope.command.is_for_everybody() && !run.is_replica() {
-        take(server, &run, &who.user, envelope.epoch)?;
+        take(server, &run, GivenCommand { user: &who.user, id: &known, epoch: envelope.epoch })?;
     }
+    let known_id = known.clone();
     let envelope = Envelope { id: known, author: who.user.clone(), ..envelope };
     let answer = if envelope.command == Command::Stop {
         stop(server, who, &run, envelope).await?
     } else {
         send(&run, envelope).await?
     };
+    if let Answer::Refused { .. } = answer {
+        refused(server, &run, &known_id);
+    }
     Ok(CommandAnswer { id, answer })
 }
 
@@ -70,11 +75,21 @@ fn is_commanded(run: &Run) -> bool {
 pub(super) fn take(
     server: &ServerState,
     run: &Arc<Run>,
-    user: &str,
-    epoch: Option<u64>,
+    given: GivenCommand<'_>,
 ) -> Result<(), Failure> {
     let now_ms = clock::since_1970_ms();
-    with_control(server, run, user, |holding| holding.command((user, epoch), now_ms, run.silence()))
+    with_control(server, run, given.user, |holding| holding.command(given, now_ms, run.silence()))
+}
+
+/// The run refused a command: it gave nobody control.
+pub(super) fn refused(server: &ServerState, run: &Arc<Run>, id: &str) {
+    let now_ms = clock::since_1970_ms();
+    let user = id.split_once('/').map_or(id, |(user, _)| user);
+    let freed = with_control(server, run, user, |holding| {
+        holding.refused(id, now_ms);
+        Ok(())
+    });
+    freed.unwrap_or_default();
 }
 
 /// Moves control, as someone wants.

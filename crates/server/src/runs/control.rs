@@ -31,6 +31,17 @@ struct ControlHolder {
     /// Not kept: whoever held a run when the server went away has all the time again.
     #[serde(skip)]
     heard_ms: u64,
+    /// The command by which they took it from nobody, until another one is given.
+    #[serde(skip)]
+    first: Option<FirstCommand>,
+}
+
+/// A command that took control from nobody.
+#[derive(Debug, Clone, PartialEq, Eq)]
+struct FirstCommand {
+    id: String,
+    /// `valid_from` before it.
+    valid_from: u64,
 }
 
 /// Why control does not change hands, or a command is not for this user.
@@ -88,6 +99,17 @@ pub(super) enum Denied {
     TooMany,
 }
 
+/// A command whose author has to be in control.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct GivenCommand<'c> {
+    /// The author.
+    pub(super) user: &'c str,
+    /// Id, with the author's name before it.
+    pub(super) id: &'c str,
+    /// The epoch of authority under which the author decided, if it is known.
+    pub(super) epoch: Option<u64>,
+}
+
 impl Holding {
     /// What was kept, by whoever looks after the run from `now_ms` on.
     pub(super) fn go_on(mut self, now_ms: u64) -> Self {
@@ -141,11 +163,10 @@ impl Holding {
         }
     }
 
-    /// Someone commands: the first takes control, all but the holder are denied. Who commands what everyone may is not asked.
-    /// They decided under this epoch, if they say so.
+    /// Someone commands: the first takes control, all but the holder are denied. Commands that everyone may give are not checked here.
     pub(super) fn command(
         &mut self,
-        (user, epoch): (&str, Option<u64>),
+        GivenCommand { user, id, epoch }: GivenCommand<'_>,
         now_ms: u64,
         silence: Duration,
     ) -> Result<(), Denied> {
@@ -153,10 +174,31 @@ impl Holding {
             return Err(holder.denies(silence));
         }
         self.check_epoch(epoch)?;
-        if !self.heard(user, now_ms) {
+        let valid_from = self.valid_from;
+        let is_first = !self.heard(user, now_ms);
+        if is_first {
             self.give(user, now_ms);
         }
+        if let Some(holder) = &mut self.holder {
+            let first = FirstCommand { id: id.to_owned(), valid_from };
+            holder.first = if is_first { Some(first) } else { holder.first.take() };
+            holder.first.take_if(|first| first.id != id);
+        }
         Ok(())
+    }
+
+    /// The run refused a command. If it was the only one of a user who took control by it, control is free again, and what others
+    /// decided before it still counts.
+    pub(super) fn refused(&mut self, id: &str, now_ms: u64) {
+        let first = self.holder.as_ref().and_then(|holder| holder.first.as_ref());
+        let Some(FirstCommand { valid_from, .. }) = first.filter(|first| first.id == id).cloned()
+        else {
+            return;
+        };
+        self.let_go(now_ms);
+        if self.holder.is_none() {
+            self.valid_from = valid_from;
+        }
     }
 
     /// Someone wants something about control.
@@ -282,8 +324,12 @@ impl Holding {
             if was_free {
                 self.valid_from = before;
             }
-            self.holder =
-                Some(ControlHolder { user: user.to_owned(), since_ms: now_ms, heard_ms: now_ms });
+            self.holder = Some(ControlHolder {
+                user: user.to_owned(),
+                since_ms: now_ms,
+                heard_ms: now_ms,
+                first: None,
+            });
         }
     }
 

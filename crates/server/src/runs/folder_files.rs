@@ -156,7 +156,7 @@ fn replace(path: &Path, bytes: &[u8], synced: bool) -> io::Result<()> {
 #[cfg(test)]
 mod tests {
     use super::{CONTROL_FILE, REQUEST_FILE, RunRequest, read_holding, write_holding};
-    use crate::runs::control::Holding;
+    use crate::runs::control::{GivenCommand, Holding};
     use std::os::unix::fs::PermissionsExt as _;
     use std::time::Duration;
 
@@ -191,7 +191,8 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         assert_eq!(read_holding(folder.path()), Holding::default());
         let mut holding = Holding::default();
-        holding.command(("ana", None), 5, Duration::ZERO).unwrap();
+        let given = GivenCommand { user: "ana", id: "ana/1", epoch: None };
+        holding.command(given, 5, Duration::ZERO).unwrap();
         write_holding(folder.path(), &holding).unwrap();
         let told = read_holding(folder.path()).go_on(70).told(Duration::ZERO);
         assert_eq!((told.holder.as_deref(), told.since_ms, told.heard_ms), (Some("ana"), 5, 70));

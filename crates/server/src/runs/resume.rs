@@ -2,6 +2,7 @@
 //!
 //! Knows requests and launches. Does not know what the run does then.
 
+use super::control::GivenCommand;
 use super::folder_files::RunRequest;
 use super::launch::{LaunchError, Launched, launch};
 use super::run::Run;
@@ -55,10 +56,9 @@ async fn by_robot(
             format!("the run has come to its end: robot {robot} itself can begin it again");
         return Err(Failure::conflict("run_is_over", message));
     }
-    // No command has such an id.
-    let id = format!("{}//resume/{}/{}", who.user, run.id(), asked.id);
+    // The id of a command begins with the name of a user.
+    let id = format!("//resume/{}/{}/{}", who.user, run.id(), asked.id);
     let request = RobotRequest::Resume(request(run, who, ResumeRun { id, ..asked }));
-    server.audit().note(&who.user, "resume_asked", &format!("{} of {robot}", run.id()));
     at_robot::carry_out(server, &robot, request).await?;
     Ok(run.summary())
 }
@@ -97,7 +97,8 @@ async fn in_turn(
     }
     may_be_resumed(&run.summary(), asked)?;
     // Control of a dead run cannot be moved; it passes to the user if its holder is silent.
-    commands::take(server, run, user, None).or_else(|denied| {
+    let given = GivenCommand { user, id: &asked.id, epoch: None };
+    commands::take(server, run, given).or_else(|denied| {
         let taken = commands::move_holder(server, run, user, &ControlMove::TakeOver);
         taken.map_err(|_still_heard| denied)
     })?;

@@ -105,7 +105,7 @@ async fn resume(
     resume::resume(&server, &who, &run, asked).await.map(Json)
 }
 
-/// Starts the machine of a run again: another run, with the same inputs and settings.
+/// Starts another run of the machine of a run, as it is on disk now, with the inputs and settings of that run.
 ///
 /// A station asks the robot of the run, which checks the rights of the pairing. The same id of the same author starts one run.
 #[utoipa::path(post, path = "/api/v1/runs/{run}/again", tag = "runs", request_body = StartAgain,
@@ -115,7 +115,7 @@ async fn resume(
         (status = 400, description = "Something is wrong with the request itself", body = Refusal),
         (status = 403, description = "The run before had a breakpoint with a condition, and you may not edit", body = Refusal),
         (status = 404, description = "There is no such run", body = Refusal),
-        (status = 409, description = "Its machine is in no project, or the robot refused it, or its fate is unknown", body = Refusal),
+        (status = 409, description = "It was started without a server, so its inputs are unknown; or the robot refused, the request expired, or its fate is unknown", body = Refusal),
         (status = 413, description = "The request is too large", body = Refusal),
         (status = 422, description = "The machine cannot be run", body = Refusal),
         (status = 429, description = "Too many runs are being started", body = Refusal),

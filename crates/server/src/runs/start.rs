@@ -12,7 +12,7 @@ use crate::access::{Who, of_start};
 use crate::failure::reason;
 use crate::gate::blocking;
 use crate::{Failure, Reason, ServerState};
-use rafcon_protocol::api::{RunPhase, RunSummary, StartOf, StartRun};
+use rafcon_protocol::api::{Right, RunPhase, RunSummary, StartOf, StartRequest, StartRun};
 use rafcon_protocol::{Keeping, Launch};
 use rafcon_supervisor::{KeptRun, Next, RestartPolicy, RunnerDeath, clock};
 use std::fs;
@@ -20,10 +20,14 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Duration;
-use tokio::time::timeout;
+use tokio::time::{sleep, timeout};
 
 /// How long the runner of an earlier server is waited for.
 const PREVIOUS_RUNNER_TIMEOUT: Duration = Duration::from_secs(40);
+/// Interval at which a start that an earlier server began is looked at again.
+const RETRY_INTERVAL: Duration = Duration::from_secs(1);
+/// The code of a request that is still being carried out.
+const NOT_FINISHED: &str = "not_finished";
 
 /// Starts the run, or finds the one that was started by this id. It continues also if whoever asks goes away meanwhile.
 pub(crate) async fn start(
@@ -41,23 +45,48 @@ pub(crate) async fn start(
 pub(super) async fn start_again_here(
     server: &Arc<ServerState>,
     who: &Who,
-    run: &Run,
+    run: Arc<Run>,
     id: String,
 ) -> Result<RunSummary, Failure> {
-    start(server, who, as_started(run, id)?).await
+    let asked = blocking(move || as_started(&run, id)).await?;
+    start(server, who, asked).await
+}
+
+/// Starts what a user of a station wants, or finds that it was started by this id.
+pub(super) async fn for_station(
+    server: &Arc<ServerState>,
+    StartRequest { id, user, of, expiry_ms, no_edit }: StartRequest,
+) -> Result<RunSummary, Failure> {
+    let may_edit = !matches!(of, StartOf::Again(_, false));
+    let here = Arc::clone(server);
+    let asked = blocking(move || resolved(&here, of, id)).await?;
+    must_be_kept(&asked)?;
+    if of_start(&asked) == Right::Edit {
+        let why =
+            "the run before had a breakpoint with a condition: an engineer may start it again";
+        let why = no_edit.or_else(|| (!may_edit).then(|| why.to_owned()));
+        why.map_or(Ok(()), |why| Err(Failure::forbidden("not_your_right", why)))?;
+    }
+    loop {
+        match once(server, &user, asked.clone(), expiry_ms).await {
+            // An earlier server began to start it.
+            Err(failure) if failure.code() == NOT_FINISHED => sleep(RETRY_INTERVAL).await,
+            done => return done,
+        }
+    }
 }
 
 /// What a station asks for, under this id.
-pub(super) fn resolved(server: &ServerState, of: &StartOf, id: &str) -> Result<StartRun, Failure> {
+fn resolved(server: &ServerState, of: StartOf, id: String) -> Result<StartRun, Failure> {
     match of {
-        StartOf::Machine(asked) => Ok(StartRun { id: id.to_owned(), ..(**asked).clone() }),
-        StartOf::Again(run) => {
-            let known = server.runs.known(run).filter(|run| !run.is_replica());
+        StartOf::Machine(asked) => Ok(StartRun { id, ..*asked }),
+        StartOf::Again(run, _) => {
+            let known = server.runs.known(&run).filter(|run| !run.is_replica());
             let run = known.ok_or_else(|| {
                 let message = "the robot has no such run: name its machine instead";
                 Failure::not_found("no_such_run", message)
             })?;
-            as_started(&run, id.to_owned())
+            as_started(&run, id)
         }
     }
 }
@@ -83,7 +112,7 @@ pub(super) async fn to_its_end(
 ) -> Result<RunSummary, Failure> {
     tokio::spawn(request).await.unwrap_or_else(|_stopped| {
         let message = "the server could not finish this request: ask again with the same id";
-        Err(Failure::unavailable("not_finished", message))
+        Err(Failure::unavailable(NOT_FINISHED, message))
     })
 }
 
@@ -173,7 +202,7 @@ async fn settled(server: &Arc<ServerState>, folder: &Path) -> Result<Option<Arc<
         .map_err(|_late| {
             let message =
                 "the run of this request is still being started: ask again with the same id";
-            Failure::unavailable("not_finished", message)
+            Failure::unavailable(NOT_FINISHED, message)
         })?;
     if let Some(run) = run.as_ref().filter(|run| run.is_live()) {
         run.linked().await;

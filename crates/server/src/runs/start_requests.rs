@@ -3,7 +3,6 @@
 //! Knows ids and states of requests, not their content. The table is bounded.
 
 use rafcon_locks::Mutex;
-use rafcon_protocol::api::RobotAnswer;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -20,6 +19,19 @@ pub(super) enum StartRequestState {
     /// It has begun the run with this id.
     Begun(String),
     /// Its run has this folder and has not begun, as far as is known.
+    Open(PathBuf),
+}
+
+/// Progress of a request to start a run.
+#[derive(Debug, PartialEq, Eq)]
+pub(super) enum StartProgress {
+    /// It has begun nothing.
+    Nothing,
+    /// It is carried out at the moment.
+    UnderWay,
+    /// It has begun the run with this id.
+    Begun(String),
+    /// An earlier server wrote it into this folder.
     Open(PathBuf),
 }
 
@@ -46,15 +58,15 @@ impl StartRequests {
         table.add(id)
     }
 
-    /// What is known of a request. One that is under way, or that a server before this one may have begun, is of unknown fate.
-    pub(super) fn fate(&self, id: &str) -> RobotAnswer {
-        let slot = self.0.lock().slots.get(id).map(|(_, slot)| Arc::clone(slot));
-        let Some(slot) = slot else { return RobotAnswer::Expired };
-        let Ok(known) = slot.try_lock() else { return unknown("it is under way") };
+    /// What is known of a request to start a run.
+    pub(super) fn progress(&self, id: &str) -> StartProgress {
+        let table = self.0.lock();
+        let Some((_, slot)) = table.slots.get(id) else { return StartProgress::Nothing };
+        let Ok(known) = slot.try_lock() else { return StartProgress::UnderWay };
         match &*known {
-            Some(StartRequestState::Begun(run)) => RobotAnswer::Done { run: run.clone() },
-            Some(StartRequestState::Open(_)) => unknown("its run may begin"),
-            None => RobotAnswer::Expired,
+            Some(StartRequestState::Begun(run)) => StartProgress::Begun(run.clone()),
+            Some(StartRequestState::Open(folder)) => StartProgress::Open(folder.clone()),
+            None => StartProgress::Nothing,
         }
     }
 
@@ -98,11 +110,6 @@ impl Table {
         let oldest = self.order.values().find(is_idle).cloned();
         oldest.inspect(|id| self.remove(id)).is_some()
     }
-}
-
-/// The fate of a request that nobody knows, with the reason.
-pub(super) fn unknown(reason: &str) -> RobotAnswer {
-    RobotAnswer::Unknown { reason: reason.to_owned() }
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! Control of a run as text: who does what when, and who holds it then.
 
-use super::{Denied, Holding, REQUESTS_MAX};
+use super::{Denied, GivenCommand, Holding, REQUESTS_MAX};
 use expect_test::{Expect, expect};
 use proptest::prelude::*;
 use rafcon_protocol::api::ControlMove;
@@ -24,17 +24,27 @@ fn wanted(word: &str) -> Option<ControlMove> {
     })
 }
 
-/// Lines of `second user what`; `commands` is a command, `decides-3` one that was decided on under epoch 3.
+/// Lines of `second user what`; `commands` is a command, `decides-3` one that was decided on under epoch 3, `refused-5` says that the
+/// run refused the user's command of second 5.
 fn play(holding: &mut Holding, line: &str) -> Result<(), Denied> {
     let words: Vec<&str> = line.split_whitespace().collect();
     let [second, user, what] = words[..] else { panic!("{line}") };
     let now_ms = second.parse::<u64>().unwrap() * 1000;
+    let id = |second: &str| format!("{user}/{second}");
+    let mut command =
+        |epoch| holding.command(GivenCommand { user, id: &id(second), epoch }, now_ms, SILENCE);
     if let Some(epoch) = what.strip_prefix("decides-") {
-        return holding.command((user, epoch.parse().ok()), now_ms, SILENCE);
+        return command(epoch.parse().ok());
+    }
+    if what == "commands" {
+        return command(None);
+    }
+    if let Some(second) = what.strip_prefix("refused-") {
+        holding.refused(&id(second), now_ms);
+        return Ok(());
     }
     match wanted(what) {
         Some(wanted) => holding.apply(user, &wanted, now_ms, SILENCE),
-        None if what == "commands" => holding.command((user, None), now_ms, SILENCE),
         None => {
             holding.heard(user, now_ms);
             Ok(())
@@ -90,6 +100,38 @@ fn comes_to(before: &str, second: u64, what: &str) -> String {
     let answer = play(&mut holding, &format!("{second} ana {what}"));
     let answer = answer.map_or_else(|denied| denied_as(&denied), |()| "");
     format!("{}{answer}", shown(&holding))
+}
+
+#[test]
+fn who_took_control_by_a_command_that_the_run_refused_has_it_no_more() {
+    check(
+        "
+        1 ana decides-0
+        1 ana refused-1
+        2 ben decides-0
+        3 ben refused-9
+        4 ben commands
+        4 ben refused-4
+        4 ben refused-2
+        5 ben releases
+        6 cy commands
+        7 ana requests
+        8 cy refused-6
+        ",
+        &expect![[r#"
+            1 ana decides-0 -> ana []
+            1 ana refused-1 -> nobody []
+            2 ben decides-0 -> ben []
+            3 ben refused-9 -> ben []
+            4 ben commands -> ben []
+            4 ben refused-4 -> ben []
+            4 ben refused-2 -> ben []
+            5 ben releases -> nobody []
+            6 cy commands -> cy []
+            7 ana requests -> cy ["ana"]
+            8 cy refused-6 -> ana []
+        "#]],
+    );
 }
 
 #[test]
