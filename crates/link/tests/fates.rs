@@ -3,8 +3,8 @@
 
 use proptest::prelude::*;
 use rafcon_link::{CommandId, CommandState, NewCommand, NotSent};
-use rafcon_testkit::troubled_link::{
-    DELAYS_MS, LinkTroubles, PROFILES, Trouble, TroubledLink, links,
+use rafcon_testkit::disturbed_link::{
+    DELAYS_MS, Disturbance, DisturbedLink, LinkSetup, PROFILES, links,
 };
 use std::time::Duration;
 
@@ -22,15 +22,15 @@ fn body_of(id: CommandId, length: usize) -> Vec<u8> {
     (0..length).map(|at| id.0[0].wrapping_mul(31) ^ byte(at)).collect()
 }
 
-fn check(link: &LinkTroubles, commands: &[Given]) -> TroubledLink {
-    let mut world = TroubledLink::new(link.clone());
-    let at = |percent: u64| link.troubled() * u32::try_from(percent).expect("percent") / 100;
+fn check(link: &LinkSetup, commands: &[Given]) -> DisturbedLink {
+    let mut world = DisturbedLink::new(link.clone());
+    let at = |percent: u64| link.disturbed() * u32::try_from(percent).expect("percent") / 100;
     let mut moments: Vec<(Duration, Option<(u8, Given)>)> = Vec::new();
     for (nth, given) in (1..).zip(commands) {
         moments.push((at(given.percent), Some((nth, *given))));
     }
-    for trouble in &link.troubles {
-        if let Trouble::RobotStarts(percent) = trouble {
+    for disturbance in &link.disturbances {
+        if let Disturbance::RobotStarts(percent) = disturbance {
             moments.push((at(*percent), None));
         }
     }
@@ -53,7 +53,7 @@ fn check(link: &LinkTroubles, commands: &[Given]) -> TroubledLink {
         }
     }
     // From now on the link is whole.
-    world.go_on(link.troubled());
+    world.go_on(link.disturbed());
     let whole = world.now + link.one_way * 12 + link.profile.status_every * 20;
     world.go_on(whole + transfers * 4 + Duration::from_mins(5));
     world.check_fates();
@@ -68,9 +68,9 @@ fn check(link: &LinkTroubles, commands: &[Given]) -> TroubledLink {
 #[test]
 fn a_command_that_was_carried_out_is_never_called_expired() {
     for (profile, one_way) in links() {
-        let troubles = vec![Trouble::DownCut(40, 90)];
+        let disturbances = vec![Disturbance::DownCut(40, 90)];
         let commands = vec![Given { percent: 45, round_trips: 1, length: 5 }];
-        let world = check(&LinkTroubles { profile, one_way, troubles }, &commands);
+        let world = check(&LinkSetup { profile, one_way, disturbances }, &commands);
         let id = CommandId([1; 16]);
         assert_eq!(world.carried_out.get(&id), Some(&1));
         assert_eq!(world.fates.get(&id), Some(&CommandState::Done));
@@ -82,10 +82,10 @@ fn a_command_that_was_carried_out_is_never_called_expired() {
 #[test]
 fn a_command_over_a_dead_up_link_expires_as_soon_as_the_robot_proves_it() {
     for (profile, one_way) in links() {
-        let troubles = vec![Trouble::UpCut(40, 100)];
-        let link = LinkTroubles { profile, one_way, troubles };
-        let mut world = TroubledLink::new(link.clone());
-        world.go_on(link.troubled() * 45 / 100);
+        let disturbances = vec![Disturbance::UpCut(40, 100)];
+        let link = LinkSetup { profile, one_way, disturbances };
+        let mut world = DisturbedLink::new(link.clone());
+        world.go_on(link.disturbed() * 45 / 100);
         let (id, valid) = (CommandId([1; 16]), one_way * 2 + Duration::from_secs(1));
         let command = NewCommand { id, valid, wait: None, epoch: 0, body: body_of(id, 5) };
         world.command(command).expect("a clock");
@@ -96,15 +96,15 @@ fn a_command_over_a_dead_up_link_expires_as_soon_as_the_robot_proves_it() {
     }
 }
 
-fn troubles() -> impl Strategy<Value = Vec<Trouble>> {
+fn disturbances() -> impl Strategy<Value = Vec<Disturbance>> {
     let cut = (0..90_u64, 1..40_u64).prop_map(|(from, length)| (from, from + length));
-    let trouble = prop_oneof![
-        cut.clone().prop_map(|(from, to)| Trouble::UpCut(from, to)),
-        cut.prop_map(|(from, to)| Trouble::DownCut(from, to)),
-        (10..100_u64).prop_map(Trouble::RobotStarts),
-        (2..20_u64).prop_map(Trouble::Losses),
+    let disturbance = prop_oneof![
+        cut.clone().prop_map(|(from, to)| Disturbance::UpCut(from, to)),
+        cut.prop_map(|(from, to)| Disturbance::DownCut(from, to)),
+        (10..100_u64).prop_map(Disturbance::RobotStarts),
+        (2..20_u64).prop_map(Disturbance::Losses),
     ];
-    prop::collection::vec(trouble, 0..5)
+    prop::collection::vec(disturbance, 0..5)
 }
 
 fn given() -> impl Strategy<Value = Given> {
@@ -120,9 +120,12 @@ fn given() -> impl Strategy<Value = Given> {
 #[test]
 fn a_long_command_arrives_over_every_link_and_a_stop_does_not_wait_for_it() {
     for (profile, one_way) in links() {
-        let losses =
-            LinkTroubles { profile: profile.clone(), one_way, troubles: vec![Trouble::Losses(3)] };
-        let mut world = TroubledLink::new(losses);
+        let losses = LinkSetup {
+            profile: profile.clone(),
+            one_way,
+            disturbances: vec![Disturbance::Losses(3)],
+        };
+        let mut world = DisturbedLink::new(losses);
         world.go_on(one_way * 4 + profile.status_every * 8);
         let (script, stop) = (CommandId([1; 16]), CommandId([2; 16]));
         let (takes, began) = (world.station.transfer_time(20_000), world.now);
@@ -162,10 +165,10 @@ proptest! {
     fn the_station_and_the_journal_of_the_robot_agree_about_every_command(
         delay in prop::sample::select(DELAYS_MS.to_vec()),
         profile in prop::sample::select(PROFILES.to_vec()),
-        troubles in troubles(),
+        disturbances in disturbances(),
         commands in prop::collection::vec(given(), 1..8),
     ) {
         let one_way = Duration::from_millis(delay);
-        check(&LinkTroubles { profile, one_way, troubles }, &commands);
+        check(&LinkSetup { profile, one_way, disturbances }, &commands);
     }
 }

@@ -103,6 +103,9 @@ pub(crate) struct Run {
     /// Have this robot of the station (`--server`) start the machine, which lies in a project of the robot
     #[arg(long, value_name = "NAME", requires = "server")]
     pub(crate) robot: Option<String>,
+    /// Repeat the request to the robot with this id, whose answer did not come, instead of making another
+    #[arg(long, value_name = "ID", requires = "robot")]
+    pub(crate) request: Option<String>,
     #[command(flatten)]
     pub(crate) remote: Remote,
 }

@@ -6,7 +6,7 @@ use crate::station::default_lifetime;
 use crate::words::StationRequest;
 use rafcon_link::{CARRIER_OVERHEAD, CommandId, CommandState, NewCommand, Profile, StreamId};
 use rafcon_protocol::Command;
-use rafcon_testkit::troubled_link::{LinkTroubles, PROFILES, Trouble, TroubledLink, links};
+use rafcon_testkit::disturbed_link::{Disturbance, DisturbedLink, LinkSetup, PROFILES, links};
 use serde_json::{Value, json};
 use std::collections::BTreeSet;
 use std::time::Duration;
@@ -79,7 +79,7 @@ fn bodies() -> Vec<(String, Vec<u8>)> {
     commands().into_iter().map(body).collect()
 }
 
-fn new_command(world: &TroubledLink, nth: u8, body: &[u8]) -> NewCommand {
+fn new_command(world: &DisturbedLink, nth: u8, body: &[u8]) -> NewCommand {
     let valid = default_lifetime(&world.station, world.now, body.len());
     NewCommand { id: CommandId([nth; 16]), valid, wait: None, epoch: 0, body: body.to_vec() }
 }
@@ -89,24 +89,24 @@ fn new_command(world: &TroubledLink, nth: u8, body: &[u8]) -> NewCommand {
 fn every_command_has_its_true_fate_over_every_link_with_a_dead_direction() {
     let bodies = bodies();
     let dead = [
-        vec![Trouble::UpCut(40, 70)],
-        vec![Trouble::DownCut(40, 70)],
-        vec![Trouble::UpCut(40, 70), Trouble::DownCut(40, 70)],
+        vec![Disturbance::UpCut(40, 70)],
+        vec![Disturbance::DownCut(40, 70)],
+        vec![Disturbance::UpCut(40, 70), Disturbance::DownCut(40, 70)],
     ];
     for (profile, one_way) in links() {
-        for troubles in &dead {
-            let at = format!("{} {one_way:?} {troubles:?}", profile.name);
-            let (profile, troubles) = (profile.clone(), troubles.clone());
-            let link = LinkTroubles { profile, one_way, troubles };
-            let mut world = TroubledLink::new(link.clone());
-            world.go_on(link.troubled() * 45 / 100);
+        for disturbances in &dead {
+            let at = format!("{} {one_way:?} {disturbances:?}", profile.name);
+            let (profile, disturbances) = (profile.clone(), disturbances.clone());
+            let link = LinkSetup { profile, one_way, disturbances };
+            let mut world = DisturbedLink::new(link.clone());
+            world.go_on(link.disturbed() * 45 / 100);
             let mut longest = Duration::ZERO;
             for (nth, (name, body)) in (1..).zip(&bodies) {
                 let command = new_command(&world, nth, body);
                 longest = longest.max(command.valid);
                 world.command(command).unwrap_or_else(|why| panic!("{at}, {name}: {why}"));
             }
-            world.go_on(link.troubled() + longest);
+            world.go_on(link.disturbed() + longest);
             world.go_on(world.now + one_way * 4 + Duration::from_mins(3));
             world.check_fates();
             for (nth, (name, _)) in (1..).zip(&bodies) {
@@ -131,8 +131,8 @@ fn every_command_is_carried_out_over_every_link() {
     for (profile, one_way) in links().filter(is_real) {
         let at = format!("{} {one_way:?}", profile.name);
         let status_every = profile.status_every;
-        let link = LinkTroubles { profile, one_way, troubles: vec![Trouble::Losses(3)] };
-        let mut world = TroubledLink::new(link);
+        let link = LinkSetup { profile, one_way, disturbances: vec![Disturbance::Losses(3)] };
+        let mut world = DisturbedLink::new(link);
         world.go_on(one_way * 4 + status_every * 8);
         for (nth, (name, body)) in (1..).zip(bodies()) {
             let command = new_command(&world, nth, &body);
@@ -167,9 +167,9 @@ fn table() -> String {
 }
 
 fn cell(profile: &Profile, length: usize) -> String {
-    let (profile, troubles) = (profile.clone(), Vec::new());
-    let link = LinkTroubles { profile: profile.clone(), one_way: Duration::ZERO, troubles };
-    let parts = length.div_ceil(TroubledLink::new(link).station.command_bytes_max());
+    let (profile, disturbances) = (profile.clone(), Vec::new());
+    let link = LinkSetup { profile: profile.clone(), one_way: Duration::ZERO, disturbances };
+    let parts = length.div_ceil(DisturbedLink::new(link).station.command_bytes_max());
     // The head of a command in parts is a datagram of its own.
     let datagrams = if parts == 1 { 1 } else { parts + 1 };
     let bytes = (profile.up_bytes_max + CARRIER_OVERHEAD) * datagrams;

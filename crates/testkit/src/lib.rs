@@ -3,6 +3,7 @@
 //!
 //! Knows what is public in the crates that it helps to test. No product may depend on it; tests, benches and examples do.
 
+pub mod disturbed_link;
 pub mod edits;
 pub mod files;
 pub mod journal_notation;
@@ -11,4 +12,3 @@ pub mod machines;
 pub mod notation;
 mod random;
 pub mod simulation;
-pub mod troubled_link;

@@ -239,6 +239,7 @@ test("what a robot starts again is shown once its first events arrive", async ()
   const watch = over.tab.run.peek();
   Object.assign(watch ?? {}, {
     startAgain,
+    whenClosed: () => {},
     now: signal({ run: { id: "r", name: "Drill", phase: "finished", robot: "scout" } }),
   });
   Object.assign(over.page, {

@@ -1,6 +1,7 @@
 /** The command that repeats a run: a new run with its inputs and settings, started by the robot if the run is a robot's. */
 
 import { effect } from "@preact/signals-core";
+import type { Watch } from "../store/history/run.ts";
 import type { Page } from "../store/page/page.ts";
 import type { CommandContext, UserCommand } from "./command.ts";
 import { lacks } from "./run_rules.ts";
@@ -39,19 +40,22 @@ async function startAgain({ page, tab, shell }: CommandContext): Promise<void> {
   if (robot) {
     const text = `${robot} has started the run. It is shown here once its first events arrive.`;
     page.tell({ level: "info", text });
-    await arrived(page, run);
+    if (!(await arrived(page, watch, run))) return;
   }
   // A user who opened another run in the meantime stays there.
   if (page.active.peek()?.run.peek() === watch) await page.showRun(run);
 }
 
-/** Waits for a run to appear in the list of runs, without a time limit. */
-function arrived(page: Page, run: string): Promise<void> {
+/** Waits for a run to appear in the list of runs; false if the page left the run before it first. */
+function arrived(page: Page, before: Watch, run: string): Promise<boolean> {
   return new Promise((done) => {
-    const stop = effect(() => {
-      if (!page.runs.all.value.some(({ id }) => id === run)) return;
-      done();
+    const end = (isHere: boolean) => {
+      done(isHere);
       queueMicrotask(() => stop());
+    };
+    const stop = effect(() => {
+      if (page.runs.all.value.some(({ id }) => id === run)) end(true);
     });
+    before.whenClosed(() => end(false));
   });
 }

@@ -27,6 +27,11 @@ export function requestUntilAnswered<T>(
   return outbox.put(body);
 }
 
+/** True if nobody knows whether the request was carried out. */
+export function isUnknownFate({ status, code }: RefusalError): boolean {
+  return status === 0 || code === "fate_unknown";
+}
+
 /** Whether it may have been carried out all the same. */
 function isLost({ status, code }: RefusalError): boolean {
   return status === 0 || status === 429 || code === "not_finished";

@@ -1,6 +1,6 @@
 //! The options for commands at a server, and the commands that exist only there.
 
-use super::State;
+use super::{Output, State};
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 
@@ -82,14 +82,20 @@ pub(crate) struct Control {
     pub(crate) access: Access,
 }
 
-/// Start the machine of a run again.
+/// Start another run with the inputs and settings of an earlier one.
 ///
-/// Another run begins with the same inputs and settings, at the server that has the run. A station asks the robot of the run; what
-/// the robot sends of the new run arrives after the delay of the link.
+/// The server that has the run starts its machine as it is on disk now, and this prints the id of the new run. A station asks the
+/// robot of the run; what the robot sends of the new run arrives after the delay of the link.
 #[derive(Debug, Args)]
 pub(crate) struct Again {
     /// The run before: its id or the start of the id, or `last`
     pub(crate) run: String,
+    /// Repeat the request with this id, whose answer did not come, instead of making another
+    #[arg(long, value_name = "ID")]
+    pub(crate) request: Option<String>,
+    /// Format of the standard output
+    #[arg(long, value_enum, default_value_t = Output::Text)]
+    pub(crate) output: Output,
     /// Address of the server or station, such as `https://ground:4747`
     #[arg(long, value_name = "URL")]
     pub(crate) server: String,

@@ -76,7 +76,9 @@ impl Fault {
     pub(crate) fn may_have_arrived(&self) -> bool {
         match self {
             Self::Lost { .. } => true,
-            Self::Refused { refusal, .. } => refusal.code == "not_finished",
+            Self::Refused { refusal, .. } => {
+                matches!(&*refusal.code, "not_finished" | "fate_unknown")
+            }
             _ => false,
         }
     }

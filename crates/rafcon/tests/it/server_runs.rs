@@ -528,6 +528,34 @@ fn one_at_a_time_commands_a_run_and_the_journal_knows_who() {
 }
 
 #[test]
+fn a_command_that_the_run_refuses_gives_nobody_control() {
+    let site = Site::new(WAITS);
+    let run = site.start("r1", &json!({}))["id"].as_str().unwrap().to_owned();
+    site.until(&run, is_running);
+    let (ana, bob) = (site.door_of("ana", Role::Operator), site.door_of("bob", Role::Operator));
+    let (wrong, go) = (
+        json!({ "type": "answer_question", "question": 77, "value": 33 }),
+        json!({ "type": "step_mode" }),
+    );
+    let answers = [
+        command(&ana, &run, "1", &wrong),
+        command(&bob, &run, "2", &go),
+        command(&bob, &run, "3", &wrong),
+        command(&ana, &run, "4", &go),
+        command(&bob, &run, "5", &json!({ "type": "stop" })),
+    ];
+    check(
+        &answers,
+        &expect![[r#"
+            200 refused
+            200 applied
+            200 refused
+            409 not_in_control
+            200 applied"#]],
+    );
+}
+
+#[test]
 fn what_a_run_holds_and_wrote_can_be_asked() {
     let site = Site::new(WAITS);
     let point = json!({ "id": 3, "path": "ROOT/B" });

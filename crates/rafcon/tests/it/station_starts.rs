@@ -78,6 +78,12 @@ fn a_run_is_started_from_the_station_once_for_each_request_and_started_again() {
     let again = place.call(&format!("again {run} --server {} --state ground", ground.url));
     assert_eq!(again.code, Some(0), "{}", again.stderr);
     assert!(again.stderr.contains("robot scout has started "), "{}", again.stderr);
+    let second = again.stdout.trim().to_owned();
+    assert_ne!(second, run);
+    // The request from above, whose answer was lost: nothing begins.
+    let words = format!("again {run} --request one --output json --server {}", ground.url);
+    let [once, twice] = [(); 2].map(|()| place.call(&format!("{words} --state ground")).stdout);
+    assert_eq!((&once, once.contains(&format!(r#""run":"{run}""#))), (&twice, true));
     wait_at_station(&place, "Waits  running");
     wait_for_log(&place, "rounds 7");
     assert_eq!(runs_of_robot(&place), 2);

@@ -2059,7 +2059,7 @@ export type Snapshot = {
   /** Questions that no one has answered yet. */
   questions: Array<Question>, };
 
-/** Request for a new run with the machine, the inputs and the settings of an earlier one. */
+/** Request for a new run with the inputs and settings of an earlier one, of the same machine as it is on disk now. */
 export type StartAgain = {
   /** Chosen by the sender. Repetitions with this id start no second run. */
   id: string, };

@@ -13,6 +13,7 @@ use crate::view::Names;
 use anyhow::Result;
 use rafcon_protocol::Afterwards;
 use rafcon_protocol::api::{MachineFile, ResumeRun, RunSummary, StartAgain, StartRun, StartedRun};
+use std::io::{self, Write as _};
 use std::process::ExitCode;
 use std::sync::Arc;
 use std::thread;
@@ -38,8 +39,10 @@ pub(super) fn run(
         refuse(timeout.is_some(), "--timeout", why)?;
         let names = "the station does not have the robot's machines: set it once the run is there";
         refuse(!raw.breakpoints.is_empty(), "--break", names)?;
-        let request = start_run(raw, server)?;
-        return Ok(started(&begun(clock, || server.start_at(robot, &request))?));
+        let id = request_id(raw.request.as_ref(), "run")?;
+        let request = StartRun { id: id.clone(), ..start_run(raw, server)? };
+        let run = asked(clock, &id, || server.start_at(robot, &request))?;
+        return started(&run, raw.output);
     }
     let request = start_run(raw, server)?;
     let at = AtServer { server, output: raw.output, environment, clock };
@@ -75,14 +78,35 @@ pub(super) fn resume(
 /// Has a server start the machine of a run again.
 pub(super) fn again(raw: &cli::Again, server: &Server, clock: Clock) -> Result<ExitCode> {
     let before = remote::run(server, &raw.run)?;
-    let request = StartAgain { id: remote::unique("again")? };
-    Ok(started(&begun(clock, || server.start_again(&before.id, &request))?))
+    let id = request_id(raw.request.as_ref(), "again")?;
+    let request = StartAgain { id: id.clone() };
+    started(&asked(clock, &id, || server.start_again(&before.id, &request))?, raw.output)
 }
 
-fn started(StartedRun { run, robot }: &StartedRun) -> ExitCode {
+/// Prints the id of a run that was started, as text or JSON.
+fn started(run: &StartedRun, output: cli::Output) -> Result<ExitCode> {
+    let StartedRun { run: id, robot } = run;
+    match output {
+        cli::Output::Json => writeln!(io::stdout(), "{}", serde_json::to_string(run)?)?,
+        cli::Output::Text => writeln!(io::stdout(), "{id}")?,
+    }
     let by = robot.as_ref().map(|robot| format!("robot {robot} has ")).unwrap_or_default();
-    complain(&format!("{by}started {run}; follow it with `rafcon attach {run}`"));
-    ExitCode::SUCCESS
+    complain(&format!("{by}started the run; follow it with `rafcon attach {id}`"));
+    Ok(ExitCode::SUCCESS)
+}
+
+/// The id of a request: a new one, or that of a request whose answer did not come.
+fn request_id(given: Option<&String>, what: &str) -> Result<String> {
+    given.map_or_else(|| remote::unique(what), |id| Ok(id.clone()))
+}
+
+/// Has a robot start a run, and names the request if its fate is unknown: repeated under the same id it starts one run.
+fn asked<T>(clock: Clock, id: &str, ask: impl Fn() -> Result<T, Fault>) -> Result<T> {
+    let answer = begun(clock, ask);
+    if answer.as_ref().is_err_and(|fault| fault.is_passing() || fault.may_have_arrived()) {
+        complain(&format!("rafcon: to ask for the fate of this request, add `--request {id}`"));
+    }
+    Ok(answer?)
 }
 
 /// Refuses what is the server's to decide.

@@ -1,5 +1,5 @@
-//! A station and a robot with a link between them that is cut in either direction, and a robot whose server starts again. Checks what
-//! is promised of commands: none is carried out late, twice or differently, and a fate that the station hears is the robot's.
+//! A station and a robot with a link between them that is cut in either direction, and a robot whose server starts again. Checks the
+//! promises about commands: none is carried out late, twice or with other bytes, and the station reports the robot's own fates.
 
 use rafcon_link::{
     CommandId, CommandState, EventBuffer, FromRobot, Horizon, Identity, KeyId, NewCommand, NotSent,
@@ -33,9 +33,9 @@ impl RunSource for NoRuns {
     }
 }
 
-/// What happens to the link or to the robot. Times are percentages of [`LinkTroubles::troubled`].
+/// An event on the link or at the robot. Times are percentages of [`LinkSetup::disturbed`].
 #[derive(Debug, Clone, Copy)]
-pub enum Trouble {
+pub enum Disturbance {
     /// Nothing reaches the robot between these times.
     UpCut(u64, u64),
     /// Nothing reaches the station between these times.
@@ -48,43 +48,43 @@ pub enum Trouble {
 
 /// A link, and what happens to it.
 #[derive(Debug, Clone)]
-pub struct LinkTroubles {
-    /// What both sides know of the link.
+pub struct LinkSetup {
+    /// Profile of the link on both sides.
     pub profile: Profile,
     /// Time that each datagram takes.
     pub one_way: Duration,
     /// All that happens, before the link is whole for good.
-    pub troubles: Vec<Trouble>,
+    pub disturbances: Vec<Disturbance>,
 }
 
-impl LinkTroubles {
+impl LinkSetup {
     /// Time until the link is whole for good: a few exchanges.
-    pub fn troubled(&self) -> Duration {
+    pub fn disturbed(&self) -> Duration {
         self.one_way * 20 + self.profile.status_every * 20
     }
 
     fn is_cut(&self, now: Duration, is_up: bool) -> bool {
-        let percent = now.as_millis() * 100 / self.troubled().as_millis();
-        self.troubles.iter().any(|trouble| match trouble {
-            Trouble::UpCut(from, to) => {
+        let percent = now.as_millis() * 100 / self.disturbed().as_millis();
+        self.disturbances.iter().any(|disturbance| match disturbance {
+            Disturbance::UpCut(from, to) => {
                 is_up && (u128::from(*from)..u128::from(*to)).contains(&percent)
             }
-            Trouble::DownCut(from, to) => {
+            Disturbance::DownCut(from, to) => {
                 !is_up && (u128::from(*from)..u128::from(*to)).contains(&percent)
             }
-            Trouble::RobotStarts(_) | Trouble::Losses(_) => false,
+            Disturbance::RobotStarts(_) | Disturbance::Losses(_) => false,
         })
     }
 
     fn is_lost(&self, now: Duration, number: u64, is_up: bool) -> bool {
-        let is_one = |trouble: &Trouble| matches!(trouble, Trouble::Losses(of) if number.is_multiple_of(*of));
-        self.is_cut(now, is_up) || now < self.troubled() && self.troubles.iter().any(is_one)
+        let is_one = |disturbance: &Disturbance| matches!(disturbance, Disturbance::Losses(of) if number.is_multiple_of(*of));
+        self.is_cut(now, is_up) || now < self.disturbed() && self.disturbances.iter().any(is_one)
     }
 }
 
 /// A station and a robot on both sides of the link, in virtual time.
-pub struct TroubledLink {
-    link: LinkTroubles,
+pub struct DisturbedLink {
+    link: LinkSetup,
     /// Time of the world, which is the station's.
     pub now: Duration,
     /// Datagrams in flight by their direction: when they arrive, and their bytes.
@@ -92,7 +92,7 @@ pub struct TroubledLink {
     down: VecDeque<(Duration, Vec<u8>)>,
     /// Datagrams that were sent.
     sent: u64,
-    /// The station's side.
+    /// The session of the station.
     pub station: StationSession,
     robot: RobotSession,
     robot_began: Duration,
@@ -102,16 +102,19 @@ pub struct TroubledLink {
     given: BTreeMap<CommandId, Vec<u8>>,
     /// The robot's journal: how often it carried out each command.
     pub carried_out: BTreeMap<CommandId, u32>,
-    /// The last state of each command that the station heard.
+    /// The last state of each command as the station received it.
     pub fates: BTreeMap<CommandId, CommandState>,
     /// Commands that were overdue at some time.
     pub overdue: BTreeSet<CommandId>,
 }
 
-impl fmt::Debug for TroubledLink {
+impl fmt::Debug for DisturbedLink {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { link, now, .. } = self;
-        f.debug_struct("TroubledLink").field("link", link).field("now", now).finish_non_exhaustive()
+        f.debug_struct("DisturbedLink")
+            .field("link", link)
+            .field("now", now)
+            .finish_non_exhaustive()
     }
 }
 
@@ -127,9 +130,9 @@ fn robot_session(profile: &Profile, start: u32, heard: Option<Horizon>) -> Robot
     robot
 }
 
-impl TroubledLink {
-    /// Both sides begin.
-    pub fn new(link: LinkTroubles) -> Self {
+impl DisturbedLink {
+    /// A station and a robot that begin now.
+    pub fn new(link: LinkSetup) -> Self {
         let start = SenderStart::new(1, 0);
         let identity =
             Identity { key_id: KeyId(1), key: &key(), robot: "scout", start, heard: None };
@@ -233,7 +236,7 @@ impl TroubledLink {
         }
     }
 
-    /// Panics if a fate that the station heard is not the one in the robot's journal, or a command was carried out twice.
+    /// Panics if the station received another fate than the robot's journal has, or a command was carried out twice.
     pub fn check_fates(&self) {
         for (id, fate) in &self.fates {
             let is_done = self.carried_out.contains_key(id);
