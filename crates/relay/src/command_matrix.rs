@@ -9,6 +9,7 @@ use rafcon_protocol::Command;
 use rafcon_testkit::disturbed_link::{Disturbance, DisturbedLink, LinkSetup, PROFILES, links};
 use serde_json::{Value, json};
 use std::collections::BTreeSet;
+use std::fmt::Write as _;
 use std::time::Duration;
 
 const EVENTS: StreamId = StreamId(0x1234_5679);
@@ -161,7 +162,7 @@ fn table() -> String {
         let (tag, more) = name
             .split_once(", ")
             .map_or((&*name, String::new()), |(tag, more)| (tag, format!(", {more}")));
-        table += &format!("| `{tag}`{more} | {length} | {} |\n", cells.join(" | "));
+        writeln!(table, "| `{tag}`{more} | {length} | {} |", cells.join(" | ")).unwrap();
     }
     table
 }
