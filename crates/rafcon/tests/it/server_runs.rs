@@ -546,12 +546,12 @@ fn a_command_that_the_run_refuses_gives_nobody_control() {
     ];
     check(
         &answers,
-        &expect![[r#"
+        &expect![[r"
             200 refused
             200 applied
             200 refused
             409 not_in_control
-            200 applied"#]],
+            200 applied"]],
     );
 }
 
