@@ -43,13 +43,11 @@ fn play(holding: &mut Holding, line: &str) -> Result<(), Denied> {
         holding.refused(&id(second), now_ms);
         return Ok(());
     }
-    match wanted(what) {
-        Some(wanted) => holding.apply(user, &wanted, now_ms, SILENCE),
-        None => {
-            holding.heard(user, now_ms);
-            Ok(())
-        }
+    if let Some(wanted) = wanted(what) {
+        return holding.apply(user, &wanted, now_ms, SILENCE);
     }
+    holding.heard(user, now_ms);
+    Ok(())
 }
 
 fn shown(holding: &Holding) -> String {
