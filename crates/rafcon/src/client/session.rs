@@ -268,7 +268,7 @@ impl Session {
 
     fn status(&mut self, now: RunNow, todo: &mut Todo) {
         let mut messages = Vec::new();
-        let link = now.link;
+        let (link, robot, now_ms) = (now.link, now.robot.clone(), now.now_ms);
         self.link_lifetime = now.robot.as_ref().and_then(LinkHealth::lifetime);
         let is_linked = matches!(link, LinkState::Up | LinkState::Silent | LinkState::Stuck);
         let is_told = is_linked && (self.next.is_some() || now.snapshot.is_some());
@@ -283,7 +283,12 @@ impl Session {
         if !messages.is_empty() {
             todo.causes.push(Cause::Messages(messages));
         }
-        self.linked(link, todo);
+        if let Some(robot) = robot {
+            let pong = ToViewer::Pong { id: 0, now_ms, engine: None, link: Some(Box::new(robot)) };
+            todo.causes.push(Cause::Messages(vec![pong]));
+        } else {
+            self.linked(link, todo);
+        }
         match phase {
             RunPhase::NotStarted { reason }
             | RunPhase::Diverged { reason }

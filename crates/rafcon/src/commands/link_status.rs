@@ -73,6 +73,11 @@ fn in_words(report: &LinkReport) -> String {
     }
     for run in runs {
         let missing = match run.missing {
+            // The other side may have more by now.
+            0 if !health.is_heard && report.is_station => {
+                "all that the robot had at the last contact".to_owned()
+            }
+            0 if !health.is_heard => "all at the station at the last contact".to_owned(),
             0 => "all at the station".to_owned(),
             missing => format!("{missing} not known to be at the station"),
         };
@@ -241,7 +246,7 @@ mod tests {
               received 1.2 MB in 4,000 datagrams: events 800 KB, headers 415 KB, status 20.0 KB
               sent 90 B in 1 datagram: headers 90 B
               20261124-a  3,120 events, 12 not known to be at the station
-              20261124-b  1 event, all at the station
+              20261124-b  1 event, all that the robot had at the last contact
 
             scout: the station was never heard, profile delay-2s
               from the robot 900 B/s, to the robot 31 B/s

@@ -13,11 +13,12 @@ mod waiting;
 
 use crate::console::UserAction;
 use crate::event_queue::{Cause, STUCK};
+use crate::view::{harmless, time};
 pub(crate) use end::End;
 use known::{Active, ProcessEnd, Pulse};
 use rafcon_protocol::{
-    Answer, Command, EnginePulse, Envelope, Event, Hello, Join, LogLevel, Outcome, Snapshot,
-    Stream, ToRunner, ToViewer,
+    Answer, Command, EnginePulse, Envelope, Event, Hello, Join, LinkHealth, LogLevel, Outcome,
+    Snapshot, Stream, ToRunner, ToViewer,
 };
 use rafcon_supervisor::{Exit, RunnerDeath};
 pub(crate) use run_loop::RunLoop;
@@ -40,8 +41,8 @@ pub(crate) enum Action {
     Kill,
     /// Show this.
     Show(ToViewer),
-    /// Show that nothing is heard any more, or that it is again.
-    Heard(bool),
+    /// Show that the run responds, or for how long it has not.
+    Heard(Option<Duration>),
     /// Tell the user.
     Note(String),
 }
@@ -83,6 +84,8 @@ pub(crate) struct RunFollower {
     active: Active,
     /// Whether the engine takes inputs, if no one else asks that.
     pulse: Option<Pulse>,
+    /// False during a loss of contact with the robot of a replica.
+    is_robot_heard: bool,
     process: ProcessEnd,
     /// The last moment in the run's own time.
     run_ns: u64,
@@ -114,6 +117,7 @@ impl RunFollower {
             commands: 0,
             active: Active::default(),
             pulse: None,
+            is_robot_heard: true,
             process: ProcessEnd::default(),
             run_ns: 0,
             end: None,
@@ -147,8 +151,10 @@ impl RunFollower {
             Cause::Nonsense(what) => {
                 out.push(Action::Note(format!("cannot understand the runner: {what}")));
             }
-            Cause::Cut(reason) => out.extend([Action::Heard(false), Action::Note(reason)]),
-            Cause::Mended(how) => out.extend([Action::Heard(true), Action::Note(how)]),
+            Cause::Cut(reason) => {
+                out.extend([Action::Heard(Some(Duration::ZERO)), Action::Note(reason)]);
+            }
+            Cause::Mended(how) => out.extend([Action::Heard(None), Action::Note(how)]),
             Cause::Refused(reason) => self.finish(End::LoadFailed { reason }),
             Cause::Silence => self.silence(now),
             Cause::Drained(stream) => self.process.drained(stream),
@@ -198,7 +204,10 @@ impl RunFollower {
         match message {
             ToViewer::LoadFailed { reason } => self.finish(End::LoadFailed { reason }),
             ToViewer::Answer { answer, .. } => out.extend(self.refusal(answer).map(Action::Note)),
-            ToViewer::Pong { engine, .. } => self.reached(engine, out),
+            ToViewer::Pong { engine, link, now_ms, .. } => {
+                self.reached(engine, out);
+                link.into_iter().for_each(|link| self.robot(&link, now_ms, out));
+            }
             ToViewer::Control(_) | ToViewer::Watched { .. } => {}
             ToViewer::Loaded { name, states, run, problems } => {
                 let none = Vec::new();
@@ -269,8 +278,33 @@ impl RunFollower {
     fn reached(&mut self, engine: Option<EnginePulse>, out: &mut Vec<Action>) {
         let changed = engine.and_then(|engine| self.pulse.as_mut()?.answered(engine));
         let Some(is_reached) = changed else { return };
-        let text = if is_reached { "the run answers again" } else { STUCK };
-        out.extend([Action::Heard(is_reached), Action::Note(text.to_owned())]);
+        let (silence, text) = if is_reached {
+            (None, "the run answers again")
+        } else {
+            (Some(Duration::ZERO), STUCK)
+        };
+        out.extend([Action::Heard(silence), Action::Note(text.to_owned())]);
+    }
+
+    /// Reports gain and loss of contact with the robot of a replica. `now_ms` is the station's clock.
+    fn robot(&mut self, link: &LinkHealth, now_ms: u64, out: &mut Vec<Action>) {
+        if self.is_robot_heard == link.is_heard {
+            return;
+        }
+        self.is_robot_heard = link.is_heard;
+        let robot = harmless(&link.robot);
+        if link.is_heard {
+            out.extend([Action::Heard(None), Action::Note(format!("{robot} responds again"))]);
+            return;
+        }
+        let age = link.heard_ms.map(|at| Duration::from_millis(now_ms.saturating_sub(at)));
+        let text = match age {
+            Some(age) => {
+                format!("no contact with {robot} for {}: this view is that old", time(age))
+            }
+            None => format!("no contact with {robot} since its station started"),
+        };
+        out.extend([Action::Heard(Some(age.unwrap_or_default())), Action::Note(text)]);
     }
 
     /// Output that the runner did not log: a line without a state. The last words of a runner that died are errors.

@@ -91,7 +91,7 @@ impl RunLoop {
                 Ok(())
             }
             Action::Show(message) => self.show(|view| show(view, now, message)),
-            Action::Heard(is_heard) => self.show(|view| view.heard(now, is_heard)),
+            Action::Heard(silence) => self.show(|view| view.heard(now, silence)),
             Action::Note(text) => self.show(|view| view.note(&text)),
         }
     }

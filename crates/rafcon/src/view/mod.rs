@@ -41,7 +41,7 @@ pub(crate) trait View {
     /// How things stand.
     fn snapshot(&mut self, now: Duration, snapshot: Snapshot) -> io::Result<()>;
     /// Whether the run is heard at all: what is shown is as old as the last word.
-    fn heard(&mut self, _now: Duration, _is_heard: bool) -> io::Result<()> {
+    fn heard(&mut self, _now: Duration, _silence: Option<Duration>) -> io::Result<()> {
         Ok(())
     }
     /// Something about this program.

@@ -432,16 +432,16 @@ fn a_run_that_somebody_kills_is_left_alone() {
         site.start("r1", &json!({ "on_crash": "restart" }))["id"].as_str().unwrap().to_owned();
     site.until(&run, is_running);
     // A kill overtakes what is under way: that control was taken is noted before.
-    let resume = json!({ "type": "resume" });
-    assert_eq!(command(site.door(), &run, "resume", &resume), "200 refused");
+    let step = json!({ "type": "step_mode" });
+    assert_eq!(command(site.door(), &run, "step", &step), "200 applied");
     assert_eq!(command(site.door(), &run, "kill", &json!({ "type": "kill" })), "200 applied");
     site.until(&run, |now| now.run.phase == RunPhase::Crashed);
     check(
         &site.journal(&run),
-        &expect![[r#"
+        &expect![[r"
             control to owner by owner: Applied
-            resume by owner: Refused { reason: "cannot resume: the run is running; it can be paused, stepped from its next states on, or stopped" }
-            kill by owner: Applied"#]],
+            step_mode by owner: Applied
+            kill by owner: Applied"]],
     );
 }
 

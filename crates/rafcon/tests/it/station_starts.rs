@@ -67,7 +67,7 @@ fn a_run_is_started_from_the_station_once_for_each_request_and_started_again() {
     let _robot = robot(&place, address);
     let (status, first) = start(&ground, "one", "waits");
     assert_eq!((status, &first["robot"]), (200, &json!("scout")), "{first}");
-    wait_at_station(&place, "Waits  running");
+    wait_at_station(&place, "Waits  running at scout, newest event arrived ");
     wait_for_log(&place, "rounds 7");
     // An answer that was lost is asked for again.
     assert_eq!(start(&ground, "one", "waits"), (200, first.clone()));

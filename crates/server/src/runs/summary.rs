@@ -44,8 +44,7 @@ fn is_open(summary: &RunSummary, request: Option<&RunRequest>, folder: &Path) ->
 
 /// A run that keeps what it is.
 fn kept(folder: &Path, projects: &Projects, request: Option<&RunRequest>) -> RunSummary {
-    let Summary { id, name, started_ms, state, length_ms, events, bytes, folder: _ } =
-        Summary::of(folder);
+    let Summary { id, name, started_ms, state, length_ms, events, bytes, .. } = Summary::of(folder);
     let about = About::read(folder).unwrap_or_default();
     let machine = request.and_then(|request| request.machine().cloned());
     RunSummary {

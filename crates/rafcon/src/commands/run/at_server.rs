@@ -37,7 +37,7 @@ pub(super) fn run(
         let why =
             "the robot runs the machine, and its station does not follow it: `rafcon attach` does";
         refuse(timeout.is_some(), "--timeout", why)?;
-        let names = "the station does not have the robot's machines: set it once the run is there";
+        let names = "the machine is on the robot: set breakpoints when the run is at the station";
         refuse(!raw.breakpoints.is_empty(), "--break", names)?;
         let id = request_id(raw.request.as_ref(), "run")?;
         let request = StartRun { id: id.clone(), ..start_run(raw, server)? };
@@ -100,7 +100,7 @@ fn request_id(given: Option<&String>, what: &str) -> Result<String> {
     given.map_or_else(|| remote::unique(what), |id| Ok(id.clone()))
 }
 
-/// Has a robot start a run, and names the request if its fate is unknown: repeated under the same id it starts one run.
+/// Has a robot start a run. If the fate of the request is unknown, prints its id: a repetition with it starts no second run.
 fn asked<T>(clock: Clock, id: &str, ask: impl Fn() -> Result<T, Fault>) -> Result<T> {
     let answer = begun(clock, ask);
     if answer.as_ref().is_err_and(|fault| fault.is_passing() || fault.may_have_arrived()) {

@@ -75,6 +75,8 @@ fn line(run: &Summary, width: usize) -> TextLine {
     let line = head(&run.id, &run.name, width);
     let facts = facts(run.length_ms, run.events, run.bytes);
     match &run.state {
+        // The process of a replica is its station's.
+        RunState::Live { process: _ } if run.robot.is_some() => replica(line, run),
         RunState::Live { process } => line
             .and(Style::Good, "running")
             .and(Style::Dim, format!(" in process {process}{facts}")),
@@ -85,6 +87,18 @@ fn line(run: &Summary, width: usize) -> TextLine {
             line.and(Style::Bad, "unreadable: ").and(Style::Plain, harmless(reason))
         }
     }
+}
+
+/// A run of a robot that had not ended when its newest event arrived.
+fn replica(line: TextLine, run: &Summary) -> TextLine {
+    let robot = harmless(run.robot.as_deref().unwrap_or_default());
+    let now_ms = clock::since_1970_ms();
+    let age = run.received_ms.map(|at| Duration::from_millis(now_ms.saturating_sub(at)));
+    let age = age.map(|age| format!(", newest event arrived {} ago", time(age)));
+    let facts = format!(", {}, {}", counted(run.events, "event"), size(run.bytes));
+    line.and(Style::Good, "running")
+        .and(Style::Plain, format!(" at {robot}{}", age.unwrap_or_default()))
+        .and(Style::Dim, facts)
 }
 
 fn head(id: &str, name: &str, width: usize) -> TextLine {

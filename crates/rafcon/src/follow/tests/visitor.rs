@@ -4,7 +4,9 @@ use crate::console::UserAction;
 use crate::event_queue::Cause;
 use crate::follow::{Action, RunFollower, RunRole, StopSignal};
 use expect_test::{Expect, expect};
-use rafcon_protocol::{Answer, Command, EnginePulse, Event, Hello, Join, ToRunner, ToViewer};
+use rafcon_protocol::{
+    Answer, Command, EnginePulse, Event, Hello, Join, LinkHealth, ToRunner, ToViewer,
+};
 use std::time::Duration;
 
 fn visit(role: RunRole, deadline: Option<Duration>) -> RunFollower {
@@ -116,9 +118,9 @@ fn a_connection_that_breaks_is_shown_and_ends_nothing() {
         RunRole::Guest,
         vec![Cause::Cut("the runner died".to_owned()), Cause::Mended("it is back".to_owned())],
         &expect![[r#"
-            Heard(false)
+            Heard(Some(0ns))
             Note("the runner died")
-            Heard(true)
+            Heard(None)
             Note("it is back")"#]],
     );
 }
@@ -140,12 +142,43 @@ fn an_engine_that_takes_no_inputs_is_told_and_so_is_its_return() {
         Send(Ping { id: 1 })
         Send(Ping { id: 2 })
         Send(Ping { id: 3 })
-        Heard(false)
+        Heard(Some(0ns))
         Note("the run hangs: its process answers, but its engine takes no inputs; a stop ends the process if necessary")
         Send(Ping { id: 4 })
-        Heard(true)
+        Heard(None)
         Note("the run answers again")
         Send(Ping { id: 5 })"#]].assert_eq(&shown(&actions).join("\n"));
+}
+
+#[test]
+fn a_robot_that_is_not_heard_is_told_with_the_age_of_what_is_shown() {
+    let mut visit = visit(RunRole::Guest, None);
+    let pong = |is_heard, heard_ms| {
+        let link =
+            LinkHealth { robot: "scout".to_owned(), is_heard, heard_ms, ..LinkHealth::default() };
+        let pong =
+            ToViewer::Pong { id: 0, now_ms: 200_000, engine: None, link: Some(Box::new(link)) };
+        Cause::Messages(vec![pong])
+    };
+    let causes = [
+        pong(true, Some(199_900)),
+        pong(false, Some(100_000)),
+        pong(false, Some(100_000)),
+        pong(true, Some(200_000)),
+        pong(false, None),
+    ];
+    let mut actions = Vec::new();
+    for cause in causes {
+        visit.handle(Duration::from_secs(1), cause, &mut actions);
+    }
+    expect![[r#"
+        Heard(Some(100s))
+        Note("no contact with scout for 1:40: this view is that old")
+        Heard(None)
+        Note("scout responds again")
+        Heard(Some(0ns))
+        Note("no contact with scout since its station started")"#]]
+    .assert_eq(&shown(&actions).join("\n"));
 }
 
 #[test]

@@ -158,8 +158,9 @@ impl View for Live {
         Ok(())
     }
 
-    fn heard(&mut self, now: Duration, is_heard: bool) -> io::Result<()> {
-        self.silent_since = if is_heard { None } else { self.silent_since.or(Some(now)) };
+    fn heard(&mut self, now: Duration, silence: Option<Duration>) -> io::Result<()> {
+        let since = silence.map(|age| now.saturating_sub(age));
+        self.silent_since = since.map(|since| self.silent_since.unwrap_or(since).min(since));
         self.drawn_at = None;
         Ok(())
     }

@@ -9,6 +9,7 @@ use rafcon_protocol::{Event, Outcome};
 use serde::Serialize;
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::time::UNIX_EPOCH;
 
 /// One run.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -31,6 +32,12 @@ pub struct Summary {
     pub events: u64,
     /// Its size on disk, in bytes.
     pub bytes: u64,
+    /// The robot that has the run, if this is a replica.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub robot: Option<String>,
+    /// When the newest event of a replica arrived: ms since 1970, UTC, by the clock of this computer.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub received_ms: Option<u64>,
 }
 
 /// The state of a run.
@@ -97,6 +104,8 @@ impl Summary {
             length_ms: 0,
             events: 0,
             bytes: size_of(folder),
+            robot: None,
+            received_ms: None,
         };
         if let Err(error) = summary.look() {
             summary.state = RunState::Unreadable { reason: error.to_string() };
@@ -107,6 +116,8 @@ impl Summary {
     fn look(&mut self) -> Result<(), JournalError> {
         let about = About::read(&self.folder)?;
         (self.name, self.started_ms) = (about.name, about.started_ms);
+        self.received_ms = about.robot.as_ref().and_then(|_| written_ms(&self.folder));
+        self.robot = about.robot;
         let process = writer_of(&self.folder)?;
         if let Some(process) = process {
             self.state = RunState::Live { process };
@@ -135,6 +146,14 @@ fn finish(record: &Record) -> Option<RunState> {
     let Record::Told(event) = record else { return None };
     let Event::Finished { outcome, states_run, .. } = &**event else { return None };
     Some(RunState::Finished { outcome: outcome.clone(), states_run: *states_run })
+}
+
+/// When the database of a run was written last, in ms since 1970, UTC.
+fn written_ms(folder: &Path) -> Option<u64> {
+    let written = |file: String| fs::metadata(folder.join(file)).and_then(|it| it.modified()).ok();
+    let files = [DATABASE_FILE.to_owned(), format!("{DATABASE_FILE}-wal")];
+    let newest = files.into_iter().filter_map(written).max()?;
+    u64::try_from(newest.duration_since(UNIX_EPOCH).ok()?.as_millis()).ok()
 }
 
 /// The size of a folder in bytes, as far as it can be read.
