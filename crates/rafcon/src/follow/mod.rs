@@ -58,6 +58,13 @@ pub(crate) enum RunRole {
     Owner,
 }
 
+/// Contact of a station with a robot.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum RobotContact {
+    Kept,
+    Lost,
+}
+
 /// Follows one run.
 #[derive(Debug)]
 pub(crate) struct RunFollower {
@@ -84,8 +91,8 @@ pub(crate) struct RunFollower {
     active: Active,
     /// Whether the engine takes inputs, if no one else asks that.
     pulse: Option<Pulse>,
-    /// False during a loss of contact with the robot of a replica.
-    is_robot_heard: bool,
+    /// Contact of the station with the robot, if the run is a replica.
+    contact: RobotContact,
     process: ProcessEnd,
     /// The last moment in the run's own time.
     run_ns: u64,
@@ -117,7 +124,7 @@ impl RunFollower {
             commands: 0,
             active: Active::default(),
             pulse: None,
-            is_robot_heard: true,
+            contact: RobotContact::Kept,
             process: ProcessEnd::default(),
             run_ns: 0,
             end: None,
@@ -206,7 +213,9 @@ impl RunFollower {
             ToViewer::Answer { answer, .. } => out.extend(self.refusal(answer).map(Action::Note)),
             ToViewer::Pong { engine, link, now_ms, .. } => {
                 self.reached(engine, out);
-                link.into_iter().for_each(|link| self.robot(&link, now_ms, out));
+                if let Some(link) = link {
+                    self.robot(&link, now_ms, out);
+                }
             }
             ToViewer::Control(_) | ToViewer::Watched { .. } => {}
             ToViewer::Loaded { name, states, run, problems } => {
@@ -288,10 +297,10 @@ impl RunFollower {
 
     /// Reports gain and loss of contact with the robot of a replica. `now_ms` is the station's clock.
     fn robot(&mut self, link: &LinkHealth, now_ms: u64, out: &mut Vec<Action>) {
-        if self.is_robot_heard == link.is_heard {
+        let contact = if link.is_heard { RobotContact::Kept } else { RobotContact::Lost };
+        if std::mem::replace(&mut self.contact, contact) == contact {
             return;
         }
-        self.is_robot_heard = link.is_heard;
         let robot = harmless(&link.robot);
         if link.is_heard {
             out.extend([Action::Heard(None), Action::Note(format!("{robot} responds again"))]);
