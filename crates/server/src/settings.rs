@@ -45,6 +45,15 @@ pub struct Settings {
     pub access: Access,
 }
 
+/// Reason why a request to a robot was not taken, in words.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum NotTaken {
+    /// The station does not receive this robot.
+    NotReceived(String),
+    /// Too many requests wait for the robot.
+    Full(String),
+}
+
 /// Requests of a station's server to its robots.
 pub trait Robots: fmt::Debug + Send + Sync {
     /// Asks for a value of `length` bytes of a run of a robot, of which `budget` bytes may be sent. Answers whether that is possible.
@@ -56,14 +65,13 @@ pub trait Robots: fmt::Debug + Send + Sync {
     /// How far a value is, if it is being fetched or was last.
     fn progress(&self, value: (&str, u64)) -> Option<ValueFetch>;
 
-    /// Gives a robot a request, once for each id. `answered` is called with the robot's answer, or once it is overdue. The error is
-    /// the reason why the request is not taken.
+    /// Gives a robot a request, once for each id. `answered` is called with the robot's answer, or once it is overdue.
     fn request(
         &self,
         robot: &str,
         request: RobotRequest,
         answered: Box<dyn FnOnce(RobotAnswer) + Send>,
-    ) -> Result<(), String>;
+    ) -> Result<(), NotTaken>;
 
     /// What so many bytes cost on the link to a robot, in bytes, and how long that takes, in ms, if the robot is heard. Nothing if it is
     /// not received here.

@@ -15,7 +15,7 @@ use rafcon_relay::{
     Answered, Authority, Paired, Pairing, PairingList, PairingRights, Projects, RequestDesk,
     RobotSettings, StationSettings, Stopper, ValueCost, ValueDesk, relay_robot, relay_station,
 };
-use rafcon_server::{Robots, RunAuthority, Settings};
+use rafcon_server::{NotTaken, Robots, RunAuthority, Settings};
 use std::fs::{self, OpenOptions};
 use std::io::{self, IsTerminal as _, Write as _};
 use std::net::SocketAddr;
@@ -211,8 +211,11 @@ impl Robots for StationDesk {
         robot: &str,
         request: RobotRequest,
         answered: Answered,
-    ) -> Result<(), String> {
-        self.requests.ask(robot, request, answered).map_err(|why| why.to_string())
+    ) -> Result<(), NotTaken> {
+        self.requests.ask(robot, request, answered).map_err(|why| match why {
+            rafcon_relay::NotTaken::NotReceived => NotTaken::NotReceived(why.to_string()),
+            rafcon_relay::NotTaken::Full => NotTaken::Full(why.to_string()),
+        })
     }
 }
 

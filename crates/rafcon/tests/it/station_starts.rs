@@ -137,7 +137,7 @@ fn what_a_robot_does_not_start_is_refused_with_the_reason() {
         observe: 409 "refused_by_robot" scout: the pairing of this station allows `observe`, and this needs `command`: pair again with `rafcon pair NAME --rights command` on the robot
         command: 409 "refused_by_robot" gone does not exist; give the folder of a state machine or a file in it
         outside: 409 "refused_by_robot" scout: `../outside` is not a path in a project: names joined by `/`, none of them hidden (with a dot in front), no `/` at the beginning, 4096 bytes at most
-        nobody: 503 "robot_not_received" robot rover: this server does not receive the robot now: run it as its station (`rafcon station`)
+        nobody: 404 "no_such_robot" robot rover: this server does not receive the robot now: run it as its station (`rafcon station`)
         condition: 409 "refused_by_robot" scout: the pairing of this station allows `command`, and this needs `change`: pair again with `rafcon pair NAME --rights change` on the robot
         by hand: 409 "refused_by_robot" scout: the run was started without the server, which does not know its inputs: start the machine missions/waits
     "#]].assert_eq(&said.concat());

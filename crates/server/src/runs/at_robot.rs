@@ -4,6 +4,7 @@ use super::commands::COMMAND_TIMEOUT;
 use super::resume::EXPIRED;
 use super::start::{check, start_again_here};
 use crate::access::{Who, of_start};
+use crate::settings::NotTaken;
 use crate::{Failure, ServerState};
 use rafcon_protocol::api::{
     Right, RobotAnswer, RobotRequest, StartAgain, StartOf, StartRequest, StartRun, StartedRun,
@@ -21,10 +22,21 @@ pub(super) async fn carry_out(
     let (answer, answered) = oneshot::channel();
     // After a time-out nobody receives it; a repeated request does.
     let answered_by_robot = Box::new(move |it| answer.send(it).unwrap_or_default());
-    let not_taken =
-        |why| Failure::unavailable("robot_not_received", format!("robot {robot}: {why}"));
-    let robots = server.settings.robots.as_ref();
-    let robots = robots.ok_or_else(|| not_taken("this server is no station".to_owned()))?;
+    let is_start = matches!(request, RobotRequest::Start(_));
+    let not_taken = |why| match why {
+        // Users name the robot of a start; that of a resume is the run's.
+        NotTaken::NotReceived(why) if is_start => {
+            Failure::not_found("no_such_robot", format!("robot {robot}: {why}"))
+        }
+        NotTaken::NotReceived(why) => {
+            Failure::unavailable("robot_not_received", format!("robot {robot}: {why}"))
+        }
+        NotTaken::Full(why) => Failure::too_many("too_many_requests", why),
+    };
+    let robots =
+        server.settings.robots.as_ref().ok_or_else(|| {
+            not_taken(NotTaken::NotReceived("this server is no station".to_owned()))
+        })?;
     let (user, action, of) = match &request {
         RobotRequest::Resume(it) => (it.user.clone(), "resume_asked", format!("{} of ", it.run)),
         RobotRequest::Start(it) => (it.user.clone(), "start_asked", String::new()),

@@ -141,9 +141,11 @@ async fn again(
         (status = 200, description = "The run that was started, or was once by this id", body = StartedRun),
         (status = 400, description = "Something is wrong with the request itself", body = Refusal),
         (status = 403, description = "A breakpoint has a condition, and you may not edit", body = Refusal),
+        (status = 404, description = "This server receives no such robot", body = Refusal),
         (status = 409, description = "The robot refused it, it expired, or its fate is unknown", body = Refusal),
         (status = 413, description = "The request is too large", body = Refusal),
-        (status = 503, description = "The robot has not answered yet, or is not received here", body = Refusal),
+        (status = 429, description = "Too many requests wait for the robot", body = Refusal),
+        (status = 503, description = "The robot has not answered yet", body = Refusal),
     )
 )]
 async fn begin_at_robot(
