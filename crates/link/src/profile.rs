@@ -92,7 +92,7 @@ impl Profile {
         self.report_every * 4
     }
 
-    /// A robot counts as not heard after this long without a datagram: eight statuses would have come.
+    /// Maximum silence of a robot in contact: eight status intervals.
     pub fn robot_silence(&self) -> Duration {
         self.status_every * 8
     }

@@ -108,7 +108,7 @@ impl RobotAnswer {
     }
 }
 
-/// Request for a new run with the inputs and settings of an earlier one, of the same machine as it is on disk now.
+/// Request to repeat a run: inputs and settings are those of the earlier run, the machine is read from disk again.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct StartAgain {

@@ -27,14 +27,14 @@ pub trait Authority: fmt::Debug + Send + Sync {
     /// was done by the end of its validity.
     fn resume(&self, request: ResumeRequest, answered: Answered) -> Result<(), String>;
 
-    /// What is known of a request to resume a run.
+    /// Fate of a request to resume a run.
     fn fate_of_resume(&self, run: &str, user: &str, id: &str) -> RobotAnswer;
 
     /// Begins to start a run, once for each id of a user. `answered` is called with the result: `Expired` if nothing was done by the
     /// end of its validity.
     fn start(&self, request: StartRequest, answered: Answered) -> Result<(), String>;
 
-    /// What is known of a request to start a run.
+    /// Fate of a request to start a run.
     fn fate_of_start(&self, user: &str, id: &str) -> RobotAnswer;
 
     /// A user is there: who holds control is not silent.

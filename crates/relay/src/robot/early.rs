@@ -53,7 +53,7 @@ mod tests {
         let taken = early.take(9);
         assert_eq!(taken.iter().filter(|command| command.is_late).count(), 9);
         assert_eq!((taken.len(), early.take(9).len()), (EARLY_MAX, 0));
-        // Of an earlier start of the robot, whose clock was further on.
+        // From the previous session, with a higher clock value.
         assert_eq!(early.add(ReceivedCommand { is_late: true, ..command(3_600_000) }), None);
         assert!(early.take(9).iter().all(|command| command.is_late));
     }

@@ -317,7 +317,7 @@ impl RobotRelay<'_> {
         if let Some(None) = late_fate {
             let id = command.id;
             match self.early.add(command) {
-                // Until the fate is known, the robot says none.
+                // The robot reports no fate before it has one.
                 None => {
                     return self.session.set_command_state(now, id, CommandState::Received, "");
                 }

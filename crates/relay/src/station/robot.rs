@@ -658,7 +658,7 @@ impl StationRobot {
     }
 }
 
-/// Lifetime of a request of so many bytes that is given without one.
+/// Default lifetime of a request of `length` bytes.
 pub(crate) fn default_lifetime(session: &StationSession, now: Duration, length: usize) -> Duration {
     // Twice: parts are lost and sent again.
     session.command_lifetime(now) + session.transfer_time(length) * 2

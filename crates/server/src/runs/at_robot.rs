@@ -1,4 +1,4 @@
-//! Requests of a station's users to a robot: it starts and resumes its runs itself, and says what became of the request.
+//! Requests of a station's users to a robot, which starts and resumes its own runs and reports the fate of each request.
 
 use super::commands::COMMAND_TIMEOUT;
 use super::resume::EXPIRED;

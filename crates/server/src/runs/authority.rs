@@ -83,7 +83,7 @@ impl RunAuthority {
         Ok(())
     }
 
-    /// What is known of a request to resume a run.
+    /// Fate of a request to resume a run.
     pub fn fate_of_resume(&self, run: &str, user: &str, id: &str) -> RobotAnswer {
         let Ok(found) = self.run(run) else { return RobotAnswer::Expired };
         let was_resumed = RunRequest::read(found.folder())
@@ -103,7 +103,7 @@ impl RunAuthority {
         Ok(())
     }
 
-    /// What is known of a request to start a run.
+    /// Fate of a request to start a run.
     pub fn fate_of_start(&self, user: &str, id: &str) -> RobotAnswer {
         match self.server.runs.requests.progress(&RunRequest::start_key(user, id)) {
             StartProgress::Nothing => RobotAnswer::Expired,

@@ -107,7 +107,7 @@ async fn resume(
 
 /// Starts another run of the machine of a run, as it is on disk now, with the inputs and settings of that run.
 ///
-/// A station asks the robot of the run, which checks the rights of the pairing. The same id of the same author starts one run.
+/// A station forwards the request to the robot, which checks the rights of the pairing. Repetitions under one id start no second run.
 #[utoipa::path(post, path = "/api/v1/runs/{run}/again", tag = "runs", request_body = StartAgain,
     params(("run" = String, Path, description = "The id of the run before")),
     responses(
@@ -133,8 +133,8 @@ async fn again(
 
 /// Has a robot start a machine of its projects.
 ///
-/// Asked of a station, which sends the request to the robot; the robot checks the rights of the pairing. The same id of the same
-/// author starts one run. What the robot sends of the run arrives after the delay of the link.
+/// A station forwards the request to the robot, which checks the rights of the pairing. Repetitions under one id start no second run.
+/// The events of the run arrive after the delay of the link.
 #[utoipa::path(post, path = "/api/v1/robots/{robot}/runs", tag = "runs", request_body = StartRun,
     params(("robot" = String, Path, description = "The robot's name at this station")),
     responses(

@@ -24,7 +24,7 @@ use tokio::time::{sleep, timeout};
 
 /// How long the runner of an earlier server is waited for.
 const PREVIOUS_RUNNER_TIMEOUT: Duration = Duration::from_secs(40);
-/// Interval at which a start that an earlier server began is looked at again.
+/// Interval between two looks at a start by an earlier server.
 const RETRY_INTERVAL: Duration = Duration::from_secs(1);
 /// The code of a request that is still being carried out.
 const NOT_FINISHED: &str = "not_finished";
@@ -52,7 +52,7 @@ pub(super) async fn start_again_here(
     start(server, who, asked).await
 }
 
-/// Starts what a user of a station wants, or finds that it was started by this id.
+/// Starts a run for a user of a station, or finds the run of an earlier request with this id.
 pub(super) async fn for_station(
     server: &Arc<ServerState>,
     StartRequest { id, user, of, expiry_ms, no_edit }: StartRequest,

@@ -58,7 +58,7 @@ impl StartRequests {
         table.add(id)
     }
 
-    /// What is known of a request to start a run.
+    /// Progress of a request to start a run.
     pub(super) fn progress(&self, id: &str) -> StartProgress {
         let table = self.0.lock();
         let Some((_, slot)) = table.slots.get(id) else { return StartProgress::Nothing };

@@ -2059,7 +2059,7 @@ export type Snapshot = {
   /** Questions that no one has answered yet. */
   questions: Array<Question>, };
 
-/** Request for a new run with the inputs and settings of an earlier one, of the same machine as it is on disk now. */
+/** Request to repeat a run: inputs and settings are those of the earlier run, the machine is read from disk again. */
 export type StartAgain = {
   /** Chosen by the sender. Repetitions with this id start no second run. */
   id: string, };
