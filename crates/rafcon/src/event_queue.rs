@@ -73,13 +73,13 @@ pub(crate) enum Cause {
 
 /// The way to a run that is someone else's: its socket, or a server.
 pub(crate) trait Line {
-    /// Says something to the run.
-    fn say(&mut self, message: &ToRunner) -> Result<()>;
+    /// Says something to the run, without waiting for it. False if too many messages wait already: this one is dropped.
+    fn say(&mut self, message: &ToRunner) -> Result<bool>;
 }
 
 impl Line for UnixStream {
     /// A runner that does not listen any more is noticed by its silence. It goes by this computer's clock.
-    fn say(&mut self, message: &ToRunner) -> Result<()> {
+    fn say(&mut self, message: &ToRunner) -> Result<bool> {
         let line = match message {
             ToRunner::Command(envelope) => {
                 encode(&ToRunner::Command(envelope.clone().dated(since_1970_ms(), None)))
@@ -87,7 +87,7 @@ impl Line for UnixStream {
             message => encode(message),
         };
         self.write_all(&line?).unwrap_or_default();
-        Ok(())
+        Ok(true)
     }
 }
 
@@ -95,9 +95,9 @@ impl Line for UnixStream {
 struct StationLine(UnixStream);
 
 impl Line for StationLine {
-    fn say(&mut self, message: &ToRunner) -> Result<()> {
+    fn say(&mut self, message: &ToRunner) -> Result<bool> {
         self.0.write_all(&encode(message)?).unwrap_or_default();
-        Ok(())
+        Ok(true)
     }
 }
 
@@ -335,4 +335,17 @@ fn forward(mut signals: Signals, queue: &Queue) -> Flow {
         })?;
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Cause, EventQueue, QUEUE};
+
+    #[test]
+    fn a_source_of_more_causes_than_the_queue_holds_waits_and_loses_none() {
+        let mut queue = EventQueue::new(false).unwrap();
+        let all = || (0..4 * QUEUE).map(|number| Cause::Nonsense(number.to_string()));
+        queue.listen("flood", move |queue| all().try_for_each(|cause| queue.send(cause))).unwrap();
+        all().for_each(|cause| assert_eq!(queue.next(None), cause));
+    }
 }

@@ -14,7 +14,7 @@ use rafcon_supervisor::clock::since_1970_ms;
 use std::io::{self, Read as _, Write as _};
 use std::os::unix::net::UnixStream;
 use std::sync::Arc;
-use std::sync::mpsc::{Receiver, SyncSender, TryRecvError, sync_channel};
+use std::sync::mpsc::{Receiver, SyncSender, TryRecvError, TrySendError, sync_channel};
 use std::thread;
 use std::time::Duration;
 
@@ -35,14 +35,15 @@ pub(crate) struct Following {
 }
 
 impl Line for Following {
-    fn say(&mut self, message: &ToRunner) -> Result<()> {
-        self.words.send(message.clone()).unwrap_or_default();
+    /// What follows the run takes no messages while it connects.
+    fn say(&mut self, message: &ToRunner) -> Result<bool> {
+        let sent = self.words.try_send(message.clone());
         // A full pipe wakes as well as a byte more.
         self.wake.write_all(b"!").or_else(|error| match error.kind() {
             io::ErrorKind::WouldBlock | io::ErrorKind::BrokenPipe => Ok(()),
             _ => Err(error),
         })?;
-        Ok(())
+        Ok(!matches!(sent, Err(TrySendError::Full(_))))
     }
 }
 
@@ -208,4 +209,25 @@ fn speak(socket: &mut Socket, todo: &mut Todo) -> Result<(), Broken> {
 fn in_words(fault: &Fault) -> String {
     let because = std::error::Error::source(fault).map(|cause| format!(": {cause}"));
     format!("{fault}{}", because.unwrap_or_default())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Following, QUEUE};
+    use crate::event_queue::Line as _;
+    use rafcon_protocol::{Join, ToRunner};
+    use std::os::unix::net::UnixStream;
+    use std::sync::mpsc::sync_channel;
+
+    #[test]
+    fn while_nothing_is_connected_messages_wait_up_to_the_bound_and_the_keyboard_never_does() {
+        let (words, said) = sync_channel(QUEUE);
+        let (wake, _woken) = UnixStream::pair().unwrap();
+        let mut following = Following { words, wake };
+        let mut say = || following.say(&ToRunner::Join(Join::default())).unwrap();
+        assert!((0..QUEUE).all(|_| say()));
+        assert!(!say());
+        said.recv().unwrap();
+        assert!(say());
+    }
 }

@@ -6,7 +6,7 @@ use crate::clock::Clock;
 use crate::commands::kept::find_run;
 use crate::commands::remote;
 use crate::environment::Environment;
-use crate::event_queue::{Line as _, line_to};
+use crate::event_queue::line_to;
 use crate::failure::{Usage, complain};
 use crate::follow::envelope;
 use anyhow::{Result, bail};
@@ -52,7 +52,7 @@ pub(super) fn tell(raw: &cli::Tell, environment: &Environment) -> Result<ExitCod
     runner.read_line(&mut hello)?;
     decode::<Hello>(&hello)?.check()?;
     let id = format!("tell-{}-{}", std::process::id(), clock::salt(0));
-    control.say(&ToRunner::Join(Join::default()))?;
+    control.write_all(&encode(&ToRunner::Join(Join::default()))?)?;
     let told = envelope(id.clone(), &environment.user, command);
     let told = ToRunner::Command(timed(told, raw, clock::since_1970_ms()));
     line_to(&folder, control).say(&told)?;

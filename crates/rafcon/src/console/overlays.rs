@@ -66,3 +66,24 @@ fn group(word: &str, values: &Values, lines: &mut Vec<TextLine>) {
         lines.push(TextLine::of(Style::Dim, format!("  {word:>3} and {more} more")));
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{VALUES_MAX, group};
+    use crate::view::Paint;
+    use expect_test::expect;
+    use rafcon_protocol::Values;
+
+    #[test]
+    fn of_more_values_than_are_shown_the_number_is() {
+        let shown = |count: usize| {
+            let values: Values = (0..count).map(|n| (format!("v{n:02}"), n.into())).collect();
+            let mut lines = Vec::new();
+            group("in", &values, &mut lines);
+            let paint = Paint { colour: false, unicode: true };
+            lines.iter().map(|line| line.render(paint)).collect::<Vec<_>>()
+        };
+        assert_eq!(shown(VALUES_MAX).len(), VALUES_MAX);
+        expect!["   in and 2 more"].assert_eq(&shown(VALUES_MAX + 2)[VALUES_MAX]);
+    }
+}

@@ -11,6 +11,9 @@ use rafcon_supervisor::Group;
 use std::io;
 use std::time::Duration;
 
+/// Shown where a message to the run was dropped.
+const DROPPED: &str = "too many commands wait for the run: the last one was not sent";
+
 /// A run that is followed.
 pub(crate) struct RunLoop {
     pub(crate) follower: RunFollower,
@@ -85,7 +88,10 @@ impl RunLoop {
     fn act(&mut self, action: Action) -> Result<()> {
         let now = self.clock.now();
         match action {
-            Action::Send(message) => self.line.say(&message),
+            Action::Send(message) => match self.line.say(&message)? {
+                true => Ok(()),
+                false => self.show(|view| view.note(DROPPED)),
+            },
             Action::Kill => {
                 self.group.iter().for_each(|group| group.kill());
                 Ok(())

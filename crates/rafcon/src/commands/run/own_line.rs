@@ -6,7 +6,7 @@ use anyhow::{Context as _, Result};
 use rafcon_protocol::{Launch, ToRunner};
 use rafcon_supervisor::{BeginError, Group, begin};
 use std::os::unix::net::UnixStream;
-use std::sync::mpsc::{SyncSender, sync_channel};
+use std::sync::mpsc::{SyncSender, TrySendError, sync_channel};
 use std::thread;
 
 /// Capacity of the queue in front of the writer. Further messages are dropped.
@@ -33,10 +33,10 @@ impl OwnLine {
 }
 
 impl Line for OwnLine {
-    /// Drops the message if the queue is full: silence or the time limit ends such a run.
-    fn say(&mut self, message: &ToRunner) -> Result<()> {
-        drop(self.0.try_send(message.clone()));
-        Ok(())
+    /// A runner that reads nothing is noticed by its silence or the time limit.
+    fn say(&mut self, message: &ToRunner) -> Result<bool> {
+        let sent = self.0.try_send(message.clone());
+        Ok(!matches!(sent, Err(TrySendError::Full(_))))
     }
 }
 
@@ -48,5 +48,27 @@ fn send(control: &UnixStream, group: Group, launch: Launch) {
             complain(&format!("error: {error}"));
             group.kill();
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{OwnLine, QUEUE};
+    use crate::event_queue::Line as _;
+    use rafcon_protocol::{Join, ToRunner};
+    use std::sync::mpsc::sync_channel;
+
+    #[test]
+    fn what_a_runner_does_not_read_is_dropped_beyond_the_bound_and_reported() {
+        let (sender, messages) = sync_channel(QUEUE);
+        let mut line = OwnLine(sender);
+        let mut say = || line.say(&ToRunner::Join(Join::default())).unwrap();
+        assert!((0..QUEUE).all(|_| say()));
+        assert!(!say());
+        drop(messages.recv());
+        assert!(say());
+        // A runner that is gone reports itself.
+        drop(messages);
+        assert!(say());
     }
 }
