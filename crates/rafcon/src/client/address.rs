@@ -6,7 +6,7 @@ use std::net::IpAddr;
 /// Where a server listens if no one says otherwise.
 const USUAL_PORT: u16 = 4747;
 
-/// Scheme, host and port of a server.
+/// Scheme, host and port of a server, and the path below which a reverse proxy has it.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Address {
     /// Whether TLS is spoken there.
@@ -15,10 +15,12 @@ pub(crate) struct Address {
     pub(crate) host: String,
     /// Port.
     pub(crate) port: u16,
+    /// The path, such as `/robot`; empty without one.
+    pub(crate) base: String,
 }
 
 impl Address {
-    /// Reads `http://HOST:PORT`, and the token that a start link has behind it.
+    /// Reads `http://HOST:PORT/PATH`, and the token that a start link has behind it.
     pub(crate) fn parse(text: &str) -> Result<(Self, Option<String>), String> {
         let wrong = |why: &str| {
             format!("--server {}: {why}; write https://HOST:{USUAL_PORT}", without_token(text))
@@ -33,12 +35,11 @@ impl Address {
         };
         let (place, query) = rest.split_once('?').unwrap_or((rest, ""));
         let (place, path) = place.split_once('/').unwrap_or((place, ""));
-        if !path.is_empty() {
-            return Err(wrong("the address must end after the port"));
-        }
+        let base = base(path)
+            .ok_or_else(|| wrong(&format!("`/{path}` is no path of a server behind a proxy")))?;
         let (host, port) = parted(place).ok_or_else(|| wrong("the host or the port is missing"))?;
         let token = query.split('&').find_map(|part| part.strip_prefix("token="));
-        Ok((Self { is_secure, host, port }, token.map(str::to_owned)))
+        Ok((Self { is_secure, host, port, base }, token.map(str::to_owned)))
     }
 
     /// Whether it is this computer's own, without any network between.
@@ -53,23 +54,39 @@ impl Address {
         if host.contains(':') { format!("[{host}]:{port}") } else { format!("{host}:{port}") }
     }
 
-    /// The same for a WebSocket.
+    /// What a browser calls the origin of its pages.
+    pub(crate) fn origin(&self) -> String {
+        let scheme = if self.is_secure { "https" } else { "http" };
+        format!("{scheme}://{}", self.authority())
+    }
+
+    /// The address of a WebSocket.
     pub(crate) fn of_socket(&self, path: &str) -> String {
         let scheme = if self.is_secure { "wss" } else { "ws" };
-        format!("{scheme}://{}{path}", self.authority())
+        format!("{scheme}://{}{}{path}", self.authority(), self.base)
     }
 }
 
 impl fmt::Display for Address {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let scheme = if self.is_secure { "https" } else { "http" };
-        write!(f, "{scheme}://{}", self.authority())
+        write!(f, "{}{}", self.origin(), self.base)
     }
 }
 
 /// Secrets are not repeated.
 fn without_token(text: &str) -> &str {
     text.split('?').next().unwrap_or_default()
+}
+
+/// A path without a slash at its end; none if a part of it is empty, leads up, or has to be encoded.
+fn base(path: &str) -> Option<String> {
+    let path = path.strip_suffix('/').unwrap_or(path);
+    if path.is_empty() {
+        return Some(String::new());
+    }
+    let fits = |c: char| c.is_ascii_alphanumeric() || "-._~".contains(c);
+    let is_part = |part: &str| !["", ".", ".."].contains(&part) && part.chars().all(fits);
+    path.split('/').all(is_part).then(|| format!("/{path}"))
 }
 
 fn parted(place: &str) -> Option<(String, u16)> {
@@ -101,7 +118,7 @@ mod tests {
     }
 
     #[test]
-    fn an_address_is_scheme_host_and_port() {
+    fn an_address_is_scheme_host_port_and_the_path_of_a_proxy() {
         check(
             "https://Rover.lan",
             &expect![[r"https://rover.lan:4747 wss://rover.lan:4747/s None false"]],
@@ -114,6 +131,12 @@ mod tests {
         check(
             "http://localhost:4747/?token=abc",
             &expect![[r#"http://localhost:4747 ws://localhost:4747/s Some("abc") true"#]],
+        );
+        check(
+            "https://fleet.lan:443/robots/rover/?token=abc",
+            &expect![[
+                r#"https://fleet.lan:443/robots/rover wss://fleet.lan:443/robots/rover/s Some("abc") false"#
+            ]],
         );
     }
 
@@ -136,9 +159,9 @@ mod tests {
             ],
         );
         check(
-            "http://rover:1/runs?token=abc",
+            "http://rover:1/../runs?token=abc",
             &expect![
-                "--server http://rover:1/runs: the address must end after the port; write https://HOST:4747"
+                "--server http://rover:1/../runs: `/../runs` is no path of a server behind a proxy; write https://HOST:4747"
             ],
         );
         check(

@@ -6,12 +6,12 @@ use serde::de::DeserializeOwned;
 use std::fmt;
 use std::io::{Read, Write as _};
 use std::time::Duration;
-use ureq::Agent;
 use ureq::http::{Request, Response};
 use ureq::unversioned::resolver::DefaultResolver;
 use ureq::unversioned::transport::{
     Buffers, ConnectionDetails, Connector, LazyBuffers, NextTimeout, Transport,
 };
+use ureq::{Agent, Body};
 
 /// How long a server may think: it answers to the start of a run when the machine is loaded.
 const RESPONSE_TIMEOUT: Duration = Duration::from_mins(2);
@@ -55,8 +55,7 @@ impl Http {
     ) -> Result<Answer<T>, Fault> {
         let mut response = self.agent.run(request).map_err(|error| self.fault(error))?;
         let cookies = cookies(&response);
-        let body = response.body_mut().with_config().limit(ANSWER_MAX).read_to_vec();
-        let body = body.map_err(|error| self.fault(error))?;
+        let body = self.body(&mut response, ANSWER_MAX)?;
         let status = response.status();
         if !status.is_success() {
             return Err(refused(status.as_u16(), &body));
@@ -71,10 +70,20 @@ impl Http {
         let mut response = self.agent.run(request).map_err(|error| self.fault(error))?;
         let status = response.status();
         if !status.is_success() {
-            let body = response.body_mut().with_config().limit(ANSWER_MAX).read_to_vec();
-            return Err(refused(status.as_u16(), &body.map_err(|error| self.fault(error))?));
+            return Err(refused(status.as_u16(), &self.body(&mut response, ANSWER_MAX)?));
         }
         Ok(response.into_body().into_reader())
+    }
+
+    /// The whole content of an answer of at most so many bytes.
+    fn body(&self, response: &mut Response<Body>, max: u64) -> Result<Vec<u8>, Fault> {
+        let body = response.body_mut().with_config().limit(max).read_to_vec();
+        body.map_err(|error| match error {
+            ureq::Error::BodyExceedsLimit(_) => {
+                self.nonsense(&format!("the answer has more than {max} bytes"))
+            }
+            error => self.fault(error),
+        })
     }
 
     fn nonsense(&self, error: &impl ToString) -> Fault {
@@ -180,5 +189,38 @@ impl Transport for HttpTransport {
 
     fn is_tls(&self) -> bool {
         matches!(self.stream, Stream::Tls(_))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Address, Http};
+    use std::io::{Read as _, Write as _};
+    use std::net::TcpListener;
+    use std::thread;
+    use ureq::http::Request;
+
+    #[test]
+    fn of_an_answer_that_is_too_long_no_more_than_the_bound_is_read() {
+        let listener = TcpListener::bind(("127.0.0.1", 0)).unwrap();
+        let url = format!("http://{}", listener.local_addr().unwrap());
+        let serve = move || {
+            for _ in 0..2 {
+                let (mut socket, _) = listener.accept().unwrap();
+                assert_ne!(socket.read(&mut [0; 4096]).unwrap(), 0);
+                // The client may leave before all is written.
+                drop(socket.write_all(b"HTTP/1.1 200 OK\r\nContent-Length: 9\r\n\r\n123456789"));
+            }
+        };
+        let server = thread::Builder::new().spawn(serve).unwrap();
+        let http = Http::new(&Address::parse(&url).unwrap().0, None);
+        let ask = |max| {
+            let mut response =
+                http.agent.run(Request::get(&url).body(Vec::new()).unwrap()).unwrap();
+            http.body(&mut response, max).map_err(|fault| fault.to_string())
+        };
+        assert_eq!(ask(10).as_deref(), Ok(&b"123456789"[..]));
+        assert!(ask(8).unwrap_err().ends_with("the answer has more than 8 bytes"));
+        server.join().unwrap();
     }
 }

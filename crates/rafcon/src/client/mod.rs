@@ -140,7 +140,7 @@ impl Server {
         let mut request = self.request(Method::POST, "/tokens", None)?;
         let headers = request.headers_mut();
         headers.insert("cookie", self.value(&answer.cookies)?);
-        headers.insert("origin", self.value(&self.address.to_string())?);
+        headers.insert("origin", self.value(&self.address.origin())?);
         Ok(self.http.ask(self.with_body(request, token)?)?.body)
     }
 

@@ -152,3 +152,40 @@ fn refused(response: &Response<Option<Vec<u8>>>) -> Fault {
     });
     Fault::Refused { status, refusal }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{Address, FRAME_MAX, Socket, Stream};
+    use std::io::Write as _;
+    use std::net::{TcpListener, TcpStream};
+    use std::thread;
+
+    #[test]
+    fn a_frame_that_would_be_too_long_ends_the_connection_before_it_is_read() {
+        let listener = TcpListener::bind(("127.0.0.1", 0)).unwrap();
+        let at = listener.local_addr().unwrap();
+        let serve = move || {
+            let (socket, _) = listener.accept().unwrap();
+            let mut socket = tungstenite::accept(socket).unwrap();
+            // The head of a text of more bytes than the bound, by the standard of WebSockets (RFC 6455, section 5.2).
+            let length = u64::try_from(FRAME_MAX + 1).unwrap().to_be_bytes();
+            socket.get_mut().write_all(&[&[0x81, 127][..], &length].concat()).unwrap();
+            // Until the client has left.
+            drop(socket.read());
+        };
+        let server = thread::Builder::new().spawn(serve).unwrap();
+        let address = Address::parse(&format!("http://{at}")).unwrap().0;
+        let stream = Stream::Plain(TcpStream::connect(at).unwrap());
+        let mut socket = Socket::open(stream, &address, None).unwrap();
+        let broken = loop {
+            match socket.next() {
+                Ok(None) => {}
+                Ok(Some(frame)) => panic!("{frame:?}"),
+                Err(broken) => break broken,
+            }
+        };
+        assert!(broken.contains("too long") || broken.contains("too large"), "{broken}");
+        drop(socket);
+        server.join().unwrap();
+    }
+}

@@ -142,6 +142,21 @@ fn a_run_at_a_server_tells_what_one_on_this_computer_does() {
 }
 
 #[test]
+fn a_server_below_a_path_of_a_proxy_is_reached_by_that_path() {
+    let place = Place::empty();
+    save(&notation::parse(MACHINE).unwrap(), &place.path("robots/pick"), None, Naming::default())
+        .unwrap();
+    let server = CliServer::open(place, "--bind 127.0.0.1:0 --base-path /fleet/one");
+    for address in ["SERVER/fleet/one", "SERVER/fleet/one/", "SERVER"] {
+        let answer = server.call(&format!("run {address} robots/pick --output json"));
+        assert_eq!(answer.code, Some(0), "{}", shown(&answer));
+        let answer = server.call(&format!("runs {address}"));
+        assert_eq!(answer.code, Some(0), "{}", shown(&answer));
+    }
+    assert_ne!(server.call("runs SERVER/fleet/two").code, Some(0));
+}
+
+#[test]
 fn kept_runs_are_read_at_a_server_as_beside_it() {
     let server = CliServer::with(MACHINE);
     for words in ["", "--input n=4"] {
