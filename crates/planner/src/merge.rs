@@ -58,16 +58,18 @@ impl Pool {
             let (child, parent) =
                 (child.to_ascii_lowercase().into(), Name::from(parent.to_ascii_lowercase()));
             match parents.get(&child) {
-                Some((other, before)) if *other != parent => {
+                // A narrower kind counts: everything is an object.
+                Some((other, _)) if *other != parent && parent == OBJECT => {}
+                Some((other, before)) if *other != parent && *other != OBJECT => {
                     let libraries: Vec<_> = before.iter().copied().chain(by).collect();
                     let text = format!(
                         "the type `{child}` is a kind of `{other}` and of `{parent}`: decide for one"
                     );
                     self.findings.push(Finding::error(&libraries, text));
                 }
-                Some(_) => {}
+                Some((other, _)) if *other == parent => {}
                 None if child == OBJECT => {}
-                None => drop(parents.insert(child, (parent, by))),
+                _ => drop(parents.insert(child, (parent, by))),
             }
         }
         let mut types: BTreeMap<Name, Name> =

@@ -3,7 +3,7 @@
 use super::number::{atom, comparison, is_number, number, term};
 use super::signature::variables;
 use super::text::{Expression, PddlError, read_one};
-use super::{Action, Assignment, Condition, DurationBound, Effect};
+use super::{Action, Assignment, Condition, DurationBound, Effect, Number};
 
 /// Reads one `(:action …)` or `(:durative-action …)`.
 pub fn read_action(text: &str) -> Result<Action, PddlError> {
@@ -149,7 +149,10 @@ fn bounds(expression: &Expression) -> Result<Vec<DurationBound>, PddlError> {
     let how =
         how.ok_or_else(|| expression.error("a comparison such as `(= ?duration 5)` is expected"))?;
     match rest {
-        [a, b] if a.word().as_deref() == Some("?duration") => Ok(vec![(how, number(b)?)]),
+        [a, b] if a.word().as_deref() == Some("?duration") => match number(b)? {
+            Number::Literal(seconds) if seconds < 0.0 => Err(b.error("a duration is not negative")),
+            bound => Ok(vec![(how, bound)]),
+        },
         _ => Err(expression.error("a comparison such as `(= ?duration 5)` is expected")),
     }
 }

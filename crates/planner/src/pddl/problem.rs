@@ -6,6 +6,7 @@ use super::signature::typed;
 use super::text::{Expression, PddlError, lower, read_one};
 use super::{Atom, Condition, Name, Number};
 use smol_str::SmolStr;
+use std::collections::BTreeSet;
 
 /// Something in the world.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -70,7 +71,10 @@ pub fn read_problem(text: &str) -> Result<Problem, PddlError> {
             ":domain" => problem.domain = word(),
             ":requirements" => {}
             ":objects" => problem.objects = objects(rest)?,
-            ":init" => rest.iter().try_for_each(|fact| add_fact(&mut problem, fact))?,
+            ":init" => {
+                let mut known = problem.facts.iter().cloned().collect();
+                rest.iter().try_for_each(|fact| add_fact(&mut problem, &mut known, fact))?;
+            }
             ":goal" => {
                 let goal = rest.first().ok_or_else(|| part.error("the goal is empty"))?;
                 problem.goal = condition(goal)?;
@@ -86,10 +90,11 @@ pub fn read_problem(text: &str) -> Result<Problem, PddlError> {
 
 fn objects(items: &[Expression]) -> Result<Vec<Object>, PddlError> {
     let mut all: Vec<Object> = Vec::new();
+    let mut names = BTreeSet::new();
     for (item, types) in typed(items)? {
         let spelling = item.spelling().cloned().unwrap_or_default();
         let name = lower(&spelling);
-        if all.iter().any(|other| other.name == name) {
+        if !names.insert(name.clone()) {
             return Err(item.error(format!(
                 "the object `{spelling}` is there twice: capitals make no difference"
             )));
@@ -104,7 +109,12 @@ fn objects(items: &[Expression]) -> Result<Vec<Object>, PddlError> {
     Ok(all)
 }
 
-fn add_fact(problem: &mut Problem, expression: &Expression) -> Result<(), PddlError> {
+/// Adds a fact, unless it is among the `known` ones.
+fn add_fact(
+    problem: &mut Problem,
+    known: &mut BTreeSet<Atom>,
+    expression: &Expression,
+) -> Result<(), PddlError> {
     let (name, rest) = expression.head()?;
     match (name.as_str(), rest) {
         ("=", [function, value]) => match number(value)? {
@@ -117,7 +127,7 @@ fn add_fact(problem: &mut Problem, expression: &Expression) -> Result<(), PddlEr
         }
         _ => {
             let fact = atom(expression)?;
-            if !problem.facts.contains(&fact) {
+            if known.insert(fact.clone()) {
                 problem.facts.push(fact);
             }
         }
@@ -131,5 +141,27 @@ fn written(expression: &Expression) -> String {
         Expression::List(items, _) => {
             format!("({})", items.iter().map(written).collect::<Vec<_>>().join(" "))
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::read_problem;
+    use std::fmt::Write as _;
+
+    /// Each name and each fact compared with all others takes minutes.
+    #[test]
+    fn a_world_of_very_many_objects_and_facts_is_read() {
+        let (mut objects, mut facts) = (String::new(), String::new());
+        for number in 0..100_000 {
+            write!(objects, " o{number}").unwrap();
+            write!(facts, "(at o{number}) ").unwrap();
+        }
+        let text =
+            format!("(define (problem p) (:domain d) (:objects{objects}) (:init {facts} {facts}))");
+        let problem = read_problem(&text).unwrap();
+        assert_eq!((problem.objects.len(), problem.facts.len()), (100_000, 100_000));
+        let twice = text.replace("(:objects", "(:objects O77");
+        assert!(read_problem(&twice).unwrap_err().to_string().contains("there twice"));
     }
 }

@@ -100,6 +100,17 @@ types robot - machine";
 }
 
 #[test]
+fn of_two_kinds_the_narrower_counts_where_one_is_object() {
+    for (first, second) in [("object", "surface"), ("surface", "object")] {
+        let two = format!(
+            "skill a\n(:action go :parameters (?x - area) :precondition (on ?x) :effect (on ?x))\ntypes area - {first}\n\
+             skill b\n(:action stay :parameters (?x - area) :precondition (on ?x) :effect (on ?x))\ntypes area - {second}"
+        );
+        check_findings(&two, "", &expect![[""]]);
+    }
+}
+
+#[test]
 fn what_is_no_action_is_told_with_its_place() {
     for (text, expect) in [
         (
@@ -130,6 +141,12 @@ fn what_is_no_action_is_told_with_its_place() {
             "(:durative-action go :parameters () :duration (= ?duration 1) :effect (on))",
             expect![[r"
                 error: pool/a: pddl_action: line 1, column 71: in an action with duration, say when: `(at start …)`, `(over all …)` or `(at end …)`
+            "]],
+        ),
+        (
+            "(:durative-action go :parameters () :duration (>= ?duration -1))",
+            expect![[r"
+                error: pool/a: pddl_action: line 1, column 61: a duration is not negative
             "]],
         ),
         (

@@ -109,7 +109,9 @@ impl LoadedLibraries {
         };
         let found = self.libraries.roots().iter().filter_map(inside).max_by_key(|found| found.0);
         let Some((_, dir, inside)) = found else {
-            let message = format!("no library root fits `{path}`: /api/v1/libraries lists them");
+            let message = format!(
+                "`{path}` lies below no library root: choose one from the list of libraries"
+            );
             return Err(Failure::not_found("no_such_library", message));
         };
         confine::machine(&dir, &inside)
@@ -119,7 +121,8 @@ impl LoadedLibraries {
 fn unloaded(path: &str, error: &LoadError) -> Failure {
     match error {
         LoadError::NotFound { .. } => {
-            let message = format!("there is no library {path}: /api/v1/libraries lists them");
+            let message =
+                format!("there is no library {path}: choose one from the list of libraries");
             Failure::not_found("no_such_library", message)
         }
         LoadError::Outside { .. } => {

@@ -68,9 +68,8 @@ impl Engine {
                 name: name.to_owned(),
                 program: found.unwrap_or_else(|| "kairos".into()),
                 kind: Kind::Kairos,
-                way_out:
-                    "install it: `pip install kairos-planner`, or name another with `--engine`"
-                        .to_owned(),
+                way_out: "install it: `pip install kairos-planner`, or choose another engine"
+                    .to_owned(),
             };
         }
         Self {

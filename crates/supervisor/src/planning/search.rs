@@ -126,6 +126,12 @@ impl Running {
         }
     }
 
+    /// Whether it has ended as if all were well, and said nothing.
+    fn is_mute(&self) -> bool {
+        let said = self.said.as_deref().unwrap_or_default();
+        self.code == Some(0) && said.trim().is_empty() && self.printed.trim().is_empty()
+    }
+
     /// Whether nothing more comes from it.
     fn is_over(&self) -> bool {
         self.has_ended && (self.said.is_some() || self.wrong.is_some())
@@ -293,7 +299,7 @@ impl Search<'_> {
         }
         if let Some(wrong) = lanes().find_map(|running| running.wrong.as_ref()) {
             return SearchEnd::Failed(format!(
-                "the engine `{name}` gave a plan that is not valid: {wrong}; try another engine (`--engine`)"
+                "the engine `{name}` gave a plan that is not valid: {wrong}; choose another engine"
             ));
         }
         if let Some(missing) = lanes().find_map(|running| self.engine.is_missing(running.code)) {
@@ -303,6 +309,11 @@ impl Search<'_> {
             return SearchEnd::Impossible(
                 "the goal cannot be reached from these facts with these skills".to_owned(),
             );
+        }
+        if lanes().all(Running::is_mute) {
+            return SearchEnd::Failed(format!(
+                "the engine `{name}` ended without a plan and said nothing; choose another engine"
+            ));
         }
         match lanes().find(|running| !Engine::found_none(running.code)) {
             Some(running) => {

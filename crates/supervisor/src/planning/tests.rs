@@ -117,7 +117,7 @@ fn an_engine_is_believed_only_what_is_true() {
         lie,
         &request(),
         &expect![[r"
-        failed: the engine `kairos` gave a plan that is not valid: step 1: (at b) does not hold; try another engine (`--engine`)
+        failed: the engine `kairos` gave a plan that is not valid: step 1: (at b) does not hold; choose another engine
     "]],
     );
     // The second search may do better than the first.
@@ -134,7 +134,7 @@ fn an_engine_is_believed_only_what_is_true() {
         "echo '{]'; echo hello",
         &request(),
         &expect![[r"
-        failed: the engine `kairos` gave a plan that is not valid: the plan is not JSON: line 1, column 2: expected a key in quotes; try another engine (`--engine`)
+        failed: the engine `kairos` gave a plan that is not valid: the plan is not JSON: line 1, column 2: expected a key in quotes; choose another engine
     "]],
     );
 }
@@ -144,6 +144,15 @@ fn what_an_engine_says_is_bounded() {
     let flood = "head -c 3000000 /dev/zero | tr '\\0' 'x'; echo; head -c 3000000 /dev/zero >&2";
     check(
         &format!("{flood}; {PLAN}"),
+        &request(),
+        &expect![[r"
+        found Go a b, 2 states
+        done: a plan was found
+    "]],
+    );
+    // More lines than wait for the search.
+    check(
+        &format!("seq 1 1000; {PLAN}"),
         &request(),
         &expect![[r"
         found Go a b, 2 states
@@ -191,6 +200,13 @@ fn engines_that_find_nothing_say_why() {
     "]],
     );
     check(
+        "exit 0",
+        &request(),
+        &expect![[r"
+        failed: the engine `kairos` ended without a plan and said nothing; choose another engine
+    "]],
+    );
+    check(
         "echo 'bad luck' >&2; exit 3",
         &request(),
         &expect![[r"
@@ -235,7 +251,7 @@ fn an_engine_gets_names_that_it_understands_and_people_their_own() {
         &format!("{engine}\nexit 0").replace("(go $from place)", "(go place $from)"),
         &wanted,
         &expect![[r"
-            failed: the engine `kairos` gave a plan that is not valid: step 1: (at place) does not hold; try another engine (`--engine`)
+            failed: the engine `kairos` gave a plan that is not valid: step 1: (at place) does not hold; choose another engine
         "]],
     );
     check(
@@ -269,7 +285,7 @@ fn an_engine_that_cannot_be_started_is_told_with_the_way_to_get_it() {
     fs::write(world.folder.path().join("kairos"), "#!/nowhere/interpreter\n").unwrap();
     let events = world.plan(&request(), &Cancel::default(), &mut |_| ());
     expect![[r"
-        failed: the engine `kairos` is not there: install it: `pip install kairos-planner`, or name another with `--engine`
+        failed: the engine `kairos` is not there: install it: `pip install kairos-planner`, or choose another engine
     "]].assert_eq(&told(&events));
 }
 
