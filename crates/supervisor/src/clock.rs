@@ -13,6 +13,38 @@ pub fn now() -> Instant {
     Instant::now()
 }
 
+/// Smaller steps are the usual corrections of a calendar.
+const STEP_MIN_MS: i64 = 1000;
+
+/// Notices when the calendar of this computer is set: ages are differences of its times.
+#[derive(Debug)]
+pub struct CalendarSteps {
+    at: Duration,
+    at_ms: u64,
+}
+
+impl CalendarSteps {
+    /// From this moment on, since the computer began, at which the calendar has this time.
+    pub fn from(at: Duration, at_ms: u64) -> Self {
+        Self { at, at_ms }
+    }
+
+    /// By how many ms the calendar was set since the last call, with the time of both clocks; 0 if it was not, or by less than a second.
+    pub fn step_ms(&mut self, now: Duration, now_ms: u64) -> i64 {
+        let passed = now.saturating_sub(self.at).as_millis();
+        let expected = self.at_ms.saturating_add(u64::try_from(passed).unwrap_or(u64::MAX));
+        (self.at, self.at_ms) = (now, now_ms);
+        let step = now_ms.checked_signed_diff(expected).unwrap_or(i64::MAX);
+        if step.abs() < STEP_MIN_MS { 0 } else { step }
+    }
+}
+
+/// Time since this computer began, also while it was suspended.
+pub fn since_boot() -> Duration {
+    let time = rustix::time::clock_gettime(rustix::time::ClockId::Boottime);
+    Duration::try_from(time).unwrap_or_default()
+}
+
 /// A number that is not likely to be the same for two programs that begin in the same second.
 pub fn salt(attempt: u16) -> u16 {
     let nanos = since_1970().subsec_nanos();
@@ -24,4 +56,23 @@ fn since_1970() -> Duration {
     #[expect(clippy::disallowed_methods, reason = "this is the crate's one clock")]
     let now = SystemTime::now();
     now.duration_since(UNIX_EPOCH).unwrap_or_default()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::CalendarSteps;
+    use std::time::Duration;
+
+    #[test]
+    fn a_calendar_that_is_set_is_noticed_once_and_one_that_is_corrected_is_not() {
+        let mut steps = CalendarSteps::from(Duration::from_secs(7), 1_000_000);
+        let mut step =
+            |at_s: u64, calendar_ms| steps.step_ms(Duration::from_secs(7 + at_s), calendar_ms);
+        assert_eq!(step(10, 1_010_000), 0);
+        assert_eq!(step(20, 1_020_900), 0);
+        assert_eq!(step(21, 2_021_900), 1_000_000);
+        assert_eq!(step(22, 2_022_900), 0);
+        assert_eq!(step(23, 23_900), -2_000_000);
+        assert_eq!(step(24, 24_900), 0);
+    }
 }

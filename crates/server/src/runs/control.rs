@@ -119,6 +119,15 @@ impl Holding {
         self
     }
 
+    /// The calendar was set by so many ms: nobody was silent longer or shorter for that.
+    pub(super) fn shift(&mut self, step_ms: i64) {
+        if let Some(holder) = &mut self.holder {
+            for time in [&mut holder.since_ms, &mut holder.heard_ms] {
+                *time = time.saturating_add_signed(step_ms);
+            }
+        }
+    }
+
     /// The user who holds it.
     pub(super) fn holder(&self) -> Option<&str> {
         self.holder.as_ref().map(|holder| holder.user.as_str())

@@ -96,6 +96,7 @@ pub(super) async fn keep_asking(run: &Run, link: &Link, pulse: &RunnerPulse) -> 
                 PulseAction::Tell => run.mark_silent(pulse.heard_ms()),
                 PulseAction::Nothing => {}
             }
+            run.look_at_calendar();
             sleep(ASK_EVERY).await;
         }
     }

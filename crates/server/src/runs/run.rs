@@ -16,7 +16,8 @@ use rafcon_protocol::api::{
 };
 use rafcon_protocol::{EnginePulse, Event, LinkHealth, Snapshot};
 use rafcon_storage::journal::{Broken, size_of};
-use rafcon_supervisor::{Exit, clock};
+use rafcon_supervisor::Exit;
+use rafcon_supervisor::clock::{self, CalendarSteps};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
@@ -62,6 +63,14 @@ pub(crate) struct Run {
     watched: RunWatched,
     /// Held while who holds control is written down.
     keeping: Mutex<()>,
+    calendar: Mutex<CalendarSteps>,
+}
+
+/// The calendar was set by so many ms: nothing is older or younger for that.
+fn shift(now: &mut RunNow, step_ms: i64) {
+    for time in [&mut now.snapshot_ms, &mut now.runner_heard_ms].into_iter().flatten() {
+        *time = time.saturating_add_signed(step_ms);
+    }
 }
 
 impl Run {
@@ -86,6 +95,7 @@ impl Run {
             id: summary.id.clone(),
             folder,
             ring,
+            calendar: Mutex::new(CalendarSteps::from(clock::since_boot(), now_ms)),
             pace: Pace::new(),
             now: watch::Sender::new(Arc::new(now)),
             link: Mutex::new(None),
@@ -350,9 +360,27 @@ impl Run {
         }
     }
 
+    /// Looks whether the calendar was set.
+    pub(super) fn look_at_calendar(&self) {
+        self.shift_times(&mut self.holding.lock());
+    }
+
+    fn shift_times(&self, holding: &mut Holding) {
+        let step = self.calendar.lock().step_ms(clock::since_boot(), clock::since_1970_ms());
+        if step != 0 {
+            holding.shift(step);
+            let control = holding.told(self.silence);
+            self.change(|now| {
+                shift(now, step);
+                now.control = control;
+            });
+        }
+    }
+
     /// Does something with who holds control; whoever follows the run is told.
     pub(super) fn with_holding<T>(&self, act: impl FnOnce(&mut Holding) -> T) -> T {
         let mut holding = self.holding.lock();
+        self.shift_times(&mut holding);
         let done = act(&mut holding);
         let control = holding.told(self.silence);
         // With the lock held: what is told last is what is true.
@@ -416,7 +444,8 @@ impl Run {
     fn tell_robot(&self, user: &str, now_ms: u64) {
         let control = self.now.borrow().control.clone();
         let told_ms = self.presence_ms.load(Ordering::Relaxed);
-        let is_due = now_ms.saturating_sub(told_ms) >= control.silence_ms / 3;
+        // Also if the calendar was set back meanwhile.
+        let is_due = now_ms.abs_diff(told_ms) >= control.silence_ms / 3;
         if control.holder.as_deref() == Some(user)
             && is_due
             && let Some(link) = self.link()
@@ -480,9 +509,22 @@ fn link_of(phase: &RunPhase) -> LinkState {
 
 #[cfg(test)]
 mod tests {
-    use super::link_with;
+    use super::{link_with, shift};
     use rafcon_protocol::EnginePulse;
-    use rafcon_protocol::api::LinkState;
+    use rafcon_protocol::api::{LinkState, RunNow};
+
+    #[test]
+    fn what_is_known_of_a_run_gets_neither_older_nor_younger_when_the_calendar_is_set() {
+        let json = r#"{"run":{"id":"r","name":"R","started_ms":5000,"phase":"live","length_ms":0,"events":0,"bytes":0,"keeping":"full"},
+            "link":"up","snapshot_ms":9000,"runner_heard_ms":null,"now_ms":9000,
+            "control":{"holder":null,"since_ms":0,"heard_ms":0,"silence_ms":0,"requests":[],"offered_to":null,"epoch":0}}"#;
+        let mut now: RunNow = serde_json::from_str(json).unwrap();
+        shift(&mut now, 3_600_000);
+        assert_eq!(
+            (now.snapshot_ms, now.runner_heard_ms, now.run.started_ms),
+            (Some(3_609_000), None, 5_000)
+        );
+    }
 
     #[test]
     fn an_engine_that_takes_no_inputs_for_three_seconds_is_stuck_until_it_takes_one() {

@@ -24,8 +24,8 @@ fn wanted(word: &str) -> Option<ControlMove> {
     })
 }
 
-/// Lines of `second user what`; `commands` is a command, `decides-3` one that was decided on under epoch 3, `refused-5` says that the
-/// run refused the user's command of second 5.
+/// Lines of `second user what`; `sets-100` says that the calendar was set by 100 s, `commands` is a command, `decides-3` one that was
+/// decided on under epoch 3, `refused-5` says that the run refused the user's command of second 5.
 fn play(holding: &mut Holding, line: &str) -> Result<(), Denied> {
     let words: Vec<&str> = line.split_whitespace().collect();
     let [second, user, what] = words[..] else { panic!("{line}") };
@@ -38,6 +38,10 @@ fn play(holding: &mut Holding, line: &str) -> Result<(), Denied> {
     }
     if what == "commands" {
         return command(None);
+    }
+    if let Some(seconds) = what.strip_prefix("sets-") {
+        holding.shift(seconds.parse::<i64>().unwrap() * 1000);
+        return Ok(());
     }
     if let Some(second) = what.strip_prefix("refused-") {
         holding.refused(&id(second), now_ms);
@@ -390,4 +394,28 @@ fn so_many_may_request_control_and_one_who_withdraws_makes_room() {
     play(&mut holding, "2 user3 withdraws").unwrap();
     play(&mut holding, "2 cy requests").unwrap();
     assert_eq!(holding.told(SILENCE).requests.last().map(String::as_str), Some("cy"));
+}
+
+#[test]
+fn a_calendar_that_is_set_makes_nobody_silent_and_nobody_heard() {
+    check(
+        "
+        1 ana commands
+        3602 root sets-3600
+        3610 bob takes-over
+        3640 bob takes-over
+        41 root sets--3600
+        50 ana takes-over
+        71 ana takes-over
+        ",
+        &expect![[r#"
+            1 ana commands -> ana []
+            3602 root sets-3600 -> ana []
+            3610 bob takes-over -> ana []: ana was heard 9 s ago: control can be taken over after 30 s of silence; request it meanwhile
+            3640 bob takes-over -> bob []
+            41 root sets--3600 -> bob []
+            50 ana takes-over -> bob []: bob was heard 10 s ago: control can be taken over after 30 s of silence; request it meanwhile
+            71 ana takes-over -> ana []
+        "#]],
+    );
 }
