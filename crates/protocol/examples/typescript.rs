@@ -142,6 +142,7 @@ fn in_answers(words: &mut Words) {
     words.visit::<api::Pruned>();
     words.visit::<api::RevisionPage>();
     words.visit::<api::RunOutput>();
+    words.visit::<api::RunResults>();
     words.visit::<api::RunPhase>();
     words.visit::<api::SavedState>();
     words.visit::<api::SetAsideDraft>();

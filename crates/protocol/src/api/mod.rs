@@ -48,8 +48,8 @@ pub use robots::{
 pub use run_wait::RunWait;
 pub use runs::{
     CommandAnswer, Control, ControlMove, EventPage, HistoryEntry, LinkState, LoadedMachine,
-    OutputEnd, Pruned, ResumeRun, Retention, RunNow, RunOutput, RunPhase, RunSummary, StartRun,
-    StateAt,
+    OutputEnd, Pruned, ResumeRun, Retention, RunNow, RunOutput, RunPhase, RunResults, RunSummary,
+    StartRun, StateAt,
 };
 pub use server::{Health, Refusal, ServerStatus};
 pub use set_aside::{SetAsideDraft, SetAsideEdit};

@@ -277,6 +277,21 @@ pub struct RunOutput {
     pub bytes: u64,
 }
 
+/// The values at the end of a run, by name.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
+pub struct RunResults {
+    /// The outputs of the root.
+    #[cfg_attr(feature = "schema", schema(value_type = Object), ts(type = "Record<string, unknown>"))]
+    pub outputs: crate::Values,
+    /// Global variables.
+    #[cfg_attr(feature = "schema", schema(value_type = Object), ts(type = "Record<string, unknown>"))]
+    pub globals: crate::Values,
+    /// The scoped variables of the root.
+    #[cfg_attr(feature = "schema", schema(value_type = Object), ts(type = "Record<string, unknown>"))]
+    pub scoped_variables: crate::Values,
+}
+
 /// What became of a command.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]

@@ -216,6 +216,11 @@ class RunMachine(WithServer):
         self.assertEqual((ended.outcome, ended.result.outcome, json.loads(ended.result.outputs)), ("succeeded", "success", {"sequence": [0, 1, 1, 2]}))
         self.assertEqual(self.served.ask("GET", f"/runs/{ended.result.run}")["run"]["author"], "ros")
 
+    def test_a_result_is_whole_whatever_its_length(self):
+        ended = ros.action("/robot/run_machine", {"machine": "fib", "inputs": '{"order": 2000}'}, find=20)
+        sequence = json.loads(ended.result.outputs)["sequence"]
+        self.assertEqual((ended.outcome, len(sequence), sequence[1999] - sequence[1998]), ("succeeded", 2000, sequence[1997]))
+
     def test_a_failure_is_told_in_words(self):
         ended = ros.action("/robot/run_machine", {"machine": "robot/fail"}, find=20)
         self.assertEqual((ended.outcome, ended.result.outcome), ("aborted", "aborted"))

@@ -380,6 +380,43 @@ fn a_history_goes_on_over_a_crash_and_is_told_further_when_a_run_that_was_over_i
     assert_eq!(told(follow(1)).0, events);
 }
 
+/// At first with more values than the last event has, the second time with few.
+const ENDS_TWICE: &str = r#"
+hierarchy ROOT "Ends twice"
+  outcome success
+  out numbers: list
+  start -> AXXXXX
+  AXXXXX.success -> .success
+  flow AXXXXX.numbers -> .numbers
+  execution AXXXXX "A"
+    outcome success
+    out numbers: list
+    script |
+      import os
+      def execute(self, inputs, outputs, gvm):
+          ended = os.path.expanduser("~/ended")
+          outputs["numbers"] = [7] * (3 if os.path.exists(ended) else 30_000)
+          open(ended, "w").close()
+          return 0
+"#;
+
+#[test]
+fn the_results_of_a_run_that_is_resumed_after_its_end_are_those_of_its_new_end() {
+    let site = Site::new(ENDS_TWICE);
+    let run = site.start("r1", &json!({}))["id"].as_str().unwrap().to_owned();
+    let results = || site.door().ask("GET", &format!("/api/v1/runs/{run}/results"), None);
+    let is_over = |now: &RunNow| matches!(now.run.phase, RunPhase::Finished { .. });
+    site.until(&run, is_over);
+    assert_eq!(results().unwrap()["outputs"]["numbers"].as_array().unwrap().len(), 30_000);
+    let body = json!({ "id": "u1", "policy": "restart", "from": 2 });
+    said(site.door(), "POST", &format!("/api/v1/runs/{run}/resume"), Some(&body));
+    site.until(&run, |now| now.run.phase == RunPhase::Live);
+    assert!(results().is_err());
+    assert_eq!(command(site.door(), &run, "go", &json!({ "type": "resume" })), "200 applied");
+    site.until(&run, is_over);
+    assert_eq!(results().unwrap()["outputs"], json!({ "numbers": [7, 7, 7] }));
+}
+
 #[test]
 fn what_dies_with_its_server_is_resumed_by_the_next_one() {
     let mut site = Site::new(WAITS);

@@ -1,14 +1,18 @@
 //! Bounds the values in the last event of a run. Knows JSON values, not their meaning.
 
-use rafcon_protocol::Event;
+use rafcon_protocol::{Event, LogLevel};
 use rafcon_storage::journal::folder::EndValues;
 use rafcon_storage::journal::{JournalError, folder::END_VALUES_FILE};
 use serde_json::{Map, Value, json};
 use std::io;
 use std::path::Path;
 
-/// Up to this many bytes of JSON the values are whole.
+/// Up to this many bytes of JSON, the outputs are whole; so are the global variables, and the scoped variables.
 const WHOLE_MAX: usize = 64 << 10;
+/// Bytes of the views of as many values, at most. Afterwards only the size of each is shown.
+const VIEWS_MAX: usize = 256 << 10;
+/// Counted for each value beside its text.
+const VALUE_BYTES: usize = 24;
 /// Values in one view, at most.
 const ITEMS_MAX: usize = 256;
 /// Maximum depth of a view.
@@ -20,25 +24,44 @@ const SHOWN_MAX: usize = 200;
 /// Named values in the event, at most.
 const NAMES_MAX: usize = 256;
 
-/// The last event with bounded values. If they are long, the folder of the run gets all of them. The message reports a failure.
-pub(super) fn bounded(event: Event, folder: &Path) -> (Event, Option<String>) {
+/// Level and text of a line in the log of the run.
+type Note = (LogLevel, String);
+
+/// The last event with bounded values, so that a link carries it. If they are long, the folder of the run gets all of them. The notes
+/// report a failure, and values that the event does not name.
+pub(super) fn bounded(event: Event, folder: &Path) -> (Event, Vec<Note>) {
     let Event::Finished { outcome, outputs, globals, scoped_variables, states_run } = event else {
-        return (event, None);
+        return (event, Vec::new());
     };
     let values = EndValues { outputs, globals, scoped_variables };
-    let (views, message) = if is_short(&values) {
-        (values, None)
+    let is_whole = [&values.outputs, &values.globals, &values.scoped_variables].map(is_short);
+    let (views, notes) = if is_whole == [true; 3] {
+        (values, Vec::new())
     } else {
         let written = values.write(folder).err();
+        let failed = written.map(|error| (LogLevel::Error, message(&error)));
+        let notes = failed.into_iter().chain(left_out(&values, is_whole)).collect();
+        let [outputs, globals, scoped_variables] = is_whole;
         let views = EndValues {
-            outputs: views(&values.outputs),
-            globals: views(&values.globals),
-            scoped_variables: views(&values.scoped_variables),
+            outputs: views(values.outputs, outputs),
+            globals: views(values.globals, globals),
+            scoped_variables: views(values.scoped_variables, scoped_variables),
         };
-        (views, written.map(|error| message(&error)))
+        (views, notes)
     };
     let EndValues { outputs, globals, scoped_variables } = views;
-    (Event::Finished { outcome, outputs, globals, scoped_variables, states_run }, message)
+    (Event::Finished { outcome, outputs, globals, scoped_variables, states_run }, notes)
+}
+
+/// Reports how many values have no name in the event.
+fn left_out(values: &EndValues, is_whole: [bool; 3]) -> Option<Note> {
+    let all = [&values.outputs, &values.globals, &values.scoped_variables];
+    let cut = all.iter().zip(is_whole).filter(|(_, is_whole)| !is_whole);
+    let left_out: usize = cut.map(|(all, _)| all.len() - named(all).count()).sum();
+    let note = format!(
+        "{left_out} values at the end are not in the last event, which names {NAMES_MAX} of each kind; {END_VALUES_FILE} has all"
+    );
+    (left_out > 0).then_some((LogLevel::Warning, note))
 }
 
 fn message(error: &JournalError) -> String {
@@ -61,30 +84,53 @@ impl io::Write for Room {
     }
 }
 
-fn is_short(values: &EndValues) -> bool {
+fn is_short(values: &Map<String, Value>) -> bool {
     serde_json::to_writer(Room(WHOLE_MAX), values).is_ok()
 }
 
-fn views(values: &Map<String, Value>) -> Map<String, Value> {
-    let view = |(name, value): (&String, &Value)| (name.clone(), View::of(value));
-    values.iter().take(NAMES_MAX).map(view).collect()
+/// The values that the event names.
+fn named(values: &Map<String, Value>) -> impl Iterator<Item = (&String, &Value)> {
+    values.iter().filter(|(name, _)| name.len() <= TEXT_MAX).take(NAMES_MAX)
+}
+
+fn views(values: Map<String, Value>, is_whole: bool) -> Map<String, Value> {
+    if is_whole {
+        return values;
+    }
+    let mut room = VIEWS_MAX;
+    let view = |(name, value): (&String, &Value)| (name.clone(), View::of(value, &mut room));
+    named(&values).map(view).collect()
 }
 
 /// A view on its way.
-struct View {
+struct View<'r> {
     /// Values that may still be shown.
     left: usize,
+    /// Bytes that this view and later ones may take.
+    room: &'r mut usize,
 }
 
-impl View {
-    fn of(value: &Value) -> Value {
-        Self { left: ITEMS_MAX }.at(value, 0)
+impl<'r> View<'r> {
+    fn of(value: &Value, room: &'r mut usize) -> Value {
+        Self { left: ITEMS_MAX, room }.at(value, 0)
+    }
+
+    /// Takes the room for a value with these bytes of text; false if there is too little, and then for all that follow.
+    fn takes(&mut self, text: usize) -> bool {
+        let left = self.room.checked_sub(text + VALUE_BYTES);
+        *self.room = left.unwrap_or_default();
+        left.is_some()
+    }
+
+    fn is_spent(&self) -> bool {
+        self.left == 0 || *self.room == 0
     }
 
     fn at(&mut self, value: &Value, depth: usize) -> Value {
         self.left = self.left.saturating_sub(1);
+        let has_room = self.takes(value.as_str().map_or(0, str::len));
         match value {
-            Value::String(text) if text.len() > TEXT_MAX => {
+            Value::String(text) if text.len() > TEXT_MAX || !has_room => {
                 let shown: String = text.chars().take(SHOWN_MAX).collect();
                 json!({ "__repr__": shown, "__class__": "str", "__len__": text.chars().count() })
             }
@@ -112,7 +158,7 @@ impl View {
         let count = if depth < DEPTH_MAX { items.len().min(self.left) } else { 0 };
         let mut first = Vec::new();
         for item in &items[..count] {
-            if self.left == 0 {
+            if self.is_spent() {
                 break;
             }
             first.push(self.at(item, depth + 1));
@@ -128,7 +174,7 @@ impl View {
         let count = if depth < DEPTH_MAX { members.len().min(self.left) } else { 0 };
         let mut some = Map::new();
         for (name, member) in members.iter().take(count) {
-            if self.left == 0 || name.len() > TEXT_MAX {
+            if self.is_spent() || name.len() > TEXT_MAX || !self.takes(name.len()) {
                 break;
             }
             some.insert(name.clone(), self.at(member, depth + 1));
@@ -150,8 +196,8 @@ fn tag_of(members: &Map<String, Value>) -> Option<(&str, &Value)> {
 
 #[cfg(test)]
 mod tests {
-    use super::{View, WHOLE_MAX, bounded};
-    use rafcon_protocol::{Event, Outcome};
+    use super::{ITEMS_MAX, NAMES_MAX, TEXT_MAX, View, WHOLE_MAX, bounded};
+    use rafcon_protocol::{Event, LogLevel, Outcome};
     use rafcon_storage::journal::folder::EndValues;
     use serde_json::{Map, Value, json};
 
@@ -165,11 +211,46 @@ mod tests {
         }
     }
 
+    fn view_of(value: &Value) -> Value {
+        View::of(value, &mut usize::MAX.clone())
+    }
+
+    #[test]
+    fn the_event_is_bounded_whatever_the_values_are_and_short_outputs_stay_whole_beside_long_globals()
+     {
+        let folder = tempfile::tempdir().unwrap();
+        let text = "x".repeat(TEXT_MAX);
+        let many = |value: &Value| -> Map<String, Value> {
+            (0..NAMES_MAX)
+                .map(|nth| (format!("{nth}-{}", "n".repeat(900)), value.clone()))
+                .collect()
+        };
+        let long_name = ("n".repeat(20_000_000), Value::from(1));
+        let all = [json!(vec![text; ITEMS_MAX - 1]), json!(vec![0.123_456_789; ITEMS_MAX - 1])];
+        for value in all {
+            let globals: Map<_, _> = many(&value).into_iter().chain([long_name.clone()]).collect();
+            let outputs = json!({ "numbers": vec![7; 3_000] });
+            let mut event = finished(&outputs);
+            let Event::Finished { globals: all, scoped_variables, .. } = &mut event else {
+                panic!()
+            };
+            (*all, *scoped_variables) = (globals, many(&value));
+            let (event, notes) = bounded(event, folder.path());
+            let length = serde_json::to_vec(&event).unwrap().len();
+            assert!(length < 2 << 20, "{length} bytes");
+            let Event::Finished { outputs: shown, globals: views, .. } = &event else { panic!() };
+            assert_eq!(Value::from(shown.clone()), outputs);
+            // What has no room says how much it is.
+            assert_eq!(views.values().last().unwrap()["__len__"], ITEMS_MAX - 1);
+            assert_eq!((views.len(), notes.len()), (NAMES_MAX, 1));
+        }
+    }
+
     #[test]
     fn short_values_stay_whole() {
         let folder = tempfile::tempdir().unwrap();
         let event = finished(&json!({ "text": "x".repeat(2_000), "list": vec![0; 1_000] }));
-        assert_eq!(bounded(event.clone(), folder.path()), (event, None));
+        assert_eq!(bounded(event.clone(), folder.path()), (event, Vec::new()));
         assert_eq!(EndValues::read(folder.path()).unwrap(), None);
     }
 
@@ -199,8 +280,8 @@ mod tests {
             "names": (0..9_000).map(|it| (it.to_string(), it.into())).collect::<Map<_, _>>(),
             "count": 3,
         });
-        let (event, message) = bounded(finished(&outputs), folder.path());
-        assert_eq!(message, None);
+        let (event, notes) = bounded(finished(&outputs), folder.path());
+        assert_eq!(notes, []);
         let length = serde_json::to_vec(&event).unwrap().len();
         assert!(length < WHOLE_MAX / 2, "{length} bytes");
         let Event::Finished { outputs: views, .. } = event else { panic!("the end") };
@@ -221,18 +302,18 @@ mod tests {
         let nested = |levels: usize| (0..levels).fold(json!(7), |inner, _| json!([inner]));
         let text = |length: usize| Value::from("x".repeat(length));
         for whole in [list(255), nested(16), text(1024), json!([text(1024), 1])] {
-            assert_eq!(View::of(&whole), whole);
+            assert_eq!(view_of(&whole), whole);
         }
-        let cut = View::of(&list(256));
+        let cut = view_of(&list(256));
         assert_eq!((&cut["__len__"], &cut["__first__"]), (&json!(256), &list(255)));
-        let spent = View::of(&json!([list(253), 1, 2]));
+        let spent = view_of(&json!([list(253), 1, 2]));
         assert_eq!((&spent["__len__"], &spent["__first__"]), (&json!(3), &json!([list(253), 1])));
-        let cut = View::of(&text(1025));
+        let cut = view_of(&text(1025));
         assert_eq!(
             cut,
             json!({ "__repr__": "x".repeat(200), "__class__": "str", "__len__": 1025 })
         );
-        let mut deep = &View::of(&json!([nested(16), 1]));
+        let mut deep = &view_of(&json!([nested(16), 1]));
         while let Value::Array(items) = deep {
             deep = &items[0];
         }
@@ -246,12 +327,16 @@ mod tests {
     fn the_event_has_so_many_names_and_the_folder_all() {
         let folder = tempfile::tempdir().unwrap();
         let long = ("long".to_owned(), Value::from("x".repeat(WHOLE_MAX)));
-        for (count, left) in [(256, 256), (257, 256), (9_000, 256)] {
+        let note = |left_out: usize| {
+            let rest = "values at the end are not in the last event, which names 256 of each kind; end-values.json has all";
+            (LogLevel::Warning, format!("{left_out} {rest}"))
+        };
+        for (count, reported) in [(256, vec![]), (257, vec![note(1)]), (9_000, vec![note(8_744)])] {
             let names = (1..count).map(|it| (format!("name{it:05}"), it.into()));
             let outputs: Value = names.chain([long.clone()]).collect::<Map<_, _>>().into();
-            let (event, message) = bounded(finished(&outputs), folder.path());
+            let (event, notes) = bounded(finished(&outputs), folder.path());
             let Event::Finished { outputs: views, .. } = event else { panic!("the end") };
-            assert_eq!((views.len(), message), (left, None), "of {count}");
+            assert_eq!((views.len(), notes), (256, reported), "of {count}");
             let whole = EndValues::read(folder.path()).unwrap().unwrap();
             assert_eq!(Value::from(whole.outputs), outputs);
         }
@@ -261,7 +346,8 @@ mod tests {
     fn a_disk_that_does_not_take_the_values_is_reported() {
         let folder = tempfile::tempdir().unwrap();
         let event = finished(&json!({ "text": "x".repeat(WHOLE_MAX) }));
-        let (_, message) = bounded(event, &folder.path().join("gone"));
-        assert!(message.is_some_and(|message| message.contains("end-values.json")));
+        let (_, notes) = bounded(event, &folder.path().join("gone"));
+        let [(LogLevel::Error, note)] = notes.as_slice() else { panic!("{notes:?}") };
+        assert!(note.contains("end-values.json"));
     }
 }

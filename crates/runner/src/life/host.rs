@@ -19,7 +19,7 @@ use crate::{Clock, Host, Scripts};
 use rafcon_engine::{Finish, Input, Program, Start};
 use rafcon_model::Machine;
 use rafcon_protocol::{Event, Join, Launch, LogLevel, Outcome, ToRunner, ToViewer};
-use rafcon_storage::journal::folder::VALUES_FOLDER;
+use rafcon_storage::journal::folder::{EndValues, VALUES_FOLDER};
 use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
 use signal_hook::iterator::{Handle, Signals};
 use std::io;
@@ -134,12 +134,13 @@ fn record(
     clock: Clock,
     resumed: Option<Resumed>,
 ) -> Result<(Recorder, Option<ResumedPast>), ServeError> {
+    let failed = |error| ServeError::Load(LoadFailure::Journal(Box::new(error)));
     if let Some(resumed) = resumed {
         let (recorder, past) = resumed.recorder();
+        recorder.folder().map_or(Ok(()), EndValues::remove).map_err(failed)?;
         return Ok((recorder, Some(past)));
     }
     let recorder = journal::begin(launch, machine, clock);
-    let failed = |error| ServeError::Load(LoadFailure::Journal(Box::new(error)));
     Ok((recorder.map_err(failed)?, None))
 }
 
@@ -286,9 +287,9 @@ fn exit(status: i32) -> ! {
 /// The last event with bounded values, if the run has a folder for all of them.
 fn bounded<S: Scripts>(driver: &Driver<S>, event: Event) -> Event {
     let Some(folder) = driver.recorder().folder() else { return event };
-    let (event, message) = end_values::bounded(event, folder);
-    if let Some(message) = message {
-        driver.record().note_until_over(tell::log(String::new(), LogLevel::Error, message));
+    let (event, notes) = end_values::bounded(event, folder);
+    for (level, message) in notes {
+        driver.record().note_until_over(tell::log(String::new(), level, message));
     }
     event
 }

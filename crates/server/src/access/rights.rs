@@ -79,6 +79,7 @@ pub const ROUTES: &[Row] = &[
     (Method::GET, "/api/v1/runs/{run}/questions", Right::Observe),
     (Method::GET, "/api/v1/runs/{run}/globals", Right::Observe),
     (Method::GET, "/api/v1/runs/{run}/output", Right::Observe),
+    (Method::GET, "/api/v1/runs/{run}/results", Right::Observe),
     // Runs: what they have recorded.
     (Method::GET, "/api/v1/runs/{run}/events", Right::Observe),
     (Method::GET, "/api/v1/runs/{run}/events/{sequence}", Right::Observe),

@@ -9,9 +9,10 @@ use axum::Json;
 use axum::extract::State;
 use rafcon_protocol::api::{
     CommandAnswer, Control, ControlMove, Moment, OutputEnd, Refusal, ResumeRun, RunNow, RunOutput,
-    RunSummary, StartAgain, StartRun, StartedRun, StateAt,
+    RunResults, RunSummary, StartAgain, StartRun, StartedRun, StateAt,
 };
 use rafcon_protocol::{Breakpoint, Envelope, Question, StateData, Values};
+use rafcon_storage::journal::folder::EndValues;
 use rafcon_supervisor::clock;
 use std::sync::Arc;
 use utoipa_axum::router::OpenApiRouter;
@@ -31,6 +32,7 @@ pub(crate) fn routes() -> OpenApiRouter<Arc<ServerState>> {
         .routes(routes!(breakpoints))
         .routes(routes!(questions))
         .routes(routes!(globals))
+        .routes(routes!(results))
         .routes(routes!(written))
 }
 
@@ -296,6 +298,28 @@ async fn globals(
 ) -> Result<Json<Values>, Failure> {
     let run = server.runs.get(&run).await?;
     Ok(Json(picture(&server, &run).await?.globals))
+}
+
+/// All values at the end of a run. Long ones of a robot's run are shortened and marked at its station.
+#[utoipa::path(get, path = "/api/v1/runs/{run}/results", tag = "runs",
+    params(("run" = String, Path, description = "The run's id")),
+    responses(
+        (status = 200, description = "The values by name", body = RunResults),
+        (status = 404, description = "There is no such run, or it has not ended", body = Refusal),
+        (status = 422, description = "Its journal is damaged, or too new", body = Refusal),
+        (status = 503, description = "Its journal cannot be read", body = Refusal),
+    )
+)]
+async fn results(
+    State(server): State<Arc<ServerState>>,
+    Path(run): Path<String>,
+) -> Result<Json<RunResults>, Failure> {
+    let run = server.runs.get(&run).await?;
+    let values = blocking(move || Ok(EndValues::of_run(run.folder())?)).await?;
+    let EndValues { outputs, globals, scoped_variables } = values.ok_or_else(|| {
+        Failure::not_found("not_ended", "the run has not ended: its results come with its end")
+    })?;
+    Ok(Json(RunResults { outputs, globals, scoped_variables }))
 }
 
 /// What the runner and its scripts wrote past the capture of script output: the end of it.

@@ -1871,6 +1871,15 @@ export type RunPhase = { "phase": "starting" } | { "phase": "live" } | { "phase"
   /** Why. */
   reason: string, };
 
+/** The values at the end of a run, by name. */
+export type RunResults = {
+  /** The outputs of the root. */
+  outputs: Record<string, unknown>,
+  /** Global variables. */
+  globals: Record<string, unknown>,
+  /** The scoped variables of the root. */
+  scoped_variables: Record<string, unknown>, };
+
 /** What a run is doing as a whole. */
 export type RunStatus = "running" | "paused" | "stepping" | "stopping" | "finished";
 

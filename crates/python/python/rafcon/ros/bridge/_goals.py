@@ -169,10 +169,7 @@ class Goals:
         return result
 
     def _outputs(self, now):
-        page = self._client.get("runs", now.id, "events", kinds="finished", values="true", **{"from": 1, "count": 10})
-        while not page["events"] and page["next"] <= page["last"]:
-            page = self._client.get("runs", now.id, "events", kinds="finished", values="true", **{"from": page["next"], "count": 10})
-        return page["events"][-1]["event"].get("outputs") or {} if page["events"] else {}
+        return self._client.get("runs", now.id, "results")["outputs"]
 
     @staticmethod
     def _aborted(asked, run, outcome, outputs, words):
