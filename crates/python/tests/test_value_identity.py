@@ -80,6 +80,17 @@ class Identity(unittest.TestCase):
     def test_results_read_back_as_the_same_values(self):
         self.check(1)
 
+    def test_texts_up_to_the_bound_of_an_event_and_beyond_stay_the_same(self):
+        texts = ["x" * length for length in range(60, 70)] + ["x" * length + "é" for length in range(60, 66)]
+        make = "def execute(self, inputs, outputs, gvm):\n    for number, text in enumerate(%r):\n        outputs[str(number)] = text\n    return 0\n"
+        with tempfile.TemporaryDirectory() as folder:
+            file = pathlib.Path(folder, "views")
+            ports = [(str(number), "str", None) for number in range(len(texts))]
+            root = sequence(script(make % texts, outputs=ports), script(LOOK % str(file), id="B"))
+            run(save(pathlib.Path(folder, "machine"), root))
+            views = json.loads(file.read_text())
+        self.assertEqual([views[str(number)] for number in range(len(texts))], texts)
+
     def test_a_value_that_is_shown_as_another_is_noticed(self):
         self.assertTrue(value_source.fails({"1": "right"}, {1: "left", "1": "right"}))
         self.assertTrue(value_source.fails(0.0, -0.0))

@@ -20,6 +20,8 @@ mod request_words;
 mod requests;
 mod rights;
 mod robot;
+#[cfg(test)]
+mod short_journal;
 mod snapshot_words;
 mod start;
 mod station;

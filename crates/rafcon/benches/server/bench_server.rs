@@ -143,8 +143,13 @@ pub(crate) enum Heard<'f> {
 pub(crate) fn noted(event: &Event, variable: &str) -> Result<Option<Vec<f64>>> {
     let Event::Finished { globals, .. } = event else { return Ok(None) };
     let times = globals.get(variable).and_then(Value::as_array).context("nothing was noted")?;
-    let times = times.iter().map(|ns| Some(crate::clock::noted_ms(ns.as_i64()?)));
+    let times = times.iter().map(|ns| Some(crate::clock::noted_ms(integer(ns)?)));
     Ok(Some(times.collect::<Option<_>>().context("a time that is none")?))
+}
+
+/// An integer of any size up to 64 bits, as `docs/protocol.md` encodes it.
+fn integer(value: &Value) -> Option<i64> {
+    value.as_i64().or_else(|| value.get("__int__")?.as_str()?.parse().ok())
 }
 
 /// Whether the run has come to its end.

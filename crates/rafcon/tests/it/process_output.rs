@@ -1,6 +1,6 @@
 //! Output of child processes and native code: in the log, with the state if only one script runs.
 
-use crate::harness::Place;
+use crate::harness::{Place, one_script};
 use crate::server_runs::Site;
 use rafcon_protocol::api::RunPhase;
 use rustix::fs::{CWD, Mode, OFlags, mkfifoat};
@@ -145,4 +145,18 @@ fn under_a_server_it_is_logged_and_in_the_file() {
     );
     let output = get("output").unwrap();
     assert_eq!(output["text"], "of a child\nnative\nunfinishedof a shell\n");
+}
+
+#[test]
+fn of_a_file_that_is_far_ahead_the_end_is_logged_with_the_number_of_bytes_before() {
+    let site = Site::new(&one_script(
+        "import os\ndef execute(self, inputs, outputs, gvm):\n    os.ftruncate(1, os.fstat(1).st_size + (8 << 20))\n    os.lseek(1, 0, os.SEEK_END)\n    os.write(1, b'\\nthe end\\n')\n    return 0",
+    ));
+    let run = site.start("r1", &json!({}))["id"].as_str().unwrap().to_owned();
+    site.until(&run, |now| matches!(now.run.phase, RunPhase::Finished { .. }));
+    let page = site.door().ask("GET", &format!("/api/v1/runs/{run}/log"), None).unwrap();
+    let lines = page["lines"].as_array().unwrap().iter();
+    let texts: Vec<_> = lines.map(|line| line["message"].as_str().unwrap()).collect();
+    assert!(texts.iter().any(|text| text.contains("native code wrote are left out")), "{texts:?}");
+    assert_eq!(texts.last(), Some(&"the end"));
 }

@@ -3,9 +3,13 @@
 use crate::harness::{Place, Run};
 use crate::torture::number;
 use expect_test::{Expect, expect};
+use rafcon_storage::journal::folder::SOCKET_FILE;
 use rustix::process::Signal;
 use serde_json::Value;
 use std::fmt::Write as _;
+use std::fs;
+use std::io::Read as _;
+use std::os::unix::net::UnixStream;
 
 /// How many runs with 64 branches there are, where one with fewer is not enough.
 const WIDE: &str = "RAFCON_TEST_WIDE";
@@ -68,6 +72,29 @@ fn check(viewers: usize, commands: &[(&str, &str)], expect: &Expect) {
 /// To its last state, with a pause on the way.
 const WHOLE: [(&str, &str); 4] =
     [("", "resume"), ("", "pause"), ("", "resume"), ("ROOT/unique_decider_state_id", "stop")];
+
+#[test]
+fn a_large_machine_is_kept_beside_its_first_states() {
+    let place = Place::with(&machine(2, 255, "pass"));
+    let answer = place.run("--runs runs");
+    let events = answer.events();
+    let mut kept = events.iter().filter(|event| event["type"] == "root");
+    assert_eq!(kept.next().unwrap()["hash"].as_str().unwrap().len(), 64, "{}", answer.stderr);
+    assert_eq!(answer.code, Some(0));
+}
+
+#[test]
+fn who_connects_to_a_run_and_says_nothing_is_disconnected() {
+    let place = Place::with_script("def execute(self, inputs, outputs, gvm):\n    return 0");
+    let mut run = Run::start(&place, "--hold --runs runs");
+    run.wait_for("\"held\"");
+    let folder = fs::read_dir(place.path("runs")).unwrap().next().unwrap().unwrap().path();
+    let mut silent = UnixStream::connect(folder.join(SOCKET_FILE)).unwrap();
+    // The end of what the runner says.
+    silent.read_to_end(&mut Vec::new()).unwrap();
+    assert_eq!(place.call("tell last stop --runs runs").code, Some(0));
+    run.end();
+}
 
 #[test]
 fn a_wide_run_goes_on_without_viewers() {

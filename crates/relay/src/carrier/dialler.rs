@@ -91,9 +91,8 @@ impl Dialler {
         while !self.stopper.is_stopped() {
             let now = self.clock.now();
             let is_silent = self.choose(now);
-            if is_silent && now >= dial_at && self.dials.load(Ordering::Acquire) < DIALS_MAX {
+            if is_silent && now >= dial_at && self.may_dial() {
                 dial_at = now + *self.dial_every.lock();
-                self.dials.fetch_add(1, Ordering::AcqRel);
                 let dialler = Arc::clone(&self);
                 let dialled = thread::Builder::new().name("websocket".to_owned());
                 if let Err(error) = dialled.spawn(move || dialler.carry_one()) {
@@ -105,6 +104,12 @@ impl Dialler {
             changes.recv_timeout(LOOK).unwrap_or_default();
         }
         self.connections.lock().iter().for_each(|connection| connection.close());
+    }
+
+    /// Counts a dial, unless too many are on their way.
+    fn may_dial(&self) -> bool {
+        let more = |dials| (dials < DIALS_MAX).then_some(dials + 1);
+        self.dials.fetch_update(Ordering::AcqRel, Ordering::Acquire, more).is_ok()
     }
 
     /// Keeps the newest connection over which the station is heard, or those that may live again; answers whether none is heard.
@@ -197,10 +202,9 @@ mod tests {
         }
     }
 
-    #[test]
-    fn of_the_connections_that_nobody_is_heard_over_the_newest_are_kept() {
+    fn dialler() -> Dialler {
         let (changed, _changes) = mpsc::sync_channel(1);
-        let dialler = Dialler {
+        Dialler {
             dial: Arc::new(Nowhere),
             clock: SessionClock::begin(),
             silence: Duration::from_secs(1),
@@ -212,7 +216,22 @@ mod tests {
             tell: |_| {},
             told: Mutex::default(),
             changed,
-        };
+        }
+    }
+
+    #[test]
+    fn no_more_dials_are_on_their_way_than_the_bound_and_each_that_ends_makes_room() {
+        let dialler = dialler();
+        assert!((0..DIALS_MAX).all(|_| dialler.may_dial()));
+        assert!(!dialler.may_dial());
+        // Nobody answers there.
+        dialler.carry_one();
+        assert!(dialler.may_dial() && !dialler.may_dial());
+    }
+
+    #[test]
+    fn of_the_connections_that_nobody_is_heard_over_the_newest_are_kept() {
+        let dialler = dialler();
         let listener = TcpListener::bind(("127.0.0.1", 0)).unwrap();
         let address = listener.local_addr().unwrap();
         let connect = || {

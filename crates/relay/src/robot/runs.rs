@@ -218,8 +218,7 @@ impl RobotRuns {
             }
             streams.push(run.events);
             if run.fate == RunFate::Finished {
-                self.whole.push_back(LinkRun { id: id.clone(), head: run.head, missing: 0 });
-                self.whole.drain(..self.whole.len().saturating_sub(WHOLE_MAX));
+                self.remember_whole(LinkRun { id: id.clone(), head: run.head, missing: 0 });
                 self.seen.insert(id);
             }
         }
@@ -227,6 +226,12 @@ impl RobotRuns {
             self.keep_list();
         }
         streams
+    }
+
+    /// Lists a whole run in reports, in the place of the oldest if there are many.
+    fn remember_whole(&mut self, run: LinkRun) {
+        self.whole.push_back(run);
+        self.whole.drain(..self.whole.len().saturating_sub(WHOLE_MAX));
     }
 
     /// Looks for runs that continue and are not followed, and for machines that runs have kept since.
@@ -679,3 +684,6 @@ impl RunSource for RobotRuns {
         self.values.bytes(&folder, value, (offset, bytes_max))
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -1,27 +1,52 @@
-//! The list of refused runs of a station's disk is bounded.
+//! The bounds of what a station remembers of the replicas on its disk.
 
 use super::*;
 use crate::pairing::Pairing;
+use crate::short_journal::ended;
 use crate::start::Start;
 use std::sync::mpsc;
 
-#[test]
-fn of_many_refused_runs_the_late_work_of_the_newest_is_dropped() {
-    let folder = tempfile::tempdir().unwrap();
+/// The replicas of a robot in this folder, as a start of the station finds them.
+fn kept_runs(folder: &Path) -> KeptRuns {
     let (inbox, _said) = mpsc::sync_channel(8);
     let pairing = Pairing::generate("scout", None).unwrap();
-    let (file, next) = (folder.path().join("pairing"), folder.path().join("next"));
+    let (file, next) = (folder.join("pairing"), folder.join("next"));
     let place = Place {
         number: 0,
         robot: "scout".to_owned(),
-        runs: folder.path().join("runs"),
+        runs: folder.join("runs"),
         clock: SessionClock::begin(),
         inbox,
         paired: Paired { pairing, file, next },
     };
-    let start = Start::begin(&folder.path().join("ground")).unwrap();
-    let parcels = StationParcels::open(&folder.path().join("machines")).unwrap();
-    let mut kept = KeptRuns::new(place, start, parcels);
+    let start = Start::begin(&folder.join("ground")).unwrap();
+    let parcels = StationParcels::open(&folder.join("machines")).unwrap();
+    KeptRuns::new(place, start, parcels)
+}
+
+/// A replica that is whole.
+fn replica(folder: &Path, id: &str) {
+    let robot = Some("scout".to_owned());
+    let about = About { id: id.to_owned(), robot, ..About::default() };
+    ended(&folder.join("runs").join(id), &about, 1);
+}
+
+#[test]
+fn of_many_whole_replicas_a_start_reads_the_newest_and_those_that_the_list_lacks() {
+    let folder = tempfile::tempdir().unwrap();
+    let ids: Vec<_> = (0..CHECKED_MAX + 3).map(|nth| format!("run-{nth:04}")).collect();
+    ids.iter().for_each(|id| replica(folder.path(), id));
+    let mut kept = kept_runs(folder.path());
+    assert_eq!(kept.restore().len(), CHECKED_MAX + 3);
+    // One came that the list does not have.
+    replica(folder.path(), "run-0001b");
+    assert_eq!(kept.restore().len(), CHECKED_MAX + 1);
+}
+
+#[test]
+fn of_many_refused_runs_the_late_work_of_the_newest_is_dropped() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut kept = kept_runs(folder.path());
     let stream = |number: usize| ids::events_of(&format!("run-{number}"));
     for number in 0..=REFUSED_MAX {
         kept.all.insert(stream(number), KeptRun { is_refused: true, ..KeptRun::default() });

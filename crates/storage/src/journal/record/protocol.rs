@@ -179,3 +179,17 @@ pub(in crate::journal) fn name_of(ports: Option<&[(u64, SmolStr)]>, port: u64) -
     let named = ports.unwrap_or_default().iter().find(|(known, _)| *known == port);
     named.map_or_else(|| port.to_string(), |(_, name)| name.to_string())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{EXACT_MAX, int};
+    use serde_json::json;
+
+    #[test]
+    fn an_integer_that_json_readers_would_round_is_written_with_its_digits() {
+        let most = i64::try_from(EXACT_MAX).unwrap();
+        assert_eq!((int(most), int(-most)), (json!(most), json!(-most)));
+        assert_eq!(int(most + 1), json!({ "__int__": "9007199254740992" }));
+        assert_eq!(int(i64::MIN), json!({ "__int__": "-9223372036854775808" }));
+    }
+}

@@ -1,0 +1,84 @@
+//! The bounds of what a robot remembers and sends of its runs.
+
+use super::*;
+use crate::short_journal::{append, begun, ended};
+use rafcon_link::{Identity, KeyId, PairingKey, Profile, SenderStart};
+use std::sync::mpsc;
+
+/// Runs of a robot on disk, and the session that sends them.
+struct Robot {
+    folder: tempfile::TempDir,
+    session: RobotSession,
+}
+
+impl Robot {
+    fn new() -> Self {
+        let identity = Identity {
+            key_id: KeyId(1),
+            key: &PairingKey::from_bytes([7; 32]),
+            robot: "scout",
+            start: SenderStart::new(1, 1),
+            heard: None,
+        };
+        let folder = tempfile::tempdir().unwrap();
+        Self { folder, session: RobotSession::new(&identity, Profile::LAN) }
+    }
+
+    /// What a start of the robot makes of the runs on its disk.
+    fn runs(&self) -> RobotRuns {
+        let (inbox, _told) = mpsc::sync_channel(8);
+        let (maker, _works) = mpsc::sync_channel(8);
+        let tell: fn(&str) = |problem| panic!("{problem}");
+        let (list, parcels) = (self.folder.path().join("list"), SentParcels::new(maker));
+        let runs = self.folder.path().join("runs");
+        RobotRuns::new(&runs, list, inbox, (tell, SessionClock::begin()), parcels)
+    }
+
+    fn folder_of(&self, id: &str) -> PathBuf {
+        self.folder.path().join("runs").join(id)
+    }
+}
+
+fn about(id: &str) -> About {
+    About { id: id.to_owned(), ..About::default() }
+}
+
+#[test]
+fn of_a_long_list_of_sent_runs_the_newest_go_on_and_the_others_come_as_older_ones() {
+    let mut robot = Robot::new();
+    let ids: Vec<_> = (0..LISTED_MAX + 2).map(|nth| format!("run-{nth:04}")).collect();
+    ids.iter().for_each(|id| ended(&robot.folder_of(id), &about(id), 1));
+    let mut runs = robot.runs();
+    fs::write(&runs.list, ids.join("\n")).unwrap();
+    runs.restore(&mut robot.session);
+    assert_eq!(runs.all.keys().collect::<Vec<_>>(), ids[2..].iter().collect::<Vec<_>>());
+    assert_eq!(runs.older, ids[..2]);
+}
+
+#[test]
+fn the_newest_whole_runs_are_listed_up_to_the_bound() {
+    let mut runs = Robot::new().runs();
+    for nth in 0..WHOLE_MAX + 3 {
+        runs.remember_whole(LinkRun { id: format!("run-{nth}"), head: 4, missing: 0 });
+    }
+    let listed: Vec<_> = runs.whole.iter().map(|run| run.id.as_str()).collect();
+    assert_eq!(listed.len(), WHOLE_MAX);
+    assert_eq!((listed[0], listed[WHOLE_MAX - 1]), ("run-3", "run-10"));
+}
+
+#[test]
+fn new_events_are_sent_whether_they_go_ahead_or_are_too_many_for_that() {
+    let mut robot = Robot::new();
+    let journal = begun(&robot.folder_of("run"), &about("run"), 1);
+    let mut runs = robot.runs();
+    runs.begin("run", &robot.folder_of("run"), &mut robot.session).unwrap();
+    let mut last = 1;
+    for more in [1, AHEAD_MAX, AHEAD_MAX + 1, 3 * AHEAD_MAX, 1] {
+        append(&journal, more);
+        runs.all.get_mut("run").unwrap().source = None;
+        runs.happened("run", &mut robot.session);
+        last += more;
+        let events = runs.all["run"].events;
+        assert_eq!(robot.session.progress(events), Some((last, last)));
+    }
+}
