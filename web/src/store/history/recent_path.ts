@@ -8,7 +8,8 @@ import { ENTERED, type Journal, LEFT } from "./journal.ts";
 export const STEPS = 12;
 /** So many events before the one that it begins at are looked at. */
 const LOOK_BACK = 4_000;
-/** So many ends of one container's children are known, to step back over. */
+/** Ends of one container's children that are kept, to step back over. After more steps back it is unknown where the container
+ * continues from, until another child ends. */
 const ENDS_MAX = 64;
 /** So many steps of each branch are kept when its concurrency state ends. */
 const LEFT_OVER = 3;
@@ -57,10 +58,21 @@ interface StateEnd {
   readonly outcome: number;
 }
 
+/** Ends of a container's children since it was entered, the newest last. */
+interface ChildEnds {
+  readonly ends: readonly StateEnd[];
+  /** False if earlier ends may be missing. */
+  readonly isComplete: boolean;
+}
+
+const ENTERED_ENDS: ChildEnds = { ends: [], isComplete: true };
+const UNKNOWN_ENDS: ChildEnds = { ends: [], isComplete: false };
+
 export class RecentPath {
   readonly #isConcurrent: (path: string) => boolean;
   readonly #paths = new Map<string, BranchPath>();
-  readonly #ends = new Map<string, StateEnd[]>();
+  /** By container. Without an entry the ends are unknown. */
+  readonly #ends = new Map<string, ChildEnds>();
   readonly #branches = new Map<string, string>();
   #at = 0;
 
@@ -85,10 +97,16 @@ export class RecentPath {
     );
   }
 
-  /** Where the container goes on from: its child that ended last, or its start. */
-  from(container: string): TakenTransition {
-    const end = this.#ends.get(container)?.at(-1);
-    return { container, from: end?.path ?? null, outcome: end?.outcome ?? 0 };
+  /** Where the container continues from: its child that ended last, or its start; null if that is unknown. */
+  from(container: string): TakenTransition | null {
+    const { ends, isComplete } = this.#endsIn(container);
+    const end = ends.at(-1);
+    if (!end) return isComplete ? { container, from: null, outcome: 0 } : null;
+    return { container, from: end.path, outcome: end.outcome };
+  }
+
+  #endsIn(container: string): ChildEnds {
+    return this.#ends.get(container) ?? UNKNOWN_ENDS;
   }
 
   /** The branch that a state belongs to: a child of a concurrency state; empty on the root's. */
@@ -108,7 +126,7 @@ export class RecentPath {
       this.#undo(path, parent);
       return;
     }
-    this.#ends.delete(path);
+    this.#ends.set(path, ENTERED_ENDS);
     if (parent === null || this.#isConcurrent(parent)) return;
     const branchPath = this.#pathOf(this.branch(path));
     const taken = this.from(parent);
@@ -120,7 +138,9 @@ export class RecentPath {
     const path = journal.pathOf(journal.pathNumber(index));
     const parent = parentOf(path);
     if (journal.isBack(index)) {
-      if (parent !== null) this.#untake(path, parent);
+      // What an earlier visit of the state did is not kept.
+      this.#ends.delete(path);
+      if (parent !== null) this.#untake(path);
       return;
     }
     const sequence = journal.sequence(index);
@@ -128,17 +148,17 @@ export class RecentPath {
     const isConcurrent = this.#isConcurrent(path);
     if (isConcurrent) this.#join(path, branchPath);
     branchPath.ends += 1;
-    const taken = isConcurrent || !this.#ends.has(path) ? null : this.from(path);
+    const taken = isConcurrent || this.#endsIn(path).ends.length === 0 ? null : this.from(path);
     const outcome = journal.outcome(index)?.id ?? 0;
     put(branchPath, { path, taken, goal: outcome, outcome, sequence, at: branchPath.ends });
     if (parent !== null) this.#ended(parent, path, outcome);
   }
 
   #ended(parent: string, path: string, outcome: number): void {
-    const ends = this.#ends.get(parent) ?? [];
-    ends.push({ path, outcome });
-    if (ends.length > ENDS_MAX) ends.shift();
-    this.#ends.set(parent, ends);
+    const before = this.#endsIn(parent);
+    const ends = [...before.ends, { path, outcome }];
+    const isComplete = before.isComplete && ends.length <= ENDS_MAX;
+    this.#ends.set(parent, { ends: ends.slice(-ENDS_MAX), isComplete });
   }
 
   /** The branches of a concurrency state end in the one around it. */
@@ -159,16 +179,22 @@ export class RecentPath {
       branchPath.ends = (branchPath.items[at]?.at ?? 1) - 1;
       branchPath.items.length = at;
     }
-    const ends = parent === null ? undefined : this.#ends.get(parent);
-    if (ends?.at(-1)?.path === path) ends.pop();
+    if (parent !== null) this.#unend(parent, path);
+  }
+
+  #unend(parent: string, path: string): void {
+    const { ends, isComplete } = this.#endsIn(parent);
+    const at = ends.findLastIndex((end) => end.path === path);
+    // Only children of a concurrency state end in another order than they are undone.
+    const isLast = at === ends.length - 1 || this.#isConcurrent(parent);
+    if (at < 0 || !isLast) this.#ends.delete(parent);
+    else this.#ends.set(parent, { ends: ends.toSpliced(at, 1), isComplete });
   }
 
   /** The state is left backwards: the transition that led to it has not been taken. */
-  #untake(path: string, parent: string): void {
+  #untake(path: string): void {
     const { items } = this.#pathOf(this.branch(path));
-    const at = items.findLastIndex(
-      (item) => item.path === null && item.taken?.container === parent,
-    );
+    const at = items.findLastIndex((item) => item.path === null && item.goal === path);
     if (at >= 0) items.splice(at, 1);
   }
 

@@ -49,6 +49,43 @@ test("the traceback of a state is that of the script inside it", () => {
   expect(failureAt(journal, "R/B", 4, 5)).toBeNull();
 });
 
+/** A state `A`, and a value of it that goes through so many states in each other. */
+function nested(count: number): string {
+  const level = (depth: number): readonly string[] => {
+    if (depth > count) return [];
+    const around = depth === 1 ? "A" : `S${depth - 1}`;
+    const lines = [
+      `S${depth} hierarchy input v:int`,
+      ...level(depth + 1).map((line) => `  ${line}`),
+    ];
+    return [...lines, `${around}.v >> S${depth}.v`];
+  };
+  return [
+    "R hierarchy",
+    ...["A execution output v:int", ...level(1)].map((line) => `  ${line}`),
+  ].join("\n");
+}
+
+test("of a value that came through more than 64 states the 64th around is named", () => {
+  const giver = (count: number): string | undefined => {
+    const machine = machineOf(sketch(nested(count)));
+    const paths = Array.from(
+      { length: count },
+      (_, last) => `R/${Array.from({ length: last + 1 }, (__, at) => `S${at + 1}`).join("/")}`,
+    );
+    const words = ["R+", "R/A+", "R/A-", ...paths.map((path) => `${path}+`)];
+    const visits = visitsOf({ window: journalOf(words.join(" ")) });
+    const path = paths.at(-1) ?? "";
+    const state = machine.state(path);
+    const id = state && portsOf(state, "input")[0]?.id;
+    if (id === undefined) throw new Error(`${path} has no input`);
+    return originOf(machine, visits, { kind: "input", path, id }, null)?.path;
+  };
+  expect(giver(64)).toBe("R/A");
+  expect(giver(65)).toBe("R/S1");
+  expect(giver(66)).toBe("R/S1/S2");
+});
+
 const MACHINE = machineOf(
   sketch(`
     R hierarchy input speed:int=3 scoped found:list

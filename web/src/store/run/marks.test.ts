@@ -1,4 +1,4 @@
-import { expect, test } from "vitest";
+import { describe, expect, test } from "vitest";
 import type { Event, HistoryEntry, Phase } from "../../model/generated/protocol.ts";
 import { isConcurrent } from "../../model/machine.ts";
 import { machineOf } from "../../model/plain.ts";
@@ -115,13 +115,55 @@ test("no more than a dozen steps stay", () => {
 test("a step back takes the last step away", () => {
   const recentPath = recentPathOf(">R >R/A <R/A >R/B <R/B >R/B! <R/B!");
   expect(told(recentPath)).toBe(`1 ${START.replace("transition:", "")}\n0 R/A`);
-  expect(transitionOf(MACHINE, recentPath.from("R"), "R/B")).toBe(AB);
+  expect(nextLine(recentPath, "R", "R/B")).toBe(AB);
 });
 
 test("where a held branch goes next is its transition, if that leads there", () => {
   const recentPath = recentPathOf(">R >R/A <R/A");
-  expect(transitionOf(MACHINE, recentPath.from("R"), "R/B")).toBe(AB);
-  expect(transitionOf(MACHINE, recentPath.from("R"), "R/C")).toBe(null);
+  expect(nextLine(recentPath, "R", "R/B")).toBe(AB);
+  expect(nextLine(recentPath, "R", "R/C")).toBe(null);
+});
+
+/** The transition that leads from where the container continues to a child. */
+function nextLine(recentPath: RecentPath, container: string, next: string): string | null {
+  const from = recentPath.from(container);
+  return from && transitionOf(MACHINE, from, next);
+}
+
+describe("where a container continues from", () => {
+  const times = (count: number, words: string) => Array(count).fill(words).join(" ");
+  const from = (text: string) => {
+    const found = recentPathOf(text).from("R");
+    return found && (found.from ?? "start");
+  };
+
+  test("is unknown after 64 steps back over more ends, until a child ends", () => {
+    const back = (ends: number, steps: number) =>
+      `>R ${times(ends, ">R/A <R/A")} ${times(steps, ">R/A! <R/A!")}`;
+    expect(from(back(64, 63))).toBe("R/A");
+    expect(from(back(64, 64))).toBe("start");
+    expect(from(back(65, 63))).toBe("R/A");
+    expect(from(back(65, 64))).toBe(null);
+    expect(from(`${back(65, 64)} >R/B <R/B`)).toBe("R/B");
+    expect(from(`${back(65, 64)} >R/B <R/B >R/B! <R/B!`)).toBe(null);
+  });
+
+  test("is unknown where its entry lies before what is known", () => {
+    expect(from(">R/A")).toBe(null);
+    expect(from(">R/A <R/A")).toBe("R/A");
+    expect(from(">R/A <R/A >R/A! <R/A!")).toBe(null);
+  });
+
+  test("is unknown in an earlier visit, to which the steps back lead", () => {
+    const visit = ">R >R/A <R/A >R/B <R/B <R";
+    expect(from(`${visit} >R!`)).toBe("R/B");
+    expect(from(`${visit} >R <R! >R!`)).toBe(null);
+  });
+
+  test("marks no start line in the trail where that is unknown", () => {
+    expect(told(recentPathOf(">R >R/A"))).toBe(`0 ${START.replace("transition:", "")}`);
+    expect(told(recentPathOf(">R/A"))).toBe("0 ");
+  });
 });
 
 const written = (marks: ReturnType<typeof stateMarks>) =>

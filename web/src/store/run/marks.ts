@@ -265,7 +265,8 @@ function lineMarks(
   }
   for (const { path, held } of active) {
     for (const { next } of held) {
-      const key = transitionOf(machine, recentPath.from(path), next);
+      const from = recentPath.from(path);
+      const key = from && transitionOf(machine, from, next);
       if (key) marks.set(key, { isNext: true, age: 0, sequence: 0 });
     }
   }
