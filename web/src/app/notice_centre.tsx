@@ -4,23 +4,21 @@ import { Bell, CircleAlert, Info, TriangleAlert, X } from "lucide-react";
 import { type KeyboardEvent, useEffect, useRef, useState } from "react";
 import { useHost } from "../panels/context.tsx";
 import { goTo } from "../panels/go_to.ts";
-import { noticeText, openNotices } from "../store/page/notices.ts";
+import { closeNotices, noticeText, offeredNotices, openNotices } from "../store/page/notices.ts";
 import type { Notice } from "../store/page/page.ts";
 import { timeScale, wallTime } from "../store/page/times.ts";
 import { Button, IconButton } from "../ui/button.tsx";
 import { useSignal } from "../ui/signals.ts";
 import { useSession } from "./provided.tsx";
-import { closeNotices } from "./session.ts";
 import "./notice_centre.css";
 
 /** The button in the upper edge, with how many notices nobody has seen here. */
 export function NoticeBell() {
   const session = useSession();
   const notices = useSignal(session.page.notices);
-  const closed = useSignal(session.closedNotices);
   const [isOpen, setOpen] = useState(false);
   const [seen, setSeen] = useState(() => notices.at(-1)?.id ?? 0);
-  const open = openNotices(notices, closed);
+  const open = openNotices(notices);
   const fresh = isOpen ? [] : open.filter(({ id }) => id > seen);
   const toggle = () => {
     setSeen(notices.at(-1)?.id ?? 0);
@@ -66,6 +64,13 @@ function Centre({ open, onClose }: { open: readonly Notice[]; onClose: () => voi
       if (before instanceof HTMLElement && before.isConnected) before.focus();
     };
   }, []);
+  const { page } = session;
+  const dropped = useSignal(page.droppedNotices);
+  const offered = offeredNotices(open);
+  const closeAll = () => {
+    closeNotices(page, offered);
+    page.droppedNotices.value = 0;
+  };
   const last = useRef(onClose);
   last.current = onClose;
   useEffect(() => {
@@ -91,8 +96,8 @@ function Centre({ open, onClose }: { open: readonly Notice[]; onClose: () => voi
     >
       <div className="notice-head">
         <h2 className="notice-title">Notices</h2>
-        {open.length > 0 && (
-          <Button kind="quiet" onClick={() => closeNotices(session, open)}>
+        {(open.length > 0 || dropped > 0) && (
+          <Button kind="quiet" onClick={closeAll}>
             Close all
           </Button>
         )}
@@ -101,13 +106,29 @@ function Centre({ open, onClose }: { open: readonly Notice[]; onClose: () => voi
         <p className="notice-none">No notices. The log keeps earlier ones.</p>
       ) : (
         <ul className="notice-list">
-          {open.map((notice) => (
+          {offered.map((notice) => (
             <Line key={notice.id} notice={notice} onLeave={onClose} />
           ))}
         </ul>
       )}
+      <More count={open.length - offered.length} dropped={dropped} />
     </section>
   );
+}
+
+/** What the notice centre does not list. */
+function More({ count, dropped }: { readonly count: number; readonly dropped: number }) {
+  if (count === 0 && dropped === 0) return null;
+  return (
+    <p className="notice-more">
+      {count > 0 && `Not listed: ${inWords(count)}. Close some to see them, or look into the log. `}
+      {dropped > 0 && `Dropped: ${inWords(dropped)}. Too many were open.`}
+    </p>
+  );
+}
+
+function inWords(count: number): string {
+  return `${count.toLocaleString("en")} ${count === 1 ? "notice" : "notices"}`;
 }
 
 const SIGNS = { info: Info, warning: TriangleAlert, error: CircleAlert };
@@ -118,7 +139,7 @@ function Line({ notice, onLeave }: { notice: Notice; onLeave: () => void }) {
   useSignal(timeScale);
   const { action, about, level, at_ms } = notice;
   const Sign = SIGNS[level];
-  const close = () => closeNotices(session, [notice]);
+  const close = () => closeNotices(session.page, [notice]);
   const tab =
     about &&
     session.page.tabs

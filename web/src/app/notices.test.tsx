@@ -5,7 +5,7 @@ import { afterEach, beforeEach, expect, test, vi } from "vitest";
 import { allCommands } from "../commands/all.ts";
 import { testContext } from "../commands/testing/context.ts";
 import { PanelHostProvider } from "../panels/context.tsx";
-import { type Telling, withNotice } from "../store/page/notices.ts";
+import { putNotice, type Telling } from "../store/page/notices.ts";
 import type { Notice, Page } from "../store/page/page.ts";
 import { click, mount, press, unmount } from "../ui/testing/mounted.tsx";
 import { NoticeBell } from "./notice_centre.tsx";
@@ -22,7 +22,8 @@ afterEach(() => {
 function shown() {
   const { page: plain } = testContext("R hierarchy");
   const notices = signal<readonly Notice[]>([]);
-  const page = { ...plain, notices } as unknown as Page;
+  const droppedNotices = signal(0);
+  const page = { ...plain, notices, droppedNotices } as unknown as Page;
   const session = newSession(page, allCommands());
   const run: string[] = [];
   session.commands.run = (id, _, argument) => {
@@ -42,7 +43,7 @@ function shown() {
     act(() => {
       for (const telling of tellings) {
         count += 1;
-        notices.value = withNotice(notices.value, telling, count, count);
+        putNotice(page, telling, count, count);
       }
     });
   const toasts = () => [...place.querySelectorAll(".toast-text")].map((each) => each.textContent);
@@ -109,4 +110,20 @@ test("a notice that was closed is new again when it is said again", () => {
   tell(USE);
   click(button(/^Notices/));
   expect(centre()).toEqual(["Saved as library arm/grasp. (2 times)"]);
+});
+
+test("the notice centre says how many notices it does not list, and how many were dropped", () => {
+  const { tell, button, place } = shown();
+  const errors = (from: number, count: number): readonly Telling[] =>
+    Array.from({ length: count }, (_, at) => ({ level: "error", text: `${from + at}` }));
+  const more = () => place.querySelector(".notice-more")?.textContent ?? null;
+  tell(...errors(1, 100));
+  click(button(/^Notices/));
+  expect(more()).toBeNull();
+  tell(...errors(101, 900));
+  expect(more()).toMatch(/^Not listed: 900 notices\. /);
+  tell(...errors(1_001, 1));
+  expect(more()).toMatch(/Dropped: 1 notice\. /);
+  for (let turn = 0; turn < 10; turn += 1) click(button(/^Close all$/));
+  expect(more()).toBeNull();
 });

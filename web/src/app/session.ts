@@ -24,18 +24,8 @@ export interface AppSession {
   readonly dialogs: ReadonlySignal<readonly OpenDialog[]>;
   /** What is searched in the palette; null while it is closed. */
   readonly palette: Signal<string | null>;
-  /** Notices, by id, that the user has closed or acted upon. */
-  readonly closedNotices: Signal<ReadonlySet<number>>;
   /** How panels are shown; the dock fills it in. */
   readonly dock: Signal<DockPort>;
-}
-
-/** Closes notices: they are offered no more, and stay in the log. */
-export function closeNotices(
-  { closedNotices }: AppSession,
-  notices: readonly { readonly id: number }[],
-): void {
-  closedNotices.value = new Set([...closedNotices.peek(), ...notices.map(({ id }) => id)]);
 }
 
 /** Whether mission control, which can be seen, tells of the run on this tab: then it stands nowhere else. Reads signals. */
@@ -74,7 +64,6 @@ export function newSession(page: Page, commands: Commands): AppSession {
   const canvas = signal<CanvasControl | null>(null);
   const palette = signal<string | null>(null);
   const dock = signal(NO_DOCK);
-  const closedNotices = signal<ReadonlySet<number>>(new Set());
   const dialogs = signal<readonly OpenDialog[]>([]);
   const open = dialogOpener(dialogs);
   const ask = (question: UserQuestion) => open("question", withNames(page, question));
@@ -94,7 +83,7 @@ export function newSession(page: Page, commands: Commands): AppSession {
     },
   };
   const context = () => ({ page, tab: page.active.value, canvas: canvas.value, shell });
-  return { page, commands, context, canvas, dialogs, palette, dock, closedNotices };
+  return { page, commands, context, canvas, dialogs, palette, dock };
 }
 
 /** Panels that were put elsewhere, and the canvas between them, have their sizes after so long. */

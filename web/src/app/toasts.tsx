@@ -3,12 +3,11 @@
 import { CircleAlert, Info, TriangleAlert, X } from "lucide-react";
 import { useEffect, useRef, useState } from "react";
 import { MISSION_PANEL } from "../commands/mission.ts";
-import { keyOfNotice, noticeText } from "../store/page/notices.ts";
+import { closeNotices, keyOfNotice, noticeText } from "../store/page/notices.ts";
 import type { Notice } from "../store/page/page.ts";
 import { Button, IconButton } from "../ui/button.tsx";
 import { useComputed, useSignal } from "../ui/signals.ts";
 import { useSession } from "./provided.tsx";
-import { closeNotices } from "./session.ts";
 import "./toasts.css";
 
 /** So long a notice stays, by how much it matters; the pointer holds it. News of a run goes sooner: it stands in mission control. */
@@ -19,7 +18,6 @@ const SHOWN_MAX = 4;
 export function Toasts() {
   const session = useSession();
   const { page, dock } = session;
-  const closed = useSignal(session.closedNotices);
   /** The machine whose run mission control shows: its news stands there. */
   const told = useComputed(() => {
     const machine = page.active.value?.session.id ?? null;
@@ -30,7 +28,7 @@ export function Toasts() {
   const [first, setFirst] = useState(() => page.notices.peek().at(-1)?.id ?? 0);
   const [gone, setGone] = useState<ReadonlySet<number>>(new Set());
   const fresh = notices
-    .filter(({ id, isQuiet }) => id > first && !isQuiet && !gone.has(id) && !closed.has(id))
+    .filter(({ id, isQuiet, isClosed }) => id > first && !isQuiet && !isClosed && !gone.has(id))
     .filter(({ passing }) => !passing || passing.machine !== told);
   const shown = fresh.slice(-SHOWN_MAX);
   const drop = (id: number) => setGone((before) => new Set(before).add(id));
@@ -52,7 +50,7 @@ export function Toasts() {
           key={keyOfNotice(notice)}
           notice={notice}
           onTimeout={() => drop(notice.id)}
-          onClose={() => closeNotices(session, [notice])}
+          onClose={() => closeNotices(page, [notice])}
         />
       ))}
     </section>

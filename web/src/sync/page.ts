@@ -18,7 +18,7 @@ import type { Runs } from "../store/history/run.ts";
 import { type LocalStore, localStoreOf, memoryStore, storageFault } from "../store/local_store.ts";
 import { pageBase } from "../store/page/base.ts";
 import { withStateNames } from "../store/page/names.ts";
-import { withNotice } from "../store/page/notices.ts";
+import { putNotice } from "../store/page/notices.ts";
 import type { Notice, OpenTab, Page, Settings } from "../store/page/page.ts";
 import { RefusalError, type Server } from "../store/page/server.ts";
 import { followSettings, withRecent } from "../store/page/settings.ts";
@@ -51,11 +51,12 @@ export function startPage(options: PageOptions = {}): Page {
   const server = options.server ?? connect(options.address ?? { url: pageBase() });
   const stores = options.stores ?? browserStores();
   const notices = signal<readonly Notice[]>([]);
+  const droppedNotices = signal(0);
   let told = 0;
   const tell: Page["tell"] = (notice) => {
     told += 1;
     const text = withStateNames(machines.tabs.peek(), machines.active.peek(), notice.text);
-    notices.value = withNotice(notices.peek(), { ...notice, text }, told, clock.now());
+    putNotice({ notices, droppedNotices }, { ...notice, text }, told, clock.now());
   };
   const serverStatus = signal<ServerStatus | null>(null);
   server.follow({
@@ -76,7 +77,7 @@ export function startPage(options: PageOptions = {}): Page {
   tellBreaks(server, clock, tell);
   tellStorageFault(tell);
   const known = { serverStatus, projects, libraries, isRestoring };
-  return { server, ...known, runs, notices, settings, tell, ...machines };
+  return { server, ...known, runs, notices, droppedNotices, settings, tell, ...machines };
 }
 
 function browserStores(): { readonly own: LocalStore; readonly shared: LocalStore } {

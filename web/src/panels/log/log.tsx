@@ -6,7 +6,8 @@ import { useDeferredValue, useMemo, useState } from "react";
 import type { ElementRef } from "../../model/element.ts";
 import type { Watch } from "../../store/history/run.ts";
 import { runLog } from "../../store/history/run_log.ts";
-import { type OpenTab, type Page, runOf } from "../../store/page/page.ts";
+import { clearNotices } from "../../store/page/notices.ts";
+import { type OpenTab, runOf } from "../../store/page/page.ts";
 import { scriptLineRevealRequest } from "../../store/page/reveal_requests.ts";
 import { RefusalError } from "../../store/page/server.ts";
 import { runTime, runTimes, timeScale, wallTime } from "../../store/page/times.ts";
@@ -57,7 +58,7 @@ export function Log() {
         filter={filter}
         onChange={setFilter}
         hasRun={watch !== null}
-        onClear={() => clear(page)}
+        onClear={() => clearNotices(page)}
       >
         {watch && filter.source !== "page" && (
           <Older watch={watch} onCame={() => setCame((before) => before + 1)} />
@@ -171,10 +172,6 @@ function show(host: PanelHost, tab: OpenTab | null, { line, about }: LogEntry): 
 function showLine(host: PanelHost, tab: OpenTab | null, entry: LogEntry, line: number): void {
   if (entry.line) scriptLineRevealRequest.value = { path: entry.line.path, line };
   show(host, tab, entry);
-}
-
-function clear({ notices }: Page): void {
-  notices.value = [];
 }
 
 /** The last line of the moment that is shown. */

@@ -1,12 +1,32 @@
+import { signal } from "@preact/signals-core";
 import { expect, test } from "vitest";
-import { noticeText, openNotices, type Telling, withNotice } from "./notices.ts";
+import {
+  closeNotices,
+  type KeptNotices,
+  noticeText,
+  offeredNotices,
+  openNotices,
+  putNotice,
+  type Telling,
+} from "./notices.ts";
 import type { Notice } from "./page.ts";
 
+function keptOf(...tellings: readonly Telling[]): KeptNotices {
+  const kept = { notices: signal<readonly Notice[]>([]), droppedNotices: signal(0) };
+  tell(kept, ...tellings);
+  return kept;
+}
+
+/** Numbers notices from one. */
+function tell(kept: KeptNotices, ...tellings: readonly Telling[]): void {
+  for (const telling of tellings) {
+    const id = (kept.notices.value.at(-1)?.id ?? 0) + 1;
+    putNotice(kept, telling, id, id);
+  }
+}
+
 function told(...tellings: readonly Telling[]): readonly Notice[] {
-  return tellings.reduce<readonly Notice[]>(
-    (before, telling, at) => withNotice(before, telling, at + 1, at),
-    [],
-  );
+  return keptOf(...tellings).notices.value;
 }
 
 const warning = (text: string): Telling => ({ level: "warning", text });
@@ -39,23 +59,41 @@ test("news of a topic takes the place of the one before", () => {
   ]);
 });
 
-test("what was not closed stays to be had, the newest first, a hundred at most", () => {
-  const notices = told(...Array.from({ length: 150 }, (_, at) => warning(`${at + 1}`)), {
-    level: "info",
-    text: "quiet",
-    isQuiet: true,
-  });
-  const open = openNotices(notices, new Set([150]));
-  expect(open.length).toBe(100);
+const many = (count: number, level: Notice["level"] = "warning"): readonly Telling[] =>
+  Array.from({ length: count }, (_, at) => ({ level, text: `${at + 1}` }));
+
+test("the notice centre has a hundred open notices at most, errors and actions before others", () => {
+  const kept = keptOf(...many(150), { level: "info", text: "quiet", isQuiet: true });
+  closeNotices(kept, kept.notices.value.slice(149, 150));
+  const open = openNotices(kept.notices.value);
+  expect(open.length).toBe(149);
   check(open.slice(0, 2), ["149 149", "148 148"]);
+  const offered = offeredNotices(open);
+  expect(offered.length).toBe(100);
+  check(offered.slice(-1), ["50 50"]);
+  const action = { title: "Look", command: "mission.show" };
+  const urgent = told({ level: "error", text: "lost" }, { ...warning("a"), action }, ...many(150));
+  const last = offeredNotices(openNotices(urgent)).slice(-3);
+  check(last, ["55 53", "2 a", "1 lost"]);
 });
 
-test("of more than a thousand notices the oldest goes, closed or not", () => {
-  const all = Array.from({ length: 1_001 }, (_, at) => warning(`${at + 1}`));
-  check(told(...all.slice(0, 1_000)).slice(0, 1), ["1 1"]);
-  const kept = told(...all);
-  expect(kept.length).toBe(1_000);
-  check([...kept.slice(0, 1), ...kept.slice(-1)], ["2 2", "1001 1001"]);
+test("of more than a thousand notices those go first that need nobody, then the least urgent", () => {
+  const error: Telling = { level: "error", text: "lost" };
+  const info: Telling = { level: "info", text: "saved" };
+  const kept = keptOf(error, warning("closed"), warning("open"), info, ...many(996, "error"));
+  closeNotices(kept, kept.notices.value.slice(1, 2));
+  expect([kept.notices.value.length, kept.droppedNotices.value]).toEqual([1_000, 0]);
+  const firstAfter = (text: string) => {
+    tell(kept, { level: "error", text });
+    check(kept.notices.value.slice(-1), [`${kept.notices.value.at(-1)?.id} ${text}`]);
+    return [kept.notices.value.length, kept.droppedNotices.value, kept.notices.value[1]?.text];
+  };
+  expect(firstAfter("a")).toEqual([1_000, 0, "open"]);
+  expect(firstAfter("b")).toEqual([1_000, 1, "open"]);
+  expect(kept.notices.value[2]?.text).toBe("1");
+  expect(firstAfter("c")).toEqual([1_000, 2, "1"]);
+  check(kept.notices.value.slice(0, 1), ["1 lost"]);
+  expect(firstAfter("d")).toEqual([1_000, 3, "2"]);
 });
 
 test("a notice counts with an equal one of the last twenty, and not with one before them", () => {

@@ -1,20 +1,44 @@
 /** How notices are kept: equal ones as one that counts, news of a topic in the place of the one before, and how many there are at
  * most. Knows nothing of how they are shown. */
 
-import type { Notice } from "./page.ts";
+import type { Notice, Page } from "./page.ts";
 
-/** So many are kept: the log shows them all. */
+/** Capacity of the log's notices. The least urgent is dropped first, of these the oldest. */
 const KEPT_MAX = 1_000;
 /** A notice that says the same as one of the last so many is counted with it. */
 const FOLDED_MAX = 20;
-/** So many are offered in the notice centre, the newest. */
+/** Capacity of the notice centre. The most urgent come first, of these the newest. */
 const OFFERED_MAX = 100;
 
 /** A notice as it is told, without what keeping it adds. */
-export type Telling = Omit<Notice, "id" | "at_ms" | "count">;
+export type Telling = Omit<Notice, "id" | "at_ms" | "count" | "isClosed">;
 
-/** The notices with one more. */
-export function withNotice(
+/** Where notices are kept. */
+export type KeptNotices = Pick<Page, "notices" | "droppedNotices">;
+
+/** Adds a notice. */
+export function putNotice(kept: KeptNotices, telling: Telling, id: number, at_ms: number): void {
+  const all = withNotice(kept.notices.peek(), telling, id, at_ms);
+  const dropped = all.length > KEPT_MAX ? leastUrgent(all) : undefined;
+  if (dropped && isOpen(dropped)) kept.droppedNotices.value += 1;
+  kept.notices.value = dropped ? all.filter((other) => other !== dropped) : all;
+}
+
+/** Closes notices: the notice centre has them no more, and the log still does. */
+export function closeNotices({ notices }: KeptNotices, closed: readonly Notice[]): void {
+  const ids = new Set(closed.map(({ id }) => id));
+  notices.value = notices
+    .peek()
+    .map((notice) => (ids.has(notice.id) ? { ...notice, isClosed: true } : notice));
+}
+
+/** Removes all notices, from the log too. */
+export function clearNotices({ notices, droppedNotices }: KeptNotices): void {
+  notices.value = [];
+  droppedNotices.value = 0;
+}
+
+function withNotice(
   before: readonly Notice[],
   telling: Telling,
   id: number,
@@ -29,7 +53,23 @@ export function withNotice(
     telling.passing ? other.passing?.topic !== telling.passing.topic : other !== same,
   );
   const count = (same?.count ?? 0) + 1;
-  return [...others, { ...telling, id, at_ms, count }].slice(-KEPT_MAX);
+  return [...others, { ...telling, id, at_ms, count }];
+}
+
+/** The notice to drop. The newest stays, because its toast is still to come. */
+function leastUrgent(notices: readonly Notice[]): Notice | undefined {
+  const earlier = notices.slice(0, -1);
+  const least = Math.min(...earlier.map(urgency));
+  return earlier.find((notice) => urgency(notice) === least);
+}
+
+/** From what nobody misses to what reports an error or offers an action. */
+function urgency(notice: Notice): number {
+  const { level, action, passing } = notice;
+  // News of a run is in mission control too.
+  if (!isOpen(notice) || passing) return 0;
+  if (level === "error" || action) return 3;
+  return level === "warning" ? 2 : 1;
 }
 
 /** The same for equal notices, and for all news of one topic. */
@@ -37,13 +77,21 @@ export function keyOfNotice({ level, text, action, about, passing }: Telling): s
   return passing ? `topic ${passing.topic}` : JSON.stringify([level, text, action, about]);
 }
 
-/** Those that somebody may still want: told to the user and not closed, the newest first. */
-export function openNotices(
-  notices: readonly Notice[],
-  closed: ReadonlySet<number>,
-): readonly Notice[] {
-  const open = notices.filter(({ id, isQuiet }) => !isQuiet && !closed.has(id));
-  return open.slice(-OFFERED_MAX).reverse();
+function isOpen({ isQuiet, isClosed }: Notice): boolean {
+  return !isQuiet && !isClosed;
+}
+
+/** Notices that somebody may still want: told to the user and not closed, the newest first. */
+export function openNotices(notices: readonly Notice[]): readonly Notice[] {
+  return notices.filter(isOpen).reverse();
+}
+
+/** Those of the open notices that the notice centre shows. */
+export function offeredNotices(open: readonly Notice[]): readonly Notice[] {
+  if (open.length <= OFFERED_MAX) return open;
+  const byUrgency = [...open].sort((one, other) => urgency(other) - urgency(one));
+  const offered = new Set(byUrgency.slice(0, OFFERED_MAX));
+  return open.filter((notice) => offered.has(notice));
 }
 
 /** What it says, with how often it was said. */

@@ -48,6 +48,8 @@ export interface Notice {
   readonly at_ms: number;
   /** How often it was said: equal ones are one. */
   readonly count: number;
+  /** True once the user has closed it or acted upon it. */
+  readonly isClosed?: boolean;
 }
 
 /** Settings of this browser, kept in its storage. */
@@ -81,6 +83,8 @@ export interface Page {
   /** The run that was asked for and is on its way to its tab; null if none is. */
   readonly comingRun: ReadonlySignal<string | null>;
   readonly notices: Signal<readonly Notice[]>;
+  /** Number of open notices that were dropped because there were too many. */
+  readonly droppedNotices: Signal<number>;
   readonly settings: Signal<Settings>;
   /** Opens the machine in a folder, or brings it to the front. */
   readonly open: (file: MachineFile) => Promise<OpenTab>;
@@ -93,7 +97,7 @@ export interface Page {
   /** Takes a tab away; the machine stays open on the server. */
   readonly leave: (tab: OpenTab) => void;
   /** Tells the user something. */
-  readonly tell: (notice: Omit<Notice, "id" | "at_ms" | "count">) => void;
+  readonly tell: (notice: Omit<Notice, "id" | "at_ms" | "count" | "isClosed">) => void;
 }
 
 export type { Revision };
