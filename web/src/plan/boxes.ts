@@ -112,12 +112,38 @@ export function pins(machine: Machine, container: string, without: ReadonlySet<s
 /** The box, moved into a container of this size with a margin, as far as it fits. */
 export function inside(box: Box, container: Size, margin = 0): Box {
   const kept = (at: number, length: number, room: number) => {
-    const least = Math.min(margin, Math.max(0, (room - length) / 2));
-    return Math.max(least, Math.min(at, room - length - least));
+    const [least, most] = span(length, room, margin);
+    return Math.max(least, Math.min(at, most));
   };
   const x = kept(box.x, box.width, container.width);
   const y = kept(box.y, box.height, container.height);
   return { ...box, x, y };
+}
+
+/** Least and largest start of a side in a container with a margin, which is smaller where the side would not fit. */
+function span(length: number, room: number, margin: number): readonly [number, number] {
+  const least = Math.min(margin, Math.max(0, (room - length) / 2));
+  return [least, room - length - least];
+}
+
+/** Room for lines between states and the border, as a part of the container's shorter side. */
+const LINE_ROOM = 0.04;
+
+/** Room for lines between states and the border of their container. */
+export function lineRoom({ width, height }: Size): number {
+  return Math.min(width, height) * LINE_ROOM;
+}
+
+/** How far a box may be moved in its container. Room for lines stays at the border, unless the box is nearer to it already. */
+export function allowedShift(box: Box, container: Size, by: Point): Point {
+  const allowed = (wanted: number, at: number, length: number, room: number) => {
+    const [least, most] = span(length, room, lineRoom(container));
+    return Math.max(Math.min(least - at, 0), Math.min(Math.max(most - at, 0), wanted));
+  };
+  return {
+    x: allowed(by.x, box.x, box.width, container.width),
+    y: allowed(by.y, box.y, box.height, container.height),
+  };
 }
 
 /** Edits that move states of one container by one offset. */

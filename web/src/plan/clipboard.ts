@@ -13,7 +13,7 @@ import {
   transitionsOf,
 } from "../model/machine.ts";
 import { childPath, idOf, isWithin, parentOf } from "../model/path.ts";
-import { boxIn, childBoxes, inside, pins, sizeIn, waypointsEdit } from "./boxes.ts";
+import { boxIn, childBoxes, inside, lineRoom, pins, sizeIn, waypointsEdit } from "./boxes.ts";
 import { besides, drawnBox, drawnInto, placedDocumentsOf, separate } from "./documents.ts";
 import { commonContainer, containerAt, counted } from "./legal.ts";
 import { arrivingIds, statesInWords } from "./move.ts";
@@ -283,7 +283,7 @@ function placementFor(
   const { middle } = pastePlace;
   const corner = middle && { x: middle.x - whole.width / 2, y: middle.y - whole.height / 2 };
   const at = corner ?? pastePlace.corner ?? besides(inside(first, size), first, taken);
-  return { from: bounds, to: inside({ ...whole, ...at }, size), factor };
+  return { from: bounds, to: inside({ ...whole, ...at }, size, lineRoom(size)), factor };
 }
 
 function moved({ x, y }: Point, { from, to, factor }: Placement): Point {

@@ -16,6 +16,7 @@ import {
   movePort,
   resize,
   setBackground,
+  setSide,
 } from "./move.ts";
 import { isRefused } from "./plan.ts";
 import { drawn, editsOf, lines, made, reason } from "./testing/plans.ts";
@@ -43,11 +44,51 @@ test("states move together and stay in their container", () => {
     "set_position R/A element=state position=[30,25]",
   ]);
   expect(lines(move(machine, ["R/A", "R/B"], { x: -500, y: 0 }))).toEqual([
-    "set_position R/A element=state position=[0,20]",
-    "set_position R/B element=state position=[180,40]",
+    "set_position R/A element=state position=[12,20]",
+    "set_position R/B element=state position=[192,40]",
   ]);
   expect(reason(move(machine, ["R"], { x: 1, y: 1 }))).toContain("root");
   expect(reason(move(machine, ["R/A", "R/C/D"], { x: 1, y: 1 }))).toContain("different containers");
+});
+
+test("a state on the border is moved along it, and keeps room for lines once it has some", () => {
+  const onBorder = drawn(`
+    R hierarchy 0 0 400 300 outcome done
+      A execution 0 20 80 60 outcome ok
+  `);
+  const put = (x: number, y: number) => lines(move(onBorder, ["R/A"], { x, y }));
+  expect(put(0, 10)).toEqual(["set_position R/A element=state position=[0,30]"]);
+  expect(put(0, -20)).toEqual(["set_position R/A element=state position=[0,12]"]);
+  expect(put(900, 900)).toEqual(["set_position R/A element=state position=[308,228]"]);
+});
+
+test("a state that fills its container nearly is moved to its middle", () => {
+  const full = drawn(`
+    R hierarchy 0 0 400 300 outcome done
+      A execution 0 0 390 60 outcome ok
+  `);
+  expect(lines(move(full, ["R/A"], { x: 90, y: 0 }))).toEqual([
+    "set_position R/A element=state position=[5,0]",
+  ]);
+});
+
+test("a coordinate that is typed moves a state within its container and keeps its size", () => {
+  const put = (side: "x" | "width", value: number) =>
+    lines(setSide(machine, "R/A", { side, value }, false));
+  expect(put("x", 100)).toEqual(["set_position R/A element=state position=[100,20]"]);
+  expect(put("x", -50)).toEqual(["set_position R/A element=state position=[12,20]"]);
+  expect(put("x", 5_000)).toEqual(["set_position R/A element=state position=[308,20]"]);
+  expect(put("width", 90).join()).not.toContain("set_position R/A element=state position=[12");
+});
+
+test("states that come into a container, or are copied there, have room for lines at its border", () => {
+  const into = lines(moveInto(machine, ["R/A"], "R/C", { x: -5, y: 90 }));
+  expect(into[0]).toBe("set_position R/A element=state position=[4.8,55.2]");
+  const copy = editsOf(duplicate(machine, ["R/A"], { x: -90, y: -90 })).find(
+    ({ edit }) => edit === "paste",
+  );
+  const [copied] = copy?.edit === "paste" ? (copy.selection.states ?? []) : [];
+  expect(copied && readLayout(copied).position).toEqual({ x: 12, y: 12 });
 });
 
 test("what has no place in the file gets the one where it shows", () => {

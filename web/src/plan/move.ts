@@ -8,10 +8,12 @@ import { nameBox, onBorder, readLayout } from "../model/layout_reader.ts";
 import { dataFlowsOf, type Machine, startOf, transitionsOf } from "../model/machine.ts";
 import { childPath, idOf, parentOf } from "../model/path.ts";
 import {
+  allowedShift,
   boxEdits,
   boxIn,
   childBoxes,
   inside,
+  lineRoom,
   pins,
   positionEdit,
   sizeEdit,
@@ -24,21 +26,12 @@ import { isRefused, type Planned, type Refused, refused, together } from "./plan
 import { minimum, resizeEdits, scaleInside } from "./resize.ts";
 import { keptRightAngles } from "./right_angles.ts";
 
-/** How far states may be moved together: they stay in their container, as far as they are in it. */
-function allowedMove(machine: Machine, paths: readonly string[], by: Point): Point {
+/** How far states may be moved together. They stay in their container, with room for lines at its border. */
+export function allowedMove(machine: Machine, paths: readonly string[], by: Point): Point {
   const container = commonContainer(machine, paths);
   if (typeof container !== "string") return by;
   const bounds = boundsOf(paths.map((path) => boxIn(machine, path)));
-  if (!bounds) return by;
-  const size = sizeIn(machine, container);
-  return {
-    x: between(by.x, -bounds.x, size.width - bounds.x - bounds.width),
-    y: between(by.y, -bounds.y, size.height - bounds.y - bounds.height),
-  };
-}
-
-function between(value: number, low: number, high: number): number {
-  return Math.max(Math.min(low, 0), Math.min(Math.max(high, 0), value));
+  return bounds ? allowedShift(bounds, sizeIn(machine, container), by) : by;
 }
 
 /** Moves states of one container; waypoints between them move along, those of lines to others keep their right angles. */
@@ -154,6 +147,7 @@ function placedAt(machine: Machine, paths: readonly string[], size: Size, at: Po
   const whole = inside(
     { ...at, width: bounds.width * factor, height: bounds.height * factor },
     size,
+    lineRoom(size),
   );
   return paths.flatMap((path) => {
     const box = boxIn(machine, path);
@@ -181,6 +175,26 @@ export function resize(machine: Machine, path: string, box: Box, withContent: bo
   const parent = parentOf(path);
   const touched = [...(parent === null ? [] : [parent]), ...(withContent ? [] : [path])];
   return { name, edit: together([...edits, ...keptRightAngles(machine, touched, edits)]) };
+}
+
+/** One of the four numbers of a state's box. */
+interface BoxSide {
+  readonly side: keyof Box;
+  readonly value: number;
+}
+
+/** Moves a state to a coordinate, as far as it may be moved, or gives it another width or height. */
+export function setSide(
+  machine: Machine,
+  path: string,
+  { side, value }: BoxSide,
+  withContent: boolean,
+): Planned {
+  const box = boxIn(machine, path);
+  if (side === "width" || side === "height") {
+    return resize(machine, path, { ...box, [side]: value }, withContent);
+  }
+  return move(machine, [path], { x: 0, y: 0, [side]: value - box[side] });
 }
 
 /** The box that a state may have at most and at least: inside its container, around its content. */

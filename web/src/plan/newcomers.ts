@@ -7,7 +7,7 @@ import { defaultChildBox, readLayout, rootSize } from "../model/layout_reader.ts
 import { ABORTED, type Machine, PREEMPTED } from "../model/machine.ts";
 import { freshId, freshName } from "../model/names.ts";
 import { childPath, idOf } from "../model/path.ts";
-import { childBoxes, inside, sizeIn } from "./boxes.ts";
+import { childBoxes, inside, lineRoom, sizeIn } from "./boxes.ts";
 
 /** Kinds of states that people add; libraries come by themselves, deciders with their barrier. */
 export type NewKind = Exclude<StateKind, "decider" | "library">;
@@ -22,11 +22,8 @@ export function newBox(machine: Machine, container: string, at?: Point, aspect =
   };
   if (!at) return { ...freePlace(machine, container, size), ...own };
   const box = { x: at.x - own.width / 2, y: at.y - own.height / 2, ...own };
-  return inside(box, size, side * MARGIN);
+  return inside(box, size, lineRoom(size));
 }
-
-/** Room for lines between a new state and the border, as a part of its side. */
-export const MARGIN = 0.2;
 
 const PLACES = 256;
 

@@ -3,9 +3,8 @@
 import { keyOf } from "../../model/element.ts";
 import type { Box, Point } from "../../model/geometry.ts";
 import { readLayout } from "../../model/layout_reader.ts";
-import { inside } from "../../plan/boxes.ts";
+import { inside, lineRoom } from "../../plan/boxes.ts";
 import { insertState } from "../../plan/insert.ts";
-import { MARGIN } from "../../plan/newcomers.ts";
 import { isRefused, type Planned } from "../../plan/plan.ts";
 import { addState } from "../../plan/states.ts";
 import type { Dragged } from "../../store/page/dragged.ts";
@@ -106,7 +105,7 @@ function cornerAt(container: string, pointer: Pointer, context: ToolContext): Po
   const unit = layout.unit(container);
   const wanted = { x: middle.x - side / 2, y: middle.y - side / 2, width: side, height: side };
   const room = { width: (box?.width ?? 0) / unit, height: (box?.height ?? 0) / unit };
-  return inside(wanted, room, side * MARGIN);
+  return inside(wanted, room, lineRoom(room));
 }
 
 function ghost(

@@ -29,9 +29,11 @@ test("a state snaps to others, and a line says to what", () => {
   );
 });
 
-test("a state stays inside its container", () => {
+test("a state stays inside its container, with room for lines at the border", () => {
   const canvas = driver().press("D").drag({ x: 110, y: 360 }).release();
-  expect(canvas.box("D")).toBe("100 350 150 100");
+  expect(canvas.box("D")).toBe("112 362 150 100");
+  canvas.press("D").drag({ x: 590, y: 640 });
+  expect(canvas.shown().box("R/C/D")).toMatchObject({ x: 438, y: 538 });
 });
 
 test("with Alt a copy is made", () => {

@@ -7,7 +7,7 @@ import { idOf, isWithin, parentOf } from "../../model/path.ts";
 import { duplicate, duplicateInto } from "../../plan/clipboard.ts";
 import { insertState } from "../../plan/insert.ts";
 import { counted } from "../../plan/legal.ts";
-import { lostConnections, move, moveInto } from "../../plan/move.ts";
+import { allowedMove, lostConnections, move, moveInto } from "../../plan/move.ts";
 import { isRefused, type Planned, together } from "../../plan/plan.ts";
 import { statesAt } from "../hit/hit.ts";
 import { distanceToLine } from "../hit/lines.ts";
@@ -116,22 +116,26 @@ function dragOf(
   const snap = pointer.ctrl
     ? { by: { x: 0, y: 0 }, guides: [] }
     : snapped(box, start.others, context);
-  const by = kept(start, plus(wanted, snap.by), context);
-  return { by, guides: snap.guides };
+  const to = plus(wanted, snap.by);
+  const by = kept(start, to, context);
+  // A line that the border keeps the states from is none that they stand on.
+  const guides = snap.guides.filter(({ from, to: end }) =>
+    from.x === end.x ? by.x === to.x : by.y === to.y,
+  );
+  return { by, guides };
 }
 
-/** So far that the boxes stay inside their container, if they fit. */
-function kept({ box, container }: Moving, by: Point, { layout }: ToolContext): Point {
-  const outer = container === null ? undefined : layout.box(container);
-  if (!outer) return by;
+/** As far as the states may be moved, in the root's coordinates. */
+function kept(start: Moving, by: Point, context: ToolContext): Point {
+  const { container, paths } = start;
+  if (container === null) return by;
+  const unit = context.layout.unit(container);
+  const wanted = inside(start, by, context);
+  const allowed = allowedMove(context.machine, paths, wanted);
   return {
-    x: bounded(by.x, outer.x - box.x, outer.x + outer.width - box.x - box.width),
-    y: bounded(by.y, outer.y - box.y, outer.y + outer.height - box.y - box.height),
+    x: allowed.x === wanted.x ? by.x : allowed.x * unit,
+    y: allowed.y === wanted.y ? by.y : allowed.y * unit,
   };
-}
-
-function bounded(value: number, low: number, high: number): number {
-  return low > high ? value : Math.min(Math.max(value, low), high);
 }
 
 function isNone(by: Point): boolean {

@@ -5,7 +5,7 @@ import type { Box } from "../../model/geometry.ts";
 import { readLayout } from "../../model/layout_reader.ts";
 import { parentOf } from "../../model/path.ts";
 import { boxIn } from "../../plan/boxes.ts";
-import { resize, setBackground } from "../../plan/move.ts";
+import { setBackground, setSide } from "../../plan/move.ts";
 import { refused } from "../../plan/plan.ts";
 import { Checkbox, TextField } from "../../ui/field.tsx";
 import { Colour } from "./colour.tsx";
@@ -23,7 +23,7 @@ export function Place({ inspected }: { inspected: InspectedState }) {
     edit((now) => {
       const value = Number(text);
       if (!Number.isFinite(value)) return refused(`${text} is not a number.`);
-      return resize(now, path, { ...boxIn(now, path), [side]: value }, withContent);
+      return setSide(now, path, { side, value }, withContent);
     });
   const field = (side: keyof Box, label: string) => (
     <TextField
