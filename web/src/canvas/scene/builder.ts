@@ -5,6 +5,7 @@ import { elementOf } from "../../model/element.ts";
 import type { Box } from "../../model/geometry.ts";
 import type { LayoutNode } from "../layout_node.ts";
 import type { SceneInput } from "./input.ts";
+import type { SignGroup } from "./labels.ts";
 import { type Layer, newLayer, type TextMark } from "./list.ts";
 import { litBy } from "./lit.ts";
 
@@ -35,6 +36,8 @@ export class SceneBuilder {
   readonly onlookers = new Map<string, number>();
   /** Plates of names of containers, which other names keep away from. */
   readonly plates: Box[] = [];
+  /** Signs and names of people that keep off the names of states. */
+  readonly signs: SignGroup[] = [];
   /** Names of ports, and labels of connections, that would be good to have. */
   readonly portNames: TextMark[] = [];
   readonly labels: TextMark[] = [];

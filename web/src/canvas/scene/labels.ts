@@ -1,11 +1,24 @@
 /** Names of ports and labels of connections where nothing else is written: the first that asks for a place has it. */
 
 import type { SceneBuilder } from "./builder.ts";
-import type { TextMark } from "./list.ts";
+import type { IconMark, Layer, TextMark } from "./list.ts";
 
 /** How coarse the board is that remembers what is written where, in CSS pixels. */
 const CELL = 64;
 const HEIGHT = 14;
+
+/** Marks that belong together, at one of their places. */
+export interface SignPlace {
+  readonly texts: readonly TextMark[];
+  readonly icons: readonly IconMark[];
+}
+
+/** What looks for a place that is clear of names. */
+export interface SignGroup {
+  readonly layer: Layer;
+  /** The best first. */
+  readonly places: readonly SignPlace[];
+}
 
 interface LabelSpan {
   readonly left: number;
@@ -14,17 +27,36 @@ interface LabelSpan {
 }
 
 export function labelMarks(builder: SceneBuilder): void {
-  if (builder.labels.length + builder.portNames.length === 0) return;
+  const labels = [...builder.portNames, ...builder.labels];
+  if (labels.length + builder.signs.length === 0) return;
   const board = new Map<number, LabelSpan[]>();
   for (const { texts } of builder.layers) for (const text of texts) write(board, textArea(text));
+  for (const signs of builder.signs) putSigns(board, signs);
+  if (labels.length === 0) return;
   const layer = builder.top();
-  for (const label of [...builder.portNames, ...builder.labels]) {
+  for (const label of labels) {
     if (!builder.sees(label.x, label.y, 0, 0, 100)) continue;
     const area = textArea(label);
     if (!isFree(board, area)) continue;
     write(board, area);
     layer.texts.push(label);
   }
+}
+
+/** Puts signs where they lie on no text; without such a place they are left out. */
+function putSigns(board: Map<number, LabelSpan[]>, { layer, places }: SignGroup): void {
+  for (const { texts, icons } of places) {
+    const areas = [...texts.map(textArea), ...icons.map(iconArea)];
+    if (!areas.every((area) => isFree(board, area))) continue;
+    for (const area of areas) write(board, area);
+    layer.texts.push(...texts);
+    layer.icons.push(...icons);
+    return;
+  }
+}
+
+function iconArea({ x, y, size }: IconMark): LabelSpan {
+  return { left: x - size / 2, right: x + size / 2, y };
 }
 
 function textArea({ x, y, align, width, text, size }: TextMark): LabelSpan {

@@ -1,12 +1,14 @@
 /** What a run shows on a state, told by colour, shape and word: rings, a glow where it runs, a hatch, a sign, and a plate with the
  * time and how often it ran. */
 
+import type { Point } from "../../model/geometry.ts";
 import { STEPS } from "../../store/history/recent_path.ts";
 import { sinceStart } from "../../store/page/times.ts";
 import type { MarkPhase, RunMark } from "../../store/run/marks.ts";
 import type { SceneBuilder, SceneNode } from "./builder.ts";
 import { DETAIL, TEXT } from "./detail.ts";
-import type { BoxMark, Icon, Ink, Layer, TextMark } from "./list.ts";
+import type { SignPlace } from "./labels.ts";
+import type { BoxMark, Icon, IconMark, Ink, Layer, TextMark } from "./list.ts";
 import { groundInk, ring } from "./ring.ts";
 
 export const RUN_INKS: Readonly<Record<Exclude<MarkPhase, "inside">, Ink>> = {
@@ -127,7 +129,8 @@ function smallMarks(
     dash: phase === "waiting" || phase === "next",
   });
   if (phase !== "failed" || node.extent < 12) return;
-  sign(layer, node, "failed", "ground", node.x + node.width / 2, node.y + node.height / 2);
+  const middle = { x: node.x + node.width / 2, y: node.y + node.height / 2 };
+  layer.icons.push(sign(node, "failed", "ground", middle));
 }
 
 const RINGS = {
@@ -191,12 +194,12 @@ function hatchMarks(builder: SceneBuilder, layer: Layer, node: SceneNode): void 
   }
 }
 
-function sign(layer: Layer, node: SceneNode, icon: Icon, ink: Ink, x: number, y: number): void {
-  layer.icons.push({ what: `${whatOf(node)} ${icon}`, icon, x, y, size: ICON, ink, alpha: 1 });
+function sign(node: SceneNode, icon: Icon, ink: Ink, { x, y }: Point): IconMark {
+  return { what: `${whatOf(node)} ${icon}`, icon, x, y, size: ICON, ink, alpha: 1 };
 }
 
 /** Behind a sign that sits on the corner of a state, where it leaves room for the name. */
-function coin(node: SceneNode, x: number, y: number): TextMark {
+function coin(node: SceneNode, { x, y }: Point): TextMark {
   return {
     what: `${whatOf(node)} coin`,
     x,
@@ -212,7 +215,11 @@ function coin(node: SceneNode, x: number, y: number): TextMark {
   };
 }
 
-/** The sign in the upper right corner, with how many branches run inside; gives how wide they are. */
+/** From one sign to the one beside it. */
+const SIGN_PITCH = ICON + 3;
+
+/** The signs of a state, with how many branches run inside; gives how wide they are. Those of a small state sit on a corner that
+ * lies on no name, those of others in the upper right. */
 function signMarks(
   builder: SceneBuilder,
   layer: Layer,
@@ -222,31 +229,75 @@ function signMarks(
 ): number {
   const icon = ICONS[phase];
   if (!icon) return 0;
-  const isSmall = node.extent < PLATE;
-  const y = node.y + (isSmall ? 0 : 10);
-  let x = node.x + node.width - (isSmall ? 3 : 10);
-  if (isSmall) layer.texts.push(coin(node, x, y));
-  sign(layer, node, icon, RUN_INKS[phase as Exclude<MarkPhase, "inside">], x, y);
-  if (mark.failed) {
-    x -= ICON + 3;
-    sign(layer, node, "failed", "aborted", x, y);
+  const ink = RUN_INKS[phase as Exclude<MarkPhase, "inside">];
+  const signs: readonly (readonly [Icon, Ink])[] = mark.failed
+    ? [
+        [icon, ink],
+        ["failed", "aborted"],
+      ]
+    : [[icon, ink]];
+  /** From the right to the left. */
+  const from = ({ x, y }: Point) =>
+    signs.map(([each, colour], index) =>
+      sign(node, each, colour, { x: x - index * SIGN_PITCH, y }),
+    );
+  if (node.extent < PLATE) {
+    const places = corners(node, (signs.length - 1) * SIGN_PITCH).map((at) => ({
+      texts: [coin(node, at)],
+      icons: from(at),
+    }));
+    builder.signs.push({ layer, places });
+  } else layer.icons.push(...from({ x: node.x + node.width - 10, y: node.y + 10 }));
+  if (mark.lanes > 1 && node.width >= 48) {
+    builder.signs.push({
+      layer,
+      places: lanesPlaces(builder, node, mark.lanes, ink, signs.length),
+    });
   }
-  if (mark.lanes < 2 || node.width < 48) return ICON;
-  const text = `${mark.lanes}`;
-  layer.texts.push({
-    what: `${whatOf(node)} lanes`,
-    x: x - ICON / 2 - 4,
-    y,
-    text,
-    size: TEXT.small,
-    bold: true,
-    ink: RUN_INKS[phase as Exclude<MarkPhase, "inside">],
-    align: "right",
-    alpha: 1,
-    plate: groundInk(node),
-    width: builder.input.measure(text, TEXT.small, true),
-  });
   return ICON;
+}
+
+/** Where the rightmost of the signs of a small state may be. */
+function corners({ x, y, width, height }: SceneNode, more: number): readonly Point[] {
+  const [left, right, bottom] = [x + 3 + more, x + width - 3, y + height];
+  return [
+    { x: right, y },
+    { x: right, y: bottom },
+    { x: left, y: bottom },
+    { x: left, y },
+  ];
+}
+
+/** How many branches run inside: to the left of the signs, or below them. */
+function lanesPlaces(
+  builder: SceneBuilder,
+  node: SceneNode,
+  lanes: number,
+  ink: Ink,
+  signs: number,
+): readonly SignPlace[] {
+  const isSmall = node.extent < PLATE;
+  const right = node.x + node.width - (isSmall ? 3 : 10);
+  const top = node.y + (isSmall ? 0 : 10);
+  const beside = { x: right - (signs - 1) * SIGN_PITCH - ICON / 2 - 4, y: top };
+  const text = `${lanes}`;
+  return [beside, { x: right + ICON / 2, y: top + SIGN_PITCH }].map((at) => ({
+    icons: [],
+    texts: [
+      {
+        what: `${whatOf(node)} lanes`,
+        ...at,
+        text,
+        size: TEXT.small,
+        bold: true,
+        ink,
+        align: "right",
+        alpha: 1,
+        plate: groundInk(node),
+        width: builder.input.measure(text, TEXT.small, true),
+      },
+    ],
+  }));
 }
 
 /** From all that can be said to the least. */

@@ -2,8 +2,10 @@
 
 import { breakpointMarks } from "./breakpoints.ts";
 import type { SceneBuilder, SceneNode } from "./builder.ts";
+import { TEXT } from "./detail.ts";
 import type { DifferenceKind } from "./input.ts";
-import type { BoxMark, Layer } from "./list.ts";
+import type { SignPlace } from "./labels.ts";
+import type { BoxMark, TextMark } from "./list.ts";
 import { groundInk, radiusOf, ring } from "./ring.ts";
 import { runMarks, visitMarks } from "./runs.ts";
 
@@ -25,7 +27,7 @@ export function stateMarks(builder: SceneBuilder, node: SceneNode, isOpen: boole
   if (input.hits.has(key)) layer.boxes.push(ring(node, "hit", 2, 4, key));
   const onlooker = builder.onlookers.get(path);
   const person = onlooker === undefined ? undefined : input.people[onlooker];
-  if (person) onlookerMarks(layer, node, person.name, `person${person.colour % PEOPLE}`);
+  if (person) onlookerMarks(builder, node, person.name, `person${person.colour % PEOPLE}`);
   if (input.hovered?.kind === "state" && input.hovered.path === path) {
     layer.boxes.push(ring(node, "hover", 1, 0, key));
     const error = input.errors.get(path);
@@ -103,19 +105,35 @@ function clipped(builder: SceneBuilder, node: SceneNode) {
   return { x: left, y: top, width: right - left, height: bottom - top };
 }
 
-function onlookerMarks(layer: Layer, node: SceneNode, name: string, ink: string): void {
+/** A frame in the colour of who has selected the state, with the name above or below it where that lies on no name of a state. */
+function onlookerMarks(builder: SceneBuilder, node: SceneNode, name: string, ink: string): void {
+  const layer = builder.layer(node.depth);
   layer.boxes.push(ring(node, ink, 1.5, 3, node.at.key));
-  layer.texts.push({
-    what: `${node.at.key} onlooker`,
-    x: node.x + 4,
-    y: node.y - 10,
-    text: name,
-    size: 11,
-    bold: true,
-    ink: "on-person",
-    align: "left",
-    alpha: 1,
-    plate: ink,
-    width: 0,
+  const [left, right] = [node.x + 4, node.x + node.width - 4];
+  const [above, below] = [node.y - 10, node.y + node.height + 10];
+  const at = (x: number, y: number, align: TextMark["align"]): SignPlace => ({
+    icons: [],
+    texts: [
+      {
+        what: `${node.at.key} onlooker`,
+        x,
+        y,
+        text: name,
+        size: TEXT.small,
+        bold: true,
+        ink: "on-person",
+        align,
+        alpha: 1,
+        plate: ink,
+        width: builder.input.measure(name, TEXT.small, true),
+      },
+    ],
   });
+  const places = [
+    at(left, above, "left"),
+    at(right, above, "right"),
+    at(left, below, "left"),
+    at(right, below, "right"),
+  ];
+  builder.signs.push({ layer, places });
 }

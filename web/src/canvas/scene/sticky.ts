@@ -115,7 +115,7 @@ export function stickyMarks(builder: SceneBuilder): void {
   for (const port of sticky.ports) {
     layer.dots.push(stuckDot(builder, port));
     const named = port.port.kind !== "income" && (port.side === "left" || port.side === "right");
-    if (named) layer.texts.push(stuckName(builder, port, groundInk(node)));
+    if (named) builder.portNames.push(stuckName(builder, port, groundInk(node)));
   }
 }
 
