@@ -5,7 +5,7 @@ import { elementOf } from "../../model/element.ts";
 import type { Box } from "../../model/geometry.ts";
 import type { LayoutNode } from "../layout_node.ts";
 import type { SceneInput } from "./input.ts";
-import type { SignGroup } from "./labels.ts";
+import type { Label, SignGroup } from "./labels.ts";
 import { type Layer, newLayer, type TextMark } from "./list.ts";
 import { litBy } from "./lit.ts";
 
@@ -40,7 +40,7 @@ export class SceneBuilder {
   readonly signs: SignGroup[] = [];
   /** Names of ports, and labels of connections, that would be good to have. */
   readonly portNames: TextMark[] = [];
-  readonly labels: TextMark[] = [];
+  readonly labels: Label[] = [];
   readonly width: number;
   readonly height: number;
   /** The innermost state whose border is nowhere in the view. */

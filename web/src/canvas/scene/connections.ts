@@ -185,8 +185,10 @@ function labelMark(
   const fits = (at: Point) => look.loud || isClear(node, at, width);
   const at = labelPlace(mark.points, line.longest, width, fits);
   if (!at) return;
+  const end = line.points.at(-1);
   builder.labels.push({
     what: `${line.key} label`,
+    goal: `${line.toPath} ${end?.x} ${end?.y}`,
     ...at,
     text: line.label,
     size: TEXT.small,

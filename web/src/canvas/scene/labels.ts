@@ -6,6 +6,18 @@ import type { IconMark, Layer, TextMark } from "./list.ts";
 /** How coarse the board is that remembers what is written where, in CSS pixels. */
 const CELL = 64;
 const HEIGHT = 14;
+/** Lines to one goal that have run into each other have one label in so many CSS pixels. */
+const REPEATED = 200;
+
+/** A text that is written where nothing else is. */
+export interface Label extends TextMark {
+  /** Of the name on a transition: where that leads. */
+  readonly goal?: string;
+}
+
+interface WrittenLabel extends LabelSpan {
+  readonly label: Label;
+}
 
 /** Marks that belong together, at one of their places. */
 export interface SignPlace {
@@ -27,18 +39,20 @@ interface LabelSpan {
 }
 
 export function labelMarks(builder: SceneBuilder): void {
-  const labels = [...builder.portNames, ...builder.labels];
+  const labels: readonly Label[] = [...builder.portNames, ...builder.labels];
   if (labels.length + builder.signs.length === 0) return;
   const board = new Map<number, LabelSpan[]>();
   for (const { texts } of builder.layers) for (const text of texts) write(board, textArea(text));
   for (const signs of builder.signs) putSigns(board, signs);
   if (labels.length === 0) return;
   const layer = builder.top();
+  const written: WrittenLabel[] = [];
   for (const label of labels) {
     if (!builder.sees(label.x, label.y, 0, 0, 100)) continue;
     const area = textArea(label);
-    if (!isFree(board, area)) continue;
+    if (!isFree(board, area) || isRepeated(written, label, area)) continue;
     write(board, area);
+    written.push({ ...area, label });
     layer.texts.push(label);
   }
 }
@@ -57,6 +71,22 @@ function putSigns(board: Map<number, LabelSpan[]>, { layer, places }: SignGroup)
 
 function iconArea({ x, y, size }: IconMark): LabelSpan {
   return { left: x - size / 2, right: x + size / 2, y };
+}
+
+/** Whether a line that leads to the same goal has the same label in the same row: the lines have run into each other there. */
+function isRepeated(
+  written: readonly WrittenLabel[],
+  { text, goal }: Label,
+  { left, y }: LabelSpan,
+): boolean {
+  if (goal === undefined) return false;
+  return written.some(
+    (other) =>
+      other.label.goal === goal &&
+      other.label.text === text &&
+      Math.abs(other.y - y) < HEIGHT &&
+      Math.abs(other.left - left) < REPEATED,
+  );
 }
 
 function textArea({ x, y, align, width, text, size }: TextMark): LabelSpan {

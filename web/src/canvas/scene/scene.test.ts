@@ -92,6 +92,22 @@ describe("how much shows depends on the size on the screen", () => {
   });
 });
 
+test("lines that run into each other have one label there", () => {
+  const machine = machineOf(
+    sketch(`
+      R hierarchy 0 0 900 400 outcome done
+        A execution 40 60 90 80 outcome success
+        B execution 180 160 90 80 outcome success
+        O execution 320 130 60 250
+        C execution 760 60 90 80 outcome ok
+        A.success > C
+        B.success > C
+    `),
+  );
+  const lines = listText(scene(input(machine, { x: 0, y: 0, scale: 1 }))).split("\n");
+  expect(about(lines, " label ").map((line) => line.split(" ")[2])).toEqual(["transition:R:0"]);
+});
+
 test("the name of a container's outcome makes way for the line that ends there", () => {
   const place = (more: Partial<SceneInput> = {}) =>
     about(seen(2.5, more), "outcome:R/B:0").map((line) => line.split(" ").slice(3, 8).join(" "));
