@@ -6,7 +6,7 @@ import { DETAIL, fade, TEXT } from "./detail.ts";
 import type { Icon, IconMark, Layer } from "./list.ts";
 import { groundInk } from "./ring.ts";
 import { FRAME } from "./sticky.ts";
-import { cut, wrapped } from "./words.ts";
+import { cut, wrappedName } from "./words.ts";
 
 const BADGE = 12;
 
@@ -130,7 +130,7 @@ function middleMarks(
   const height = node.y + node.height - top;
   const rows = Math.min(3, Math.floor(height / pitch));
   const lines =
-    modes.names && rows > 0 ? wrapped(node.at.state.name, room, rows, size, measure) : [];
+    modes.names && rows > 0 ? wrappedName(node.at.state.name, room, rows, size, measure) : [];
   const middle = top + height / 2;
   let y = middle - ((lines.length - 1) * pitch) / 2;
   for (const text of lines) {

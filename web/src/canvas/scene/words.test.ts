@@ -1,5 +1,5 @@
 import { expect, test } from "vitest";
-import { cut, wrapped } from "./words.ts";
+import { cut, wrapped, wrappedName } from "./words.ts";
 
 /** Every letter six wide. */
 const measure = (text: string) => text.length * 6;
@@ -11,6 +11,16 @@ test("texts are broken between words and behind underscores, and keep all their 
     "one two",
     "three fou…",
   ]);
+});
+
+test("a word that is too long for a line is broken if all of the name has room then", () => {
+  expect(wrappedName("Relocalise", 48, 3, 11, measure)).toEqual(["Relocal-", "ise"]);
+  expect(wrappedName("Charge", 24, 3, 11, measure)).toEqual(["Cha-", "rge"]);
+  expect(wrappedName("Remember it", 36, 3, 11, measure)).toEqual(["Remem-", "ber it"]);
+  expect(wrappedName("Charge", 24, 1, 11, measure)).toEqual(["Cha…"]);
+  expect(wrappedName("Waypoint 12", 24, 3, 11, measure)).toEqual(["Way…", "12"]);
+  expect(wrappedName("Charge", 12, 3, 11, measure)).toEqual([]);
+  expect(wrapped("0x7fffdeadbeef", 48, 3, 11, measure)).toEqual(["0x7fffd…"]);
 });
 
 test("the number at the end of a name stays: it is what tells it from others", () => {

@@ -46,21 +46,77 @@ export function wrapped(
     const only = cut(text, width, size, false, measure);
     return only === "" ? [] : [only];
   }
+  return inLines(text, { width, lines, size, measure }, () => 0);
+}
+
+/** The same of a name. Words that are too long for a line are broken with a hyphen if all letters have room then. */
+export function wrappedName(
+  name: string,
+  width: number,
+  lines: number,
+  size: number,
+  measure: Measure,
+): readonly string[] {
+  const plain = wrapped(name, width, lines, size, measure);
+  if (lines <= 1 || !isCut(plain)) return plain;
+  const room = { width, lines, size, measure };
+  const broken = inLines(readable(name), room, (word) => lettersBefore(word, room));
+  return isCut(broken) ? plain : broken;
+}
+
+interface LineRoom {
+  readonly width: number;
+  readonly lines: number;
+  readonly size: number;
+  readonly measure: Measure;
+}
+
+function isCut(lines: readonly string[]): boolean {
+  return lines.some((line) => line.includes("…"));
+}
+
+/** `hyphenAt` is the number of letters of a word that stay in a line of their own, with a hyphen; 0: all. */
+function inLines(
+  text: string,
+  { width, lines, size, measure }: LineRoom,
+  hyphenAt: (word: string) => number,
+): readonly string[] {
   const found: string[] = [];
+  const rest = text.split(/(?<=[\s_])/);
   let line = "";
-  const words = text.split(/(?<=[\s_])/);
-  for (const [index, word] of words.entries()) {
-    if (line === "" || measure((line + word).trimEnd(), size, false) <= width) {
-      line += word;
+  for (let word = rest.shift(); word !== undefined; word = rest.shift()) {
+    const isLast = found.length === lines - 1;
+    if (line !== "" && measure((line + word).trimEnd(), size, false) > width) {
+      if (isLast) {
+        line += word + rest.join("");
+        break;
+      }
+      found.push(cut(line.trimEnd(), width, size, false, measure));
+      line = "";
+      rest.unshift(word);
       continue;
     }
-    if (found.length === lines - 1) {
-      line += words.slice(index).join("");
-      break;
-    }
-    found.push(cut(line.trimEnd(), width, size, false, measure));
-    line = word;
+    const letters = line === "" && !isLast ? hyphenAt(word) : 0;
+    if (letters > 0) {
+      found.push(`${word.slice(0, letters)}-`);
+      rest.unshift(word.slice(letters));
+    } else line += word;
   }
   found.push(cut(line.trimEnd(), width, size, false, measure));
   return found.filter((each) => each !== "");
+}
+
+/** Letters of a broken word before its hyphen, and behind it. */
+const LEAST_BEFORE = 3;
+const LEAST_BEHIND = 2;
+
+/** Number of letters that fit before a hyphen; 0 if the word fits, or hardly anything of it does. */
+function lettersBefore(word: string, { width, size, measure }: LineRoom): number {
+  const whole = word.trimEnd();
+  if (measure(whole, size, false) <= width) return 0;
+  let letters = whole.length - LEAST_BEHIND;
+  while (letters >= LEAST_BEFORE && measure(`${whole.slice(0, letters)}-`, size, false) > width) {
+    letters -= 1;
+  }
+  return letters >= LEAST_BEFORE ? letters : 0;
 }
