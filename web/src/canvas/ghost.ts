@@ -62,7 +62,7 @@ export function ghostBox(shown: LayoutTree, ghost: GhostMachine, path: string): 
 const GHOST_MODES: SceneInput["modes"] = {
   transitions: true,
   dataFlows: "none",
-  names: true,
+  portNames: true,
   values: false,
   aborted: false,
   grid: false,

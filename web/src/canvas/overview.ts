@@ -13,7 +13,7 @@ interface OverviewShown extends Pick<SceneInput, "layout" | "camera" | "view" | 
   readonly line: number;
 }
 
-const QUIET = { transitions: false, dataFlows: "none", names: false } as const;
+const QUIET = { transitions: false, dataFlows: "none", portNames: false } as const;
 /** How wide the line is around what is to be seen from afar. */
 const LOUD_LINE = 2.5;
 

@@ -141,7 +141,7 @@ const MODES: readonly UserCommand[] = [
       tab.view.heat.value = (argument as HeatMode | undefined) ?? next;
     },
   },
-  mode("names", "names", "Port names", ["N"]),
+  mode("portNames", "names", "Port names", ["N"]),
   mode("values", "values", "Values", ["V"], ["Ctrl+L", "V"]),
   mode("aborted", "aborted", "Aborted and preempted", ["A"], ["Ctrl+P"]),
   mode("grid", "grid", "Grid", ["Shift+G"]),

@@ -296,7 +296,7 @@ function onLine(search: Search, route: Route): CanvasHit {
 
 function nameHit(search: Search, element: StateRef): CanvasHit | null {
   const box = search.layout.box(element.path);
-  if (!box || !search.look.modes.names || extentOf(search, element.path) < DETAIL.name) return null;
+  if (!box || extentOf(search, element.path) < DETAIL.name) return null;
   const name = search.layout.name(element.path);
   const isSelected = search.look.selection.has(keyOf(element));
   if (name && isSelected) {

@@ -40,6 +40,8 @@ export class SceneBuilder {
   readonly signs: SignGroup[] = [];
   /** Names of ports, and labels of connections, that would be good to have. */
   readonly portNames: TextMark[] = [];
+  /** Names of ports of small states, where all else leaves room. */
+  readonly smallPortNames: TextMark[] = [];
   readonly labels: Label[] = [];
   readonly width: number;
   readonly height: number;

@@ -178,7 +178,7 @@ function labelMark(
   mark: LineMark,
   look: LineLook,
 ): void {
-  if (line.label === "" || !builder.input.modes.names) return;
+  if (line.label === "" || !builder.input.modes.portNames) return;
   const alpha = look.loud ? 1 : labelAlpha(node, line);
   if (alpha === 0) return;
   const width = builder.input.measure(line.label, TEXT.small, false);

@@ -39,7 +39,11 @@ interface LabelSpan {
 }
 
 export function labelMarks(builder: SceneBuilder): void {
-  const labels: readonly Label[] = [...builder.portNames, ...builder.labels];
+  const labels: readonly Label[] = [
+    ...builder.portNames,
+    ...builder.labels,
+    ...builder.smallPortNames,
+  ];
   if (labels.length + builder.signs.length === 0) return;
   const board = new Map<number, LabelSpan[]>();
   for (const { texts } of builder.layers) for (const text of texts) write(board, textArea(text));

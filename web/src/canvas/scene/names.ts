@@ -52,11 +52,11 @@ function plateMarks(
   badges: readonly Pick<IconMark, "icon" | "ink">[],
   alpha: number,
 ): void {
-  const { measure, modes } = builder.input;
+  const { measure } = builder.input;
   const size = node.extent >= 420 ? TEXT.large : TEXT.usual;
   const side = badges.length * (BADGE + 3);
   const room = Math.min(node.width - 10, 420) - side - 8;
-  const text = modes.names ? cut(node.at.state.name, room, size, true, measure) : "";
+  const text = cut(node.at.state.name, room, size, true, measure);
   if (text === "" && badges.length === 0) return;
   const width = (text === "" ? 0 : measure(text, size, true)) + side + 10;
   const height = size + 7;
@@ -122,15 +122,14 @@ function middleMarks(
   badges: readonly Pick<IconMark, "icon" | "ink">[],
   alpha: number,
 ): void {
-  const { measure, modes } = builder.input;
+  const { measure } = builder.input;
   const size = node.extent >= 84 ? TEXT.usual : TEXT.small;
   const pitch = size * 1.25;
   const room = node.width - (node.extent >= DETAIL.ports ? 18 : 8);
   const top = freeFrom(builder, node);
   const height = node.y + node.height - top;
   const rows = Math.min(3, Math.floor(height / pitch));
-  const lines =
-    modes.names && rows > 0 ? wrappedName(node.at.state.name, room, rows, size, measure) : [];
+  const lines = rows > 0 ? wrappedName(node.at.state.name, room, rows, size, measure) : [];
   const middle = top + height / 2;
   let y = middle - ((lines.length - 1) * pitch) / 2;
   for (const text of lines) {

@@ -45,8 +45,13 @@ export function portMarks(
       stroke: outlineOf(builder, port),
       alpha: Math.max(alpha, builder.focused.has(node.at.path) ? 1 : 0),
     });
+    if (port.kind === "income") continue;
     const place = { x, y, side, alpha: named, open, size };
-    if (port.kind !== "income") words(builder, node, port, place, taken);
+    // The name of a connected outcome is on the transition until it is here.
+    const isOnLine = port.kind === "outcome" && connected.has(port.key);
+    if (named > 0) largeWords(builder, node, port, place, taken);
+    else if (!isOnLine) smallWords(builder, node, port, { ...place, alpha }, taken);
+    pointedWords(builder, port, place);
   }
 }
 
@@ -106,46 +111,111 @@ function direction(
   return port.kind === "income" || port.kind === "input" ? { toX: -toX, toY: -toY } : { toX, toY };
 }
 
-/** Its name with the value, or the value alone where there is no room for names. */
-function words(
+/** Its name with the value, the name alone beside states inside; without names the value. */
+function largeWords(
   builder: SceneBuilder,
   node: SceneNode,
   port: PortPlace,
-  place: Omit<LabelPlace, "text">,
+  place: WordsPlace,
   taken: TakenNames,
 ): void {
-  const chip = builder.input.values.get(port.key);
-  if (place.alpha > 0) {
-    const text = portText(builder, node, port, chip);
-    const isShort = text === port.name || hasRoom(builder, node, place, text);
-    label(builder, node, port, { ...place, text: isShort ? text : port.name }, taken);
-  } else if (chip && node.extent >= CHIPS) {
-    label(builder, node, port, { ...place, alpha: 1, open: true, text: chip.short }, taken);
+  const { modes, values } = builder.input;
+  const value = valueText(builder, node, port, values.get(port.key));
+  const whole = wordsOf(builder, port, value);
+  const isNameAlone = modes.portNames && value !== null && !hasRoom(builder, node, place, whole);
+  const text = isNameAlone ? port.name : whole;
+  const room = isUpright(place.side) ? node.width * 0.42 : 150;
+  if (text !== "") label(builder, node, port, { ...place, text, room }, taken);
+}
+
+/** The value of the run with the name if there is room for both; a name without a value only where all of it fits. */
+function smallWords(
+  builder: SceneBuilder,
+  node: SceneNode,
+  port: PortPlace,
+  place: WordsPlace,
+  taken: TakenNames,
+): void {
+  const chip = node.extent >= CHIPS ? builder.input.values.get(port.key) : undefined;
+  const text = wordsOf(builder, port, chip?.short ?? null);
+  const fits = text !== "" && fitsWhole(builder, node, place, text);
+  if (chip) {
+    const room = fits ? node.width : node.width * 0.42;
+    const words = { alpha: 1, open: true, text: fits ? text : chip.short, room };
+    label(builder, node, port, { ...place, ...words }, taken);
+  } else if (fits && place.alpha > 0) {
+    const words = { text, room: node.width, isSpare: true };
+    label(builder, node, port, { ...place, ...words }, taken);
   }
-  if (!chip || !isHovered(builder, port)) return;
-  builder.pointed = { x: place.x, y: place.y, text: chip.full };
+}
+
+/** The value at the port under the pointer, in full. */
+function pointedWords(builder: SceneBuilder, port: PortPlace, { x, y }: WordsPlace): void {
+  const chip = builder.input.values.get(port.key);
+  if (chip && isHovered(builder, port)) builder.pointed = { x, y, text: chip.full };
+}
+
+/** Whether a text has room in a small state, beside what is inside. */
+function fitsWhole(
+  builder: SceneBuilder,
+  node: SceneNode,
+  { x, y, side, open, size }: WordsPlace,
+  text: string,
+): boolean {
+  const width = builder.input.measure(text, TEXT.small, false);
+  const away = awayFrom(size);
+  if (isUpright(side)) {
+    const middle = x + (side === "left" ? 1 : -1) * (away + width / 2);
+    if (width + 2 * away > node.width) return false;
+    return !open || isClear(node, { x: middle, y }, width, PLATE);
+  }
+  if (x - width / 2 < node.x + 4 || x + width / 2 > node.x + node.width - 4) return false;
+  return !open || isClear(node, { x, y: rowBelow(side, y, size) }, width, PLATE);
 }
 
 /** Whether a text lies beside all states inside: values are no reason to cover them. */
 function hasRoom(
   builder: SceneBuilder,
   node: SceneNode,
-  { x, y, side, open }: Omit<LabelPlace, "text">,
+  { x, y, side, open }: WordsPlace,
   text: string,
 ): boolean {
-  if (!open || side === "top" || side === "bottom") return true;
+  if (!open || !isUpright(side)) return true;
   const width = builder.input.measure(text, TEXT.small, false) + 16;
   return isClear(node, { x: side === "left" ? x + width / 2 : x - width / 2, y }, width);
 }
 
-interface LabelPlace {
+/** Where the words of a port are put. */
+interface WordsPlace {
   readonly x: number;
   readonly y: number;
   readonly side: PortSide;
   readonly alpha: number;
   readonly open: boolean;
   readonly size: number;
+}
+
+interface LabelPlace extends WordsPlace {
   readonly text: string;
+  /** A longer text is cut. */
+  readonly room: number;
+  /** True if labels and names of larger states go first. */
+  readonly isSpare?: boolean;
+}
+
+function isUpright(side: PortSide): boolean {
+  return side === "left" || side === "right";
+}
+
+/** From the middle of a port to its words. */
+function awayFrom(size: number): number {
+  return size / 2 + 5;
+}
+
+/** The row of words at a port in the upper or lower border. */
+function rowBelow(side: PortSide, y: number, size: number): number {
+  const away = awayFrom(size) + 5;
+  return side === "top" ? y + away : y - away;
 }
 
 const ROW = 14;
@@ -159,24 +229,18 @@ function label(
   taken: TakenNames,
 ): void {
   const { side } = place;
-  const isUpright = side === "left" || side === "right";
-  const text = cut(
-    place.text,
-    isUpright ? node.width * 0.42 : 150,
-    TEXT.small,
-    false,
-    builder.input.measure,
-  );
+  const isBeside = isUpright(side);
+  const text = cut(place.text, place.room, TEXT.small, false, builder.input.measure);
   const width = builder.input.measure(text, TEXT.small, false);
-  const along = isUpright ? place.y : place.x;
-  const apart = isUpright ? ROW : width + 8;
+  const along = isBeside ? place.y : place.x;
+  const apart = isBeside ? ROW : width + 8;
   if (text === "" || taken[side].some((other) => Math.abs(other - along) < apart)) return;
   taken[side].push(along);
-  const away = place.size / 2 + 5;
+  const away = awayFrom(place.size);
   const align = side === "left" ? "left" : side === "right" ? "right" : "center";
   const inwards = side === "left" ? away : -away;
   const beside = { x: place.x + inwards, y: place.y };
-  const [x, y] = isUpright
+  const [x, y] = isBeside
     ? [
         beside.x,
         rowOf(
@@ -188,8 +252,9 @@ function label(
           width,
         ),
       ]
-    : [place.x, place.y + (side === "top" ? away + 5 : -away - 5)];
-  builder.portNames.push({
+    : [place.x, rowBelow(side, place.y, place.size)];
+  const names = place.isSpare ? builder.smallPortNames : builder.portNames;
+  names.push({
     what: `${port.key} name`,
     x,
     y,
@@ -235,22 +300,28 @@ function isHovered({ input: { hovered } }: SceneBuilder, port: PortPlace): boole
   return hovered !== null && keyOf(hovered) === port.key;
 }
 
-/** The name, and the value that stands there, or what goes in if nothing else does. */
-function portText(
+/** The name and the value, as far as they are wanted; empty without both. */
+function wordsOf({ input }: SceneBuilder, { name }: PortPlace, value: string | null): string {
+  if (!input.modes.portNames) return value ?? "";
+  return value === null ? name : `${name} = ${value}`;
+}
+
+/** The value that is there, or what goes in if nothing else does; null if there is none to show. */
+function valueText(
   builder: SceneBuilder,
   { at }: SceneNode,
   port: PortPlace,
   chip: ValueChip | undefined,
-): string {
-  if (!builder.input.modes.values) return port.name;
-  if (chip) return `${port.name} = ${chip.short}`;
+): string | null {
+  if (!builder.input.modes.values) return null;
+  if (chip) return chip.short;
   const hasPreset = port.kind === "input" || port.kind === "scoped_variable";
   // Of a run only what was: a default is no value that anything had.
-  if (!hasPreset || builder.input.runs.size > 0) return port.name;
+  if (!hasPreset || builder.input.runs.size > 0) return null;
   const value = presetOf(at.state, port.kind, port.id);
-  if (value === undefined || value === null) return port.name;
+  if (value === undefined || value === null) return null;
   const text = python(value);
-  return `${port.name} = ${text.length > VALUE ? `${text.slice(0, VALUE - 1)}…` : text}`;
+  return text.length > VALUE ? `${text.slice(0, VALUE - 1)}…` : text;
 }
 
 /** What is set for a port: by the library state, or as its default. */

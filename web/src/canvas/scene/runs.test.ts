@@ -182,8 +182,11 @@ describe("values at ports", () => {
   const key = `input:R/B:${MACHINE.state("R/B")?.inputs?.[0]?.id}`;
   const values = new Map([[key, { short: "list ⟨9⟩", full: "1 2 3 4 5 6 7 8 9" }]]);
 
-  test("are chips as soon as there is room, and stand behind names later", () => {
-    expect(about(`${key} name`, {}, 1, { values }).join()).toContain('"list ⟨9⟩"');
+  test("are chips as soon as there is room, and stand behind names where both fit", () => {
+    const long = new Map([[key, { short: "list of nine ⟨9⟩", full: "" }]]);
+    const alone = about(`${key} name`, {}, 1, { values: long }).join();
+    expect([alone.includes('"list'), alone.includes("pose")]).toEqual([true, false]);
+    expect(about(`${key} name`, {}, 1, { values }).join()).toContain('"pose = list ⟨9⟩"');
     expect(about(`${key} name`, {}, 3, { values }).join()).toContain('"pose = list ⟨9⟩"');
     expect(about(`${key} name`, {}, 0.5, { values })).toEqual([]);
   });

@@ -75,6 +75,7 @@ describe("how much shows depends on the size on the screen", () => {
       '1 text state:R/A name "Look" 36 33 11px text',
       '1 text state:R/A name "for…" 36 47 11px text',
       '1 text state:R/B name "Grasp it" 116 48 11px text',
+      '3 text outcome:R:0 name "done" 151 12 11px soft',
     ]);
   });
 
@@ -89,6 +90,39 @@ describe("how much shows depends on the size on the screen", () => {
       "transition:R/B:1",
     ]);
     expect(about(lines, "dot input:R/B:0")).toHaveLength(1);
+  });
+});
+
+describe("names of ports", () => {
+  const machine = machineOf(
+    sketch(`
+      R hierarchy 0 0 600 400 outcome done
+        A "Look" execution 40 60 104 104 outcome seen output pose:list
+        B "Take" execution 240 60 104 104 input the_pose_of_the_part:list
+        C "Put" execution 440 60 104 104 outcome placed
+        A.seen > B
+    `),
+  );
+  const names = (modes: Partial<SceneInput["modes"]> = {}, scale = 1) => {
+    const camera = { x: 0, y: 0, scale };
+    const lines = listText(scene(input(machine, camera, { modes: { ...MODES, ...modes } })));
+    return about(lines.split("\n"), " name ").flatMap(
+      (line) => /text (?!state)\S+:R\/(\S+) name ("[^"]*")/.exec(line)?.slice(1).join(" ") ?? [],
+    );
+  };
+
+  test("show beside small states where all of a name fits and no transition has it", () => {
+    expect(names()).toEqual(['A:0 "pose"', 'C:0 "placed"']);
+    expect(names({}, 0.65)).toEqual([]);
+  });
+
+  test("are hidden with those on transitions, and names of states stay", () => {
+    for (const scale of [1, 3]) expect(names({ portNames: false }, scale)).toEqual([]);
+    const list = scene(
+      input(machine, { x: 0, y: 0, scale: 1 }, { modes: { ...MODES, portNames: false } }),
+    );
+    expect(about(listText(list).split("\n"), "label")).toEqual([]);
+    expect(about(listText(list).split("\n"), 'state:R/A name "Look"')).toHaveLength(1);
   });
 });
 

@@ -114,7 +114,8 @@ export function stickyMarks(builder: SceneBuilder): void {
   edges(builder, layer, shade(node.depth + 1));
   for (const port of sticky.ports) {
     layer.dots.push(stuckDot(builder, port));
-    const named = port.port.kind !== "income" && (port.side === "left" || port.side === "right");
+    const isBeside = port.side === "left" || port.side === "right";
+    const named = builder.input.modes.portNames && port.port.kind !== "income" && isBeside;
     if (named) builder.portNames.push(stuckName(builder, port, groundInk(node)));
   }
 }

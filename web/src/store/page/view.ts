@@ -18,7 +18,8 @@ export type FlowMode = "all" | "selection" | "none";
 export interface ViewModes {
   readonly transitions: boolean;
   readonly dataFlows: FlowMode;
-  readonly names: boolean;
+  /** Names of ports and outcomes, beside them and on transitions. */
+  readonly portNames: boolean;
   readonly values: boolean;
   /** Whether aborted and preempted show where nothing is connected to them. */
   readonly aborted: boolean;
@@ -68,7 +69,7 @@ export interface SessionView {
 export const MODES: ViewModes = {
   transitions: true,
   dataFlows: "selection",
-  names: true,
+  portNames: true,
   values: true,
   aborted: false,
   grid: false,
