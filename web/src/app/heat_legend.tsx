@@ -17,7 +17,7 @@ export function HeatLegend({ tab }: { readonly tab: OpenTab }) {
   if (mode === "off" || most === null) return null;
   const [what, least, much] =
     mode === "count"
-      ? ["How often states ran", "1×", `${most}×`]
+      ? ["How often states ran", "1×", `${most.toLocaleString("en")}×`]
       : ["How long states ran in total", "0 s", duration(most)];
   const when = isPast ? ", up to this moment" : "";
   return (

@@ -79,7 +79,7 @@ export function article(word: string): string {
   return `${/^[aeiou]/i.test(word) ? "an" : "a"} ${word}`;
 }
 
-/** `state`, `3 states`. */
+/** `state`, `1,300 states`. */
 export function counted(count: number, word: string): string {
-  return count === 1 ? word : `${count} ${word}s`;
+  return count === 1 ? word : `${count.toLocaleString("en")} ${word}s`;
 }

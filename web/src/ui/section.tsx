@@ -39,7 +39,9 @@ export function Section({ title, count, actions, children, ...rest }: SectionPro
           >
             <ChevronRight size={14} aria-hidden />
             <span id={id}>{title}</span>
-            {count !== undefined && <span className="section-count">{count}</span>}
+            {count !== undefined && (
+              <span className="section-count">{count.toLocaleString("en")}</span>
+            )}
           </button>
         </h3>
         {actions}

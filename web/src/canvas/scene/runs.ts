@@ -326,7 +326,7 @@ function plateMarks(
   if (node.extent < PLATE) return;
   const { measure, visits } = builder.input;
   const count = visits(node.at.path);
-  const times = count > 0 ? `${count}×` : "";
+  const times = count > 0 ? `${count.toLocaleString("en")}×` : "";
   const room = node.width - 16 - (side > 0 ? 4 : 0);
   const wanted = [...words.map((text) => joined(text, times)), times];
   const text = wanted.find((each) => measure(each, TEXT.small, false) <= room);

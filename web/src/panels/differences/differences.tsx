@@ -148,6 +148,6 @@ function counted(all: readonly Difference[]): string {
   const counts = (["added", "removed", "changed"] as const)
     .map((kind) => ({ kind, many: all.filter((each) => each.kind === kind).length }))
     .filter(({ many }) => many > 0)
-    .map(({ kind, many }) => `${many} ${kind}`);
+    .map(({ kind, many }) => `${many.toLocaleString("en")} ${kind}`);
   return counts.join(", ");
 }

@@ -119,7 +119,7 @@ function Facts({ watch, status }: FactsProps) {
         </>
       ) : null}
       <dt>Visits</dt>
-      <dd>{visits}</dd>
+      <dd>{visits.toLocaleString("en")}</dd>
       {left?.outcome ? (
         <>
           <dt>Last outcome</dt>

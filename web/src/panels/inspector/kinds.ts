@@ -48,7 +48,7 @@ export const ELEMENT_WORDS: Readonly<Record<ElementKind, string>> = {
   data_flow: "data flow",
 };
 
-/** `1 state`, `3 data flows`. */
+/** `1 state`, `1,300 data flows`. */
 export function counted(count: number, word: string): string {
-  return `${count} ${word}${count === 1 ? "" : "s"}`;
+  return `${count.toLocaleString("en")} ${word}${count === 1 ? "" : "s"}`;
 }

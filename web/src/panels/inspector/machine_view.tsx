@@ -77,7 +77,7 @@ function Counts({ tab: { session } }: { tab: OpenTab }) {
         {counts.map(([word, count]) => (
           <div key={word}>
             <dt>{word}</dt>
-            <dd>{count}</dd>
+            <dd>{count.toLocaleString("en")}</dd>
           </div>
         ))}
       </dl>

@@ -215,7 +215,7 @@ function List({ results, total, text, several }: ResultListProps) {
 }
 
 function countInWords(total: number): string {
-  const places = `${total} ${total === 1 ? "place" : "places"}`;
+  const places = `${total.toLocaleString("en")} ${total === 1 ? "place" : "places"}`;
   return total > SHOWN_MAX ? `${places}, the best ${SHOWN_MAX} of them` : places;
 }
 

@@ -87,8 +87,10 @@ function OfRun({ tab, watch }: { tab: OpenTab; watch: Watch }) {
 function factOf(statistics: Counted | null, isPast: boolean): string {
   if (!statistics) return "counting…";
   const { states, sequence } = statistics;
-  const many = `${states.length} ${states.length === 1 ? "state" : "states"}`;
-  return isPast ? `${many}, up to this moment` : `${many}, up to event ${sequence}`;
+  const many = `${states.length.toLocaleString("en")} ${states.length === 1 ? "state" : "states"}`;
+  return isPast
+    ? `${many}, up to this moment`
+    : `${many}, up to event ${sequence.toLocaleString("en")}`;
 }
 
 interface StatisticsRowsProps {
@@ -175,10 +177,10 @@ function allColumns(states: readonly StateStatistics[]): readonly TableColumn<St
     {
       key: "count",
       title: "Count",
-      width: "56px",
+      width: "64px",
       align: "right",
       sortable: true,
-      cell: ({ count }) => count,
+      cell: ({ count }) => count.toLocaleString("en"),
     },
     time("total", "Total", ({ total_ns }) => total_ns),
     time("min", "Min", ({ min_ns }) => min_ns),
@@ -237,13 +239,15 @@ function Spread({ row, scale }: SpreadProps) {
 }
 
 function Outcomes({ row: { outcomes } }: { row: StateStatistics }) {
-  const words = outcomes.map(({ outcome, count }) => `${outcome.name} ${count}`).join(", ");
+  const words = outcomes
+    .map(({ outcome, count }) => `${outcome.name} ${count.toLocaleString("en")}`)
+    .join(", ");
   return (
     <span title={words}>
       {outcomes.map(({ outcome, count }, index) => (
         <span key={outcome.id} className={classOf(outcome.id)}>
           {index > 0 ? ", " : ""}
-          {outcome.name} {count}
+          {outcome.name} {count.toLocaleString("en")}
         </span>
       ))}
     </span>
