@@ -1,6 +1,7 @@
 /** What a planner's answers are in words. */
 
 import type { PlanFound } from "../../model/generated/protocol.ts";
+import { inPageWords } from "../../model/page_words.ts";
 import type { Planning } from "../../store/planner/planner.ts";
 
 /** How planning went; empty where nothing is to be said. */
@@ -25,7 +26,8 @@ export function planningInWords(planning: Planning, now_ms: number): string {
   }
 }
 
-function sentence(text: string): string {
+function sentence(message: string): string {
+  const text = inPageWords(message);
   const end = /[.!?]$/.test(text) ? "" : ".";
   return text.charAt(0).toUpperCase() + text.slice(1) + end;
 }

@@ -9,6 +9,7 @@ import type {
   Topic,
   ToServer,
 } from "../../model/generated/protocol.ts";
+import { inPageWords } from "../../model/page_words.ts";
 
 /** How the connection is. */
 export type Link =
@@ -47,7 +48,7 @@ export class RefusalError extends Error {
   readonly status: number;
 
   constructor(refusal: Refusal, status: number) {
-    super(refusal.message);
+    super(inPageWords(refusal.message));
     this.name = "RefusalError";
     this.code = refusal.code;
     this.status = status;

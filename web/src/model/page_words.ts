@@ -1,0 +1,14 @@
+/** Messages of the server in the words of the page: without addresses of its interface and options of its commands. */
+
+/** What other interfaces offer, and what the page says instead. */
+const OTHERS: readonly (readonly [RegExp, string])[] = [
+  [/: (?:GET )?\/api\/v1\/\S+ lists them$/, ""],
+  [/, or name another with `--engine`/, ", or choose another engine"],
+  [/; try another engine \(`--engine`\)/, "; try another engine"],
+  [/: give it more time \(`--time-limit`\)/, ": give it more time"],
+  [/: plan without `--parallel` and durations/, ": plan without parallel steps and durations"],
+];
+
+export function inPageWords(message: string): string {
+  return OTHERS.reduce((text, [words, instead]) => text.replace(words, instead), message);
+}
