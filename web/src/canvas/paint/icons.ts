@@ -24,7 +24,13 @@ const SIGNS: Readonly<Record<Icon, Sign>> = {
       [0, -0.6, -0.9, -0.85, -0.9, 0.6, 0, 0.85, 0.9, 0.6, 0.9, -0.85, 0, -0.6],
     ],
   },
-  missing: { stroke: CROSS, ring: true },
+  missing: {
+    stroke: [
+      [-0.35, -0.3, -0.3, -0.5, 0, -0.6, 0.3, -0.5, 0.35, -0.25, 0.2, 0, 0, 0.15, 0, 0.3],
+      [0, 0.55, 0, 0.6],
+    ],
+    ring: true,
+  },
   barrier: {
     stroke: [
       [-0.9, -0.6, 0.5, -0.6],
@@ -42,7 +48,13 @@ const SIGNS: Readonly<Record<Icon, Sign>> = {
     ],
   },
   decider: { stroke: [[0, -0.9, 0.9, 0, 0, 0.9, -0.9, 0, 0, -0.9]] },
-  error: { stroke: CROSS, ring: true },
+  error: {
+    stroke: [
+      [0, -0.55, 0, 0.15],
+      [0, 0.5, 0, 0.55],
+    ],
+    ring: true,
+  },
   warning: {
     stroke: [
       [0, -0.9, 1, 0.85, -1, 0.85, 0, -0.9],
