@@ -1,6 +1,6 @@
 /** Names of states: of a container on a plate at its top, of others in their middle; and the badges beside them. */
 
-import type { Box } from "../../model/geometry.ts";
+import type { Box, Point, Size } from "../../model/geometry.ts";
 import type { SceneBuilder, SceneNode } from "./builder.ts";
 import { DETAIL, fade, TEXT } from "./detail.ts";
 import type { Icon, IconMark, Layer } from "./list.ts";
@@ -84,26 +84,61 @@ function plateMarks(
 /** Room for what a run shows in the upper right corner. */
 const SIGNS = 34;
 
-function free(
-  builder: SceneBuilder,
-  node: SceneNode,
-  { width, height }: { readonly width: number; readonly height: number },
-): { readonly x: number; readonly y: number } | null {
+function free(builder: SceneBuilder, node: SceneNode, { width, height }: Size): Point | null {
   const name = node.at.name;
   const signs = builder.input.runs.has(node.at.path) ? SIGNS : 0;
   const right = Math.min(node.x + node.width, builder.width) - width - 4 - signs;
   const bottom = Math.min(node.y + node.height, builder.height) - height - 2;
   const edge = builder.isCoveredBy(node) ? FRAME + 6 : 4;
   const x = Math.min(Math.max(node.x + Math.min(name.x * node.scale, 10), edge), right);
-  let y = Math.max(node.y + Math.min(name.y * node.scale, 6), edge);
-  let left = Math.max(x, node.x + 2);
-  for (const plate of builder.plates) {
-    if (!meets(plate, left, y, width, height)) continue;
-    if (plate.x + plate.width + 6 <= right) left = plate.x + plate.width + 6;
-    else if (node.extent < DETAIL.labels) return null;
-    else y = plate.y + plate.height + 2;
-  }
-  return y > bottom || left > right + 1 ? null : { x: left, y };
+  const left = Math.max(x, node.x + 2);
+  const top = Math.max(node.y + Math.min(name.y * node.scale, 6), edge);
+  const fits = (at: Point) =>
+    at.y <= bottom &&
+    at.x <= right + 1 &&
+    !builder.plates.some((plate) => meets(plate, at.x, at.y, width, height));
+  const own = { x: left, y: top };
+  if (fits(own)) return own;
+  // Elsewhere it lies on no state inside: it would be read as the name of that.
+  const isPlace = (at: Point) => fits(at) && isOnGround(node, at, { width, height });
+  return (
+    elsewhere(builder, own, { x: left, y: bottom - 2 }, { width, height }).find(isPlace) ?? null
+  );
+}
+
+/** Places for a name whose own place is taken: beside the plates there, below them, and in the lower left. */
+function elsewhere(
+  { plates }: SceneBuilder,
+  own: Point,
+  lowerLeft: Point,
+  { width, height }: Size,
+): readonly Point[] {
+  const met = plates.filter((plate) =>
+    meets(plate, own.x, own.y, Number.POSITIVE_INFINITY, height),
+  );
+  const below = plates.filter((plate) =>
+    meets(plate, own.x, own.y, width, Number.POSITIVE_INFINITY),
+  );
+  return [
+    ...met.map((plate) => ({ x: plate.x + plate.width + 6, y: own.y })),
+    ...below.map((plate) => ({ x: own.x, y: plate.y + plate.height + 2 })),
+    lowerLeft,
+  ];
+}
+
+/** Whether a plate lies beside all states inside. */
+function isOnGround(node: SceneNode, { x, y }: Point, { width, height }: Size): boolean {
+  let isFree = true;
+  const area = {
+    x: (x - node.x) / node.scale,
+    y: (y - node.y) / node.scale,
+    width: width / node.scale,
+    height: height / node.scale,
+  };
+  node.at.eachChild(area, () => {
+    isFree = false;
+  });
+  return isFree;
 }
 
 function meets(plate: Box, x: number, y: number, width: number, height: number): boolean {

@@ -1,4 +1,5 @@
 import { expect, test } from "vitest";
+import { contains } from "../../model/geometry.ts";
 import { machineOf } from "../../model/plain.ts";
 import { sketch } from "../../model/testing/sketch.ts";
 import { MODES } from "../../store/page/view.ts";
@@ -138,6 +139,32 @@ function covered(shown: Shown): readonly string[] {
   }
   return [...found];
 }
+
+/** Names of containers that lie on a state inside, away from the corner that tells whose names they are. */
+function astray(): readonly string[] {
+  const found = new Set<string>();
+  for (let scale = 0.05; scale < 12; scale *= 1.17) {
+    for (const { what, text, x, y, plate } of textsOf(scale, -20, -20, PLAINLY)) {
+      const path = /^state:(\S+) name$/.exec(what)?.[1];
+      const box = path && LAYOUT.box(path);
+      if (!path || !box || plate === null) continue;
+      const isOwn = x - (box.x + 20) * scale < 60 && y - (box.y + 20) * scale < 20;
+      const at = { x: x / scale - 20, y: y / scale - 20 };
+      const child = PATHS.find((each) => {
+        const inner = each.startsWith(`${path}/`) && LAYOUT.box(each);
+        return inner && contains(inner, at);
+      });
+      if (!isOwn && child) found.add(`${text} on ${child} at ${scale.toFixed(2)}`);
+    }
+  }
+  return [...found];
+}
+
+const PLAINLY: Shown = { isRunning: true, isWatched: false };
+
+test("the name of a container lies on no state inside, but in the container's own corner", () => {
+  expect(astray()).toEqual([]);
+});
 
 test.each([
   { isRunning: false, isWatched: false },
