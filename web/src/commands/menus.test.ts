@@ -74,6 +74,15 @@ test("a container can be ungrouped, and takes scoped variables; others do not", 
   expect(titles("state:R/A")).toContain("[Scoped variable]");
 });
 
+test("the menu of a state fits a screen of 720 pixels", () => {
+  const [ENTRY, SEPARATOR, BORDERS] = [26, 9, 10];
+  for (const key of ["state:R", "state:R/A", "state:R/B", "state:R/L"]) {
+    const heights = menuOf(key).map((entry): number => (entry === "—" ? SEPARATOR : ENTRY));
+    expect(heights.reduce((sum, height) => sum + height, BORDERS)).toBeLessThan(720);
+  }
+  expect(menuOf("state:R/A")).toContain("Layout ▸");
+});
+
 test("a library is opened, shown and substituted, and its kind stays", () => {
   const menu = menuOf("state:R/L");
   expect(menu).toContain("Open library separately");

@@ -138,6 +138,12 @@ const ARRANGE = {
   ],
 };
 
+/** All that arranges a state and what is inside. */
+const LAYOUT = {
+  title: "Layout",
+  of: [...ARRANGE.of, "arrange.layout-level", "arrange.layout-all", "arrange.fit-content"],
+};
+
 const RUN = {
   title: "Run",
   of: ["run.start-here", "run.stop-here", "run.selected", "run.only-selected"],
@@ -150,7 +156,7 @@ const STATE: Recipe = [
   [ADD, CONNECT],
   CLIPBOARD,
   ["edit.rename", "arrange.group", "arrange.ungroup", "arrange.substitute", "arrange.change-kind"],
-  [ARRANGE, "arrange.layout-level", "arrange.layout-all", "arrange.fit-content"],
+  [LAYOUT],
   BREAK,
   ["file.save-state", "arrange.background"],
   ["view.zoom-selection"],
