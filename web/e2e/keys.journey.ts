@@ -45,6 +45,16 @@ journey(
   },
 );
 
+journey("a notice lies on the canvas and covers no panel", HERE, async ({ app }) => {
+  await app.select("PACKER");
+  await app.press("Control+Shift+Alt+u");
+  const toast = app.sheet.locator(".toast");
+  const canvas = app.sheet.locator(".canvas-place");
+  const [on, around] = [await toast.boundingBox(), await canvas.boundingBox()];
+  expect(on && around && on.y + on.height <= around.y + around.height).toBe(true);
+  expect(on && around && on.x >= around.x && on.x + on.width <= around.x + around.width).toBe(true);
+});
+
 journey("Enter of an input method is not the page's", HERE, async ({ app }) => {
   await app.select(FULL);
   await app.press("F2");

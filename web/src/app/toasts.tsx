@@ -1,7 +1,7 @@
 /** Notices for some seconds at the lower edge. The notice centre keeps them until they are closed, the log for longer. */
 
 import { CircleAlert, Info, TriangleAlert, X } from "lucide-react";
-import { useEffect, useRef, useState } from "react";
+import { useEffect, useLayoutEffect, useRef, useState } from "react";
 import { MISSION_PANEL } from "../commands/mission.ts";
 import { closeNotices, keyOfNotice, noticeText } from "../store/page/notices.ts";
 import type { Notice } from "../store/page/page.ts";
@@ -39,9 +39,11 @@ export function Toasts() {
     const left = shown.filter((notice) => machineOf(notice) === machine).map(({ id }) => id);
     if (left.length > 0) setGone((before) => new Set([...before, ...left]));
   });
+  const area = useCanvasArea(shown.length > 0);
   return (
     <section
-      className={isAside ? "toasts toasts-aside" : "toasts"}
+      className={area ? "toasts toasts-on-canvas" : isAside ? "toasts toasts-aside" : "toasts"}
+      style={area ?? undefined}
       aria-label="Notices"
       aria-live="polite"
     >
@@ -55,6 +57,48 @@ export function Toasts() {
       ))}
     </section>
   );
+}
+
+/** The least size of a canvas that has room for toasts, in CSS pixels. */
+const ROOM = { width: 320, height: 160 };
+const EDGE_PX = 12;
+/** Width of the overview, which is in the lower right corner. */
+const OVERVIEW_PX = 180;
+/** Least and largest width of toasts. */
+const WIDTH_PX = { least: 290, most: 720 };
+
+interface ToastArea {
+  readonly left: number;
+  readonly bottom: number;
+  readonly maxWidth: number;
+}
+
+/** Where toasts lie upon the canvas and on no panel; null if the canvas is not in sight, or has no room for them. */
+function useCanvasArea(hasToasts: boolean): ToastArea | null {
+  const canvas = useSignal(useSession().canvas);
+  const [area, setArea] = useState<ToastArea | null>(null);
+  useLayoutEffect(() => {
+    const place = canvas && hasToasts ? document.querySelector(".canvas-place") : null;
+    if (!place) return setArea(null);
+    const measure = () => {
+      const box = place.getBoundingClientRect();
+      const isRoomy = box.width >= ROOM.width && box.height >= ROOM.height;
+      if (!isRoomy) return setArea(null);
+      setArea({
+        left: box.left + EDGE_PX,
+        bottom: window.innerHeight - box.bottom + EDGE_PX,
+        maxWidth: Math.min(
+          WIDTH_PX.most,
+          Math.max(WIDTH_PX.least, box.width - OVERVIEW_PX - 2 * EDGE_PX),
+        ),
+      });
+    };
+    measure();
+    const sizes = new ResizeObserver(measure);
+    sizes.observe(place);
+    return () => sizes.disconnect();
+  }, [canvas, hasToasts]);
+  return area;
 }
 
 function machineOf({ about, passing }: Notice): string | undefined {
