@@ -116,7 +116,7 @@ function Centre({ open, onClose }: { open: readonly Notice[]; onClose: () => voi
   );
 }
 
-/** What the notice centre does not list. */
+/** Numbers of notices that are not listed. */
 function More({ count, dropped }: { readonly count: number; readonly dropped: number }) {
   if (count === 0 && dropped === 0) return null;
   return (

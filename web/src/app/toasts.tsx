@@ -73,7 +73,7 @@ interface ToastArea {
   readonly maxWidth: number;
 }
 
-/** Where toasts lie upon the canvas and on no panel; null if the canvas is not in sight, or has no room for them. */
+/** Place of toasts on the canvas; null if the canvas is not in sight or too small. */
 function useCanvasArea(hasToasts: boolean): ToastArea | null {
   const canvas = useSignal(useSession().canvas);
   const [area, setArea] = useState<ToastArea | null>(null);

@@ -6,12 +6,12 @@ import type { IconMark, Layer, TextMark } from "./list.ts";
 /** How coarse the board is that remembers what is written where, in CSS pixels. */
 const CELL = 64;
 const HEIGHT = 14;
-/** Lines to one goal that have run into each other have one label in so many CSS pixels. */
+/** Distance of equal labels in one row, on lines to one goal, up to which one of them is left out, in CSS pixels. */
 const REPEATED = 200;
 
 /** A text that is written where nothing else is. */
 export interface Label extends TextMark {
-  /** Of the name on a transition: where that leads. */
+  /** The end of the labelled transition. */
   readonly goal?: string;
 }
 
@@ -25,7 +25,7 @@ export interface SignPlace {
   readonly icons: readonly IconMark[];
 }
 
-/** What looks for a place that is clear of names. */
+/** Marks with several possible places, which keep off names. */
 export interface SignGroup {
   readonly layer: Layer;
   /** The best first. */
@@ -77,7 +77,7 @@ function iconArea({ x, y, size }: IconMark): LabelSpan {
   return { left: x - size / 2, right: x + size / 2, y };
 }
 
-/** Whether a line that leads to the same goal has the same label in the same row: the lines have run into each other there. */
+/** True if a line to the same goal has the same label in this row: both lines share the piece. */
 function isRepeated(
   written: readonly WrittenLabel[],
   { text, goal }: Label,

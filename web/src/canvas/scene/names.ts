@@ -126,7 +126,7 @@ function elsewhere(
   ];
 }
 
-/** Whether a plate lies beside all states inside. */
+/** True if a plate covers no state inside. */
 function isOnGround(node: SceneNode, { x, y }: Point, { width, height }: Size): boolean {
   let isFree = true;
   const area = {

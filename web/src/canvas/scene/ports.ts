@@ -155,7 +155,7 @@ function pointedWords(builder: SceneBuilder, port: PortPlace, { x, y }: WordsPla
   if (chip && isHovered(builder, port)) builder.pointed = { x, y, text: chip.full };
 }
 
-/** Whether a text has room in a small state, beside what is inside. */
+/** True if a text fits into a small state and covers no state inside. */
 function fitsWhole(
   builder: SceneBuilder,
   node: SceneNode,
@@ -185,7 +185,7 @@ function hasRoom(
   return isClear(node, { x: side === "left" ? x + width / 2 : x - width / 2, y }, width);
 }
 
-/** Where the words of a port are put. */
+/** Place of a port and of its words. */
 interface WordsPlace {
   readonly x: number;
   readonly y: number;
@@ -300,13 +300,13 @@ function isHovered({ input: { hovered } }: SceneBuilder, port: PortPlace): boole
   return hovered !== null && keyOf(hovered) === port.key;
 }
 
-/** The name and the value, as far as they are wanted; empty without both. */
+/** The name and the value, as far as both are switched on. */
 function wordsOf({ input }: SceneBuilder, { name }: PortPlace, value: string | null): string {
   if (!input.modes.portNames) return value ?? "";
   return value === null ? name : `${name} = ${value}`;
 }
 
-/** The value that is there, or what goes in if nothing else does; null if there is none to show. */
+/** The value of the run or the preset; null without one. */
 function valueText(
   builder: SceneBuilder,
   { at }: SceneNode,

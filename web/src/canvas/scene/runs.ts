@@ -257,7 +257,7 @@ function signMarks(
   return ICON;
 }
 
-/** Where the rightmost of the signs of a small state may be. */
+/** Places of the rightmost sign of a small state. */
 function corners({ x, y, width, height }: SceneNode, more: number): readonly Point[] {
   const [left, right, bottom] = [x + 3 + more, x + width - 3, y + height];
   return [
@@ -268,7 +268,7 @@ function corners({ x, y, width, height }: SceneNode, more: number): readonly Poi
   ];
 }
 
-/** How many branches run inside: to the left of the signs, or below them. */
+/** Places of the number of active branches: to the left of the signs, or below them. */
 function lanesPlaces(
   builder: SceneBuilder,
   node: SceneNode,

@@ -118,7 +118,7 @@ function dragOf(
     : snapped(box, start.others, context);
   const to = plus(wanted, snap.by);
   const by = kept(start, to, context);
-  // A line that the border keeps the states from is none that they stand on.
+  // Guides that the states do not reach, because of the border, are not shown.
   const guides = snap.guides.filter(({ from, to: end }) =>
     from.x === end.x ? by.x === to.x : by.y === to.y,
   );
