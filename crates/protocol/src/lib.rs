@@ -39,7 +39,7 @@ pub use hello::{Hello, VERSION, VersionMismatch};
 pub use launch::{Beginning, Launch};
 pub use link::{
     AT_ROBOT, AT_STATION, ClockOffset, CommandProgress, CommandStage, LinkHealth, LinkLifetime,
-    LinkReport, LinkRun, LinkTraffic, OpenCommand,
+    LinkReport, LinkRights, LinkRun, LinkTraffic, OpenCommand,
 };
 pub use message::{EnginePulse, Join, StateData, ToRunner, ToViewer};
 pub use question::{Closing, Form, Question};

@@ -42,6 +42,23 @@ pub struct LinkHealth {
     pub commands: Vec<OpenCommand>,
     /// By how much the robot's calendar is ahead. Known at a station only.
     pub clock: Option<ClockOffset>,
+    /// Rights of the station's users on the robot, by the pairing.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", ts(optional))]
+    pub rights: Option<LinkRights>,
+}
+
+/// Rights of a station's users on a robot.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
+#[serde(rename_all = "snake_case")]
+pub enum LinkRights {
+    /// See runs.
+    Observe,
+    /// Command and start runs as well.
+    Command,
+    /// Change what runs execute as well: scripts, machines, conditions.
+    Change,
 }
 
 /// A command on its way to a robot, or its answer on the way back.

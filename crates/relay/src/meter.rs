@@ -1,6 +1,7 @@
 //! What a side measures of one link, and how it tells of it.
 
 use crate::pairing::Pairing;
+use crate::rights::PairingRights;
 use rafcon_link::{Profile, Traffic};
 use rafcon_protocol::{LinkHealth, LinkReport, LinkRun, LinkTraffic};
 use rafcon_supervisor::clock;
@@ -14,6 +15,7 @@ const RATE_OVER: Duration = Duration::from_secs(2);
 pub(crate) struct LinkMeter {
     robot: String,
     station: Option<String>,
+    rights: PairingRights,
     profile: Profile,
     is_station: bool,
     down: Rate,
@@ -27,6 +29,7 @@ impl LinkMeter {
         Self {
             robot: pairing.robot.clone(),
             station: pairing.station.clone(),
+            rights: pairing.rights,
             profile: profile.clone(),
             is_station,
             down: Rate::default(),
@@ -67,6 +70,7 @@ impl LinkMeter {
             expected_every_ms: millis(expected),
             down_bytes_per_s: self.down.per_s,
             up_bytes_per_s: self.up.per_s,
+            rights: Some(self.rights.into()),
             ..LinkHealth::default()
         }
     }
@@ -129,7 +133,9 @@ pub(crate) fn millis(time: Duration) -> u64 {
 mod tests {
     use super::LinkMeter;
     use crate::pairing::Pairing;
+    use crate::rights::PairingRights;
     use rafcon_link::{Profile, Traffic};
+    use rafcon_protocol::LinkRights;
     use std::time::Duration;
 
     #[test]
@@ -143,5 +149,15 @@ mod tests {
         };
         assert_eq!([3_999, 4_000].map(|before| is_heard(true, before)), [true, false]);
         assert_eq!([6_999, 7_000].map(|before| is_heard(false, before)), [true, false]);
+    }
+
+    #[test]
+    fn the_health_of_a_link_names_the_rights_of_its_pairing() {
+        let pairing = Pairing::generate("scout", None).expect("a name");
+        let pairing = Pairing { rights: PairingRights::Observe, ..pairing };
+        let mut meter = LinkMeter::new(&pairing, &Profile::DELAY_2S, true);
+        let nothing = Traffic::default();
+        let health = meter.health(Duration::ZERO, (&nothing, &nothing), None);
+        assert_eq!(health.rights, Some(LinkRights::Observe));
     }
 }

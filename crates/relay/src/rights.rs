@@ -1,7 +1,7 @@
 //! Rights of a station on a robot. The robot enforces them: a stolen key of an observing station changes nothing.
 
-use rafcon_protocol::Command;
 use rafcon_protocol::api::Right;
+use rafcon_protocol::{Command, LinkRights};
 use std::fmt;
 use std::str::FromStr;
 
@@ -45,6 +45,16 @@ impl PairingRights {
             )
         };
         is_allowed.then_some(()).ok_or_else(refused)
+    }
+}
+
+impl From<PairingRights> for LinkRights {
+    fn from(rights: PairingRights) -> Self {
+        match rights {
+            PairingRights::Observe => Self::Observe,
+            PairingRights::Command => Self::Command,
+            PairingRights::Change => Self::Change,
+        }
     }
 }
 

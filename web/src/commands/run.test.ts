@@ -1,10 +1,11 @@
 import { signal } from "@preact/signals-core";
 import { expect, test } from "vitest";
-import type { Right, Command as RunCommand } from "../model/generated/protocol.ts";
+import type { LinkRights, Right, Command as RunCommand } from "../model/generated/protocol.ts";
 import type { Watch } from "../store/history/run.ts";
 import { keptBreakpoints, newBreakpoint } from "../store/run/breakpoints.ts";
 import { allCommands } from "./all.ts";
 import { refusalOf } from "./command.ts";
+import { cannotSetConditions } from "./run_points.ts";
 import { type TestContext, testContext } from "./testing/context.ts";
 
 const COMMANDS = allCommands();
@@ -25,6 +26,8 @@ interface Options {
   readonly phase?: string;
   readonly active?: readonly unknown[];
   readonly holder?: string | null;
+  /** Rights of the station on the robot of the run. */
+  readonly pairing?: LinkRights;
   readonly selected?: string;
   readonly answer?: unknown;
   readonly answers?: readonly unknown[];
@@ -42,7 +45,8 @@ function running(options: Options = {}): TestContext & { readonly commands: RunC
   const link = { state: "up", session: { user: "anna", rights } };
   Object.assign(context.page.server, { link: signal(link) });
   const snapshot = { status, active, breakpoints: [], questions: [] };
-  const now = { run: { id: "r", phase }, snapshot, control: { holder } };
+  const robot = options.pairing && { robot: "scout", rights: options.pairing };
+  const now = { run: { id: "r", phase }, snapshot, control: { holder }, robot };
   const watch = {
     id: "r",
     now: signal(now),
@@ -92,6 +96,25 @@ test("who only looks commands nothing; who is not in control brings to rest, and
   expect([why(other, "run.pause"), why(other, "run.stop")]).toEqual([null, null]);
   expect(why(running({ holder: "anna" }), "run.step-mode")).toBeNull();
   expect(why(running({ rights: ["observe", "command"] }), "run.reload")).toMatch(/engineer/);
+});
+
+test("what the pairing of the station does not allow on the robot says how to allow it", () => {
+  const sees = running({ pairing: "observe" });
+  expect(why(sees, "run.pause")).toBe(
+    "scout lets users of this station only see runs: pair again with `rafcon pair scout --rights command` on the robot",
+  );
+  expect(why(running({ pairing: "observe", phase: "crashed" }), "run.resume-crashed")).toMatch(
+    /--rights command/,
+  );
+  expect(why(running({ pairing: "observe", phase: "finished" }), "run.start-again")).toMatch(
+    /--rights command/,
+  );
+  const commands = running({ pairing: "command" });
+  expect(why(commands, "run.pause")).toBeNull();
+  expect(why(commands, "run.reload")).toMatch(/only see and command runs.*--rights change/);
+  expect(cannotSetConditions(commands)).toMatch(/--rights change/);
+  const changes = running({ pairing: "change" });
+  expect([why(changes, "run.pause"), cannotSetConditions(changes)]).toEqual([null, null]);
 });
 
 test("steps go to all branches, or to the one that is named", async () => {

@@ -4,7 +4,7 @@ import { effect } from "@preact/signals-core";
 import type { Watch } from "../store/history/run.ts";
 import type { Page } from "../store/page/page.ts";
 import type { CommandContext, UserCommand } from "./command.ts";
-import { lacks } from "./run_rules.ts";
+import { lacks, robotRefuses } from "./run_rules.ts";
 
 export const RUN_AGAIN: readonly UserCommand[] = [
   {
@@ -17,7 +17,8 @@ export const RUN_AGAIN: readonly UserCommand[] = [
       if (phase === undefined) return "no run is shown here: start one, or choose one";
       if (phase === "live" || phase === "starting") return "the run is still active";
       if (page.server.link.value.state !== "up") return "there is no connection to the server";
-      return lacks(page, "start");
+      const watch = tab?.run.value;
+      return lacks(page, "start") ?? (watch ? robotRefuses(watch, "start") : null);
     },
     run: startAgain,
   },

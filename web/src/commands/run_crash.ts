@@ -4,7 +4,7 @@ import type { OnCrash } from "../model/generated/protocol.ts";
 import { activeStates } from "../store/run/active.ts";
 import { fileOfTab, liveRun } from "../store/run/running.ts";
 import type { CommandContext, UserCommand } from "./command.ts";
-import { cannotCommand, lacks } from "./run_rules.ts";
+import { cannotCommand, lacks, robotRefuses } from "./run_rules.ts";
 import { isChanged, saveTab } from "./save.ts";
 import { failureOf, sendCommand, sendCommandTo } from "./send_command.ts";
 import { anyOnlyState, canEdit } from "./subject.ts";
@@ -23,9 +23,10 @@ export const RUN_CRASH: readonly UserCommand[] = [
     detail: "Starts a new program that continues where the run was when its program died.",
     menu: "Run/2",
     refusal: ({ page, tab }) => {
-      const run = tab?.run.value?.now.value?.run;
-      if (run?.phase !== "crashed") return "only for runs whose program died";
-      return lacks(page, "start");
+      const watch = tab?.run.value;
+      const phase = watch?.now.value?.run.phase;
+      if (!watch || phase !== "crashed") return "only for runs whose program died";
+      return lacks(page, "start") ?? robotRefuses(watch, "command");
     },
     run: resumeCrashed,
   },

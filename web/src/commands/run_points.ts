@@ -12,7 +12,7 @@ import {
 } from "../store/run/breakpoints.ts";
 import { liveRun } from "../store/run/running.ts";
 import type { CommandChoice, CommandContext, UserCommand } from "./command.ts";
-import { cannotCommand, lacks, NO_STATE, pathFor } from "./run_rules.ts";
+import { cannotCommand, lacks, NO_STATE, pathFor, robotRefuses } from "./run_rules.ts";
 import { sendCommand } from "./send_command.ts";
 import { anyOnlyState } from "./subject.ts";
 
@@ -100,10 +100,12 @@ export function cannotSetBreakpoints(context: CommandContext): string | null {
 }
 
 /** Why conditions cannot be set. */
-export function cannotSetConditions({ page }: CommandContext): string | null {
-  return lacks(page, "edit") === null
-    ? null
-    : "a condition is Python code, which only engineers and admins may add to a run";
+export function cannotSetConditions({ page, tab }: CommandContext): string | null {
+  if (lacks(page, "edit") !== null) {
+    return "a condition is Python code, which only engineers and admins may add to a run";
+  }
+  const watch = liveRun(tab);
+  return watch ? robotRefuses(watch, "edit") : null;
 }
 
 /** Sets it in the run that goes on, and for the next start. */

@@ -1,6 +1,6 @@
 /** What may be done with a run now, or why not: by the role, by who holds control, and by how the run stands. */
 
-import type { Right, RunStatus, Snapshot } from "../model/generated/protocol.ts";
+import type { LinkRights, Right, RunStatus, Snapshot } from "../model/generated/protocol.ts";
 import { runStatusWords } from "../model/run_words.ts";
 import type { Watch } from "../store/history/run.ts";
 import type { Page } from "../store/page/page.ts";
@@ -21,6 +21,22 @@ export function lacks({ server }: Page, right: Right): string | null {
   const link = server.link.value;
   if (link.state !== "up" || link.session.rights.includes(right)) return null;
   return NEEDED[right] ?? `this needs the right to ${right}`;
+}
+
+const ALLOWED: Readonly<Record<LinkRights, string>> = {
+  observe: "see runs",
+  command: "see and command runs",
+  change: "do everything",
+};
+
+/** Why the robot of a run would refuse what needs the right, by its pairing with this station; null if it would not, or if that is
+ * unknown. */
+export function robotRefuses({ now }: Watch, right: Right): string | null {
+  const { robot, rights } = now.value?.robot ?? {};
+  if (rights === undefined || rights === null || rights === "change") return null;
+  const needed = right === "edit" || right === "administer" ? "change" : "command";
+  if (rights === needed) return null;
+  return `${robot} lets users of this station only ${ALLOWED[rights]}: pair again with \`rafcon pair ${robot} --rights ${needed}\` on the robot`;
 }
 
 /** Why nothing can be started. */
@@ -52,7 +68,7 @@ export function cannotCommand(
   const watch = tab?.run.value;
   if (!watch) return "no run is shown here: start one, or choose one";
   if (!liveRun(tab)) return overInWords(watch);
-  const missing = lacks(page, "command") ?? lacks(page, right);
+  const missing = lacks(page, "command") ?? lacks(page, right) ?? robotRefuses(watch, right);
   if (missing !== null) return missing;
   const other = otherHolder(page, watch);
   return other === null || rest ? null : `${other} is in control: ask for it in Mission control`;

@@ -200,6 +200,7 @@ mod tests {
                     progress: Some(CommandProgress { arrived_bytes: 1_300, bytes: 2_900 }),
                 }],
                 clock: Some(ClockOffset { least_ms: -200, most_ms: Some(3_900) }),
+                rights: None,
             },
             sent: LinkTraffic { datagrams: 1, bytes: 90, by_kind: BTreeMap::new() },
             received: LinkTraffic {

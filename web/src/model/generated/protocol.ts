@@ -1102,7 +1102,12 @@ export type LinkHealth = {
   /** Commands whose fate is not known yet: of one run if it is told with that run. Known at a station only. */
   commands: Array<OpenCommand>,
   /** By how much the robot's calendar is ahead. Known at a station only. */
-  clock: ClockOffset | null, };
+  clock: ClockOffset | null,
+  /** Rights of the station's users on the robot, by the pairing. */
+  rights?: LinkRights, };
+
+/** Rights of a station's users on a robot. */
+export type LinkRights = "observe" | "command" | "change";
 
 /** The connection between server and runner. */
 export type LinkState = "up" | "silent" | "stuck" | "down" | "over";

@@ -142,7 +142,7 @@ function Line({ inspected, watch, target, value, origin, from }: ValueLineProps)
         actions={<WatchButton inspected={inspected} target={target} />}
       />
       {isOfRobot && (
-        <OnRobotValue page={inspected.page} run={watch.id} sequence={from} name={target.name} />
+        <OnRobotValue page={inspected.page} watch={watch} sequence={from} name={target.name} />
       )}
       {origin && (
         <div className="in-run-origin">

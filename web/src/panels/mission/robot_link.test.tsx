@@ -26,6 +26,7 @@ const WHOLE: LinkHealth = {
   missing: 0,
   commands: [{ id: "ana/1", stage: "sent", sent_ms: STARTED_MS, arrives_ms: null }],
   clock: { least_ms: -200, most_ms: 3_900 },
+  rights: "command",
 };
 
 /** What is said of a link a minute after the run began, one fact a line. */
@@ -63,6 +64,7 @@ test("a whole link says its delay, its rates, what is on the way and how the clo
     "events to come: none",
     "commands on the way: 1",
     "clock ahead by: +1.9 s ± 2.0 s",
+    "this station may: command runs",
   ]);
 });
 
@@ -77,6 +79,7 @@ test("in a blackout it is said for how long, and that the next contact is unknow
     "events to come: 1,204 or more",
     "commands on the way: 1",
     "clock ahead by: +1.9 s ± 2.0 s",
+    "this station may: command runs",
   ]);
 });
 
@@ -97,4 +100,14 @@ test("what is unknown for want of an up-link is said to be", async () => {
     "delay: unknown: no up-link",
     "clock ahead by: +40 ms or more",
   ]);
+});
+
+test("what users of the station may do on the robot is shown, as far as it is known", async () => {
+  const may = async (rights: LinkHealth["rights"]) =>
+    (await said({ ...WHOLE, rights } as LinkHealth)).at(-1);
+  expect(await may("observe")).toBe("this station may: see runs");
+  unmount();
+  expect(await may("change")).toBe("this station may: command and change runs");
+  unmount();
+  expect(await may(undefined)).toBe("this station may: unknown");
 });

@@ -1,7 +1,7 @@
 /** How the link to a robot far away is, as large as how its run stands. What cannot be known without an up-link is said. */
 
 import { Radio, RadioTower } from "lucide-react";
-import type { ClockOffset, LinkHealth } from "../../model/generated/protocol.ts";
+import type { ClockOffset, LinkHealth, LinkRights } from "../../model/generated/protocol.ts";
 import type { Watch } from "../../store/history/run.ts";
 import { isGoingOn } from "../../store/run/age.ts";
 import { useComputed, useSignal } from "../../ui/signals.ts";
@@ -90,7 +90,20 @@ function facts(robot: LinkHealth, now_ms: number): readonly Fact[] {
       clock(robot.clock),
       "By how much the robot's clock is ahead of the station's",
     ],
+    rights(robot),
   ];
+}
+
+const RIGHTS: Readonly<Record<LinkRights, string>> = {
+  observe: "see runs",
+  command: "command runs",
+  change: "command and change runs",
+};
+
+/** What users of this station may do on the robot, and how to change that. */
+function rights({ robot, rights: given }: LinkHealth): Fact {
+  const why = `By the pairing, for all users of this station; the robot checks it. Another choice needs another pairing: rafcon pair ${robot} --rights observe, command or change`;
+  return ["this station may", given ? RIGHTS[given] : "unknown", why];
 }
 
 /** While the robot is not heard, it goes on, and nobody knows how far. */

@@ -158,7 +158,7 @@ function Now({ tab, watched, watch, expression }: WatchInRunProps) {
       {isOfRobot && now.aheadAt_ns === undefined && (
         <OnRobotValue
           page={page}
-          run={watch.id}
+          watch={watch}
           sequence={now.sequence}
           name={watched.target.name}
         />

@@ -1,7 +1,8 @@
 // @vitest-environment happy-dom
 import { signal } from "@preact/signals-core";
 import { afterEach, expect, test, vi } from "vitest";
-import type { KeptAs, ValueFetch } from "../../../model/generated/protocol.ts";
+import type { KeptAs, LinkHealth, ValueFetch } from "../../../model/generated/protocol.ts";
+import type { Watch } from "../../../store/history/run.ts";
 import type { Page } from "../../../store/page/page.ts";
 import { mount, settled, unmount } from "../../../ui/testing/mounted.tsx";
 import { OnRobotValue } from "./on_robot.tsx";
@@ -47,8 +48,9 @@ function station(rights: readonly string[] = ["observe", "command"]) {
   return { page, asked, is };
 }
 
-async function shown(page: Page, run: string) {
-  const place = mount(<OnRobotValue page={page} run={run} sequence={5} name="cloud" />);
+async function shown(page: Page, run: string, robot: Partial<LinkHealth> | null = null) {
+  const watch = { id: run, now: signal({ robot }) } as unknown as Watch;
+  const place = mount(<OnRobotValue page={page} watch={watch} sequence={5} name="cloud" />);
   await settled();
   await settled();
   const button = () => place.querySelector("button");
@@ -87,6 +89,13 @@ test("who may only look cannot fetch, and is told why", async () => {
   const { button } = await shown(page, "looked at");
   expect(button()?.getAttribute("aria-disabled")).toBe("true");
   expect(button()?.title).toContain("ask an admin for the role operator");
+});
+
+test("a station whose pairing lets it only see runs cannot fetch, and is told why", async () => {
+  const { page } = station();
+  const { button } = await shown(page, "seen", { robot: "scout", rights: "observe" });
+  expect(button()?.getAttribute("aria-disabled")).toBe("true");
+  expect(button()?.title).toContain("rafcon pair scout --rights command");
 });
 
 test("a value that is here, or small, says nothing", async () => {

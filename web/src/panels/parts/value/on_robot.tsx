@@ -2,8 +2,9 @@
 
 import { Download, X } from "lucide-react";
 import { useEffect, useState } from "react";
-import { lacks } from "../../../commands/run_rules.ts";
+import { lacks, robotRefuses } from "../../../commands/run_rules.ts";
 import type { KeptValue } from "../../../model/generated/protocol.ts";
+import type { Watch } from "../../../store/history/run.ts";
 import type { Page } from "../../../store/page/page.ts";
 import { Button } from "../../../ui/button.tsx";
 import { useComputed } from "../../../ui/signals.ts";
@@ -20,34 +21,38 @@ type OnRobot = Extract<KeptValue, { kept: "on_robot" }>;
 
 interface OnRobotProps {
   readonly page: Page;
-  readonly run: string;
+  readonly watch: Watch;
   /** The event that the value is of; null if it is not known. */
   readonly sequence: number | null;
   readonly name: string;
 }
 
 /** Shows nothing if all of the value is here. */
-export function OnRobotValue({ page, run, sequence, name }: OnRobotProps) {
-  const { detail } = useDetail(page.runs, run, sequence);
+export function OnRobotValue({ page, watch, sequence, name }: OnRobotProps) {
+  const { detail } = useDetail(page.runs, watch.id, sequence);
   const values = detail?.sequence === sequence ? detail.values : [];
   const found = values.find((each) => each.name === name);
   if (found?.value.kept !== "on_robot") return null;
   return (
-    <Fetching key={found.value.number} page={page} run={run} name={name} first={found.value} />
+    <Fetching key={found.value.number} page={page} watch={watch} name={name} first={found.value} />
   );
 }
 
 interface FetchingProps {
   readonly page: Page;
-  readonly run: string;
+  readonly watch: Watch;
   readonly name: string;
   readonly first: OnRobot;
 }
 
-function Fetching({ page, run, name, first }: FetchingProps) {
+function Fetching({ page, watch, name, first }: FetchingProps) {
+  const run = watch.id;
   const [kept, setKept] = useState<KeptValue>(first);
   const [refusal, setRefusal] = useState<string | null>(null);
-  const missing = useComputed(() => lacks(page, "command"), [page]);
+  const missing = useComputed(
+    () => lacks(page, "command") ?? robotRefuses(watch, "command"),
+    [page, watch],
+  );
   const path = `values/${first.number}`;
   const isOnRobot = kept.kept === "on_robot";
   const isComing = kept.kept === "on_robot" && kept.fetch !== null && kept.fetch.failed === null;
