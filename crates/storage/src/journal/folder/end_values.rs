@@ -2,8 +2,6 @@
 
 use super::error::{Doing, JournalError};
 use super::replace_file;
-use crate::journal::{Reader, Record};
-use rafcon_protocol::Event;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 use std::fs::{self, File};
@@ -30,24 +28,6 @@ impl EndValues {
         let path = run.join(END_VALUES_FILE);
         let failed = |error: serde_json::Error| JournalError::io(&path, Doing::Write, error.into());
         replace_file(&path, &serde_json::to_vec(self).map_err(failed)?)
-    }
-
-    /// All values at the end of a run that are here: from the file, else from the event of its end. `None` if it has not ended.
-    /// A replica has no file, so that long values are views.
-    pub fn of_run(run: &Path) -> Result<Option<Self>, JournalError> {
-        let tail = Reader::open(run)?.tail()?;
-        let events = tail.into_iter().rev().filter_map(|entry| match entry.record {
-            Record::Told(event) => Some(*event),
-            _ => None,
-        });
-        // A run that was resumed after its end has not ended.
-        let mut marks =
-            events.filter(|event| matches!(event, Event::Finished { .. } | Event::Resumed { .. }));
-        let Some(Event::Finished { outputs, globals, scoped_variables, .. }) = marks.next() else {
-            return Ok(None);
-        };
-        let in_file = Self::read(run)?;
-        Ok(Some(in_file.unwrap_or(Self { outputs, globals, scoped_variables })))
     }
 
     /// Removes the file: the run goes on, and its values change.
