@@ -8,8 +8,11 @@ import unittest
 import stage  # noqa: F401, it brings the package
 from rafcon.ros import _native_frames as frames
 from rafcon.ros import _services, _topics
-from rafcon.ros._backend import Field, MessageType, Qos, RosError, UnknownType
+from rafcon.ros._backend import SUCCEEDED, Field, MessageType, Qos, RosError, UnknownType
+from rafcon.ros._native_actions import ActionServer
+from rafcon.ros._native_callbacks import Callbacks
 from rafcon.ros._native_descriptions import Descriptions
+from rafcon.ros._liveness import Liveness
 from rafcon.ros._types import Types
 
 LINE = MessageType("p/msg/Line", (Field("data", "string"),))
@@ -133,7 +136,98 @@ class Frames(unittest.TestCase):
         size = frames._FRAME_MAX - len('{"data":{"$":["B",0,1073741824]}}') + 1
         with self.assertRaisesRegex(ValueError, "a message of 1073741825 bytes is larger than 1073741824"):
             frames.packed({"data": bytes(size)})
-        self.assertEqual(frames.read(io.BytesIO(frames.packed({"data": b"abc"}))), {"data": b"abc"})
+        packed = frames.packed({"data": b"abc"})
+        self.assertEqual(frames.read(io.BytesIO(packed)), ({"data": b"abc"}, len(packed) - 8))
+
+
+class Events(unittest.TestCase):
+    """Events of the helper that nobody has taken yet."""
+
+    def setUp(self):
+        self.callbacks = Callbacks()
+
+    def give(self, numbers, size=0, kind="heard"):
+        for number in numbers:
+            self.callbacks.put({kind: number}, size)
+
+    def taken(self, count):
+        return [self.callbacks.get() for _ in range(count)]
+
+    def check_dropped(self, said, dropped, kept):
+        """The log has these counts, and the first of these many messages are gone."""
+        texts = [f"messages come faster than this run takes them: the oldest were dropped, {count} so far" for count in said]
+        found = self.taken(len(kept) + len(said))
+        self.assertEqual([each["text"] for each in found if "say" in each], texts)
+        self.assertEqual([each["heard"] for each in found if "heard" in each], kept)
+        self.assertEqual(self.callbacks._dropped, dropped)
+
+    def test_of_too_many_messages_the_oldest_are_dropped_and_the_log_says_so(self):
+        self.give(range(10_003))
+        self.check_dropped([1, 2], 3, list(range(3, 10_003)))
+        self.give([7])
+        self.assertEqual(self.taken(1), [{"heard": 7}])
+
+    def test_of_too_many_bytes_the_oldest_messages_are_dropped_and_the_newest_is_kept(self):
+        half = 32 << 20
+        self.give(range(3), half)
+        self.check_dropped([1], 1, [1, 2])
+        self.give([3], 2 * half + 1)
+        self.assertEqual(self.taken(1), [{"heard": 3}])
+
+    def test_what_a_script_has_asked_for_is_never_dropped_and_comes_in_its_order(self):
+        self.give([1], kind="response")
+        self.give(range(10_001), kind="request")
+        self.give(range(10_001), kind="failed")
+        self.callbacks.put(None)
+        found = self.taken(20_004)
+        self.assertEqual([found[0], *found[-2:]], [{"response": 1}, {"failed": 10_000}, None])
+        self.assertEqual([each["request"] for each in found[:-1] if "request" in each], list(range(1, 10_001)))
+
+
+class Participants(unittest.TestCase):
+    def test_of_too_many_participants_the_one_silent_for_longest_is_forgotten(self):
+        # No domain has this number, so nothing is listened to.
+        liveness = Liveness(-1)
+        places = lambda number: (("127.0.0.1", number),)  # noqa: E731
+        for number in range(1000):
+            liveness._note(number, places(number))
+        liveness._note(0, places(0))
+        silent = liveness._participants[1]
+        silent._ask()
+        liveness._note(1000, places(1000))
+        self.assertEqual((len(liveness._participants), list(liveness._participants)[:2]), (1000, [2, 3]))
+        self.assertEqual([each.fileno() for each in silent._sockets], [-1])
+        self.assertFalse(liveness.has_ended(1))
+        liveness._note(1, places(1))
+        self.assertIn(1, liveness._participants)
+
+
+class Results(unittest.TestCase):
+    def goal(self, number, begin):
+        """A request to begin a goal, or for its result, and where its answer goes."""
+        goal_id = {"uuid": number.to_bytes(16, "big")}
+        answers = []
+        request = types.SimpleNamespace(request={"goal_id": goal_id, **({"goal": {}} if begin else {})}, answer=answers.append)
+        (self.server._take_goal if begin else self.server._take_result)(request)
+        return answers
+
+    def test_of_too_many_ended_goals_the_result_of_the_oldest_is_forgotten(self):
+        part = types.SimpleNamespace(close=lambda: None, publish=lambda _message: None)
+        backend = types.SimpleNamespace(publisher=lambda *_about: part, service=lambda *_about: part)
+
+        def asked(goal):
+            goal.accept(lambda: True)
+            goal.finish(SUCCEEDED, {"number": int.from_bytes(goal.goal_id, "big")})
+
+        self.server = ActionServer(backend, "/count", "p/action/Count", asked)
+        self.addCleanup(self.server.close)
+        for number in range(1, 1002):
+            self.goal(number, True)
+        self.assertEqual(self.goal(1, False), [{"status": SUCCEEDED, "result": {"number": 1}}])
+        self.goal(1002, True)
+        found = [self.goal(number, False) for number in (1, 2, 1002)]
+        kept = [[{"status": SUCCEEDED, "result": {"number": number}}] for number in (2, 1002)]
+        self.assertEqual(found, [[{"status": 0, "result": {}}], *kept])
 
 
 class Users(unittest.TestCase):

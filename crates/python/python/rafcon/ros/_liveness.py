@@ -18,6 +18,8 @@ GROUP = "239.255.0.1"
 PORT, DOMAIN_GAIN, _DOMAINS = 7400, 250, 233
 #: A participant that somebody waits for is asked this often (s).
 _ASK_EVERY_S = 0.2
+#: Participants that are remembered; the one that has been silent for longest is forgotten for one more.
+_PARTICIPANTS_MAX = 1000
 #: The thread looks this often (s) whether it is still wanted.
 _LOOK_EVERY_S = 0.5
 #: So many refusals in a row are an end.
@@ -72,13 +74,16 @@ class Liveness:
 
     def _note(self, key, places):
         with self._lock:
-            known = self._participants.get(key)
-            if known is None or known.places != places:
-                if known is not None:
-                    known.close()
-                self._participants[key] = _Participant(places, known is None and self._replace(places))
-            else:
+            known = self._participants.pop(key, None)
+            if known is not None and known.places == places:
                 known.alive()
+                self._participants[key] = known
+                return
+            if known is not None:
+                known.close()
+            self._participants[key] = _Participant(places, known is None and self._replace(places))
+            if len(self._participants) > _PARTICIPANTS_MAX:
+                self._participants.pop(next(iter(self._participants))).close()
 
     def _replace(self, places):
         """Whether somebody had these places: a process that is started again takes the ports of the one that died."""

@@ -13,8 +13,10 @@ _STATES = Qos("reliable", "transient_local", 1)
 _CANCEL = "action_msgs/srv/CancelGoal"
 _STATUS = "action_msgs/msg/GoalStatusArray"
 _NOW = {"sec": 0, "nanosec": 0}
-#: Results are kept so long (s), and so many of them.
-_KEPT_S, _KEPT_MAX = 900.0, 1000
+#: Results are kept so long (s).
+_KEPT_S = 900.0
+#: Ended goals whose results are kept; the oldest is forgotten for one more.
+_KEPT_MAX = 1000
 #: An ended goal is in the list of states so long (s).
 _LISTED_S = 10.0
 #: Answers to a request to cancel.

@@ -53,15 +53,15 @@ def packed(fields):
 
 
 def read(stream):
-    """The next dict from a stream, or None at its end."""
+    """The next dict from a stream, or None at its end, and the number of its bytes."""
     head = stream.read(_HEAD.size)
     if len(head) < _HEAD.size:
-        return None
+        return None, 0
     total, length = _HEAD.unpack(head)
     content = stream.read(total)
     if len(content) < total:
-        return None
-    return unpacked(content[:length], memoryview(content)[length:])
+        return None, 0
+    return unpacked(content[:length], memoryview(content)[length:]), total
 
 
 def unpacked(text, behind):

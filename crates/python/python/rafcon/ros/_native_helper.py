@@ -17,6 +17,7 @@ import weakref
 
 from rafcon.ros import _native_frames
 from rafcon.ros._backend import BackendLost, RosError
+from rafcon.ros._native_callbacks import Callbacks
 
 #: Where the helper is, if it is not beside ``rafcon`` nor in PATH.
 BINARY_VARIABLE = "RAFCON_ROS"
@@ -66,7 +67,7 @@ class Helper:
         self._sending = threading.Lock()
         self._closed = False
         self._lost = None
-        self._callbacks = queue.SimpleQueue()
+        self._callbacks = Callbacks()
         self._stderr = tempfile.TemporaryFile()
         path = found()
         own, other = socket.socketpair()
@@ -134,7 +135,7 @@ class Helper:
         with self._socket.makefile("rb", 1 << 18) as stream:
             try:
                 while True:
-                    event = _native_frames.read(stream)
+                    event, size = _native_frames.read(stream)
                     if event is None:
                         break
                     if "answer" in event:
@@ -143,7 +144,7 @@ class Helper:
                         if waiting is not None:
                             waiting.put(event)
                     else:
-                        self._callbacks.put(event)
+                        self._callbacks.put(event, size)
             except (OSError, ValueError):
                 pass
         self._lost = self._why()

@@ -1,0 +1,61 @@
+"""The queue before the thread of callbacks. Knows events by their kind, and neither the helper nor who is called."""
+
+import collections
+import threading
+
+#: Messages and requests that wait; the oldest is dropped for one more.
+_MESSAGES_MAX = 10_000
+#: Bytes of their frames, beyond the newest message.
+_BYTES_MAX = 64 << 20
+#: Events that others send unasked.
+_UNASKED = ("heard", "request")
+
+
+class Callbacks:
+    """Events in their order, for one thread that takes them.
+
+    Messages and requests are bounded, because others send them as fast as they like. All other events follow what a script
+    has asked for, and none of them is dropped.
+    """
+
+    def __init__(self):
+        self._numbers = 0
+        self._messages = collections.deque()
+        self._others = collections.deque()
+        self._bytes = 0
+        self._dropped = 0
+        self._changed = threading.Condition()
+
+    def put(self, event, size=0):
+        """Adds an event, or None at the end. ``size`` is the number of bytes of its frame."""
+        with self._changed:
+            if event is not None and any(kind in event for kind in _UNASKED):
+                self._bytes += size
+                self._add(self._messages, event, size)
+                self._make_room()
+            else:
+                self._add(self._others, event, size)
+            self._changed.notify()
+
+    def get(self):
+        """The oldest event; waits for it."""
+        with self._changed:
+            self._changed.wait_for(lambda: self._messages or self._others)
+            line = min((each for each in (self._messages, self._others) if each), key=lambda each: each[0][0])
+            _number, event, size = line.popleft()
+            if line is self._messages:
+                self._bytes -= size
+            return event
+
+    def _add(self, line, event, size):
+        self._numbers += 1
+        line.append((self._numbers, event, size))
+
+    def _make_room(self):
+        while len(self._messages) > _MESSAGES_MAX or (self._bytes > _BYTES_MAX and len(self._messages) > 1):
+            self._bytes -= self._messages.popleft()[2]
+            self._dropped += 1
+            # The first, second, fourth, eighth …
+            if self._dropped & (self._dropped - 1) == 0:
+                text = f"messages come faster than this run takes them: the oldest were dropped, {self._dropped} so far"
+                self._add(self._others, {"say": "warning", "text": text}, 0)
