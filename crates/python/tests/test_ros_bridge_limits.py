@@ -9,7 +9,7 @@ import urllib.parse
 
 import stage  # noqa: F401, it brings the package
 from rafcon.ros import GoalAborted
-from rafcon.ros.bridge import _machines
+from rafcon.ros.bridge import _goals, _machines
 from rafcon.ros.bridge._client import Client, Refused
 from rafcon.ros.bridge._goals import Asked, Goals
 from rafcon.ros.bridge._machines import Machine
@@ -26,6 +26,8 @@ class Server(http.server.ThreadingHTTPServer):
         self.runs = []
         #: How deep its one machine lies.
         self.levels = 0
+        #: What its runs end with.
+        self.outputs = {}
 
     def answer(self, path, query):
         if path == "/runs":
@@ -37,6 +39,8 @@ class Server(http.server.ThreadingHTTPServer):
             return [{"id": "p", "folder": "/p"}]
         if path == "/projects/p/tree":
             return self.folder(query.get("path", [""])[0])
+        if path.endswith("/results"):
+            return {"outputs": self.outputs, "globals": {}, "scoped_variables": {}}
         found = [each for each in self.runs if path == "/runs/" + each["id"]]
         return {"run": found[0], "snapshot": {}, "control": {}, "now_ms": 0} if found else None
 
@@ -99,6 +103,29 @@ class Bounds(unittest.TestCase):
         with self.assertRaises(GoalAborted):
             goals.work(types.SimpleNamespace(goal=given[0], canceled=False))
         self.assertEqual([accept(goal) for goal in (object(), object())], [True, False])
+
+    def result(self, ask, outputs):
+        """The result of a goal whose run ends with these outputs."""
+        self.server.outputs = outputs
+        goals = Goals(self.client, self.watch, lambda _type, values: values, self.told.append)
+        goal = types.SimpleNamespace(machine="m", inputs="")
+        self.assertTrue(goals.accept("/run", ask)(goal))
+        self.server.runs[-1]["phase"] = "finished"
+        self.watch.look()
+        return goals.work(types.SimpleNamespace(goal=goal, canceled=False))
+
+    def result_of_any(self, outputs):
+        return self.result(lambda goal: _goals.run_machine(goal, "a/action/B", lambda name: Machine("p", name, "")), outputs)
+
+    def test_outputs_of_which_there_are_views_are_named_to_the_client(self):
+        view = {"__repr__": "a list of 50000 items", "__class__": "list", "__len__": 50_000, "__first__": [7]}
+        pixels = {"__repr__": "array", "__shape__": [2], "__items__": [1, 2]}
+        whole = {"count": 3, "pair": {"__tuple__": [1, "x"]}, "pixels": pixels}
+        self.assertEqual(self.result_of_any(whole)["message"], "")
+        outputs = {**whole, "cloud": view, "nested": {"a": [{"__tuple__": [view]}]}, "many": {**pixels, "__sampled__": [64]}}
+        result = self.result_of_any(outputs)
+        self.assertEqual(result["message"], "of the outputs cloud, nested, many the result has views: their values have no form in JSON")
+        self.assertEqual(json.loads(result["outputs"]), outputs)
 
     def test_of_runs_that_are_over_the_newest_are_told_and_those_of_goals(self):
         self.server.runs = [run(f"r{number}", "finished") for number in range(22)] + [run("now", "live")]

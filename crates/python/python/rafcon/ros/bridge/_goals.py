@@ -237,9 +237,15 @@ def run_machine(goal, type_name, choose):
         raise Refusal(wrong)
 
     def result(run, outcome, outputs, words):
+        words = "; ".join(filter(None, (words, _words_of_views(outputs))))
         return {"outcome": outcome, "outputs": json.dumps(outputs), "run": run, "message": words}
 
     return Asked(machine, inputs, type_name, result, lambda run, active: {"run": run, "active": active})
+
+
+def _words_of_views(outputs):
+    views = _mapping.views(outputs)
+    return views and f"of the outputs {', '.join(views)} the result has views: their values have no form in JSON"
 
 
 def of_declared(declared, type_name, result_fields, feedback_fields):

@@ -58,6 +58,19 @@ def result_of(fields, run, outcome, outputs, words=""):
     return {**told, **{name: value_of(value, name) for name, value in outputs.items() if name in fields and value is not None}}
 
 
+def views(outputs):
+    """The names of outputs of which the server has a view only."""
+    return [name for name, value in outputs.items() if not _is_whole(value)]
+
+
+def _is_whole(value):
+    if isinstance(value, dict):
+        if "__items__" in value:
+            return not value.get("__sampled__") and _is_whole(value["__items__"])
+        return "__repr__" not in value and all(map(_is_whole, value.values()))
+    return not isinstance(value, list) or all(map(_is_whole, value))
+
+
 def active_states(snapshot):
     """The innermost active states of a run, each as the names from the root on, joined by ``/``."""
     active = (snapshot or {}).get("active", ())
