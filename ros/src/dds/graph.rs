@@ -6,7 +6,9 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use futures::StreamExt as _;
 use rustdds::no_key::SimpleDataReader;
-use rustdds::{DomainParticipant, DomainParticipantStatusEvent, GUID, StatusEvented as _};
+use rustdds::{
+    DomainParticipant, DomainParticipantStatusEvent, GUID, RTPSEntity, StatusEvented as _,
+};
 use tokio::sync::watch;
 
 use crate::cdr;
@@ -14,6 +16,9 @@ use crate::json::{self, Json};
 use crate::types::library::Type;
 
 use super::payload::{Payload, Plain};
+
+/// Processes whose nodes are kept although the middleware does not report them: their news can come first.
+const UNREPORTED_MAX: usize = 64;
 
 /// What readers and writers of one process have in common: the first 12 bytes of their ids.
 pub(crate) type Process = [u8; 12];
@@ -37,7 +42,8 @@ pub(crate) struct Graph {
 
 #[derive(Default)]
 struct Known {
-    /// Of each reader or writer of this process, those elsewhere that it is matched with.
+    /// Of each reader or writer of this process, from when it is made until it is given back, those elsewhere that it is matched
+    /// with.
     matched: BTreeMap<GUID, BTreeSet<GUID>>,
     /// Of each process, its nodes.
     nodes: BTreeMap<Process, Vec<NamedNode>>,
@@ -52,6 +58,34 @@ impl Known {
             self.arrived.push(of);
         }
     }
+
+    /// A late report of something that was given back is ignored.
+    fn note_match(&mut self, own: GUID, peer: GUID) {
+        self.note_arrival(process(peer));
+        if let Some(peers) = self.matched.get_mut(&own) {
+            peers.insert(peer);
+        }
+    }
+
+    /// Takes the nodes of a process. Of too many processes that are not reported, the first in order is forgotten.
+    fn note_nodes(&mut self, of: Process, nodes: Vec<NamedNode>) {
+        self.nodes.insert(of, nodes);
+        if self.arrived.contains(&of) {
+            return;
+        }
+        let unreported = |known: &&Process| !self.arrived.contains(known) && **known != of;
+        let others: Vec<Process> = self.nodes.keys().filter(unreported).copied().collect();
+        if let Some(first) = others.first().filter(|_| others.len() >= UNREPORTED_MAX) {
+            self.nodes.remove(first);
+        }
+    }
+
+    fn note_loss(&mut self, gone: Process) {
+        self.nodes.remove(&gone);
+        self.dead.remove(&gone);
+        self.arrived.retain(|it| *it != gone);
+        self.matched.values_mut().for_each(|peers| peers.retain(|peer| process(*peer) != gone));
+    }
 }
 
 impl Graph {
@@ -61,6 +95,22 @@ impl Graph {
 
     fn known(&self) -> MutexGuard<'_, Known> {
         self.known.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Makes a reader or writer of this process. All reports of its matches come after this.
+    pub(crate) fn make<T: RTPSEntity, E>(
+        &self,
+        make: impl FnOnce() -> Result<T, E>,
+    ) -> Result<T, E> {
+        let mut known = self.known();
+        let made = make()?;
+        known.matched.entry(made.guid()).or_default();
+        Ok(made)
+    }
+
+    /// Forgets a reader or writer of this process that was given back.
+    pub(crate) fn forget(&self, own: GUID) {
+        self.known().matched.remove(&own);
     }
 
     /// Says that something may have changed.
@@ -93,7 +143,9 @@ impl Graph {
     /// Says whether a process is dead.
     pub(crate) fn set_dead(&self, one: Process, dead: bool) {
         let mut known = self.known();
-        let changed = if dead { known.dead.insert(one) } else { known.dead.remove(&one) };
+        // One that is lost meanwhile is known no more.
+        let is_dead = dead && known.arrived.contains(&one);
+        let changed = if is_dead { known.dead.insert(one) } else { known.dead.remove(&one) };
         drop(known);
         if changed {
             self.touch();
@@ -131,8 +183,7 @@ impl Graph {
             }
             Event::RemoteReaderMatched { local_writer: own, remote_reader: peer }
             | Event::RemoteWriterMatched { local_reader: own, remote_writer: peer } => {
-                known.note_arrival(process(peer));
-                known.matched.entry(own).or_default().insert(peer);
+                known.note_match(own, peer);
             }
             Event::ReaderLost { guid, .. } | Event::WriterLost { guid, .. } => {
                 known.matched.remove(&guid);
@@ -143,13 +194,7 @@ impl Graph {
             Event::ParticipantLost { id, .. } => {
                 let mut gone = [0; 12];
                 gone.copy_from_slice(id.as_ref());
-                known.nodes.remove(&gone);
-                known.dead.remove(&gone);
-                known.arrived.retain(|it| *it != gone);
-                known
-                    .matched
-                    .values_mut()
-                    .for_each(|peers| peers.retain(|peer| process(*peer) != gone));
+                known.note_loss(gone);
             }
             _ => {}
         }
@@ -183,7 +228,7 @@ impl Graph {
                 && let Ok(told) = json::parse(decoded.text.as_bytes())
             {
                 let nodes = nodes(&told, &decoded.arrays);
-                self.known().nodes.insert(from, nodes);
+                self.known().note_nodes(from, nodes);
                 self.touch();
             }
         }
@@ -233,4 +278,102 @@ pub(crate) fn addresses(
         );
     }
     found
+}
+
+#[cfg(test)]
+mod tests {
+    use rustdds::{DomainParticipantStatusEvent as Event, GUID};
+
+    use super::{Graph, Process, UNREPORTED_MAX, process};
+
+    /// The reader or writer with this number in the process with this number.
+    fn id(process: u16, number: u8) -> GUID {
+        let mut bytes = [0; 16];
+        bytes[..2].copy_from_slice(&process.to_be_bytes());
+        bytes[15] = number;
+        GUID::from_bytes(bytes)
+    }
+
+    struct Made(GUID);
+
+    impl rustdds::RTPSEntity for Made {
+        fn guid(&self) -> GUID {
+            self.0
+        }
+    }
+
+    const OWN: u16 = 0;
+
+    fn graph_with(own: GUID) -> Graph {
+        let graph = Graph::new();
+        graph.make(|| Ok::<_, ()>(Made(own))).unwrap();
+        graph
+    }
+
+    fn matched(graph: &Graph, own: GUID, peer: GUID) {
+        graph.note(Event::RemoteReaderMatched { local_writer: own, remote_reader: peer });
+    }
+
+    fn lost(graph: &Graph, one: GUID) {
+        let elapsed = rustdds::Duration::from_secs(20);
+        let reason = rustdds::LostReason::Timeout { lease: elapsed, elapsed };
+        graph.note(Event::ParticipantLost { id: one.prefix, reason });
+    }
+
+    /// How many of each sort are kept: own readers and writers, processes with nodes, the dead, those that arrived.
+    fn kept(graph: &Graph) -> [usize; 4] {
+        let known = graph.known();
+        [known.matched.len(), known.nodes.len(), known.dead.len(), known.arrived.len()]
+    }
+
+    #[test]
+    fn a_writer_is_known_until_it_is_given_back_and_late_reports_are_ignored() {
+        let (own, peer) = (id(OWN, 1), id(7, 1));
+        let graph = graph_with(own);
+        matched(&graph, own, peer);
+        assert_eq!(graph.peers(own), [process(peer)]);
+        graph.forget(own);
+        matched(&graph, own, peer);
+        assert_eq!((graph.peers(own), graph.processes().len()), (Vec::new(), 0));
+        assert_eq!(kept(&graph), [0, 0, 0, 1]);
+    }
+
+    #[test]
+    fn nothing_is_kept_of_a_process_that_is_lost() {
+        let (own, peer) = (id(OWN, 1), id(7, 1));
+        let graph = graph_with(own);
+        matched(&graph, own, peer);
+        graph
+            .known()
+            .note_nodes(process(peer), vec![("/peer".to_owned(), [peer.to_bytes()].into())]);
+        graph.set_dead(process(peer), true);
+        assert_eq!((kept(&graph), graph.node_of(peer)), ([1, 1, 1, 1], "/peer".to_owned()));
+        lost(&graph, peer);
+        // The watch had asked it before.
+        graph.set_dead(process(peer), true);
+        assert_eq!((kept(&graph), graph.peers(own)), ([1, 0, 0, 0], Vec::new()));
+    }
+
+    #[test]
+    fn of_too_many_processes_that_are_not_reported_the_first_is_forgotten() {
+        let own = id(OWN, 1);
+        let graph = graph_with(own);
+        let nodes = |number: u16| {
+            let one: Process = process(id(number, 1));
+            graph.known().note_nodes(one, vec![(format!("/{number}"), [].into())]);
+        };
+        matched(&graph, own, id(1, 1));
+        let most = u16::try_from(UNREPORTED_MAX).unwrap();
+        (1..=most + 1).for_each(nodes);
+        assert_eq!(kept(&graph), [1, UNREPORTED_MAX + 1, 0, 1]);
+        nodes(most + 2);
+        assert_eq!(kept(&graph), [1, UNREPORTED_MAX + 1, 0, 1]);
+        let names = graph.nodes();
+        assert_eq!(names[..2], ["/1", "/3"]);
+        assert_eq!(names.last(), Some(&format!("/{}", most + 2)));
+        // A process that is reported later does not count any more.
+        matched(&graph, own, id(3, 1));
+        nodes(most + 3);
+        assert_eq!(kept(&graph)[1], UNREPORTED_MAX + 2);
+    }
 }

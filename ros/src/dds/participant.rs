@@ -84,13 +84,15 @@ impl Node {
         let qos = Qos { reliable: true, latched: true, depth: 1 }.policies(false);
         let type_name = names::message_type(ANNOUNCEMENT)?;
         let topic = topic(&participant, ANNOUNCEMENTS, &type_name)?;
-        let announcements = publisher
-            .create_datawriter_no_key(&topic, Some(qos.clone()))
-            .map_err(|why| no("publish", &why))?;
-        let reader = subscriber
-            .create_simple_datareader_no_key(&topic, Some(qos.modify_by(&every())))
-            .map_err(|why| no("subscribe", &why))?;
         let graph = Graph::new();
+        let announcements: Writer = graph
+            .make(|| publisher.create_datawriter_no_key(&topic, Some(qos.clone())))
+            .map_err(|why| no("publish", &why))?;
+        let reader: Reader = graph
+            .make(|| {
+                subscriber.create_simple_datareader_no_key(&topic, Some(qos.modify_by(&every())))
+            })
+            .map_err(|why| no("subscribe", &why))?;
         let parts = Mutex::default();
         let inner = Inner {
             settings,
@@ -134,8 +136,10 @@ impl Node {
         self.check(&part)?;
         let topic = topic(&self.inner.participant, &part.topic, &part.type_name)?;
         let qos = part.qos.policies(large);
-        let reader = self.inner.subscriber.create_simple_datareader_no_key(&topic, Some(qos));
-        let reader: Reader = reader.map_err(|why| format!("cannot read {}: {why}", part.topic))?;
+        let subscriber = &self.inner.subscriber;
+        let make = || subscriber.create_simple_datareader_no_key(&topic, Some(qos));
+        let reader: Reader =
+            self.graph().make(make).map_err(|why| format!("cannot read {}: {why}", part.topic))?;
         self.add(reader.guid(), part);
         Ok(reader)
     }
@@ -144,9 +148,10 @@ impl Node {
     pub(crate) fn writer(&self, part: Part, large: bool) -> Result<Writer, String> {
         self.check(&part)?;
         let topic = topic(&self.inner.participant, &part.topic, &part.type_name)?;
-        let writer =
-            self.inner.publisher.create_datawriter_no_key(&topic, Some(part.qos.policies(large)));
-        let writer: Writer = writer.map_err(|why| format!("cannot write {}: {why}", part.topic))?;
+        let (publisher, qos) = (&self.inner.publisher, part.qos.policies(large));
+        let make = || publisher.create_datawriter_no_key(&topic, Some(qos));
+        let writer: Writer =
+            self.graph().make(make).map_err(|why| format!("cannot write {}: {why}", part.topic))?;
         self.add(writer.guid(), part);
         Ok(writer)
     }
@@ -173,6 +178,7 @@ impl Node {
     /// Says that a reader or writer is gone.
     pub(crate) fn forget(&self, id: GUID) {
         self.inner.parts.lock().unwrap_or_else(PoisonError::into_inner).remove(&id);
+        self.inner.graph.forget(id);
         self.announce();
     }
 
