@@ -5,8 +5,9 @@
 
 use std::fmt::Write as _;
 
-/// Lists and objects inside of each other.
-const DEPTH_MAX: usize = 128;
+/// Lists and objects inside of each other. A message of [`DEPTH_MAX`](crate::types::library::DEPTH_MAX) types in lists needs
+/// two for each.
+const DEPTH_MAX: usize = 160;
 
 /// A value.
 #[derive(Clone, Debug, PartialEq)]
@@ -297,7 +298,8 @@ mod tests {
     use expect_test::{Expect, expect};
     use proptest::prelude::*;
 
-    use super::{Json, parse, quoted, write_float};
+    use super::{DEPTH_MAX, Json, parse, quoted, write_float};
+    use crate::types::library;
 
     fn check(text: &str, expected: Expect) {
         expected.assert_eq(&format!("{:?}", parse(text.as_bytes())));
@@ -323,7 +325,18 @@ mod tests {
         check("[1,", expect![[r#"Err("no JSON: nothing at byte 3")"#]]);
         check(r#""abc"#, expect![[r#"Err("no JSON: no end at byte 1")"#]]);
         check("1 2", expect![[r#"Err("no JSON: more than one value at byte 2")"#]]);
-        check(&"[".repeat(1000), expect![[r#"Err("no JSON: too deep at byte 129")"#]]);
+        check(&"[".repeat(1000), expect![[r#"Err("no JSON: too deep at byte 161")"#]]);
+    }
+
+    #[test]
+    fn a_value_that_is_too_deep_is_refused_and_a_frame_with_the_deepest_type_is_not() {
+        let lists = |count: usize| "[".repeat(count) + &"]".repeat(count);
+        assert!(parse(lists(DEPTH_MAX + 1).as_bytes()).is_ok());
+        check(&lists(DEPTH_MAX + 2), expect![[r#"Err("no JSON: too deep at byte 161")"#]]);
+        let types = library::DEPTH_MAX;
+        let message = r#"{"a":["#.repeat(types) + "0" + &"]}".repeat(types);
+        let frame = format!(r#"{{"do":"publish","handle":1,"message":{message}}}"#);
+        assert!(parse(frame.as_bytes()).is_ok());
     }
 
     proptest! {

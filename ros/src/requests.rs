@@ -10,13 +10,11 @@ use crate::cdr;
 use crate::dds::participant::Writer;
 use crate::dds::payload::Payload;
 use crate::json::Json;
+use crate::types::MESSAGE_MAX;
 use crate::types::library::Type;
 
 /// Requests that are kept for the end; the oldest of more is forgotten.
 const AT_END_MAX: usize = 10_000;
-
-/// The largest message that is sure to arrive.
-const MESSAGE_MAX: usize = 33 << 20;
 
 /// A request that is sent when the program that asks ends.
 pub(crate) struct AtEnd {
@@ -27,23 +25,32 @@ pub(crate) struct AtEnd {
 }
 
 /// Requests that are kept for the end, by number.
-#[derive(Default)]
-pub(crate) struct AtEndRequests(BTreeMap<u64, AtEnd>);
+pub(crate) struct AtEndRequests<R = AtEnd>(BTreeMap<u64, R>);
 
-impl AtEndRequests {
-    /// Keeps a request until the end.
-    pub(crate) fn keep(&mut self, number: u64, request: AtEnd) {
+impl<R> Default for AtEndRequests<R> {
+    fn default() -> Self {
+        Self(BTreeMap::new())
+    }
+}
+
+impl<R> AtEndRequests<R> {
+    /// Keeps a request until the end. Returns whether the oldest one is forgotten for it.
+    pub(crate) fn keep(&mut self, number: u64, request: R) -> bool {
         self.0.insert(number, request);
-        if self.0.len() > AT_END_MAX {
+        let is_full = self.0.len() > AT_END_MAX;
+        if is_full {
             self.0.pop_first();
         }
+        is_full
     }
 
     /// Forgets the request with a number.
     pub(crate) fn forget(&mut self, number: u64) {
         self.0.remove(&number);
     }
+}
 
+impl AtEndRequests {
     /// Sends all requests, and forgets them.
     pub(crate) fn send(&mut self) {
         for AtEnd { writer, reader, request } in std::mem::take(&mut self.0).into_values() {
@@ -74,4 +81,41 @@ pub(crate) fn encoded(asked: &Json, bytes: &[u8], of: &Type) -> Result<Bytes, St
         ));
     }
     Ok(sent.into())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{AT_END_MAX, AtEndRequests, encoded};
+    use crate::json::Json;
+    use crate::types::MESSAGE_MAX;
+    use crate::types::library::Library;
+
+    #[test]
+    fn of_too_many_requests_for_the_end_the_oldest_is_forgotten() {
+        let mut kept = AtEndRequests::default();
+        let most = AT_END_MAX as u64;
+        assert!((1..=most).all(|number| !kept.keep(number, ())));
+        assert!(kept.keep(most + 1, ()));
+        assert_eq!(kept.0.first_key_value(), Some((&2, &())));
+        kept.forget(2);
+        assert!(!kept.keep(most + 2, ()));
+        assert_eq!(kept.0.len(), AT_END_MAX);
+    }
+
+    #[test]
+    fn a_message_that_is_too_long_is_refused_and_a_shorter_one_is_not() {
+        let of = Library::new(Vec::new(), &[]).find("std_msgs/msg/String").unwrap();
+        // The length and the character at the end take five bytes.
+        let length = |text: usize| {
+            let fields = vec![("data".to_owned(), Json::Text("x".repeat(text)))];
+            let asked = Json::Map(vec![("message".to_owned(), Json::Map(fields))]);
+            encoded(&asked, &[], &of).map(|bytes| bytes.len())
+        };
+        assert_eq!(length(MESSAGE_MAX - 5), Ok(MESSAGE_MAX));
+        let refused = length(MESSAGE_MAX - 4).unwrap_err();
+        assert!(
+            refused.starts_with("a message of 33 MB is not sent, 33 MB is the most"),
+            "{refused}"
+        );
+    }
 }

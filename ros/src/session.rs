@@ -292,7 +292,13 @@ impl Session {
         if let Some(Made::Client { writer, reader, of, .. }) = self.made.get(&client) {
             let request = encoded(asked, bytes, of)?;
             let writer = Arc::clone(writer);
-            self.at_end.keep(asked.number("call")?, AtEnd { writer, reader: *reader, request });
+            let request = AtEnd { writer, reader: *reader, request };
+            if self.at_end.keep(asked.number("call")?, request) {
+                self.outbox.say(
+                    "warning",
+                    "too many goals are open: the oldest one is not cancelled if the run is killed",
+                );
+            }
         }
         Ok(())
     }

@@ -42,6 +42,27 @@ struct Waiting {
     ended: bool,
 }
 
+impl Waiting {
+    /// Adds a message. Returns how many older ones are dropped for it.
+    fn push(&mut self, message: Bytes) -> usize {
+        let mut dropped = 0;
+        while self.messages.len() >= WAITING || self.bytes > WAITING_BYTES {
+            let Some(oldest) = self.messages.pop_front() else { break };
+            self.bytes -= oldest.len();
+            dropped += 1;
+        }
+        self.bytes += message.len();
+        self.messages.push_back(message);
+        dropped
+    }
+
+    fn pop(&mut self) -> Option<Bytes> {
+        let next = self.messages.pop_front();
+        self.bytes -= next.as_ref().map_or(0, Bytes::len);
+        next
+    }
+}
+
 impl Queue {
     fn waiting(&self) -> MutexGuard<'_, Waiting> {
         self.waiting.lock().unwrap_or_else(PoisonError::into_inner)
@@ -67,14 +88,7 @@ impl Publisher {
                 return 0;
             }
         }
-        let mut dropped = 0;
-        while waiting.messages.len() >= WAITING || waiting.bytes > WAITING_BYTES {
-            let Some(oldest) = waiting.messages.pop_front() else { break };
-            waiting.bytes -= oldest.len();
-            dropped += 1;
-        }
-        waiting.bytes += message.len();
-        waiting.messages.push_back(message);
+        let dropped = waiting.push(message);
         drop(waiting);
         self.queue.more.notify_one();
         dropped
@@ -96,8 +110,7 @@ async fn publish(node: Node, writer: Arc<Writer>, queue: Arc<Queue>) {
     loop {
         let next = {
             let mut waiting = queue.waiting();
-            let next = waiting.messages.pop_front();
-            waiting.bytes -= next.as_ref().map_or(0, Bytes::len);
+            let next = waiting.pop();
             waiting.writing = next.is_some();
             if next.is_none() && waiting.ended {
                 break;
@@ -120,4 +133,39 @@ async fn publish(node: Node, writer: Arc<Writer>, queue: Arc<Queue>) {
 /// Waits until what a writer has sent is confirmed, at most so long.
 pub(crate) async fn arrived(writer: &Writer, longest: Duration) {
     let _ = tokio::time::timeout(longest, writer.async_wait_for_acknowledgments()).await;
+}
+
+#[cfg(test)]
+mod tests {
+    use rustdds::bytes::Bytes;
+
+    use super::{WAITING, WAITING_BYTES, Waiting};
+
+    /// Pushes messages of these lengths, and returns how many were dropped for the last one.
+    fn pushed(queue: &mut Waiting, lengths: impl IntoIterator<Item = usize>) -> usize {
+        let content = Bytes::from(vec![7; WAITING_BYTES + 1]);
+        lengths.into_iter().fold(0, |_, length| queue.push(content.slice(..length)))
+    }
+
+    #[test]
+    fn of_too_many_messages_the_oldest_is_dropped_and_the_others_stay_in_order() {
+        let mut queue = Waiting::default();
+        assert_eq!(pushed(&mut queue, 0..WAITING), 0);
+        assert_eq!(pushed(&mut queue, [WAITING]), 1);
+        let first = [queue.pop(), queue.pop()].map(|message| message.unwrap().len());
+        assert_eq!(first, [1, 2]);
+        assert_eq!(pushed(&mut queue, [0, 0]), 0);
+        assert_eq!((pushed(&mut queue, [0]), queue.messages.len()), (1, WAITING));
+    }
+
+    #[test]
+    fn of_too_many_bytes_the_oldest_messages_are_dropped_and_the_newest_is_kept() {
+        let mut queue = Waiting::default();
+        assert_eq!(pushed(&mut queue, [1, WAITING_BYTES - 1, 1]), 0);
+        assert_eq!(pushed(&mut queue, [WAITING_BYTES + 1]), 1);
+        assert_eq!(pushed(&mut queue, [5]), 3);
+        assert_eq!((queue.messages.len(), queue.bytes), (1, 5));
+        assert_eq!(queue.pop().map(|message| message.len()), Some(5));
+        assert_eq!((queue.pop(), queue.bytes), (None, 0));
+    }
 }

@@ -78,8 +78,8 @@ fn field(told: &Json) -> Result<Field, String> {
 mod tests {
     use expect_test::{Expect, expect};
 
-    use super::read;
-    use crate::json;
+    use super::{FIELDS_MAX, TYPES_MAX, read};
+    use crate::json::{self, Json};
 
     fn check(text: &str, expected: Expect) {
         let found = read(&json::parse(text.as_bytes()).unwrap());
@@ -108,6 +108,32 @@ mod tests {
                 a/msg/A Field { name: "b", base: Message("a/msg/B"), shape: Unbounded, text_max: 0, default: None }
                 a/msg/A Field { name: "c", base: Primitive(Text), shape: Fixed(3), text_max: 5, default: None }"#]],
         );
+    }
+
+    /// A description of so many types with so many fields each, by their number or the reason why it is refused.
+    fn described(types: usize, fields: usize) -> Result<usize, String> {
+        let field = r#"{"name": "a", "type": {"type_id": 2, "capacity": 0}}"#;
+        let fields = vec![field; fields].join(",");
+        let one = format!(r#"{{"type_name": "a/msg/A", "fields": [{fields}]}}"#);
+        let below = vec![&*one; types - 1].join(",");
+        let text =
+            format!(r#"{{"type_description": {one}, "referenced_type_descriptions": [{below}]}}"#);
+        let told: Json = json::parse(text.as_bytes()).unwrap();
+        read(&told).map(|messages| messages.len())
+    }
+
+    #[test]
+    fn a_description_of_too_many_types_is_refused() {
+        assert_eq!(described(TYPES_MAX, 1), Ok(TYPES_MAX));
+        let refused = described(TYPES_MAX + 1, 1);
+        assert_eq!(refused, Err("it has more than 1000 types".to_owned()));
+    }
+
+    #[test]
+    fn a_description_of_too_many_fields_is_refused() {
+        assert_eq!(described(10, FIELDS_MAX / 10), Ok(10));
+        let refused = described(10, FIELDS_MAX / 10 + 1);
+        assert_eq!(refused, Err("it has more than 10000 fields".to_owned()));
     }
 
     #[test]

@@ -5,11 +5,12 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use super::{
-    Base, Literal, Message, Primitive, Shape, Sort, TypeName, bundled, derived, hash, parse,
+    Base, Literal, MESSAGE_MAX, Message, Primitive, Shape, Sort, TypeName, bundled, derived, hash,
+    parse,
 };
 
 /// Types inside of types.
-const DEPTH_MAX: usize = 64;
+pub(crate) const DEPTH_MAX: usize = 64;
 /// Bytes of an interface file.
 const FILE_MAX: u64 = 1 << 20;
 
@@ -19,6 +20,10 @@ pub(crate) struct Type {
     pub(crate) name: String,
     pub(crate) fields: Vec<TypeField>,
     pub(crate) constants: Vec<(String, Primitive, Literal)>,
+    /// Levels of types: 1 if all fields are primitive.
+    depth: usize,
+    least_width: usize,
+    is_large: bool,
 }
 
 /// A field of it.
@@ -39,32 +44,51 @@ pub(crate) enum Kind {
 }
 
 impl Type {
-    /// The least number of bytes that a value can take, so that a claimed number of values can be checked.
-    pub(crate) fn least_width(&self) -> usize {
-        let fields = self.fields.iter().map(|field| match field.shape {
-            Shape::One => field.kind.least_width(),
-            Shape::Fixed(size) => field.kind.least_width().saturating_mul(size as usize),
-            Shape::Bounded(_) | Shape::Unbounded => 4,
-        });
-        fields.fold(0_usize, usize::saturating_add).max(1)
+    /// What follows from the fields is computed once: a type can hold another one in two fields on each of many levels.
+    fn new(message: &Message, fields: Vec<TypeField>) -> Self {
+        let nested = || fields.iter().filter_map(|field| field.kind.nested());
+        let depth = 1 + nested().map(|nested| nested.depth).max().unwrap_or(0);
+        let is_large = nested().any(|nested| nested.is_large)
+            || fields.iter().any(TypeField::holds_bytes_without_end);
+        let widths = fields.iter().map(TypeField::least_width);
+        let least_width = widths.fold(0_usize, usize::saturating_add).max(1);
+        let (name, constants) = (message.name.clone(), message.constants.clone());
+        Self { name, fields, constants, depth, least_width, is_large }
+    }
+
+    /// Whether messages can be megabytes: they hold lists of bytes without end.
+    pub(crate) fn is_large(&self) -> bool {
+        self.is_large
     }
 }
 
-impl Type {
-    /// Whether messages can be megabytes: they hold lists of bytes without end.
-    pub(crate) fn is_large(&self) -> bool {
-        self.fields.iter().any(|field| match &field.kind {
-            Kind::Primitive(one) => field.shape == Shape::Unbounded && one.width() == 1,
-            Kind::Message(nested) => nested.is_large(),
-        })
+impl TypeField {
+    fn least_width(&self) -> usize {
+        match self.shape {
+            Shape::One => self.kind.least_width(),
+            Shape::Fixed(size) => self.kind.least_width().saturating_mul(size as usize),
+            Shape::Bounded(_) | Shape::Unbounded => 4,
+        }
+    }
+
+    fn holds_bytes_without_end(&self) -> bool {
+        matches!(self.kind, Kind::Primitive(one) if self.shape == Shape::Unbounded && one.width() == 1)
     }
 }
 
 impl Kind {
+    /// The least number of bytes that a value can take, so that a claimed number of values can be checked.
     pub(crate) fn least_width(&self) -> usize {
         match self {
             Self::Primitive(primitive) => primitive.width(),
-            Self::Message(nested) => nested.least_width(),
+            Self::Message(nested) => nested.least_width,
+        }
+    }
+
+    fn nested(&self) -> Option<&Type> {
+        match self {
+            Self::Primitive(_) => None,
+            Self::Message(nested) => Some(nested),
         }
     }
 }
@@ -123,13 +147,13 @@ impl Library {
 
     fn resolve(&mut self, full: &str, above: &mut Vec<String>) -> Result<Arc<Type>, String> {
         if let Some(known) = self.types.get(full) {
-            return Ok(Arc::clone(known));
+            return within_depth(known, above).map(|()| Arc::clone(known));
         }
         if above.iter().any(|name| name == full) {
             return Err(format!("`{full}` contains itself, by {}", above.join(", ")));
         }
-        if above.len() >= DEPTH_MAX {
-            return Err(format!("`{}` is nested more than {DEPTH_MAX} deep", above[0]));
+        if let Some(top) = above.first().filter(|_| above.len() >= DEPTH_MAX) {
+            return Err(too_deep(top));
         }
         let message = self.message(full).map_err(|why| match above.last() {
             Some(user) => format!("{why} (it is needed by {user})"),
@@ -152,8 +176,13 @@ impl Library {
             });
         }
         above.pop();
-        let found =
-            Type { name: message.name.clone(), fields, constants: message.constants.clone() };
+        let found = Type::new(&message, fields);
+        if found.least_width > MESSAGE_MAX {
+            let (least, most) = (found.least_width, MESSAGE_MAX);
+            return Err(format!(
+                "the shortest message of `{full}` has {least} bytes, and {most} is the most that rafcon-ros carries"
+            ));
+        }
         let found = Arc::new(found);
         self.types.insert(full.to_owned(), Arc::clone(&found));
         Ok(found)
@@ -233,6 +262,18 @@ impl Library {
     }
 }
 
+/// Refuses a type that is known if it is too deep below those that hold it.
+fn within_depth(known: &Type, above: &[String]) -> Result<(), String> {
+    match above.first() {
+        Some(top) if above.len() + known.depth > DEPTH_MAX => Err(too_deep(top)),
+        _ => Ok(()),
+    }
+}
+
+fn too_deep(top: &str) -> String {
+    format!("`{top}` is nested more than {DEPTH_MAX} deep")
+}
+
 /// Where the file of an interface lies in a folder of interfaces.
 fn relative(package: &str, sort: Sort, short: &str) -> PathBuf {
     PathBuf::from(package).join(sort.word()).join(format!("{short}.{}", sort.word()))
@@ -250,8 +291,62 @@ fn read(path: &Path) -> Result<Option<String>, String> {
 
 #[cfg(test)]
 mod tests {
+    use std::path::PathBuf;
+
     use super::super::{bundled, hash};
-    use super::Library;
+    use super::{DEPTH_MAX, FILE_MAX, Library};
+
+    /// A library of the messages `own/msg/N`, each with its text.
+    fn library(texts: impl IntoIterator<Item = (String, String)>) -> (tempfile::TempDir, Library) {
+        let folder = tempfile::tempdir().unwrap();
+        let own = folder.path().join("own/msg");
+        std::fs::create_dir_all(&own).unwrap();
+        for (name, text) in texts {
+            std::fs::write(own.join(name + ".msg"), text).unwrap();
+        }
+        let found = Library::new(vec![PathBuf::from(folder.path())], &[]);
+        (folder, found)
+    }
+
+    /// Messages of so many levels: the fields of `N1` are of `N2`, and so on.
+    fn levels(count: usize, fields: &str) -> (tempfile::TempDir, Library) {
+        let text = |level: usize| match level {
+            level if level == count => "int8 a".to_owned(),
+            level => fields.replace("Inner", &format!("N{}", level + 1)),
+        };
+        library((1..=count).map(|level| (format!("N{level}"), text(level))))
+    }
+
+    #[test]
+    fn a_type_that_is_nested_too_deep_is_refused_whatever_was_asked_for_before() {
+        let (_folder, mut library) = levels(DEPTH_MAX + 1, "Inner a");
+        let refused = "`own/msg/N1` is nested more than 64 deep";
+        assert_eq!(library.find("own/msg/N1").unwrap_err(), refused);
+        library.find("own/msg/N2").unwrap();
+        assert_eq!(library.find("own/msg/N1").unwrap_err(), refused);
+    }
+
+    #[test]
+    fn a_type_whose_shortest_message_is_too_long_is_refused_at_once() {
+        let (_folder, mut library) = levels(DEPTH_MAX, "Inner a\nInner b");
+        let refused = library.find("own/msg/N1").unwrap_err();
+        assert!(refused.starts_with("the shortest message of `own/msg/N38` has 67108864 bytes"));
+        library.find("own/msg/N40").unwrap();
+    }
+
+    #[test]
+    fn a_file_that_is_too_long_is_refused_with_its_path() {
+        let comment = |length: u64| "#".repeat(usize::try_from(length).unwrap());
+        let texts = [("Long", FILE_MAX), ("Longer", FILE_MAX + 1)];
+        let (folder, mut library) =
+            library(texts.map(|(name, length)| (name.to_owned(), comment(length))));
+        library.find("own/msg/Long").unwrap();
+        let path = folder.path().join("own/msg/Longer.msg");
+        let refused = format!("{} is larger than 1048576 bytes", path.display());
+        assert_eq!(library.find("own/msg/Longer").unwrap_err(), refused);
+        std::fs::write(path, "int8 a").unwrap();
+        library.find("own/msg/Longer").unwrap();
+    }
 
     fn described(text: &str) -> Vec<super::Message> {
         super::super::parse::file(text, "own", super::Sort::Message, "Own").unwrap()

@@ -13,6 +13,9 @@ pub(crate) mod parse;
 use std::fmt;
 use std::sync::Arc;
 
+/// The largest message that is sure to arrive.
+pub(crate) const MESSAGE_MAX: usize = 33 << 20;
+
 /// A type that is no message.
 #[derive(Clone, Copy, Debug, Eq, Hash, PartialEq)]
 pub(crate) enum Primitive {

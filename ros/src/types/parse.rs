@@ -2,6 +2,7 @@
 //!
 //! Any text gives messages or an error with its line; nothing panics.
 
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use super::{Base, Field, Message, Primitive, Shape, Sort, literal};
@@ -43,12 +44,11 @@ pub(crate) fn file(
 
 fn message(lines: &[(usize, &str)], package: &str, name: String) -> Result<Message, String> {
     let mut message = Message { name, fields: Vec::new(), constants: Vec::new() };
+    let mut names = BTreeSet::new();
     for (number, line) in lines {
         let wrong = |why: String| format!("{}, line {number}: {why}", message.name);
         let entry = entry(line, package).map_err(wrong)?;
-        let taken = message.fields.iter().any(|known| known.name == entry.name())
-            || message.constants.iter().any(|(known, ..)| known == entry.name());
-        if taken {
+        if !names.insert(entry.name().to_owned()) {
             return Err(format!(
                 "{}, line {number}: `{}` is there twice",
                 message.name,
@@ -190,7 +190,7 @@ mod tests {
     use proptest::prelude::*;
 
     use super::super::Sort;
-    use super::file;
+    use super::{FIELDS_MAX, file};
 
     fn check(sort: Sort, text: &str, expected: Expect) {
         let shown = match file(text, "own", sort, "Own") {
@@ -234,6 +234,19 @@ mod tests {
                   b Primitive(Bool) One 0 Some(Bool(true))
                   A = Int8 Int(-127)
                   T = Text Text("it's")"#]],
+        );
+    }
+
+    #[test]
+    fn a_type_of_too_many_fields_is_refused() {
+        let text =
+            |count: usize| (0..count).map(|number| format!("int8 a{number}\n")).collect::<String>();
+        let whole = file(&text(FIELDS_MAX), "own", Sort::Message, "Own").unwrap();
+        assert_eq!(whole[0].fields.len(), FIELDS_MAX);
+        check(
+            Sort::Message,
+            &text(FIELDS_MAX + 1),
+            expect!["own/msg/Own has more than 10000 fields"],
         );
     }
 
