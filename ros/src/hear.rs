@@ -57,13 +57,23 @@ impl Requests {
         self.waiting.remove(&number)
     }
 
-    fn add(&mut self, request: Request) -> u64 {
-        self.next += 1;
-        self.waiting.insert(self.next, request);
+    /// The frame of a request. A request that does not fit its type gets no answer, so it is not kept.
+    fn frame(
+        &mut self,
+        handle: u64,
+        request: Request,
+        payload: &Payload,
+        of: &Type,
+    ) -> Result<Frame, String> {
+        let number = self.next + 1;
+        let head = format!(r#"{{"request":{handle},"number":{number},"message":"#);
+        let made = frame(head, payload, of)?;
+        self.next = number;
+        self.waiting.insert(number, request);
         if self.waiting.len() > UNANSWERED_MAX {
             self.waiting.pop_first();
         }
-        self.next
+        Ok(made)
     }
 }
 
@@ -182,8 +192,10 @@ pub(crate) async fn requests(reader: Reader, heard: Heard, handle: u64, asked: A
         let frame = heard.map_err(|why| why.to_string()).and_then(|heard| {
             let request = Request { to: answer_to(&heard), from: heard.writer_guid() };
             let payload: Payload = heard.into_value();
-            let number = asked.lock().unwrap_or_else(PoisonError::into_inner).add(request);
-            frame(format!(r#"{{"request":{handle},"number":{number},"message":"#), &payload, &of)
+            asked
+                .lock()
+                .unwrap_or_else(PoisonError::into_inner)
+                .frame(handle, request, &payload, &of)
         });
         match frame {
             Ok(frame) => outbox.message(frame).await,
@@ -207,5 +219,48 @@ fn answer_to(heard: &DeserializedCacheChange<Payload>) -> SampleIdentity {
             SampleIdentity { writer_guid: said.writer_guid, ..own }
         }
         Some(said) => said,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use rustdds::bytes::Bytes;
+    use rustdds::{GUID, SampleIdentity, SequenceNumber};
+
+    use super::{Payload, Request, Requests, UNANSWERED_MAX};
+    use crate::types::library::Library;
+
+    /// Takes a request of `std_srvs/srv/SetBool`; its bytes are whole if there is one. Returns the text of the frame.
+    fn request(requests: &mut Requests, bytes: &'static [u8]) -> Result<String, String> {
+        let of = Library::new(Vec::new(), &[]).find("std_srvs/srv/SetBool_Request")?;
+        let to = SampleIdentity {
+            writer_guid: GUID::GUID_UNKNOWN,
+            sequence_number: SequenceNumber::UNKNOWN,
+        };
+        let payload = Payload { bytes: Bytes::from_static(bytes), little: true };
+        let request = Request { to, from: GUID::GUID_UNKNOWN };
+        requests.frame(3, request, &payload, &of).map(|frame| frame.text)
+    }
+
+    #[test]
+    fn of_too_many_unanswered_requests_the_oldest_is_forgotten() {
+        let mut requests = Requests::default();
+        let first = request(&mut requests, &[1]).unwrap();
+        assert_eq!(first, r#"{"request":3,"number":1,"message":{"data":true}}"#);
+        let (to, from) = requests.waiting.get(&1).map(|one| (one.to, one.from)).unwrap();
+        requests.waiting.extend((2..=UNANSWERED_MAX as u64).map(|it| (it, Request { to, from })));
+        requests.next = UNANSWERED_MAX as u64;
+        request(&mut requests, &[0]).unwrap();
+        assert!(requests.take(1).is_none() && requests.take(2).is_some());
+        // An answer has made room.
+        request(&mut requests, &[0]).unwrap();
+        assert!(requests.take(3).is_some());
+    }
+
+    #[test]
+    fn a_request_that_does_not_fit_its_type_is_not_kept() {
+        let mut requests = Requests::default();
+        request(&mut requests, &[]).unwrap_err();
+        assert_eq!((requests.waiting.len(), requests.next), (0, 0));
     }
 }
