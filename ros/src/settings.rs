@@ -7,22 +7,23 @@ use crate::json::Json;
 use crate::types::library::Library;
 
 /// The highest domain that ports of UDP allow.
-const DOMAIN_MAX: u64 = 232;
+const DOMAIN_MAX: i128 = 232;
 
 /// How the node is to be.
 pub(crate) fn of(asked: &Json) -> Result<Settings, String> {
-    let domain = match asked.number("domain") {
-        Ok(domain) => domain,
-        Err(_) => match variable("ROS_DOMAIN_ID") {
+    let domain = match asked.get("domain") {
+        Some(Json::Int(domain)) => *domain,
+        Some(other) if *other != Json::Null => return Err("the domain is no number".to_owned()),
+        _ => match variable("ROS_DOMAIN_ID") {
             None => 0,
             Some(text) => {
                 text.trim().parse().map_err(|_| format!("ROS_DOMAIN_ID is no number: `{text}`"))?
             }
         },
     };
-    if domain > DOMAIN_MAX {
+    if !(0..=DOMAIN_MAX).contains(&domain) {
         return Err(format!(
-            "the domain {domain} is above {DOMAIN_MAX}, the highest that ports of UDP allow"
+            "the domain {domain} is not between 0 and {DOMAIN_MAX}, the highest that ports of UDP allow"
         ));
     }
     let range = variable("ROS_AUTOMATIC_DISCOVERY_RANGE").unwrap_or_default().to_ascii_uppercase();
@@ -54,4 +55,37 @@ fn paths(name: &str) -> Vec<PathBuf> {
         .flat_map(std::env::split_paths)
         .filter(|path| !path.as_os_str().is_empty())
         .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use expect_test::{Expect, expect};
+
+    use super::of;
+    use crate::json;
+
+    fn check(domain: &str, expected: Expect) {
+        let text = format!(r#"{{"name": "a", "namespace": "/", "domain": {domain}}}"#);
+        let found = of(&json::parse(text.as_bytes()).unwrap());
+        expected.assert_eq(&found.map_or_else(|why| why, |made| made.domain.to_string()));
+    }
+
+    #[test]
+    fn a_domain_that_ports_do_not_allow_is_refused() {
+        check("0", expect!["0"]);
+        check("232", expect!["232"]);
+        check(
+            "233",
+            expect!["the domain 233 is not between 0 and 232, the highest that ports of UDP allow"],
+        );
+    }
+
+    #[test]
+    fn a_domain_that_is_no_domain_is_not_taken_for_none() {
+        check(
+            "-1",
+            expect!["the domain -1 is not between 0 and 232, the highest that ports of UDP allow"],
+        );
+        check(r#""7""#, expect!["the domain is no number"]);
+    }
 }
