@@ -4,6 +4,8 @@
 
 use std::io::{Read, Write};
 use std::sync::Arc;
+use std::sync::mpsc::{SyncSender, sync_channel};
+use std::time::Duration;
 
 use tokio::sync::{Semaphore, mpsc};
 
@@ -59,26 +61,35 @@ pub(crate) fn write(frame: &Frame, to: &mut impl Write) -> std::io::Result<()> {
     to.flush()
 }
 
+/// An entry of the queue before the writer.
+enum Outgoing {
+    /// A frame, and how much room it takes.
+    Frame(Frame, usize),
+    /// Everything before it has been written.
+    End(SyncSender<()>),
+}
+
 /// Where frames wait until they are written.
 #[derive(Clone)]
 pub(crate) struct Outbox {
-    frames: mpsc::UnboundedSender<(Frame, usize)>,
+    frames: mpsc::UnboundedSender<Outgoing>,
     room: Arc<Semaphore>,
 }
 
 impl Outbox {
     /// One whose frames a thread of its own writes to `to`, until that fails.
     pub(crate) fn new(mut to: impl Write + Send + 'static) -> std::io::Result<Self> {
-        let (frames, mut waiting) = mpsc::unbounded_channel::<(Frame, usize)>();
+        let (frames, mut waiting) = mpsc::unbounded_channel();
         let room = Arc::new(Semaphore::new(WAITING_MAX));
         let given_back = Arc::clone(&room);
         std::thread::Builder::new().name("frames".to_owned()).spawn(move || {
-            while let Some((frame, size)) = waiting.blocking_recv() {
-                // The input ends as well, and with it the program.
-                if write(&frame, &mut to).is_err() {
-                    break;
+            while let Some(next) = waiting.blocking_recv() {
+                match next {
+                    // The input ends as well, and with it the program.
+                    Outgoing::Frame(frame, _) if write(&frame, &mut to).is_err() => break,
+                    Outgoing::Frame(_, size) => given_back.add_permits(size),
+                    Outgoing::End(written) => written.send(()).unwrap_or_default(),
                 }
-                given_back.add_permits(size);
             }
         })?;
         Ok(Self { frames, room })
@@ -86,7 +97,7 @@ impl Outbox {
 
     /// Sends an answer, or something of which there are few.
     pub(crate) fn tell(&self, text: String) {
-        let _ = self.frames.send((Frame { text, bytes: Vec::new() }, 0));
+        let _ = self.frames.send(Outgoing::Frame(Frame { text, bytes: Vec::new() }, 0));
     }
 
     /// Sends a message, when there is room for it.
@@ -94,7 +105,16 @@ impl Outbox {
         let size = (frame.text.len() + frame.bytes.len()).min(WAITING_MAX);
         if let Ok(room) = self.room.acquire_many(u32::try_from(size).unwrap_or(u32::MAX)).await {
             room.forget();
-            let _ = self.frames.send((frame, size));
+            let _ = self.frames.send(Outgoing::Frame(frame, size));
+        }
+    }
+
+    /// Waits until all frames are written, at most so long.
+    pub(crate) fn end(&self, longest: Duration) {
+        let (written, is_written) = sync_channel(1);
+        if self.frames.send(Outgoing::End(written)).is_ok() {
+            // The writer has ended if the other program reads no more.
+            let _ = is_written.recv_timeout(longest);
         }
     }
 
@@ -106,10 +126,38 @@ impl Outbox {
 
 #[cfg(test)]
 mod tests {
+    use std::io::{self, Write};
+    use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
+    use std::time::Duration;
+
+    use futures::FutureExt as _;
     use proptest::prelude::*;
 
-    use super::{Frame, read, write};
+    use super::{FRAME_MAX, Frame, Outbox, WAITING_MAX, read, write};
     use crate::json::Json;
+
+    /// A program that reads a frame with each permission.
+    struct Reader {
+        may_read: Receiver<()>,
+        lengths: SyncSender<usize>,
+        taken: usize,
+    }
+
+    impl Write for Reader {
+        fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+            self.taken += bytes.len();
+            Ok(bytes.len())
+        }
+
+        fn flush(&mut self) -> io::Result<()> {
+            self.may_read.recv().map_err(io::Error::other)?;
+            self.lengths.send(std::mem::take(&mut self.taken)).map_err(io::Error::other)
+        }
+    }
+
+    fn frame(length: usize) -> Frame {
+        Frame { text: String::new(), bytes: vec![0; length] }
+    }
 
     #[test]
     fn a_frame_comes_back() {
@@ -117,6 +165,44 @@ mod tests {
         write(&Frame { text: "[1]".to_owned(), bytes: vec![7; 3] }, &mut bytes).unwrap();
         assert_eq!(read(&mut &bytes[..]), Ok(Some((Json::List(vec![Json::Int(1)]), vec![7; 3]))));
         assert_eq!(read(&mut &bytes[..bytes.len() - 1]), Ok(None));
+    }
+
+    #[test]
+    fn a_frame_that_is_too_long_is_refused_before_its_bytes_come() {
+        let head = |total: usize| [u32::try_from(total).unwrap().to_le_bytes(), [0; 4]].concat();
+        assert_eq!(read(&mut &head(FRAME_MAX)[..]), Ok(None));
+        let refused = read(&mut &head(FRAME_MAX + 1)[..]);
+        assert_eq!(refused, Err("a frame of 1073741825 bytes with a text of 0".to_owned()));
+    }
+
+    #[tokio::test]
+    async fn a_message_waits_for_room_and_answers_do_not() {
+        let ((permit, may_read), (lengths, read)) = (sync_channel(8), sync_channel(8));
+        let outbox = Outbox::new(Reader { may_read, lengths, taken: 0 }).unwrap();
+        // A message that is longer than the room takes all of it.
+        outbox.message(frame(WAITING_MAX + 1)).await;
+        let mut next = Box::pin(outbox.message(frame(1)));
+        assert_eq!(next.as_mut().now_or_never(), None);
+        outbox.tell("{}".to_owned());
+        permit.send(()).unwrap();
+        assert_eq!(read.recv(), Ok(8 + WAITING_MAX + 1));
+        next.await;
+        permit.send(()).unwrap();
+        permit.send(()).unwrap();
+        assert_eq!([read.recv(), read.recv()], [Ok(8 + 2), Ok(8 + 1)]);
+    }
+
+    #[test]
+    fn the_end_waits_for_all_frames_and_not_for_a_program_that_is_gone() {
+        let ((permit, may_read), (lengths, read)) = (sync_channel(8), sync_channel(8));
+        let outbox = Outbox::new(Reader { may_read, lengths, taken: 0 }).unwrap();
+        outbox.tell("{}".to_owned());
+        permit.send(()).unwrap();
+        outbox.end(Duration::MAX);
+        assert_eq!(read.try_recv(), Ok(8 + 2));
+        drop(permit);
+        outbox.tell("{}".to_owned());
+        outbox.end(Duration::MAX);
     }
 
     proptest! {

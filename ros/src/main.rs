@@ -15,12 +15,16 @@ mod settings;
 mod tell;
 mod types;
 
-use std::io::Write as _;
+use std::io::{Read, Write as _};
 use std::process::ExitCode;
+use std::time::Duration;
 
 use crate::frames::Outbox;
 use crate::session::Session;
 use crate::types::hash;
+
+/// The last frames are read within this time, or never.
+const LAST_FRAMES: Duration = Duration::from_millis(500);
 
 const USAGE: &str = "rafcon-ros speaks ROS 2 for the scripts of RAFCON; they start it themselves.
 
@@ -88,17 +92,59 @@ fn serve() -> ExitCode {
     let _inside = runtime.enter();
     let mut session = Session::new(outbox.clone());
     let mut input = std::io::BufReader::with_capacity(1 << 16, std::io::stdin());
-    let code = loop {
-        match frames::read(&mut input) {
-            Ok(Some((asked, bytes))) => session.handle(&asked, &bytes),
-            Ok(None) => break ExitCode::SUCCESS,
-            Err(why) => {
-                outbox.say("error", &format!("rafcon-ros ends: {why}"));
-                break ExitCode::FAILURE;
-            }
-        }
-    };
+    let ended = attend(&mut input, &mut session);
+    if let Err(why) = &ended {
+        outbox.say("error", &format!("rafcon-ros ends: {why}"));
+    }
     session.end(runtime.handle());
-    // Threads of the middleware may still run; all that matters has been said.
-    std::process::exit(i32::from(code != ExitCode::SUCCESS));
+    outbox.end(LAST_FRAMES);
+    // Threads of the middleware may still run.
+    std::process::exit(i32::from(ended.is_err()));
+}
+
+/// Does what frames ask for until they end, or one is refused.
+fn attend(input: &mut impl Read, session: &mut Session) -> Result<(), String> {
+    while let Some((asked, bytes)) = frames::read(input)? {
+        session.handle(&asked, &bytes);
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use std::io;
+    use std::sync::{Arc, Mutex};
+
+    use super::{Duration, Outbox, Session, attend, frames};
+
+    /// Output that the test reads.
+    #[derive(Clone, Default)]
+    struct Written(Arc<Mutex<Vec<u8>>>);
+
+    impl io::Write for Written {
+        fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+            self.0.lock().unwrap().extend_from_slice(bytes);
+            Ok(bytes.len())
+        }
+
+        fn flush(&mut self) -> io::Result<()> {
+            Ok(())
+        }
+    }
+
+    #[test]
+    fn a_frame_that_is_refused_ends_the_program_after_the_answers_to_those_before() {
+        let written = Written::default();
+        let outbox = Outbox::new(written.clone()).unwrap();
+        let asked = r#"{"do":"hashes","ask":7,"types":[]}"#.to_owned();
+        let mut input = Vec::new();
+        frames::write(&frames::Frame { text: asked, bytes: Vec::new() }, &mut input).unwrap();
+        input.extend([0xff; 8]);
+        let ended = attend(&mut &input[..], &mut Session::new(outbox.clone()));
+        let why = "a frame of 4294967295 bytes with a text of 4294967295";
+        assert_eq!(ended, Err(why.to_owned()));
+        outbox.end(Duration::MAX);
+        let written = written.0.lock().unwrap();
+        assert_eq!(written[8..], *br#"{"answer":7,"value":{}}"#);
+    }
 }
