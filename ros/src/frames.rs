@@ -109,12 +109,12 @@ impl Outbox {
         }
     }
 
-    /// Waits until all frames are written, at most so long.
-    pub(crate) fn end(&self, longest: Duration) {
+    /// Waits until all frames are written, up to a timeout.
+    pub(crate) fn end(&self, timeout: Duration) {
         let (written, is_written) = sync_channel(1);
         if self.frames.send(Outgoing::End(written)).is_ok() {
             // The writer has ended if the other program reads no more.
-            let _ = is_written.recv_timeout(longest);
+            let _ = is_written.recv_timeout(timeout);
         }
     }
 

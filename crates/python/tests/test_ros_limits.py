@@ -155,7 +155,7 @@ class Events(unittest.TestCase):
 
     def check_dropped(self, said, dropped, kept):
         """The log has these counts, and the first of these many messages are gone."""
-        texts = [f"messages come faster than this run takes them: the oldest were dropped, {count} so far" for count in said]
+        texts = [f"the queue of received messages is full: {count} of the oldest messages are dropped" for count in said]
         found = self.taken(len(kept) + len(said))
         self.assertEqual([each["text"] for each in found if "say" in each], texts)
         self.assertEqual([each["heard"] for each in found if "heard" in each], kept)

@@ -42,8 +42,7 @@ pub(crate) struct Graph {
 
 #[derive(Default)]
 struct Known {
-    /// Of each reader or writer of this process, from when it is made until it is given back, those elsewhere that it is matched
-    /// with.
+    /// The matched peers of each reader and writer of this process that is in use.
     matched: BTreeMap<GUID, BTreeSet<GUID>>,
     /// Of each process, its nodes.
     nodes: BTreeMap<Process, Vec<NamedNode>>,
@@ -320,7 +319,7 @@ mod tests {
         graph.note(Event::ParticipantLost { id: one.prefix, reason });
     }
 
-    /// How many of each sort are kept: own readers and writers, processes with nodes, the dead, those that arrived.
+    /// The number of entries: own readers and writers, processes with nodes, dead processes, processes that arrived.
     fn kept(graph: &Graph) -> [usize; 4] {
         let known = graph.known();
         [known.matched.len(), known.nodes.len(), known.dead.len(), known.arrived.len()]

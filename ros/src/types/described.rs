@@ -110,7 +110,7 @@ mod tests {
         );
     }
 
-    /// A description of so many types with so many fields each, by their number or the reason why it is refused.
+    /// Reads a description with these numbers of types and of fields in each. Returns the number of types.
     fn described(types: usize, fields: usize) -> Result<usize, String> {
         let field = r#"{"name": "a", "type": {"type_id": 2, "capacity": 0}}"#;
         let fields = vec![field; fields].join(",");

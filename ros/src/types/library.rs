@@ -44,7 +44,7 @@ pub(crate) enum Kind {
 }
 
 impl Type {
-    /// What follows from the fields is computed once: a type can hold another one in two fields on each of many levels.
+    /// Computes the sizes once: a type can hold another one in two fields on each of 64 levels.
     fn new(message: &Message, fields: Vec<TypeField>) -> Self {
         let nested = || fields.iter().filter_map(|field| field.kind.nested());
         let depth = 1 + nested().map(|nested| nested.depth).max().unwrap_or(0);
@@ -308,7 +308,7 @@ mod tests {
         (folder, found)
     }
 
-    /// Messages of so many levels: the fields of `N1` are of `N2`, and so on.
+    /// Messages in levels: the fields of `N1` are of `N2`, and so on.
     fn levels(count: usize, fields: &str) -> (tempfile::TempDir, Library) {
         let text = |level: usize| match level {
             level if level == count => "int8 a".to_owned(),

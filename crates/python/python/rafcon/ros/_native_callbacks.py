@@ -57,5 +57,5 @@ class Callbacks:
             self._dropped += 1
             # The first, second, fourth, eighth …
             if self._dropped & (self._dropped - 1) == 0:
-                text = f"messages come faster than this run takes them: the oldest were dropped, {self._dropped} so far"
+                text = f"the queue of received messages is full: {self._dropped} of the oldest messages are dropped"
                 self._add(self._others, {"say": "warning", "text": text}, 0)
