@@ -6,7 +6,7 @@
 
 use crate::process::{INHERITING, Start};
 use crate::{ProgramEnvironment, StartError, clock};
-use std::io::{self, BufRead as _, BufReader, Write as _};
+use std::io::{self, BufRead, BufReader, Read, Write as _};
 use std::os::unix::process::CommandExt as _;
 use std::path::PathBuf;
 use std::process::{Child, ChildStdin, Command, Stdio};
@@ -17,6 +17,8 @@ use std::time::Duration;
 const BOOTSTRAP: &str = include_str!("ros_bridge.py");
 /// How long a bridge may take for the last words to its peers; then it is killed.
 const LAST_WORDS: Duration = Duration::from_secs(4);
+/// Bytes of a line of the bridge that are told.
+const LINE_MAX: u64 = 64 << 10;
 /// The first pause before another is started; each further one is twice as long.
 const PAUSE_MIN: Duration = Duration::from_secs(1);
 /// So much news waits at most: one end, and that no bridge is wanted.
@@ -150,7 +152,7 @@ fn started(
     stdin.write_all(format!("{}\n", settings.told).as_bytes()).unwrap_or_default();
     let (tell, news) = (settings.tell, news.clone());
     let listen = move || {
-        BufReader::new(stdout).lines().map_while(Result::ok).for_each(|line| tell(&line));
+        tell_lines(stdout, tell);
         news.send(News::Ended).unwrap_or_default();
     };
     let listening = thread::Builder::new().name("ros bridge output".to_owned()).spawn(listen);
@@ -161,13 +163,49 @@ fn started(
     Ok((child, stdin))
 }
 
+/// Tells each line until the output ends. A longer line than [`LINE_MAX`] is cut, and bytes that are no text are replaced.
+fn tell_lines(output: impl Read, mut tell: impl FnMut(&str)) {
+    let mut output = BufReader::new(output);
+    let mut line = Vec::new();
+    loop {
+        line.clear();
+        let Ok(1..) = output.by_ref().take(LINE_MAX).read_until(b'\n', &mut line) else { return };
+        let missing = if line.ends_with(b"\n") { 0 } else { skip_line(&mut output) };
+        let mut text = String::from_utf8_lossy(&line).trim_end_matches(['\r', '\n']).to_owned();
+        if missing > 0 {
+            let rest = format!("… ({missing} more bytes)");
+            text.push_str(&rest);
+        }
+        tell(&text);
+    }
+}
+
+/// Skips the rest of a line. Returns the number of its bytes without the end of the line.
+fn skip_line(output: &mut impl BufRead) -> usize {
+    let mut skipped = 0;
+    loop {
+        let part = match output.fill_buf() {
+            Err(error) if error.kind() == io::ErrorKind::Interrupted => continue,
+            Ok([]) | Err(_) => return skipped,
+            Ok(part) => part,
+        };
+        let end = part.iter().position(|byte| *byte == b'\n');
+        let (length, is_end) = (end.unwrap_or(part.len()), end.is_some());
+        output.consume(length + usize::from(is_end));
+        skipped += length;
+        if is_end {
+            return skipped;
+        }
+    }
+}
+
 fn no_bridge(why: &str) -> String {
     format!("the bridge to ROS cannot be started: {why}")
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{RosBridge, RosBridgeSettings};
+    use super::{LINE_MAX, RosBridge, RosBridgeSettings, tell_lines};
     use crate::ProgramEnvironment;
     use std::fs;
     use std::os::unix::fs::PermissionsExt as _;
@@ -222,6 +260,33 @@ mod tests {
         let ended = "the bridge to ROS has ended (exit status 3). Runs continue; it is started again in 1 s, then in longer and longer times";
         assert_eq!(lines, ["up", ended, "up"]);
         drop(bridge);
+    }
+
+    #[test]
+    fn a_long_line_is_cut_and_says_how_much_is_missing() {
+        let most = usize::try_from(LINE_MAX).unwrap();
+        let check = |text: &str, lines: &[String]| {
+            let mut told = Vec::new();
+            tell_lines(text.as_bytes(), |line| told.push(line.to_owned()));
+            assert_eq!(told, lines);
+        };
+        let (whole, rest) = ("x".repeat(most), "y".repeat(100_000));
+        check(&format!("{whole}\nup"), &[whole.clone(), "up".to_owned()]);
+        let cut = format!("{whole}… (100000 more bytes)");
+        check(&format!("{whole}{rest}\nup\n"), &[cut.clone(), "up".to_owned()]);
+        check(&format!("{whole}{rest}"), &[cut]);
+        check("\na\r\n", &[String::new(), "a".to_owned()]);
+    }
+
+    #[test]
+    fn a_line_that_is_no_text_is_told_and_the_bridge_continues() {
+        let _turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);
+        let (_folder, bridge, told) =
+            begun("read line; printf 'k\\374che\\n'; echo up; cat; echo good-bye");
+        let lines: Vec<_> = told.iter().take(2).collect();
+        assert_eq!(lines, ["k\u{fffd}che", "up"]);
+        drop(bridge);
+        assert_eq!(told.recv().unwrap(), "good-bye");
     }
 
     #[test]
