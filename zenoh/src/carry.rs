@@ -3,14 +3,18 @@
 use crate::command_line::{Network, complain};
 use anyhow::{Result, anyhow};
 use std::future::Future;
+use std::net::SocketAddr;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;
+use tokio::net::UdpSocket;
 use tokio::time::{Instant, sleep_until, timeout};
 use zenoh::Session;
 use zenoh::qos::{CongestionControl, Priority, Reliability};
 
 /// No datagram of the link is longer.
 pub(crate) const DATAGRAM_MAX: usize = 2_048;
+/// Room for a datagram, and for one more byte that shows that it is too long.
+pub(crate) type Buffer = [u8; DATAGRAM_MAX + 1];
 /// A session that does not close within this time is left behind.
 const CLOSE: Duration = Duration::from_secs(2);
 
@@ -80,4 +84,40 @@ pub(crate) async fn put(session: &Session, key: &str, datagram: &[u8], priority:
     let put = put.congestion_control(CongestionControl::Drop).priority(priority).express(true);
     // A network that is not there is a link that loses everything.
     drop(put.reliability(Reliability::BestEffort).await);
+}
+
+/// Receives the next datagram that is not too long, and the address of its sender.
+pub(crate) async fn receive<'b>(
+    socket: &UdpSocket,
+    buffer: &'b mut Buffer,
+) -> (&'b [u8], SocketAddr) {
+    loop {
+        // The kernel reports here that nobody listens at the address of an earlier datagram.
+        if let Ok((length, from)) = socket.recv_from(buffer).await
+            && length <= DATAGRAM_MAX
+        {
+            return (&buffer[..length], from);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{DATAGRAM_MAX, receive};
+    use tokio::net::UdpSocket;
+
+    #[tokio::test]
+    async fn a_datagram_that_is_too_long_is_dropped_and_the_next_one_arrives_whole() {
+        let receiver = UdpSocket::bind("127.0.0.1:0").await.unwrap();
+        let sender = UdpSocket::bind("127.0.0.1:0").await.unwrap();
+        let to = receiver.local_addr().unwrap();
+        for length in [DATAGRAM_MAX + 1, DATAGRAM_MAX, 1] {
+            sender.send_to(&vec![7; length], to).await.unwrap();
+        }
+        let mut buffer = [0; DATAGRAM_MAX + 1];
+        for length in [DATAGRAM_MAX, 1] {
+            let (datagram, from) = receive(&receiver, &mut buffer).await;
+            assert_eq!((datagram, from), (&vec![7; length][..], sender.local_addr().unwrap()));
+        }
+    }
 }

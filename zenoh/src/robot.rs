@@ -1,6 +1,6 @@
 //! The side of a robot: its datagrams go down, and those of its stations come up to wherever it sent from last.
 
-use crate::carry::{DATAGRAM_MAX, LastHeard, keep_session, put};
+use crate::carry::{DATAGRAM_MAX, LastHeard, keep_session, put, receive};
 use crate::command_line::{Network, RobotSide, print};
 use crate::keys::{explain, is_part};
 use anyhow::{Context as _, Result, anyhow, bail};
@@ -44,18 +44,17 @@ async fn carry_in(
     let answers = session.declare_subscriber(up).callback(move |sample| {
         heard.note();
         let to = *to.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(to) = to {
+        let payload = sample.payload().to_bytes();
+        if let Some(to) = to.filter(|_| payload.len() <= DATAGRAM_MAX) {
             // What the socket does not take now is lost, as on any link.
-            drop(answering.try_send_to(&sample.payload().to_bytes(), to));
+            drop(answering.try_send_to(&payload, to));
         }
     });
     let _answers = answers.await.map_err(|error| anyhow!(error))?;
-    let mut buffer = [0; DATAGRAM_MAX];
+    let mut buffer = [0; DATAGRAM_MAX + 1];
     loop {
-        // An address that no one listens at is said by the next call.
-        if let Ok((length, from)) = socket.recv_from(&mut buffer).await {
-            *robot.lock().unwrap_or_else(PoisonError::into_inner) = Some(from);
-            put(&session, &down, &buffer[..length], Priority::DataHigh).await;
-        }
+        let (datagram, from) = receive(&socket, &mut buffer).await;
+        *robot.lock().unwrap_or_else(PoisonError::into_inner) = Some(from);
+        put(&session, &down, datagram, Priority::DataHigh).await;
     }
 }

@@ -1,8 +1,8 @@
 //! The side of a station: each robot of the fleet has a port of its own from which its datagrams come to the station, so that the
 //! station's answers find their robot.
 
-use crate::carry::{DATAGRAM_MAX, LastHeard, keep_session, put};
-use crate::command_line::{Network, StationSide, print};
+use crate::carry::{DATAGRAM_MAX, LastHeard, keep_session, put, receive};
+use crate::command_line::{Network, StationSide, complain, print};
 use crate::keys::Fleet;
 use anyhow::{Result, anyhow};
 use std::collections::BTreeMap;
@@ -37,6 +37,7 @@ async fn carry_in(
         session: session.clone(),
         handle: Handle::current(),
         ports: Mutex::default(),
+        is_full: AtomicBool::new(false),
     };
     let arrivals = session.declare_subscriber(network.fleet.down("*")).callback(move |sample| {
         heard.note();
@@ -58,6 +59,8 @@ struct Ports {
     session: Session,
     handle: Handle,
     ports: Mutex<BTreeMap<String, Port>>,
+    /// A robot got no port, which was reported.
+    is_full: AtomicBool,
 }
 
 /// The port of one robot.
@@ -77,11 +80,13 @@ impl Ports {
     fn send(&self, robot: &str, datagram: &[u8]) {
         let mut ports = self.ports.lock().unwrap_or_else(PoisonError::into_inner);
         if !ports.contains_key(robot) {
-            if ports.len() >= ROBOTS_MAX {
-                let stranger = |port: &Port| !port.is_answered.load(Ordering::Acquire);
-                let strangers = ports.iter().find(|(_, port)| stranger(port));
-                let Some(stranger) = strangers.map(|(name, _)| name.clone()) else { return };
-                ports.remove(&stranger);
+            if !make_room(&mut ports) {
+                if !self.is_full.swap(true, Ordering::AcqRel) {
+                    complain(&format!(
+                        "the station answers {ROBOTS_MAX} robots: `{robot}` and further ones are not carried"
+                    ));
+                }
+                return;
             }
             // Without a port the datagram is lost, as on any link.
             let Ok(port) = self.open(robot) else { return };
@@ -115,6 +120,16 @@ impl Ports {
     }
 }
 
+/// Makes room for one more port. False if the station answers all robots that have one.
+fn make_room(ports: &mut BTreeMap<String, Port>) -> bool {
+    if ports.len() < ROBOTS_MAX {
+        return true;
+    }
+    let stranger = ports.iter().find(|(_, port)| !port.is_answered.load(Ordering::Acquire));
+    let stranger = stranger.map(|(name, _)| name.clone());
+    stranger.is_some_and(|name| ports.remove(&name).is_some())
+}
+
 /// Carries what the station sends to a robot.
 async fn carry_answers(
     session: Session,
@@ -122,12 +137,46 @@ async fn carry_answers(
     socket: Arc<UdpSocket>,
     is_answered: Arc<AtomicBool>,
 ) {
-    let mut buffer = [0; DATAGRAM_MAX];
+    let mut buffer = [0; DATAGRAM_MAX + 1];
     loop {
-        // A station that is not there yet is said by the next call.
-        if let Ok(length) = socket.recv(&mut buffer).await {
-            is_answered.store(true, Ordering::Release);
-            put(&session, &up, &buffer[..length], Priority::InteractiveHigh).await;
+        let (datagram, _) = receive(&socket, &mut buffer).await;
+        is_answered.store(true, Ordering::Release);
+        put(&session, &up, datagram, Priority::InteractiveHigh).await;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Port, ROBOTS_MAX, make_room};
+    use std::collections::BTreeMap;
+    use std::sync::Arc;
+    use std::sync::atomic::{AtomicBool, Ordering};
+    use tokio::net::UdpSocket;
+
+    async fn port(is_answered: bool) -> Port {
+        let socket = UdpSocket::bind("127.0.0.1:0").await.unwrap();
+        let answers = tokio::spawn(std::future::pending::<()>()).abort_handle();
+        let is_answered = Arc::new(AtomicBool::new(is_answered));
+        Port { socket: Arc::new(socket), is_answered, answers }
+    }
+
+    #[tokio::test]
+    async fn a_robot_that_the_station_never_answered_makes_room_and_one_that_it_answers_does_not() {
+        let mut ports = BTreeMap::new();
+        for number in 0..ROBOTS_MAX {
+            assert!(make_room(&mut ports));
+            ports.insert(format!("r{number}"), port(number != 7).await);
         }
+        let stranger = ports["r7"].answers.clone();
+        assert!(make_room(&mut ports));
+        assert_eq!((ports.len(), ports.contains_key("r7")), (ROBOTS_MAX - 1, false));
+        tokio::task::yield_now().await;
+        assert!(stranger.is_finished());
+        ports.insert("new".to_owned(), port(true).await);
+        assert!(!make_room(&mut ports));
+        assert_eq!(ports.len(), ROBOTS_MAX);
+        // A port that the station does not answer is there for the next robot.
+        ports["new"].is_answered.store(false, Ordering::Release);
+        assert!(make_room(&mut ports));
     }
 }
