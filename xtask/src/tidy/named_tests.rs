@@ -9,6 +9,9 @@ use anyhow::Result;
 
 use crate::workspace;
 
+/// Folders with sources that are no crates of `crates/`.
+const OTHER_HOMES: [&str; 3] = ["xtask", "ros", "zenoh"];
+
 /// A source file: its path and its text.
 type Source = (PathBuf, String);
 
@@ -37,6 +40,8 @@ fn sources() -> Result<Vec<Source>> {
         workspace::files("crates/*.rs")?,
         workspace::files("crates/*.py")?,
         workspace::files("xtask/*.rs")?,
+        workspace::files("ros/*.rs")?,
+        workspace::files("zenoh/*.rs")?,
     ];
     files.concat().into_iter().map(|file| Ok((file.clone(), workspace::read(&file)?))).collect()
 }
@@ -49,7 +54,9 @@ fn names(text: &str, crates: &[String]) -> Vec<String> {
 
 fn is_name(word: &str, crates: &[String]) -> bool {
     let known = |head: &str| {
-        crates.iter().any(|name| name == head) || ["xtask", "conformance"].contains(&head)
+        crates.iter().any(|name| name == head)
+            || OTHER_HOMES.contains(&head)
+            || head == "conformance"
     };
     let plain = word
         .chars()
@@ -67,8 +74,8 @@ fn exists(sources: &[Source], name: &str) -> bool {
 }
 
 fn holds((file, text): &Source, home: &str, modules: &[&str], test: &str) -> bool {
-    let folder =
-        if home == "xtask" { PathBuf::from("xtask") } else { Path::new("crates").join(home) };
+    let is_other = OTHER_HOMES.contains(&home);
+    let folder = if is_other { PathBuf::from(home) } else { Path::new("crates").join(home) };
     let named = |module: &&str| {
         file.with_extension("").components().any(|part| part.as_os_str() == *module)
             || text.contains(&format!("mod {module} {{"))
@@ -98,18 +105,22 @@ mod tests {
 
     #[test]
     fn names_are_told_from_other_code() {
-        let text = "Held by: `engine::tests::replay`, not `engine::Engine` or `let x`.\n| `conformance::barrier` |";
+        let text = "Held by: `engine::tests::replay`, not `engine::Engine` or `let x`.\n| `conformance::barrier`, `ros::json::tests::text` |";
         let crates = ["engine".to_owned()];
-        assert_eq!(names(text, &crates), ["engine::tests::replay", "conformance::barrier"]);
+        let expected = ["engine::tests::replay", "conformance::barrier", "ros::json::tests::text"];
+        assert_eq!(names(text, &crates), expected);
     }
 
     #[test]
     fn a_test_is_found_by_its_crate_module_and_mark() {
         let text = "mod tests {\n    #[test]\n    fn replay() {}\n    fn helper() {}\n    \
                     #[tokio::test(start_paused = true)]\n    async fn later() {}\n}\n";
-        let sources = [(PathBuf::from("crates/engine/src/walk.rs"), text.to_owned())];
+        let place = |file: &str| (PathBuf::from(file), text.to_owned());
+        let sources = [place("crates/engine/src/walk.rs"), place("ros/src/walk.rs")];
         assert!(exists(&sources, "engine::walk::tests::replay"));
         assert!(exists(&sources, "engine::walk::tests::later"));
+        assert!(exists(&sources, "ros::walk::tests::replay"));
+        assert!(!exists(&sources, "zenoh::walk::tests::replay"));
         assert!(!exists(&sources, "engine::walk::tests::helper"));
         assert!(!exists(&sources, "model::walk::tests::replay"));
         assert!(!exists(&sources, "engine::other::tests::replay"));
