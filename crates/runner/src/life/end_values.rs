@@ -212,7 +212,8 @@ mod tests {
     }
 
     fn view_of(value: &Value) -> Value {
-        View::of(value, &mut usize::MAX.clone())
+        let mut room = usize::MAX;
+        View::of(value, &mut room)
     }
 
     #[test]
@@ -241,7 +242,7 @@ mod tests {
             let Event::Finished { outputs: shown, globals: views, .. } = &event else { panic!() };
             assert_eq!(Value::from(shown.clone()), outputs);
             // What has no room says how much it is.
-            assert_eq!(views.values().last().unwrap()["__len__"], ITEMS_MAX - 1);
+            assert_eq!(views.values().next_back().unwrap()["__len__"], ITEMS_MAX - 1);
             assert_eq!((views.len(), notes.len()), (NAMES_MAX, 1));
         }
     }
