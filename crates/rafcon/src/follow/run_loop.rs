@@ -88,10 +88,12 @@ impl RunLoop {
     fn act(&mut self, action: Action) -> Result<()> {
         let now = self.clock.now();
         match action {
-            Action::Send(message) => match self.line.say(&message)? {
-                true => Ok(()),
-                false => self.show(|view| view.note(DROPPED)),
-            },
+            Action::Send(message) => {
+                if self.line.say(&message)? {
+                    return Ok(());
+                }
+                self.show(|view| view.note(DROPPED))
+            }
             Action::Kill => {
                 self.group.iter().for_each(|group| group.kill());
                 Ok(())

@@ -47,7 +47,9 @@ fn about(id: &str) -> About {
 fn of_a_long_list_of_sent_runs_the_newest_go_on_and_the_others_come_as_older_ones() {
     let mut robot = Robot::new();
     let ids: Vec<_> = (0..LISTED_MAX + 2).map(|nth| format!("run-{nth:04}")).collect();
-    ids.iter().for_each(|id| ended(&robot.folder_of(id), &about(id), 1));
+    for id in &ids {
+        ended(&robot.folder_of(id), &about(id), 1);
+    }
     let mut runs = robot.runs();
     fs::write(&runs.list, ids.join("\n")).unwrap();
     runs.restore(&mut robot.session);

@@ -35,7 +35,9 @@ fn replica(folder: &Path, id: &str) {
 fn of_many_whole_replicas_a_start_reads_the_newest_and_those_that_the_list_lacks() {
     let folder = tempfile::tempdir().unwrap();
     let ids: Vec<_> = (0..CHECKED_MAX + 3).map(|nth| format!("run-{nth:04}")).collect();
-    ids.iter().for_each(|id| replica(folder.path(), id));
+    for id in &ids {
+        replica(folder.path(), id);
+    }
     let mut kept = kept_runs(folder.path());
     assert_eq!(kept.restore().len(), CHECKED_MAX + 3);
     // One came that the list does not have.

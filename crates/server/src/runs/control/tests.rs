@@ -408,7 +408,7 @@ fn a_calendar_that_is_set_makes_nobody_silent_and_nobody_heard() {
         50 ana takes-over
         71 ana takes-over
         ",
-        &expect![[r#"
+        &expect![[r"
             1 ana commands -> ana []
             3602 root sets-3600 -> ana []
             3610 bob takes-over -> ana []: ana was heard 9 s ago: control can be taken over after 30 s of silence; request it meanwhile
@@ -416,6 +416,6 @@ fn a_calendar_that_is_set_makes_nobody_silent_and_nobody_heard() {
             41 root sets--3600 -> bob []
             50 ana takes-over -> bob []: bob was heard 10 s ago: control can be taken over after 30 s of silence; request it meanwhile
             71 ana takes-over -> ana []
-        "#]],
+        "]],
     );
 }
