@@ -13,6 +13,7 @@ import {
   status,
 } from "./support/mission.ts";
 import { runnersOf } from "./support/runner.ts";
+import { press } from "./support/runs.ts";
 import type { Server } from "./support/server.ts";
 import { keepDisk } from "./support/station.ts";
 
@@ -67,6 +68,37 @@ journey(
     robot.freeze();
     await app.sheet.locator(".runs-row.is-old .run-assumed").waitFor();
     robot.thaw();
+    await endRun(robot, run);
+  },
+);
+
+journey(
+  "mission control shows the next planned contact, and when a command is sent and takes effect",
+  HERE,
+  async ({ app, server, robot }) => {
+    const run = await startRun(robot, "drives");
+    await untilRun(server, run, ({ phase }) => phase === "live");
+    await openMission(app, "drives");
+    const link = missionOf(app).getByRole("region", { name: "Link to the robot" });
+    await link.getByText("no contact planned").waitFor();
+    await link.getByText(/^effect in /).waitFor();
+    const at = (hours: number) => new Date(Date.now() + hours * 3_600_000).toISOString();
+    const window = { begin: at(30), end: at(31), profile: "deep", note: "Kiruna" };
+    await server.ask("PUT", "/robots/scout/contacts", [window]);
+    await link.getByText(/^in 1 d \d.* UTC, profile deep, Kiruna$/).waitFor();
+    await link.getByText(/^sent in 1 d \d.*, effect in 1 d \d.*, expires in 1 d \d/).waitFor();
+    robot.freeze();
+    await press(app, "Pause");
+    const commands = link.getByRole("list", { name: "Commands on the way to the robot" });
+    await commands.getByText(/^Pause of .*: to be sent in 1 d .*, takes effect in 1 d /).waitFor();
+    const sent = missionOf(app).getByRole("list", { name: "Commands you sent" });
+    await sent.getByText(/planned for the next contact in 1 d /).waitFor();
+    robot.thaw();
+    // The plan informs: what arrives earlier is carried out.
+    await status(app).getByText("paused").waitFor();
+    await commands.waitFor({ state: "detached" });
+    await server.ask("PUT", "/robots/scout/contacts", []);
+    await link.getByText("no contact planned").waitFor();
     await endRun(robot, run);
   },
 );

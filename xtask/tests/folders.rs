@@ -40,7 +40,6 @@ const MODULES: [Module; 5] = [
         root: "crate::",
         order: &[
             "remedy",
-            "calendar",
             "config",
             "files",
             "problem",

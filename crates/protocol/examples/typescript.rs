@@ -5,7 +5,7 @@
 use rafcon_protocol::document::{Change, Document};
 use rafcon_protocol::edit::Edit;
 use rafcon_protocol::socket::{ToClient, ToServer};
-use rafcon_protocol::{Envelope, StateData, api};
+use rafcon_protocol::{ContactWindow, Envelope, StateData, api};
 use std::collections::BTreeMap;
 use ts_rs::{Config, TS, TypeVisitor};
 
@@ -77,6 +77,7 @@ fn in_requests(words: &mut Words) {
     words.visit::<api::ChangePassword>();
     words.visit::<api::ChangeUser>();
     words.visit::<api::CloseMachine>();
+    words.visit::<ContactWindow>();
     words.visit::<api::ControlMove>();
     words.visit::<api::CopyStates>();
     words.visit::<api::Login>();

@@ -1,6 +1,6 @@
 //! What a person or program asks of a run.
 
-use crate::{Breakpoint, LinkLifetime, OnCrash};
+use crate::{Breakpoint, LinkLifetime, OnCrash, wait_for_contact};
 use serde::{Deserialize, Serialize};
 
 /// A command with what law 7 asks for: an id, the moment it was decided on, and an expiry.
@@ -43,7 +43,9 @@ impl Envelope {
     /// commands over the link to the run, if there is one.
     #[must_use]
     pub fn dated(self, now_ms: u64, link: Option<LinkLifetime>) -> Self {
-        let now_ms = self.not_before.map_or(now_ms, |not_before| not_before.max(now_ms));
+        let contact_ms = link.and_then(|link| link.contact_ms);
+        let until_contact = contact_ms.map_or(0, |begin_ms| wait_for_contact(now_ms, begin_ms));
+        let now_ms = now_ms.saturating_add(until_contact).max(self.not_before.unwrap_or(0));
         let length = || serde_json::to_vec(&self.command).map_or(0, |json| json.len() as u64);
         let until = |lifetime_ms| {
             let link_ms = link.map(|link| link.of_length(length()));
@@ -66,6 +68,35 @@ impl Command {
         match self {
             Self::Stop | Self::Kill => None,
             _ => Some(10_000),
+        }
+    }
+
+    /// The type of the command, as in its JSON.
+    pub fn type_name(&self) -> &'static str {
+        match self {
+            Self::Start { .. } => "start",
+            Self::Pause => "pause",
+            Self::Resume { .. } => "resume",
+            Self::Stop => "stop",
+            Self::Kill => "kill",
+            Self::StepMode => "step_mode",
+            Self::StepInto { .. } => "step_into",
+            Self::StepOver { .. } => "step_over",
+            Self::StepOut { .. } => "step_out",
+            Self::StepBack { .. } => "step_back",
+            Self::RunTo { .. } => "run_to",
+            Self::RunSelected { .. } => "run_selected",
+            Self::RunOnlySelected { .. } => "run_only_selected",
+            Self::StartFromHistory { .. } => "start_from_history",
+            Self::ForceOutcome { .. } => "force_outcome",
+            Self::Preempt { .. } => "preempt",
+            Self::SetBreakpoint { .. } => "set_breakpoint",
+            Self::RemoveBreakpoint { .. } => "remove_breakpoint",
+            Self::AnswerQuestion { .. } => "answer_question",
+            Self::Recover { .. } => "recover",
+            Self::Reload { .. } => "reload",
+            Self::EditScript { .. } => "edit_script",
+            Self::Control { .. } => "control",
         }
     }
 

@@ -9,7 +9,9 @@ pub mod active;
 pub mod api;
 pub mod bare;
 pub mod breakpoint;
+pub mod calendar;
 pub mod command;
+pub mod contacts;
 pub mod document;
 pub mod edit;
 pub mod event;
@@ -27,6 +29,10 @@ pub mod watched;
 pub use bare::{is_about_values, short_error, without_values};
 pub use breakpoint::{Breakpoint, Scope, Unattended, When};
 pub use command::{Answer, Command, Envelope, Expiry, Given};
+pub use contacts::{
+    BadContacts, Contact, ContactPlan, ContactWindow, ExpectedTimes, GivenTimes, WINDOWS_MAX,
+    wait_for_contact,
+};
 pub use event::{
     ActiveState, Event, HeldBy, Hold, LogLevel, Loss, Outcome, Phase, RunStatus, Snapshot, Stream,
     Values,

@@ -1,5 +1,6 @@
 //! How the link between a robot and its station is.
 
+use crate::contacts::Contact;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -25,8 +26,8 @@ pub struct LinkHealth {
     pub reached_ms: Option<u64>,
     /// How long the way there and back takes, in ms; none if it is unknown. Known at a station only.
     pub round_trip_ms: Option<u64>,
-    /// Lifetime of a command that has no expiry, in ms: two round trips, the uncertainty of the robot's clock, and 10 s. Known at a
-    /// station only.
+    /// Lifetime of a command that has no expiry, in ms: two round trips, the uncertainty of the robot's clock, and 10 s. It counts from
+    /// the begin of the next contact if none is open. Known at a station only.
     #[serde(default)]
     pub lifetime_ms: Option<u64>,
     /// Rate at which long commands are sent, in bytes per second. Known at a station only.
@@ -40,6 +41,14 @@ pub struct LinkHealth {
     pub missing: u64,
     /// Commands whose fate is not known yet: of one run if it is told with that run. Known at a station only.
     pub commands: Vec<OpenCommand>,
+    /// The open contact, or else the next one. Empty if no contact is planned. Known at a station only.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", ts(optional))]
+    pub contact: Option<Contact>,
+    /// Reason why the planned contacts are unknown, if they are. Known at a station only.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", ts(optional))]
+    pub contacts_problem: Option<String>,
     /// By how much the robot's calendar is ahead. Known at a station only.
     pub clock: Option<ClockOffset>,
     /// Rights of the station's users on the robot, by the pairing.
@@ -67,12 +76,23 @@ pub enum LinkRights {
 pub struct OpenCommand {
     /// Its id, with the user's name before it.
     pub id: String,
+    /// Type of the command; `resume_run` and `start_run` for requests about a whole run.
+    #[serde(default)]
+    pub asks: String,
     /// Its newest known stage.
     pub stage: CommandStage,
     /// When it was sent first: ms since 1970, UTC, by the station's clock.
     pub sent_ms: u64,
+    /// Begin of the planned contact in which it is sent, by the station's clock. Empty if it is sent now or has arrived.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", ts(optional))]
+    pub send_at_ms: Option<u64>,
     /// When it arrives at the robot if the link is whole, likewise; none if the delay is unknown.
     pub arrives_ms: Option<u64>,
+    /// Expected time of effect, by the station's clock. Empty if the delay is unknown or the run has it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", ts(optional))]
+    pub effect_ms: Option<u64>,
     /// Expiry, likewise; none for a stop.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[cfg_attr(feature = "schema", ts(optional))]
@@ -104,6 +124,8 @@ pub struct LinkLifetime {
     pub lifetime_ms: u64,
     /// Rate at which long commands are sent, in bytes per second.
     pub bytes_per_s: u64,
+    /// Begin of the open or next contact, in ms since 1970, UTC, by the station's clock: a lifetime counts from there if it is later.
+    pub contact_ms: Option<u64>,
 }
 
 impl LinkLifetime {
@@ -117,7 +139,8 @@ impl LinkHealth {
     /// Lifetime of commands over this link, if it is known.
     pub fn lifetime(&self) -> Option<LinkLifetime> {
         let (lifetime_ms, bytes_per_s) = (self.lifetime_ms?, self.command_bytes_per_s);
-        Some(LinkLifetime { lifetime_ms, bytes_per_s: bytes_per_s.unwrap_or(u64::MAX) })
+        let contact_ms = self.contact.as_ref().map(|contact| contact.begin_ms);
+        Some(LinkLifetime { lifetime_ms, bytes_per_s: bytes_per_s.unwrap_or(u64::MAX), contact_ms })
     }
 }
 

@@ -9,7 +9,7 @@ mod serve;
 pub(crate) use kept::{
     Compare, Export, ExportFormat, History, KeptRun, ListRuns, Log, LogLevel, Replay,
 };
-pub(crate) use link::{Link, LinkProfile, LinkStatus, Pair, Station};
+pub(crate) use link::{Contacts, ContactsFormat, Link, LinkProfile, LinkStatus, Pair, Station};
 pub(crate) use plan::{Plan, Then};
 pub(crate) use remote::{Access, Again, Control, Fetch, KeptRemote, Login, Remote, Wanted};
 pub(crate) use serve::{Role, Serve, State, User, UserAction};
@@ -46,6 +46,7 @@ pub(crate) enum Command {
     Station(Station),
     Pair(Pair),
     Link(LinkStatus),
+    Contacts(Contacts),
     Fetch(Fetch),
     User(User),
     Login(Login),

@@ -1,6 +1,6 @@
 //! The one place of this program that reads a clock; everyone else gets the time as an argument.
 
-use rafcon_storage::calendar::Date;
+use rafcon_protocol::calendar::Date;
 use rafcon_supervisor::clock::since_1970_ms;
 use std::time::{Duration, Instant};
 

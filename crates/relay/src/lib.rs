@@ -8,6 +8,7 @@ mod carrier;
 mod clock;
 #[cfg(test)]
 mod command_matrix;
+mod contacts;
 mod desk;
 mod error;
 mod ids;
@@ -29,6 +30,7 @@ mod watch_words;
 mod words;
 
 pub use carrier::{ByteStream, Dial, Secure, StationAddress};
+pub use contacts::{ContactDesk, ContactFile, ContactFileError, ContactsNotSet, KnownContacts};
 pub use desk::{ValueCost, ValueDesk};
 pub use error::RelayError;
 pub use inbox::Stopper;

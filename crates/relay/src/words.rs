@@ -33,6 +33,17 @@ impl StationRequest {
         let Envelope { id, author, decided_on, command, .. } = envelope;
         Self::Command(id, author, decided_on, command)
     }
+
+    /// Its type, as it is shown.
+    pub(crate) fn asks(&self) -> &'static str {
+        match self {
+            Self::Command(_, _, _, command) => command.type_name(),
+            Self::MoveControl(..) => "move_control",
+            Self::Present(_) => "present",
+            Self::Resume(..) => "resume_run",
+            Self::Start(..) => "start_run",
+        }
+    }
 }
 
 /// What has become of a run, as its robot says.

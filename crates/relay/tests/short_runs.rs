@@ -7,8 +7,8 @@ use rafcon_link::Profile;
 use rafcon_protocol::api::{Control, ControlMove, ResumeRequest, Right, RobotAnswer, StartRequest};
 use rafcon_protocol::{Command, Event, Outcome};
 use rafcon_relay::{
-    Answered, Authority, Paired, Pairing, Projects, RequestDesk, RobotSettings, StationAddress,
-    StationSettings, Stopper, ValueDesk, relay_robot, relay_station,
+    Answered, Authority, ContactDesk, Paired, Pairing, Projects, RequestDesk, RobotSettings,
+    StationAddress, StationSettings, Stopper, ValueDesk, relay_robot, relay_station,
 };
 use rafcon_storage::journal::{
     About, Batch, Journal, Options, Record, Retention, RunState, Summary, run_folders, size_of,
@@ -137,6 +137,7 @@ impl World {
             profile: Profile::LAN,
             desk: ValueDesk::default(),
             server_requests: RequestDesk::default(),
+            contacts: ContactDesk::default(),
             tell: |problem| panic!("{problem}"),
         };
         let stopper = Stopper::default();

@@ -1,6 +1,7 @@
 //! What a server is started with: values that its program has read from command line and environment.
 
 use crate::page_files::PageFiles;
+use rafcon_protocol::ContactPlan;
 use rafcon_protocol::api::{RobotAnswer, RobotRequest, ValueFetch};
 use rafcon_supervisor::ProgramEnvironment;
 use std::fmt;
@@ -54,6 +55,15 @@ pub enum NotTaken {
     Full(String),
 }
 
+/// Reason why the planned contacts with a robot are not known or not stored, in words.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum ContactsFault {
+    /// The station does not receive this robot.
+    NotReceived(String),
+    /// The file cannot be read or written.
+    Storage(String),
+}
+
 /// Requests of a station's server to its robots.
 pub trait Robots: fmt::Debug + Send + Sync {
     /// Asks for a value of `length` bytes of a run of a robot, of which `budget` bytes may be sent. Answers whether that is possible.
@@ -72,6 +82,12 @@ pub trait Robots: fmt::Debug + Send + Sync {
         request: RobotRequest,
         answered: Box<dyn FnOnce(RobotAnswer) + Send>,
     ) -> Result<(), NotTaken>;
+
+    /// The planned contacts with a robot.
+    fn contacts(&self, robot: &str) -> Result<ContactPlan, ContactsFault>;
+
+    /// Replaces the planned contacts with a robot; blocks until they are on the disk.
+    fn set_contacts(&self, robot: &str, plan: ContactPlan) -> Result<(), ContactsFault>;
 
     /// What so many bytes cost on the link to a robot, in bytes, and how long that takes, in ms, if the robot is heard. Nothing if it is
     /// not received here.

@@ -2,7 +2,6 @@
 //!
 //! Knows files and folders. Knows nothing of execution: nothing here runs a state or asks Python.
 
-pub mod calendar;
 pub mod config;
 pub mod files;
 pub mod journal;

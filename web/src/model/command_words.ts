@@ -31,3 +31,10 @@ const WORDS: Readonly<Record<Command["type"], string>> = {
 export function commandInWords(command: Command): string {
   return WORDS[command.type];
 }
+
+/** The same for the name of a type, also of a request about a whole run. */
+export function commandTypeInWords(type: string): string {
+  const words: Readonly<Record<string, string>> = WORDS;
+  const requests = { resume_run: "Resume the run", start_run: "Start a run" };
+  return { ...words, ...requests }[type] ?? type;
+}

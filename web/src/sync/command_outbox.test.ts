@@ -28,9 +28,16 @@ async function expiryOf(command: Command, link_ms: number | null = null): Promis
 
 test("over a link a long command is wanted longer, so that all of it can arrive", () => {
   const link = { lifetime_ms: 22_000, command_bytes_per_s: 100 } as LinkHealth;
-  expect(lifetimeOverLink_ms(link, 5_000)).toBe(122_000);
-  expect(lifetimeOverLink_ms({ ...link, command_bytes_per_s: null }, 5_000)).toBe(22_000);
-  expect(lifetimeOverLink_ms({ ...link, lifetime_ms: null }, 5_000)).toBeNull();
+  expect(lifetimeOverLink_ms(link, 5_000, 0)).toBe(122_000);
+  expect(lifetimeOverLink_ms({ ...link, command_bytes_per_s: null }, 5_000, 0)).toBe(22_000);
+  expect(lifetimeOverLink_ms({ ...link, lifetime_ms: null }, 5_000, 0)).toBeNull();
+});
+
+test("outside of planned contacts a lifetime counts from the begin of the next one", () => {
+  const contact = { begin_ms: 100_000, end_ms: 200_000, profile: "deep" };
+  const link = { lifetime_ms: 22_000, command_bytes_per_s: null, contact } as LinkHealth;
+  expect(lifetimeOverLink_ms(link, 0, 40_000)).toBe(82_024);
+  expect(lifetimeOverLink_ms(link, 0, 150_000)).toBe(22_000);
 });
 
 test("over a link a command is wanted as long as the station says", async () => {

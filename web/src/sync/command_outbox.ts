@@ -2,6 +2,7 @@
  * by the run's own history. Knows nothing of what they do. */
 
 import { signal } from "@preact/signals-core";
+import { waitForContact_ms } from "../model/contact_wait.ts";
 import type {
   Command,
   CommandAnswer,
@@ -22,9 +23,8 @@ export interface CommandOutboxPorts {
   readonly path: string;
   /** The last event that was told. */
   readonly decidedOn: () => number;
-  /** Lifetime of a command over the link to the robot; null without a link. */
-  /** Lifetime over the link to the run of a command with this length in bytes; null without a link. */
-  readonly linkLifetime_ms?: (bytes: number) => number | null;
+  /** Lifetime over the link to the run of a command with this length in bytes, at this time of the server; null without a link. */
+  readonly linkLifetime_ms?: (bytes: number, server_ms: number) => number | null;
 }
 
 type Fate = NonNullable<SentCommand["answer"]>;
@@ -47,14 +47,17 @@ const FATE_MS = 600_000;
 /** So many answered commands are kept. */
 const SENT_MAX = 50;
 
-/** As `LinkLifetime::of_length` in the protocol: the time to send a command is added twice, for parts that are lost. */
+/** As `LinkLifetime` in the protocol: the time to send a command is added twice, for parts that are lost, and a lifetime counts from
+ * the begin of the next planned contact if none is open. */
 export function lifetimeOverLink_ms(
   link: LinkHealth | null | undefined,
   bytes: number,
+  server_ms: number,
 ): number | null {
   if (!link || link.lifetime_ms === null) return null;
   const rate = link.command_bytes_per_s;
-  return link.lifetime_ms + (rate === null ? 0 : (2_000 * bytes) / Math.max(1, rate));
+  const wait_ms = waitForContact_ms(link, server_ms);
+  return wait_ms + link.lifetime_ms + (rate === null ? 0 : (2_000 * bytes) / Math.max(1, rate));
 }
 
 export class CommandOutbox {
@@ -88,11 +91,11 @@ export class CommandOutbox {
   async send(command: Command, wanted_ms?: number): Promise<SentCommand> {
     const { clock, newId, server, decidedOn, linkLifetime_ms } = this.#ports;
     const bytes = new TextEncoder().encode(JSON.stringify(command)).length;
-    const patience_ms = wanted_ms ?? linkLifetime_ms?.(bytes) ?? PATIENCE_MS;
     const [id, sent_ms] = [newId(), clock.now()];
+    const ahead_ms = server.pulse.peek()?.ahead_ms ?? 0;
+    const patience_ms = wanted_ms ?? linkLifetime_ms?.(bytes, sent_ms + ahead_ms) ?? PATIENCE_MS;
     const isLasting = LASTING.includes(command.type);
     const expiry_ms = isLasting ? Number.POSITIVE_INFINITY : sent_ms + patience_ms;
-    const ahead_ms = server.pulse.peek()?.ahead_ms ?? 0;
     const expiry = isLasting ? null : Math.round(expiry_ms + ahead_ms);
     const begun: SentCommand = { id, command, sent_ms, expiry_ms, answer: null, answered_ms: null };
     this.#put(begun);

@@ -82,7 +82,8 @@ export class RunWatch implements Watch {
       ...ports,
       path: this.#path("commands"),
       decidedOn: () => this.journal.next - 1,
-      linkLifetime_ms: (bytes) => lifetimeOverLink_ms(this.now.peek()?.robot, bytes),
+      linkLifetime_ms: (bytes, server_ms) =>
+        lifetimeOverLink_ms(this.now.peek()?.robot, bytes, server_ms),
     });
     this.#snapshots = new SnapshotLoader({
       clock,

@@ -1,9 +1,11 @@
 //! The commands and options of the link between robots and stations.
 
+use super::remote::Remote;
 use super::serve::{Serve, State};
 use clap::{Args, ValueEnum};
 use rafcon_relay::PairingRights;
 use std::net::SocketAddr;
+use std::path::PathBuf;
 
 /// Serve the runs of robots far away, and command them.
 ///
@@ -95,4 +97,36 @@ pub(crate) struct LinkStatus {
     pub(crate) json: bool,
     #[command(flatten)]
     pub(crate) state: State,
+}
+
+/// Show or set the planned contacts with a robot.
+///
+/// A contact is a window of time in which the station expects a link to the robot. The plan sets the expected times of commands and
+/// the begin of their lifetimes; the station sends outside of contacts, too. The file is a list in JSON:
+/// `[{"begin": "2026-11-28T14:00:00Z", "end": "2026-11-28T14:20:00Z", "profile": "deep", "note": "Kiruna"}]`, in the order of the
+/// times, without overlaps. A list that is refused changes nothing.
+#[derive(Debug, Args)]
+pub(crate) struct Contacts {
+    /// Name of the robot at its station
+    pub(crate) robot: String,
+    /// Replace the plan by the one in this file; `-` reads the standard input
+    #[arg(long, value_name = "FILE")]
+    pub(crate) set: Option<PathBuf>,
+    /// Remove the plan of contacts
+    #[arg(long, conflicts_with = "set")]
+    pub(crate) clear: bool,
+    /// Output format; with `json` the output can be set again
+    #[arg(long, value_enum, default_value_t = ContactsFormat::Text)]
+    pub(crate) format: ContactsFormat,
+    #[command(flatten)]
+    pub(crate) remote: Remote,
+}
+
+/// Output format of planned contacts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum ContactsFormat {
+    /// One line for each contact
+    Text,
+    /// The list in JSON
+    Json,
 }

@@ -30,7 +30,7 @@ use rafcon_protocol::api::{
     StartedRun, TokenMade,
 };
 use rafcon_protocol::document::{Document, leave};
-use rafcon_protocol::{Envelope, StateData};
+use rafcon_protocol::{ContactWindow, Envelope, StateData};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use socket::Socket;
@@ -81,6 +81,23 @@ impl Server {
     /// Starts the machine of a run again.
     pub(crate) fn start_again(&self, run: &str, request: &StartAgain) -> Result<StartedRun, Fault> {
         self.send(&format!("/runs/{}/again", escaped(run)), request)
+    }
+
+    /// The planned contacts with a robot of a station.
+    pub(crate) fn contacts(&self, robot: &str) -> Result<Vec<ContactWindow>, Fault> {
+        self.get(&format!("/robots/{}/contacts", escaped(robot)))
+    }
+
+    /// Replaces the planned contacts with a robot of a station.
+    pub(crate) fn set_contacts(
+        &self,
+        robot: &str,
+        windows: &[ContactWindow],
+    ) -> Result<Vec<ContactWindow>, Fault> {
+        let token = self.token.text()?;
+        let path = format!("/robots/{}/contacts", escaped(robot));
+        let request = self.request(Method::PUT, &path, token.as_deref())?;
+        Ok(self.http.ask(self.with_body(request, &windows)?)?.body)
     }
 
     /// How a run stands.

@@ -7,15 +7,16 @@ use crate::environment::Environment;
 use crate::failure::complain;
 use anyhow::{Context as _, Result, bail};
 use rafcon_link::Profile;
-use rafcon_protocol::Command;
 use rafcon_protocol::api::{
     Control, ControlMove, ResumeRequest, Right, RobotAnswer, RobotRequest, StartRequest, ValueFetch,
 };
+use rafcon_protocol::{Command, ContactPlan};
 use rafcon_relay::{
-    Answered, Authority, Paired, Pairing, PairingList, PairingRights, Projects, RequestDesk,
-    RobotSettings, StationSettings, Stopper, ValueCost, ValueDesk, relay_robot, relay_station,
+    Answered, Authority, ContactDesk, ContactsNotSet, Paired, Pairing, PairingList, PairingRights,
+    Projects, RequestDesk, RobotSettings, StationSettings, Stopper, ValueCost, ValueDesk,
+    relay_robot, relay_station,
 };
-use rafcon_server::{NotTaken, Robots, RunAuthority, Settings};
+use rafcon_server::{ContactsFault, NotTaken, Robots, RunAuthority, Settings};
 use std::fs::{self, OpenOptions};
 use std::io::{self, IsTerminal as _, Write as _};
 use std::net::SocketAddr;
@@ -186,6 +187,7 @@ impl Authority for ServerAuthority {
 pub(super) struct StationDesk {
     values: ValueDesk,
     requests: RequestDesk,
+    contacts: ContactDesk,
 }
 
 impl Robots for StationDesk {
@@ -215,6 +217,22 @@ impl Robots for StationDesk {
         self.requests.ask(robot, request, answered).map_err(|why| match why {
             rafcon_relay::NotTaken::NotReceived => NotTaken::NotReceived(why.to_string()),
             rafcon_relay::NotTaken::Full => NotTaken::Full(why.to_string()),
+        })
+    }
+
+    fn contacts(&self, robot: &str) -> Result<ContactPlan, ContactsFault> {
+        let known = self.contacts.known(robot).ok_or(ContactsNotSet::NotReceived);
+        let known = known.map_err(|why| ContactsFault::NotReceived(why.to_string()))?;
+        match known.problem {
+            Some(problem) => Err(ContactsFault::Storage(problem)),
+            None => Ok(ContactPlan::clone(&known.plan)),
+        }
+    }
+
+    fn set_contacts(&self, robot: &str, plan: ContactPlan) -> Result<(), ContactsFault> {
+        self.contacts.set(robot, plan).map_err(|why| match why {
+            ContactsNotSet::NotReceived => ContactsFault::NotReceived(why.to_string()),
+            ContactsNotSet::Disk(_) => ContactsFault::Storage(why.to_string()),
         })
     }
 }
@@ -298,6 +316,7 @@ impl Relays {
             profile: profile(raw.profile),
             desk: desk.values.clone(),
             server_requests: desk.requests.clone(),
+            contacts: desk.contacts.clone(),
             tell: complain,
         };
         let stopper = self.stopper.clone();
@@ -368,6 +387,18 @@ impl PairingList for TakenPairings {
     fn read(&self) -> Result<Vec<Paired>, String> {
         pairings(&self.0, "taken").map_err(|error| format!("{error:#}"))
     }
+}
+
+/// The folder of a robot that is paired with the station of this state.
+pub(super) fn folder_of_robot(state: &Path, robot: &str) -> Result<PathBuf> {
+    let paired = pairings(state, "taken")?;
+    if !paired.iter().any(|it| it.pairing.robot == robot) {
+        bail!(
+            "no robot `{robot}` is paired with this station: run `rafcon pair --paste` here, or name the server of the station with \
+             --server"
+        );
+    }
+    Ok(station_folder(state).join(robot))
 }
 
 /// All pairings, with the files for new keys that a robot has `offered`, or a station `taken`.

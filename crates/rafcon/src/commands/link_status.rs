@@ -6,9 +6,12 @@ use super::serve::state;
 use crate::cli;
 use crate::environment::Environment;
 use crate::failure::complain;
-use crate::view::{counted, size, time};
+use crate::view::{counted, harmless, size, time};
 use anyhow::{Context as _, Result};
-use rafcon_protocol::{ClockOffset, LinkHealth, LinkReport, LinkTraffic};
+use rafcon_protocol::calendar::utc_text;
+use rafcon_protocol::{
+    ClockOffset, CommandStage, Contact, LinkHealth, LinkReport, LinkTraffic, OpenCommand,
+};
 use rafcon_relay::read_reports;
 use std::fmt::Write as _;
 use std::io::Write as _;
@@ -57,7 +60,11 @@ fn in_words(report: &LinkReport) -> String {
     let mut line = |words: String| text.extend(["  ", &words, "\n"]);
     line(format!("from the robot {down}/s, to the robot {up}/s"));
     if report.is_station {
+        line(planned_contact(health, *now_ms));
         line(up_link(health, *now_ms));
+        for command in &health.commands {
+            line(format!("  {}", command_line(command, health.is_heard, *now_ms)));
+        }
         line(format!("robot's clock {}", offset(health.clock)));
     }
     line(format!("received {}", traffic(received)));
@@ -106,6 +113,57 @@ fn up_link(health: &LinkHealth, now_ms: u64) -> String {
         count => format!(", {} on the way{}", counted(count, "command"), progress(health)),
     };
     format!("the robot heard what was sent {ago} ago; there and back takes {round_trip}{commands}")
+}
+
+/// The open contact, or else the next one.
+fn planned_contact(health: &LinkHealth, now_ms: u64) -> String {
+    if let Some(problem) = &health.contacts_problem {
+        return format!("planned contacts unknown: {}", harmless(problem));
+    }
+    let Some(contact) = &health.contact else { return "no contact planned".to_owned() };
+    let Contact { begin_ms, end_ms, profile, note } = contact;
+    let note = note.as_ref().map(|note| format!(" ({})", harmless(note))).unwrap_or_default();
+    let end = utc_text(*end_ms);
+    if contact.is_open(now_ms) {
+        let left = spell(end_ms.saturating_sub(now_ms));
+        return format!("contact open until {end}, for {left} more, profile {profile}{note}");
+    }
+    let (begin, wait) = (utc_text(*begin_ms), spell(begin_ms.saturating_sub(now_ms)));
+    format!("next contact in {wait}, {begin} to {end}, profile {profile}{note}")
+}
+
+/// When a command is sent and takes effect.
+fn command_line(command: &OpenCommand, is_heard: bool, now_ms: u64) -> String {
+    let OpenCommand { id, asks, stage, send_at_ms, effect_ms, .. } = command;
+    let user = harmless(id.split('/').next().unwrap_or(id));
+    let until = |ms: u64| spell(ms.saturating_sub(now_ms));
+    let sent = match (stage, send_at_ms) {
+        (CommandStage::Sent, Some(at_ms)) => {
+            format!("to be sent in {}, at {}", until(*at_ms), utc_text(*at_ms))
+        }
+        (CommandStage::Sent, None) if !is_heard => {
+            return format!(
+                "{asks} of {user}: being sent, time of effect unknown: no contact with the robot"
+            );
+        }
+        (CommandStage::Sent, None) => "being sent".to_owned(),
+        (CommandStage::Received, _) => "the robot has it".to_owned(),
+        (CommandStage::Started, _) => return format!("{asks} of {user}: the run has it"),
+        (CommandStage::Overdue, _) => {
+            return format!("{asks} of {user}: expired without an answer of the robot");
+        }
+    };
+    let effect = match (stage, effect_ms) {
+        (_, Some(at_ms)) if *at_ms > now_ms => {
+            format!(", takes effect in {}, at {}", until(*at_ms), utc_text(*at_ms))
+        }
+        (CommandStage::Sent, Some(at_ms)) => {
+            format!(", effect expected {} ago, no answer yet", spell(now_ms - at_ms))
+        }
+        (CommandStage::Sent, None) => ", time of effect unknown: delay not measured yet".to_owned(),
+        _ => String::new(),
+    };
+    format!("{asks} of {user}: {sent}{effect}")
 }
 
 /// Progress of the commands that are sent in parts.
@@ -160,10 +218,10 @@ fn spell(ms: u64) -> String {
 #[cfg(test)]
 mod tests {
     use super::in_words;
-    use expect_test::expect;
+    use expect_test::{Expect, expect};
     use rafcon_protocol::{
-        ClockOffset, CommandProgress, CommandStage, LinkHealth, LinkReport, LinkRun, LinkTraffic,
-        OpenCommand,
+        ClockOffset, CommandProgress, CommandStage, Contact, LinkHealth, LinkReport, LinkRun,
+        LinkTraffic, OpenCommand,
     };
     use std::collections::BTreeMap;
 
@@ -192,13 +250,18 @@ mod tests {
                 missing: 12,
                 commands: vec![OpenCommand {
                     id: "ana/1".to_owned(),
+                    asks: "edit_script".to_owned(),
                     stage: CommandStage::Sent,
                     sent_ms: 9_999_000,
+                    send_at_ms: None,
                     expires_ms: None,
                     not_before_ms: None,
-                    arrives_ms: None,
+                    arrives_ms: Some(10_001_050),
+                    effect_ms: Some(10_001_050),
                     progress: Some(CommandProgress { arrived_bytes: 1_300, bytes: 2_900 }),
                 }],
+                contact: None,
+                contacts_problem: None,
                 clock: Some(ClockOffset { least_ms: -200, most_ms: Some(3_900) }),
                 rights: None,
             },
@@ -232,7 +295,9 @@ mod tests {
         expect![[r"
             scout: the robot was heard 0.3 s ago, profile delay-2s
               from the robot 900 B/s, to the robot 31 B/s
+              no contact planned
               the robot heard what was sent 5.0 s ago; there and back takes 4.1 s, 1 command on the way, 44 % of 2.9 KB has arrived
+                edit_script of ana: being sent, takes effect in 1.1 s, at 1970-01-01T02:46:41.050Z
               robot's clock between -0.2 s and +3.9 s ahead of this one
               received 1.2 MB in 4,000 datagrams: events 800 KB, headers 415 KB, status 20.0 KB
               sent 90 B in 1 datagram: headers 90 B
@@ -242,7 +307,9 @@ mod tests {
 
             scout: the robot is not heard, for 13:20 now, profile delay-2s
               from the robot 900 B/s, to the robot 31 B/s
+              no contact planned
               no up-link: the robot never said that it hears this station
+                edit_script of ana: being sent, time of effect unknown: no contact with the robot
               robot's clock +0.0 s or more ahead of this one: no up-link tells how much more
               received 1.2 MB in 4,000 datagrams: events 800 KB, headers 415 KB, status 20.0 KB
               sent 90 B in 1 datagram: headers 90 B
@@ -257,5 +324,78 @@ mod tests {
               20261124-a  3,120 events, 12 not known to be at the station
               20261124-b  1 event, all at the station
         "]].assert_eq(&said.join("\n"));
+    }
+
+    /// The line of the contacts, and those of the commands, of a link with these.
+    fn check(contact: Option<(u64, u64)>, commands: Vec<OpenCommand>, expect: &Expect) {
+        let profile = "deep".to_owned();
+        let contact = contact.map(|(begin_ms, end_ms)| Contact {
+            begin_ms,
+            end_ms,
+            profile,
+            note: Some("Kiruna".to_owned()),
+        });
+        let report = report();
+        let health = LinkHealth { contact, commands, ..report.health };
+        let text = in_words(&LinkReport { health, ..report });
+        let is_about = |line: &&str| line.contains("contact") || line.contains(" of ana: ");
+        let lines = text.lines().filter(is_about).map(|line| &line[2..]);
+        expect.assert_eq(&lines.collect::<Vec<_>>().join("\n"));
+    }
+
+    #[test]
+    fn a_planned_contact_is_open_or_the_next_one() {
+        check(
+            Some((9_000_000, 10_060_000)),
+            vec![],
+            &expect![
+                "contact open until 1970-01-01T02:47:40Z, for 1:00 more, profile deep (Kiruna)"
+            ],
+        );
+        check(
+            Some((13_600_000, 14_000_000)),
+            vec![],
+            &expect![
+                "next contact in 1:00:00, 1970-01-01T03:46:40Z to 1970-01-01T03:53:20Z, profile deep (Kiruna)"
+            ],
+        );
+        let mut unknown = report();
+        unknown.health.contacts_problem = Some("the file is damaged".to_owned());
+        assert!(in_words(&unknown).contains("\n  planned contacts unknown: the file is damaged\n"));
+    }
+
+    #[test]
+    fn a_queued_command_has_its_expected_times_as_far_as_they_are_known() {
+        let command = |stage, send_at_ms, effect_ms| OpenCommand {
+            stage,
+            send_at_ms,
+            effect_ms,
+            ..report().health.commands[0].clone()
+        };
+        let (begin, effect) = (Some(13_600_000), Some(13_602_000));
+        let commands = vec![
+            command(CommandStage::Sent, begin, effect),
+            command(CommandStage::Sent, begin, None),
+            command(CommandStage::Sent, None, effect),
+            command(CommandStage::Sent, None, Some(9_990_000)),
+            command(CommandStage::Received, None, effect),
+            command(CommandStage::Received, None, None),
+            command(CommandStage::Started, None, None),
+            command(CommandStage::Overdue, None, None),
+        ];
+        check(
+            Some((13_600_000, 14_000_000)),
+            commands,
+            &expect![[r"
+                  next contact in 1:00:00, 1970-01-01T03:46:40Z to 1970-01-01T03:53:20Z, profile deep (Kiruna)
+                    edit_script of ana: to be sent in 1:00:00, at 1970-01-01T03:46:40Z, takes effect in 1:00:02, at 1970-01-01T03:46:42Z
+                    edit_script of ana: to be sent in 1:00:00, at 1970-01-01T03:46:40Z, time of effect unknown: delay not measured yet
+                    edit_script of ana: being sent, takes effect in 1:00:02, at 1970-01-01T03:46:42Z
+                    edit_script of ana: being sent, effect expected 10.0 s ago, no answer yet
+                    edit_script of ana: the robot has it, takes effect in 1:00:02, at 1970-01-01T03:46:42Z
+                    edit_script of ana: the robot has it
+                    edit_script of ana: the run has it
+                    edit_script of ana: expired without an answer of the robot"]],
+        );
     }
 }

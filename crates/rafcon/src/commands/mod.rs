@@ -3,6 +3,7 @@
 mod attach;
 mod check;
 mod compare;
+mod contacts;
 mod control;
 mod export;
 mod fetch;
@@ -53,6 +54,7 @@ pub(crate) fn main(cli: Cli, environment: &Environment, clock: Clock) -> Result<
         }
         Command::Pair(request) => link::pair(&request, environment),
         Command::Link(request) => link_status::link_status(&request, environment),
+        Command::Contacts(request) => contacts::contacts(&request, environment),
         Command::Fetch(request) => fetch::fetch(&request, environment),
         Command::Login(request) => login::login(&request, environment),
         Command::Control(request) => control::control(&request, environment),

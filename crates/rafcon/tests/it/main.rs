@@ -33,6 +33,7 @@ mod server_twice;
 mod signals;
 mod starts;
 mod station;
+mod station_contacts;
 mod station_machines;
 mod station_starts;
 mod station_trouble;

@@ -1,5 +1,6 @@
 //! How the link to one robot is, as its station knows it.
 
+use crate::contacts::KnownContacts;
 use crate::meter::{LinkMeter, millis};
 use rafcon_link::{StationSession, StreamId};
 use rafcon_protocol::{ClockOffset, LinkHealth, LinkRun};
@@ -7,7 +8,12 @@ use rafcon_supervisor::clock;
 use std::time::Duration;
 
 /// How the link is; events and commands are counted by whoever knows the runs.
-pub(super) fn health(meter: &mut LinkMeter, session: &StationSession, now: Duration) -> LinkHealth {
+pub(super) fn health(
+    meter: &mut LinkMeter,
+    session: &StationSession,
+    contacts: &KnownContacts,
+    now: Duration,
+) -> LinkHealth {
     let today = clock::since_1970_ms();
     let offset = |robot_ms: u64| robot_ms.cast_signed() - today.cast_signed();
     let clock = session
@@ -19,6 +25,8 @@ pub(super) fn health(meter: &mut LinkMeter, session: &StationSession, now: Durat
         round_trip_ms: session.round_trip().map(millis),
         lifetime_ms: Some(millis(session.command_lifetime(now))),
         command_bytes_per_s: Some(session.command_bytes_per_s()),
+        contact: contacts.current(today).cloned(),
+        contacts_problem: contacts.problem.clone(),
         clock,
         ..meter.health(now, session.traffic(), session.heard_before(now))
     }

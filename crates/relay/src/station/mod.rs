@@ -7,6 +7,7 @@ mod had;
 mod health;
 mod in_order;
 mod kept_runs;
+mod lifetime;
 mod parcels;
 mod pending_requests;
 mod received;
@@ -22,6 +23,7 @@ pub(crate) use robot::default_lifetime;
 
 use crate::carrier::{Secure, open_door};
 use crate::clock::SessionClock;
+use crate::contacts::ContactDesk;
 use crate::desk::ValueDesk;
 use crate::error::RelayError;
 use crate::inbox::{Inbox, Input, Stopper};
@@ -80,6 +82,8 @@ pub struct StationSettings {
     pub desk: ValueDesk,
     /// Requests of the server to start and resume runs.
     pub server_requests: RequestDesk,
+    /// Planned contacts with the robots.
+    pub contacts: ContactDesk,
     /// Told what goes wrong.
     pub tell: fn(&str),
 }
@@ -219,6 +223,7 @@ pub fn relay_station(
         if now >= report_at {
             report_at = now + REPORT_EVERY;
             paired.begin_new(settings, &inbox, clock, &mut robots);
+            robots.iter().for_each(StationRobot::refresh_contacts);
             reporter.set(robots.iter_mut().map(StationRobot::report).collect());
         }
         let mut next = look_at.min(keep_at).min(report_at);

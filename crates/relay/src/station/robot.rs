@@ -7,6 +7,7 @@ use super::disk::{Disk, FromDisk, KeyWork, OpenRun, SettledRun, Work};
 use super::health::{health, run_of};
 use super::in_order::InOrder;
 use super::kept_runs::{KeptRuns, Place, Restored, RestoredState};
+use super::lifetime::lifetime;
 use super::parcels::{RestoredParcel, StationParcels};
 use super::pending_requests::{PendingRequests, SendTimes, overdue};
 use super::received::{Early, Received, StationRun};
@@ -16,6 +17,7 @@ use super::viewers::PendingRequest;
 use super::{StationSettings, ToStation};
 use crate::carrier::Carrier;
 use crate::clock::SessionClock;
+use crate::contacts::{ContactDesk, KnownContacts};
 use crate::desk::LinkRate;
 use crate::error::RelayError;
 use crate::ids;
@@ -32,7 +34,7 @@ use rafcon_link::{
     StationSession, StreamId, Unusable,
 };
 use rafcon_protocol::api::{RobotAnswer, RobotRequest};
-use rafcon_protocol::{CommandStage, Expiry, LinkHealth, LinkReport, WatchTarget, Watching};
+use rafcon_protocol::{CommandStage, LinkHealth, LinkReport, WatchTarget, Watching};
 use rafcon_storage::journal::EventItems;
 use rafcon_supervisor::clock;
 use std::collections::BTreeMap;
@@ -43,8 +45,6 @@ use std::time::Duration;
 /// Reported while runs wait for others.
 const CROWDED: &str = "more runs are incomplete than the station receives at a time (2,048): the others come once some are complete";
 
-/// Lifetime of a stop: it is sent until the robot has it.
-const STOP_LIFETIME: Duration = Duration::from_hours(24);
 /// Capacity of the reasons of refused runs. Of more their number is reported.
 const REFUSED_MAX: usize = 64;
 /// Capacity of the hashes that were compared. Beyond it, all are forgotten, and compared again.
@@ -87,6 +87,7 @@ pub(super) struct StationRobot {
     requests: PendingRequests,
     values: StationValues,
     server_requests: RequestDesk,
+    contacts: ContactDesk,
     /// What the robot is asked for of runs.
     watching: BTreeMap<StreamId, Asked>,
     /// The number of the last wish.
@@ -126,9 +127,13 @@ impl StationRobot {
         let whole = kept.whole();
         let disk = Disk::begin(kept).map_err(|source| RelayError::Thread { source })?;
         settings.server_requests.receive(&pairing.robot);
+        if let Some(problem) = settings.contacts.receive(&pairing.robot, &folder) {
+            (settings.tell)(&format!("robot {}: {problem}", pairing.robot));
+        }
         let mut robot = Self {
             values,
             server_requests: settings.server_requests.clone(),
+            contacts: settings.contacts.clone(),
             watching: BTreeMap::new(),
             wishes: clock::since_1970_ms(),
             profile: settings.profile.clone(),
@@ -265,7 +270,7 @@ impl StationRobot {
     }
 
     fn opened(&mut self, stream: StreamId, open: OpenRun) {
-        let link = health(&mut self.meter, &self.session, self.clock.now());
+        let link = self.health(&self.contacts());
         open.shared.set_link(link);
         self.session.set_safe(stream, open.safe);
         let (reported, snapshot) = self.early.take(stream);
@@ -396,11 +401,15 @@ impl StationRobot {
         }
         self.sync_wishes();
         self.send_server_requests();
-        let link = health(&mut self.meter, &self.session, self.clock.now());
+        if let Some(round_trip) = self.session.round_trip() {
+            self.requests.set_one_way(millis(round_trip) / 2);
+        }
+        let contacts = self.contacts();
+        let (link, now_ms) = (self.health(&contacts), clock::since_1970_ms());
         let (session, requests) = (&self.session, &self.requests);
         for (stream, run) in &mut self.runs {
             let missing = run_of(session, *stream, &run.id).missing;
-            let commands = requests.commands(Some(*stream), session);
+            let commands = requests.commands(Some(*stream), session, &contacts.plan, now_ms);
             run.shared.set_link(LinkHealth { missing, commands, ..link.clone() });
             let progress = session.progress(*stream);
             let head = progress.map_or(0, |progress| progress.head);
@@ -413,12 +422,29 @@ impl StationRobot {
         }
     }
 
+    /// The planned contacts, as they are known.
+    fn contacts(&self) -> KnownContacts {
+        self.contacts.known(&self.name).unwrap_or_default()
+    }
+
+    /// Reads the planned contacts again if their file has changed.
+    pub(super) fn refresh_contacts(&self) {
+        if let Some(problem) = self.contacts.refresh(&self.name) {
+            (self.tell)(&format!("robot {}: {problem}", self.name));
+        }
+    }
+
+    fn health(&mut self, contacts: &KnownContacts) -> LinkHealth {
+        health(&mut self.meter, &self.session, contacts, self.clock.now())
+    }
+
     /// How the link is.
     pub(super) fn report(&mut self) -> LinkReport {
         let run = |(stream, run): (&StreamId, &StationRun)| run_of(&self.session, *stream, &run.id);
         let runs = self.runs.iter().map(run).collect();
-        let link = health(&mut self.meter, &self.session, self.clock.now());
-        let link = LinkHealth { commands: self.requests.commands(None, &self.session), ..link };
+        let (contacts, now_ms) = (self.contacts(), clock::since_1970_ms());
+        let commands = self.requests.commands(None, &self.session, &contacts.plan, now_ms);
+        let link = LinkHealth { commands, ..self.health(&contacts) };
         let report = self.meter.report(link, self.session.traffic(), runs);
         let problems = self.problem.iter().chain(self.refused.values());
         let problems = problems.map(|problem| format!("not everything is kept: {problem}"));
@@ -541,7 +567,7 @@ impl StationRobot {
         self.forget_watches();
         let now = self.clock.now();
         self.values.heed(&mut self.session);
-        let link = health(&mut self.meter, &self.session, now);
+        let link = self.health(&self.contacts());
         let used = link.down_bytes_per_s.saturating_sub(self.values.bytes_per_s(now));
         let (most, part) = (self.profile.down_bits_per_s / 8, self.profile.value_part_bytes());
         // However busy the link is, a little is left in the end.
@@ -574,16 +600,16 @@ impl StationRobot {
             return;
         }
         let (now, today) = (self.clock.now(), clock::since_1970_ms());
-        let left = |ms: u64| Duration::from_millis(ms.saturating_sub(today));
         let known = self.runs.get(&stream).map_or(0, |run| run.epoch);
-        let wait = given.not_before.map(left);
+        let wait = given.not_before.map(|ms| Duration::from_millis(ms.saturating_sub(today)));
         let body = request_words::write(stream, &given.word);
         let transfer = self.session.transfer_time(body.len());
-        let usual = || wait.unwrap_or_default() + default_lifetime(&self.session, now, body.len());
-        let valid = match given.expiry {
-            Some(Expiry(until)) => left(until),
-            None if given.is_lasting => STOP_LIFETIME,
-            None => usual(),
+        let usual = default_lifetime(&self.session, now, body.len());
+        let valid = match lifetime(given, &self.contacts().plan, today, usual) {
+            Ok(valid) => valid,
+            Err(reason) => {
+                return self.answer(stream, &given.id, &RobotAnswer::Refused { reason });
+            }
         };
         let command = NewCommand { id, valid, wait, epoch: given.epoch.unwrap_or(known), body };
         if let Err(error) = self.session.command(now, command) {
@@ -593,10 +619,10 @@ impl StationRobot {
                 &RobotAnswer::Refused { reason: error.to_string() },
             );
         }
-        let there_ms = self.session.round_trip().map(|round_trip| millis(round_trip) / 2);
         let times = SendTimes {
             sent: today,
-            arrival: there_ms.map(|there_ms| today + there_ms.max(millis(transfer))),
+            transfer: millis(transfer),
+            one_way: self.session.round_trip().map(|round_trip| millis(round_trip) / 2),
             expiry: (!given.is_lasting).then(|| today + millis(valid)),
         };
         self.requests.add(stream, given, times);

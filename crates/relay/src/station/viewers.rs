@@ -59,6 +59,11 @@ impl PendingRequest {
     pub(super) fn soon(id: String, word: StationRequest) -> Self {
         Self { id, expiry: None, is_lasting: false, not_before: None, epoch: None, word }
     }
+
+    /// True if it waits for the next contact. A note of presence is repeated instead.
+    pub(super) fn is_for_contact(&self) -> bool {
+        !matches!(self.word, StationRequest::Present(_))
+    }
 }
 
 /// Passes on what viewers have for the robot, and answers whether there is room for it.

@@ -71,6 +71,8 @@ pub const ROUTES: &[Row] = &[
     (Method::POST, "/api/v1/runs/{run}/resume", Right::Start),
     (Method::POST, "/api/v1/runs/{run}/again", Right::Start),
     (Method::POST, "/api/v1/robots/{robot}/runs", Right::Start),
+    (Method::GET, "/api/v1/robots/{robot}/contacts", Right::Observe),
+    (Method::PUT, "/api/v1/robots/{robot}/contacts", Right::Command),
     (Method::POST, "/api/v1/runs/{run}/commands", Right::Command),
     (Method::GET, "/api/v1/runs/{run}/control", Right::Observe),
     (Method::POST, "/api/v1/runs/{run}/control", Right::Command),

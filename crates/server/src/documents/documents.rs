@@ -14,8 +14,8 @@ use rafcon_model::{Fresh, Machine, StatePath};
 use rafcon_protocol::api::{
     CloseMachine, CopyStates, MachineFile, MachineSummary, NewMachine, Presence,
 };
+use rafcon_protocol::calendar::Date;
 use rafcon_protocol::document::Selection;
-use rafcon_storage::calendar::Date;
 use rafcon_storage::config::{self, Naming};
 use rafcon_supervisor::clock::{salt, since_1970_ms};
 use std::collections::{BTreeMap, BTreeSet};

@@ -7,7 +7,7 @@ use crate::projects::is_machine;
 use crate::{Failure, ServerState};
 use rafcon_model::{Header, Kind, Machine, State, StatePath};
 use rafcon_protocol::api::{LibraryName, SaveMachine, SaveState, SavedState};
-use rafcon_storage::calendar::Date;
+use rafcon_protocol::calendar::Date;
 use rafcon_supervisor::clock::since_1970_ms;
 use std::fs;
 use std::sync::Arc;

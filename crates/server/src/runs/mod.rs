@@ -6,6 +6,7 @@
 mod at_robot;
 mod authority;
 mod commands;
+mod contacts;
 mod control;
 mod event_group;
 mod folder_files;

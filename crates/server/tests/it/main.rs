@@ -4,6 +4,7 @@
 
 mod access;
 mod attacks;
+mod contacts;
 mod drafts;
 mod harness;
 mod history;

@@ -80,6 +80,13 @@ fn commands() -> Vec<(String, Command)> {
     all
 }
 
+#[test]
+fn a_command_knows_the_name_of_its_type() {
+    for (name, command) in commands() {
+        assert_eq!(json!(command)["type"], command.type_name(), "{name}");
+    }
+}
+
 /// The name of every command, from the description of the protocol.
 fn tags() -> Vec<String> {
     let schema = serde_json::to_value(Command::schema()).unwrap();

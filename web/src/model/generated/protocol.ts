@@ -215,6 +215,28 @@ export type Comparison = {
   /** How long each state was active. */
   timing: Array<Timing>, };
 
+/** A planned contact with a robot. */
+export type Contact = {
+  /** Begin in ms since 1970, UTC, by the station's clock. */
+  begin_ms: number,
+  /** End by the station's clock. The contact is over at this time. */
+  end_ms: number,
+  /** Link profile that is expected. */
+  profile: string,
+  /** Note of the planner. */
+  note?: string, };
+
+/** A contact window, as users write it. */
+export type ContactWindow = {
+  /** Begin in UTC, such as `2026-11-28T14:00:00Z`. */
+  begin: string,
+  /** End in UTC, after the begin. */
+  end: string,
+  /** Link profile that is expected: `lan`, `wifi`, `delay-2s` or `deep`. */
+  profile: string,
+  /** Note of the planner, in one line of at most 200 characters. */
+  note?: string, };
+
 /** Who holds control of a run. */
 export type Control = {
   /** The user; none: the first who commands takes it. */
@@ -1088,8 +1110,8 @@ export type LinkHealth = {
   reached_ms: number | null,
   /** How long the way there and back takes, in ms; none if it is unknown. Known at a station only. */
   round_trip_ms: number | null,
-  /** Lifetime of a command that has no expiry, in ms: two round trips, the uncertainty of the robot's clock, and 10 s. Known at a
-   * station only. */
+  /** Lifetime of a command that has no expiry, in ms: two round trips, the uncertainty of the robot's clock, and 10 s. It counts from
+   * the begin of the next contact if none is open. Known at a station only. */
   lifetime_ms: number | null,
   /** Rate at which long commands are sent, in bytes per second. Known at a station only. */
   command_bytes_per_s: number | null,
@@ -1101,6 +1123,10 @@ export type LinkHealth = {
   missing: number,
   /** Commands whose fate is not known yet: of one run if it is told with that run. Known at a station only. */
   commands: Array<OpenCommand>,
+  /** The open contact, or else the next one. Empty if no contact is planned. Known at a station only. */
+  contact?: Contact,
+  /** Reason why the planned contacts are unknown, if they are. Known at a station only. */
+  contacts_problem?: string,
   /** By how much the robot's calendar is ahead. Known at a station only. */
   clock: ClockOffset | null,
   /** Rights of the station's users on the robot, by the pairing. */
@@ -1433,12 +1459,18 @@ export type OnCrash = "ask" | "abort" | "restart";
 export type OpenCommand = {
   /** Its id, with the user's name before it. */
   id: string,
+  /** Type of the command; `resume_run` and `start_run` for requests about a whole run. */
+  asks: string,
   /** Its newest known stage. */
   stage: CommandStage,
   /** When it was sent first: ms since 1970, UTC, by the station's clock. */
   sent_ms: number,
+  /** Begin of the planned contact in which it is sent, by the station's clock. Empty if it is sent now or has arrived. */
+  send_at_ms?: number,
   /** When it arrives at the robot if the link is whole, likewise; none if the delay is unknown. */
   arrives_ms: number | null,
+  /** Expected time of effect, by the station's clock. Empty if the delay is unknown or the run has it. */
+  effect_ms?: number,
   /** Expiry, likewise; none for a stop. */
   expires_ms?: number,
   /** Before which time it is not carried out, likewise. */

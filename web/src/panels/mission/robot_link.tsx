@@ -1,12 +1,14 @@
 /** How the link to a robot far away is, as large as how its run stands. What cannot be known without an up-link is said. */
 
 import { Radio, RadioTower } from "lucide-react";
+import { untilContact_ms, waitForContact_ms } from "../../model/contact_wait.ts";
 import type { ClockOffset, LinkHealth, LinkRights } from "../../model/generated/protocol.ts";
 import type { Watch } from "../../store/history/run.ts";
 import { isGoingOn } from "../../store/run/age.ts";
 import { useComputed, useSignal } from "../../ui/signals.ts";
 import { useHost } from "../context.tsx";
 import { duration } from "../parts/duration.ts";
+import { commandsInWords, contactInWords } from "./planned_contact.ts";
 import "./robot_link.css";
 
 export function RobotLink({ watch }: { readonly watch: Watch }) {
@@ -38,6 +40,13 @@ export function RobotLink({ watch }: { readonly watch: Watch }) {
           </div>
         ))}
       </dl>
+      {robot.commands.length > 0 && (
+        <ul className="robot-link-commands" aria-label="Commands on the way to the robot">
+          {commandsInWords(robot, now_ms).map((words, index) => (
+            <li key={robot.commands[index]?.id}>{words}</li>
+          ))}
+        </ul>
+      )}
     </section>
   );
 }
@@ -68,7 +77,8 @@ function facts(robot: LinkHealth, now_ms: number): readonly Fact[] {
   const { down_bytes_per_s, up_bytes_per_s, commands } = robot;
   return [
     delay(robot, now_ms),
-    command(robot),
+    command(robot, now_ms),
+    planned(robot, now_ms),
     next(robot),
     [
       "received / sent",
@@ -124,19 +134,37 @@ function delay(robot: LinkHealth, now_ms: number): Fact {
   return ["delay", measured, `${why}: the robot has confirmed nothing since`];
 }
 
-/** Before the operator gives a command: its time of effect, and its expiry. */
-function command(robot: LinkHealth): Fact {
+/** Before the operator gives a command: when it is sent, its time of effect, and its expiry. */
+function command(robot: LinkHealth, now_ms: number): Fact {
   const why =
-    "When a command that is given now takes effect, and when it expires; a stop does not expire";
-  const lifetime = robot.lifetime_ms === null ? "" : `, expires in ${duration(robot.lifetime_ms)}`;
-  if (robot.round_trip_ms === null) return ["command given now", `effect unknown${lifetime}`, why];
-  return ["command given now", `effect in ${duration(robot.round_trip_ms / 2)}${lifetime}`, why];
+    "When a command that is given now is sent, takes effect and expires; a stop does not expire";
+  const { lifetime_ms } = robot;
+  const wait_ms = untilContact_ms(robot, now_ms);
+  const sent = wait_ms === 0 ? "" : `sent in ${duration(wait_ms)}, `;
+  const lasts_ms = waitForContact_ms(robot, now_ms) + (lifetime_ms ?? 0);
+  const expiry = lifetime_ms === null ? "" : `, expires in ${duration(lasts_ms)}`;
+  return ["command given now", `${sent}${effectNow(robot, wait_ms)}${expiry}`, why];
+}
+
+/** Without a measured delay or any contact, the time of effect is unknown. */
+function effectNow({ is_heard, round_trip_ms }: LinkHealth, wait_ms: number): string {
+  if (round_trip_ms === null) return "effect unknown: delay not measured yet";
+  if (!is_heard && wait_ms === 0) return "effect unknown: no contact with the robot";
+  return `effect in ${duration(wait_ms + round_trip_ms / 2)}`;
+}
+
+/** The plan informs; the station sends at any time. */
+function planned(robot: LinkHealth, now_ms: number): Fact {
+  const why =
+    robot.contacts_problem ??
+    "The open contact of the plan, or else the next one; the station sends outside of contacts, too";
+  return ["planned contact", contactInWords(robot, now_ms), why];
 }
 
 function next(robot: LinkHealth): Fact {
-  const why = "While the link is whole, the robot says at least this often how it is";
-  if (!robot.is_heard) return ["next contact", "unknown", "Nothing was arranged with the robot"];
-  return ["next contact", `within ${duration(robot.expected_every_ms)}`, why];
+  const why = "While the link is whole, the robot sends its status at least this often";
+  if (!robot.is_heard) return ["next status", "unknown", "No status arrives from the robot"];
+  return ["next status", `within ${duration(robot.expected_every_ms)}`, why];
 }
 
 /** The least and the most that it is ahead. */

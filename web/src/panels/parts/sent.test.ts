@@ -24,7 +24,13 @@ test("a command to a robot far away says how far it is, as far as the station kn
   const times = { sent_ms: NOW_MS - 500, expiry_ms: NOW_MS + 9_500, answered_ms: null };
   const sent: SentCommand = { ...STOP, ...times, answer: null };
   const said = (way: Partial<CommandOnTheWay>) => {
-    const plain = { id: "ana/1", stage: "sent", sent_ms: 0, arrives_ms: null } as const;
+    const plain = {
+      id: "ana/1",
+      asks: "stop",
+      stage: "sent",
+      sent_ms: 0,
+      arrives_ms: null,
+    } as const;
     const onTheWay = () => ({ ...plain, isRobotHeard: true, ...way });
     return sentLines([sent], new Set(), NOW_MS, undefined, onTheWay)[0]?.words;
   };
@@ -39,6 +45,13 @@ test("a command to a robot far away says how far it is, as far as the station kn
   const progress = { arrived_bytes: 1_300, bytes: 2_900 };
   expect(said({ arrives_ms: 2_000, progress })).toBe(
     "sent 0.5 s ago, 44 % of 2.9 KB has arrived at the robot",
+  );
+  const planned = { send_at_ms: 60_500, isRobotHeard: false };
+  expect(said({ ...planned, effect_ms: 62_500 })).toBe(
+    "sent 0.5 s ago, planned for the next contact in 1:00; takes effect 2.0 s after its begin",
+  );
+  expect(said(planned)).toBe(
+    "sent 0.5 s ago, planned for the next contact in 1:00; time of effect unknown: delay not measured yet",
   );
   expect(said({ stage: "received" })).toBe("sent 0.5 s ago, the robot has it");
   expect(said({ stage: "received", not_before_ms: 2_000 })).toBe(

@@ -4,6 +4,7 @@
 import type { Command, OpenCommand } from "../../model/generated/protocol.ts";
 import type { SentCommand } from "../../store/history/run.ts";
 import { dataSize } from "./data_size.ts";
+import { duration } from "./duration.ts";
 
 /** What a station knows of a command to a robot far away. */
 export interface CommandOnTheWay extends OpenCommand {
@@ -77,7 +78,7 @@ function words(
 
 /** How far a command to a robot far away is, as far as the station knows. */
 function underWay(
-  { stage, sent_ms, arrives_ms, not_before_ms, progress, isRobotHeard }: CommandOnTheWay,
+  { stage, sent_ms, arrives_ms, not_before_ms, progress, isRobotHeard, ...way }: CommandOnTheWay,
   since_ms: number,
 ): string {
   if (stage === "overdue") {
@@ -89,6 +90,11 @@ function underWay(
     return `the robot has it and waits ${(wait_ms / 1_000).toFixed(1)} s until its time`;
   }
   if (stage === "received") return "the robot has it";
+  if (way.send_at_ms !== undefined) {
+    const contact_ms = way.send_at_ms - sent_ms - since_ms;
+    if (contact_ms > 0)
+      return `planned for the next contact in ${duration(contact_ms)}${effect(way)}`;
+  }
   if (!isRobotHeard) return "sent again and again; the robot is not heard";
   if (progress && progress.arrived_bytes < progress.bytes) {
     const percent = Math.floor((100 * progress.arrived_bytes) / progress.bytes);
@@ -98,4 +104,10 @@ function underWay(
   const left_ms = arrives_ms - sent_ms - since_ms;
   if (left_ms > 0) return `in flight; at the robot in about ${(left_ms / 1_000).toFixed(1)} s`;
   return "should be at the robot; no answer yet";
+}
+
+/** Between the begin of the contact and the effect. */
+function effect({ send_at_ms, effect_ms }: Pick<OpenCommand, "send_at_ms" | "effect_ms">): string {
+  if (effect_ms === undefined) return "; time of effect unknown: delay not measured yet";
+  return `; takes effect ${duration(effect_ms - (send_at_ms ?? effect_ms))} after its begin`;
 }

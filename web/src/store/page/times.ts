@@ -30,6 +30,14 @@ export function wallTime(at_ms: number, now_ms: number): string {
   return date === dateOf(now_ms, true) ? clock(at_ms, 0) : `${date} ${clock(at_ms, 0)}`;
 }
 
+/** `14:03:27 UTC`, with the date if it is not today's in UTC. */
+export function utcTime(at_ms: number, now_ms: number): string {
+  const [date, time] = new Date(at_ms).toISOString().slice(0, 19).split("T");
+  return new Date(now_ms).toISOString().startsWith(`${date}`)
+    ? `${time} UTC`
+    : `${date} ${time} UTC`;
+}
+
 /** When a run began; of a robot's run by the robot's clock, as it is not known here how that differs. */
 export function startedAt({ started_ms, robot }: Pick<RunSummary, "started_ms" | "robot">): string {
   const time = wallTime(started_ms, Date.now());

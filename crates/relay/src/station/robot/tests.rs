@@ -1,6 +1,7 @@
 //! The lists that a station has of a robot are bounded.
 
 use super::*;
+use crate::contacts::ContactDesk;
 use crate::desk::ValueDesk;
 use crate::inbox::Inbox;
 use crate::requests::RequestDesk;
@@ -23,6 +24,7 @@ fn robot(folder: &Path) -> (StationRobot, Inbox<ToStation>) {
         profile: Profile::LAN,
         desk: ValueDesk::default(),
         server_requests: RequestDesk::default(),
+        contacts: ContactDesk::default(),
         tell: |_| {},
     };
     let inbox = Inbox::new();

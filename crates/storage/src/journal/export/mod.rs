@@ -9,11 +9,11 @@ mod states;
 
 pub use self::mcap::{export_mcap, export_mcap_forwards};
 
-use crate::calendar::Date;
 use crate::journal::folder::JournalError;
 use crate::journal::read::{Filter, Found, Reader};
 use ::mcap::McapError;
 use rafcon_protocol::Event;
+use rafcon_protocol::calendar::Date;
 use serde::Serialize;
 use std::io::{self, BufWriter, Write};
 

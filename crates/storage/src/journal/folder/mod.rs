@@ -18,7 +18,7 @@ pub(in crate::journal) use run_name::GONE;
 pub use run_name::{BadRunId, RUN_ID_MAX, check_run_id};
 pub use socket::bind_socket;
 
-use crate::calendar::Date;
+use rafcon_protocol::calendar::Date;
 use rustix::fs::{Mode, mkdir};
 use rustix::io::Errno;
 use std::fs::{self, File, OpenOptions};

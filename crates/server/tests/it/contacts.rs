@@ -1,0 +1,148 @@
+//! The planned contacts with a robot: who reads and sets them, and what is refused.
+
+use crate::harness::{Answer, TestServer};
+use expect_test::{Expect, expect};
+use rafcon_protocol::ContactPlan;
+use rafcon_protocol::api::{RobotAnswer, RobotRequest, Role, ValueFetch};
+use rafcon_server::{ContactsFault, NotTaken, Robots};
+use serde_json::{Value, json};
+use std::sync::{Arc, Mutex};
+
+/// A station that receives the robot `scout`, and nothing of it.
+#[derive(Debug, Default)]
+struct OneRobot {
+    plan: Mutex<ContactPlan>,
+    is_disk_full: bool,
+}
+
+impl Robots for OneRobot {
+    fn fetch(&self, _: &str, _: (&str, u64), _: u64, _: u64) -> bool {
+        false
+    }
+
+    fn cancel(&self, _: &str, _: (&str, u64)) {}
+
+    fn progress(&self, _: (&str, u64)) -> Option<ValueFetch> {
+        None
+    }
+
+    fn request(
+        &self,
+        _: &str,
+        _: RobotRequest,
+        _: Box<dyn FnOnce(RobotAnswer) + Send>,
+    ) -> Result<(), NotTaken> {
+        Err(NotTaken::Full("no room".to_owned()))
+    }
+
+    fn cost(&self, _: &str, _: u64) -> Option<(u64, Option<u64>)> {
+        None
+    }
+
+    fn contacts(&self, robot: &str) -> Result<ContactPlan, ContactsFault> {
+        known(robot)?;
+        Ok(self.plan.lock().unwrap().clone())
+    }
+
+    fn set_contacts(&self, robot: &str, plan: ContactPlan) -> Result<(), ContactsFault> {
+        known(robot)?;
+        if self.is_disk_full {
+            return Err(ContactsFault::Storage("the disk is full".to_owned()));
+        }
+        *self.plan.lock().unwrap() = plan;
+        Ok(())
+    }
+}
+
+fn known(robot: &str) -> Result<(), ContactsFault> {
+    let unknown = || ContactsFault::NotReceived("no such robot here".to_owned());
+    (robot == "scout").then_some(()).ok_or_else(unknown)
+}
+
+fn station(is_disk_full: bool) -> TestServer {
+    let robots = Arc::new(OneRobot { is_disk_full, ..OneRobot::default() });
+    TestServer::with(|settings| settings.robots = Some(robots))
+}
+
+fn window(begin: &str, end: &str) -> Value {
+    json!({ "begin": begin, "end": end, "profile": "deep" })
+}
+
+fn set(server: &TestServer, robot: &str, body: &Value) -> Answer {
+    let path = format!("/api/v1/robots/{robot}/contacts");
+    server.call(Some(Role::Operator), "PUT", &path, Some(body))
+}
+
+fn get(server: &TestServer, role: Role) -> Answer {
+    server.call(Some(role), "GET", "/api/v1/robots/scout/contacts", None)
+}
+
+#[test]
+fn operators_set_the_contacts_and_viewers_read_them() {
+    let server = station(false);
+    assert_eq!(get(&server, Role::Viewer).json(), json!([]));
+    let plan = json!([
+        window("2126-11-28T14:00:00Z", "2126-11-28T14:20:00Z"),
+        window("2126-11-28T15:00:00Z", "2126-11-28T15:20:00Z"),
+    ]);
+    let answer = set(&server, "scout", &plan);
+    assert_eq!((answer.status, answer.json()), (200, plan.clone()));
+    assert_eq!(get(&server, Role::Viewer).json(), plan);
+    let path = "/api/v1/robots/scout/contacts";
+    let viewer = server.call(Some(Role::Viewer), "PUT", path, Some(&json!([])));
+    assert_eq!(viewer.said(), "403 not_your_right");
+    assert_eq!(get(&server, Role::Viewer).json(), plan);
+    assert_eq!(set(&server, "scout", &json!([])).status, 200);
+    assert_eq!(get(&server, Role::Viewer).json(), json!([]));
+}
+
+#[test]
+fn a_list_that_is_no_plan_changes_nothing() {
+    let server = station(false);
+    let plan = json!([window("2126-11-28T14:00:00Z", "2126-11-28T14:20:00Z")]);
+    assert_eq!(set(&server, "scout", &plan).status, 200);
+    let check = |body: &Value, expect: &Expect| {
+        let answer = set(&server, "scout", body);
+        let message = answer.json()["message"].as_str().unwrap().to_owned();
+        expect.assert_eq(&format!("{}: {message}", answer.said()));
+        assert_eq!(get(&server, Role::Viewer).json(), plan);
+    };
+    check(
+        &json!([
+            window("2126-11-28T14:00:00Z", "2126-11-28T14:20:00Z"),
+            window("2126-11-28T14:19:00Z", "2126-11-28T14:40:00Z"),
+        ]),
+        &expect![
+            "400 bad_contacts: window 2 (2126-11-28T14:19:00Z to 2126-11-28T14:40:00Z): it overlaps window 1 (2126-11-28T14:00:00Z to 2126-11-28T14:20:00Z): let it begin at 2126-11-28T14:20:00Z or later, or make one window of both"
+        ],
+    );
+    check(
+        &json!([{ "begin": 1 }]),
+        &expect![
+            "400 bad_contacts: window 1: invalid type: integer `1`, expected a string; a window has begin, end, profile and, if you like, a note"
+        ],
+    );
+    let past =
+        set(&server, "scout", &json!([window("2020-01-01T00:00:00Z", "2020-01-02T00:00:00Z")]));
+    let message = past.json()["message"].as_str().unwrap().to_owned();
+    assert!(message.starts_with("window 1 (2020-01-01T00:00:00Z to 2020-01-02T00:00:00Z): this last window is in the past; "), "{message}");
+    let windows: Vec<_> = (0..1_001)
+        .map(|nth| format!("2126-11-28T14:00:00.{nth:03}Z"))
+        .map(|time| window(&time, &time))
+        .collect();
+    check(
+        &Value::Array(windows),
+        &expect![
+            "400 bad_contacts: the list has 1001 windows and the limit is 1000: remove the latest ones"
+        ],
+    );
+}
+
+#[test]
+fn a_server_that_does_not_receive_the_robot_has_no_contacts_with_it() {
+    let server = station(false);
+    assert_eq!(set(&server, "mule", &json!([])).said(), "404 no_such_robot");
+    let no_station = TestServer::new();
+    assert_eq!(get(&no_station, Role::Viewer).said(), "404 no_such_robot");
+    assert_eq!(set(&station(true), "scout", &json!([])).said(), "503 contacts_unavailable");
+}
