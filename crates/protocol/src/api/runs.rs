@@ -284,7 +284,7 @@ pub struct RunResults {
     /// The outputs of the root.
     #[cfg_attr(feature = "schema", schema(value_type = Object), ts(type = "Record<string, unknown>"))]
     pub outputs: crate::Values,
-    /// Global variables.
+    /// Global variables at the end.
     #[cfg_attr(feature = "schema", schema(value_type = Object), ts(type = "Record<string, unknown>"))]
     pub globals: crate::Values,
     /// The scoped variables of the root.

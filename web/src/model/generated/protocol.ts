@@ -1912,7 +1912,7 @@ export type RunPhase = { "phase": "starting" } | { "phase": "live" } | { "phase"
 export type RunResults = {
   /** The outputs of the root. */
   outputs: Record<string, unknown>,
-  /** Global variables. */
+  /** Global variables at the end. */
   globals: Record<string, unknown>,
   /** The scoped variables of the root. */
   scoped_variables: Record<string, unknown>, };
