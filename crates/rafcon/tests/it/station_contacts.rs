@@ -1,7 +1,7 @@
 //! Planned contacts of a station with its robot: set by a file or at the server, shown with the link, and counted in lifetimes.
 
 use crate::harness::{Place, Run, ticks};
-use crate::station::{pair, robot, station, wait_at_station};
+use crate::station::{Program, pair, robot, station, wait_at_station};
 use expect_test::expect;
 use serde_json::Value;
 use std::fs;
@@ -32,6 +32,19 @@ fn wait_for_link(place: &Place, words: &str) -> String {
         if shown.contains(words) {
             return shown;
         }
+        std::thread::yield_now();
+    }
+}
+
+/// Waits until the server knows the next contact of its only run: from then on, lifetimes that clients choose count from it.
+fn wait_for_server(ground: &Program) {
+    let ask = |path: &str| -> Value {
+        let (_, answer) = ground.door.answer("GET", path, None).unwrap();
+        serde_json::from_str(&answer).unwrap()
+    };
+    let runs = ask("/api/v1/runs");
+    let path = format!("/api/v1/runs/{}", runs[0]["id"].as_str().unwrap());
+    while ask(&path)["robot"]["contact"]["note"] != "Kiruna" {
         std::thread::yield_now();
     }
 }
@@ -86,6 +99,7 @@ fn a_command_before_a_contact_is_valid_until_after_its_begin() {
             .map(Vec::len),
         Some(1)
     );
+    wait_for_server(&ground);
     for at in ["--runs ground-runs", &server] {
         let refused = place.call(&format!("tell last pause --expires-in 60 {at}"));
         let said = (refused.code, refused.stderr.contains(", and the next contact begins at 2126-11-28T14:00:00Z: let it expire later than that, or change the contacts"));
@@ -93,8 +107,6 @@ fn a_command_before_a_contact_is_valid_until_after_its_begin() {
     }
     // The plan informs: the station sends at once, and what arrives is carried out.
     assert_eq!(place.call("tell last pause --runs ground-runs").stdout, "applied\n");
-    let is_planned = || wait_for_link(&place, "next contact in ");
-    assert!(is_planned().contains("profile deep (Kiruna)"));
     assert_eq!(place.call(&format!("tell last resume {server}")).stdout, "applied\n");
     assert_eq!(place.call("tell last stop --runs ground-runs").stdout, "applied\n");
     drop(run.end());

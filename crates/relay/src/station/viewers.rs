@@ -125,11 +125,16 @@ impl Shared {
         self.changed.notify_all();
     }
 
-    /// The link is like this. Viewers are told at once if the robot is heard again, or no more.
+    /// Sets the state of the link. Viewers receive it at once if contact, open commands or the planned contact change.
     pub(super) fn set_link(&self, link: LinkHealth) {
-        let (is_heard, commands) = (link.is_heard, link.commands.clone());
-        let before = std::mem::replace(&mut self.shown.lock().link, link);
-        if before.is_heard != is_heard || before.commands != commands {
+        let mut shown = self.shown.lock();
+        let before = std::mem::replace(&mut shown.link, link);
+        let is_news = before.is_heard != shown.link.is_heard
+            || before.commands != shown.link.commands
+            || before.contact != shown.link.contact
+            || before.contacts_problem != shown.link.contacts_problem;
+        drop(shown);
+        if is_news {
             self.send_all(&self.pong(0));
         }
     }
@@ -454,6 +459,7 @@ fn line<T: serde::de::DeserializeOwned>(lines: &mut BufReader<UnixStream>) -> io
 #[cfg(test)]
 mod tests {
     use super::*;
+    use rafcon_protocol::Contact;
 
     #[test]
     fn a_viewer_that_does_not_take_its_frames_is_gone() {
@@ -475,6 +481,25 @@ mod tests {
         let other = shared.arrive(ours);
         shared.send(other, vec![3]);
         assert_eq!(shared.wait(other, 1, 0).unwrap().frames, [[3]]);
+    }
+
+    #[test]
+    fn a_viewer_receives_a_change_of_the_planned_contact_at_once() {
+        let folder = tempfile::tempdir().unwrap();
+        let health = LinkHealth::default();
+        let shared = Shared::new(folder.path().to_owned(), &About::default(), 0, health.clone());
+        let (ours, _theirs) = UnixStream::pair().unwrap();
+        let viewer = shared.arrive(ours);
+        let frames = || shared.shown.lock().viewers[&viewer].frames.len();
+        let profile = "deep".to_owned();
+        let contact = Some(Contact { begin_ms: 1, end_ms: 2, profile, note: None });
+        shared.set_link(LinkHealth { up_bytes_per_s: 7, ..health.clone() });
+        assert_eq!(frames(), 0);
+        shared.set_link(LinkHealth { contact, ..health.clone() });
+        assert_eq!(frames(), 1);
+        let contacts_problem = Some("damaged".to_owned());
+        shared.set_link(LinkHealth { contacts_problem, ..health });
+        assert_eq!(frames(), 2);
     }
 
     #[test]
