@@ -25,12 +25,7 @@ pub fn running(folder: &Path) -> Vec<String> {
 
 /// When and how the run in this folder ended, if its runner kept an end that it could not tell any more.
 pub fn kept_end(folder: &Path) -> Option<(Duration, Event)> {
-    let events = Reader::open(folder).ok()?.tail().ok()?;
-    let end = events.into_iter().rev().find_map(|entry| match entry.record {
-        Record::Told(event) => Some((Duration::from_nanos(entry.t_ns), *event)),
-        _ => None,
-    });
-    end.filter(|(_, event)| matches!(event, Event::Finished { .. }))
+    Reader::open(folder).ok()?.last_end().ok()?
 }
 
 /// The last line of each of these states that logged any, by path.

@@ -12,7 +12,7 @@ use rafcon_protocol::api::{
     RunResults, RunSummary, StartAgain, StartRun, StartedRun, StateAt,
 };
 use rafcon_protocol::{Breakpoint, Envelope, Question, StateData, Values};
-use rafcon_storage::journal::{self, folder::EndValues};
+use rafcon_storage::journal::folder::EndValues;
 use rafcon_supervisor::clock;
 use std::sync::Arc;
 use utoipa_axum::router::OpenApiRouter;
@@ -316,7 +316,8 @@ async fn results(
     Path(run): Path<String>,
 ) -> Result<Json<RunResults>, Failure> {
     let run = server.runs.get(&run).await?;
-    let values = blocking(move || Ok(journal::results(run.folder())?)).await?;
+    let readers = server.history.readers();
+    let values = readers.read(run.folder().to_path_buf(), |reader| Ok(reader.results()?)).await?;
     let EndValues { outputs, globals, scoped_variables } = values.ok_or_else(|| {
         Failure::not_found("not_ended", "the run has not ended: its results come with its end")
     })?;

@@ -29,8 +29,7 @@ pub use moment::{
 pub use pack::{Hash, Manifest, Pack, Packed, Parcel};
 pub use read::{
     Entry, Filter, FilterState, Found, KINDS, Looked, Outline, Reader, RunState, Search, Span,
-    Summary, Tally, is_about_values, kind, kind_of, path_of, place_of, results, run_folders, runs,
-    size_of,
+    Summary, Tally, is_about_values, kind, kind_of, path_of, place_of, run_folders, runs, size_of,
 };
 pub use record::{
     Batch, Broken, DAMAGED, Definition, Glossary, Item, Kept, Left, Place, PlaceNumber, Places,

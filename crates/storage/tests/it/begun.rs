@@ -1,7 +1,9 @@
 //! Whether a run has begun, and what becomes of a journal without an event.
 
 use rafcon_storage::journal::folder::{ABOUT_FILE, DATABASE_FILE, RECORDER_FILE};
-use rafcon_storage::journal::{About, Journal, JournalError, Options, has_begun};
+use rafcon_storage::journal::{
+    About, Journal, JournalError, Options, Reader, RunState, Summary, has_begun,
+};
 use rafcon_testkit::journal_notation;
 use std::fs;
 use std::path::Path;
@@ -49,4 +51,22 @@ fn a_database_without_tables_is_one_of_a_run_that_never_began() {
     drop(create(folder.path(), "first").unwrap());
     create(folder.path(), "second").unwrap().discard().unwrap();
     assert!(!folder.path().join(ABOUT_FILE).exists());
+}
+
+#[test]
+fn a_run_that_was_resumed_after_its_end_has_no_end_until_its_next_one() {
+    let folder = tempfile::tempdir().unwrap();
+    let end = r#"told {"type": "finished", "outcome": {"id": 0, "name": "done"}, "outputs": {}, "globals": {}, "scoped_variables": {}, "states_run": 1}"#;
+    let resumed = r#"told {"type": "resumed", "life": 2, "crash": {"reason": "", "active": []}, "policy": "abort"}"#;
+    let state = |text: &str| {
+        let run = folder.path().join(text.len().to_string());
+        let journal = create(&run, "R").unwrap();
+        journal.append(&journal_notation::batch(text, 0).unwrap()).unwrap();
+        drop(journal);
+        let has_end = Reader::open(&run).unwrap().last_end().unwrap().is_some();
+        (matches!(Summary::of(&run).state, RunState::Finished { .. }), has_end)
+    };
+    assert_eq!(state(&format!("{end}\n")), (true, true));
+    assert_eq!(state(&format!("{end}\n{resumed}\n")), (false, false));
+    assert_eq!(state(&format!("{end}\n{resumed}\n{end}\n")), (true, true));
 }

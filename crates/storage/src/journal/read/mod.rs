@@ -6,17 +6,16 @@ mod filter;
 mod found;
 mod hits;
 mod outline;
-mod results;
 mod statistics;
 mod summary;
 
 pub use filter::{Filter, FilterState, KINDS, kind, kind_of, path_of, place_of};
 pub use found::{Found, Looked, Search, is_about_values};
 pub use outline::{Outline, Span};
-pub use results::results;
 pub use statistics::Tally;
 pub use summary::{RunState, Summary, run_folders, runs, size_of};
 
+mod end;
 mod event;
 mod extra;
 mod picture;

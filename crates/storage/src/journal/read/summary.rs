@@ -1,10 +1,10 @@
 //! The summary of a run, without reading its whole journal. Knows folders of runs.
 
 use super::Reader;
+use super::end::end_in;
 use crate::journal::folder::{
     ABOUT_FILE, About, DATABASE_FILE, DIVERGED_FILE, GONE, JournalError, writer_of,
 };
-use crate::journal::record::Record;
 use rafcon_protocol::{Event, Outcome};
 use serde::Serialize;
 use std::fs;
@@ -129,9 +129,10 @@ impl Summary {
         let end = reader.tail()?;
         self.events = reader.last_sequence()?;
         self.length_ms = end.last().map_or(0, |entry| entry.t_ns / 1_000_000);
-        let finish = end.iter().rev().find_map(|entry| finish(&entry.record));
-        if let (None, Some(finish)) = (process, finish) {
-            self.state = finish;
+        if let (None, Some((_, Event::Finished { outcome, states_run, .. }))) =
+            (process, end_in(&end))
+        {
+            self.state = RunState::Finished { outcome: outcome.clone(), states_run: *states_run };
         }
         if process.is_none()
             && let Ok(reason) = fs::read_to_string(self.folder.join(DIVERGED_FILE))
@@ -140,12 +141,6 @@ impl Summary {
         }
         reader.check()
     }
-}
-
-fn finish(record: &Record) -> Option<RunState> {
-    let Record::Told(event) = record else { return None };
-    let Event::Finished { outcome, states_run, .. } = &**event else { return None };
-    Some(RunState::Finished { outcome: outcome.clone(), states_run: *states_run })
 }
 
 /// When the database of a run was written last, in ms since 1970, UTC.
