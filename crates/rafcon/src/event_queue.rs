@@ -18,7 +18,7 @@ use std::io::{BufRead, BufReader, ErrorKind, Read, Write as _};
 use std::os::unix::net::UnixStream;
 use std::path::Path;
 use std::process::Child;
-use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, TrySendError, sync_channel};
 use std::thread;
 use std::time::Duration;
 
@@ -75,6 +75,11 @@ pub(crate) enum Cause {
 pub(crate) trait Line {
     /// Says something to the run, without waiting for it. False if too many messages wait already: this one is dropped.
     fn say(&mut self, message: &ToRunner) -> Result<bool>;
+}
+
+/// Adds a message for a run to a queue without waiting. False if it is full. A receiver that is gone reports itself.
+pub(crate) fn offer(queue: &SyncSender<ToRunner>, message: &ToRunner) -> bool {
+    !matches!(queue.try_send(message.clone()), Err(TrySendError::Full(_)))
 }
 
 impl Line for UnixStream {

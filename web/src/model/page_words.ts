@@ -1,10 +1,8 @@
 /** Messages of the server in the words of the page: without addresses of its interface and options of its commands. */
 
-/** What other interfaces offer, and what the page says instead. */
+/** Addresses and options in messages, with the words of the page. */
 const OTHERS: readonly (readonly [RegExp, string])[] = [
   [/: (?:GET )?\/api\/v1\/\S+ lists them$/, ""],
-  [/, or name another with `--engine`/, ", or choose another engine"],
-  [/; try another engine \(`--engine`\)/, "; try another engine"],
   [/: give it more time \(`--time-limit`\)/, ": give it more time"],
   [/: plan without `--parallel` and durations/, ": plan without parallel steps and durations"],
 ];

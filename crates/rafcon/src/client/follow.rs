@@ -5,7 +5,7 @@ use super::session::{Session, Todo};
 use super::socket::{Broken, Socket};
 use super::{Fault, Server};
 use crate::clock::Clock;
-use crate::event_queue::{Cause, EventQueue, Flow, Gone, Line, Queue};
+use crate::event_queue::{Cause, EventQueue, Flow, Gone, Line, Queue, offer};
 use crate::failure::complain;
 use anyhow::{Context as _, Result};
 use rafcon_protocol::socket::ToServer;
@@ -14,7 +14,7 @@ use rafcon_supervisor::clock::since_1970_ms;
 use std::io::{self, Read as _, Write as _};
 use std::os::unix::net::UnixStream;
 use std::sync::Arc;
-use std::sync::mpsc::{Receiver, SyncSender, TryRecvError, TrySendError, sync_channel};
+use std::sync::mpsc::{Receiver, SyncSender, TryRecvError, sync_channel};
 use std::thread;
 use std::time::Duration;
 
@@ -35,15 +35,15 @@ pub(crate) struct Following {
 }
 
 impl Line for Following {
-    /// What follows the run takes no messages while it connects.
+    /// Messages wait in the queue while the connection is made.
     fn say(&mut self, message: &ToRunner) -> Result<bool> {
-        let sent = self.words.try_send(message.clone());
+        let is_sent = offer(&self.words, message);
         // A full pipe wakes as well as a byte more.
         self.wake.write_all(b"!").or_else(|error| match error.kind() {
             io::ErrorKind::WouldBlock | io::ErrorKind::BrokenPipe => Ok(()),
             _ => Err(error),
         })?;
-        Ok(!matches!(sent, Err(TrySendError::Full(_))))
+        Ok(is_sent)
     }
 }
 

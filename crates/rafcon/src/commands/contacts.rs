@@ -110,6 +110,8 @@ fn spell(ms: u64) -> String {
 #[cfg(test)]
 mod tests {
     use super::{LIST_MAX, in_words, list_text};
+    use crate::cli::LinkProfile;
+    use clap::ValueEnum as _;
     use expect_test::expect;
     use rafcon_protocol::ContactPlan;
     use rafcon_protocol::calendar::utc_ms;
@@ -130,6 +132,15 @@ mod tests {
         "]]
         .assert_eq(&in_words(&ContactPlan::of_text(plan).unwrap(), now_ms));
         assert_eq!(in_words(&ContactPlan::default(), now_ms), "no contact planned\n");
+    }
+
+    #[test]
+    fn a_contact_can_have_every_profile_of_a_link() {
+        for profile in LinkProfile::value_variants() {
+            let name = profile.to_possible_value().unwrap().get_name().to_owned();
+            let times = r#""begin": "2026-11-28T12:00:00Z", "end": "2026-11-28T12:20:00Z""#;
+            ContactPlan::of_text(&format!(r#"[{{{times}, "profile": "{name}"}}]"#)).unwrap();
+        }
     }
 
     #[test]

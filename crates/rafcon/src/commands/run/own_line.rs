@@ -1,12 +1,12 @@
 //! The connection to a runner that this program started. A thread writes: the loop never waits for a runner that does not read.
 
-use crate::event_queue::Line;
+use crate::event_queue::{Line, offer};
 use crate::failure::complain;
 use anyhow::{Context as _, Result};
 use rafcon_protocol::{Launch, ToRunner};
 use rafcon_supervisor::{BeginError, Group, begin};
 use std::os::unix::net::UnixStream;
-use std::sync::mpsc::{SyncSender, TrySendError, sync_channel};
+use std::sync::mpsc::{SyncSender, sync_channel};
 use std::thread;
 
 /// Capacity of the queue in front of the writer. Further messages are dropped.
@@ -35,8 +35,7 @@ impl OwnLine {
 impl Line for OwnLine {
     /// A runner that reads nothing is noticed by its silence or the time limit.
     fn say(&mut self, message: &ToRunner) -> Result<bool> {
-        let sent = self.0.try_send(message.clone());
-        Ok(!matches!(sent, Err(TrySendError::Full(_))))
+        Ok(offer(&self.0, message))
     }
 }
 
@@ -67,7 +66,7 @@ mod tests {
         assert!(!say());
         drop(messages.recv());
         assert!(say());
-        // A runner that is gone reports itself.
+        // The end of the process is noticed elsewhere.
         drop(messages);
         assert!(say());
     }
