@@ -4,7 +4,7 @@ use rafcon_protocol::{Event, Outcome};
 use rafcon_storage::journal::{About, Batch, Journal, Options, Record};
 use std::path::Path;
 
-/// The journal of a run in this folder that goes on after so many events.
+/// Begins the journal of a run, with this number of events.
 pub(crate) fn begun(folder: &Path, about: &About, events: u64) -> Journal {
     let options = Options { recorder_bytes: 1 << 15, ..Options::default() };
     let journal = Journal::create(folder, about, &options).unwrap();

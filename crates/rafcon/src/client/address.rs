@@ -54,7 +54,7 @@ impl Address {
         if host.contains(':') { format!("[{host}]:{port}") } else { format!("{host}:{port}") }
     }
 
-    /// What a browser calls the origin of its pages.
+    /// Scheme, host and port: the `Origin` header of a request.
     pub(crate) fn origin(&self) -> String {
         let scheme = if self.is_secure { "https" } else { "http" };
         format!("{scheme}://{}", self.authority())
@@ -78,7 +78,7 @@ fn without_token(text: &str) -> &str {
     text.split('?').next().unwrap_or_default()
 }
 
-/// A path without a slash at its end; none if a part of it is empty, leads up, or has to be encoded.
+/// The path without its last slash. `None` if a part is empty, `.` or `..`, or needs encoding.
 fn base(path: &str) -> Option<String> {
     let path = path.strip_suffix('/').unwrap_or(path);
     if path.is_empty() {

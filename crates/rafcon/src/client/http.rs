@@ -75,7 +75,7 @@ impl Http {
         Ok(response.into_body().into_reader())
     }
 
-    /// The whole content of an answer of at most so many bytes.
+    /// Reads the body of an answer of at most `max` bytes.
     fn body(&self, response: &mut Response<Body>, max: u64) -> Result<Vec<u8>, Fault> {
         let body = response.body_mut().with_config().limit(max).read_to_vec();
         body.map_err(|error| match error {

@@ -224,7 +224,7 @@ mod tests {
         let dialler = dialler();
         assert!((0..DIALS_MAX).all(|_| dialler.may_dial()));
         assert!(!dialler.may_dial());
-        // Nobody answers there.
+        // This dial fails at once.
         dialler.carry_one();
         assert!(dialler.may_dial() && !dialler.may_dial());
     }

@@ -241,7 +241,7 @@ mod tests {
             assert!(length < 2 << 20, "{length} bytes");
             let Event::Finished { outputs: shown, globals: views, .. } = &event else { panic!() };
             assert_eq!(Value::from(shown.clone()), outputs);
-            // What has no room says how much it is.
+            // A value without room still has its length.
             assert_eq!(views.values().next_back().unwrap()["__len__"], ITEMS_MAX - 1);
             assert_eq!((views.len(), notes.len()), (NAMES_MAX, 1));
         }

@@ -126,7 +126,7 @@ impl Running {
         }
     }
 
-    /// Whether it has ended as if all were well, and said nothing.
+    /// True if it exited with status 0 and printed nothing.
     fn is_mute(&self) -> bool {
         let said = self.said.as_deref().unwrap_or_default();
         self.code == Some(0) && said.trim().is_empty() && self.printed.trim().is_empty()

@@ -77,7 +77,7 @@ function iconArea({ x, y, size }: IconMark): LabelSpan {
   return { left: x - size / 2, right: x + size / 2, y };
 }
 
-/** True if a line to the same goal has the same label in this row: both lines share the piece. */
+/** True if another line to this goal has the same label in this row. */
 function isRepeated(
   written: readonly WrittenLabel[],
   { text, goal }: Label,

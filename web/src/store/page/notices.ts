@@ -81,7 +81,7 @@ function isOpen({ isQuiet, isClosed }: Notice): boolean {
   return !isQuiet && !isClosed;
 }
 
-/** Notices that somebody may still want: told to the user and not closed, the newest first. */
+/** Open notices, the newest first: shown to the user and not closed. */
 export function openNotices(notices: readonly Notice[]): readonly Notice[] {
   return notices.filter(isOpen).reverse();
 }

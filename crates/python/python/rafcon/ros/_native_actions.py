@@ -13,7 +13,7 @@ _STATES = Qos("reliable", "transient_local", 1)
 _CANCEL = "action_msgs/srv/CancelGoal"
 _STATUS = "action_msgs/msg/GoalStatusArray"
 _NOW = {"sec": 0, "nanosec": 0}
-#: Results are kept so long (s).
+#: Time for which results are kept (s).
 _KEPT_S = 900.0
 #: Ended goals whose results are kept; the oldest is forgotten for one more.
 _KEPT_MAX = 1000
