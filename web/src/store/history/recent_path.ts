@@ -60,13 +60,10 @@ interface StateEnd {
 
 /** Ends of a container's children since it was entered, the newest last. */
 interface ChildEnds {
-  readonly ends: readonly StateEnd[];
+  readonly ends: StateEnd[];
   /** False if earlier ends may be missing. */
-  readonly isComplete: boolean;
+  isComplete: boolean;
 }
-
-const ENTERED_ENDS: ChildEnds = { ends: [], isComplete: true };
-const UNKNOWN_ENDS: ChildEnds = { ends: [], isComplete: false };
 
 export class RecentPath {
   readonly #isConcurrent: (path: string) => boolean;
@@ -106,7 +103,7 @@ export class RecentPath {
   }
 
   #endsIn(container: string): ChildEnds {
-    return this.#ends.get(container) ?? UNKNOWN_ENDS;
+    return this.#ends.get(container) ?? { ends: [], isComplete: false };
   }
 
   /** The branch that a state belongs to: a child of a concurrency state; empty on the root's. */
@@ -126,7 +123,7 @@ export class RecentPath {
       this.#undo(path, parent);
       return;
     }
-    this.#ends.set(path, ENTERED_ENDS);
+    this.#ends.set(path, { ends: [], isComplete: true });
     if (parent === null || this.#isConcurrent(parent)) return;
     const branchPath = this.#pathOf(this.branch(path));
     const taken = this.from(parent);
@@ -155,10 +152,13 @@ export class RecentPath {
   }
 
   #ended(parent: string, path: string, outcome: number): void {
-    const before = this.#endsIn(parent);
-    const ends = [...before.ends, { path, outcome }];
-    const isComplete = before.isComplete && ends.length <= ENDS_MAX;
-    this.#ends.set(parent, { ends: ends.slice(-ENDS_MAX), isComplete });
+    const known = this.#endsIn(parent);
+    known.ends.push({ path, outcome });
+    if (known.ends.length > ENDS_MAX) {
+      known.ends.shift();
+      known.isComplete = false;
+    }
+    this.#ends.set(parent, known);
   }
 
   /** The branches of a concurrency state end in the one around it. */
@@ -183,12 +183,12 @@ export class RecentPath {
   }
 
   #unend(parent: string, path: string): void {
-    const { ends, isComplete } = this.#endsIn(parent);
+    const { ends } = this.#endsIn(parent);
     const at = ends.findLastIndex((end) => end.path === path);
     // Only children of a concurrency state end in another order than they are undone.
     const isLast = at === ends.length - 1 || this.#isConcurrent(parent);
     if (at < 0 || !isLast) this.#ends.delete(parent);
-    else this.#ends.set(parent, { ends: ends.toSpliced(at, 1), isComplete });
+    else ends.splice(at, 1);
   }
 
   /** The state is left backwards: the transition that led to it has not been taken. */
