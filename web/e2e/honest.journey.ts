@@ -9,6 +9,7 @@ import {
   looksAlive,
   PACKER,
   startAndShow,
+  statusIs,
   untilDownFor,
 } from "./support/honest.ts";
 import { journey } from "./support/journey.ts";
@@ -75,7 +76,7 @@ journey(
       await app.connected();
       await app.open("packer");
       const run = await startAndShow(app, server, "packer", FOREVER);
-      await goesOn(app);
+      await statusIs(app, "running");
       wire.cut("refusing");
       await linkIs(app, "down");
       await app.sheet.evaluate(() => {
@@ -86,10 +87,7 @@ journey(
       await commands.getByText(/Pause sent \d+\.\d s ago, expired without an answer/).waitFor();
       wire.mend();
       await commands.getByText("Pause expired and was not carried out").waitFor();
-      const status = await app.sheet.evaluate(
-        () => window.__rafcon.page.active.value?.run.value?.now.value?.snapshot?.status,
-      );
-      expect(status).toBe("running");
+      await statusIs(app, "running");
       await commands.getByRole("button", { name: "Close" }).click();
       await commands.getByText("expired").waitFor({ state: "detached" });
       await endRun(server, run);
@@ -104,22 +102,17 @@ journey(
   HERE,
   async ({ app, server }) => {
     const run = await startAndShow(app, server, "packer", FOREVER);
-    await goesOn(app);
+    await statusIs(app, "running");
     server.freeze();
     await app.sheet.evaluate(() => {
       void window.__rafcon.page.active.value?.run.value?.command({ type: "pause" }, 600_000);
     });
     const commands = app.sheet.getByRole("list", { name: "Pending commands" });
     await commands.getByText(/Pause sent \d+\.\d s ago, not answered yet/).waitFor();
-    const statusIs = (wanted: string) =>
-      app.until(
-        ({ tab }, status) => tab?.run.value?.now.value?.snapshot?.status === status,
-        wanted,
-      );
-    await statusIs("running");
+    await statusIs(app, "running");
     server.thaw();
     await commands.getByText("Pause was carried out").waitFor();
-    await statusIs("paused");
+    await statusIs(app, "paused");
     await endRun(server, run);
   },
 );

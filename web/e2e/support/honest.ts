@@ -49,6 +49,14 @@ async function told(app: App): Promise<number> {
   );
 }
 
+/** Waits until the newest snapshot that the page has says this. The first one comes later than the first events. */
+export async function statusIs(app: App, status: string): Promise<void> {
+  await app.until(
+    ({ tab }, wanted) => tab?.run.value?.now.value?.snapshot?.status === wanted,
+    status,
+  );
+}
+
 /** Waits until the page's connection is so. */
 export async function linkIs(app: App, state: "up" | "down"): Promise<void> {
   await vi.waitUntil(
