@@ -1,5 +1,6 @@
 """Services: what machines and runs there are, and commands for a run."""
 
+import contextlib
 import uuid
 
 from rafcon import ros
@@ -53,12 +54,17 @@ class Commands:
             run = run or self._only()
             answer = self._client.post(("runs", run, "commands"), {"id": _id(), "command": {"type": command}}, _COMMAND_S)
             if command in _WITH_CONTROL:
-                self._client.post(("runs", run, "control"), {"move": "release"})
+                self._release(run)
         except (Refused, NoAnswer) as error:
             return _answer(str(error))
         finally:
             self._watch.now()
         return _answer(answer.get("reason", "")) if answer.get("answer") == "refused" else {"success": True, "message": run}
+
+    def _release(self, run):
+        """Gives control back. A command that was refused has not taken it."""
+        with contextlib.suppress(Refused):
+            self._client.post(("runs", run, "control"), {"move": "release"})
 
     def _only(self):
         live = [each.id for each in self._watch.look() if each.is_live and not each.robot]
