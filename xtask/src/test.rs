@@ -11,6 +11,7 @@ use std::thread;
 use anyhow::{Context as _, Result, bail};
 use clap::ValueEnum as _;
 
+use crate::bench::library;
 use crate::conformance;
 use crate::product::{Product, Profile};
 use crate::reference::Reference;
@@ -158,7 +159,7 @@ fn rust() -> Result<()> {
     if has_nextest() {
         process::run(process::cargo().args(["test", "--doc", "--workspace", "--quiet"]))?;
     }
-    Ok(())
+    library::check_server_bench()
 }
 
 fn has_nextest() -> bool {

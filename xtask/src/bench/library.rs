@@ -1,6 +1,6 @@
 //! Figures measured by the bench binaries of the `rafcon` package: inside one program, or as a client of a server.
 
-use anyhow::{Context as _, Result};
+use anyhow::{Context as _, Result, ensure};
 use serde_json::Value;
 
 use super::Measured;
@@ -17,6 +17,19 @@ pub(crate) fn measure_server() -> Result<Vec<Measured>> {
     // The server's runners need the extension beside the binary.
     Product::build(Profile::Release)?;
     printed("server")
+}
+
+/// Runs the part of the server's bench that reads what scripts note, in a debug build, so that it does not rot. Its figures say
+/// nothing.
+pub(crate) fn check_server_bench() -> Result<()> {
+    let bench = ["bench", "--quiet", "--profile", "dev", "--workspace", "--bench", "server"];
+    let printed = process::text(process::cargo().args(bench).args(["--", "command", "status"]))?;
+    for name in ["server_command_ms", "server_status_ms"] {
+        let figures = printed.lines().filter(|line| line.starts_with('{')).map(read);
+        let is_measured = figures.flatten().any(|(measured, _)| measured == name);
+        ensure!(is_measured, "the bench of the server does not measure {name}");
+    }
+    Ok(())
 }
 
 /// Runs a bench binary, which prints one JSON object a line.

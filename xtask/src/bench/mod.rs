@@ -2,7 +2,7 @@
 
 mod figures;
 mod journal;
-mod library;
+pub(crate) mod library;
 mod link;
 mod whole_process;
 
