@@ -4,10 +4,11 @@ import io
 import threading
 import types
 import unittest
+import unittest.mock
 
 import stage  # noqa: F401, it brings the package
 from rafcon.ros import _native_frames as frames
-from rafcon.ros import _services, _topics
+from rafcon.ros import _native_actions, _services, _topics
 from rafcon.ros._backend import SUCCEEDED, Field, MessageType, Qos, RosError, UnknownType
 from rafcon.ros._native_actions import ActionServer
 from rafcon.ros._native_callbacks import Callbacks
@@ -203,16 +204,17 @@ class Participants(unittest.TestCase):
 
 
 class Results(unittest.TestCase):
-    def goal(self, number, begin):
+    def goal(self, number, begin, answers=None):
         """A request to begin a goal, or for its result, and where its answer goes."""
         goal_id = {"uuid": number.to_bytes(16, "big")}
-        answers = []
+        answers = [] if answers is None else answers
         request = types.SimpleNamespace(request={"goal_id": goal_id, **({"goal": {}} if begin else {})}, answer=answers.append)
         (self.server._take_goal if begin else self.server._take_result)(request)
         return answers
 
-    def test_of_too_many_ended_goals_the_result_of_the_oldest_is_forgotten(self):
-        part = types.SimpleNamespace(close=lambda: None, publish=lambda _message: None)
+    def serve(self, close=lambda: None):
+        """Offers an action whose goals end at once with their numbers."""
+        part = types.SimpleNamespace(close=close, publish=lambda _message: None)
         backend = types.SimpleNamespace(publisher=lambda *_about: part, service=lambda *_about: part)
 
         def asked(goal):
@@ -221,6 +223,22 @@ class Results(unittest.TestCase):
 
         self.server = ActionServer(backend, "/count", "p/action/Count", asked)
         self.addCleanup(self.server.close)
+
+    def test_a_server_that_closes_lets_clients_have_the_last_results(self):
+        done = []
+        self.serve(lambda: done.append("closed"))
+        self.goal(1, True)
+        with unittest.mock.patch.object(_native_actions, "_TAKEN_S", 3600):
+            closing = threading.Thread(target=self.server.close)
+            closing.start()
+            while self.server._open:
+                pass
+            self.goal(1, False, done)
+            closing.join()
+        self.assertEqual(done, [{"status": SUCCEEDED, "result": {"number": 1}}] + 5 * ["closed"])
+
+    def test_of_too_many_ended_goals_the_result_of_the_oldest_is_forgotten(self):
+        self.serve()
         for number in range(1, 1002):
             self.goal(number, True)
         self.assertEqual(self.goal(1, False), [{"status": SUCCEEDED, "result": {"number": 1}}])

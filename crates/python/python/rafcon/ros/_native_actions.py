@@ -17,6 +17,8 @@ _NOW = {"sec": 0, "nanosec": 0}
 _KEPT_S = 900.0
 #: Ended goals whose results are kept; the oldest is forgotten for one more.
 _KEPT_MAX = 1000
+#: A server that closes waits so long (s) after the end of a goal until a client has its result.
+_TAKEN_S = 0.5
 #: An ended goal is in the list of states so long (s).
 _LISTED_S = 10.0
 #: Answers to a request to cancel.
@@ -168,6 +170,8 @@ class ActionServer:
         self._asked = asked
         self._goals = {}
         self._lock = threading.RLock()
+        #: A client has its result.
+        self._taken = threading.Condition(self._lock)
         self._open = True
         part = f"{name}/_action/"
         self._parts = []
@@ -212,8 +216,10 @@ class ActionServer:
             if goal is not None and goal.ended_s is None:
                 goal.waiting.append(request)
                 return
-        # Of an unknown goal the state is 0, and the result is empty.
-        request.answer({"status": 0, "result": {}} if goal is None else {"status": goal.status, "result": goal.result})
+        if goal is None:
+            request.answer({"status": 0, "result": {}})
+        else:
+            goal.answer([request])
 
     def _take_cancel(self, request):
         info = request.request["goal_info"]
@@ -262,8 +268,17 @@ class ActionServer:
         for goal in goals:
             if goal.status:
                 goal.finish(_backend.ABORTED, {})
+        self._wait_taken(goals)
         for part in reversed(self._parts):
             part.close()
+
+    def _wait_taken(self, goals):
+        """Waits until clients have the results of goals that have just ended: many ask for them after they hear of the end."""
+        with self._taken:
+            for goal in goals:
+                if goal.ended_s is not None and not goal.is_taken:
+                    left_s = goal.ended_s + _TAKEN_S - time.monotonic()
+                    self._taken.wait_for(lambda goal=goal: goal.is_taken, max(left_s, 0))
 
 
 class _ServerGoal:
@@ -278,6 +293,8 @@ class _ServerGoal:
         self.result = {}
         self.waiting = []
         self.ended_s = None
+        #: Whether a client has been sent the result.
+        self.is_taken = False
         self._cancel = lambda: False
         self._server = server
         self._request = request
@@ -333,5 +350,13 @@ class _ServerGoal:
             self.ended_s = time.monotonic()
             waiting, self.waiting = self.waiting, []
         self._server._tell_states()
-        for request in waiting:
+        self.answer(waiting)
+
+    def answer(self, requests):
+        """Sends the result to those who have asked for it."""
+        for request in requests:
             request.answer({"status": self.status, "result": self.result})
+        if requests:
+            with self._server._taken:
+                self.is_taken = True
+                self._server._taken.notify_all()
