@@ -135,7 +135,7 @@ class Handles(unittest.TestCase):
                 self.assertEqual((handle.wait_for_sub(), handle.publish_msg()), (None, "success"))
         self.assertEqual(self.node.published, ["one", "two"])
         handle.destroy_publisher()
-        self.assertEqual(self.node.made, [("create", "publisher"), ("destroy", "publisher")])
+        self.assertEqual(self.node.made, [("create", "publisher"), ("wait", "for_all_acked"), ("destroy", "publisher")])
         for key, inputs in (("nothing", {"nothing": 1}), ("data", {})):
             with self.assertRaises(AttributeError):
                 handle.set_pub_msg_field_from_inputs(key, inputs)
@@ -251,8 +251,9 @@ class Handles(unittest.TestCase):
     def test_deleting_the_variable_with_the_thread_shuts_ros_down(self):
         spun = threading.Event()
         executor = types.SimpleNamespace(
-            spin=spun.set, shutdown=lambda: self.node.made.append(("shutdown", "executor"))
+            spin=spun.set, shutdown=lambda timeout_sec: self.node.made.append(("shutdown", "executor"))
         )
+        self.node.publishers = iter([self.node])
         thread = ROSThread(executor, self.node)
         thread.start_thread()
         spun.wait()
@@ -260,7 +261,8 @@ class Handles(unittest.TestCase):
         del thread
         before = len(sys.modules["rclpy"].shut_down)
         self.gvm.delete_variable("ros_thread")
-        self.assertEqual(self.node.made[-2:], [("destroy", "node"), ("shutdown", "executor")])
+        # The last messages arrive, and nothing is served any more when the node goes.
+        self.assertEqual(self.node.made, [("wait", "for_all_acked"), ("shutdown", "executor"), ("destroy", "node")])
         self.assertEqual(len(sys.modules["rclpy"].shut_down), before + 1)
 
 

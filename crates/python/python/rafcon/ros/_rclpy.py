@@ -3,18 +3,17 @@
 import math
 import os
 import threading
-import time
 import uuid
 
 import rclpy
 from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.context import Context
-from rclpy.duration import Duration
 from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 
 from rafcon.ros._backend import BackendLost, Endpoint, Qos, RosError
+from rafcon.ros._delivery import deliver
 from rafcon.ros._greeting import is_wanted
 from rafcon.ros._liveness import Liveness
 from rafcon.ros._rclpy_actions import ActionClient, ActionServer
@@ -27,8 +26,6 @@ _OF_EACH_NODE = "/parameter_events"
 _FAILURES_MAX = 10
 #: Who waits for the node's thread looks this often (s) whether it is still there.
 _LOOK_EVERY_S = 0.5
-#: What was published last is delivered within this time (s) at the end.
-_DELIVER_S = 0.5
 #: The end of its thread is waited for so long (s).
 _END_S = 1.0
 
@@ -145,7 +142,7 @@ class RclpyBackend:
         """Ends the node and its thread."""
         if self._closed:
             return
-        self._deliver()
+        deliver(self.node.publishers)
         self._closed = True
         self.liveness.close()
         self._guard.trigger()
@@ -153,12 +150,6 @@ class RclpyBackend:
         self.executor.shutdown(timeout_sec=0)
         self.node.destroy_node()
         self.context.try_shutdown()
-
-    def _deliver(self):
-        """Gives what was published last the time to arrive: who publishes and ends would lose it."""
-        end_s = time.monotonic() + _DELIVER_S
-        for publisher in list(self.node.publishers):
-            publisher.wait_for_all_acked(Duration(seconds=max(end_s - time.monotonic(), 0.0)))
 
     def describe(self, type_name):
         """The type and all that it is made of, by name."""

@@ -1,5 +1,6 @@
 """Publishing messages from a script."""
 
+from rafcon.ros._delivery import deliver
 from rafcon.utils.ros2._message import replace_chars, set_field_from_inputs
 from rafcon.utils.ros2._shared import available, forget, shared
 
@@ -61,6 +62,7 @@ class PublisherHandle:
     def destroy_publisher(self):
         """Removes the publisher; the next handle makes a new one."""
         forget(self.gvm, _PUBLISHERS, self.pub_topic)
+        deliver([self.pub])
         self.node.destroy_publisher(self.pub)
 
     def replace_chars(self, message):

@@ -4,6 +4,11 @@ import threading
 
 import rclpy
 
+from rafcon.ros._delivery import deliver
+
+#: Callbacks have so long (s) to end.
+_END_S = 1.0
+
 
 class ROSThread:
     """Spins an executor for a node, until nobody holds this object any more: then node, executor and ROS 2 shut down.
@@ -22,6 +27,9 @@ class ROSThread:
         self.rafcon_ros_thread.start()
 
     def __del__(self):
+        deliver(self.node.publishers)
+        self.executor.shutdown(timeout_sec=_END_S)
+        if self.rafcon_ros_thread.is_alive() and self.rafcon_ros_thread is not threading.current_thread():
+            self.rafcon_ros_thread.join(_END_S)
         self.node.destroy_node()
-        self.executor.shutdown()
         rclpy.shutdown()
