@@ -10,7 +10,8 @@ use crate::view::{counted, harmless, size, time};
 use anyhow::{Context as _, Result};
 use rafcon_protocol::calendar::utc_text;
 use rafcon_protocol::{
-    ClockOffset, CommandStage, Contact, LinkHealth, LinkReport, LinkTraffic, OpenCommand,
+    ClockOffset, CommandStage, Contact, LinkHealth, LinkReport, LinkRights, LinkTraffic,
+    OpenCommand,
 };
 use rafcon_relay::read_reports;
 use std::fmt::Write as _;
@@ -60,6 +61,7 @@ fn in_words(report: &LinkReport) -> String {
     let mut line = |words: String| text.extend(["  ", &words, "\n"]);
     line(format!("from the robot {down}/s, to the robot {up}/s"));
     if report.is_station {
+        line(rights(health.rights));
         line(planned_contact(health, *now_ms));
         line(up_link(health, *now_ms));
         for command in &health.commands {
@@ -113,6 +115,17 @@ fn up_link(health: &LinkHealth, now_ms: u64) -> String {
         count => format!(", {} on the way{}", counted(count, "command"), progress(health)),
     };
     format!("the robot heard what was sent {ago} ago; there and back takes {round_trip}{commands}")
+}
+
+/// What the pairing lets users of the station do.
+fn rights(rights: Option<LinkRights>) -> String {
+    let may = match rights {
+        None => return "rights of this station's users unknown".to_owned(),
+        Some(LinkRights::Observe) => "see runs",
+        Some(LinkRights::Command) => "command runs",
+        Some(LinkRights::Change) => "command and change runs",
+    };
+    format!("users of this station may {may}")
 }
 
 /// The open contact, or else the next one.
@@ -220,8 +233,8 @@ mod tests {
     use super::in_words;
     use expect_test::{Expect, expect};
     use rafcon_protocol::{
-        ClockOffset, CommandProgress, CommandStage, Contact, LinkHealth, LinkReport, LinkRun,
-        LinkTraffic, OpenCommand,
+        ClockOffset, CommandProgress, CommandStage, Contact, LinkHealth, LinkReport, LinkRights,
+        LinkRun, LinkTraffic, OpenCommand,
     };
     use std::collections::BTreeMap;
 
@@ -263,7 +276,7 @@ mod tests {
                 contact: None,
                 contacts_problem: None,
                 clock: Some(ClockOffset { least_ms: -200, most_ms: Some(3_900) }),
-                rights: None,
+                rights: Some(LinkRights::Command),
             },
             sent: LinkTraffic { datagrams: 1, bytes: 90, by_kind: BTreeMap::new() },
             received: LinkTraffic {
@@ -295,6 +308,7 @@ mod tests {
         expect![[r"
             scout: the robot was heard 0.3 s ago, profile delay-2s
               from the robot 900 B/s, to the robot 31 B/s
+              users of this station may command runs
               no contact planned
               the robot heard what was sent 5.0 s ago; there and back takes 4.1 s, 1 command on the way, 44 % of 2.9 KB has arrived
                 edit_script of ana: being sent, takes effect in 1.1 s, at 1970-01-01T02:46:41.050Z
@@ -307,6 +321,7 @@ mod tests {
 
             scout: the robot is not heard, for 13:20 now, profile delay-2s
               from the robot 900 B/s, to the robot 31 B/s
+              users of this station may command runs
               no contact planned
               no up-link: the robot never said that it hears this station
                 edit_script of ana: being sent, time of effect unknown: no contact with the robot
@@ -360,8 +375,10 @@ mod tests {
             ],
         );
         let mut unknown = report();
+        unknown.health.rights = None;
         unknown.health.contacts_problem = Some("the file is damaged".to_owned());
         assert!(in_words(&unknown).contains("\n  planned contacts unknown: the file is damaged\n"));
+        assert!(in_words(&unknown).contains("\n  rights of this station's users unknown\n"));
     }
 
     #[test]
