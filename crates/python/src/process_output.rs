@@ -15,7 +15,7 @@ use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use rustix::fs::{FileType, Stat, fstat, inotify};
 use std::fs::File;
 use std::io::{self, Read as _};
-use std::os::fd::{AsFd as _, AsRawFd as _, OwnedFd, RawFd};
+use std::os::fd::{AsFd as _, AsRawFd as _, BorrowedFd, OwnedFd, RawFd};
 use std::os::unix::fs::FileExt as _;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -25,6 +25,8 @@ const CHUNK: usize = 64 * 1024;
 const ROUNDS: usize = 16;
 /// Delay of reads from a pipe.
 const DELAY: Timespec = Timespec { tv_sec: 0, tv_nsec: 250_000_000 };
+/// No delay.
+const AT_ONCE: Timespec = Timespec { tv_sec: 0, tv_nsec: 0 };
 /// Bytes in a pipe that are read without delay.
 const SOON: u64 = 16 * 1024;
 /// Bytes of a file that are left out once more than these wait.
@@ -90,6 +92,9 @@ pub(crate) fn script_ended(py: Python<'_>, path: PathId) {
     }
     let sole = sole_script();
     let drain = |sources: &mut Vec<Source>| {
+        if !has_news(sources) {
+            return;
+        }
         for source in sources {
             source.drain(sole);
             if sole.is_some() {
@@ -106,6 +111,16 @@ pub(crate) fn script_ended(py: Python<'_>, path: PathId) {
     if let Some(at) = scripts.iter().position(|&running| running == path) {
         scripts.swap_remove(at);
     }
+}
+
+/// Whether there may be output to log. Asked after every script, so that it costs one system call.
+fn has_news(sources: &[Source]) -> bool {
+    let ready = match sources {
+        [one] => poll(&mut [one.polled()], Some(&AT_ONCE)),
+        [one, other] => poll(&mut [one.polled(), other.polled()], Some(&AT_ONCE)),
+        _ => return true,
+    };
+    ready != Ok(0) || sources.iter().any(|source| source.is_behind || !source.rest.is_empty())
 }
 
 /// The state whose script is the only one that runs.
@@ -178,6 +193,8 @@ struct Source {
     growth: Option<OwnedFd>,
     /// An unfinished line.
     rest: Vec<u8>,
+    /// Whether the last read left output.
+    is_behind: bool,
 }
 
 impl Source {
@@ -194,19 +211,30 @@ impl Source {
         let growth = if is_file { Some(growth_of(&path)?) } else { None };
         let position = is_file.then(|| u64::try_from(about.st_size).unwrap_or_default());
         let inode = (about.st_dev, about.st_ino);
-        Ok(Some(Self { stream, file, inode, position, growth, rest: Vec::new() }))
+        Ok(Some(Self { stream, file, inode, position, growth, rest: Vec::new(), is_behind: false }))
     }
 
     /// A descriptor that can be read from once there is output.
     fn waker(&self) -> io::Result<OwnedFd> {
-        match &self.growth {
-            Some(growth) => growth.try_clone(),
-            None => self.file.as_fd().try_clone_to_owned(),
-        }
+        self.news().try_clone_to_owned()
+    }
+
+    fn polled(&self) -> PollFd<'_> {
+        PollFd::from_borrowed_fd(self.news(), PollFlags::IN)
+    }
+
+    /// The descriptor that can be read from once there is output.
+    fn news(&self) -> BorrowedFd<'_> {
+        self.growth.as_ref().map_or_else(|| self.file.as_fd(), OwnedFd::as_fd)
     }
 
     /// Logs complete lines; true if there is more to read.
     fn drain(&mut self, path: Option<PathId>) -> bool {
+        self.is_behind = self.read_lines(path);
+        self.is_behind
+    }
+
+    fn read_lines(&mut self, path: Option<PathId>) -> bool {
         self.forget_notices();
         for _ in 0..ROUNDS {
             let waiting = self.waiting();
