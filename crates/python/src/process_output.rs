@@ -113,7 +113,7 @@ pub(crate) fn script_ended(py: Python<'_>, path: PathId) {
     }
 }
 
-/// Whether there may be output to log. Asked after every script, so that it costs one system call.
+/// Whether there may be output to log, by one system call: this is called after every script.
 fn has_news(sources: &[Source]) -> bool {
     let ready = match sources {
         [one] => poll(&mut [one.polled()], Some(&AT_ONCE)),

@@ -4,8 +4,8 @@ import time
 
 from rclpy.duration import Duration
 
-#: Messages have so long (s) to arrive when a node or a publisher goes. A subscriber that has just been found learns of them with the next
-#: heartbeat only; Fast DDS sends one every 3 s.
+#: Longest wait (s) for acknowledgements when a node or a publisher closes. A subscriber that was matched a moment ago acknowledges after the
+#: next heartbeat, and the period of Fast DDS is 3 s.
 _DELIVER_S = 3.5
 
 

@@ -17,7 +17,7 @@ _NOW = {"sec": 0, "nanosec": 0}
 _KEPT_S = 900.0
 #: Ended goals whose results are kept; the oldest is forgotten for one more.
 _KEPT_MAX = 1000
-#: A server that closes waits so long (s) after the end of a goal until a client has its result.
+#: Longest wait (s) of a closing server, from the end of a goal until a client requests the result.
 _TAKEN_S = 0.5
 #: An ended goal is in the list of states so long (s).
 _LISTED_S = 10.0
@@ -273,7 +273,7 @@ class ActionServer:
             part.close()
 
     def _wait_taken(self, goals):
-        """Waits until clients have the results of goals that have just ended: many ask for them after they hear of the end."""
+        """Waits until the results of goals that ended a moment ago are requested: many clients request them after the end."""
         with self._taken:
             for goal in goals:
                 if goal.ended_s is not None and not goal.is_taken:

@@ -6,7 +6,7 @@ import rclpy
 
 from rafcon.ros._delivery import deliver
 
-#: Callbacks have so long (s) to end.
+#: Longest wait (s) for callbacks.
 _END_S = 1.0
 
 
