@@ -7,7 +7,7 @@ pub const LENGTH_MAX: u32 = 16 << 20;
 /// The smallest part that is worth a frame, in bytes.
 pub(crate) const PART_MIN: usize = 64;
 
-/// The parts of one thing so far; those of a newer one replace them.
+/// Received parts of one item. Parts of a newer item replace them.
 #[derive(Debug, Default)]
 pub(crate) struct Assembly {
     number: u64,
@@ -17,7 +17,7 @@ pub(crate) struct Assembly {
 }
 
 impl Assembly {
-    /// Whether the thing of this number and length is the one whose parts are here.
+    /// True if these are the parts of the item with this number and length.
     pub(crate) fn is_of(&self, number: u64, length: u32) -> bool {
         self.number == number && self.bytes.len() == length as usize
     }
@@ -32,7 +32,7 @@ impl Assembly {
         &self.here
     }
 
-    /// Adds a part of the thing of this number; answers the whole once it is complete.
+    /// Adds a part of the item with this number. Returns the item once it is complete.
     pub(crate) fn add(
         &mut self,
         number: u64,

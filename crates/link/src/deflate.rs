@@ -4,14 +4,14 @@ use flate2::{Compress, Compression, Decompress, FlushCompress, FlushDecompress, 
 
 /// The bytes, deflated without a header (RFC 1951).
 pub fn deflate(bytes: &[u8]) -> Vec<u8> {
-    // What cannot be shortened becomes longer by five bytes in 65,535.
+    // Incompressible data grows by 5 bytes in 65,535.
     let mut out = Vec::with_capacity(bytes.len() + bytes.len() / 1_000 + 64);
     let mut compress = Compress::new(Compression::default(), false);
     let _in_one_go = compress.compress_vec(bytes, &mut out, FlushCompress::Finish);
     out
 }
 
-/// The bytes that were deflated; nothing if they are broken or more than `max`.
+/// Inflates bytes. `None` if they are damaged or more than `max`.
 pub fn inflate(bytes: &[u8], max: usize) -> Option<Vec<u8>> {
     let (mut decompress, mut out) =
         (Decompress::new(false), Vec::with_capacity(4 * bytes.len() + 64));

@@ -1,4 +1,4 @@
-//! What both sides of a link have in common: sealing at a rate, opening, and what was heard of the other side.
+//! Common part of both sides of a link: sealing at a rate, opening, and the state of the other side.
 
 use crate::bytes::BrokenFrame;
 use crate::frame::{Frame, read_payload};
@@ -11,7 +11,7 @@ use crate::seal::{
 use crate::traffic::Traffic;
 use std::time::Duration;
 
-/// Who a side is: the same words on both sides of one link.
+/// Identity of a link, equal on both sides.
 #[derive(Debug, Clone)]
 pub struct Identity<'k> {
     /// The number of the pairing key.
@@ -22,11 +22,11 @@ pub struct Identity<'k> {
     pub robot: &'k str,
     /// This start, whose number is on the disk.
     pub start: SenderStart,
-    /// What the last start heard of the other side.
+    /// Datagrams of the other side that the last start received.
     pub heard: Option<Horizon>,
 }
 
-/// Why a datagram had no effect, or not all of it.
+/// Reason why a datagram had no or only part of its effect.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum Unusable {
     /// It was not opened.
@@ -37,7 +37,7 @@ pub enum Unusable {
     Broken(#[from] BrokenFrame),
 }
 
-/// One side of the link, without what it has to say.
+/// One side of the link, without its content.
 #[derive(Debug)]
 pub(crate) struct Endpoint {
     pub(crate) start: SenderStart,
@@ -46,9 +46,9 @@ pub(crate) struct Endpoint {
     sealer: Sealer,
     opener: Opener,
     key_id: KeyId,
-    /// What was opened last, was sealed with this key.
+    /// Key of the last datagram opened.
     heard_key: Option<KeyId>,
-    /// What is sealed with other keys is opened, too: with the one that will be used next, and with the one before.
+    /// Other accepted keys: the next one and the previous one.
     others: Vec<OtherKey>,
     /// The robot's name, and which way this side sends.
     way: (String, Direction),
@@ -68,9 +68,9 @@ pub(crate) struct Arrived<'d> {
     pub(crate) generation: Generation,
     /// The time of its sender.
     pub(crate) at_ms: u64,
-    /// Whether it is the first of a new start.
+    /// True if this is the first datagram of a new start.
     pub(crate) is_new_start: bool,
-    /// How long the other side was not heard before.
+    /// Silence of the other side before this datagram.
     pub(crate) silence: Option<Duration>,
     /// Its frames, up to the first broken one.
     pub(crate) frames: Vec<Result<Frame<'d>, BrokenFrame>>,
@@ -140,12 +140,12 @@ impl Endpoint {
         None
     }
 
-    /// What was heard of the other side last, for the disk.
+    /// Latest state of the other side, for the disk.
     pub(crate) fn horizon(&self) -> Option<Horizon> {
         self.opener.heard()
     }
 
-    /// What was sent and received.
+    /// Datagrams and bytes sent and received.
     pub(crate) fn traffic(&self) -> (&Traffic, &Traffic) {
         (&self.sent, &self.received)
     }
@@ -155,7 +155,7 @@ impl Endpoint {
         self.sealer.overhead(if is_heard { For::Listener } else { For::Anyone })
     }
 
-    /// The other side says that it has opened this datagram of this start.
+    /// The other side acknowledged this datagram of this start.
     pub(crate) fn confirm(&mut self, number: u64) {
         self.sealer.confirm(number);
     }

@@ -1,4 +1,4 @@
-//! What one side heard of the other last, and what follows for the clocks.
+//! Last datagrams from the other side, and the bounds of the clocks that follow from them.
 
 use crate::frame::Frame;
 use crate::seal::Generation;
@@ -22,7 +22,7 @@ struct Newest {
 }
 
 impl Heard {
-    /// A datagram of this start with this number and this time in it. Answers whether it is the first of a new start.
+    /// Records a datagram with its start, number and time. Returns whether it is the first of a new start.
     pub(crate) fn hear(
         &mut self,
         (start, number): (Generation, u64),
@@ -47,7 +47,7 @@ impl Heard {
         }
     }
 
-    /// How long ago the other side was heard.
+    /// Time since the last datagram of the other side.
     pub(crate) fn before(&self, now: Duration) -> Option<Duration> {
         self.newest.as_ref().map(|newest| now.saturating_sub(newest.heard_at))
     }
@@ -72,11 +72,11 @@ pub struct ClockBounds {
     pub start: Generation,
     /// It is at least this, in ms.
     pub earliest_ms: u64,
-    /// It is at most this, in ms; unknown until the robot has heard the station.
+    /// Upper bound in ms. Unknown until the robot has received a datagram.
     pub latest_ms: Option<u64>,
 }
 
-/// Two clocks part by at most one millisecond in so many, or come together.
+/// Two clocks drift by at most one millisecond in this many.
 const DRIFT: i32 = 5_000;
 
 /// By how much two clocks part in this time at most, or come together.
@@ -101,7 +101,7 @@ struct Bound {
 }
 
 impl Bound {
-    /// How far the clocks may have parted since.
+    /// Largest drift of the clocks over this time.
     fn drift(self, now_ms: i64) -> i64 {
         now_ms.saturating_sub(self.found_ms).max(0) / i64::from(DRIFT) + 1
     }
@@ -120,7 +120,7 @@ impl RobotClock {
         self.low = Bound { difference: found, found_ms: now_ms };
     }
 
-    /// The robot heard at `heard_ms` of its clock what was sent at `sent_ms` of this one.
+    /// The robot received at `heard_ms` of its clock a datagram sent at `sent_ms` of this clock.
     pub(crate) fn robot_heard(&mut self, heard_ms: u64, sent_ms: u64, now_ms: u64) {
         let now_ms = now_ms.cast_signed();
         // The robot rounded both its times down.

@@ -1,4 +1,4 @@
-//! What a side does with payloads of an other side that is broken or hostile, and has the key.
+//! Behaviour towards a faulty or hostile peer that has the key.
 
 use crate::endpoint::Identity;
 use crate::frame::{Events, StreamId, ValueId, ValueName};

@@ -1,4 +1,4 @@
-//! What is known of a link before it is measured, and the rate at which a side may send.
+//! Properties of a link before it is measured, and the send rate.
 
 use std::time::Duration;
 
@@ -9,7 +9,7 @@ pub struct Profile {
     pub name: &'static str,
     /// The rate from the robot, in bits per second, with the headers of the carrier.
     pub down_bits_per_s: u64,
-    /// The rate to the robot, likewise.
+    /// Rate towards the robot, in bytes per second.
     pub up_bits_per_s: u64,
     /// The longest datagram from the robot, in bytes.
     pub down_bytes_max: usize,
@@ -17,15 +17,15 @@ pub struct Profile {
     pub up_bytes_max: usize,
     /// Round trip until it is measured.
     pub round_trip: Duration,
-    /// How often the robot sends its status, whether or not anything is heard.
+    /// Interval of the robot's status, with or without an up-link.
     pub status_every: Duration,
     /// New events wait for others at most this long after the datagram before.
     pub gather: Duration,
     /// New events are sent again after this time, so that one loss heals without a round trip.
     pub repeat_after: Duration,
-    /// How often the station reports what it has, while it receives something.
+    /// Interval of the station's reports while it receives datagrams.
     pub report_every: Duration,
-    /// Whether events are coded in fewer bytes. It costs a processor some microseconds for each byte of them.
+    /// True if events are compressed by the model coder. It takes some microseconds of processor time for each byte.
     pub codes: bool,
 }
 
@@ -97,7 +97,7 @@ impl Profile {
         self.status_every * 8
     }
 
-    /// A side that has heard nothing for this long, in which three idle reports would have come, acts as if it were not heard.
+    /// Silence after which a side assumes that it is not received. Three idle reports fit into it.
     pub fn silence(&self) -> Duration {
         self.report_idle_every() * 7 / 2
     }
@@ -118,7 +118,7 @@ impl Pacer {
         Self { bits_per_s: bits_per_s.max(1), free_at: Duration::ZERO }
     }
 
-    /// When the datagrams so far have left.
+    /// Time at which the last datagram has left.
     pub(crate) fn free_at(&self) -> Duration {
         self.free_at
     }

@@ -11,7 +11,7 @@ pub struct RangeSet {
 }
 
 impl RangeSet {
-    /// All numbers from 1 to `last`; none if that is 0.
+    /// All numbers from 1 to `last`. The set is empty if `last` is 0.
     pub fn up_to(last: u64) -> Self {
         let mut set = Self::default();
         if last > 0 {
@@ -62,7 +62,7 @@ impl RangeSet {
         }
     }
 
-    /// Whether it has every number of the range.
+    /// True if the set contains the whole range.
     pub fn contains(&self, range: &RangeInclusive<u64>) -> bool {
         let before = self.ranges.range(..=*range.start()).next_back();
         range.is_empty() || before.is_some_and(|(_, last)| last >= range.end())
@@ -93,12 +93,12 @@ impl RangeSet {
         (*last >= number).then_some(*last)
     }
 
-    /// How many numbers are in it.
+    /// Count of all numbers in the set.
     pub fn count(&self) -> u64 {
         self.ranges().map(|range| range.end() - range.start() + 1).sum()
     }
 
-    /// How many ranges it has.
+    /// Count of separate ranges.
     pub fn ranges_count(&self) -> usize {
         self.ranges.len()
     }

@@ -1,6 +1,6 @@
 //! Which packet numbers of one generation were received: each counts once, and what is far behind the newest counts no more.
 
-/// So many numbers behind the newest are still told apart.
+/// Size of the window, in numbers before the newest.
 pub(crate) const WINDOW: u64 = 4096;
 const WORD: u64 = 64;
 const WORDS: usize = (WINDOW / WORD) as usize;
@@ -8,14 +8,14 @@ const WORDS: usize = (WINDOW / WORD) as usize;
 /// The numbers that were received, as far as they are remembered.
 #[derive(Debug, Clone)]
 pub(crate) struct ReplayWindow {
-    /// The newest number; nothing before the first.
+    /// Newest number. `None` before the first datagram.
     newest: Option<u64>,
     /// One bit for each number of the window, at its place modulo [`WINDOW`].
     seen: [u64; WORDS],
 }
 
 impl ReplayWindow {
-    /// Of a generation of which nothing was received.
+    /// A window without any received number.
     pub(crate) fn new() -> Self {
         Self { newest: None, seen: [0; WORDS] }
     }
@@ -29,7 +29,7 @@ impl ReplayWindow {
         self.newest
     }
 
-    /// Whether this number may be new: neither received nor too far behind.
+    /// True if the window accepts this number: not received, and not before the window.
     pub(crate) fn is_new(&self, number: u64) -> bool {
         match self.newest {
             Some(newest) if number <= newest => newest - number < WINDOW && !self.has(number),

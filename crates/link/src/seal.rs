@@ -1,10 +1,10 @@
 //! Datagrams that only the other side can have made and that count once: authenticated, encrypted, without a handshake, so that the
 //! first datagram after a silence is as good as any other.
 //!
-//! The construction is that of CCSDS 355.0-B (space data link security) with the primitives of RFC 5869 and RFC 8439: one key for
-//! each direction and start, derived by HKDF-SHA256 from a pairing key, and ChaCha20-Poly1305 with the full header without its salt
-//! as nonce and the header that is sent as associated data. To a receiver that said which packet number it has heard, a short header is sent, from
-//! which it can tell the full one: as QUIC does it (RFC 9000, 17.1).
+//! The construction follows CCSDS 355.0-B (space data link security) with the primitives of RFC 5869 and RFC 8439: one key for
+//! each direction and start, derived by HKDF-SHA256 from a pairing key, and ChaCha20-Poly1305. Its nonce is the full header
+//! without the salt, its associated data the header on the wire. After an acknowledged packet number, a short header is sent,
+//! and the receiver reconstructs the full one as in QUIC (RFC 9000, 17.1).
 
 use crate::replay_window::ReplayWindow;
 use ring::aead::{Aad, CHACHA20_POLY1305, LessSafeKey, NONCE_LEN, Nonce, UnboundKey};
@@ -29,10 +29,10 @@ const IS_SHORT: u8 = 0x80;
 const SHORT_HEADER: usize = 3;
 /// Mask of the bits of the generation and of the key's number in a short header.
 const FEW: u8 = 0b11;
-/// Packet numbers that differ by less than half of this are told apart by their last 16 bits.
+/// Packet numbers whose difference is less than half of this are distinct in their last 16 bits.
 const SHORT_NUMBERS: u64 = 1 << 16;
-/// A short header is sent up to so many datagrams after the one that the receiver has confirmed: half of what could be told apart is
-/// left for what it receives late, or has forgotten.
+/// Datagrams after the last acknowledged one that have a short header. Half of the distinct numbers remain for datagrams that
+/// arrive late or are forgotten.
 const CONFIRMED_FOR: u64 = SHORT_NUMBERS / 4;
 /// Packet numbers have 48 bits.
 const NUMBERS: u64 = 1 << 48;
@@ -103,14 +103,15 @@ pub struct KeyId(pub u8);
 pub struct Generation(pub u32);
 
 impl Generation {
-    /// That of the next start; nothing after the last, when new keys are needed.
+    /// Generation of the next start. `None` after the last one, when new keys are needed.
     pub fn next(self) -> Option<Self> {
         self.0.checked_add(1).map(Self)
     }
 }
 
-/// A random number of a sender's start. It is part of the key, so that two computers with copies of one disk never seal two datagrams
-/// with the same key and nonce.
+/// A random number of a sender's start. It is part of the key, so that two computers with copies of one disk never reuse a
+
+/// nonce under one key.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Salt(pub u32);
 
@@ -187,13 +188,13 @@ pub enum Rejected {
          the two again", .0.0
     )]
     Copied(Generation),
-    /// Its short header does not say which start it is of, and it is not of the one that was heard.
+    /// Its short header belongs to another start than the current one.
     #[error(
         "a datagram with a short header is of a start of its sender that was not heard yet, or is over: the next one with a full header \
          tells"
     )]
     UnknownStart,
-    /// It was received before, or is too far behind the newest to say.
+    /// It was received before, or is older than the replay window.
     #[error("datagram {0} was received before, or came too late to tell")]
     Repeated(u64),
     /// It was not sealed by the other side, or it was changed on its way.
@@ -208,7 +209,7 @@ pub struct Opened<'d> {
     pub generation: Generation,
     /// Its number in that generation.
     pub number: u64,
-    /// What is in it.
+    /// Content of the datagram.
     pub payload: &'d [u8],
 }
 
@@ -269,7 +270,7 @@ impl Sealer {
         (self.first, self.confirmed) = (self.next, None);
     }
 
-    /// The receiver says that it has opened this datagram of this start.
+    /// The receiver acknowledged this datagram of this start.
     pub fn confirm(&mut self, number: u64) {
         if (self.first..self.next).contains(&number) {
             self.confirmed = self.confirmed.max(Some(number));
@@ -344,8 +345,8 @@ struct OpenedStart {
 }
 
 impl Opener {
-    /// For what comes from the robot of this name (`Down`), or goes to it (`Up`). `heard` is what was received before this start, as
-    /// far as it is known.
+    /// Opens datagrams from the robot of this name (`Down`) or to it (`Up`). `heard` is the last datagram before this start, if
+    /// known.
     pub fn new(
         (key_id, key): (KeyId, &PairingKey),
         robot: &str,
@@ -360,7 +361,7 @@ impl Opener {
         Self { key_id, pairing_key: key.clone(), robot: robot.to_owned(), direction, newest }
     }
 
-    /// What was received last.
+    /// Last datagram received.
     pub fn heard(&self) -> Option<Horizon> {
         let newest = self.newest.as_ref()?;
         Some(Horizon { start: newest.start, number: newest.window.newest()? })
@@ -448,7 +449,7 @@ impl Opener {
         }
     }
 
-    /// Whether it is this version and, as far as the bits of `mask` say, this key.
+    /// True if the header has this version and, in the bits of `mask`, this key.
     fn check(&self, version: u8, key: KeyId, mask: u8) -> Result<(), Rejected> {
         if version != VERSION {
             return Err(Rejected::Version(version));
@@ -505,7 +506,7 @@ fn nonce_bytes(KeyId(key): KeyId, generation: Generation, number: u64) -> [u8; H
     [VERSION, key, g0, g1, g2, g3, n0, n1, n2, n3, n4, n5]
 }
 
-/// The full header without salt, which is in the key: under one key, no two datagrams have the same.
+/// The full header without the salt, which is part of the key. Each datagram under one key has a distinct header.
 fn nonce(key: KeyId, generation: Generation, number: u64) -> Nonce {
     Nonce::assume_unique_for_key(nonce_bytes(key, generation, number))
 }

@@ -1,4 +1,4 @@
-//! What a side has sent and received, by the kinds of frames.
+//! Sent and received bytes of a side, by type of frame.
 
 use crate::frame::Frame;
 use crate::profile::CARRIER_OVERHEAD;
@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 /// The datagrams of one direction since the session began.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Traffic {
-    /// How many datagrams.
+    /// Number of datagrams, of all types.
     pub datagrams: u64,
     /// Their bytes, with the headers of IP and UDP.
     pub bytes: u64,
@@ -16,7 +16,7 @@ pub struct Traffic {
 }
 
 impl Traffic {
-    /// Counts a datagram of so many bytes.
+    /// Counts a datagram of this length.
     pub(crate) fn count_datagram(&mut self, length: usize) {
         self.datagrams += 1;
         self.bytes += (length + CARRIER_OVERHEAD) as u64;

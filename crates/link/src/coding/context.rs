@@ -1,4 +1,4 @@
-//! What the coders of both sides have learnt from: events that the station has at hand and offers, named by their hash.
+//! Contexts that the coders of both sides learn from: recent events of the station, identified by their hash.
 
 use super::Coder;
 use super::offers::Offers;
@@ -7,17 +7,17 @@ use crate::robot::EventBuffer;
 use ring::digest::{SHA256, digest};
 use std::collections::BTreeMap;
 
-/// A coder learns from at most so many bytes of items.
+/// Capacity of a context, in bytes of items.
 pub(crate) const CONTEXT_MAX: usize = 8_192;
 /// From fewer it learns too little.
 const CONTEXT_MIN: usize = 512;
-/// Another context is offered after so many bytes of items.
+/// Bytes of items between two offers of contexts.
 const RENEW_AFTER: usize = 8_192;
-/// And after so many although the one that was offered was never used.
+/// The same while the last offer is unused.
 const GIVE_UP_AFTER: usize = 65_536;
-/// So many bytes of the newest events are kept at hand.
+/// Capacity for the newest events, in bytes.
 const RECENT_MAX: usize = 32_768;
-/// A context ends with one of so many of the newest groups of events.
+/// Number of the newest groups of events that a context can end with.
 const ENDS: usize = 16;
 
 /// A context, as a datagram that needs it names it.
@@ -62,13 +62,13 @@ impl LastCoder {
     }
 }
 
-/// What a station has at hand of a run, from which it makes contexts.
+/// The newest events of a run at its station, the source of contexts.
 #[derive(Debug, Default)]
 pub(crate) struct Contexts {
-    /// Groups of events by their last one; of those with the same last one the longest.
+    /// Groups of events by their last event. The longest group of each is kept.
     recent: BTreeMap<u64, EventBuffer>,
     bytes: usize,
-    /// So many bytes came since a context was made.
+    /// Bytes received since the last context.
     fresh: usize,
     offers: Offers,
 }

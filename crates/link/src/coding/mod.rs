@@ -14,7 +14,7 @@ pub(crate) use snapshots::{OfferedSnapshots, SentSnapshots};
 
 use model::{Model, SCALE};
 
-/// Items that are coded together have at most so many bytes: no datagram makes more of itself.
+/// Longest sequence of items coded together, in bytes. It bounds what a datagram decodes to.
 pub(crate) const PLAIN_MAX: usize = 16_384;
 
 /// Codes and decodes with what it has learnt.
@@ -54,7 +54,7 @@ impl Coder {
         out
     }
 
-    /// The bytes that were coded, `length` of them; nothing if they are too many.
+    /// Decodes `length` bytes. `None` if that is too many.
     pub(crate) fn decode(&mut self, coded: &[u8], length: usize) -> Option<Vec<u8>> {
         if length > PLAIN_MAX {
             return None;

@@ -1,6 +1,6 @@
-//! How probable the next bit is after the bytes before it: bits are counted in six contexts, a seventh opinion is what followed when
-//! the same bytes came last, and all are mixed by weights that learn. Integers only, so that both sides of a link come to the same
-//! numbers.
+//! Probability of the next bit after the bytes before it. Six contexts count bits, a seventh input is the bit after the last
+//! occurrence of the same bytes, and adaptive weights mix them. The arithmetic uses integers only, so that both sides of a link
+//! compute the same numbers.
 
 #![expect(
     clippy::cast_possible_truncation,
@@ -29,12 +29,12 @@ pub(super) const SCALE: i32 = 1 << 12;
 /// The opinions that are mixed: the contexts, then the repetition.
 const OPINIONS: usize = COUNT + 1;
 
-/// How much a slot moves towards a bit, by how many it has seen: in 65,536.
+/// Step of a slot towards a bit, by the number of bits it has counted, in 65,536ths.
 const RATES: [i32; 16] = [
     40_960, 25_206, 18_204, 14_247, 11_703, 9_930, 8_623, 7_620, 6_827, 6_183, 5_650, 5_201, 4_819,
     4_489, 4_201, 4_201,
 ];
-/// How much the word of a slot counts, by how many bits it has seen: in 256.
+/// Weight of a slot, by the number of bits it has counted, in 256ths.
 const TRUST: [i32; 16] =
     [0, 100, 150, 180, 200, 215, 225, 232, 238, 243, 247, 250, 253, 255, 256, 256];
 
@@ -71,10 +71,10 @@ static STRETCH: [i16; SCALE as usize] = {
     table
 };
 
-/// What was learnt from bytes.
+/// Statistics of the earlier bytes.
 #[derive(Debug, Clone)]
 pub(super) struct Model {
-    /// Of each context its slots, then those of the repetition: a probability of 12 bits and how many bits it has seen.
+    /// Slots of each context, then those of the repetition: a probability of 12 bits and a count of bits.
     slots: Box<[u16]>,
     state: MixState,
     repetition: Repetition,
@@ -83,7 +83,7 @@ pub(super) struct Model {
     fixed: Option<MixState>,
 }
 
-/// What changes with each bit besides slots.
+/// State that changes with each bit, without the slots.
 #[derive(Debug, Clone, Copy)]
 struct MixState {
     /// By how sure the repetition is.
@@ -96,20 +96,20 @@ struct MixState {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Bits {
     hashes: [u32; COUNT],
-    /// The bits so far behind a one.
+    /// Bits of the current byte, after a leading one.
     known: u32,
 }
 
-/// What a model says of a bit, and why.
+/// Prediction of a bit, with its inputs.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Guess {
-    /// How probable a one is, in [`SCALE`]: neither impossible nor certain.
+    /// Probability of a one, between 0 and [`SCALE`], both excluded.
     pub(super) one: i32,
     places: [usize; OPINIONS],
     words: [i32; OPINIONS],
     /// The weights that are used.
     sure: usize,
-    /// The bit that the repetition expects; none if it expects nothing.
+    /// Bit that the repetition predicts, if it predicts one.
     expected: Option<bool>,
 }
 
@@ -137,7 +137,7 @@ impl Model {
         }
     }
 
-    /// What is learnt from now on can be forgotten again.
+    /// Starts a transaction: later statistics can be rolled back.
     pub(super) fn fix(&mut self) {
         self.changed.clear();
         self.fixed = Some(self.state);
@@ -196,7 +196,7 @@ impl Model {
         Guess { one: squash(logit).clamp(1, SCALE - 1), places, words, sure, expected }
     }
 
-    /// What a slot says: the logit of its bit.
+    /// Logit of the probability of a slot.
     fn word(&self, place: usize) -> i32 {
         let slot = self.slots[place];
         let (probability, seen) = (usize::from(slot >> 4), usize::from(slot & 15));

@@ -1,4 +1,4 @@
-//! What a station keeps for a coder to learn from, and offers the robot: one after the other, as they are used.
+//! Contexts that a station keeps and offers to the robot, one at a time.
 
 use super::{ContextId, ContextName};
 use std::collections::VecDeque;
@@ -6,7 +6,7 @@ use std::collections::VecDeque;
 /// The one that is used, the one before, and the one that is offered.
 const KEPT: usize = 3;
 
-/// What is offered, the newest last.
+/// Offered contexts, the newest last.
 #[derive(Debug, Default)]
 pub(super) struct Offers {
     kept: VecDeque<Offer>,
@@ -27,13 +27,13 @@ impl Offers {
         Some(&found.bytes)
     }
 
-    /// Whether it is time for another one: after so much that is fresh if the newest is used, else after so much.
+    /// True if the next offer is due. The threshold depends on whether the newest offer is in use.
     pub(super) fn is_due(&self, fresh: usize, if_used: usize, if_unused: usize) -> bool {
         let newest = self.kept.back();
         newest.is_none_or(|newest| fresh >= if newest.is_used { if_used } else { if_unused })
     }
 
-    /// Offers this one, unless a datagram could not tell it from another one that is kept: they are named by three bytes.
+    /// Offers a context, unless its name of three bytes equals that of a kept one.
     pub(super) fn push(&mut self, name: ContextName, bytes: Vec<u8>) {
         if self.kept.iter().any(|offer| offer.name.id() == name.id()) {
             return;

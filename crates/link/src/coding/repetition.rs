@@ -1,15 +1,15 @@
-//! What followed when the same bytes came last: long repetitions are nearly certain.
+//! Prediction by repetition: the byte that followed the last occurrence of these bytes. Long repetitions are nearly certain.
 
-/// A repetition begins with so many equal bytes.
+/// Equal bytes that begin a repetition.
 const BEGIN: usize = 5;
 /// Lengths are counted up to this.
 pub(super) const LENGTHS: usize = 32;
 /// Greatest confidence in a repetition.
 pub(super) const SURE: usize = 3;
-/// Where bytes came last is found by a hash of so many bits.
+/// Bits of the hash that finds the last occurrence.
 const HASH_BITS: u32 = 13;
 
-/// How sure a repetition of this length is.
+/// Confidence in a repetition of this length.
 pub(super) fn sure(length: usize) -> usize {
     match length {
         0 => 0,
@@ -18,7 +18,7 @@ pub(super) fn sure(length: usize) -> usize {
     }
 }
 
-/// The bytes so far, and where the last of them came before.
+/// Earlier bytes, with the previous occurrence of the newest ones.
 #[derive(Debug, Clone)]
 pub(super) struct Repetition {
     bytes: Vec<u8>,
@@ -51,7 +51,8 @@ impl Default for Repetition {
 }
 
 impl Repetition {
-    /// The next bit of a byte whose bits so far are `known`, behind a one; none if another byte was expected, or nothing.
+    /// Predicts the next bit of a byte. `known` holds its bits so far after a leading one. `None` without a prediction that
+    /// fits them.
     pub(super) fn expects(&self, known: u32) -> Option<bool> {
         let byte = u32::from(*self.bytes.get(self.state.next).filter(|_| self.state.next > 0)?);
         let left = 7 - known.ilog2().min(7);
@@ -59,7 +60,7 @@ impl Repetition {
         is_so.then_some(byte >> left & 1 == 1)
     }
 
-    /// How many bytes are the same, from 1 and less than [`LENGTHS`].
+    /// Number of equal bytes, from 1 and less than [`LENGTHS`].
     pub(super) fn length(&self) -> usize {
         self.state.length.clamp(1, LENGTHS - 1)
     }
@@ -89,7 +90,7 @@ impl Repetition {
         self.last[place] = u32::try_from(self.bytes.len()).unwrap_or_default();
     }
 
-    /// What comes from now on can be forgotten again.
+    /// Starts a transaction: later bytes can be rolled back.
     pub(super) fn fix(&mut self) {
         self.changed.clear();
         self.fixed = Some((self.bytes.len(), self.state));

@@ -4,14 +4,14 @@ use super::offers::Offers;
 use super::{CONTEXT_MAX, ContextId, ContextName, LastCoder};
 use std::collections::VecDeque;
 
-/// Another one is offered after so many snapshots.
+/// Snapshots between two offers.
 const RENEW_AFTER: usize = 8;
-/// And after so many although the one that was offered was never used.
+/// The same while the last offer is unused.
 const GIVE_UP_AFTER: usize = 64;
-/// The robot keeps so many bytes of what it sent: the station may still offer it.
+/// Capacity for snapshots that the robot sent, in bytes. The station may offer one of them.
 const SENT_MAX: usize = 256 << 10;
 
-/// Whether a snapshot is short enough to learn from it, and to be coded.
+/// True if a snapshot is short enough for the coder.
 fn is_short(bytes: &[u8]) -> bool {
     bytes.len() <= CONTEXT_MAX
 }
@@ -20,7 +20,7 @@ fn is_short(bytes: &[u8]) -> bool {
 #[derive(Debug, Default)]
 pub(crate) struct OfferedSnapshots {
     newest: Option<(ContextName, Vec<u8>)>,
-    /// How many came since one was offered.
+    /// Snapshots since the last offer.
     fresh: usize,
     offers: Offers,
     coder: LastCoder,
@@ -36,7 +36,7 @@ impl OfferedSnapshots {
         }
     }
 
-    /// A snapshot of this length that was coded from another one; nothing if that is not here, because this side started again.
+    /// Decodes a snapshot of this length that was coded from another one. `None` without the other one, which a restart loses.
     /// Another one follows.
     pub(crate) fn decode(&mut self, id: ContextId, coded: &[u8], length: usize) -> Option<Vec<u8>> {
         let known = self.offers.find(id)?;

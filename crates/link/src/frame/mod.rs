@@ -1,4 +1,4 @@
-//! What is in a datagram once it is opened: the time of its sender, then frames. The format is that of `docs/link.md`.
+//! Content of an opened datagram: the time of its sender, then frames. `docs/link.md` defines the format.
 
 mod command;
 mod wishes;
@@ -13,7 +13,7 @@ use crate::coding::{ContextId, ContextName};
 use crate::range_set::RangeSet;
 use crate::seal::{Generation, KeyId, PairingKey};
 
-/// Which run of a robot: the same number for the same run as long as the robot keeps it.
+/// Number of a robot's run, fixed as long as the robot keeps the run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct StreamId(pub u32);
 
@@ -23,7 +23,7 @@ impl StreamId {
         Self(hash & !3 | 2)
     }
 
-    /// Whether it has files and no events.
+    /// True if the stream holds files instead of events.
     pub fn is_files(self) -> bool {
         self.0 % 4 == 2
     }
@@ -36,7 +36,7 @@ pub struct Events<'b> {
     pub stream: StreamId,
     /// The number of the first event.
     pub first: u64,
-    /// How many events they are.
+    /// Number of events in the frame.
     pub count: u64,
     /// The time of the event before them, in ns since the start of the run.
     pub t_before: u64,
@@ -68,7 +68,7 @@ pub struct EventHash {
     pub hash: u64,
 }
 
-/// What became of a command.
+/// Fate of a command.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum CommandState {
     /// The robot has it.
@@ -88,12 +88,12 @@ impl CommandState {
         [Self::Received, Self::Started, Self::Done, Self::Refused, Self::Expired];
 }
 
-/// What a station has of one run.
+/// Events of one run at a station.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Received {
     /// The run.
     pub(crate) stream: StreamId,
-    /// Whether the station knows that the run has ended.
+    /// True if the station has received the end of the run.
     pub(crate) is_over: bool,
     /// All events up to this one are on the station's disk.
     pub(crate) safe: u64,
@@ -112,22 +112,22 @@ pub(crate) enum Frame<'b> {
     Events(Events<'b>),
     /// Events whose items are coded.
     Coded {
-        /// What a coder has to learn from to decode them.
+        /// Context that decodes them.
         context: ContextId,
-        /// How long the items are.
+        /// Length of the items in bytes.
         length: u32,
         /// The events, with the coded items in the place of theirs.
         events: Events<'b>,
     },
-    /// How far a run is.
+    /// Progress of a run.
     Status {
         /// The run.
         stream: StreamId,
         /// The number of its last event.
         head: u64,
-        /// Whether it has ended: no event will follow.
+        /// True if the run has ended, so that no event follows.
         is_over: bool,
-        /// What else is known at a glance, in the words of the servers.
+        /// Snapshot in the encoding of the servers.
         state: &'b [u8],
         /// The hash of all events up to one of them.
         chain: Option<EventHash>,
@@ -140,7 +140,7 @@ pub(crate) enum Frame<'b> {
         sequence: u64,
         /// The length of the whole snapshot, in bytes.
         length: u32,
-        /// Where this part begins.
+        /// Offset of this part in bytes.
         offset: u32,
         /// The part.
         bytes: &'b [u8],
@@ -153,7 +153,7 @@ pub(crate) enum Frame<'b> {
         stream: StreamId,
         /// The number of the event.
         sequence: u64,
-        /// How long it is.
+        /// Length of the whole in bytes.
         length: u32,
         /// The coded bytes.
         bytes: &'b [u8],
@@ -168,23 +168,23 @@ pub(crate) enum Frame<'b> {
         t_before: u64,
         /// The length of all its items, in bytes.
         length: u32,
-        /// Where this part begins.
+        /// Offset of this part in bytes.
         offset: u32,
         /// The part.
         bytes: &'b [u8],
     },
-    /// What became of a command.
+    /// Fate of a command.
     CommandState {
         /// Its id.
         id: CommandId,
-        /// What became of it.
+        /// Fate of the command.
         state: CommandState,
-        /// Why it was refused, in the words of the servers.
+        /// Reason of a refusal, in the encoding of the servers.
         reason: &'b [u8],
     },
     /// The robot's calendar.
     Calendar {
-        /// What it said when the robot's session began, as it is set now: ms since 1970, UTC.
+        /// Start of the robot's session by its present calendar: ms since 1970, UTC.
         began_ms: u64,
     },
     /// The key that is to be used from now on.
@@ -200,22 +200,22 @@ pub(crate) enum Frame<'b> {
     CommandPart(CommandPart<'b>),
     /// The parts of a command that the robot has.
     PartsHere(PartsHere),
-    /// What was heard of the other side last.
+    /// Last datagram received from the other side.
     Heard {
-        /// The start of the other side that it was heard in.
+        /// Start of the other side that sent it.
         start: Generation,
         /// The newest packet number in that start.
         number: u64,
         /// The newest time in its datagrams, in ms.
         newest_ms: u64,
-        /// How long ago that was, in ms.
+        /// Age of that datagram in ms.
         held_ms: u64,
-        /// How late datagrams came that others had overtaken, in ms.
+        /// Delay of reordered datagrams, in ms.
         late_ms: u64,
     },
-    /// What the station has of a run.
+    /// Events of a run at the station.
     Received(Received),
-    /// What a station wishes for besides, or what a robot answers.
+    /// Requests of a station besides events, with the answers.
     Wish(WishFrame<'b>),
 }
 
@@ -230,7 +230,7 @@ const NEW_KEY: u8 = 11;
 const CODED: u8 = 12;
 const HEARD: u8 = 17;
 const RECEIVED: u8 = 18;
-/// So many ranges are reported at most.
+/// Capacity of a report, in ranges.
 pub(crate) const RANGES_MAX: usize = 16;
 
 impl<'b> Frame<'b> {

@@ -1,4 +1,4 @@
-//! Frames about what a station wishes for besides the events: the newest values of data ports, and large values by their hash.
+//! Frames of requests besides events: the newest values of data ports, and large values by their hash.
 
 use super::{StreamId, read_part, read_ranges, write_ranges};
 use crate::bytes::{BrokenFrame, FrameReader, write_bytes, write_number};
@@ -8,7 +8,7 @@ use crate::range_set::RangeSet;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct ValueId(pub [u8; 16]);
 
-/// Where a large value is.
+/// Location of a large value.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct ValueName {
     /// Its run.
@@ -19,7 +19,7 @@ pub struct ValueName {
     pub id: ValueId,
 }
 
-/// Why a large value, or the rest of it, does not come.
+/// Reason why a large value, or the rest of it, is not sent.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum NoValue {
     /// The robot does not have it, or does not any more.
@@ -28,11 +28,11 @@ pub enum NoValue {
     OverBudget,
 }
 
-/// A station wants a large value.
+/// A station requests a large value.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Fetch {
     pub(crate) value: ValueName,
-    /// So many bytes of it may be sent from now on, those on their way included.
+    /// Number of bytes that may be in flight.
     pub(crate) budget: u64,
     /// Which bytes of it the station has; the first one is 1.
     pub(crate) here: RangeSet,
@@ -46,28 +46,28 @@ pub(crate) struct ValuePart<'b> {
     pub(crate) bytes: &'b [u8],
 }
 
-/// A part of a station's wish which values it watches.
+/// Part of a station's list of watched values.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct WatchPart<'b> {
     pub(crate) stream: StreamId,
-    /// A later wish has a higher number.
+    /// Number of the list. It grows with each list.
     pub(crate) number: u64,
     pub(crate) length: u32,
     pub(crate) offset: u32,
     pub(crate) bytes: &'b [u8],
 }
 
-/// The newest values that are watched. It also says which wish counts.
+/// The newest watched values, with the list in force.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Watched<'b> {
     pub(crate) stream: StreamId,
-    /// The number of the wish.
+    /// Number of the list in force.
     pub(crate) number: u64,
     /// Values, each with its length before it.
     pub(crate) values: &'b [u8],
 }
 
-/// A frame about a wish.
+/// A request or its answer.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) enum WishFrame<'b> {
     ValuePart(ValuePart<'b>),
@@ -164,12 +164,12 @@ impl<'b> WishFrame<'b> {
 }
 
 impl ValuePart<'_> {
-    /// What a part takes besides its bytes.
+    /// Overhead of a part in bytes.
     pub(crate) const HEAD_MAX: usize = 1 + 16 + 10 + 3;
 }
 
 impl Watched<'_> {
-    /// The values; nothing if they are broken.
+    /// Parses the values. `None` if they are damaged.
     pub(crate) fn values(&self) -> Option<Vec<Vec<u8>>> {
         let (mut reader, mut values) = (FrameReader::new(self.values), Vec::new());
         while reader.left() > 0 {

@@ -6,8 +6,9 @@ use super::values::Values;
 use crate::frame::StreamId;
 use std::collections::BTreeMap;
 
-/// Without an up-link, one in so many datagrams begins with what the runs need besides their events, and one with what may be needed
-/// some day: rounds of a whole history have no end.
+/// Without an up-link, one in this many datagrams begins with files that the sent runs need, and one in `AHEAD_TURN` with
+
+/// files for later use. Repeating a whole history has no end.
 const NEEDED_TURN: u64 = 4;
 const AHEAD_TURN: u64 = 16;
 
@@ -19,9 +20,9 @@ pub enum Rank {
     /// Events. Datagrams begin with one run after the other: no history waits for the end of another.
     #[default]
     Events,
-    /// What runs that are sent need besides.
+    /// Files that the sent runs need.
     Needed,
-    /// What may be needed some day: after the large values that people ask for.
+    /// Files for later use. They follow the large values that people request.
     Ahead,
     /// Runs that were over long ago.
     Last,
@@ -30,9 +31,9 @@ pub enum Rank {
 /// The order of streams.
 #[derive(Debug, Default)]
 pub(super) struct Bulk {
-    /// Of those that are not [`Rank::Events`].
+    /// Rank of the next datagram without events.
     ranks: BTreeMap<StreamId, Rank>,
-    /// How many datagrams had room.
+    /// Number of datagrams with room.
     turns: u64,
     /// The stream of events that the last datagram began with.
     served: Option<StreamId>,
@@ -69,7 +70,7 @@ impl Bulk {
         if turn.is_heard {
             values.write(turn, source, payload);
         } else {
-            // Whoever cannot say what arrived would pay for it twice.
+            // Without reports, large values would be sent twice.
             values.forget();
         }
         self.write_rank(Rank::Ahead, streams, turn, (source, payload));

@@ -5,20 +5,20 @@ use super::source::RunSource;
 use crate::coding::{CONTEXT_MAX, ContextName, LastCoder, PLAIN_MAX};
 use crate::frame::{Events, Frame, StreamId};
 
-/// So many bytes of items are assumed to become one byte at first, in 16ths.
+/// Assumed compression ratio before the first measurement, in 16ths.
 const FIRST_RATIO: usize = 24;
 
-/// The context of which the station has said that it knows it.
+/// Context that the station has confirmed.
 #[derive(Debug)]
 pub(super) struct Coding {
-    /// What the station offered last.
+    /// Last context offered by the station.
     offered: Option<ContextName>,
-    /// The last one that was looked at.
+    /// Last offer that was read.
     seen: Option<ContextName>,
     /// The context that is used, and its items.
     used: Option<(ContextName, Vec<u8>)>,
     coder: LastCoder,
-    /// How many bytes of items became one byte, in 16ths.
+    /// Measured compression ratio, in 16ths.
     ratio: usize,
 }
 
@@ -38,8 +38,9 @@ impl Coding {
         }
     }
 
-    /// Reads the context that was offered, if it is another one. It is used only if both sides have the same bytes: the journal may
-    /// have dropped values since.
+    /// Reads the offered context if it is new. It is used only if both sides have the same bytes, because the journal may have
+
+    /// dropped values.
     pub(super) fn renew(&mut self, stream: StreamId, head: u64, source: &mut impl RunSource) {
         let Some(name) = self.offered.take() else { return };
         if name.last > head || self.seen.replace(name) == Some(name) {
@@ -53,17 +54,17 @@ impl Coding {
         }
     }
 
-    /// Whether events are coded: a station that does not report may have started again, and then it knows nothing.
+    /// True if events are compressed. A station without reports may have restarted and lost its contexts.
     pub(super) fn is_used(&self, turn: TransmitContext<'_>) -> bool {
         turn.is_heard && turn.profile.codes && self.used.is_some()
     }
 
-    /// About so many bytes of items fit into so many bytes.
+    /// Estimates the bytes of items that fit into this many coded bytes.
     pub(super) fn items_max(&self, coded_max: usize) -> usize {
         (coded_max * self.ratio / 16).clamp(coded_max, PLAIN_MAX)
     }
 
-    /// Writes the frame of these events, which fit as they are. Answers whether they are coded.
+    /// Writes the frame of events that fit uncompressed. Returns whether they are compressed.
     pub(super) fn write_uncut(
         &mut self,
         events: &Events<'_>,
@@ -78,8 +79,9 @@ impl Coding {
         false
     }
 
-    /// Writes the frame of these events if it has at most `coded_max` bytes of items, and answers whether they are coded. Else answers
-    /// how many bytes they would be.
+    /// Writes the frame of these events if its items have at most `coded_max` bytes, and returns whether they are compressed.
+
+    /// Otherwise returns the number of bytes.
     pub(super) fn write(
         &mut self,
         events: &Events<'_>,

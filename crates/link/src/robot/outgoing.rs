@@ -1,4 +1,4 @@
-//! What the robot sends of one run, and what it knows of what the station has of it.
+//! Outgoing events of one run, with the robot's view of the station's copy.
 
 use super::coded::Coding;
 use super::snapshots::Snapshots;
@@ -12,13 +12,13 @@ use std::collections::VecDeque;
 use std::ops::RangeInclusive;
 use std::time::Duration;
 
-/// Older events are sent so often while the rate allows it and nothing else waits, so that a loss heals without a round trip.
+/// Number of times that older events are sent while the rate allows it, to repair losses without a round trip.
 const OLD_SENDS: u8 = 4;
 /// The status is sent this often beside events, from which the station knows the head, in status intervals.
 const STATUS_BESIDE: u32 = 8;
-/// If more events are lost, a snapshot is there sooner than they.
+/// Number of lost events from which a snapshot arrives sooner than they do.
 const SNAPSHOT_LOST: u64 = 64;
-/// After so long events are asked for again that could not be read.
+/// Retry interval for events that could not be read.
 const READ_AGAIN: Duration = Duration::from_secs(1);
 
 /// Events that were sent and are not reported.
@@ -26,18 +26,18 @@ const READ_AGAIN: Duration = Duration::from_secs(1);
 struct SentEvents {
     at: Duration,
     range: RangeInclusive<u64>,
-    /// How often they may be sent again before a report says that they are lost.
+    /// Number of repetitions before a report shows a loss.
     repeats: u8,
     /// They are of use only to a station that knows the context by which they are coded.
     is_coded: bool,
 }
 
-/// What a datagram is written for.
+/// Conditions under which a datagram is written.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct TransmitContext<'p> {
     pub(super) now: Duration,
     pub(super) profile: &'p Profile,
-    /// Whether the station reports what it has.
+    /// True if the station sends reports.
     pub(super) is_heard: bool,
     /// The longest payload.
     pub(super) room: usize,
@@ -51,18 +51,18 @@ pub(super) struct Outgoing {
     is_over: bool,
     state: Vec<u8>,
     is_state_new: bool,
-    /// The hash of the events so far, or nearly.
+    /// Hash of the events up to a recent one.
     chain: Option<EventHash>,
     chain_told: ChainTold,
     tail: Tail,
     /// When anything was sent from which the station knows the head.
     shown_at: Option<Duration>,
     status_at: Option<Duration>,
-    /// What the station has, by its last report.
+    /// Events at the station, by its last report.
     received: RangeSet,
     /// The station knows that the run has ended.
     knows_end: bool,
-    /// What was sent and is not reported, in the order of the times.
+    /// Sent events without a report, by time.
     sent: VecDeque<SentEvents>,
     sent_set: RangeSet,
     /// When the unreported events are sent again, for a station that cannot report.
@@ -72,7 +72,7 @@ pub(super) struct Outgoing {
     snapshots: Snapshots,
     large: Option<(EventBuffer, usize)>,
     coding: Coding,
-    /// Whether the station is asked what it has before anything is sent.
+    /// True if a report is requested before the first events.
     asks: Asks,
 }
 
@@ -85,7 +85,7 @@ enum ChainTold {
     Yes,
 }
 
-/// Whether the station is asked what it has before anything is sent.
+/// True if a report is requested before the first events.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Asks {
     No,
@@ -94,7 +94,7 @@ enum Asks {
     Since(Duration),
 }
 
-/// What was written of older events.
+/// Older events in this datagram.
 enum Written {
     /// Those up to this one, and whether they are coded.
     UpTo(u64, bool),
@@ -154,7 +154,7 @@ impl Outgoing {
         if continues && fits {
             self.tail.append(events);
         } else {
-            // What is missing between, or too long, is read from the journal.
+            // Events that are missing here or too long are read from the journal.
             self.tail = Tail::default();
         }
     }
@@ -176,7 +176,7 @@ impl Outgoing {
         }
     }
 
-    /// The events so far have this hash: it goes with the next status.
+    /// Sets the hash of the events up to here, for the next status.
     pub(super) fn set_chain(&mut self, chain: EventHash) {
         (self.chain, self.chain_told) = (Some(chain), ChainTold::No);
     }
@@ -197,7 +197,7 @@ impl Outgoing {
         self.renew_sent_set();
     }
 
-    /// The station has these events. `echo` is the newest time that it heard, and how late overtaken datagrams were.
+    /// Applies a report of the station. `echo` is the newest time that it received, with the delay of reordered datagrams.
     pub(super) fn report(
         &mut self,
         now: Duration,
@@ -214,7 +214,7 @@ impl Outgoing {
         if matches!(self.chain_told, ChainTold::Sent(at) if at.as_millis() <= newest_ms.into()) {
             self.chain_told = ChainTold::Yes;
         }
-        // What was sent before this, and is not received, is lost; a repetition may still heal the newest of it.
+        // Earlier events without a report are lost. A repetition may still repair the newest of them.
         let late = Duration::from_millis(late_ms) + profile.repeat_after * u32::from(tail::SENDS);
         let lost_before = Duration::from_millis(newest_ms).saturating_sub(late);
         let (before, unreported) = (self.sent.len(), &self.received);
@@ -270,7 +270,7 @@ impl Outgoing {
         self.tail.due_at(profile, is_heard).min(status)
     }
 
-    /// Writes the status and the newest events if they are due. Answers whether the status is among them.
+    /// Writes the status and the newest events if they are due. Returns whether it wrote the status.
     pub(super) fn write_urgent(
         &mut self,
         turn: TransmitContext<'_>,
@@ -399,7 +399,7 @@ impl Outgoing {
         }
     }
 
-    /// Writes the first of these events that fit. Nothing if the datagram is full, or if they cannot be read now.
+    /// Writes the first of these events that fit. `None` if the datagram is full, or if they cannot be read now.
     fn write_old(
         &mut self,
         turn: TransmitContext<'_>,
@@ -446,7 +446,9 @@ impl Outgoing {
         }
     }
 
-    /// What to repeat before anything is known of it: of the least repeated the newest, because the oldest are reported first.
+    /// Next events to repeat without a report: the least repeated, and the newest of these, because the oldest are reported
+
+    /// first.
     fn repeated(&self) -> Option<(RangeInclusive<u64>, u8)> {
         let sent = self.sent.iter().enumerate().filter(|(_, sent)| sent.repeats > 0);
         let (_, sent) = sent.max_by_key(|(place, sent)| (sent.repeats, *place))?;
@@ -477,7 +479,7 @@ impl Outgoing {
         }
     }
 
-    /// Writes the next part of an event that is too long for a datagram. Answers whether nothing of it is left.
+    /// Writes the next part of an event that is too long for a datagram. Returns whether it is the last part.
     fn write_large(&mut self, turn: TransmitContext<'_>, payload: &mut Vec<u8>) -> bool {
         let Some((events, sent)) = &mut self.large else { return true };
         let (offset, part) =

@@ -169,7 +169,7 @@ mod tests {
             assert!(commands.take_part(now, &part(id, 0)).is_none());
             assert!(commands.take_head(now, CommandId([id; 16]), 4, TERMS).is_none());
         }
-        // The first part of the oldest is gone, that of the second is not.
+        // The first part of the oldest is dropped, that of the second is kept.
         assert!(commands.take_part(now, &part(1, 2)).is_some());
         assert!(commands.take_part(now, &part(0, 2)).is_none());
         assert!(commands.take_part(now, &part(0, 0)).is_none());

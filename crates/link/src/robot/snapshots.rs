@@ -1,5 +1,5 @@
-//! How snapshots of one run are sent: whole in one datagram if they can be coded from one that the station has, else deflated and in
-//! parts.
+//! Outgoing snapshots of one run: whole in one datagram if they can be coded from one that the station has, otherwise deflated
+//! and in parts.
 
 use super::outgoing::{TransmitContext, next_part, small};
 use super::source::RunSource;
@@ -11,18 +11,20 @@ use crate::frame::{Frame, StreamId};
 use crate::profile::Profile;
 use std::time::Duration;
 
-/// A snapshot is sent this often, in status intervals, while the station is heard: it might be needed for a reason unknown here.
+/// Interval of snapshots while the up-link works, in status intervals. The station may need one for reasons unknown to the
+
+/// robot.
 const STATUSES: u32 = 480;
-/// Without reports, a snapshot is sent round and round so often before a newer one replaces it: parts of any round complete it.
+/// Rounds in which a snapshot is sent without reports before a newer one replaces it. Parts of all rounds complete it.
 const ROUNDS: u32 = 4;
-/// One that takes at most so many datagrams mostly arrives whole: a newer one replaces it in the next round.
+/// Number of datagrams up to which a snapshot usually arrives whole. A newer one replaces such a snapshot in the next round.
 const SHORT: usize = 2;
-/// A payload with the time of its sender only has so many bytes at most.
+/// Longest payload that holds only the time of its sender, in bytes.
 const EMPTY_MAX: usize = 10;
 /// Without reports, a whole snapshot is sent in this time, as long as that takes at most half of the rate.
 const EVERY: Duration = Duration::from_millis(200);
 
-/// Whether a snapshot is needed, besides those that are sent now and then.
+/// True if a snapshot is needed in addition to the periodic ones.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Need {
     None,
@@ -49,7 +51,7 @@ struct Parts {
     /// As the source has it.
     plain: Vec<u8>,
     deflated: Vec<u8>,
-    /// Of this round.
+    /// Progress in this round.
     sent: usize,
     rounds: u32,
 }
@@ -176,7 +178,7 @@ impl Snapshots {
         }
         if offset == 0 {
             self.begun_at = Some(now);
-            // What happened since is sent again with each round, so that the state is the present one.
+            // Later events are sent with each round, so that the state is current.
             if !is_heard {
                 tail.send_again_after(*sequence);
             }

@@ -1,4 +1,4 @@
-//! Where the robot's side reads what it no longer has in memory.
+//! Source of data that the robot's session no longer has in memory.
 
 use crate::frame::{StreamId, ValueName};
 
@@ -7,7 +7,7 @@ use crate::frame::{StreamId, ValueName};
 pub struct EventBuffer {
     /// The number of the first event.
     pub first: u64,
-    /// How many events they are.
+    /// Number of events in the bytes.
     pub count: u64,
     /// The time of the event before them, in ns since the start of the run.
     pub t_before: u64,
@@ -22,7 +22,7 @@ impl EventBuffer {
     }
 }
 
-/// Where the session reads what it no longer has in memory.
+/// Source of data that the session no longer has in memory.
 pub trait RunSource {
     /// Events from `first` on: at least one, at most to `last`, and not more than `bytes_max` unless a single event is longer. Nothing
     /// if they cannot be read now.
@@ -37,12 +37,12 @@ pub trait RunSource {
     /// The present state of a run and the number of its last event, readable without the events before.
     fn snapshot(&mut self, stream: StreamId) -> Option<(u64, Vec<u8>)>;
 
-    /// The length of a large value; nothing if the run does not have it, or does not any more.
+    /// Length of a large value in bytes. `None` if the run does not or no longer contain it.
     fn value_length(&mut self, _value: &ValueName) -> Option<u64> {
         None
     }
 
-    /// Bytes of a large value from `offset` on, `bytes_max` at most; nothing if they cannot be read.
+    /// Reads bytes of a large value from `offset` on, at most `bytes_max`. `None` if they cannot be read.
     fn value_bytes(
         &mut self,
         _value: &ValueName,

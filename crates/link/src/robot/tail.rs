@@ -9,11 +9,11 @@ use std::collections::VecDeque;
 use std::ops::RangeInclusive;
 use std::time::Duration;
 
-/// So many bytes of the newest events are kept at hand.
+/// Capacity for the newest events, in bytes.
 const BYTES_MAX: usize = 4_096;
-/// New events are sent so often while the station reports what it has.
+/// Number of times that new events are sent while reports arrive.
 pub(super) const SENDS: u8 = 2;
-/// And so often while it does not.
+/// The same without reports.
 const SENDS_UNHEARD: u8 = 3;
 
 /// The newest events, without gaps up to the last one of the run.
@@ -34,7 +34,7 @@ struct TailEvents {
     sends: u8,
 }
 
-/// What was written.
+/// Events that were written.
 pub(super) struct WrittenTail {
     /// Events that were not sent before.
     pub(super) new: Option<RangeInclusive<u64>>,
@@ -55,7 +55,7 @@ impl Tail {
         }
     }
 
-    /// Whether it continues a state after this event up to the last event of the run.
+    /// True if the events continue from this one to the last event of the run.
     pub(super) fn continues(&self, sequence: u64, head: u64) -> bool {
         let first = self.events.front().map_or(head + 1, |events| events.events.first);
         first <= sequence + 1
@@ -67,7 +67,7 @@ impl Tail {
         unsent.map(|events| events.events.first)
     }
 
-    /// What comes after this event is due once more.
+    /// Makes the events after this one due again.
     pub(super) fn send_again_after(&mut self, sequence: u64) {
         for events in self.events.iter_mut().filter(|events| events.events.first > sequence) {
             events.sends = events.sends.min(SENDS_UNHEARD - 1);

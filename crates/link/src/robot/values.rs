@@ -12,9 +12,9 @@ use std::collections::VecDeque;
 use std::ops::RangeInclusive;
 use std::time::Duration;
 
-/// So many values are sent at a time; a further one replaces the one that was asked for longest ago.
+/// Capacity in values. One more replaces the value with the oldest request.
 const VALUES_MAX: usize = 8;
-/// So many parts are on their way at most: the memory that a value takes here.
+/// Limit of parts in flight, which bounds the memory of a value.
 const ON_THE_WAY_MAX: usize = 2_048;
 
 /// The large values on their way.
@@ -32,18 +32,18 @@ struct Sending {
     length: Option<u64>,
     /// Which bytes the station has; the first one is 1.
     here: RangeSet,
-    /// What was sent and is not reported.
+    /// Sent parts without a report.
     sent: VecDeque<(Duration, RangeInclusive<u64>)>,
     sent_set: RangeSet,
-    /// So many bytes may be on their way, or be lost there.
+    /// Bytes that may be in flight or lost.
     budget: u64,
     lost: u64,
-    /// The station asked, and is to be told that nothing comes.
+    /// The station has a request that is to be refused.
     refusal: Option<NoValue>,
 }
 
 impl Profile {
-    /// So many bytes of a large value go into one datagram that has nothing else.
+    /// Bytes of a large value in a datagram without other frames.
     pub fn value_part_bytes(&self) -> u64 {
         const TIME_MAX: usize = 5;
         (self.down_bytes_max - OVERHEAD - TIME_MAX - ValuePart::HEAD_MAX) as u64
@@ -51,8 +51,8 @@ impl Profile {
 }
 
 impl Values {
-    /// The station wants a value, or says what it has of it. `echo` is the newest time that it heard, and how late overtaken datagrams
-    /// were.
+    /// Applies a request of the station, with its received bytes. `echo` is the newest time that it received, with the delay of
+    /// reordered datagrams.
     pub(super) fn wanted(
         &mut self,
         now: Duration,
@@ -75,7 +75,7 @@ impl Values {
         }
     }
 
-    /// The station has not asked for so long that it may not want them any more.
+    /// Removes values without a recent request.
     pub(super) fn forget(&mut self) {
         self.sending.clear();
     }
@@ -93,7 +93,7 @@ impl Values {
         source: &mut impl RunSource,
         payload: &mut Vec<u8>,
     ) {
-        // The station asks again with each report, as long as it wants a value.
+        // A station repeats the request for a value with each report.
         self.sending.retain(|sending| turn.now < sending.asked_at + turn.profile.silence());
         for sending in &mut self.sending {
             while sending.has_next() {
@@ -120,14 +120,14 @@ impl Sending {
         }
     }
 
-    /// What was sent before the newest that the station heard, and is not with it, is lost.
+    /// Parts sent before the newest one received are lost unless they are reported.
     fn report(&mut self, here: RangeSet, echo: Option<(u64, u64)>, profile: &Profile) {
         self.here = here;
         let Some((newest_ms, late_ms)) = echo else { return };
         let late = Duration::from_millis(late_ms) + profile.repeat_after;
         let lost_before = Duration::from_millis(newest_ms).saturating_sub(late);
         let (here, lost) = (&self.here, &mut self.lost);
-        // What the station has was counted by it.
+        // The station counts the bytes that it has.
         self.sent.retain(|(at, range)| {
             let is_here = here.contains(range);
             let is_lost = !is_here && *at < lost_before;
@@ -137,7 +137,7 @@ impl Sending {
         self.sent_set = self.sent.iter().map(|(_, range)| range.clone()).collect();
     }
 
-    /// Whether any bytes neither are with the station nor on their way; perhaps, before the length is known.
+    /// True if bytes are missing that are not in flight. True while the length is unknown.
     fn has_next(&self) -> bool {
         let is_open = |length| self.here.first_gap(&self.sent_set, 1, length).is_some();
         let has_room = self.sent.len() < ON_THE_WAY_MAX;

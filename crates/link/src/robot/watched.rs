@@ -1,5 +1,5 @@
-//! The newest values of data ports that the station watches. The events have them, too: values go ahead only while older events are
-//! still to come, or nothing is heard of the station. Of each value only the newest counts.
+//! The newest values of data ports that the station watches. Events contain them, too: values are sent ahead only while older
+//! events are pending, or without an up-link. Only the newest of each value is sent.
 
 use super::outgoing::TransmitContext;
 use crate::assembly::Assembly;
@@ -10,17 +10,17 @@ use crate::profile::Profile;
 use std::collections::BTreeMap;
 use std::time::Duration;
 
-/// No wish is longer, in bytes.
+/// Longest list of watched values, in bytes.
 pub(crate) const WISH_BYTES_MAX: u32 = 16 << 10;
-/// So many values of a run are kept at hand.
+/// Capacity of a run, in values.
 const VALUES_MAX: usize = 1_024;
 /// Values take at most this part of the rate.
 const RATE_PART: u64 = 8;
-/// A value is sent so often while the station is heard.
+/// Number of times that a value is sent while the up-link works.
 const SENDS: u8 = 2;
-/// And so often while it is not; then again and again, less often.
+/// The same without an up-link. Later repetitions are less frequent.
 const SENDS_UNHEARD: u8 = 3;
-/// Without reports, a value is sent again after so many status intervals.
+/// Interval of repetitions without reports, in status intervals.
 const AGAIN_STATUSES: u32 = 20;
 /// The longest value that fits into any datagram, in bytes.
 pub const VALUE_BYTES_MAX: usize = 320;
@@ -36,18 +36,18 @@ pub struct NewestValue {
     pub bytes: Vec<u8>,
 }
 
-/// A wish of a station that arrived.
+/// A complete list of watched values from a station.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Wish {
     /// The run.
     pub stream: StreamId,
-    /// A later wish has a higher number.
+    /// Number of the list. It grows with each list.
     pub number: u64,
-    /// What is watched, in the words of the servers; nothing any more if it is empty.
+    /// Watched values, in the encoding of the servers. Empty if none is watched.
     pub body: Vec<u8>,
 }
 
-/// What is watched of all runs.
+/// Watched values of all runs.
 #[derive(Debug)]
 pub(super) struct WatchedValues {
     runs: BTreeMap<StreamId, WatchedRun>,
@@ -56,10 +56,10 @@ pub(super) struct WatchedValues {
 
 #[derive(Debug, Default)]
 struct WatchedRun {
-    /// The number of the wish that counts.
+    /// Number of the list in force.
     number: u64,
     parts: Assembly,
-    /// The station is to be told which wish counts.
+    /// The list in force is to be announced.
     is_told_due: bool,
     values: BTreeMap<u32, Sent>,
 }
@@ -71,7 +71,7 @@ struct Sent {
     due: Duration,
 }
 
-/// How a run stands with the station: whether it reports, and the first event that it may lack without being on its way.
+/// State of a run at the station: whether reports arrive, and the first event that may be missing without being in flight.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Behind {
     pub(super) is_heard: bool,
@@ -79,7 +79,7 @@ pub(super) struct Behind {
 }
 
 impl Behind {
-    /// Whether a value of this event is worth more than its event alone.
+    /// True if a value of this event is sent in addition to the event.
     fn needs(self, sequence: u64) -> bool {
         !self.is_heard || self.from.is_some_and(|from| from < sequence)
     }
@@ -91,7 +91,7 @@ impl WatchedValues {
         Self { runs: BTreeMap::new(), pacer }
     }
 
-    /// Takes a part of a wish; answers the wish once it is complete and new.
+    /// Adds a part of a list. Returns the list once it is complete and new.
     pub(super) fn wished(&mut self, part: &WatchPart<'_>) -> Option<Wish> {
         let WatchPart { stream, number, length, offset, bytes } = *part;
         if length > WISH_BYTES_MAX {
@@ -116,7 +116,7 @@ impl WatchedValues {
         self.runs.remove(&stream);
     }
 
-    /// This wish counts from now on: what was watched before is forgotten.
+    /// Applies a list and drops the one before.
     pub(super) fn count(&mut self, stream: StreamId, number: u64) {
         let run = self.runs.entry(stream).or_default();
         *run = WatchedRun { number, is_told_due: true, ..WatchedRun::default() };
@@ -171,7 +171,7 @@ impl WatchedRun {
         due.min().unwrap_or(Duration::MAX).min(told)
     }
 
-    /// Values that are due and fit, the most wanted first.
+    /// Due values that fit, in order of priority.
     fn take(&mut self, room: usize, behind: Behind, turn: TransmitContext<'_>) -> Vec<u8> {
         let TransmitContext { now, profile, .. } = turn;
         let is_due = |sent: &&mut Sent| sent.is_open(behind) && sent.due <= now;

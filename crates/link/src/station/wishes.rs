@@ -1,5 +1,4 @@
-//! What a station wishes for besides the events: which values it watches, and large values. A wish is repeated until the robot says
-//! that it has it.
+//! Requests of a station besides events: watched values and large values. A request is repeated until the robot confirms it.
 
 use super::{FromRobot, StationSession};
 use crate::assembly::PART_MIN;
@@ -11,28 +10,28 @@ use std::collections::{BTreeMap, VecDeque};
 use std::ops::RangeInclusive;
 use std::time::Duration;
 
-/// So many large values are asked for at a time.
+/// Capacity in requests for large values.
 const FETCHES_MAX: usize = 8;
-/// The robot is told so often that a value is not wanted any more.
+/// Number of times that the end of a request is sent.
 const END_SENDS: u8 = 4;
-/// The bytes of a large value that are here are in so many ranges at most: what makes one more comes again.
+/// Capacity of a large value in received ranges. Bytes that would add a range are received again.
 const RANGES_HERE_MAX: usize = 4_096;
-/// A wish that is not answered is sent so often before it is repeated more slowly: the robot may not know the run, or not hear.
+/// Sends of a request before the interval grows. The robot may not know the run or not receive anything.
 const ROUNDS_SOON: u32 = 6;
 
-/// Why a wish is not sent.
+/// Reason why a request is not sent.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[error(
     "what is watched has {0} bytes, and at most {1} fit: watch less, or whole states instead of their values"
 )]
 pub struct NotWatched(usize, u32);
 
-/// How far a large value is.
+/// Progress of a large value.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct FetchProgress<'s> {
     /// Which bytes of it are here; the first one is 1.
     pub here: &'s RangeSet,
-    /// So many bytes may still come.
+    /// Bytes that may still be sent.
     pub budget: u64,
 }
 
@@ -40,7 +39,7 @@ pub struct FetchProgress<'s> {
 pub(super) struct Wishes {
     watches: BTreeMap<StreamId, Watch>,
     fetches: BTreeMap<ValueId, Fetching>,
-    /// Large values that are not wanted any more, and how often the robot is still told so.
+    /// Ended requests for large values, with the number of remaining announcements.
     ended: VecDeque<(ValueName, u8)>,
     /// The fetch that is named first in the next report.
     turn: usize,
@@ -50,10 +49,10 @@ pub(super) struct Wishes {
 struct Watch {
     number: u64,
     body: Vec<u8>,
-    /// Of this round.
+    /// Progress in this round.
     sent: usize,
     due: Duration,
-    /// How often all of it was sent.
+    /// Number of complete rounds.
     rounds: u32,
     is_confirmed: bool,
 }
@@ -80,7 +79,7 @@ impl Wishes {
         }
     }
 
-    /// The robot answers a wish.
+    /// Applies an answer of the robot.
     pub(super) fn answered(&mut self, wish: &WishFrame<'_>, show: &mut impl FnMut(FromRobot<'_>)) {
         match wish {
             WishFrame::Watched(watched) => {
@@ -120,7 +119,7 @@ impl Wishes {
         open.map(|watch| watch.due).min().unwrap_or(Duration::MAX)
     }
 
-    /// Says again which large values are wanted, and what of them is here.
+    /// Repeats the requests for large values, with the received bytes.
     pub(super) fn write_fetches(&mut self, room: usize, payload: &mut Vec<u8>) {
         for _ in 0..self.ended.len() {
             let Some((value, sends)) = self.ended.pop_front() else { break };
@@ -182,7 +181,7 @@ impl Wishes {
 }
 
 impl StationSession {
-    /// What of a run is watched from now on, in the words of the servers; nothing if it is empty. A later wish has a higher number, over
+    /// Sets the watched values of a run, in the encoding of the servers. Empty ends the watch. The numbers of lists grow over
     /// all starts of the station.
     pub fn watch(
         &mut self,
@@ -199,7 +198,7 @@ impl StationSession {
         Ok(())
     }
 
-    /// Whether the robot has what is watched of a run; nothing if that was never said.
+    /// True if the robot has the list of a run. `None` if no list was sent.
     pub fn is_watch_confirmed(&self, stream: StreamId) -> Option<bool> {
         self.wishes.watches.get(&stream).map(|watch| watch.is_confirmed)
     }
@@ -209,8 +208,9 @@ impl StationSession {
         self.wishes.forget(stream);
     }
 
-    /// Asks for a large value of so many bytes, of which some are here, until it is complete or given up; for more than `budget` bytes
-    /// the robot does not send. Answers whether there is room for one more.
+    /// Requests a large value until it is complete or the request ends. `here` has the received bytes, and at most `budget`
+
+    /// bytes are sent. Returns false if the table of requests is full.
     pub fn fetch(&mut self, value: ValueName, length: u64, here: RangeSet, budget: u64) -> bool {
         let is_room = self.wishes.fetches.len() < FETCHES_MAX;
         if is_room || self.wishes.fetches.contains_key(&value.id) {
@@ -221,7 +221,7 @@ impl StationSession {
         is_room
     }
 
-    /// A large value is not wanted any more, or is complete.
+    /// Ends the request for a large value.
     pub fn end_fetch(&mut self, id: ValueId) {
         if let Some(Fetching { value, .. }) = self.wishes.fetches.remove(&id) {
             self.wishes.ended.push_back((value, END_SENDS));
@@ -238,7 +238,7 @@ impl StationSession {
         }
     }
 
-    /// How far a large value is; nothing if it is not asked for.
+    /// Progress of a large value. `None` without a request.
     pub fn fetch_progress(&self, id: ValueId) -> Option<FetchProgress<'_>> {
         let Fetching { here, budget, .. } = self.wishes.fetches.get(&id)?;
         Some(FetchProgress { here, budget: *budget })
