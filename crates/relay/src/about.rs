@@ -12,7 +12,7 @@ const ABOUT: u8 = 1;
 const MACHINE: u8 = 2;
 const NAMED: u8 = 3;
 const PARCEL: u8 = 4;
-/// The files of a parcel have so many bytes at most, before they are deflated.
+/// Longest content of a parcel in bytes, before compression.
 pub(crate) const PARCEL_MAX: usize = 8 << 20;
 /// Maximum length of a description in bytes, deflated and inflated.
 const ABOUT_MAX: usize = 64 << 10;
@@ -22,7 +22,7 @@ pub(crate) const MACHINE_MAX: usize = 64 << 20;
 /// One record.
 #[derive(Debug)]
 pub(crate) enum AboutRecord {
-    /// How the run was started.
+    /// Start parameters of the run.
     About(Box<About>),
     /// A machine that it has.
     Machine(Pack),
@@ -87,7 +87,7 @@ pub(crate) struct AboutReader {
 }
 
 impl AboutReader {
-    /// Takes the next part; answers the record that is complete with it, if it can be read.
+    /// Adds the next part. Returns the record that it completes, if it can be parsed.
     pub(crate) fn take(&mut self, part: &[u8]) -> Taken {
         self.bytes.extend_from_slice(part);
         let Some((&[kind, a, b, c, d], rest)) = self.bytes.split_first_chunk() else {
@@ -122,14 +122,14 @@ impl AboutReader {
     }
 }
 
-/// What a part has led to.
+/// Result of adding a part.
 #[derive(Debug)]
 pub(crate) enum Taken {
     /// There is more to come.
     Part,
     /// A record of this kind exceeds this many bytes, or cannot be inflated.
     TooLong(&'static str, usize),
-    /// A record is complete; nothing if it makes no sense here.
+    /// A record is complete. `None` if it cannot be parsed.
     Record(Option<AboutRecord>),
 }
 

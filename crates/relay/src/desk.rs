@@ -1,4 +1,4 @@
-//! Where a server asks its station for large values, and learns how far they are. Shared between the threads of both.
+//! Requests of a server to its station for large values, with their progress. Shared between the threads of both.
 
 use parking_lot::Mutex;
 use rafcon_protocol::api::ValueFetch;
@@ -13,7 +13,7 @@ const ENDED_MAX: usize = 256;
 /// A value by its run and its number there.
 pub(crate) type ValueKey = (String, u64);
 
-/// The large values that are wanted at a station.
+/// Requested large values of a station.
 #[derive(Debug, Clone, Default)]
 pub struct ValueDesk(Arc<Mutex<Desk>>);
 
@@ -24,37 +24,37 @@ struct Desk {
     links: BTreeMap<String, LinkRate>,
 }
 
-/// What is asked of a station.
+/// Request to a station.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Request {
     pub(crate) robot: String,
     pub(crate) key: ValueKey,
-    /// So many bytes of it may be sent; nothing: it is not wanted any more.
+    /// Budget in bytes. `None` ends the request.
     pub(crate) budget: Option<u64>,
 }
 
-/// What a large value costs on a link.
+/// Cost of a large value on a link.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct LinkRate {
-    /// So many bytes of a value go into one datagram.
+    /// Bytes of a value in one datagram.
     pub(crate) part: u64,
-    /// What a datagram has besides.
+    /// Overhead of a datagram in bytes.
     pub(crate) overhead: u64,
-    /// What nothing else uses now, in bytes a second; nothing if the robot is not heard.
+    /// Unused rate in bytes per second. `None` without contact.
     pub(crate) spare_per_s: Option<u64>,
 }
 
-/// What a large value would cost now.
+/// Present cost of a large value.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct ValueCost {
     /// Bytes on the link.
     pub link_bytes: u64,
-    /// How long it takes, in ms; nothing if the robot is not heard.
+    /// Expected duration in ms. `None` without contact.
     pub takes_ms: Option<u64>,
 }
 
 impl ValueDesk {
-    /// Asks for a value of a run of a robot, of which `budget` bytes may be sent. Answers whether the request is taken.
+    /// Requests a value of a robot's run with a budget in bytes. Returns false if the request is rejected.
     pub fn fetch(&self, robot: &str, key: (String, u64), length: u64, budget: u64) -> bool {
         let mut desk = self.0.lock();
         if !desk.links.contains_key(robot) || desk.requests.len() >= REQUESTS_MAX {
@@ -66,7 +66,7 @@ impl ValueDesk {
         true
     }
 
-    /// A value is not wanted any more.
+    /// Ends the request for a value.
     pub fn cancel(&self, robot: &str, key: (String, u64)) {
         let mut desk = self.0.lock();
         if desk.fetches.remove(&key).is_none() {
@@ -77,12 +77,12 @@ impl ValueDesk {
         desk.requests.push(Request { robot: robot.to_owned(), key, budget: None });
     }
 
-    /// How far a value is, if it is being fetched or was last.
+    /// Progress of a value that is or was fetched.
     pub fn progress(&self, run: &str, number: u64) -> Option<ValueFetch> {
         self.0.lock().fetches.get(&(run.to_owned(), number)).cloned()
     }
 
-    /// What a value of so many bytes would cost; nothing if this robot is not received here.
+    /// Cost of a value of this length. `None` if this station does not receive the robot.
     pub fn cost(&self, robot: &str, bytes: u64) -> Option<ValueCost> {
         let LinkRate { part, overhead, spare_per_s } = *self.0.lock().links.get(robot)?;
         let link_bytes = bytes + bytes.div_ceil(part.max(1)) * overhead;
@@ -90,13 +90,13 @@ impl ValueDesk {
         Some(ValueCost { link_bytes, takes_ms: spare_per_s.map(takes) })
     }
 
-    /// What is asked of this robot.
+    /// Pending requests for this robot.
     pub(crate) fn take(&self, robot: &str) -> Vec<Request> {
         let requests = &mut self.0.lock().requests;
         requests.extract_if(.., |request| request.robot == robot).collect()
     }
 
-    /// A value is so far. One that is not wanted any more stays so.
+    /// Stores the progress of a value, unless its request has ended.
     pub(crate) fn set_progress(&self, key: &ValueKey, fetch: ValueFetch) {
         let mut desk = self.0.lock();
         desk.fetches.insert(key.clone(), fetch);

@@ -1,4 +1,4 @@
-//! What ends a relay.
+//! Errors that end a relay.
 
 use rafcon_link::SealError;
 use rafcon_storage::journal::JournalError;
@@ -6,7 +6,7 @@ use std::io;
 use std::net::SocketAddr;
 use std::path::PathBuf;
 
-/// Why a relay cannot begin, or ended.
+/// Reason why a relay did not start, or ended.
 #[derive(Debug, thiserror::Error)]
 pub enum RelayError {
     /// Its address is not to be had.
@@ -27,7 +27,7 @@ pub enum RelayError {
         /// Why not.
         source: io::Error,
     },
-    /// A file in its folder says nothing.
+    /// A file in its folder cannot be parsed.
     #[error("{} is damaged: pair robot and station again, and remove the file", path.display())]
     Damaged {
         /// The file.

@@ -1,4 +1,4 @@
-//! What a relay waits for, from several threads: datagrams, and whatever else its side sends it.
+//! Inputs of a relay from several threads: datagrams, and messages of its own side.
 
 use crate::carrier::{Carrier, Deliver};
 use crate::error::RelayError;
@@ -11,13 +11,13 @@ use std::sync::mpsc::{self, Receiver, SyncSender};
 use std::thread::{self, JoinHandle};
 use std::time::Duration;
 
-/// So much waits at most.
+/// Capacity of the queue.
 const WAITING: usize = 4_096;
-/// So many datagrams among that; those beyond are lost, as on any bad link. So commands always find a place.
+/// Capacity in datagrams. Further ones are dropped, so that commands always fit.
 const DATAGRAMS_MAX: usize = 1_024;
 /// No datagram is longer.
 const DATAGRAM_MAX: usize = 65_535;
-/// A thread that receives looks this often whether it is to end.
+/// Interval at which a receiving thread checks for the stop.
 pub(crate) const LOOK: Duration = Duration::from_millis(200);
 
 /// Ends a relay.
@@ -58,7 +58,7 @@ impl Stopper {
     }
 }
 
-/// What arrives.
+/// Input of a relay.
 #[derive(Debug)]
 pub(crate) enum Input<T> {
     /// A datagram, and what carries an answer.
@@ -66,12 +66,12 @@ pub(crate) enum Input<T> {
     Other(T),
 }
 
-/// Where a relay waits.
+/// Receiving end of the queue.
 #[derive(Debug)]
 pub(crate) struct Inbox<T> {
     sender: SyncSender<Input<T>>,
     receiver: Receiver<Input<T>>,
-    /// How many datagrams wait.
+    /// Number of queued datagrams.
     datagrams: Arc<AtomicUsize>,
 }
 
@@ -86,7 +86,7 @@ impl<T: Send + 'static> Inbox<T> {
         self.sender.clone()
     }
 
-    /// The next input; nothing if none comes in this time.
+    /// Waits for the next input. `None` after the timeout.
     pub(crate) fn wait(&self, time: Duration) -> Option<Input<T>> {
         let input = self.receiver.recv_timeout(time.min(LOOK)).ok()?;
         if let Input::Datagram(..) = input {
@@ -95,7 +95,7 @@ impl<T: Send + 'static> Inbox<T> {
         Some(input)
     }
 
-    /// Where datagrams are put that arrive. Those beyond what may wait are lost, as on any bad link.
+    /// Sending end for received datagrams. It drops datagrams when the queue is full.
     pub(crate) fn deliver(&self) -> Deliver {
         let (sender, waiting) = (self.sender(), Arc::clone(&self.datagrams));
         Arc::new(move |carrier, datagram| {

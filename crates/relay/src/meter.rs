@@ -1,4 +1,4 @@
-//! What a side measures of one link, and how it tells of it.
+//! Measurements of one link and their report.
 
 use crate::pairing::Pairing;
 use crate::rights::PairingRights;
@@ -7,10 +7,10 @@ use rafcon_protocol::{LinkHealth, LinkReport, LinkRun, LinkTraffic};
 use rafcon_supervisor::clock;
 use std::time::Duration;
 
-/// Rates are those of so long.
+/// Averaging period of rates.
 const RATE_OVER: Duration = Duration::from_secs(2);
 
-/// What is measured of one link.
+/// Measurements of one link.
 #[derive(Debug)]
 pub(crate) struct LinkMeter {
     robot: String,
@@ -99,7 +99,7 @@ impl LinkMeter {
     }
 }
 
-/// How many bytes a second.
+/// Rate in bytes per second.
 #[derive(Debug, Default)]
 struct Rate {
     at: Duration,
@@ -108,7 +108,7 @@ struct Rate {
 }
 
 impl Rate {
-    /// So many bytes were counted up to now.
+    /// Adds a sample: bytes counted until now.
     fn note(&mut self, now: Duration, bytes: u64) {
         let time = now.saturating_sub(self.at);
         if time >= RATE_OVER {

@@ -1,4 +1,4 @@
-//! What a robot and a station know of each other: a line that is pasted from one to the other.
+//! Pairing of a robot and a station: a line that is pasted from one to the other.
 
 use crate::rights::PairingRights;
 use rafcon_link::{KeyId, PairingKey};
@@ -36,7 +36,8 @@ pub struct Pairing {
 pub struct BadPairing(&'static str);
 
 impl Pairing {
-    /// A new one; nothing if the system gives no randomness or a name is not usable: 1 to 64 letters, digits, `-`, `_` and `.`.
+    /// Creates a pairing. `None` without randomness or with an invalid name. A name has 1 to 64 letters, digits, `-`, `_` and
+    /// `.`.
     pub fn generate(robot: &str, station: Option<&str>) -> Option<Self> {
         let is_usable = is_name(robot) && station.is_none_or(is_station);
         let key = is_usable.then(PairingKey::generate)??;
@@ -45,19 +46,19 @@ impl Pairing {
         Some(Self { robot: robot.to_owned(), station, key_id, key, rights })
     }
 
-    /// Another key for the same two; nothing if the system gives no randomness.
+    /// Creates another key for the same two sides. `None` without randomness.
     pub fn renewed(&self) -> Option<Self> {
         loop {
             let next = Self::generate(&self.robot, self.station.as_deref())?;
             let next = Self { rights: self.rights, ..next };
-            // Its number tells it from the one before, also by its last bits.
+            // The number differs from the previous one, in its last bits too.
             if next.key_id.0 % 4 != self.key_id.0 % 4 {
                 return Some(next);
             }
         }
     }
 
-    /// What comes after the names of the station's users at the robot.
+    /// Suffix of the names of the station's users at the robot.
     pub(crate) fn station_name(&self) -> &str {
         self.station.as_deref().unwrap_or(AT_STATION.trim_start_matches('@'))
     }
@@ -70,7 +71,7 @@ pub struct Paired {
     pub pairing: Pairing,
     /// Its file.
     pub file: PathBuf,
-    /// Where the one lies that is to replace it: offered by the robot, or taken by the station.
+    /// File of the next pairing: offered by the robot, or accepted by the station.
     pub next: PathBuf,
 }
 
@@ -92,13 +93,13 @@ impl Paired {
     /// Replaces the pairing.
     pub(crate) fn replace(&self, next: &Pairing) -> Result<(), JournalError> {
         replace_file(&self.file, format!("{next}\n").as_bytes())?;
-        // One that is left is the same as the pairing, and counts no more.
+        // A file that remains equals the pairing and is ignored.
         drop(fs::remove_file(&self.next));
         Ok(())
     }
 }
 
-/// Whether a station can have this name: users of the robot are told apart from its own by it.
+/// True if this is a valid name of a station. It separates the station's users from those of the robot.
 fn is_station(name: &str) -> bool {
     is_name(name) && name != AT_ROBOT.trim_start_matches('@')
 }

@@ -1,7 +1,7 @@
 //! Machines by the hash of their files, on the disk of either side of a link: parcels that never change, each a file with its hash in
 //! its name. The robot sends what lies here, and the station keeps it as it comes.
 //!
-//! Knows files and parcels. Knows nothing of sessions, and not which parcels are wanted.
+//! Depends on files and parcels, but not on sessions or requests.
 
 use crate::about::{PART, parcel_bytes, read_parcel};
 use crate::ids;
@@ -15,10 +15,10 @@ use std::os::unix::fs::FileExt as _;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// A parcel needs so many others at most.
+/// Limit of parcels that one parcel depends on.
 const NEEDS_MAX: usize = 8;
 
-/// What is known of a parcel without reading it.
+/// Metadata of a parcel.
 #[derive(Debug)]
 pub(crate) struct Kept {
     /// The hash of its bytes.
@@ -48,7 +48,7 @@ impl Kept {
         ids::parcel(self.name)
     }
 
-    /// How many parts it has.
+    /// Number of its parts.
     pub(crate) fn parts(&self) -> u64 {
         self.length.div_ceil(PART as u64)
     }
@@ -106,7 +106,7 @@ impl Parcels {
         self.all.iter().find(|kept| kept.name == name)
     }
 
-    /// Keeps the bytes of a parcel; nothing if they are none.
+    /// Stores the bytes of a parcel. `None` if they are invalid.
     pub(crate) fn add(&mut self, bytes: &[u8]) -> io::Result<Option<Arc<Kept>>> {
         let path = self.folder.join(format!("{:010}-{}", self.next, Hash::of(bytes)));
         let Some(kept) = kept(bytes, &path) else { return Ok(None) };
@@ -129,7 +129,7 @@ impl Parcels {
         Some(kept)
     }
 
-    /// Drops what needs a parcel that is not here: whoever wants it makes it again.
+    /// Drops parcels with a missing dependency. They are created again on demand.
     pub(crate) fn drop_incomplete(&mut self) {
         let has = |parcels: &Self, name: &Hash| parcels.find(*name).is_some();
         while let Some(place) =
@@ -176,7 +176,7 @@ impl Parcels {
         (needs, missing)
     }
 
-    /// The machine with this hash of its manifest, with all of its files; nothing if something is missing.
+    /// Returns the machine of this manifest with all files. `None` if a file is missing.
     pub(crate) fn pack(&self, machine: Hash) -> Option<Pack> {
         let parcel = self.of_machine(machine)?.read()?;
         let base = match parcel.base {
@@ -253,7 +253,7 @@ mod tests {
         let made: Vec<_> = made.collect();
         assert_eq!(made[1].files.len(), 1);
         assert!(made[1].length < made[0].length / 3, "{} of {}", made[1].length, made[0].length);
-        // What many small ones have becomes one.
+        // Merges many small parcels into one.
         assert_eq!(made[NEEDS_MAX].files.len(), 1);
         assert_eq!(made[NEEDS_MAX + 1].files.len(), NEEDS_MAX + 1);
         assert!(made.iter().all(|kept| kept.needs.len() <= NEEDS_MAX));

@@ -1,4 +1,4 @@
-//! Tells whoever asks how a link is, over a socket in the folder of its side.
+//! Serves the state of a link over a socket in the folder of its side.
 
 use crate::error::RelayError;
 use parking_lot::Mutex;
@@ -14,12 +14,12 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 use std::time::Duration;
 
-/// How often a link is looked at for reports and for whoever watches its runs.
+/// Interval of reports and of updates for viewers.
 pub(crate) const REPORT_EVERY: Duration = Duration::from_secs(1);
-/// Whoever asks and does not read for so long is not answered.
+/// Write timeout of an answer.
 const WRITE_TIMEOUT: Duration = Duration::from_secs(1);
 
-/// The socket at which a side says how its links are, until this is dropped.
+/// Socket that serves reports of a side's links until this is dropped.
 #[derive(Debug)]
 pub(crate) struct Reporter {
     path: PathBuf,
@@ -64,13 +64,13 @@ fn answer(listener: &UnixListener, reports: &Mutex<Vec<LinkReport>>, is_closed: 
         let text = serde_json::to_vec(&*reports.lock());
         if let (Ok(mut stream), Ok(text)) = (stream, text) {
             drop(stream.set_write_timeout(Some(WRITE_TIMEOUT)));
-            // Whoever does not read it can ask again.
+            // A client that did not read the answer can ask again.
             drop(stream.write_all(&text));
         }
     }
 }
 
-/// How the links are of the side whose files lie in this folder; nothing if its program does not run.
+/// Reports of the links of the side in this folder. `None` if its program does not run.
 pub fn read_reports(folder: &Path) -> io::Result<Option<Vec<LinkReport>>> {
     let Ok(mut stream) = connect(folder) else { return Ok(None) };
     let mut text = String::new();

@@ -24,7 +24,7 @@ pub(crate) fn ended(folder: &Path, about: &About, events: u64) {
     journal.close().unwrap();
 }
 
-/// Adds so many events.
+/// Adds this number of events.
 pub(crate) fn append(journal: &Journal, count: u64) {
     let mut batch = Batch::new(0);
     (0..count).for_each(|t_ns| batch.record(t_ns, &Record::Told(Box::new(Event::Stopping))));

@@ -3,14 +3,14 @@
 
 use rafcon_protocol::Snapshot;
 
-/// A snapshot that was told `ago_ms` ago, in ms: the time went on since.
+/// Parses a snapshot taken `ago_ms` ms ago, and advances its clock.
 pub(crate) fn write(snapshot: &Snapshot, ago_ms: u64) -> Option<Vec<u8>> {
     let turned = turn(snapshot.clone());
     let elapsed_ms = snapshot.elapsed_ms.saturating_add(ago_ms);
     serde_json::to_vec(&Snapshot { elapsed_ms, ..turned }).ok()
 }
 
-/// The snapshot in these bytes; nothing if there is none.
+/// Parses the snapshot in these bytes. `None` if they contain none.
 pub(crate) fn read(bytes: &[u8]) -> Option<Snapshot> {
     serde_json::from_slice(bytes).ok().map(turn)
 }

@@ -1,4 +1,4 @@
-//! The files of one side of a link: which start of it this is, and what it heard before.
+//! Files of one side of a link: the number of its start, and the last state of the link.
 
 use crate::error::RelayError;
 use crate::pairing::Pairing;
@@ -39,7 +39,7 @@ impl Start {
         Ok(Self { folder: folder.to_owned(), sender, heard: heard(&folder.join(HEARD_FILE))? })
     }
 
-    /// Where its files lie.
+    /// Folder of its files.
     pub(crate) fn folder(&self) -> &Path {
         &self.folder
     }
@@ -54,7 +54,7 @@ impl Start {
         }
     }
 
-    /// Keeps what was heard last, for the next start.
+    /// Stores the state of the link for the next start.
     pub(crate) fn keep_heard(
         &mut self,
         key: KeyId,

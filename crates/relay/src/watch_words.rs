@@ -1,10 +1,10 @@
-//! What a station says that it watches, and what a robot says of it, as bytes: short, because they go in small datagrams.
+//! Encoding of lists of watched values and of the values: short, because they go in small datagrams.
 
 use rafcon_link::{VALUE_BYTES_MAX, deflate, inflate};
 use rafcon_protocol::{LongValue, WATCHED_MAX, WatchKind, WatchTarget, WatchedValue};
 use serde_json::Value;
 
-/// No wish is longer once it is inflated.
+/// Longest list after inflation, in bytes.
 const WISH_BYTES_MAX: usize = 256 << 10;
 
 /// Maximum number of runs of a robot that are watched at a time.
@@ -28,7 +28,7 @@ fn kind(letter: char) -> Option<WatchKind> {
 
 type TargetWords = (char, String, String, u8);
 
-/// What is watched; nothing of it is nothing.
+/// Encodes a list. An empty list has no bytes.
 pub(crate) fn wish(targets: &[WatchTarget]) -> Vec<u8> {
     if targets.is_empty() {
         return Vec::new();
@@ -40,7 +40,7 @@ pub(crate) fn wish(targets: &[WatchTarget]) -> Vec<u8> {
     deflate(&serde_json::to_vec(&words).unwrap_or_default())
 }
 
-/// What is watched; nothing if it makes no sense.
+/// Parses a list. `None` if it is invalid.
 pub(crate) fn read_wish(body: &[u8]) -> Option<Vec<WatchTarget>> {
     if body.is_empty() {
         return Some(Vec::new());
@@ -54,7 +54,7 @@ pub(crate) fn read_wish(body: &[u8]) -> Option<Vec<WatchTarget>> {
 
 type ValueWords = (char, String, String, u64, u64, Option<Value>, Option<(String, u64, String)>);
 
-/// A value for one datagram: itself if it is short, else what is known of it. Nothing if its names alone are too long.
+/// Encodes a value for one datagram: whole if it is short, otherwise a view. `None` if its names alone are too long.
 pub(crate) fn value(value: &WatchedValue) -> Option<Vec<u8>> {
     let words = |inside: Option<&Value>| {
         let WatchedValue { kind, path, name, sequence, t_ns, large, .. } = value;
@@ -67,7 +67,7 @@ pub(crate) fn value(value: &WatchedValue) -> Option<Vec<u8>> {
     whole.or_else(|| words(None).filter(fits))
 }
 
-/// A value; nothing if it makes no sense.
+/// Parses a value. `None` if it is invalid.
 pub(crate) fn read_value(bytes: &[u8]) -> Option<WatchedValue> {
     let words: ValueWords = serde_json::from_slice(bytes).ok()?;
     let (letter, path, name, sequence, t_ns, value, large) = words;

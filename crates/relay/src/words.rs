@@ -1,19 +1,19 @@
-//! What a station says to a robot's server, and a robot's server to its stations, inside commands and status.
+//! Messages between a station and a robot's server, inside commands and status.
 
 use rafcon_protocol::api::{Control, ControlMove, StartOf};
 use rafcon_protocol::{AT_ROBOT, Command, Envelope, OnCrash};
 use serde::{Deserialize, Serialize};
 
-/// So many of those who ask for control are named: the status has to fit into a datagram.
+/// Limit of named users who request control: the status has to fit into a datagram.
 const REQUESTS_MAX: usize = 4;
 
-/// What a station says. Short names: it has to fit into small datagrams.
+/// Message of a station. Its names are short, because it has to fit into small datagrams.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(crate) enum StationRequest {
     /// A command: id, author, the last event that the author had seen, and what is asked.
     #[serde(rename = "c")]
     Command(String, String, Option<u64>, Command),
-    /// A wish about control: id, author, and what is wanted.
+    /// Request about control: id, author and move.
     #[serde(rename = "m")]
     MoveControl(String, String, ControlMove),
     /// A user who holds control is here.
@@ -46,7 +46,7 @@ impl StationRequest {
     }
 }
 
-/// What has become of a run, as its robot says.
+/// Fate of a run by its robot.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub(crate) enum RunFate {
     /// It continues.
@@ -76,7 +76,7 @@ pub(crate) struct ReportedRunState {
     since_ms: u64,
     #[serde(rename = "q", skip_serializing_if = "is_zero")]
     silence_ms: u64,
-    /// The holder has been silent for so long that others may take over.
+    /// The silence of the holder allows others to take over.
     #[serde(rename = "i", skip_serializing_if = "std::ops::Not::not")]
     is_silent: bool,
     #[serde(rename = "r", skip_serializing_if = "Vec::is_empty")]
@@ -123,12 +123,12 @@ impl ReportedRunState {
 /// What whoever speaks at the station of this name is called at the robot: never the name of a user of the robot or of another
 /// station, whatever the station says.
 pub(crate) fn author_at_robot(user: &str, station: &str) -> String {
-    // Whoever gives a command on the station's own computer, without its server, is its owner.
+    // A command on the station's own computer, without its server, is from its owner.
     let user = if user.is_empty() { "owner" } else { user };
     format!("{}@{station}", user.replace('@', "-"))
 }
 
-/// What someone whom the station of this name names is called at the robot. No user's own name has an `@` in it.
+/// Name at the robot of a user of this station. No user's own name contains an `@`.
 pub(crate) fn at_robot(user: &str, station: &str) -> String {
     match user.strip_suffix(AT_ROBOT) {
         Some(user) => user.to_owned(),
@@ -137,7 +137,7 @@ pub(crate) fn at_robot(user: &str, station: &str) -> String {
     }
 }
 
-/// What a user at the robot is called at the station of this name.
+/// Name at this station of a user of the robot.
 fn here(user: &str, station: &str) -> String {
     match user.split_once('@') {
         Some((name, at)) if at == station => name.to_owned(),

@@ -19,15 +19,15 @@ use tungstenite::{Error, Message, WebSocket};
 
 /// No message is longer; datagrams are far shorter.
 const MESSAGE_MAX: usize = 4_096;
-/// So many datagrams wait to be written at most.
+/// Capacity of the send queue, in datagrams.
 const WAITING_MAX: usize = 64;
 /// None waits longer: after a stall the newest come first.
 const WAITS_MAX: Duration = Duration::from_secs(1);
-/// So many bytes wait in the kernel at most before they are sent.
+/// Capacity of the kernel's send buffer, in bytes.
 const UNSENT_MAX: u32 = 8_192;
-/// After so many messages it is time to write.
+/// Messages read before the next write.
 const READ_AT_ONCE: usize = 64;
-/// Who opens a connection and then says nothing is given up after this time.
+/// Handshake timeout.
 const PATIENCE: Duration = Duration::from_secs(30);
 
 /// A stream of bytes over TCP, plain or by TLS.
@@ -45,7 +45,7 @@ impl ByteStream for TcpStream {
 /// A WebSocket over such a stream.
 pub(super) type Socket = WebSocket<Box<dyn ByteStream>>;
 
-/// What waits to be written.
+/// Send queue.
 #[derive(Debug, Default)]
 struct Waiting(VecDeque<(Duration, Vec<u8>)>);
 
@@ -71,9 +71,9 @@ impl Waiting {
 /// A connection as those know it who send over it.
 #[derive(Debug)]
 pub(crate) struct Connection {
-    /// Nothing once it is closed: then the other side is told so even if it goes on writing.
+    /// `None` once it is closed. A close frame reaches a peer that still writes.
     socket: Mutex<Option<TcpStream>>,
-    /// Of the other side.
+    /// Address of the peer.
     address: Option<IpAddr>,
     clock: SessionClock,
     opened: Duration,
@@ -128,17 +128,17 @@ impl Connection {
         *self.unanswered.lock() = None;
     }
 
-    /// When the other side was heard over it.
+    /// Time of the last valid datagram received.
     pub(super) fn heard(&self) -> Option<Duration> {
         *self.heard.lock()
     }
 
-    /// Since when nothing was heard over it.
+    /// Start of the present silence.
     pub(super) fn silent_since(&self) -> Duration {
         self.heard().unwrap_or(self.opened)
     }
 
-    /// Since when an answer is owed: who was told nothing has nothing to say.
+    /// Time since which an answer is pending. A peer that received nothing owes none.
     pub(super) fn unanswered_since(&self) -> Option<Duration> {
         *self.unanswered.lock()
     }
@@ -162,7 +162,7 @@ impl Connection {
     }
 }
 
-/// What both sides of a WebSocket agree on.
+/// Protocol parameters of both sides.
 pub(super) fn websocket_config() -> WebSocketConfig {
     WebSocketConfig::default()
         .max_message_size(Some(MESSAGE_MAX))
@@ -176,7 +176,7 @@ pub(super) fn websocket_config() -> WebSocketConfig {
 pub(super) fn carry(mut socket: Socket, connection: &Arc<Connection>, deliver: &Deliver) {
     let begun = socket.get_ref().socket().set_nonblocking(true).map_err(Error::Io);
     let ended = begun.and_then(|()| carry_on(&mut socket, connection, deliver));
-    // Whether it was closed or cut, another is opened.
+    // Another connection is opened in both cases, closed and cut.
     drop(ended);
     connection.close();
 }
@@ -211,7 +211,7 @@ fn carry_on(
     Ok(())
 }
 
-/// Whether all of it is written; if not, the socket is full.
+/// Returns true if everything is written, false if the socket is full.
 fn is_done(written: Result<(), Error>) -> Result<bool, Error> {
     match written {
         Err(Error::Io(error)) if error.kind() == io::ErrorKind::WouldBlock => Ok(false),
@@ -237,7 +237,7 @@ fn wait(socket: &Socket, connection: &Connection, is_full: bool) -> io::Result<(
         Ok(_) | Err(Errno::INTR) => {}
         Err(error) => return Err(error.into()),
     }
-    // It is read until it is empty; nothing is left to be woken for.
+    // The pipe is read until it is empty, so that no wake-up remains.
     rustix::io::read(&connection.wake, &mut [0; 8]).unwrap_or_default();
     Ok(())
 }

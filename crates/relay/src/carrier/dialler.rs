@@ -18,9 +18,9 @@ use tungstenite::client::{ClientRequestBuilder, client_with_config};
 /// Another dial begins at the earliest so long after the one before, and as long as a dial took last, but within these bounds: whoever
 /// waits longer and longer is silent long after a blackout.
 const DIAL_EVERY: (Duration, Duration) = (Duration::from_secs(1), Duration::from_secs(4));
-/// So many dials are on their way at most.
+/// Limit of concurrent dials.
 const DIALS_MAX: usize = 8;
-/// So many connections are kept of which none is heard.
+/// Limit of silent connections.
 const SILENT_MAX: usize = 3;
 
 /// Opens streams to a station.
@@ -28,17 +28,17 @@ pub trait Dial: fmt::Debug + Send + Sync {
     /// The station's address, such as `wss://ground.example:4748`.
     fn uri(&self) -> String;
 
-    /// Opens a stream; whoever does not answer is given up after a while. The error says what to do about it.
+    /// Opens a stream within the timeout. The error contains the remedy.
     fn dial(&self) -> Result<Box<dyn ByteStream>, String>;
 }
 
-/// What keeps connections to a station.
+/// Keeps connections to a station.
 pub(crate) struct Dialler {
     dial: Arc<dyn Dial>,
     clock: SessionClock,
-    /// A connection is silent if something was sent over it and nothing was heard for so long.
+    /// Time without an answer after which a connection is silent.
     silence: Duration,
-    /// Those that stand, in the order in which they were opened.
+    /// Open connections, the oldest first.
     connections: Mutex<Vec<Arc<Connection>>>,
     dials: AtomicUsize,
     dial_every: Mutex<Duration>,
@@ -100,7 +100,7 @@ impl Dialler {
                     self.say(&error.to_string());
                 }
             }
-            // Whether something has changed or not, it is time to look.
+            // The timeout and a wake-up both lead to a check.
             changes.recv_timeout(LOOK).unwrap_or_default();
         }
         self.connections.lock().iter().for_each(|connection| connection.close());
@@ -112,7 +112,7 @@ impl Dialler {
         self.dials.fetch_update(Ordering::AcqRel, Ordering::Acquire, more).is_ok()
     }
 
-    /// Keeps the newest connection over which the station is heard, or those that may live again; answers whether none is heard.
+    /// Keeps the newest live connection, or else the silent ones. Returns true if none is live.
     fn choose(&self, now: Duration) -> bool {
         let mut connections = self.connections.lock();
         connections.retain(|connection| !connection.is_closed());
@@ -147,7 +147,7 @@ impl Dialler {
             }
             Err(why) => self.say(&why),
         }
-        // Else it is about to look anyway.
+        // A full channel means that a check is pending.
         self.changed.try_send(()).unwrap_or_default();
     }
 

@@ -17,9 +17,9 @@ use std::thread;
 use std::time::Duration;
 use tungstenite::accept_with_config;
 
-/// So many connections stand at most.
+/// Limit of connections.
 const GUESTS_MAX: usize = 64;
-/// A robot that was not heard for so long is no longer preferred to those who come: its connection may have died without a word.
+/// Silence after which the connection of a robot loses its priority. It may have died without a notice.
 const LATELY: Duration = Duration::from_mins(5);
 /// The first byte of a client that speaks TLS.
 const TLS_HANDSHAKE: u8 = 22;
@@ -43,7 +43,7 @@ pub(crate) fn open_door(
     let accept = move || {
         while !stopped.is_stopped() {
             if let Some(stream) = accept(&listener) {
-                // Who cannot be let in dials again.
+                // A refused peer dials again.
                 drop(door.let_in(stream));
             }
         }
@@ -52,7 +52,7 @@ pub(crate) fn open_door(
     stopper.spawn("door", accept)
 }
 
-/// The next who comes; nothing if none comes for a while.
+/// Accepts the next connection. `None` after the timeout.
 fn accept(listener: &TcpListener) -> Option<TcpStream> {
     let look = Timespec::try_from(LOOK).ok();
     let ready = poll(&mut [PollFd::new(listener, PollFlags::IN)], look.as_ref());
@@ -60,7 +60,7 @@ fn accept(listener: &TcpListener) -> Option<TcpStream> {
         Ok((stream, _from)) => stream.set_nonblocking(false).ok().map(|()| stream),
         Err(error) => {
             if ready.is_ok() && error.kind() != io::ErrorKind::WouldBlock {
-                // No handle is free, say: it is not better at once.
+                // An immediate retry would fail again, for example without a free descriptor.
                 poll(&mut [], look.as_ref()).unwrap_or_default();
             }
             None

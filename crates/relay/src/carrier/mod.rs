@@ -16,7 +16,7 @@ use connection::Connection;
 use std::net::{SocketAddr, UdpSocket};
 use std::sync::Arc;
 
-/// Where a station receives.
+/// Address at which a station receives.
 #[derive(Debug, Clone)]
 pub enum StationAddress {
     /// By UDP, at this address.
@@ -25,12 +25,12 @@ pub enum StationAddress {
     WebSocket(Arc<dyn Dial>),
 }
 
-/// What carries datagrams to one other side.
+/// Transport of datagrams to one peer.
 #[derive(Debug, Clone)]
 pub(crate) enum Carrier {
     /// From this socket to this address.
     Udp(Arc<UdpSocket>, SocketAddr),
-    /// Over this connection as long as it stands.
+    /// By this connection, while it is open.
     Connection(Arc<Connection>),
     /// Over the connections that this opens.
     Dialler(Arc<Dialler>),

@@ -1,4 +1,4 @@
-//! Who may command the runs of a robot: one user at a time, over its own page and all stations.
+//! Authority over the runs of a robot: one user at a time, over its own page and all stations.
 
 use crate::requests::Answered;
 use rafcon_protocol::Command;
@@ -17,7 +17,7 @@ pub trait Authority: fmt::Debug + Send + Sync {
     /// Right that a command needs.
     fn right_of(&self, command: &Command) -> Right;
 
-    /// Moves control of a run as a user wants, or says why not.
+    /// Moves control of a run for a user, or returns the reason of the refusal.
     fn move_control(&self, run: &str, user: &str, wanted: &ControlMove) -> Result<(), String>;
 
     /// True once the runs in the folder are known.
@@ -37,9 +37,9 @@ pub trait Authority: fmt::Debug + Send + Sync {
     /// Fate of a request to start a run.
     fn fate_of_start(&self, user: &str, id: &str) -> RobotAnswer;
 
-    /// A user is there: who holds control is not silent.
+    /// Records that a user is present: a present holder of control is not silent.
     fn present(&self, user: &str);
 
-    /// Who holds control of a run; none if the run is not known.
+    /// Control of a run. `None` for an unknown run.
     fn control(&self, run: &str) -> Option<Control>;
 }

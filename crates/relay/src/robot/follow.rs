@@ -16,10 +16,10 @@ use std::sync::mpsc::SyncSender;
 use std::thread;
 use std::time::Duration;
 
-/// A runner that does not read a command for so long does not get it.
+/// Write timeout of a command to a runner.
 const WRITE_TIMEOUT: Duration = Duration::from_secs(1);
 
-/// What the runner of a run sends.
+/// Output of a run's runner.
 #[derive(Debug)]
 pub(super) enum FromRun {
     /// There are more events in the journal of this run.
@@ -38,7 +38,7 @@ pub(super) enum FromRun {
 #[derive(Debug)]
 pub(super) struct Followed {
     out: UnixStream,
-    /// When the ground was heard last, as the runner was told, if it was told anything.
+    /// Time of the last contact that the runner received, if any.
     heard: Option<Duration>,
     is_told: bool,
 }
@@ -59,7 +59,7 @@ impl Followed {
         out.write_all(&words).ok()?;
         let (run, inbox) = (run.to_owned(), inbox.clone());
         let follow = move || {
-            // However it ends, the run is looked at again.
+            // The run is scanned again after any end.
             drop(follow(BufReader::new(stream), &run, &inbox));
             inbox.send(Input::Other(FromRun::Gone(run))).unwrap_or_default();
         };
@@ -67,7 +67,7 @@ impl Followed {
         Some(Self { out, heard: None, is_told: false })
     }
 
-    /// Tells at `now` when the ground was heard last, if that is news.
+    /// Sends the time of the last contact at `now` if it has changed.
     pub(super) fn tell_ground(&mut self, now: Duration, heard: Option<Duration>) {
         if self.is_told && self.heard == heard {
             return;
@@ -79,7 +79,7 @@ impl Followed {
         }
     }
 
-    /// Gives a command; false if the runner is gone.
+    /// Sends a command. Returns false if the runner has ended.
     pub(super) fn command(&mut self, envelope: Envelope) -> bool {
         let line = encode(&ToRunner::Command(envelope));
         line.is_ok_and(|line| self.out.write_all(&line).is_ok())

@@ -39,30 +39,30 @@ use std::sync::Arc;
 use std::time::Duration;
 use watches::{RobotWatches, age_max};
 
-/// What was heard is kept this often.
+/// Interval at which the state of the link is stored.
 const KEEP_EVERY: Duration = Duration::from_secs(10);
 
-/// So many datagrams are sent before the robot listens again: a computer that cannot send as fast as its link may hears commands, too.
+/// Datagrams sent before the robot receives again, so that commands arrive at a computer slower than its link, too.
 const SENDS_AT_ONCE: usize = 32;
-/// So much is heard before the robot sends again.
+/// Inputs processed before the robot sends again.
 const INPUTS_AT_ONCE: usize = 256;
 
-/// What a robot's relay needs.
+/// Settings of a robot's relay.
 #[derive(Debug, Clone)]
 pub struct RobotSettings {
     /// The folder for its files, one for each station.
     pub folder: PathBuf,
     /// The folder with the runs.
     pub runs: PathBuf,
-    /// Where the server finds its machines: they are sent before any run has them.
+    /// Projects of the server. Their machines are sent before a run uses them.
     pub projects: Projects,
-    /// What it shares with the station.
+    /// Pairing with the station.
     pub paired: Paired,
-    /// Where the station receives.
+    /// Address of the station.
     pub station: StationAddress,
-    /// What is known of the link.
+    /// Profile of the link.
     pub profile: Profile,
-    /// Who may command.
+    /// Authority over commands.
     pub authority: Arc<dyn Authority>,
     /// Told what goes wrong.
     pub tell: fn(&str),
@@ -142,7 +142,7 @@ pub fn relay_robot(settings: &RobotSettings, stopper: &Stopper) -> Result<(), Re
     Ok(())
 }
 
-/// What carries datagrams to the station; its answers arrive in the inbox.
+/// Transport to the station. Its answers arrive in the inbox.
 fn carrier(
     settings: &RobotSettings,
     inbox: &Inbox<FromRun>,
@@ -173,13 +173,13 @@ struct RobotRelay<'s> {
     early: EarlyCommands,
 }
 
-/// A pickle that would take longer than 50 ms of the link is sent by its hash, when someone wants it.
+/// A pickle that takes longer than 50 ms of the link is sent on request, by its hash.
 fn pickle_max(profile: &Profile) -> usize {
     usize::try_from(profile.down_bits_per_s / 8 / 20).unwrap_or(usize::MAX).max(128)
 }
 
 impl RobotRelay<'_> {
-    /// Keeps what was heard, for the next start.
+    /// Stores the state of the link for the next start.
     fn keep_heard(&self, start: &mut Start) {
         if let Err(error) = start.keep_heard(self.session.key_id(), self.session.horizon()) {
             (self.settings.tell)(&format!("what was heard of the station is not kept: {error}"));
@@ -232,7 +232,7 @@ impl RobotRelay<'_> {
         self.runs.tell_control(&mut self.session, now_ms, |run| authority.control(run));
     }
 
-    /// How the link is.
+    /// State of the link.
     fn report(&mut self, now: Duration) -> LinkReport {
         let Self { session, meter, runs, .. } = self;
         let health = meter.health(now, session.traffic(), session.heard_before(now));
@@ -272,7 +272,7 @@ impl RobotRelay<'_> {
         let used = self.session.receive(now, &mut datagram, |command| commands.push(command));
         match used {
             Ok(()) => from.note_heard(),
-            // It came twice, or from strangers: there is nothing to say to them.
+            // A repeated datagram, or one from a stranger, has no answer.
             Err(why) => self.meter.note_unusable(why.to_string()),
         }
         for command in commands {
@@ -305,7 +305,7 @@ impl RobotRelay<'_> {
         }
     }
 
-    /// Does what someone at a station wants, if they may.
+    /// Carries out the request of a station's user, if the user has the right.
     fn command(&mut self, now: Duration, command: ReceivedCommand) {
         let read = request_words::read(&command.body);
         let mut command = command;
@@ -392,7 +392,7 @@ impl RobotRelay<'_> {
                 let author = author_at_robot(&author, station);
                 if !command.is_for_everybody() {
                     authority.command(&run, &author, &id, epoch)?;
-                    // Whoever takes control by it decides the next one under the new epoch.
+                    // A user who takes control by this command decides the next one under the new epoch.
                     self.tell_control();
                 }
                 let (expiry, epoch) = (Some(Expiry(expiry_ms)), Some(epoch));

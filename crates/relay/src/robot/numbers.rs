@@ -41,7 +41,7 @@ impl RunNumbers {
         let usable = |stream: &StreamId| self.taken.get(stream).is_none_or(|of| *of == check);
         let stream = ids::streams_of(run).find(usable).unwrap_or_else(|| ids::events_of(run));
         if self.taken.len() < NUMBERS_MAX && self.taken.insert(stream, check).is_none() {
-            // A lost entry matters only if another run has the same number.
+            // A lost entry has an effect only if another run has the same number.
             drop(append(&self.path, stream, check));
         }
         stream

@@ -16,16 +16,16 @@ use std::sync::mpsc::{self, Receiver, RecvTimeoutError, SyncSender, TrySendError
 use std::thread;
 use std::time::Duration;
 
-/// The projects are looked at this often, while no run needs anything.
+/// Interval of project scans while no run needs a parcel.
 const LOOK_EVERY: Duration = Duration::from_secs(3);
-/// The parcels that nothing needs now go if all are more than so many, or so many bytes.
+/// Limits in parcels and bytes beyond which unused parcels are dropped.
 const PARCELS_MAX: usize = 32;
 const BYTES_MAX: u64 = 16 << 20;
 
-/// So much waits for the thread; more waits here.
+/// Capacity of the queue to the thread. Further requests wait in this struct.
 const WORKS_MAX: usize = 256;
 
-/// What the thread is told.
+/// Requests to the thread.
 #[derive(Debug)]
 pub(super) enum ParcelWork {
     /// The run in this folder has the machine with this hash.
@@ -53,10 +53,10 @@ pub(super) struct SentParcel {
 #[derive(Debug)]
 pub(super) struct SentParcels {
     maker: SyncSender<ParcelWork>,
-    /// What finds no room at the thread. The relay waits for nobody.
+    /// Requests that did not fit into the queue. The relay never blocks.
     waiting: VecDeque<ParcelWork>,
     sent: BTreeMap<StreamId, SentParcel>,
-    /// What was sent in this start, now or before.
+    /// Parcels sent since the start.
     begun: BTreeSet<StreamId>,
 }
 
@@ -99,7 +99,7 @@ impl SentParcels {
         }
     }
 
-    /// Whether the station reports all parcels of a machine.
+    /// True if the station has reported all parcels of a machine.
     pub(super) fn are_had(&self, machine: Hash, session: &RobotSession) -> bool {
         let parcels = || self.sent.values().map(|parcel| &parcel.kept);
         let is_had = |name: &Hash| {
@@ -208,7 +208,7 @@ impl ParcelMaker {
         done.ok()
     }
 
-    /// Says which parcels are sent, and drops what nothing needs if there is too much; answers whether anyone listens.
+    /// Publishes the list of parcels, and drops unused ones beyond the limits. Returns false without a receiver.
     fn show(&mut self) -> bool {
         let of_runs = |is_older: bool| {
             let needed = self.needed.keys().filter(move |it| it.is_older == is_older);

@@ -12,14 +12,14 @@ use std::io;
 use std::os::unix::fs::MetadataExt as _;
 use std::path::{Path, PathBuf};
 
-/// So many machines are sent ahead, the newest ones.
+/// Limit of machines that are sent ahead. The newest are chosen.
 const MACHINES_MAX: usize = 16;
-/// So many bytes of files they have together at most.
+/// Limit of their files in bytes.
 const BYTES_MAX: usize = PARCEL_MAX;
-/// So many files and folders are looked at.
+/// Limit of scanned files and folders.
 const ENTRIES_MAX: usize = 50_000;
 
-/// Where a server finds its machines.
+/// Projects of a server.
 #[derive(Debug, Clone, Default)]
 pub struct Projects {
     /// The folders with machines.
@@ -28,7 +28,7 @@ pub struct Projects {
     pub libraries: Vec<Root>,
 }
 
-/// The machines in projects as they were when they were looked at last.
+/// Machines in projects at the last scan.
 #[derive(Debug)]
 pub(super) struct ProjectMachines {
     projects: Projects,
@@ -40,7 +40,7 @@ pub(super) struct ProjectMachines {
 
 #[derive(Debug, Clone)]
 struct PackedMachine {
-    /// Of its files and of the libraries.
+    /// State of its files and of the libraries.
     stamps: (Stamp, Stamp),
     machine: Hash,
     bytes: usize,
@@ -63,7 +63,7 @@ impl ProjectMachines {
         &self.ahead
     }
 
-    /// Makes parcels of those that have changed; answers whether any have.
+    /// Creates parcels of changed machines. Returns whether there are any.
     pub(super) fn look(&mut self, parcels: &mut Parcels) -> io::Result<bool> {
         let mut left = ENTRIES_MAX;
         let roots = self.projects.libraries.iter().map(|root| root.dir.clone()).collect::<Vec<_>>();
@@ -149,7 +149,7 @@ fn find_machines(
     }
 }
 
-/// How the files in these folders are.
+/// State of the files in these folders.
 fn stamp(folders: &[PathBuf], left: &mut usize) -> Stamp {
     let (mut newest, mut files) = ((0, 0), Vec::new());
     let mut open = folders.to_vec();

@@ -31,10 +31,10 @@ use std::path::{Path, PathBuf};
 use std::sync::mpsc::SyncSender;
 use std::time::Duration;
 
-/// Of so many new events each goes ahead of older ones; of more the journal has them, in their turn.
+/// Up to this many new events are sent before the backlog. The journal has the others.
 const AHEAD_MAX: u64 = 64;
 
-/// So many of the older runs are sent at a time.
+/// Limit of older runs that are sent at a time.
 const OLDER_AT_ONCE: usize = 2;
 /// Newest whole runs that are named at once after a start of the station.
 const NAMED_AGAIN: usize = 16;
@@ -43,12 +43,12 @@ const TOO_LARGE: &str = "a machine of a run has more than 64 MiB of files, and i
 /// Capacity of the whole runs in reports.
 const WHOLE_MAX: usize = 8;
 
-/// So many bytes of events are hashed at a time.
+/// Bytes of events hashed in one step.
 const HASH_BYTES: usize = 256 << 10;
 /// Number of ended runs whose events are hashed at a time.
 const HASHED_AT_ONCE: usize = 4;
 
-/// So many of the runs that earlier starts sent are looked at again.
+/// Limit of runs of earlier starts that are scanned again.
 const LISTED_MAX: usize = 256;
 
 /// The runs of a robot.
@@ -82,7 +82,7 @@ struct RobotRun {
     events: StreamId,
     /// Longer pickles are sent by their hash.
     pickle_max: usize,
-    /// What is known about it, in parts, how many machines are among that, and how many bytes of files they have.
+    /// Description of the run in parts, with the number of its machines and the bytes of their files.
     about: Vec<Vec<u8>>,
     machines: usize,
     machine_bytes: usize,
@@ -93,16 +93,16 @@ struct RobotRun {
     was_read: bool,
     head: u64,
     runner: Option<Followed>,
-    /// The state that its runner told last, and when.
+    /// Last snapshot of its runner, with the time.
     snapshot: Option<(Box<Snapshot>, Duration)>,
     fate: RunFate,
     /// It was over before the robot had this station.
     is_older: bool,
-    /// What was told of it last.
+    /// Last published state.
     reported: ReportedRunState,
     /// An event that is too long for the link, and its length.
     too_long: Option<(u64, usize)>,
-    /// The hash of its events; none if the journal does not have them all.
+    /// Hash of its events. `None` if the journal is incomplete.
     chain: Option<Chain>,
 }
 
@@ -146,7 +146,7 @@ impl RobotRuns {
         watches: &mut RobotWatches,
         session: &mut RobotSession,
     ) {
-        // What cannot be read now may be later; the events say the same.
+        // A later read may succeed, and the events contain the same.
         let Some(source) = self.run(stream).and_then(RobotRun::open) else { return };
         drop(watches.look(stream, source.reader(), session));
     }
@@ -179,7 +179,7 @@ impl RobotRuns {
         {
             let folder = self.folder.join(&id);
             let is_over = matches!(writer_of(&folder), Ok(None)) && !self.all.contains_key(&id);
-            // What cannot be read is not sent, as if it were not there.
+            // An unreadable run is not sent.
             if is_over && self.begin(&id, &folder, session).unwrap_or(false) {
                 self.all.get_mut(&id).iter_mut().for_each(|run| run.send_last(session));
                 self.gone(&id, session);
@@ -238,7 +238,7 @@ impl RobotRuns {
     pub(super) fn look(&mut self, session: &mut RobotSession, is_heard: bool) {
         self.parcels.tell_waiting();
         for run in self.all.values_mut() {
-            // A run that is over has what it had when it was looked at last.
+            // An ended run does not change after its last scan.
             if run.runner.is_some() {
                 run.look_for_machines(session, &mut self.parcels, self.tell);
             } else if run.fate != RunFate::Removed && !run.folder.is_dir() {
@@ -271,7 +271,7 @@ impl RobotRuns {
         }
     }
 
-    /// A run that ended before its runner could be followed, or between two looks.
+    /// A run that ended before its runner was followed, or between two scans.
     fn look_at_ended(
         &mut self,
         id: &str,
@@ -280,7 +280,7 @@ impl RobotRuns {
         session: &mut RobotSession,
     ) {
         let is_new = !self.all.contains_key(id) && !self.seen.contains(id);
-        // What cannot be read may be about to begin: it is looked at again.
+        // An unreadable run may be about to start, so that it is scanned again.
         let begun = if is_new { self.begin(id, folder, session).ok() } else { None };
         if begun.is_some() {
             self.seen.insert(id.to_owned());
@@ -290,7 +290,7 @@ impl RobotRuns {
         }
     }
 
-    /// Goes on with the hashes of the events of all runs, so far at a time that nothing else waits for it.
+    /// Continues the hashes of all runs, in steps short enough for the loop.
     fn hash(&mut self, session: &mut RobotSession) {
         let (mut left, mut ended_left) = (HASH_BYTES, HASHED_AT_ONCE);
         let (live, ended): (Vec<_>, Vec<_>) =
@@ -300,7 +300,7 @@ impl RobotRuns {
                 continue;
             }
             let (Some(chain), Some(source)) = (&mut run.chain, &mut run.source) else { continue };
-            // Of a journal that has dropped something there is none.
+            // An incomplete journal has no hash.
             let Ok(hashed) = chain.advance(source.reader(), run.head, left) else {
                 run.chain = None;
                 continue;
@@ -426,11 +426,11 @@ impl RobotRuns {
         }
     }
 
-    /// The runner of a run is gone: it has ended, or died.
+    /// The runner of a run has ended or crashed.
     pub(super) fn gone(&mut self, id: &str, session: &mut RobotSession) {
         let Some(run) = self.all.get_mut(id) else { return };
         run.runner = None;
-        // What is beside the database of a dead runner counts, too.
+        // Files beside the database of a crashed runner are included.
         match run.source() {
             Ok(source) => run.source = Some(source),
             Err(error) => (self.tell)(&format!("the journal of run {id} cannot be read: {error}")),

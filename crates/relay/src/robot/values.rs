@@ -6,7 +6,7 @@ use rafcon_storage::journal::{Reader, ValueContent, ValueNumber};
 use std::collections::BTreeMap;
 use std::path::Path;
 
-/// So many are open at a time.
+/// Limit of open values.
 const OPEN_MAX: usize = 8;
 
 /// The values that are open.
@@ -16,7 +16,7 @@ pub(super) struct RobotValues {
 }
 
 impl RobotValues {
-    /// The length of a value of the run in this folder; nothing if it has another hash, or is not there.
+    /// Length of a value of the run in this folder. `None` if it is missing or has another hash.
     pub(super) fn length(&mut self, folder: &Path, name: &ValueName) -> Option<u64> {
         if !self.open.contains_key(name) {
             let reader = Reader::open(folder).ok()?;
@@ -33,7 +33,7 @@ impl RobotValues {
         self.open.get(name).map(ValueContent::length)
     }
 
-    /// Bytes of a value; nothing if they cannot be read.
+    /// Reads bytes of a value. `None` if they cannot be read.
     pub(super) fn bytes(
         &mut self,
         folder: &Path,

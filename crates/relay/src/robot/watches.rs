@@ -11,19 +11,19 @@ use std::fs;
 use std::path::PathBuf;
 use std::time::Duration;
 
-/// Values are looked for at most this often.
+/// Shortest interval between two searches for values.
 const LOOK_EVERY: Duration = Duration::from_millis(200);
 /// Capacity of the values of a run.
 const VALUES_MAX: usize = 1_024;
 
-/// What is watched of the runs of a robot.
+/// Watched values of a robot's runs.
 #[derive(Debug)]
 pub(super) struct RobotWatches {
-    /// Where it is kept for the next start.
+    /// File for the next start.
     file: PathBuf,
-    /// What is in that file.
+    /// Content of that file.
     written: Vec<u8>,
-    /// It is forgotten after so long without a word of the station.
+    /// Silence of the station after which the list is dropped.
     age_max: Duration,
     runs: BTreeMap<StreamId, WatchedRun>,
 }
@@ -33,7 +33,7 @@ struct WatchedRun {
     number: u64,
     targets: Vec<WatchTarget>,
     moment: Option<Moment>,
-    /// What was found last of each value.
+    /// Last value found for each port.
     found: BTreeMap<ValuePlace, Found>,
     look_at: Duration,
 }
@@ -42,18 +42,18 @@ type ValuePlace = (WatchKind, String, String);
 
 #[derive(Debug)]
 struct Found {
-    /// By what the session tells it apart.
+    /// Key of the session.
     key: u32,
     order: u64,
     kept: Kept,
 }
 
-/// What is kept of a run on the disk.
+/// Stored list of a run.
 #[derive(Debug, Serialize, Deserialize)]
 struct KeptWish {
     stream: u32,
     number: u64,
-    /// When the station was heard last: ms since 1970, UTC.
+    /// Time of the last contact: ms since 1970, UTC.
     heard_ms: u64,
     targets: Vec<WatchTarget>,
 }
@@ -104,7 +104,7 @@ impl RobotWatches {
         self.runs.remove(&stream);
     }
 
-    /// Keeps what is watched for the next start; forgets it if the station has not been heard for too long.
+    /// Stores the list for the next start. Drops it after too long a silence of the station.
     pub(super) fn keep(
         &mut self,
         now_ms: u64,
@@ -113,7 +113,7 @@ impl RobotWatches {
     ) {
         if heard_before.is_some_and(|before| before > self.age_max) {
             for (stream, run) in std::mem::take(&mut self.runs) {
-                // The number stays: the station is told which of its wishes was heard last.
+                // The number remains, because the station is informed of the last list received.
                 session.set_wish(stream, run.number);
             }
         }
@@ -132,14 +132,14 @@ impl RobotWatches {
             .collect();
         if let Ok(text) = serde_json::to_vec(&kept)
             && text != self.written
-            // What is not kept is asked for again by a station that is heard.
+            // The station requests a lost list again.
             && fs::write(&self.file, &text).is_ok()
         {
             self.written = text;
         }
     }
 
-    /// The runs of which values are to be looked for now.
+    /// Runs in which values are due for a search.
     pub(super) fn due(&mut self, now: Duration, session: &RobotSession) -> Vec<StreamId> {
         let is_due = |(stream, run): &(&StreamId, &mut WatchedRun)| {
             run.look_at <= now && session.needs_watched(now, **stream)
@@ -264,7 +264,7 @@ fn long_value(stored: &Stored) -> LongValue {
     LongValue { type_name, bytes, hash }
 }
 
-/// How long what is watched goes on without a word of the station, by the profile of the link.
+/// Lifetime of a list without contact, by the profile of the link.
 pub(super) fn age_max(profile: &rafcon_link::Profile) -> Duration {
     // The slower the link, the longer its silences.
     profile.silence() * 10_000

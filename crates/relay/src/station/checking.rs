@@ -5,10 +5,10 @@ use rafcon_link::EventHash;
 use rafcon_storage::journal::{Chain, Reader};
 use std::path::PathBuf;
 
-/// So many bytes of events are hashed at a time.
+/// Bytes of events hashed in one step.
 const BYTES_AT_ONCE: usize = 1 << 20;
 
-/// What is to be compared for one run.
+/// Pending comparison of one run.
 #[derive(Debug, Default)]
 pub(super) struct Checking {
     wanted: Option<EventHash>,
@@ -28,7 +28,7 @@ impl Checking {
         self.goes_on = true;
     }
 
-    /// Whether there is more to be hashed.
+    /// True if hashing is incomplete.
     pub(super) fn goes_on(&self) -> bool {
         self.goes_on
     }
@@ -46,7 +46,7 @@ impl Checking {
             none => none.insert(Reader::open(&folder?).ok()?),
         };
         if self.chain.advance(reader, last, BYTES_AT_ONCE).is_err() {
-            // What was dropped or is damaged cannot be compared.
+            // Dropped or damaged events cannot be compared.
             *self = Self::default();
             return None;
         }

@@ -15,14 +15,14 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::thread;
 use std::time::Duration;
 
-/// So many bytes of events wait for the disk at most.
+/// Capacity of the queue in bytes of events.
 const EVENTS_MAX: usize = 16 << 20;
-/// So many with what is to be known about runs: without it, the disk cannot take their events.
+/// Capacity including descriptions of runs. Events cannot be stored before them.
 const ALL_MAX: usize = 32 << 20;
-/// A station that ends waits for its disk so long.
+/// Longest wait for the disk at the end of a station.
 const END_WITHIN: Duration = Duration::from_secs(5);
 
-/// What the disk is to do, in the order of its run.
+/// Task of the disk, in order for each run.
 #[derive(Debug)]
 pub(super) enum Work {
     /// Keep the next part of what is to be known about a run, or of a parcel.
@@ -49,7 +49,7 @@ impl Work {
     }
 }
 
-/// What is to be done with a pairing.
+/// Task for a pairing.
 #[derive(Debug)]
 pub(super) enum KeyWork {
     /// It is used from now on, and does not replace the one before yet.
@@ -58,7 +58,7 @@ pub(super) enum KeyWork {
     Replace(Pairing),
 }
 
-/// What the disk's thread says, about a run or all.
+/// Event of the disk's thread, about one run or all.
 #[derive(Debug)]
 pub(crate) enum FromDisk {
     /// A run is open to viewers.
@@ -75,7 +75,7 @@ pub(crate) enum FromDisk {
     ParcelsGone(Vec<StreamId>),
     /// A pairing is kept, and can be used.
     KeyKept(Pairing),
-    /// What is wrong with the disk; nothing if it is well again.
+    /// Fault of the disk. `None` after the recovery.
     Problem(Option<String>),
 }
 
@@ -121,7 +121,7 @@ struct Todo {
 }
 
 impl Disk {
-    /// Begins the thread that keeps these runs; `tell` takes what it says.
+    /// Starts the thread that stores these runs. `tell` receives its events.
     pub(super) fn begin(mut runs: KeptRuns) -> io::Result<Self> {
         let queue = Arc::<Queue>::default();
         let theirs = Arc::clone(&queue);
@@ -148,7 +148,7 @@ impl Disk {
         Ok(())
     }
 
-    /// Keeps what was heard of the robot, for the next start.
+    /// Stores the state of the link for the next start.
     pub(super) fn keep_heard(&self, key: KeyId, heard: Option<Horizon>) {
         self.queue.todo.lock().heard = heard.map(|heard| (key, heard));
         self.queue.changed.notify_all();
@@ -166,7 +166,7 @@ impl Disk {
         todo.ends = true;
         self.queue.changed.notify_all();
         let is_busy = |todo: &mut Todo| !todo.has_ended;
-        // What is not written is not reported as safe: it comes again.
+        // Unwritten events are not reported as safe, so that the robot sends them again.
         let _stuck = self.queue.changed.wait_while_for(&mut todo, is_busy, END_WITHIN);
     }
 }

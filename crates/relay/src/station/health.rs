@@ -1,4 +1,4 @@
-//! How the link to one robot is, as its station knows it.
+//! State of the link to one robot at its station.
 
 use crate::contacts::KnownContacts;
 use crate::meter::{LinkMeter, millis};
@@ -7,7 +7,7 @@ use rafcon_protocol::{ClockOffset, LinkHealth, LinkRun};
 use rafcon_supervisor::clock;
 use std::time::Duration;
 
-/// How the link is; events and commands are counted by whoever knows the runs.
+/// State of the link, without the counts of events and commands.
 pub(super) fn health(
     meter: &mut LinkMeter,
     session: &StationSession,
@@ -32,7 +32,7 @@ pub(super) fn health(
     }
 }
 
-/// What the station knows of a run.
+/// State of a run at the station.
 pub(super) fn run_of(session: &StationSession, stream: StreamId, id: &str) -> LinkRun {
     let progress = session.progress(stream);
     let (head, missing) = progress.map_or((0, 0), |it| (it.head, it.head.saturating_sub(it.count)));

@@ -1,13 +1,13 @@
-//! What arrives of a robot's streams in any order, until it can be passed on in order: bounded, however much is missing before it.
+//! Reorders items of a robot's streams in bounded memory.
 
 use rafcon_link::StreamId;
 use rafcon_storage::journal::EventItems;
 use std::collections::BTreeMap;
 use std::ops::RangeInclusive;
 
-/// So many bytes wait behind gaps at most.
+/// Capacity behind gaps, in bytes.
 const AHEAD_MAX: usize = 8 << 20;
-/// What something costs in memory besides its bytes, about.
+/// Approximate overhead of an item in bytes.
 pub(super) const COST_BESIDE: usize = 128;
 
 /// The streams of one robot.
@@ -26,12 +26,12 @@ struct Ahead {
 }
 
 impl InOrder {
-    /// Of this stream everything up to here is on the disk.
+    /// Everything of this stream up to here is on the disk.
     pub(super) fn restore(&mut self, stream: StreamId, passed: u64) {
         self.streams.entry(stream).or_default().passed = passed;
     }
 
-    /// Whether nothing of this stream waits.
+    /// True if the queue of this stream is empty.
     pub(super) fn is_empty(&self, stream: StreamId) -> bool {
         self.streams.get(&stream).is_none_or(|ahead| ahead.items.is_empty())
     }
@@ -108,7 +108,7 @@ fn range(items: &EventItems) -> RangeInclusive<u64> {
     items.first..=items.first + items.count - 1
 }
 
-/// What items cost in memory, about.
+/// Approximate memory of items in bytes.
 pub(super) fn cost(items: &EventItems) -> usize {
     items.bytes.len() + COST_BESIDE
 }

@@ -1,4 +1,4 @@
-//! The runs of one robot as its station's disk has them. Whoever calls this may wait for the disk.
+//! Runs of one robot on its station's disk. Calls may block on the disk.
 //!
 //! Long because each step of a run on its way to the disk is here.
 
@@ -27,9 +27,9 @@ use std::path::{Path, PathBuf};
 use std::sync::mpsc::SyncSender;
 use std::time::Duration;
 
-/// The disk rests at least so long after it was made safe.
+/// Shortest interval between two syncs.
 const REST_MIN: Duration = Duration::from_millis(10);
-/// It rests at most so long; what failed is tried again after this time.
+/// Longest interval between two syncs, and the retry interval after a failure.
 const REST_MAX: Duration = Duration::from_millis(250);
 /// The newest replicas are compared with the list of whole runs at the start: their disk may have been put back.
 const CHECKED_MAX: usize = 256;
@@ -37,10 +37,10 @@ const CHECKED_MAX: usize = 256;
 const OPEN_AT_START: usize = 64;
 /// Refused runs whose late work is dropped.
 const REFUSED_MAX: usize = 256;
-/// It rests so many times as long as it was busy: many robots share a disk.
+/// Ratio of idle to busy time, because many robots share a disk.
 const REST: u32 = 4;
 
-/// Where the runs of a robot are kept, and who is told.
+/// Folders of a robot's runs, and the receiver of events.
 pub(super) struct Place {
     /// The number of the robot.
     pub(super) number: usize,
@@ -59,9 +59,9 @@ pub(super) struct KeptRuns {
     parcels: StationParcels,
     /// The parts of parcels that are not written.
     parts: VecDeque<(StreamId, EventItems)>,
-    /// What of them the disk did not take is tried again with the next sync.
+    /// Parts that failed are retried with the next sync.
     are_stuck: bool,
-    /// How many parcels came as a whole.
+    /// Number of complete parcels.
     came: u64,
     /// The runs of which something is under way.
     all: BTreeMap<StreamId, KeptRun>,
@@ -87,7 +87,7 @@ struct KeptRun {
     todo: VecDeque<Work>,
     /// The disk refused something: it is asked again with the next sync.
     is_stuck: bool,
-    /// After so many parcels it still needed others.
+    /// Number of parcels at the last failed attempt.
     needs_parcels: Option<u64>,
     is_refused: bool,
     checking: Checking,
@@ -117,7 +117,7 @@ pub(super) enum RestoredState {
     Refused(String),
 }
 
-/// Why something is not kept.
+/// Reason why an item is not stored.
 pub(super) enum KeepError {
     /// It may be later.
     Retryable(String),
@@ -250,7 +250,7 @@ impl KeptRuns {
         }
     }
 
-    /// Does what can be done, and makes safe what is due, or everything now. Answers how many bytes of work are done with.
+    /// Performs the pending tasks and the due syncs, or all syncs. Returns the bytes of finished tasks.
     pub(super) fn go_on(&mut self, now: bool) -> usize {
         let begun = self.place.clock.now();
         let is_due = now || begun >= self.sync_at;
@@ -284,7 +284,7 @@ impl KeptRuns {
                     self.place.say(FromDisk::Refused(*stream, format!("{}: {why}", run.name())));
                 }
                 Some(KeepError::Diverged(why)) => {
-                    // Whoever sees the replica closed finds out why.
+                    // Readers that find the replica closed look up the reason.
                     let said = run.note_diverged(&self.place, &why);
                     run.refuse();
                     // It can be fetched again once its folder is moved away.
@@ -345,12 +345,12 @@ impl KeptRuns {
         }
     }
 
-    /// How long the disk rests until it is made safe again.
+    /// Time until the next sync.
     pub(super) fn rest(&self) -> Duration {
         self.sync_at.saturating_sub(self.place.clock.now())
     }
 
-    /// Whether anything is still to be made safe, or to be tried again.
+    /// True if syncs or retries are pending.
     pub(super) fn is_unsafe(&self) -> bool {
         let is_unsafe = |run: &KeptRun| {
             run.is_stuck
@@ -489,7 +489,7 @@ impl KeptRun {
         None
     }
 
-    /// Answers whether the part is done with; else a parcel is to come before.
+    /// Returns false if the part needs a parcel that has not arrived.
     fn take_part(
         &mut self,
         stream: StreamId,
@@ -557,7 +557,7 @@ impl KeptRun {
             Work::Check(hash) => self.checking.set(*hash),
             Work::Events(items) => {
                 if self.replica.is_none() {
-                    // A run goes on whose runner had died.
+                    // Resumes the replica of a crashed run.
                     let opened = self.open(place, stream)?;
                     place.say(FromDisk::Opened(stream, opened));
                 }
@@ -600,7 +600,7 @@ impl KeptRun {
         self.about.as_ref().map(|about| place.runs.join(&about.id))
     }
 
-    /// The replica stays as it is, also after a restart; answers how that is said.
+    /// Freezes the replica, over restarts too. Returns the message.
     fn note_diverged(&self, place: &Place, why: &str) -> String {
         let folder = place.runs.join(self.name());
         let said = format!(

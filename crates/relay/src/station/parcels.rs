@@ -11,17 +11,17 @@ use std::fs::{self, OpenOptions};
 use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 
-/// What a station keeps of each robot: twice what a robot keeps.
+/// Capacity of a station for each robot: twice that of a robot.
 const BOUNDS: ParcelBounds = ParcelBounds { whole: 64, bytes: 32 << 20, coming: 32 };
 /// The name of one that is coming begins like this; the number of its stream follows.
 const COMING: &str = "coming-";
 
-/// How much is kept: of more, the oldest go.
+/// Limits beyond which the oldest parcels are dropped.
 #[derive(Debug, Clone, Copy)]
 struct ParcelBounds {
     whole: usize,
     bytes: u64,
-    /// So many come at a time.
+    /// Limit of parcels in transfer.
     coming: usize,
 }
 
@@ -31,7 +31,7 @@ pub(super) struct StationParcels {
     folder: PathBuf,
     bounds: ParcelBounds,
     parcels: Parcels,
-    /// How many bytes are here of those that are coming.
+    /// Received bytes of parcels in transfer.
     coming: BTreeMap<StreamId, u64>,
 }
 
@@ -43,7 +43,7 @@ pub(super) struct RestoredParcel {
     pub(super) is_whole: bool,
 }
 
-/// What a part has led to.
+/// Result of adding a part.
 #[derive(Debug, Default, PartialEq, Eq)]
 pub(super) struct TakenPart {
     /// A parcel is here as a whole.
@@ -81,7 +81,7 @@ impl StationParcels {
         Ok(parcels)
     }
 
-    /// What is here.
+    /// Complete parcels.
     pub(super) fn restored(&self) -> Vec<RestoredParcel> {
         let whole = self.parcels.all().iter().map(|kept| {
             let (stream, parts) = (kept.stream(), kept.parts());
@@ -94,7 +94,7 @@ impl StationParcels {
         whole.chain(coming).collect()
     }
 
-    /// The machine with this hash of its manifest; nothing if not all of it is here.
+    /// Returns the machine of this manifest. `None` if a parcel is missing.
     pub(super) fn pack(&self, machine: Hash) -> Option<Pack> {
         self.parcels.pack(machine)
     }
@@ -140,7 +140,7 @@ impl StationParcels {
         Ok(taken)
     }
 
-    /// Makes room for so many bytes of a parcel: the oldest go. Answers whether there is any.
+    /// Drops the oldest parcels until this many bytes fit. Returns false if they cannot fit.
     fn make_room(&mut self, stream: StreamId, bytes: u64, gone: &mut Vec<StreamId>) -> bool {
         let bounds = self.bounds;
         while !self.coming.contains_key(&stream) && self.coming.len() >= bounds.coming
@@ -218,7 +218,7 @@ mod tests {
         let (pack, stream, parts) = machine(1);
         assert!(parts.len() > 2);
         let mut here = StationParcels::open(folder.path()).unwrap();
-        // What is not the next part is not kept.
+        // Parts out of order are dropped.
         assert_eq!(here.take(stream, &parts[1]).unwrap(), TakenPart::default());
         assert_eq!(here.take(stream, &parts[0]).unwrap(), TakenPart::default());
         let mut here = StationParcels::open(folder.path()).unwrap();

@@ -17,10 +17,10 @@ const STANDS_MAX: usize = 4_096;
 /// Capacity of their snapshots. Of more the newest are dropped: a run is shown once its state changes.
 const SNAPSHOTS_MAX: usize = 64;
 
-/// What a datagram had, so that nothing is done while the session is borrowed.
+/// Content of a datagram, applied after the borrow of the session ends.
 pub(super) enum Received {
     Events(StreamId, EventItems),
-    /// How a run stands, and the hash of its events with the time of the robot's session.
+    /// State of a run, and the hash of its events with the time of the robot's session.
     Stands(StreamId, ReportedRunState, Option<(u64, EventHash)>),
     Snapshot(StreamId, Box<Snapshot>),
     NewKey(KeyId, PairingKey),
@@ -32,7 +32,7 @@ pub(super) enum Received {
 }
 
 impl Received {
-    /// Nothing if it makes no sense here.
+    /// `None` if it cannot be parsed.
     pub(super) fn of(shown: FromRobot<'_>) -> Option<Self> {
         Some(match shown {
             FromRobot::Events(events) => {
@@ -67,7 +67,7 @@ pub(super) struct StationRun {
     pub(super) id: String,
     pub(super) shared: Arc<Shared>,
     pub(super) safe: u64,
-    /// The epoch of authority, as the robot said last.
+    /// Last reported epoch of authority.
     pub(super) epoch: u64,
     pub(super) is_over: bool,
     /// The disk was asked to close it.
@@ -80,7 +80,7 @@ impl StationRun {
     }
 }
 
-/// What came last of runs that are not open yet: it is not said again soon.
+/// Last content of runs that are not open yet. The robot does not repeat it soon.
 #[derive(Default)]
 pub(super) struct Early {
     reported: BTreeMap<StreamId, ReportedRunState>,

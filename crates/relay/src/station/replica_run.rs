@@ -26,7 +26,7 @@ pub(super) struct ReplicaRun {
 }
 
 impl ReplicaRun {
-    /// Begins the replica of a run, or goes on with it. `give` passes on what viewers have for the robot.
+    /// Creates or opens the replica of a run. `give` forwards commands of viewers to the robot.
     pub(super) fn open(
         runs: &Path,
         about: &About,
@@ -59,7 +59,7 @@ impl ReplicaRun {
 
     /// Notes that what is known about the run in this folder is kept up to this part.
     pub(super) fn keep_taken(folder: &Path, taken: u64, stream: StreamId) {
-        // What is not noted is sent again.
+        // Content without an entry is received again.
         drop(fs::write(folder.join(TAKEN_FILE), format!("{taken} {}", stream.0)));
     }
 
@@ -78,7 +78,7 @@ impl ReplicaRun {
         self.replica.next()
     }
 
-    /// What viewers are shown.
+    /// Content for viewers.
     pub(super) fn shared(&self) -> Arc<Shared> {
         Arc::clone(&self.shared)
     }
@@ -88,12 +88,12 @@ impl ReplicaRun {
         self.replica.append(items).map(drop)
     }
 
-    /// Whether something is not safe yet.
+    /// True if a sync is pending.
     pub(super) fn is_unsafe(&self) -> bool {
         self.replica.next() - 1 > self.safe
     }
 
-    /// Makes all so far safe, and shows it; answers up to which event that is.
+    /// Syncs everything and publishes it. Returns the number of the last event.
     pub(super) fn commit(&mut self) -> Result<u64, JournalError> {
         self.safe = self.replica.commit()?.sequence;
         self.shared.set_safe(self.safe);

@@ -20,12 +20,12 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc::{self, Receiver, SyncSender};
 use std::thread;
 
-/// So much waits for the disk at most.
+/// Capacity of the queue.
 const WAITING_MAX: usize = 4_096;
-/// So many parts and notes among that: whatever else there is always finds a place.
+/// Capacity in parts and notes, so that other tasks always fit.
 const PARTS_MAX: usize = 3_072;
 
-/// What the disk is to do, in this order.
+/// Tasks of the disk, in order.
 #[derive(Debug)]
 enum ValueWork {
     Open(ValueKey),
@@ -34,20 +34,20 @@ enum ValueWork {
     Note(ValueId, RangeSet),
     /// All bytes of a value are here.
     Finish(ValueId),
-    /// It is not wanted any more; what came of it stays for the next time, or goes.
+    /// Ends a request. Received bytes are kept for the next request, or dropped.
     Leave(ValueId, Rest),
-    /// Which values are wanted, for the next start.
+    /// Stores the requests for the next start.
     Wanted(String),
 }
 
-/// What becomes of the bytes of a value that is not wanted any more.
+/// Treatment of the received bytes after the end of a request.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Rest {
     Stays,
     Goes,
 }
 
-/// What the disk says of values.
+/// Events of the disk about values.
 #[derive(Debug)]
 pub(crate) enum FromValueDisk {
     /// A value can be written: what it is, how long, and which bytes of it are here.
@@ -56,9 +56,9 @@ pub(crate) enum FromValueDisk {
     Here(ValueKey),
     /// A value cannot be fetched: why.
     NotOpened(ValueKey, String),
-    /// A value does not go on: why.
+    /// A value has failed, with the reason.
     Failed(ValueId, String),
-    /// A value is whole and right; or its bytes were another value, and are gone.
+    /// A value is complete and valid, or its bytes have another hash and are dropped.
     Finished(ValueId, bool),
 }
 
@@ -66,7 +66,7 @@ pub(crate) enum FromValueDisk {
 #[derive(Debug)]
 pub(super) struct ValueDisk {
     work: SyncSender<ValueWork>,
-    /// How much waits.
+    /// Length of the queue.
     waiting: Arc<AtomicUsize>,
 }
 
@@ -91,12 +91,12 @@ impl ValueDisk {
         (Self { work, waiting: Arc::default() }, works)
     }
 
-    /// Answers whether there is room for it.
+    /// Returns false if the queue is full.
     pub(super) fn open(&self, key: ValueKey) -> bool {
         self.give(ValueWork::Open(key))
     }
 
-    /// Answers whether there is room for the part.
+    /// Returns false if the queue has no room for the part.
     pub(super) fn write(&self, id: ValueId, offset: u64, bytes: Vec<u8>) -> bool {
         self.waiting.load(Ordering::Acquire) < PARTS_MAX
             && self.give(ValueWork::Write(id, offset, bytes))
@@ -109,7 +109,7 @@ impl ValueDisk {
         }
     }
 
-    /// Answers whether there is room for it.
+    /// Returns false if the queue is full.
     pub(super) fn finish(&self, id: ValueId) -> bool {
         self.give(ValueWork::Finish(id))
     }
@@ -118,7 +118,7 @@ impl ValueDisk {
         self.give(ValueWork::Leave(id, rest));
     }
 
-    /// Keeps which values are wanted.
+    /// Stores the requests.
     pub(super) fn keep_wanted(&self, text: String) {
         self.give(ValueWork::Wanted(text));
     }
@@ -141,7 +141,7 @@ struct Keeper {
     inbox: SyncSender<Input<ToStation>>,
 }
 
-/// What is to be known of a value before it is fetched.
+/// State of a value before the transfer.
 struct WantedValue {
     name: ValueName,
     content: IncomingContent,
@@ -173,7 +173,7 @@ impl Keeper {
                 failed(id, error)
             }
             ValueWork::Note(id, here) => {
-                // What is not noted is sent again.
+                // Bytes without an entry are received again.
                 let ranges = here.ranges().map(RangeInclusive::into_inner);
                 drop(self.open.get(&id)?.note(ranges));
                 None
@@ -190,7 +190,7 @@ impl Keeper {
                 None
             }
             ValueWork::Wanted(text) => {
-                // What is not kept can be fetched again after the next start.
+                // A lost request can be repeated after the next start.
                 drop(replace_file(&self.wanted, text.as_bytes()));
                 None
             }
@@ -211,7 +211,7 @@ impl Keeper {
     }
 }
 
-/// Finds a value in its replica: nothing if it is here.
+/// Looks for a value in its replica. `None` if it is complete.
 fn find(runs: &Path, (run, number): &ValueKey) -> Result<Option<WantedValue>, String> {
     check_run_id(run).map_err(|bad| bad.to_string())?;
     let folder = runs.join(run);

@@ -13,30 +13,30 @@ use std::path::Path;
 use std::sync::mpsc::SyncSender;
 use std::time::Duration;
 
-/// In the folder of a robot: the values that are wanted, for the next start.
+/// File in the folder of a robot with its requests, for the next start.
 const WANTED_FILE: &str = "wanted-values";
 
 /// Said of a value that finds no room at the disk.
 const STUCK: &str = "too much waits for the station's disk: fetch it again";
-/// Rates are those of so long.
+/// Averaging period of rates.
 const RATE_OVER: Duration = Duration::from_secs(2);
 
-/// The large values that are wanted of one robot.
+/// Requested large values of one robot.
 #[derive(Debug)]
 pub(super) struct StationValues {
     robot: String,
     desk: ValueDesk,
     disk: ValueDisk,
-    /// What the disk looks for.
+    /// Values that the disk looks for.
     opening: BTreeMap<ValueKey, Budget>,
     coming: BTreeMap<ValueId, Coming>,
-    /// How many bytes came, how many of them before the rate was measured last, and when that was.
+    /// Received bytes, those before the last measurement, and its time.
     came: u64,
     measured: (u64, Duration),
     per_s: u64,
 }
 
-/// How many bytes of a value may come.
+/// Budget of a value in bytes.
 #[derive(Debug, Clone, Copy)]
 enum Budget {
     /// Beside those that are here.
@@ -46,7 +46,7 @@ enum Budget {
 }
 
 impl Budget {
-    /// How many may still come, if so many are here.
+    /// Remaining budget with this many received bytes.
     fn left(self, here: u64) -> u64 {
         match self {
             Self::More(bytes) => bytes,
@@ -62,12 +62,12 @@ struct Coming {
     length: u64,
     /// Bytes came that are not noted on the disk.
     is_new: bool,
-    /// All of it is here, and the disk looks whether it is right.
+    /// All bytes are received, and the disk verifies them.
     is_whole: bool,
 }
 
 impl StationValues {
-    /// Goes on with the values that were wanted when the station ended.
+    /// Resumes the requests of the previous start.
     pub(super) fn begin(
         name: &str,
         (folder, runs): (&Path, &Path),
@@ -112,7 +112,7 @@ impl StationValues {
         self.opening.insert(key, budget);
     }
 
-    /// The disk says something.
+    /// Applies an event of the disk.
     pub(super) fn hear_disk(&mut self, said: FromValueDisk, session: &mut StationSession) {
         match said {
             FromValueDisk::Opened(key, name, length, here) => {
@@ -199,7 +199,7 @@ impl StationValues {
         self.advance(id, session);
     }
 
-    /// The robot says that it does not come.
+    /// The robot refuses a value.
     pub(super) fn refused(&mut self, id: ValueId, why: NoValue, session: &mut StationSession) {
         let why = match why {
             NoValue::Gone => "the robot does not have it any more",
@@ -240,7 +240,7 @@ impl StationValues {
         self.desk.set_progress(key, ValueFetch { here, budget, failed: Some(why.to_owned()) });
     }
 
-    /// How many bytes of large values come in a second.
+    /// Receive rate of large values in bytes per second.
     pub(super) fn bytes_per_s(&mut self, now: Duration) -> u64 {
         let time = now.saturating_sub(self.measured.1);
         if time >= RATE_OVER {
@@ -251,7 +251,7 @@ impl StationValues {
         self.per_s
     }
 
-    /// Notes what came, and says how far everything is and what more would cost.
+    /// Stores the received ranges, and publishes progress and costs.
     pub(super) fn sync(&mut self, session: &StationSession, rate: LinkRate) {
         self.desk.set_link(&self.robot, rate);
         for (id, coming) in &mut self.coming {
@@ -269,7 +269,7 @@ impl StationValues {
             let progress = session.fetch_progress(*id)?;
             Some((&coming.key, progress.budget.saturating_add(progress.here.count())))
         });
-        // What of a value is here is known once it is open.
+        // The received ranges of a value are known once its file is open.
         let opening = self.opening.iter().map(|(key, budget)| match budget {
             Budget::More(bytes) | Budget::Whole(bytes) => (key, *bytes),
         });

@@ -1,4 +1,4 @@
-//! The stand-in for the runner of a replica: viewers join it over the socket in the run's folder, as they join a runner.
+//! Stand-in for the runner of a replica. Viewers connect to the socket in the run's folder, as with a runner.
 
 use super::watching::ReplicaWatch;
 use crate::words::StationRequest;
@@ -23,16 +23,16 @@ use std::sync::Arc;
 use std::thread;
 use std::time::Duration;
 
-/// So many bytes of events are sent at once, about.
+/// Approximate size of a bundle of events in bytes.
 const BLOCK_BYTES: usize = 64 << 10;
-/// A viewer that does not read for so long is gone.
+/// Write timeout of a viewer.
 const WRITE_TIMEOUT: Duration = Duration::from_secs(30);
 /// Capacity of the frames besides events that wait for a viewer.
 const FRAMES_MAX: usize = 256;
-/// A line of a viewer is at most so long, in bytes.
+/// Longest line of a viewer in bytes.
 const LINE_MAX: u64 = 1 << 20;
 
-/// What a viewer has for the robot, with its id and the end of its validity by this computer's clock.
+/// Command of a viewer for the robot, with its id and its expiry by this computer's clock.
 #[derive(Debug)]
 pub(crate) struct PendingRequest {
     pub(super) id: String,
@@ -40,9 +40,9 @@ pub(crate) struct PendingRequest {
     pub(super) expiry: Option<Expiry>,
     /// It has no expiry, because it only brings the run to its end.
     pub(super) is_lasting: bool,
-    /// It is not carried out before this time, likewise.
+    /// Earliest time of effect by this computer's clock.
     pub(super) not_before: Option<u64>,
-    /// The epoch of authority under which it was decided, if its author says so.
+    /// Epoch of authority of the decision, if its author sent one.
     pub(super) epoch: Option<u64>,
     pub(super) word: StationRequest,
 }
@@ -66,10 +66,10 @@ impl PendingRequest {
     }
 }
 
-/// Passes on what viewers have for the robot, and answers whether there is room for it.
+/// Forwards commands of viewers to the robot. Returns false if the queue is full.
 type Give = dyn Fn(PendingRequest) -> bool + Send + Sync;
 
-/// What viewers are shown.
+/// Content for viewers.
 #[derive(Debug)]
 pub(super) struct Shared {
     folder: PathBuf,
@@ -88,14 +88,14 @@ struct Outgoing {
 struct Shown {
     safe: u64,
     snapshot: Option<Snapshot>,
-    /// How often the snapshot was replaced.
+    /// Number of snapshots so far.
     snapshots: u64,
     link: LinkHealth,
     control: Option<Control>,
     is_closed: bool,
-    /// What viewers watch, and the newest of it.
+    /// Lists of watched values, and the newest values.
     watched: ReplicaWatch,
-    /// What is to be sent to each viewer besides, by the number of the viewer.
+    /// Other frames for each viewer, by the number of the viewer.
     viewers: BTreeMap<u64, Outgoing>,
     next_viewer: u64,
 }
@@ -147,13 +147,13 @@ impl Shared {
         }
     }
 
-    /// The robot says that these are the newest of what is watched.
+    /// Stores the newest watched values from the robot.
     pub(super) fn watched(&self, values: Vec<WatchedValue>) {
         let messages = self.shown.lock().watched.take(values);
         self.send_each(messages);
     }
 
-    /// Whether the robot knows what is watched.
+    /// True if the robot has the list of watched values.
     pub(super) fn set_watching(&self, watching: &Watching) {
         let messages = self.shown.lock().watched.set_watching(watching);
         self.send_each(messages);
@@ -173,7 +173,7 @@ impl Shared {
         self.send_each(messages);
     }
 
-    /// What the robot is to be asked for, if that is something else than before.
+    /// List of watched values for the robot, if it has changed.
     pub(super) fn take_wish(&self) -> Option<Vec<WatchTarget>> {
         self.shown.lock().watched.take_wish()
     }
@@ -202,7 +202,7 @@ impl Shared {
         }
     }
 
-    /// The thread of the viewer sends the frame. A viewer for which too many wait is gone.
+    /// Queues a frame for the thread of the viewer. A viewer with a full queue is disconnected.
     fn send(&self, viewer: u64, frame: Vec<u8>) {
         if let Some(outgoing) = self.shown.lock().viewers.get_mut(&viewer) {
             if outgoing.frames.len() >= FRAMES_MAX {
@@ -227,7 +227,7 @@ impl Shared {
         self.changed.notify_all();
     }
 
-    /// Waits for something that a viewer was not sent; nothing if it is gone.
+    /// Waits for content that a viewer lacks. `None` if it is disconnected.
     fn wait(&self, viewer: u64, next: u64, snapshots: u64) -> Option<News> {
         let mut shown = self.shown.lock();
         loop {
@@ -251,7 +251,7 @@ impl Shared {
     }
 }
 
-/// What a viewer was not sent.
+/// Content that a viewer lacks.
 struct News {
     frames: Vec<Vec<u8>>,
     safe: u64,
@@ -267,7 +267,7 @@ pub(super) struct Viewers {
 }
 
 impl Viewers {
-    /// Lets viewers in; `give` sends a command of theirs, and answers whether there is room for it.
+    /// Accepts viewers. `give` sends their commands and returns false if the queue is full.
     pub(super) fn open(
         folder: &Path,
         shared: Arc<Shared>,
@@ -289,7 +289,7 @@ impl Viewers {
                 else {
                     continue;
                 };
-                // Whoever does not say who they are is no one: the connection ends.
+                // A connection without a greeting ends.
                 let talk = move || drop(welcome(&stream, &here, &*give));
                 drop(thread::Builder::new().name("viewer".to_owned()).spawn(talk));
             }
@@ -339,7 +339,7 @@ fn welcome(stream: &UnixStream, shared: &Arc<Shared>, give: &Give) -> io::Result
     handled
 }
 
-/// Takes what a viewer says until it is gone.
+/// Reads the lines of a viewer until it disconnects.
 fn handle(
     lines: &mut BufReader<UnixStream>,
     viewer: u64,
@@ -355,7 +355,7 @@ fn handle(
             }
             ToRunner::Present { user } => {
                 let id = format!("present-{user}-{}", clock::since_1970_ms());
-                // Who is there says so again.
+                // A present user repeats the notice.
                 let _lost = offer(give, PendingRequest::soon(id, StationRequest::Present(user)));
                 None
             }
@@ -376,7 +376,7 @@ fn handle(
     }
 }
 
-/// What an active state held after the last event that is here; nothing if it was not active, or that cannot be read.
+/// Data of an active state after the last event here. `None` if it was inactive or is unreadable.
 fn state_data(folder: &Path, path: &str) -> Option<StateData> {
     let mut source = EventSource::open(folder).ok()?;
     let moment = source.reader().moment(u64::MAX).ok()?;
@@ -394,7 +394,7 @@ fn offer(give: &Give, word: PendingRequest) -> Option<ToViewer> {
     (!give(word)).then_some(ToViewer::Answer { id, answer: Answer::Refused { reason } })
 }
 
-/// Shows a viewer everything from its cursor on, until it is gone or the replica is closed.
+/// Sends a viewer everything from its cursor on, until it disconnects or the replica closes.
 fn show(out: &mut UnixStream, viewer: u64, join: &Join, shared: &Shared) -> io::Result<()> {
     let mut source = EventSource::open(&shared.folder).map_err(io::Error::other)?;
     let safe = shared.shown.lock().safe;

@@ -1,4 +1,4 @@
-//! What the viewers of a replica watch: the robot is asked for all of it once, and each viewer is sent what it watches.
+//! Watched values of a replica's viewers. The robot receives one list for all, and each viewer receives its own values.
 
 use rafcon_protocol::{ToViewer, WatchKind, WatchTarget, WatchedValue, Watching};
 use std::collections::BTreeMap;
@@ -10,7 +10,7 @@ const MESSAGE_MAX: usize = 256;
 /// Capacity of the list of a viewer. The rest is left out, and counted.
 const TARGETS_MAX: usize = 1_024;
 
-/// What is watched of one run.
+/// Watched values of one run.
 #[derive(Debug, Default)]
 pub(super) struct ReplicaWatch {
     viewers: BTreeMap<u64, Vec<WatchTarget>>,
@@ -26,7 +26,7 @@ pub(super) struct ReplicaWatch {
 }
 
 impl ReplicaWatch {
-    /// A viewer watches this from now on. Answers what it is to be sent: what of it is known.
+    /// Sets the list of a viewer. Returns the known values for it.
     pub(super) fn watch(
         &mut self,
         viewer: u64,
@@ -49,7 +49,7 @@ impl ReplicaWatch {
         self.messages(viewer, &known)
     }
 
-    /// What the robot is to be asked for, if that is something else than before.
+    /// List for the robot, if it has changed.
     pub(super) fn take_wish(&mut self) -> Option<Vec<WatchTarget>> {
         self.is_left_out = false;
         std::mem::take(&mut self.is_wish_new).then(|| self.wish.clone())
@@ -67,7 +67,7 @@ impl ReplicaWatch {
         messages
     }
 
-    /// The robot says that these are the newest; older ones than those that are here change nothing.
+    /// Stores values from the robot. Older values than the present ones are dropped.
     pub(super) fn take(&mut self, values: Vec<WatchedValue>) -> Vec<(u64, ToViewer)> {
         let mut new = Vec::new();
         for value in values {
@@ -87,7 +87,7 @@ impl ReplicaWatch {
         self.viewers.keys().flat_map(|viewer| self.messages(*viewer, &new)).collect()
     }
 
-    /// Whether the robot knows what is watched.
+    /// True if the robot has the list of watched values.
     pub(super) fn set_watching(&mut self, watching: &Watching) -> Vec<(u64, ToViewer)> {
         if self.is_left_out || self.watching == *watching {
             return Vec::new();
@@ -96,7 +96,7 @@ impl ReplicaWatch {
         self.viewers.keys().flat_map(|viewer| self.messages(*viewer, &[])).collect()
     }
 
-    /// What a viewer is told of these values; nothing if it watches nothing.
+    /// Selects these values for a viewer. `None` if it watches none.
     fn messages(&self, viewer: u64, values: &[&WatchedValue]) -> Vec<(u64, ToViewer)> {
         let Some(targets) = self.viewers.get(&viewer) else { return Vec::new() };
         let left_out = u32::try_from(self.left_out).unwrap_or(u32::MAX);
