@@ -11,6 +11,7 @@ pub mod bare;
 pub mod breakpoint;
 pub mod calendar;
 pub mod command;
+pub mod command_list;
 pub mod contacts;
 pub mod document;
 pub mod edit;
@@ -29,6 +30,10 @@ pub mod watched;
 pub use bare::{is_about_values, short_error, without_values};
 pub use breakpoint::{Breakpoint, Scope, Unattended, When};
 pub use command::{Answer, Command, Envelope, Expiry, Given};
+pub use command_list::{
+    BadCommandList, CommandList, ContactTime, LIST_ID, LISTED_MAX, ListFate, ListLine, ListRelease,
+    ListTime, ListTimes, ListedCommand, ReleaseList, list_times,
+};
 pub use contacts::{
     BadContacts, Contact, ContactPlan, ContactWindow, ExpectedTimes, GivenTimes, WINDOWS_MAX,
     wait_for_contact,
