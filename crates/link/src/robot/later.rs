@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use std::time::Duration;
 
 /// So many wait at most.
-pub(super) const LATER_MAX: usize = 64;
+pub(crate) const LATER_MAX: usize = 64;
 pub(super) const TOO_MANY: &str =
     "the robot keeps 64 commands for later already: wait until their time has come";
 

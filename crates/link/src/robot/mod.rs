@@ -16,6 +16,7 @@ mod values;
 mod watched;
 
 pub use bulk::Rank;
+pub(crate) use later::LATER_MAX;
 pub use source::{EventBuffer, RunSource};
 pub(crate) use watched::WISH_BYTES_MAX;
 pub use watched::{NewestValue, VALUE_BYTES_MAX, Wish};

@@ -5,7 +5,7 @@ use crate::frame::{
     Body, COMMAND_LENGTH_MAX, Command, CommandId, CommandState, Frame, PartsHere, Terms,
 };
 use crate::heard::{ClockBounds, drift};
-use crate::robot::now_ms;
+use crate::robot::{LATER_MAX, now_ms};
 use crate::seal::Generation;
 use std::collections::BTreeMap;
 use std::time::Duration;
@@ -70,6 +70,11 @@ pub enum NotSent {
         "{COMMANDS_MAX} commands are on their way to the robot already: wait until it has answered some"
     )]
     TooMany,
+    /// Too many commands of a list are for later.
+    #[error(
+        "the robot keeps {LATER_MAX} commands for later at a time: give some without a time, or in another list after their time has come"
+    )]
+    TooManyLater,
     /// It is empty or longer than the link carries.
     #[error("the command has {0} bytes, and the link carries 1 to {COMMAND_LENGTH_MAX}")]
     TooLong(usize),
@@ -115,6 +120,11 @@ impl RobotTimes {
         }
         Ok(Self { start: clock.start, not_before, not_after })
     }
+
+    /// True if the robot may keep the command for later.
+    pub(super) fn is_later(&self, clock: ClockBounds) -> bool {
+        self.not_before > clock.earliest_ms
+    }
 }
 
 /// The commands whose fate is open.
@@ -145,19 +155,41 @@ impl Commands {
         self.sent.contains_key(&id)
     }
 
-    /// Adds a command; one with more than `whole_max` bytes is sent in parts. One that is on its way already stays as it is.
+    /// Number of commands that the robot may keep for later.
+    pub(super) fn later(&self, clock: ClockBounds) -> usize {
+        self.sent.values().filter(|sent| sent.times.is_later(clock)).count()
+    }
+
+    /// Number of further commands that have room: overdue ones make room for them.
+    pub(super) fn room(&self) -> usize {
+        let overdue = self.sent.values().filter(|sent| sent.is_overdue).count();
+        (COMMANDS_MAX + overdue).saturating_sub(self.sent.len())
+    }
+
+    /// Makes room for this number of commands: drops the oldest overdue ones. If they are too few, none is dropped.
+    pub(super) fn make_room(&mut self, count: usize) -> Result<(), NotSent> {
+        if count > self.room() {
+            return Err(NotSent::TooMany);
+        }
+        let surplus = (self.sent.len() + count).saturating_sub(COMMANDS_MAX);
+        let overdue = self.sent.iter().filter(|(_, sent)| sent.is_overdue);
+        let mut overdue: Vec<_> = overdue.map(|(id, sent)| (sent.first_sent, *id)).collect();
+        overdue.sort_unstable();
+        for (_, id) in overdue.iter().take(surplus) {
+            self.sent.remove(id);
+        }
+        Ok(())
+    }
+
+    /// Adds a command for which room was made; one with more than `whole_max` bytes is sent in parts. One that is on its way already
+    /// stays as it is.
     pub(super) fn add(
         &mut self,
         now: Duration,
         NewCommand { id, epoch, body, .. }: NewCommand,
         times: RobotTimes,
         whole_max: usize,
-    ) -> Result<(), NotSent> {
-        if self.sent.len() >= COMMANDS_MAX && !self.has(id) {
-            let overdue = self.sent.iter().filter(|(_, sent)| sent.is_overdue);
-            let oldest = overdue.min_by_key(|(_, sent)| sent.first_sent).map(|(id, _)| *id);
-            self.sent.remove(&oldest.ok_or(NotSent::TooMany)?);
-        }
+    ) {
         let parts = (body.len() > whole_max).then(CommandParts::default);
         self.sent.entry(id).or_insert(SentCommand {
             epoch,
@@ -170,7 +202,6 @@ impl Commands {
             is_received: false,
             is_overdue: false,
         });
-        Ok(())
     }
 
     /// Takes the robot's answer. A command that it only has is asked for again: the fate may be lost on the way.

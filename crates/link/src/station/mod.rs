@@ -25,7 +25,7 @@ use crate::frame::{
 use crate::heard::{ClockBounds, RobotClock};
 use crate::profile::{CARRIER_OVERHEAD, Profile};
 use crate::range_set::RangeSet;
-use crate::robot::now_ms;
+use crate::robot::{LATER_MAX, now_ms};
 use crate::seal::{Direction, For, Horizon, KeyId, OVERHEAD, PairingKey, SealError};
 use crate::traffic::Traffic;
 use commands::{Commands, RobotTimes};
@@ -602,17 +602,85 @@ impl StationSession {
 
     /// Sends a command until its fate is known or its time is over.
     pub fn command(&mut self, now: Duration, command: NewCommand) -> Result<(), NotSent> {
-        let (length, valid) = (command.body.len(), command.valid);
+        let times = self.times_of(now, &command, self.commands.missing_bytes())?;
+        if !self.commands.has(command.id) {
+            self.commands.make_room(1)?;
+        }
+        self.commands.add(now, command, times, self.command_bytes_max());
+        Ok(())
+    }
+
+    /// Sends all of these commands, or none of them: then the result has a place for each, with the reason if it cannot be sent.
+    pub fn command_all(
+        &mut self,
+        now: Duration,
+        commands: Vec<NewCommand>,
+    ) -> Result<(), Vec<Result<(), NotSent>>> {
+        let times: Vec<_> = self.times_of_all(now, &commands);
+        let is_refused = times.iter().any(Result::is_err);
+        let new = commands.iter().filter(|command| !self.commands.has(command.id)).count();
+        if is_refused || self.commands.make_room(new).is_err() {
+            return Err(times.into_iter().map(|times| times.map(drop)).collect());
+        }
+        let whole_max = self.command_bytes_max();
+        for (command, times) in commands.into_iter().zip(times.into_iter().flatten()) {
+            self.commands.add(now, command, times, whole_max);
+        }
+        Ok(())
+    }
+
+    /// The reason for each of these commands that could not be sent with the others.
+    pub fn check_all(&self, now: Duration, commands: &[NewCommand]) -> Vec<Result<(), NotSent>> {
+        self.times_of_all(now, commands).into_iter().map(|times| times.map(drop)).collect()
+    }
+
+    fn times_of_all(
+        &self,
+        now: Duration,
+        commands: &[NewCommand],
+    ) -> Vec<Result<RobotTimes, NotSent>> {
+        let clock = self.robot_clock(now);
+        let mut later = clock.map_or(0, |clock| self.commands.later(clock));
+        let (mut missing, mut room) = (self.commands.missing_bytes(), self.commands.room());
+        let mut all = Vec::with_capacity(commands.len());
+        for command in commands {
+            let times = self.times_of(now, command, missing);
+            if self.commands.has(command.id) {
+                all.push(times);
+                continue;
+            }
+            if command.body.len() > self.command_bytes_max() {
+                missing += command.body.len() as u64;
+            }
+            let is_later = |times: &RobotTimes| clock.is_some_and(|clock| times.is_later(clock));
+            later += usize::from(times.as_ref().is_ok_and(is_later));
+            all.push(match times {
+                Ok(_) if room == 0 => Err(NotSent::TooMany),
+                Ok(times) if is_later(&times) && later > LATER_MAX => Err(NotSent::TooManyLater),
+                times => times,
+            });
+            room = room.saturating_sub(1);
+        }
+        all
+    }
+
+    /// Times of a command on the robot's clock, behind so many bytes of commands that are sent in parts.
+    fn times_of(
+        &self,
+        now: Duration,
+        NewCommand { valid, wait, body, .. }: &NewCommand,
+        missing: u64,
+    ) -> Result<RobotTimes, NotSent> {
+        let (length, valid) = (body.len(), *valid);
         if length == 0 || length > COMMAND_LENGTH_MAX as usize {
             return Err(NotSent::TooLong(length));
         }
-        let takes = self.transfer_time(length);
+        let takes = self.transfer_time_behind(missing, length);
         if takes > valid {
             return Err(NotSent::TooSlow { bytes: length, takes, valid });
         }
         let clock = self.robot_clock(now).ok_or(NotSent::Unheard)?;
-        let times = RobotTimes::new(clock, command.wait, command.valid)?;
-        self.commands.add(now, command, times, self.command_bytes_max())
+        RobotTimes::new(clock, *wait, valid)
     }
 
     /// Length of a command that fits into one datagram, in bytes: longer ones are sent in parts.
@@ -623,10 +691,14 @@ impl StationSession {
     /// Time that the parts of a command of this length need on the up-link, after those of the commands before, and half a round trip;
     /// zero for one that fits into a datagram.
     pub fn transfer_time(&self, length: usize) -> Duration {
+        self.transfer_time_behind(self.commands.missing_bytes(), length)
+    }
+
+    fn transfer_time_behind(&self, missing: u64, length: usize) -> Duration {
         if length <= self.command_bytes_max() {
             return Duration::ZERO;
         }
-        let bytes = length as u64 + self.commands.missing_bytes();
+        let bytes = length as u64 + missing;
         let datagrams = bytes / self.command_bytes_max() as u64 + 1;
         let bits = datagrams * self.datagram_bits();
         let nanos = bits.saturating_mul(1_000_000_000) / self.profile.up_bits_per_s;

@@ -6,7 +6,7 @@ use crate::endpoint::Identity;
 use crate::frame::{COMMAND_LENGTH_MAX, CommandId, CommandState, StreamId};
 use crate::profile::Profile;
 use crate::range_set::RangeSet;
-use crate::robot::{EventBuffer, RobotSession, RunSource};
+use crate::robot::{EventBuffer, LATER_MAX, RobotSession, RunSource};
 use crate::seal::{KeyId, PairingKey, SenderStart};
 use std::time::Duration;
 
@@ -183,6 +183,58 @@ fn a_new_key_is_used_once_both_sides_have_it_and_the_one_before_until_then() {
     replayed.restore(StreamId(1), RangeSet::default());
     let mut datagram = replayed.transmit(pair.now).expect("room").expect("a report");
     assert!(pair.robot.receive(pair.now, &mut datagram, |_| ()).is_err());
+}
+
+#[test]
+fn of_many_commands_all_are_sent_or_none() {
+    let mut pair = Pair::new();
+    let command = |nth: u16, bytes: usize, wait_ms: u64| {
+        let [low, high] = nth.to_le_bytes();
+        let id = CommandId(std::array::from_fn(|at| if at == 0 { low } else { high }));
+        let (valid, body) = (Duration::from_mins(1), vec![1; bytes]);
+        let wait = (wait_ms > 0).then(|| Duration::from_millis(wait_ms));
+        NewCommand { id, valid, wait, epoch: 0, body }
+    };
+    let list = vec![command(0, 9, 0), command(1, 9, 2_000)];
+    let unheard = Err(vec![Err(NotSent::Unheard); 2]);
+    assert_eq!(pair.station.command_all(pair.now, list.clone()), unheard);
+    pair.go_on(500, true);
+    // One that is too long, or expires before its time, is the fault of the whole list.
+    let bad = vec![command(0, 9, 0), command(1, 0, 0), command(2, 9, 61_000)];
+    let faults = vec![Ok(()), Err(NotSent::TooLong(0)), Err(NotSent::Uncertain)];
+    assert_eq!(pair.station.check_all(pair.now, &bad), faults);
+    assert_eq!(pair.station.command_all(pair.now, bad), Err(faults));
+    pair.go_on(500, true);
+    assert_eq!(pair.carried_out, []);
+    // The bytes of the commands before count in the time that a long one needs.
+    let length = COMMAND_LENGTH_MAX as usize;
+    let alone = pair.station.transfer_time(length);
+    let brief =
+        |nth| NewCommand { valid: alone + Duration::from_nanos(1), ..command(nth, length, 0) };
+    let checked = pair.station.check_all(pair.now, &[brief(0), brief(1)]);
+    assert!(matches!(checked[..], [Ok(()), Err(NotSent::TooSlow { .. })]), "{checked:?}");
+    assert_eq!(pair.station.command_all(pair.now, list.clone()), Ok(()));
+    // What is on its way already needs no room and is not sent again.
+    assert_eq!(pair.station.command_all(pair.now, list.clone()), Ok(()));
+    pair.go_on(3_000, true);
+    assert_eq!(pair.carried_out, [list[0].id, list[1].id]);
+    for command in list {
+        pair.robot.set_command_state(pair.now, command.id, CommandState::Done, "");
+    }
+    pair.go_on(500, true);
+    // The robot keeps a limited number for later.
+    let many: Vec<_> = (10..75).map(|nth| command(nth, 9, 9_000)).collect();
+    let refused = pair.station.command_all(pair.now, many.clone()).expect_err("too many for later");
+    assert_eq!(refused.iter().filter(|it| it.is_err()).count(), many.len() - LATER_MAX);
+    assert_eq!(refused.last(), Some(&Err(NotSent::TooManyLater)));
+    // Without room for all, none is sent.
+    let most = u16::try_from(COMMANDS_MAX).expect("a small number");
+    let many: Vec<_> = (10..most + 11).map(|nth| command(nth, 9, 0)).collect();
+    let refused = pair.station.command_all(pair.now, many.clone()).expect_err("no room");
+    let full = refused.iter().filter(|it| **it == Err(NotSent::TooMany)).count();
+    assert_eq!((full, refused.last()), (1, Some(&Err(NotSent::TooMany))));
+    assert!(many.iter().all(|command| !pair.station.is_open(command.id)));
+    assert_eq!(pair.station.command_all(pair.now, many[1..].to_vec()), Ok(()));
 }
 
 #[test]
