@@ -5,7 +5,9 @@
 use rafcon_protocol::document::{Change, Document};
 use rafcon_protocol::edit::Edit;
 use rafcon_protocol::socket::{ToClient, ToServer};
-use rafcon_protocol::{ContactWindow, Envelope, StateData, api};
+use rafcon_protocol::{
+    CommandList, ContactWindow, Envelope, ListedCommand, ReleaseList, StateData, api,
+};
 use std::collections::BTreeMap;
 use ts_rs::{Config, TS, TypeVisitor};
 
@@ -87,6 +89,8 @@ fn in_requests(words: &mut Words) {
     words.visit::<api::NewUser>();
     words.visit::<api::CheckScript>();
     words.visit::<api::FetchValue>();
+    words.visit::<ListedCommand>();
+    words.visit::<ReleaseList>();
     words.visit::<api::JumpMachine>();
     words.visit::<api::MakePlan>();
     words.visit::<api::PlanPool>();
@@ -119,6 +123,7 @@ fn in_queries(words: &mut Words) {
 
 fn in_answers(words: &mut Words) {
     words.visit::<Document>();
+    words.visit::<CommandList>();
     words.visit::<api::Comparison>();
     words.visit::<api::EarlierHistory>();
     words.visit::<api::EventDetail>();

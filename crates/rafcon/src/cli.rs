@@ -9,7 +9,9 @@ mod serve;
 pub(crate) use kept::{
     Compare, Export, ExportFormat, History, KeptRun, ListRuns, Log, LogLevel, Replay,
 };
-pub(crate) use link::{Contacts, ContactsFormat, Link, LinkProfile, LinkStatus, Pair, Station};
+pub(crate) use link::{
+    CommandList, Contacts, Link, LinkProfile, LinkStatus, ListFormat, Pair, Station,
+};
 pub(crate) use plan::{Plan, Then};
 pub(crate) use remote::{Access, Again, Control, Fetch, KeptRemote, Login, Remote, Wanted};
 pub(crate) use serve::{Role, Serve, State, User, UserAction};
@@ -47,6 +49,7 @@ pub(crate) enum Command {
     Pair(Pair),
     Link(LinkStatus),
     Contacts(Contacts),
+    Commands(CommandList),
     Fetch(Fetch),
     User(User),
     Login(Login),

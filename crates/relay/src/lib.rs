@@ -6,6 +6,8 @@
 mod about;
 mod carrier;
 mod clock;
+mod command_list_file;
+mod command_lists;
 #[cfg(test)]
 mod command_matrix;
 mod contacts;
@@ -30,6 +32,8 @@ mod watch_words;
 mod words;
 
 pub use carrier::{ByteStream, Dial, Secure, StationAddress};
+pub use command_list_file::{CommandListFile, CommandListFileError, StoredList};
+pub use command_lists::{CommandListDesk, CommandListError};
 pub use contacts::{ContactDesk, ContactFile, ContactFileError, ContactsNotSet, KnownContacts};
 pub use desk::{ValueCost, ValueDesk};
 pub use error::RelayError;

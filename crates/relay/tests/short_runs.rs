@@ -7,8 +7,8 @@ use rafcon_link::Profile;
 use rafcon_protocol::api::{Control, ControlMove, ResumeRequest, Right, RobotAnswer, StartRequest};
 use rafcon_protocol::{Command, Event, Outcome};
 use rafcon_relay::{
-    Answered, Authority, ContactDesk, Paired, Pairing, Projects, RequestDesk, RobotSettings,
-    StationAddress, StationSettings, Stopper, ValueDesk, relay_robot, relay_station,
+    Answered, Authority, CommandListDesk, ContactDesk, Paired, Pairing, Projects, RequestDesk,
+    RobotSettings, StationAddress, StationSettings, Stopper, ValueDesk, relay_robot, relay_station,
 };
 use rafcon_storage::journal::{
     About, Batch, Journal, Options, Record, Retention, RunState, Summary, run_folders, size_of,
@@ -138,6 +138,7 @@ impl World {
             desk: ValueDesk::default(),
             server_requests: RequestDesk::default(),
             contacts: ContactDesk::default(),
+            lists: CommandListDesk::new(|_| Right::Command),
             tell: |problem| panic!("{problem}"),
         };
         let stopper = Stopper::default();

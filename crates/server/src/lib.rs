@@ -33,5 +33,5 @@ pub use listen::{AddressFile, ServeError, Server, TlsError, serve, tls_config};
 pub use page_files::PageFiles;
 pub use router::{openapi, router};
 pub use runs::RunAuthority;
-pub use settings::{ContactsFault, NotTaken, Robots, Settings};
+pub use settings::{CommandListFault, ContactsFault, NotTaken, Robots, Settings};
 pub use state::{ServerState, ServerStateError};

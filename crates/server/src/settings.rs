@@ -1,8 +1,8 @@
 //! What a server is started with: values that its program has read from command line and environment.
 
 use crate::page_files::PageFiles;
-use rafcon_protocol::ContactPlan;
-use rafcon_protocol::api::{RobotAnswer, RobotRequest, ValueFetch};
+use rafcon_protocol::api::{ListRequest, RobotAnswer, RobotRequest, ValueFetch};
+use rafcon_protocol::{CommandList, ContactPlan, ListedCommand};
 use rafcon_supervisor::ProgramEnvironment;
 use std::fmt;
 use std::net::{IpAddr, Ipv4Addr, SocketAddr};
@@ -64,6 +64,19 @@ pub enum ContactsFault {
     Storage(String),
 }
 
+/// Reason why the command list of a robot is not known, not set or not released, in words.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum CommandListFault {
+    /// The station does not receive this robot.
+    NotReceived(String),
+    /// The file cannot be used, or the station does not answer.
+    Unavailable(String),
+    /// The list is another one than the one that was reviewed.
+    Changed(String),
+    /// The list is empty, or commands have faults. None was sent.
+    Faulty(String),
+}
+
 /// Requests of a station's server to its robots.
 pub trait Robots: fmt::Debug + Send + Sync {
     /// Asks for a value of `length` bytes of a run of a robot, of which `budget` bytes may be sent. Answers whether that is possible.
@@ -88,6 +101,23 @@ pub trait Robots: fmt::Debug + Send + Sync {
 
     /// Replaces the planned contacts with a robot; blocks until they are on the disk.
     fn set_contacts(&self, robot: &str, plan: ContactPlan) -> Result<(), ContactsFault>;
+
+    /// The command list of a robot, with the state of each command; blocks until the station answers.
+    fn command_list(&self, robot: &str) -> Result<CommandList, CommandListFault>;
+
+    /// Replaces the command list of a robot; blocks until it is on the disk and the station answers.
+    fn set_command_list(
+        &self,
+        robot: &str,
+        commands: Vec<ListedCommand>,
+    ) -> Result<CommandList, CommandListFault>;
+
+    /// Releases the command list of a robot, all of it or nothing; blocks until the commands are queued.
+    fn release_command_list(
+        &self,
+        robot: &str,
+        request: &ListRequest,
+    ) -> Result<CommandList, CommandListFault>;
 
     /// What so many bytes cost on the link to a robot, in bytes, and how long that takes, in ms, if the robot is heard. Nothing if it is
     /// not received here.

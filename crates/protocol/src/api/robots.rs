@@ -63,6 +63,26 @@ pub enum StartOf {
     Again(String, bool),
 }
 
+/// A release of the command list of a robot, between a station's server and its link.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ListRequest {
+    /// Revision of the list that was reviewed.
+    pub revision: String,
+    /// Name of the user, who becomes the author of the commands.
+    pub user: String,
+    /// Knowledge of the server about each line.
+    pub lines: Vec<LineRequest>,
+}
+
+/// Knowledge of a station's server about a line that is to be released.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct LineRequest {
+    /// Fault of the user's rights or of control.
+    pub fault: Option<String>,
+    /// True if the command has an answer, or its run is over: then it is not sent again.
+    pub is_settled: bool,
+}
+
 /// Answer to a request to a robot.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum RobotAnswer {

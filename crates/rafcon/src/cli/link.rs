@@ -116,16 +116,52 @@ pub(crate) struct Contacts {
     #[arg(long, conflicts_with = "set")]
     pub(crate) clear: bool,
     /// Output format; with `json` the output can be set again
-    #[arg(long, value_enum, default_value_t = ContactsFormat::Text)]
-    pub(crate) format: ContactsFormat,
+    #[arg(long, value_enum, default_value_t = ListFormat::Text)]
+    pub(crate) format: ListFormat,
     #[command(flatten)]
     pub(crate) remote: Remote,
 }
 
-/// Output format of planned contacts.
+/// Show, set or release the list of timed commands for a robot.
+///
+/// A list is composed and reviewed before a pass, and released as one: all of its commands are sent, or none. The file is a list in JSON:
+/// `[{"run": "RUN", "command": {"type": "resume"}, "not_before": "2026-11-28T14:05:00Z", "expiry": {"contact": "2026-11-28T14:00:00Z",
+/// "after_s": 900}}]`. A time is in UTC, or counts from the begin of a planned contact; both times may be missing. The further commands of a
+/// run need rising times. A list has at most 100 commands.
+#[derive(Debug, Args)]
+pub(crate) struct CommandList {
+    /// Name of the robot at its station
+    pub(crate) robot: String,
+    /// Replace the list by the one in this file; `-` reads the standard input
+    #[arg(long, value_name = "FILE")]
+    pub(crate) set: Option<PathBuf>,
+    /// Remove the list
+    #[arg(long, conflicts_with = "set")]
+    pub(crate) clear: bool,
+    /// Release the list; with a revision, only if the list still has it
+    ///
+    /// Needs --server. A second release sends the same commands again, as far as their fate is unknown; the robot carries out each
+    /// at most once.
+    #[arg(
+        long,
+        value_name = "REVISION",
+        num_args = 0..=1,
+        require_equals = true,
+        default_missing_value = "",
+        conflicts_with_all = ["set", "clear"]
+    )]
+    pub(crate) release: Option<String>,
+    /// Output format; with `json` the output can be set again
+    #[arg(long, value_enum, default_value_t = ListFormat::Text)]
+    pub(crate) format: ListFormat,
+    #[command(flatten)]
+    pub(crate) remote: Remote,
+}
+
+/// Output format of planned contacts and command lists.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(crate) enum ContactsFormat {
-    /// One line for each contact
+pub(crate) enum ListFormat {
+    /// Lines for people
     Text,
     /// The list in JSON
     Json,

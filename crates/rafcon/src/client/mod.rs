@@ -30,7 +30,9 @@ use rafcon_protocol::api::{
     StartedRun, TokenMade,
 };
 use rafcon_protocol::document::{Document, leave};
-use rafcon_protocol::{ContactWindow, Envelope, StateData};
+use rafcon_protocol::{
+    CommandList, ContactWindow, Envelope, ListedCommand, ReleaseList, StateData,
+};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use socket::Socket;
@@ -94,10 +96,30 @@ impl Server {
         robot: &str,
         windows: &[ContactWindow],
     ) -> Result<Vec<ContactWindow>, Fault> {
-        let token = self.token.text()?;
-        let path = format!("/robots/{}/contacts", escaped(robot));
-        let request = self.request(Method::PUT, &path, token.as_deref())?;
-        Ok(self.http.ask(self.with_body(request, &windows)?)?.body)
+        self.put(&format!("/robots/{}/contacts", escaped(robot)), &windows)
+    }
+
+    /// The command list of a robot of a station.
+    pub(crate) fn command_list(&self, robot: &str) -> Result<CommandList, Fault> {
+        self.get(&format!("/robots/{}/commands", escaped(robot)))
+    }
+
+    /// Replaces the command list of a robot of a station.
+    pub(crate) fn set_command_list(
+        &self,
+        robot: &str,
+        commands: &[ListedCommand],
+    ) -> Result<CommandList, Fault> {
+        self.put(&format!("/robots/{}/commands", escaped(robot)), &commands)
+    }
+
+    /// Releases the command list of a robot of a station.
+    pub(crate) fn release_command_list(
+        &self,
+        robot: &str,
+        release: &ReleaseList,
+    ) -> Result<CommandList, Fault> {
+        self.send(&format!("/robots/{}/commands/release", escaped(robot)), release)
     }
 
     /// How a run stands.
@@ -188,6 +210,12 @@ impl Server {
     ) -> Result<T, Fault> {
         let token = self.token.text()?;
         let request = self.request(Method::POST, path, token.as_deref())?;
+        Ok(self.http.ask(self.with_body(request, body)?)?.body)
+    }
+
+    fn put<T: DeserializeOwned>(&self, path: &str, body: &impl Serialize) -> Result<T, Fault> {
+        let token = self.token.text()?;
+        let request = self.request(Method::PUT, path, token.as_deref())?;
         Ok(self.http.ask(self.with_body(request, body)?)?.body)
     }
 

@@ -4,7 +4,7 @@ use super::kept::out;
 use super::link::folder_of_robot;
 use super::remote;
 use super::serve::state;
-use crate::cli::{self, ContactsFormat};
+use crate::cli::{self, ListFormat};
 use crate::client::Server;
 use crate::environment::Environment;
 use crate::view::{harmless, time};
@@ -42,8 +42,8 @@ pub(super) fn contacts(raw: &cli::Contacts, environment: &Environment) -> Result
     };
     let mut out = out();
     match raw.format {
-        ContactsFormat::Json => writeln!(out, "{}", json(&plan.windows())?)?,
-        ContactsFormat::Text => write!(out, "{}", in_words(&plan, now_ms))?,
+        ListFormat::Json => writeln!(out, "{}", json(&plan.windows())?)?,
+        ListFormat::Text => write!(out, "{}", in_words(&plan, now_ms))?,
     }
     out.flush()?;
     Ok(ExitCode::SUCCESS)
@@ -61,12 +61,17 @@ fn at_server(server: &Server, robot: &str, wanted: Option<&ContactPlan>) -> Resu
 /// The list in a file, or in the standard input.
 fn read(file: &Path) -> Result<ContactPlan> {
     let name = file.display();
-    let source: Box<dyn Read> = match file.to_str() {
-        Some("-") => Box::new(io::stdin()),
-        _ => Box::new(File::open(file).with_context(|| format!("cannot read {name}"))?),
-    };
-    let text = list_text(source).with_context(|| format!("cannot read {name}"))?;
+    let text = list_text(open(file)?).with_context(|| format!("cannot read {name}"))?;
     ContactPlan::of_text(&text).with_context(|| format!("{name} is not used"))
+}
+
+/// A file, or the standard input.
+pub(super) fn open(file: &Path) -> Result<Box<dyn Read>> {
+    if file.to_str() == Some("-") {
+        return Ok(Box::new(io::stdin()));
+    }
+    let opened = File::open(file);
+    Ok(Box::new(opened.with_context(|| format!("cannot read {}", file.display()))?))
 }
 
 fn list_text(source: impl Read) -> Result<String> {

@@ -8,15 +8,16 @@ use crate::failure::complain;
 use anyhow::{Context as _, Result, bail};
 use rafcon_link::Profile;
 use rafcon_protocol::api::{
-    Control, ControlMove, ResumeRequest, Right, RobotAnswer, RobotRequest, StartRequest, ValueFetch,
+    Control, ControlMove, ListRequest, ResumeRequest, Right, RobotAnswer, RobotRequest,
+    StartRequest, ValueFetch,
 };
-use rafcon_protocol::{Command, ContactPlan};
+use rafcon_protocol::{Command, CommandList, ContactPlan, ListedCommand};
 use rafcon_relay::{
-    Answered, Authority, ContactDesk, ContactsNotSet, Paired, Pairing, PairingList, PairingRights,
-    Projects, RequestDesk, RobotSettings, StationSettings, Stopper, ValueCost, ValueDesk,
-    relay_robot, relay_station,
+    Answered, Authority, CommandListDesk, CommandListError, ContactDesk, ContactsNotSet, Paired,
+    Pairing, PairingList, PairingRights, Projects, RequestDesk, RobotSettings, StationSettings,
+    Stopper, ValueCost, ValueDesk, relay_robot, relay_station,
 };
-use rafcon_server::{ContactsFault, NotTaken, Robots, RunAuthority, Settings};
+use rafcon_server::{CommandListFault, ContactsFault, NotTaken, Robots, RunAuthority, Settings};
 use std::fs::{self, OpenOptions};
 use std::io::{self, IsTerminal as _, Write as _};
 use std::net::SocketAddr;
@@ -183,11 +184,39 @@ impl Authority for ServerAuthority {
 }
 
 /// Carries what the station's server asks of its robots to the station.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone)]
 pub(super) struct StationDesk {
     values: ValueDesk,
     requests: RequestDesk,
     contacts: ContactDesk,
+    lists: CommandListDesk,
+}
+
+impl Default for StationDesk {
+    fn default() -> Self {
+        Self {
+            values: ValueDesk::default(),
+            requests: RequestDesk::default(),
+            contacts: ContactDesk::default(),
+            lists: CommandListDesk::new(RunAuthority::right_of),
+        }
+    }
+}
+
+#[expect(clippy::needless_pass_by_value, reason = "it maps the error of a result")]
+fn list_fault(why: CommandListError) -> CommandListFault {
+    let words = why.to_string();
+    match why {
+        CommandListError::NotReceived => CommandListFault::NotReceived(words),
+        CommandListError::Stale => CommandListFault::Changed(words),
+        CommandListError::Empty | CommandListError::Faults(_) => CommandListFault::Faulty(words),
+        CommandListError::File(_)
+        | CommandListError::Busy
+        | CommandListError::NoAnswer
+        | CommandListError::Lost
+        | CommandListError::NotMarked(_)
+        | CommandListError::StaysMarked(_) => CommandListFault::Unavailable(words),
+    }
 }
 
 impl Robots for StationDesk {
@@ -234,6 +263,26 @@ impl Robots for StationDesk {
             ContactsNotSet::NotReceived => ContactsFault::NotReceived(why.to_string()),
             ContactsNotSet::Disk(_) => ContactsFault::Storage(why.to_string()),
         })
+    }
+
+    fn command_list(&self, robot: &str) -> Result<CommandList, CommandListFault> {
+        self.lists.list(robot).map_err(list_fault)
+    }
+
+    fn set_command_list(
+        &self,
+        robot: &str,
+        commands: Vec<ListedCommand>,
+    ) -> Result<CommandList, CommandListFault> {
+        self.lists.set(robot, commands).map_err(list_fault)
+    }
+
+    fn release_command_list(
+        &self,
+        robot: &str,
+        request: &ListRequest,
+    ) -> Result<CommandList, CommandListFault> {
+        self.lists.release(robot, request).map_err(list_fault)
     }
 }
 
@@ -317,6 +366,7 @@ impl Relays {
             desk: desk.values.clone(),
             server_requests: desk.requests.clone(),
             contacts: desk.contacts.clone(),
+            lists: desk.lists.clone(),
             tell: complain,
         };
         let stopper = self.stopper.clone();

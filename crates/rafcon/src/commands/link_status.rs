@@ -10,7 +10,7 @@ use crate::view::{counted, harmless, size, time};
 use anyhow::{Context as _, Result};
 use rafcon_protocol::calendar::utc_text;
 use rafcon_protocol::{
-    ClockOffset, CommandStage, Contact, LinkHealth, LinkReport, LinkRights, LinkTraffic,
+    ClockOffset, CommandStage, Contact, LIST_ID, LinkHealth, LinkReport, LinkRights, LinkTraffic,
     OpenCommand,
 };
 use rafcon_relay::read_reports;
@@ -148,7 +148,10 @@ fn planned_contact(health: &LinkHealth, now_ms: u64) -> String {
 /// When a command is sent and takes effect.
 fn command_line(command: &OpenCommand, is_heard: bool, now_ms: u64) -> String {
     let OpenCommand { id, asks, stage, send_at_ms, effect_ms, .. } = command;
-    let user = harmless(id.split('/').next().unwrap_or(id));
+    let user = match id.strip_prefix(LIST_ID) {
+        Some(_) => "the command list".into(),
+        None => harmless(id.split('/').next().unwrap_or(id)),
+    };
     let until = |ms: u64| spell(ms.saturating_sub(now_ms));
     let sent = match (stage, send_at_ms) {
         (CommandStage::Sent, Some(at_ms)) => {

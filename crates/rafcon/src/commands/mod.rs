@@ -2,6 +2,7 @@
 
 mod attach;
 mod check;
+mod command_list;
 mod compare;
 mod contacts;
 mod control;
@@ -55,6 +56,7 @@ pub(crate) fn main(cli: Cli, environment: &Environment, clock: Clock) -> Result<
         Command::Pair(request) => link::pair(&request, environment),
         Command::Link(request) => link_status::link_status(&request, environment),
         Command::Contacts(request) => contacts::contacts(&request, environment),
+        Command::Commands(request) => command_list::command_list(&request, environment),
         Command::Fetch(request) => fetch::fetch(&request, environment),
         Command::Login(request) => login::login(&request, environment),
         Command::Control(request) => control::control(&request, environment),

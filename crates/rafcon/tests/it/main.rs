@@ -34,6 +34,7 @@ mod signals;
 mod starts;
 mod station;
 mod station_contacts;
+mod station_lists;
 mod station_machines;
 mod station_starts;
 mod station_trouble;

@@ -27,7 +27,11 @@ pub(super) fn lifetime(
             Ok(until(expiry_ms))
         }
         None if given.is_lasting => Ok(until_contact + STOP_LIFETIME),
-        None => Ok(until_contact.max(given.not_before.map(until).unwrap_or_default()) + usual),
+        None => {
+            // The clocks drift until its time, too.
+            let wait = given.not_before.map_or(0, |at_ms| wait_for_contact(now_ms, at_ms));
+            Ok(until_contact.max(Duration::from_millis(wait)) + usual)
+        }
     }
 }
 
@@ -98,6 +102,22 @@ mod tests {
         let drift = |time: Duration| time / 5_000;
         let lost = drift(valid) + drift(wait);
         assert!(valid + Duration::from_secs(3) > wait + usual + lost, "{valid:?}");
+    }
+
+    /// The link adds the drift to the wait and takes it from the lifetime.
+    #[test]
+    fn a_command_for_later_does_not_expire_before_its_time_however_long_it_waits() {
+        let plan = ContactPlan::default();
+        let word = StationRequest::Command(String::new(), String::new(), None, Command::Pause);
+        let soon = PendingRequest::soon("ana/1".to_owned(), word);
+        let wait = Duration::from_hours(24 * 30);
+        let not_before = u64::try_from(wait.as_millis()).ok();
+        let given = PendingRequest { not_before, ..soon };
+        let usual = Duration::from_secs(20);
+        let valid = lifetime(&given, &plan, 0, usual).unwrap();
+        let drift = |time: Duration| time / 5_000;
+        let lost = drift(valid) + drift(wait);
+        assert!(valid + Duration::from_secs(1) > wait + usual + lost, "{valid:?}");
     }
 
     #[test]

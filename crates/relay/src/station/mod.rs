@@ -23,6 +23,7 @@ pub(crate) use robot::default_lifetime;
 
 use crate::carrier::{Secure, open_door};
 use crate::clock::SessionClock;
+use crate::command_lists::CommandListDesk;
 use crate::contacts::ContactDesk;
 use crate::desk::ValueDesk;
 use crate::error::RelayError;
@@ -84,6 +85,8 @@ pub struct StationSettings {
     pub server_requests: RequestDesk,
     /// Planned contacts with the robots.
     pub contacts: ContactDesk,
+    /// Command lists for the robots.
+    pub lists: CommandListDesk,
     /// Told what goes wrong.
     pub tell: fn(&str),
 }

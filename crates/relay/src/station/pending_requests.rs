@@ -148,6 +148,16 @@ impl PendingRequests {
         self.answers.get(&id).cloned().or(overdue)
     }
 
+    /// A command without an answer, with the times that are expected by the planned contacts.
+    pub(super) fn open(
+        &self,
+        id: CommandId,
+        plan: &ContactPlan,
+        now_ms: u64,
+    ) -> Option<OpenCommand> {
+        self.open.get(&id).map(|request| request.expected(plan, now_ms))
+    }
+
     /// True while the answer to a word is awaited.
     pub(super) fn is_open(&self, id: CommandId) -> bool {
         self.open.contains_key(&id)

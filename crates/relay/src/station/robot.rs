@@ -2,6 +2,8 @@
 //!
 //! Long because it joins session, disk and viewers of one robot.
 
+mod lists;
+
 use super::asked::{Asked, is_room};
 use super::disk::{Disk, FromDisk, KeyWork, OpenRun, SettledRun, Work};
 use super::health::{health, run_of};
@@ -17,6 +19,7 @@ use super::viewers::PendingRequest;
 use super::{StationSettings, ToStation};
 use crate::carrier::Carrier;
 use crate::clock::SessionClock;
+use crate::command_lists::CommandListDesk;
 use crate::contacts::{ContactDesk, KnownContacts};
 use crate::desk::LinkRate;
 use crate::error::RelayError;
@@ -88,6 +91,7 @@ pub(super) struct StationRobot {
     values: StationValues,
     server_requests: RequestDesk,
     contacts: ContactDesk,
+    lists: CommandListDesk,
     /// What the robot is asked for of runs.
     watching: BTreeMap<StreamId, Asked>,
     /// The number of the last wish.
@@ -127,6 +131,7 @@ impl StationRobot {
         let whole = kept.whole();
         let disk = Disk::begin(kept).map_err(|source| RelayError::Thread { source })?;
         settings.server_requests.receive(&pairing.robot);
+        settings.lists.receive(&pairing.robot, &folder);
         if let Some(problem) = settings.contacts.receive(&pairing.robot, &folder) {
             (settings.tell)(&format!("robot {}: {problem}", pairing.robot));
         }
@@ -134,6 +139,7 @@ impl StationRobot {
             values,
             server_requests: settings.server_requests.clone(),
             contacts: settings.contacts.clone(),
+            lists: settings.lists.clone(),
             watching: BTreeMap::new(),
             wishes: clock::since_1970_ms(),
             profile: settings.profile.clone(),
@@ -401,6 +407,7 @@ impl StationRobot {
         }
         self.sync_wishes();
         self.send_server_requests();
+        self.answer_list_questions();
         if let Some(round_trip) = self.session.round_trip() {
             self.requests.set_one_way(millis(round_trip) / 2);
         }
@@ -599,33 +606,37 @@ impl StationRobot {
         if self.requests.is_open(id) {
             return;
         }
+        let prepared = self.prepare(stream, given).and_then(|(command, times)| {
+            let sent = self.session.command(self.clock.now(), command);
+            sent.map(|()| times).map_err(|why| why.to_string())
+        });
+        match prepared {
+            Ok(times) => self.requests.add(stream, given, times),
+            Err(reason) => self.answer(stream, &given.id, &RobotAnswer::Refused { reason }),
+        }
+    }
+
+    /// A request as the session sends it, with its times. The error is the reason for a refusal.
+    fn prepare(
+        &self,
+        stream: StreamId,
+        given: &PendingRequest,
+    ) -> Result<(NewCommand, SendTimes), String> {
         let (now, today) = (self.clock.now(), clock::since_1970_ms());
         let known = self.runs.get(&stream).map_or(0, |run| run.epoch);
         let wait = given.not_before.map(|ms| Duration::from_millis(ms.saturating_sub(today)));
         let body = request_words::write(stream, &given.word);
         let transfer = self.session.transfer_time(body.len());
         let usual = default_lifetime(&self.session, now, body.len());
-        let valid = match lifetime(given, &self.contacts().plan, today, usual) {
-            Ok(valid) => valid,
-            Err(reason) => {
-                return self.answer(stream, &given.id, &RobotAnswer::Refused { reason });
-            }
-        };
-        let command = NewCommand { id, valid, wait, epoch: given.epoch.unwrap_or(known), body };
-        if let Err(error) = self.session.command(now, command) {
-            return self.answer(
-                stream,
-                &given.id,
-                &RobotAnswer::Refused { reason: error.to_string() },
-            );
-        }
+        let valid = lifetime(given, &self.contacts().plan, today, usual)?;
         let times = SendTimes {
             sent: today,
             transfer: millis(transfer),
             one_way: self.session.round_trip().map(|round_trip| millis(round_trip) / 2),
             expiry: (!given.is_lasting).then(|| today + millis(valid)),
         };
-        self.requests.add(stream, given, times);
+        let (id, epoch) = (ids::command(&given.id), given.epoch.unwrap_or(known));
+        Ok((NewCommand { id, valid, wait, epoch, body }, times))
     }
 
     /// Sends what the server asks for: these runs have no viewers here.

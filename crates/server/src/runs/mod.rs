@@ -5,6 +5,7 @@
 
 mod at_robot;
 mod authority;
+mod command_lists;
 mod commands;
 mod contacts;
 mod control;

@@ -1,6 +1,6 @@
 //! What is asked about runs: how they begin, stand and are commanded. Knows requests and answers; the work is done next door.
 
-use super::{Run, at_robot, commands, contacts, leftovers, resume, start};
+use super::{Run, at_robot, command_lists, commands, contacts, leftovers, resume, start};
 use crate::access::Who;
 use crate::extract::{Body, Path, Query};
 use crate::gate::blocking;
@@ -35,6 +35,7 @@ pub(crate) fn routes() -> OpenApiRouter<Arc<ServerState>> {
         .routes(routes!(results))
         .routes(routes!(written))
         .merge(contacts::routes())
+        .merge(command_lists::routes())
 }
 
 /// All runs.

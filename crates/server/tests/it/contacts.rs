@@ -2,9 +2,9 @@
 
 use crate::harness::{Answer, TestServer};
 use expect_test::{Expect, expect};
-use rafcon_protocol::ContactPlan;
-use rafcon_protocol::api::{RobotAnswer, RobotRequest, Role, ValueFetch};
-use rafcon_server::{ContactsFault, NotTaken, Robots};
+use rafcon_protocol::api::{ListRequest, RobotAnswer, RobotRequest, Role, ValueFetch};
+use rafcon_protocol::{CommandList, ContactPlan, ListLine, ListRelease, ListedCommand};
+use rafcon_server::{CommandListFault, ContactsFault, NotTaken, Robots};
 use serde_json::{Value, json};
 use std::sync::{Arc, Mutex};
 
@@ -12,7 +12,32 @@ use std::sync::{Arc, Mutex};
 #[derive(Debug, Default)]
 struct OneRobot {
     plan: Mutex<ContactPlan>,
+    commands: Mutex<Vec<ListedCommand>>,
+    /// User who has released the list.
+    released: Mutex<Option<String>>,
     is_disk_full: bool,
+}
+
+impl OneRobot {
+    /// The list, whose revision is the number of its commands.
+    fn list(&self) -> CommandList {
+        let commands = self.commands.lock().unwrap();
+        let line = |listed: &ListedCommand| ListLine {
+            listed: listed.clone(),
+            not_before_ms: None,
+            expires_ms: None,
+            send_at_ms: None,
+            effect_ms: None,
+            fault: None,
+            fate: None,
+        };
+        let user = self.released.lock().unwrap().clone();
+        CommandList {
+            revision: commands.len().to_string(),
+            released: user.map(|user| ListRelease { at_ms: 1, user }),
+            lines: commands.iter().map(line).collect(),
+        }
+    }
 }
 
 impl Robots for OneRobot {
@@ -39,6 +64,40 @@ impl Robots for OneRobot {
         None
     }
 
+    fn command_list(&self, robot: &str) -> Result<CommandList, CommandListFault> {
+        known(robot)
+            .map_err(|_fault| CommandListFault::NotReceived("no such robot here".to_owned()))?;
+        Ok(self.list())
+    }
+
+    fn set_command_list(
+        &self,
+        robot: &str,
+        commands: Vec<ListedCommand>,
+    ) -> Result<CommandList, CommandListFault> {
+        self.command_list(robot)?;
+        if self.is_disk_full {
+            return Err(CommandListFault::Unavailable("the disk is full".to_owned()));
+        }
+        *self.commands.lock().unwrap() = commands;
+        Ok(self.list())
+    }
+
+    fn release_command_list(
+        &self,
+        robot: &str,
+        request: &ListRequest,
+    ) -> Result<CommandList, CommandListFault> {
+        self.command_list(robot)?;
+        let faults = request.lines.iter().filter_map(|line| line.fault.clone());
+        let faults: Vec<_> = faults.collect();
+        if !faults.is_empty() {
+            return Err(CommandListFault::Faulty(faults.join("\n")));
+        }
+        *self.released.lock().unwrap() = Some(request.user.clone());
+        Ok(self.list())
+    }
+
     fn contacts(&self, robot: &str) -> Result<ContactPlan, ContactsFault> {
         known(robot)?;
         Ok(self.plan.lock().unwrap().clone())
@@ -59,7 +118,7 @@ fn known(robot: &str) -> Result<(), ContactsFault> {
     (robot == "scout").then_some(()).ok_or_else(unknown)
 }
 
-fn station(is_disk_full: bool) -> TestServer {
+pub(crate) fn station(is_disk_full: bool) -> TestServer {
     let robots = Arc::new(OneRobot { is_disk_full, ..OneRobot::default() });
     TestServer::with(|settings| settings.robots = Some(robots))
 }

@@ -4,6 +4,7 @@
 
 mod access;
 mod attacks;
+mod command_lists;
 mod contacts;
 mod drafts;
 mod harness;

@@ -192,6 +192,15 @@ export type CommandAnswer = {
   /** Cause, and how to find out. */
   reason: string, });
 
+/** A list of commands at a station, with the state of each. */
+export type CommandList = {
+  /** Revision. Each list that is set has another one. A release names the revision that was reviewed. */
+  revision: string,
+  /** First release. Empty while the list is not released. */
+  released?: ListRelease,
+  /** The commands, in their order. */
+  lines: Array<ListLine>, };
+
 /** Progress of a command that is sent in parts. */
 export type CommandProgress = {
   /** Bytes that the robot has reported. */
@@ -225,6 +234,13 @@ export type Contact = {
   profile: string,
   /** Note of the planner. */
   note?: string, };
+
+/** A time after the begin of a planned contact. */
+export type ContactTime = {
+  /** Begin of the contact in UTC, as in the plan of contacts. */
+  contact: string,
+  /** Seconds after the begin. */
+  after_s: number, };
 
 /** A contact window, as users write it. */
 export type ContactWindow = {
@@ -1138,6 +1154,51 @@ export type LinkRights = "observe" | "command" | "change";
 /** The connection between server and runner. */
 export type LinkState = "up" | "silent" | "stuck" | "down" | "over";
 
+/** Fate of a released command. */
+export type ListFate = { "fate": "open",
+  /** Newest stage that the station knows. */
+  stage: CommandStage, } | { "fate": "answered",
+  /** Answer of the robot or the run. */
+  answer: Answer, };
+
+/** A command of a list at a station. Times are in ms since 1970, UTC, by the station's clock. */
+export type ListLine = {
+  /** The command, as it was set. */
+  listed: ListedCommand,
+  /** Earliest time of effect, if it has one. */
+  not_before_ms?: number,
+  /** Expiry. Before a release, the one that a release now would give. Empty if it is unknown. */
+  expires_ms?: number,
+  /** Begin of the planned contact in which it is sent. Empty if it is sent at the release. */
+  send_at_ms?: number,
+  /** Expected time of effect. Empty if the delay is unknown. */
+  effect_ms?: number,
+  /** Fault and remedy. A list with a fault is not released. */
+  fault?: string,
+  /** Fate after a release. */
+  fate?: ListFate, };
+
+/** Release of a list. */
+export type ListRelease = {
+  /** Time in ms since 1970, UTC, by the station's clock. */
+  at_ms: number,
+  /** Name of the user. */
+  user: string, };
+
+/** A time in a list of commands. */
+export type ListTime = string | ContactTime;
+
+/** A command of a list, as users write it. */
+export type ListedCommand = {
+  /** Id of the run at the station. */
+  run: string,
+  /** Command that the run gets. */
+  command: Command,
+  /** Earliest time of effect. Without it, the command takes effect on arrival. */
+  not_before?: ListTime,
+  /** Expiry. Without it, the default over the link counts. */
+  expiry?: ListTime, };
+
 /** The machine of a run, as its runner has read it. */
 export type LoadedMachine = {
   /** How many states it has. */
@@ -1791,6 +1852,11 @@ export type Refusal = {
   code: string,
   /** For people. */
   message: string, };
+
+/** Release of a list, as a user requests it. */
+export type ReleaseList = {
+  /** Revision of the list that was reviewed. A list that was changed since is not released. */
+  revision: string, };
 
 /** Reads the files of an open machine again. What the machine was before can be had back by an undo. */
 export type ReloadMachine = {

@@ -1,12 +1,14 @@
 //! The lists that a station has of a robot are bounded.
 
 use super::*;
+use crate::command_lists::CommandListDesk;
 use crate::contacts::ContactDesk;
 use crate::desk::ValueDesk;
 use crate::inbox::Inbox;
 use crate::requests::RequestDesk;
 use crate::station::viewers::Shared;
-use rafcon_protocol::WatchKind;
+use rafcon_protocol::api::{ListRequest, Right};
+use rafcon_protocol::{Command, ListedCommand, WatchKind};
 use rafcon_storage::journal::About;
 use std::path::Path;
 use std::sync::Arc;
@@ -25,6 +27,7 @@ fn robot(folder: &Path) -> (StationRobot, Inbox<ToStation>) {
         desk: ValueDesk::default(),
         server_requests: RequestDesk::default(),
         contacts: ContactDesk::default(),
+        lists: CommandListDesk::new(|_| Right::Command),
         tell: |_| {},
     };
     let inbox = Inbox::new();
@@ -106,4 +109,46 @@ fn the_robot_is_asked_for_as_many_runs_as_it_can_watch_and_for_another_once_it_f
     robot.ask();
     assert!(asked(&robot).contains(&last));
     assert_eq!(asked(&robot).len(), watch_words::RUNS_MAX);
+}
+
+#[test]
+fn a_list_is_not_sent_before_the_robot_is_heard_and_each_line_says_so() {
+    let folder = tempfile::tempdir().unwrap();
+    let (mut robot, _inbox) = robot(folder.path());
+    let shared = Shared::new(folder.path().to_owned(), &About::default(), 0, LinkHealth::default());
+    let open = OpenRun { id: "here".to_owned(), safe: 0, shared: Arc::new(shared) };
+    robot.runs.insert(stream(0), StationRun::new(open));
+    let pause = |run: &str| {
+        let run = run.to_owned();
+        ListedCommand { run, command: Command::Pause, not_before: None, expiry: None }
+    };
+    let control = ListedCommand { command: Command::Control { holder: None }, ..pause("here") };
+    let desk = robot.lists.clone();
+    let list = std::thread::scope(|scope| {
+        let list = vec![pause("here"), pause("gone")];
+        let set = std::thread::Builder::new().spawn_scoped(scope, || {
+            let before = desk.set("scout", list).unwrap();
+            let revision = before.revision.clone();
+            let request = ListRequest { revision, user: "ana".to_owned(), lines: Vec::new() };
+            let refused = desk.release("scout", &request).unwrap_err();
+            (before, refused.to_string(), desk.set("scout", vec![control]).unwrap())
+        });
+        let set = set.unwrap();
+        while !set.is_finished() {
+            robot.answer_list_questions();
+            std::thread::yield_now();
+        }
+        set.join().unwrap()
+    });
+    let (before, refused, control) = list;
+    let heard = "the robot was never heard, so no time can be named until which the command is valid: wait until it is heard";
+    let open =
+        "the station has no open run of this robot with this id: write an id of `rafcon runs`";
+    let faults = format!("line 1 (pause of run here): {heard}\nline 2 (pause of run gone): {open}");
+    assert_eq!(before.faults().join("\n"), faults);
+    assert_eq!(refused, format!("nothing was sent, because of these faults:\n{faults}"));
+    assert!(before.lines.iter().all(|line| line.effect_ms.is_none()));
+    let fault = control.lines[0].fault.as_deref();
+    assert_eq!(fault, Some("control is requested, handed over and released, not set"));
+    assert!(robot.requests.commands(None, &robot.session, &robot.contacts().plan, 0).is_empty());
 }
