@@ -22,7 +22,8 @@ export function contactInWords(robot: LinkHealth, now_ms: number): string {
 /** Each command on the way, with the time at which it is sent and takes effect. */
 export function commandsInWords(robot: LinkHealth, now_ms: number): readonly string[] {
   return robot.commands.map((command) => {
-    const user = command.id.split("/", 1)[0];
+    const isListed = command.id.startsWith("//list/");
+    const user = isListed ? "the command list" : command.id.split("/", 1)[0];
     const state = stage(command, robot.is_heard, now_ms);
     return `${commandTypeInWords(command.asks)} of ${user}: ${state}`;
   });

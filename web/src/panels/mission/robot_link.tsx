@@ -5,11 +5,14 @@ import { untilContact_ms, waitForContact_ms } from "../../model/contact_wait.ts"
 import type { ClockOffset, LinkHealth, LinkRights } from "../../model/generated/protocol.ts";
 import type { Watch } from "../../store/history/run.ts";
 import { isGoingOn } from "../../store/run/age.ts";
+import { onDemand } from "../../ui/on_demand.tsx";
 import { useComputed, useSignal } from "../../ui/signals.ts";
 import { useHost } from "../context.tsx";
 import { duration } from "../parts/duration.ts";
 import { commandsInWords, contactInWords } from "./planned_contact.ts";
 import "./robot_link.css";
+
+const CommandList = onDemand(async () => (await import("./command_list.tsx")).CommandListPart);
 
 export function RobotLink({ watch }: { readonly watch: Watch }) {
   const { page } = useHost().context();
@@ -47,6 +50,7 @@ export function RobotLink({ watch }: { readonly watch: Watch }) {
           ))}
         </ul>
       )}
+      <CommandList watch={watch} robot={robot} now_ms={now_ms} />
     </section>
   );
 }

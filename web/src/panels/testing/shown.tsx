@@ -3,7 +3,7 @@
 import { signal } from "@preact/signals-core";
 import type { ReactElement } from "react";
 import { allCommands } from "../../commands/all.ts";
-import { testContext } from "../../commands/testing/context.ts";
+import { type TestContextOptions, testContext } from "../../commands/testing/context.ts";
 import type { RunSummary } from "../../model/generated/protocol.ts";
 import type { MachineSession } from "../../store/document/machine_session.ts";
 import type { Watch } from "../../store/history/run.ts";
@@ -20,10 +20,16 @@ export interface Beside {
   readonly ahead_ms?: number;
   /** The server's time when it was received last: now, if nothing else is given. */
   readonly server_ms?: number;
+  /** Rights, answers of the user and of the server. */
+  readonly options?: TestContextOptions;
 }
 
 export function shown(panel: ReactElement, beside: Beside): HTMLElement {
-  const { page: plain, tab: alone, shell } = testContext(beside.machine ?? "R hierarchy");
+  const {
+    page: plain,
+    tab: alone,
+    shell,
+  } = testContext(beside.machine ?? "R hierarchy", beside.options);
   const session: MachineSession = { ...alone.session, ...beside.session };
   const tab: OpenTab = { ...alone, session, run: signal(beside.watch ?? null) };
   const ahead_ms = beside.ahead_ms ?? 0;
