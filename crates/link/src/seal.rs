@@ -110,7 +110,6 @@ impl Generation {
 }
 
 /// A random number of a sender's start. It is part of the key, so that two computers with copies of one disk never reuse a
-
 /// nonce under one key.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Salt(pub u32);

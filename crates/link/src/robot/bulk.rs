@@ -7,7 +7,6 @@ use crate::frame::StreamId;
 use std::collections::BTreeMap;
 
 /// Without an up-link, one in this many datagrams begins with files that the sent runs need, and one in `AHEAD_TURN` with
-
 /// files for later use. Repeating a whole history has no end.
 const NEEDED_TURN: u64 = 4;
 const AHEAD_TURN: u64 = 16;

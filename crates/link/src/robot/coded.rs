@@ -39,7 +39,6 @@ impl Coding {
     }
 
     /// Reads the offered context if it is new. It is used only if both sides have the same bytes, because the journal may have
-
     /// dropped values.
     pub(super) fn renew(&mut self, stream: StreamId, head: u64, source: &mut impl RunSource) {
         let Some(name) = self.offered.take() else { return };
@@ -80,7 +79,6 @@ impl Coding {
     }
 
     /// Writes the frame of these events if its items have at most `coded_max` bytes, and returns whether they are compressed.
-
     /// Otherwise returns the number of bytes.
     pub(super) fn write(
         &mut self,

@@ -447,7 +447,6 @@ impl Outgoing {
     }
 
     /// Next events to repeat without a report: the least repeated, and the newest of these, because the oldest are reported
-
     /// first.
     fn repeated(&self) -> Option<(RangeInclusive<u64>, u8)> {
         let sent = self.sent.iter().enumerate().filter(|(_, sent)| sent.repeats > 0);

@@ -12,7 +12,6 @@ use crate::profile::Profile;
 use std::time::Duration;
 
 /// Interval of snapshots while the up-link works, in status intervals. The station may need one for reasons unknown to the
-
 /// robot.
 const STATUSES: u32 = 480;
 /// Rounds in which a snapshot is sent without reports before a newer one replaces it. Parts of all rounds complete it.

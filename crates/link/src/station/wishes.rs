@@ -209,7 +209,6 @@ impl StationSession {
     }
 
     /// Requests a large value until it is complete or the request ends. `here` has the received bytes, and at most `budget`
-
     /// bytes are sent. Returns false if the table of requests is full.
     pub fn fetch(&mut self, value: ValueName, length: u64, here: RangeSet, budget: u64) -> bool {
         let is_room = self.wishes.fetches.len() < FETCHES_MAX;
