@@ -1,5 +1,6 @@
 /** The page of a station says what it knows of a robot's run, what it assumes, and what is not the robot's any more. */
 
+import { expect } from "vitest";
 import type { RunSummary } from "../src/model/generated/protocol.ts";
 import type { App } from "./support/app.ts";
 import { journey } from "./support/journey.ts";
@@ -13,7 +14,7 @@ import {
   status,
 } from "./support/mission.ts";
 import { runnersOf } from "./support/runner.ts";
-import { press } from "./support/runs.ts";
+import { answer, press } from "./support/runs.ts";
 import type { Server } from "./support/server.ts";
 import { keepDisk } from "./support/station.ts";
 
@@ -99,6 +100,35 @@ journey(
     await commands.waitFor({ state: "detached" });
     await server.ask("PUT", "/robots/scout/contacts", []);
     await link.getByText("no contact planned").waitFor();
+    await endRun(robot, run);
+  },
+);
+
+journey(
+  "a list of timed commands is reviewed, changed and released by mission control",
+  HERE,
+  async ({ app, server, robot }) => {
+    const run = await startRun(robot, "drives");
+    await untilRun(server, run, ({ phase }) => phase === "live");
+    const in_ms = (ms: number) => new Date(Date.now() + ms).toISOString();
+    await server.ask("PUT", "/robots/scout/commands", [
+      { run, command: { type: "pause" } },
+      { run: "never-was", command: { type: "stop" }, not_before: in_ms(3_600_000) },
+    ]);
+    await openMission(app, "drives");
+    const list = missionOf(app).getByRole("group", { name: "Command list of scout" });
+    await list.getByText("not released").waitFor();
+    await list.getByText(/^Pause: sent at the release, takes effect in /).waitFor();
+    await list.getByText(/the station has no open run of this robot with this id/).waitFor();
+    const release = list.getByRole("button", { name: "Release…" });
+    expect(await release.isDisabled()).toBe(true);
+    await list.getByRole("button", { name: "Remove line 2" }).click();
+    await list.getByText(/never-was/).waitFor({ state: "detached" });
+    await release.click();
+    await answer(app, "Release 1 command to scout?", "Release");
+    await list.getByText(/: released by .* at /).waitFor();
+    await status(app).getByText("paused").waitFor();
+    await list.getByText("Pause: applied").waitFor();
     await endRun(robot, run);
   },
 );
