@@ -127,7 +127,7 @@ fn station_side(socket: &UdpSocket, recorder: &Recorder) {
                 }
             });
             used.unwrap_or_default();
-            let safe = session.progress(STREAM).map_or(0, |(_, events)| events.contiguous());
+            let safe = session.progress(STREAM).map_or(0, |progress| progress.contiguous);
             session.set_safe(STREAM, safe);
         }
     }
