@@ -17,9 +17,15 @@ const STATES: u32 = 1_000_000;
 pub(crate) fn measure() -> Result<()> {
     let speed = |siblings| {
         let program = program(siblings)?;
-        median(|| states_per_s(&program))
+        median(|| Ok::<_, anyhow::Error>(measured(&program)?.states_per_s))
     };
+    let two = program(2)?;
     print("native_flat_states_per_s", speed(2)?, "states/s");
+    print(
+        "native_flat_over_copies",
+        median(|| Ok::<_, anyhow::Error>(measured(&two)?.over_copies))?,
+        "ratio",
+    );
     let hundred = speed(100)?;
     print("native_flat_10000_over_100", speed(10_000)? / hundred, "ratio");
     Ok(())
@@ -50,14 +56,23 @@ fn ring(siblings: usize) -> String {
     format!("{head}  flow .now -> .count\n{links}{states}")
 }
 
+/// Speed of the engine.
+struct Measured {
+    states_per_s: f64,
+    /// Time to copy the events of the run, against the time of the run. No engine that keeps its events is faster than 1.
+    over_copies: f64,
+}
+
 /// Runs the ring until the number is [`STATES`].
-fn states_per_s(program: &Arc<Program<Value>>) -> Result<f64> {
+fn measured(program: &Arc<Program<Value>>) -> Result<Measured> {
     let mut engine = Engine::new(Arc::clone(program));
     let mut history = Vec::with_capacity(4 * STATES as usize);
     let (seconds, ran) = clock::seconds(|| run(&mut engine, &mut history));
     ran?;
     ensure!(engine.states_run() > u64::from(STATES), "the ring ends too early");
-    Ok(f64::from(STATES) / seconds)
+    let mut copies = Vec::with_capacity(4 * STATES as usize);
+    let (copying, ()) = clock::seconds(|| copies.extend(history.iter().cloned()));
+    Ok(Measured { states_per_s: f64::from(STATES) / seconds, over_copies: copying / seconds })
 }
 
 fn run(engine: &mut Engine<Value>, history: &mut Vec<Event<Value>>) -> Result<()> {

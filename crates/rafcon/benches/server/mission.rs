@@ -8,6 +8,7 @@ use rafcon_protocol::api::{EditMachine, MachineDocument};
 use rafcon_protocol::document::Document;
 use rafcon_protocol::edit::Edit;
 use rafcon_protocol::socket::{ToClient, ToServer};
+use rafcon_storage::{Libraries, load};
 use serde_json::json;
 
 /// How often it is opened.
@@ -17,15 +18,20 @@ const EDITS: usize = 200;
 
 pub(crate) fn measure(server: &BenchServer) -> Result<()> {
     server.mission("mission", 10_000)?;
-    let mut times = Vec::new();
+    let (mut times, mut over_load) = (Vec::new(), Vec::new());
     for _ in 0..TIMES {
+        let begun = now_ms();
+        load(&server.path("project/mission"), &Libraries::default())?;
+        let load_ms = now_ms() - begun;
         let begun = now_ms();
         let (machine, _) = open(server, "mission")?;
         times.push(now_ms() - begun);
+        over_load.extend(times.last().map(|open_ms| open_ms / load_ms));
         let close = format!("/api/v1/machines/{machine}/close");
         server.door().ask("POST", &close, Some(&json!({})))?;
     }
     print("server_open_10000_ms", percentile(times, 50)?, "ms");
+    print("server_open_10000_over_load", percentile(over_load, 50)?, "ratio");
     print("server_edit_10000_ms", percentile(edits(server)?, 50)?, "ms");
     Ok(())
 }
