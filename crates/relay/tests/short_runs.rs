@@ -21,10 +21,11 @@ use std::thread::{self, JoinHandle};
 
 /// The runs without the variable: more than the 64 after which a station once kept runs open for ever.
 const RUNS: usize = 100;
-/// So many runs happen before the robot deletes old ones, and the test counts.
+/// Runs before the robot deletes old ones and the test counts: of a test with few runs and of one with many.
 const BATCH: usize = 20;
-/// Both sides start again after so many batches.
-const RESTARTS: usize = 400;
+const LARGE_BATCH: usize = 1_000;
+/// Runs between two restarts of both sides.
+const RESTARTS: usize = 8_000;
 /// The events of a run.
 const EVENTS: u64 = 4;
 /// The disk that a closed run of four events may take.
@@ -229,10 +230,12 @@ fn every_short_run_arrives_and_costs_nothing_once_it_is_closed() {
         .map_or(RUNS, |runs| runs.to_str().unwrap().parse().unwrap());
     let folder = tempfile::tempdir().unwrap();
     let mut world = World::new(folder.path());
+    // A batch takes seconds, whatever its size.
+    let batch_size = (runs / 100).clamp(BATCH, LARGE_BATCH);
     let (mut missing, mut open, mut largest) = (0_u32, 0_u32, 0_u32);
     let (robot_runs, ground_runs) = (world.path("robot-runs"), world.path("ground-runs"));
-    for batch in 1..=runs.div_ceil(BATCH) {
-        let ids = world.run(BATCH.min(runs - world.made));
+    for batch in 1..=runs.div_ceil(batch_size) {
+        let ids = world.run(batch_size.min(runs - world.made));
         world.wait(&ids);
         for id in &ids {
             let summary = Summary::of(&ground_runs.join(id));
@@ -240,10 +243,12 @@ fn every_short_run_arrives_and_costs_nothing_once_it_is_closed() {
             open += u32::from(!matches!(summary.state, RunState::Finished { .. }));
             largest = largest.max(u32::try_from(size_of(&summary.folder)).unwrap());
         }
-        Retention { count: 2 * BATCH, ..Retention::default() }.prune(&robot_runs, 0).unwrap();
+        Retention { count: 2 * batch_size, ..Retention::default() }.prune(&robot_runs, 0).unwrap();
         // The disk of a test has no room for all: what is deleted at the station is not sent again.
-        Retention { count: 20 * BATCH, ..Retention::default() }.prune(&ground_runs, 0).unwrap();
-        if batch % RESTARTS == 1 {
+        Retention { count: 20 * batch_size, ..Retention::default() }
+            .prune(&ground_runs, 0)
+            .unwrap();
+        if batch % (RESTARTS / batch_size).max(2) == 1 {
             world.end();
             world.start();
         }
@@ -264,7 +269,7 @@ fn every_short_run_arrives_and_costs_nothing_once_it_is_closed() {
         println!("{}", serde_json::json!({ "name": name, "value": value, "unit": unit }));
     }
     let kept = run_folders(&ground_runs).unwrap().len();
-    assert_eq!((missing, open, kept), (0, 0, runs.min(20 * BATCH)));
+    assert_eq!((missing, open, kept), (0, 0, runs.min(20 * batch_size)));
     assert!(largest <= u32::try_from(RUN_BYTES).unwrap(), "a run takes {largest} bytes");
     assert!(memory <= 150.0, "{memory} MB");
 }
