@@ -56,7 +56,7 @@ pub(crate) struct ListQuestion {
 }
 
 impl ListQuestion {
-    /// Answers with a report for each line.
+    /// Sends the answer, with a report for each line.
     pub(crate) fn answer(self, reports: Vec<LineReport>) {
         // After a timeout nobody receives it.
         self.reply.send(reports).unwrap_or_default();
@@ -90,7 +90,7 @@ pub enum CommandListError {
     /// The list has no commands.
     #[error("the list is empty: set one first")]
     Empty,
-    /// Commands have faults; none was sent.
+    /// Commands have faults, and none was sent.
     #[error("nothing was sent, because of these faults:\n{}", .0.faults().join("\n"))]
     Faults(Box<CommandList>),
     /// The mark of the release cannot be written.

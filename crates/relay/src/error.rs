@@ -16,7 +16,7 @@ pub enum RelayError {
     Bind {
         /// The address.
         address: SocketAddr,
-        /// Why not.
+        /// Reason of the failure.
         source: io::Error,
     },
     /// Its folder cannot be written.
@@ -24,7 +24,7 @@ pub enum RelayError {
     Folder {
         /// The file.
         path: PathBuf,
-        /// Why not.
+        /// Reason of the failure.
         source: io::Error,
     },
     /// A file in its folder cannot be parsed.
@@ -44,7 +44,7 @@ pub enum RelayError {
         "cannot start a thread for the link: end other programs, or raise the limit of threads"
     )]
     Thread {
-        /// Why not.
+        /// Reason of the failure.
         source: io::Error,
     },
     /// The session has sealed as many datagrams as one start may.

@@ -45,8 +45,8 @@ impl LinkMeter {
         self.unusable_because = Some(why);
     }
 
-    /// How the link is, as far as both sides know that of theirs: what was sent and received so far, and how long ago the other side
-    /// was heard.
+    /// State of the link that both sides know of theirs: sent and received datagrams, and the time since the last datagram of
+    /// the peer.
     pub(crate) fn health(
         &mut self,
         now: Duration,

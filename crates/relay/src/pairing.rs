@@ -46,7 +46,7 @@ impl Pairing {
         Some(Self { robot: robot.to_owned(), station, key_id, key, rights })
     }
 
-    /// Creates another key for the same two sides. `None` without randomness.
+    /// Creates another key for this pairing. `None` without randomness.
     pub fn renewed(&self) -> Option<Self> {
         loop {
             let next = Self::generate(&self.robot, self.station.as_deref())?;

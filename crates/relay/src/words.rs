@@ -103,8 +103,7 @@ impl ReportedRunState {
         Self { fate, holder, since_ms, silence_ms, is_silent, requests, offered_to, epoch }
     }
 
-    /// The control of the run, with names as they are called at the station of this name, which heard this at `now_ms`; none if
-    /// the robot says nothing of it.
+    /// Control of the run with the names of users at this station, received at `now_ms`. `None` if the robot did not report it.
     pub(crate) fn control(&self, station: &str, now_ms: u64) -> Option<Control> {
         let Self { holder, since_ms, silence_ms, is_silent, requests, offered_to, .. } = self;
         let heard_ms = if *is_silent { now_ms.saturating_sub(*silence_ms) } else { now_ms };
@@ -120,8 +119,8 @@ impl ReportedRunState {
     }
 }
 
-/// What whoever speaks at the station of this name is called at the robot: never the name of a user of the robot or of another
-/// station, whatever the station says.
+/// Name at the robot of a user of this station. Whatever the station sends, it never equals the name of a user of the robot or
+/// of another station.
 pub(crate) fn author_at_robot(user: &str, station: &str) -> String {
     // A command on the station's own computer, without its server, is from its owner.
     let user = if user.is_empty() { "owner" } else { user };

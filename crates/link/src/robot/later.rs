@@ -5,7 +5,7 @@ use crate::frame::CommandId;
 use std::collections::BTreeMap;
 use std::time::Duration;
 
-/// So many wait at most.
+/// Capacity in commands.
 pub(crate) const LATER_MAX: usize = 64;
 pub(super) const TOO_MANY: &str =
     "the robot keeps 64 commands for later already: wait until their time has come";

@@ -39,15 +39,15 @@ use std::time::Duration;
 use values::Values;
 use watched::{Behind, WatchedValues};
 
-/// So many wishes wait for whoever runs the session.
+/// Capacity of the list queue.
 const WISHES_MAX: usize = 64;
-/// What became of a command is sent this often, unless the command comes again.
+/// Number of times that a fate is sent, unless the command is repeated.
 const STATE_SENDS: u8 = 3;
-/// So many bytes besides events are in a datagram at most, if it has events that are urgent.
+/// Limit of other bytes in a datagram with urgent events.
 const URGENT_MAX: usize = 64;
-/// So many bytes of the reason of a refusal are sent.
+/// Longest reason of a refusal, in bytes.
 const REASON_MAX: usize = 240;
-/// So many commands are remembered.
+/// Capacity of the command history.
 const COMMANDS_MAX: usize = 1_024;
 
 /// A command of a station. Its id may come again after a restart of either side: the receiver has to know the ids that it has carried out.
@@ -59,7 +59,7 @@ pub struct ReceivedCommand {
     pub epoch: u64,
     /// The last moment at which it may be carried out, in ms of this session.
     pub not_after_ms: u64,
-    /// The first moment, likewise; 0 for at once.
+    /// Earliest time of effect on the same clock. 0 means at once.
     pub not_before_ms: u64,
     /// It came too late, or was for an earlier start: it must not be carried out, and only its fate is asked for.
     pub is_late: bool,
@@ -73,15 +73,15 @@ pub struct RobotSession {
     profile: Profile,
     end: Endpoint,
     sent_at: Option<Duration>,
-    /// The age, at its arrival, of the newest time in a report: the least so far, which is a round trip and what the station waited.
+    /// Smallest age of the newest time in a report at its arrival: a round trip plus the delay of the station.
     report_age: Option<Duration>,
     streams: BTreeMap<StreamId, Outgoing>,
     /// In which order what the station lacks of them is sent.
     bulk: Bulk,
-    /// What the calendar said when this session began, as it is set now: ms since 1970, UTC.
+    /// Start of this session by the present calendar: ms since 1970, UTC.
     calendar_ms: Option<u64>,
     states: BTreeMap<CommandId, SentState>,
-    /// The key that the station is to use next, and when it is told so again.
+    /// Next key of the station, with the time of the next offer.
     offered: Option<(KeyId, PairingKey, Duration)>,
     /// Commands whose time has not come.
     later: Later,
@@ -177,7 +177,7 @@ impl RobotSession {
         }
     }
 
-    /// What of a run is to be known at a glance, and whether it is over.
+    /// Sets the snapshot of a run, and if it is over.
     pub fn set_state(&mut self, stream: StreamId, state: &[u8], is_over: bool) {
         if let Some(stream) = self.streams.get_mut(&stream) {
             stream.set_state(state, is_over);
@@ -198,12 +198,12 @@ impl RobotSession {
         }
     }
 
-    /// The robot's calendar says this now, in ms since 1970, UTC. It may jump.
+    /// Sets the present time of the robot's calendar, in ms since 1970, UTC. It may jump.
     pub fn set_calendar(&mut self, now: Duration, since_1970_ms: u64) {
         self.calendar_ms = Some(since_1970_ms.saturating_sub(now_ms(now)));
     }
 
-    /// What became of a command; why, if it was refused.
+    /// Sets the fate of a command, with the reason of a refusal.
     pub fn set_command_state(
         &mut self,
         now: Duration,
@@ -227,13 +227,13 @@ impl RobotSession {
         }
     }
 
-    /// Offers the station a key, which is on the disk: until it uses it, both sides go on with the one before.
+    /// Offers a stored key to the station. Both sides use the previous one until the station switches.
     pub fn offer_key(&mut self, id: KeyId, key: &PairingKey) {
         self.end.add_key(id, key);
         self.offered = Some((id, key.clone(), Duration::ZERO));
     }
 
-    /// Whether the station uses the key that it was offered.
+    /// True if the station uses the offered key.
     pub fn is_offer_taken(&self) -> bool {
         let offered = self.offered.as_ref().map(|(id, ..)| *id);
         offered.is_some() && offered == self.end.heard_key()
@@ -251,24 +251,24 @@ impl RobotSession {
         self.end.key_id()
     }
 
-    /// The next wish of a station that arrived.
+    /// Returns the next complete list of watched values.
     pub fn take_wish(&mut self) -> Option<Wish> {
         self.wishes.pop_front()
     }
 
-    /// This wish counts, from now on or still: values of it may be set.
+    /// Confirms the list in force, so that its values can be set.
     pub fn set_wish(&mut self, stream: StreamId, number: u64) {
         if self.streams.contains_key(&stream) {
             self.watched.count(stream, number);
         }
     }
 
-    /// The newest of a value that is watched; `key` tells the values of a run apart.
+    /// Sets the newest of a watched value. `key` identifies it within its run.
     pub fn set_watched(&mut self, stream: StreamId, key: u32, value: NewestValue) {
         self.watched.set(stream, key, value);
     }
 
-    /// Whether values of a run are worth more than their events: else they need not be found out.
+    /// True if values of a run are sent in addition to its events, so that a search for them is useful.
     pub fn needs_watched(&self, now: Duration, stream: StreamId) -> bool {
         let behind = self.behind(stream, self.is_heard(now));
         !behind.is_heard || behind.from.is_some()
@@ -279,17 +279,17 @@ impl RobotSession {
         Behind { is_heard, from }
     }
 
-    /// What was heard of the station last, for the disk.
+    /// Latest state of the station, for the disk.
     pub fn horizon(&self) -> Option<Horizon> {
         self.end.horizon()
     }
 
-    /// How long ago the station was heard.
+    /// Time since the last datagram of the station.
     pub fn heard_before(&self, now: Duration) -> Option<Duration> {
         self.end.heard.before(now)
     }
 
-    /// What was sent and received.
+    /// Datagrams and bytes sent and received.
     pub fn traffic(&self) -> (&Traffic, &Traffic) {
         self.end.traffic()
     }
@@ -444,7 +444,7 @@ impl RobotSession {
         if shows_status {
             let calendar = self.calendar_ms.map(|began_ms| Frame::Calendar { began_ms });
             for frame in [self.end.heard.frame(now), calendar].into_iter().flatten() {
-                // What has no room comes with the next status.
+                // The rest is sent with the next status.
                 let length = payload.len();
                 frame.write(&mut payload);
                 if payload.len() > room {
@@ -467,7 +467,7 @@ impl RobotSession {
             return Ok(None);
         }
         self.sent_at = Some(now);
-        // Whoever else has the key, and begins to listen now, learns which start this is with the status.
+        // A new receiver with the key learns the present start from the status.
         let whom = match (is_heard, shows_status) {
             (true, false) => For::Confirmed,
             (true, true) => For::Listener,
@@ -488,7 +488,7 @@ impl RobotSession {
         bulk.max(free_at).min(urgent).min(self.later.due_at()).max(now)
     }
 
-    /// When it says that it is there, if there is nothing else to say: so a station that starts again knows where it is.
+    /// Time of the next keep-alive, from which a restarted station learns the robot's address.
     fn alive_at(&self) -> Duration {
         self.sent_at.map_or(Duration::ZERO, |at| at + self.profile.status_every * 4)
     }
@@ -503,12 +503,12 @@ impl RobotSession {
         urgent.min(self.alive_at()).min(offer)
     }
 
-    /// Whether the station reports what it has.
+    /// True if reports of the station arrive.
     pub fn is_heard(&self, now: Duration) -> bool {
         self.end.heard.before(now).is_some_and(|before| before < self.profile.silence())
     }
 
-    /// How long two full datagrams take.
+    /// Send time of two full datagrams.
     fn slack(&self) -> Duration {
         let bits = self.profile.down_bytes_max as u64 * 2 * 8;
         Duration::from_nanos(bits * 1_000_000_000 / self.profile.down_bits_per_s)

@@ -14,7 +14,7 @@ use std::time::Duration;
 const FIRST_SENDS: u32 = 4;
 /// The time between these.
 const FIRST_EVERY: Duration = Duration::from_millis(50);
-/// The robot is asked what became of a command that it has after so many round trips.
+/// Round trips after which the fate of a received command is requested.
 const ASK_AFTER: u32 = 2;
 /// Longest time between two questions for the fate of an overdue command, unless a round trip takes longer.
 const ASK_EVERY_MAX: Duration = Duration::from_mins(2);
@@ -27,7 +27,7 @@ pub(super) const COMMANDS_MAX: usize = 256;
 pub struct NewCommand {
     /// Its id.
     pub id: CommandId,
-    /// How long it is valid from now on. What has not arrived by then is not carried out.
+    /// Lifetime from now on. A later arrival is not carried out.
     pub valid: Duration,
     /// It is not carried out before this time from now on; at once without one.
     pub wait: Option<Duration>,
@@ -46,7 +46,7 @@ pub struct CommandProgress {
     pub length: u64,
 }
 
-/// Why a command cannot be sent.
+/// Reason why a command cannot be sent.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum NotSent {
     /// The robot's clock, by which the command would expire, is unknown.

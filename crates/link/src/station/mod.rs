@@ -37,9 +37,9 @@ use wishes::Wishes;
 
 /// A report of a run that is over and complete is sent this often after the last news of it.
 const LAST_REPORTS: u8 = 8;
-/// So many gaps a run may have: what would make another one counts as lost.
+/// Capacity of a run in gaps. Events beyond another gap are treated as lost.
 pub(crate) const GAPS_MAX: usize = 4_096;
-/// So many bytes wait at most for the rest of their parts.
+/// Capacity of incomplete items, in bytes.
 pub(crate) const PARTS_MAX: usize = 64 << 20;
 
 /// Bytes of a datagram besides the body of a command.
@@ -47,22 +47,22 @@ const COMMAND_HEAD_MAX: usize = 64;
 /// Part of a command's lifetime that no link needs: the time of a runner that is busy.
 const COMMAND_TIME: Duration = Duration::from_secs(10);
 
-/// What arrived.
+/// Received content.
 #[derive(Debug, PartialEq, Eq)]
 pub enum FromRobot<'b> {
-    /// The robot has started again, or was heard for the first time: what it said before of commands and clocks is void.
+    /// The robot has restarted, or this is its first datagram. Earlier reports of commands and clocks are void.
     Started,
     /// Events of which at least one is new.
     Events(Events<'b>),
-    /// How far a run is.
+    /// Progress of a run.
     Status {
         /// The run.
         stream: StreamId,
         /// The number of its last event.
         head: u64,
-        /// Whether it has ended.
+        /// True if the run has ended.
         is_over: bool,
-        /// What else is known at a glance.
+        /// Snapshot of the run.
         state: &'b [u8],
         /// The hash of all events up to one of the newest.
         chain: Option<EventHash>,
@@ -85,20 +85,20 @@ pub enum FromRobot<'b> {
         /// The key.
         key: PairingKey,
     },
-    /// What became of a command.
+    /// Fate of a command.
     CommandState {
         /// Its id.
         id: CommandId,
-        /// What became of it.
+        /// Fate of the command.
         state: CommandState,
-        /// Why it was refused.
+        /// Reason of a refusal.
         reason: &'b [u8],
     },
     /// The newest values of those that are watched.
     Watched {
         /// The run.
         stream: StreamId,
-        /// The number of the wish that they answer.
+        /// Number of the list in force.
         number: u64,
         /// Each with its name, in the words of the servers.
         values: Vec<Vec<u8>>,
@@ -107,7 +107,7 @@ pub enum FromRobot<'b> {
     ValuePart {
         /// The value.
         id: ValueId,
-        /// Where they begin.
+        /// Offset of the bytes.
         offset: u64,
         /// The bytes.
         bytes: &'b [u8],
@@ -116,7 +116,7 @@ pub enum FromRobot<'b> {
     NoValue {
         /// The value.
         id: ValueId,
-        /// Why.
+        /// Reason of the refusal.
         why: NoValue,
     },
 }
@@ -127,11 +127,11 @@ pub struct StationSession {
     profile: Profile,
     end: Endpoint,
     clock: RobotClock,
-    /// What it was heard of this side last, and how long the way there and back took.
+    /// Last acknowledged datagram of this side, with the round trip.
     round_trip: Option<Duration>,
-    /// The newest time of this session that the robot has heard.
+    /// Newest time of this session that the robot has received.
     reached_ms: Option<u64>,
-    /// What the robot's calendar said when its session began, as it is set now.
+    /// Start of the robot's session by its present calendar.
     calendar_ms: Option<u64>,
     /// The time of the datagram that was received last.
     now: Duration,
@@ -156,7 +156,7 @@ struct Incoming {
     contexts: Contexts,
     coder: LastCoder,
     snapshots: OfferedSnapshots,
-    /// How often it is still to be reported.
+    /// Number of remaining reports.
     reports: u8,
     /// When the robot named it last.
     named_at: Duration,
@@ -209,7 +209,7 @@ impl StationSession {
     /// Settles a stream whose events up to this one are on the disk. A later event opens it again.
     pub fn settle(&mut self, stream: StreamId, events: u64) {
         self.streams.settle(stream, events, false);
-        // One more report, in case all reports so far were lost.
+        // One more report, in case all earlier ones were lost.
         self.has_news |= self.streams.touch_settled(stream, 0);
     }
 
@@ -267,22 +267,22 @@ impl StationSession {
         self.end.key_id()
     }
 
-    /// Whether the robot seals with the same key as this side.
+    /// True if the robot seals with the same key as this side.
     pub fn is_key_confirmed(&self) -> bool {
         self.end.heard_key() == Some(self.end.key_id())
     }
 
-    /// What was heard of the robot last, for the disk.
+    /// Latest state of the robot, for the disk.
     pub fn horizon(&self) -> Option<Horizon> {
         self.end.horizon()
     }
 
-    /// How long ago the robot was heard.
+    /// Time since the last datagram of the robot.
     pub fn heard_before(&self, now: Duration) -> Option<Duration> {
         self.end.heard.before(now)
     }
 
-    /// How long the way to the robot and back takes; unknown without an up-link.
+    /// Round trip to the robot. Unknown without an up-link.
     pub fn round_trip(&self) -> Option<Duration> {
         self.round_trip
     }
@@ -296,7 +296,7 @@ impl StationSession {
         round_trip * 2 + clock.unwrap_or(round_trip) + COMMAND_TIME
     }
 
-    /// How long ago that was sent of which the robot said last that it heard it; nothing if it never did.
+    /// Age of the last datagram that the robot has acknowledged. `None` without any.
     pub fn reached_before(&self, now: Duration) -> Option<Duration> {
         self.reached_ms.map(|at| now.saturating_sub(Duration::from_millis(at)))
     }
@@ -308,7 +308,7 @@ impl StationSession {
         Some((at(clock.earliest_ms), clock.latest_ms.map(at)))
     }
 
-    /// What was sent and received.
+    /// Datagrams and bytes sent and received.
     pub fn traffic(&self) -> (&Traffic, &Traffic) {
         self.end.traffic()
     }
@@ -318,7 +318,8 @@ impl StationSession {
         self.commands.has(id)
     }
 
-    /// Commands that expired since the last call with an unknown fate. The session asks the robot until it answers.
+    /// Commands that expired since the last call with an unknown fate. The session requests their fates until the robot
+    /// answers.
     pub fn take_overdue(&mut self, now: Duration) -> Vec<CommandId> {
         self.commands.take_overdue(self.clock.bounds(now_ms(now)))
     }
@@ -342,7 +343,7 @@ impl StationSession {
         })
     }
 
-    /// How many runs, ranges of their events, and bytes of unfinished things are kept.
+    /// Counts of runs, ranges of their events, and bytes of incomplete items.
     #[cfg(test)]
     pub(crate) fn kept(&self) -> (usize, usize, usize) {
         let open = &self.streams.open;
@@ -543,7 +544,7 @@ impl StationSession {
             return self.take_events(&Events { items: &[], ..*events }, show);
         }
         let Incoming { contexts, coder, .. } = incoming;
-        // What cannot be decoded, because this side started again, counts as lost.
+        // Events that cannot be decoded after a restart of this side are treated as lost.
         let coder = contexts.find(context).map(|items| coder.with(context, items));
         let items = coder.and_then(|coder| coder.decode(events.items, length));
         if let Some(items) = items {
@@ -664,7 +665,7 @@ impl StationSession {
         all
     }
 
-    /// Times of a command on the robot's clock, behind so many bytes of commands that are sent in parts.
+    /// Times of a command on the robot's clock. `missing` counts the unsent bytes of commands in parts before it.
     fn times_of(
         &self,
         now: Duration,
@@ -759,7 +760,7 @@ impl StationSession {
         self.reported_at.map_or(Duration::ZERO, |at| at + every)
     }
 
-    /// After so long an answer can be here.
+    /// Earliest time of an answer.
     fn answer_time(&self) -> Duration {
         self.round_trip.unwrap_or_default().max(self.profile.report_every)
     }

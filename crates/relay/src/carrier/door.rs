@@ -89,8 +89,8 @@ impl Door {
         met.map(drop).inspect_err(|_| guest.close())
     }
 
-    /// The first to go are those over whose connection no robot was heard lately, and of them the oldest of the address that has most
-    /// of them: so whoever comes again and again drives out no one else.
+    /// Connections without a recent datagram of a robot are closed first: the oldest one of the address with most of them, so
+    /// that repeated connections replace only their own.
     fn make_room(&self) {
         let mut guests = self.guests.lock();
         guests.retain(|guest| !guest.is_closed());

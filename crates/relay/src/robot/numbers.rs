@@ -72,7 +72,7 @@ mod tests {
         let mut numbers = RunNumbers::read(path.clone());
         let first = numbers.take("a");
         assert_eq!([first, numbers.take("a")], [ids::events_of("a"); 2]);
-        // Another run with the same hash.
+        // A second run with an equal hash.
         numbers.taken.insert(ids::events_of("b"), 0);
         let second = numbers.take("b");
         assert_eq!(Some(second), ids::streams_of("b").nth(1));

@@ -146,7 +146,7 @@ impl RobotRuns {
         watches: &mut RobotWatches,
         session: &mut RobotSession,
     ) {
-        // A later read may succeed, and the events contain the same.
+        // A later read may succeed, and the events have the data, too.
         let Some(source) = self.run(stream).and_then(RobotRun::open) else { return };
         drop(watches.look(stream, source.reader(), session));
     }
@@ -444,7 +444,7 @@ impl RobotRuns {
         }
     }
 
-    /// Tells who holds control of the runs that continue, as `control` says at this time of the calendar.
+    /// Publishes the control of running runs at this time of the calendar.
     pub(super) fn tell_control(
         &mut self,
         session: &mut RobotSession,
@@ -456,7 +456,7 @@ impl RobotRuns {
         }
     }
 
-    /// Tells the runners when the ground was heard last: machines say what happens without it.
+    /// Sends the time of the last contact to the runners, because machines define their behaviour without it.
     pub(super) fn tell_ground(&mut self, now: Duration, heard: Option<Duration>) {
         for runner in self.all.values_mut().filter_map(|run| run.runner.as_mut()) {
             runner.tell_ground(now, heard);
@@ -495,7 +495,7 @@ impl RobotRuns {
         moment.whole().answer(command).cloned()
     }
 
-    /// How much of each run the station has, as far as it said so.
+    /// Reported progress of each run at the station.
     pub(super) fn progress(&self, session: &RobotSession) -> Vec<LinkRun> {
         let run = |(id, run): (&String, &RobotRun)| {
             let (head, missing) = session.progress(run.events)?;
@@ -627,7 +627,7 @@ impl RobotRun {
         }
     }
 
-    /// Tells how it stands, if that is news.
+    /// Publishes its state if it has changed.
     fn tell(&mut self, reported: ReportedRunState, session: &mut RobotSession) {
         if reported != self.reported {
             let is_over = matches!(reported.fate, RunFate::Finished | RunFate::Removed);
@@ -668,7 +668,7 @@ impl RunSource for RobotRuns {
         let now = self.clock.now();
         let run = self.run(stream).filter(|_| !ids::is_about(stream))?;
         let (snapshot, told) = run.snapshot.as_ref()?;
-        // Its runner says something only when something changes: the time went on since.
+        // The runner sends changes only, so that the elapsed time is added.
         let since_ms =
             if run.fate == RunFate::Live { millis(now.saturating_sub(*told)) } else { 0 };
         Some((snapshot.sequence, snapshot_words::write(snapshot, since_ms)?))

@@ -121,7 +121,7 @@ struct Todo {
 }
 
 impl Disk {
-    /// Starts the thread that stores these runs. `tell` receives its events.
+    /// Starts the thread that stores these runs. Its events go to `tell`.
     pub(super) fn begin(mut runs: KeptRuns) -> io::Result<Self> {
         let queue = Arc::<Queue>::default();
         let theirs = Arc::clone(&queue);

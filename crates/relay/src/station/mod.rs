@@ -44,17 +44,17 @@ use std::time::Duration;
 use value_disk::FromValueDisk;
 use viewers::PendingRequest;
 
-/// The runs are looked at this often: what is complete is closed, and viewers are shown how the link is.
+/// Interval of run scans: complete runs are closed, and viewers receive the state of the link.
 const LOOK_EVERY: Duration = Duration::from_millis(250);
-/// What was heard is kept this often.
+/// Interval at which the state of the link is stored.
 const KEEP_EVERY: Duration = Duration::from_secs(10);
 
-/// So many ports are tried if any will do.
+/// Number of ports to try if any port is accepted.
 const TRIES: usize = 16;
 
 /// Pairings of a station. It reads them every second, so that it receives a robot that was paired after its start.
 pub trait PairingList: fmt::Debug + Send + Sync {
-    /// All pairings. An error says what cannot be read.
+    /// All pairings, or the pairing that cannot be read.
     fn read(&self) -> Result<Vec<Paired>, String>;
 }
 
@@ -64,22 +64,22 @@ impl PairingList for Vec<Paired> {
     }
 }
 
-/// What a station's relay needs.
+/// Settings of a station's relay.
 #[derive(Debug, Clone)]
 pub struct StationSettings {
     /// The folder for its files, one for each robot.
     pub folder: PathBuf,
     /// The folder for the replicas.
     pub runs: PathBuf,
-    /// What it shares with its robots.
+    /// Pairings with its robots.
     pub pairings: Arc<dyn PairingList>,
-    /// Where it receives: by UDP, and over a WebSocket at the same port of TCP.
+    /// Address for UDP and, at the same port of TCP, for WebSockets.
     pub bind: SocketAddr,
     /// Speaks TLS with robots that ask for it.
     pub tls: Option<Arc<dyn Secure>>,
-    /// What is known of the link.
+    /// Profile of the link.
     pub profile: Profile,
-    /// Where large values are asked for.
+    /// Requests for large values.
     pub desk: ValueDesk,
     /// Requests of the server to start and resume runs.
     pub server_requests: RequestDesk,
@@ -101,18 +101,18 @@ pub(crate) struct GivenCommand {
     word: PendingRequest,
 }
 
-/// What the station's own threads say to it.
+/// Message of the station's own threads.
 #[derive(Debug)]
 pub(crate) enum ToStation {
-    /// Of a viewer.
+    /// Message of a viewer.
     Given(GivenCommand),
-    /// Of the disk, about the robot of this number.
+    /// Message of the disk, about the robot of this number.
     Disk(usize, FromDisk),
-    /// Of the disk, about large values of the robot of this number.
+    /// Message of the disk, about large values of the robot of this number.
     Values(usize, FromValueDisk),
 }
 
-/// Receives robots, by UDP and at the same port by TCP; answers where.
+/// Receives robots by UDP and, at the same port, TCP. Returns the address.
 fn receive(
     settings: &StationSettings,
     inbox: &Inbox<ToStation>,
@@ -184,7 +184,7 @@ impl PairedRobots {
     }
 }
 
-/// A port of UDP and the same of TCP.
+/// Binds a port of UDP and the same port of TCP.
 fn bind_both(address: SocketAddr) -> io::Result<(UdpSocket, TcpListener)> {
     let mut tries = 0;
     loop {

@@ -1,4 +1,4 @@
-//! Requests of viewers to the robot that have no answer yet, and the last answers.
+//! Open requests of viewers to the robot, and the last answers.
 
 use super::viewers::PendingRequest;
 use crate::ids;
@@ -11,12 +11,12 @@ use std::collections::{BTreeMap, VecDeque};
 /// Capacity of the kept answers. Beyond it, the oldest is dropped; a viewer that asks again makes the station ask the robot.
 const ANSWERS_MAX: usize = 1_024;
 
-/// Requests without an answer, and the last answers.
+/// Open requests, and the last answers.
 #[derive(Debug, Default)]
 pub(super) struct PendingRequests {
     open: BTreeMap<CommandId, OpenRequest>,
     answers: BTreeMap<CommandId, RobotAnswer>,
-    /// Ids of `answers`, the oldest first.
+    /// Ids in `answers`, the oldest first.
     answered: VecDeque<CommandId>,
 }
 

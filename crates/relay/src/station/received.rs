@@ -1,4 +1,4 @@
-//! What a datagram of a robot had, in the words of the station, and what of it comes before its run is open.
+//! Content of a robot's datagram in the types of the station, and the content that arrives before its run is open.
 
 use super::disk::OpenRun;
 use super::viewers::Shared;

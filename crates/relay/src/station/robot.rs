@@ -59,18 +59,18 @@ const ASK_EVERY: Duration = Duration::from_secs(1);
 
 pub(super) struct StationRobot {
     name: String,
-    /// What this station is called at the robot.
+    /// Name of this station at the robot.
     station: String,
     tell: fn(&str),
     session: StationSession,
     clock: SessionClock,
     meter: LinkMeter,
-    /// Why the last datagram is not of this robot.
+    /// Reason why the last datagram is not of this robot.
     rejected: Option<Rejected>,
-    /// What carried the newest datagram of the robot.
+    /// Transport of the newest datagram of the robot.
     carrier: Option<Carrier>,
     disk: Disk,
-    /// What is wrong with the disk.
+    /// Fault of the disk.
     problem: Option<String>,
     /// The runs that are open to viewers.
     runs: BTreeMap<StreamId, StationRun>,
@@ -78,7 +78,7 @@ pub(super) struct StationRobot {
     refused: BTreeMap<StreamId, String>,
     /// Number of further refused runs.
     refused_more: u64,
-    /// Which hashes were compared last, and when the robot told them.
+    /// Last compared hashes, with the times of the robot's reports.
     checked: BTreeMap<StreamId, (u64, u64)>,
     in_order: InOrder,
     early: Early,
@@ -86,15 +86,15 @@ pub(super) struct StationRobot {
     new: Option<Pairing>,
     /// This station's pairing with the robot.
     pairing: Pairing,
-    /// What was given for the robot and whose fate is open.
+    /// Requests to the robot with an open fate.
     requests: PendingRequests,
     values: StationValues,
     server_requests: RequestDesk,
     contacts: ContactDesk,
     lists: CommandListDesk,
-    /// What the robot is asked for of runs.
+    /// Lists of watched values at the robot.
     watching: BTreeMap<StreamId, Asked>,
-    /// The number of the last wish.
+    /// Number of the last list.
     wishes: u64,
     profile: Profile,
 }
@@ -215,7 +215,7 @@ impl StationRobot {
         }
     }
 
-    /// The disk's thread says something.
+    /// Applies an event of the disk's thread.
     pub(super) fn hear_disk(&mut self, said: FromDisk) {
         match said {
             FromDisk::Opened(stream, open) => self.opened(stream, open),
@@ -289,7 +289,7 @@ impl StationRobot {
         }
     }
 
-    /// Sends what is due; answers when something will be.
+    /// Sends due datagrams. Returns the time of the next one.
     pub(super) fn send(&mut self) -> Result<Duration, RelayError> {
         while let Some(datagram) = self.session.transmit(self.clock.now())? {
             if let Some(carrier) = &self.carrier {
@@ -299,7 +299,7 @@ impl StationRobot {
         Ok(self.session.next_transmit(self.clock.now()))
     }
 
-    /// Takes a datagram; answers whether it is of this robot.
+    /// Applies a datagram. Returns false if it is of another robot.
     pub(super) fn receive(&mut self, from: &Carrier, datagram: &[u8]) -> bool {
         let (now, mut received) = (self.clock.now(), Vec::new());
         let before = self.session.horizon();
@@ -309,7 +309,7 @@ impl StationRobot {
         match taken {
             Ok(()) => {
                 from.note_heard();
-                // What was held up on an old way says nothing of it.
+                // A delayed datagram of an old connection does not change it.
                 if self.carrier.is_none() || self.session.horizon() != before {
                     self.carrier = Some(from.clone());
                 }
@@ -445,7 +445,7 @@ impl StationRobot {
         health(&mut self.meter, &self.session, contacts, self.clock.now())
     }
 
-    /// How the link is.
+    /// State of the link.
     pub(super) fn report(&mut self) -> LinkReport {
         let run = |(stream, run): (&StreamId, &StationRun)| run_of(&self.session, *stream, &run.id);
         let runs = self.runs.iter().map(run).collect();
@@ -462,7 +462,7 @@ impl StationRobot {
         LinkReport { problems: problems.chain(more).chain(crowded).collect(), ..report }
     }
 
-    /// Keeps what was heard, for the next start.
+    /// Stores the state of the link for the next start.
     pub(super) fn keep(&mut self) {
         self.disk.keep_heard(self.session.key_id(), self.session.horizon());
     }
@@ -488,7 +488,7 @@ impl StationRobot {
         }
     }
 
-    /// A run stands like this on the robot.
+    /// Applies the reported state of a run.
     fn reported(&mut self, stream: StreamId, reported: ReportedRunState) {
         let head = self.session.progress(stream).map_or(0, |progress| progress.head);
         let is_waiting = !self.in_order.is_empty(stream);
@@ -520,7 +520,7 @@ impl StationRobot {
         is_open && !stream.is_files() && !ids::is_about(stream)
     }
 
-    /// The disk's thread for large values says something.
+    /// Applies an event of the disk's thread for large values.
     pub(super) fn hear_value_disk(&mut self, said: FromValueDisk) {
         self.values.hear_disk(said, &mut self.session);
     }
@@ -706,7 +706,7 @@ fn run_of_stream(stream: StreamId) -> StreamId {
     if stream.is_files() { stream } else { ids::events_beside(stream) }
 }
 
-/// Whether all that the robot has said about a run besides its events is here.
+/// True if the whole description of a run has arrived.
 fn has_machines(session: &StationSession, events: StreamId) -> bool {
     let about = session.progress(ids::about_beside(events));
     about.is_some_and(|about| about.contiguous >= about.head)

@@ -27,7 +27,7 @@ pub(super) struct StationValues {
     robot: String,
     desk: ValueDesk,
     disk: ValueDisk,
-    /// Values that the disk looks for.
+    /// Values that are being searched on the disk.
     opening: BTreeMap<ValueKey, Budget>,
     coming: BTreeMap<ValueId, Coming>,
     /// Received bytes, those before the last measurement, and its time.

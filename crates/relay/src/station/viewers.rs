@@ -88,7 +88,7 @@ struct Outgoing {
 struct Shown {
     safe: u64,
     snapshot: Option<Snapshot>,
-    /// Number of snapshots so far.
+    /// Number of earlier snapshots.
     snapshots: u64,
     link: LinkHealth,
     control: Option<Control>,
