@@ -197,15 +197,12 @@ fn keep_holder(run: &Arc<Run>) {
     drop(tokio::task::spawn_blocking(move || run.keep_holding()));
 }
 
-/// Lets the runner note down who commands from now on. Without a link there is no one who could be commanded.
+/// Sends the runner a note of the new control, for the journal.
 fn note(run: &Run, user: &str, (holder, epoch): (Option<&str>, u64)) {
-    let Some(link) = run.link() else { return };
     let (now_ms, number) = (clock::since_1970_ms(), run.next_note());
     let command = Command::Control { holder: holder.map(str::to_owned) };
     let id = format!("control-{now_ms}-{number}");
-    let envelope = Envelope { epoch: Some(epoch), ..Envelope::new(id, user, command) };
-    // Its answer says nothing that is not known.
-    drop(link.send(&envelope));
+    run.send_note(Envelope { epoch: Some(epoch), ..Envelope::new(id, user, command) });
 }
 
 /// Stops a run, whatever its runner does: if that does not answer in time, its process is ended.

@@ -31,6 +31,17 @@ struct Waiting {
     answers: BTreeMap<String, Vec<oneshot::Sender<Answer>>>,
 }
 
+/// Connection to the runner of a run, which comes and goes.
+#[derive(Debug, Default)]
+pub(super) struct RunnerLink(Mutex<HeldLink>);
+
+#[derive(Debug, Default)]
+struct HeldLink {
+    link: Option<Arc<Link>>,
+    /// Note about control that waits for a connection.
+    note: Option<Envelope>,
+}
+
 /// Why a command is not on its way.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum NotSent {
@@ -62,6 +73,44 @@ pub(super) async fn follow(run: &Run, is_up: impl FnOnce()) -> Result<(), LinkEr
     link.close();
     writer.abort();
     end
+}
+
+impl RunnerLink {
+    pub(super) fn get(&self) -> Option<Arc<Link>> {
+        self.0.lock().link.clone()
+    }
+
+    /// Takes a connection, and sends the note that waits for one.
+    pub(super) fn connect(&self, link: &Arc<Link>) {
+        let note = {
+            let mut held = self.0.lock();
+            held.link = Some(Arc::clone(link));
+            held.note.take()
+        };
+        if let Some(note) = note {
+            self.send_note(note);
+        }
+    }
+
+    pub(super) fn disconnect(&self) {
+        self.0.lock().link = None;
+    }
+
+    /// Sends a note about control. Without a connection, the newest note waits for the next one.
+    pub(super) fn send_note(&self, note: Envelope) {
+        let link = {
+            let mut held = self.0.lock();
+            let Some(link) = &held.link else {
+                held.note = Some(note);
+                return;
+            };
+            Arc::clone(link)
+        };
+        // The answer has nothing new.
+        if link.send(&note).is_err() {
+            self.0.lock().note = Some(note);
+        }
+    }
 }
 
 impl Link {
@@ -194,10 +243,41 @@ fn said(content: &[u8], run: &Run, link: &Link) {
 
 #[cfg(test)]
 mod tests {
-    use super::{COMMANDS_MAX, Link, NotSent, Waiting};
+    use super::{COMMANDS_MAX, Link, NotSent, RunnerLink, Waiting};
     use rafcon_locks::Mutex;
     use rafcon_protocol::{Command, Envelope};
+    use std::sync::Arc;
     use tokio::sync::mpsc;
+
+    #[test]
+    fn a_note_without_a_connection_is_sent_over_the_next_one_and_only_the_newest() {
+        let runner = RunnerLink::default();
+        let note = |id: &str| {
+            let command = Command::Control { holder: Some("anna".to_owned()) };
+            runner.send_note(Envelope::new(id, "anna", command));
+        };
+        let connect = || {
+            let (out, outgoing) = mpsc::channel(COMMANDS_MAX);
+            runner.connect(&Arc::new(Link { out, waiting: Mutex::new(Waiting::default()) }));
+            outgoing
+        };
+        let sent = |outgoing: &mut mpsc::Receiver<Vec<u8>>| {
+            let ids = std::iter::from_fn(|| outgoing.try_recv().ok()).map(|line| {
+                let line: serde_json::Value = serde_json::from_slice(&line).unwrap();
+                line["id"].as_str().unwrap().to_owned()
+            });
+            ids.collect::<Vec<_>>().join(" ")
+        };
+        ["one", "two"].into_iter().for_each(note);
+        let mut first = connect();
+        note("three");
+        assert_eq!(sent(&mut first), "two three");
+        drop(first);
+        // It fails while the connection ends, and waits.
+        note("four");
+        runner.disconnect();
+        assert_eq!(sent(&mut connect()), "four");
+    }
 
     #[test]
     fn a_runner_that_reads_nothing_is_sent_a_limited_number_of_commands() {

@@ -4,7 +4,7 @@
 
 use super::control::Holding;
 use super::folder_files;
-use super::link::Link;
+use super::link::{Link, RunnerLink};
 use super::pace::Pace;
 use super::pulse::Onlookers;
 use super::ring::Ring;
@@ -14,7 +14,7 @@ use rafcon_locks::Mutex;
 use rafcon_protocol::api::{
     Control, LinkState, LoadedMachine, RunNow, RunPhase, RunSummary, RunWait,
 };
-use rafcon_protocol::{EnginePulse, Event, LinkHealth, Snapshot};
+use rafcon_protocol::{EnginePulse, Envelope, Event, LinkHealth, Snapshot};
 use rafcon_storage::journal::{Broken, size_of};
 use rafcon_supervisor::Exit;
 use rafcon_supervisor::clock::{self, CalendarSteps};
@@ -39,7 +39,7 @@ pub(crate) struct Run {
     ring: Ring,
     pace: Pace,
     now: watch::Sender<Arc<RunNow>>,
-    link: Mutex<Option<Arc<Link>>>,
+    link: RunnerLink,
     /// How its process ends, if it is one of ours.
     exit: Mutex<Option<oneshot::Receiver<Exit>>>,
     holding: Mutex<Holding>,
@@ -98,7 +98,7 @@ impl Run {
             calendar: Mutex::new(CalendarSteps::from(clock::since_boot(), now_ms)),
             pace: Pace::new(),
             now: watch::Sender::new(Arc::new(now)),
-            link: Mutex::new(None),
+            link: RunnerLink::default(),
             exit: Mutex::new(None),
             holding: Mutex::new(holding),
             silence,
@@ -182,7 +182,7 @@ impl Run {
 
     /// The way to its runner, if there is one.
     pub(super) fn link(&self) -> Option<Arc<Link>> {
-        self.link.lock().clone()
+        self.link.get()
     }
 
     /// The way to its runner, as soon as there is one; none if the run is over, or it takes too long.
@@ -235,7 +235,7 @@ impl Run {
     }
 
     pub(super) fn set_link(&self, link: &Arc<Link>) {
-        *self.link.lock() = Some(Arc::clone(link));
+        self.link.connect(link);
         self.change(|now| {
             now.link = LinkState::Up;
             now.runner_heard_ms = Some(clock::since_1970_ms());
@@ -243,9 +243,14 @@ impl Run {
         });
     }
 
+    /// Sends a note about control to the runner. Without a connection the newest note waits for the next one.
+    pub(super) fn send_note(&self, note: Envelope) {
+        self.link.send_note(note);
+    }
+
     /// The link is gone; the runner was heard last then.
     pub(super) fn clear_link(&self, heard_ms: u64) {
-        *self.link.lock() = None;
+        self.link.disconnect();
         self.change(|now| (now.link, now.runner_heard_ms) = (LinkState::Down, Some(heard_ms)));
     }
 
