@@ -73,7 +73,7 @@ pub struct StationSettings {
     pub runs: PathBuf,
     /// Pairings with its robots.
     pub pairings: Arc<dyn PairingList>,
-    /// Address for UDP and, at the same port of TCP, for WebSockets.
+    /// Address for UDP and, at the same port of TCP, for a WebSocket.
     pub bind: SocketAddr,
     /// Speaks TLS with robots that ask for it.
     pub tls: Option<Arc<dyn Secure>>,
