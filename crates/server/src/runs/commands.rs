@@ -197,8 +197,11 @@ fn keep_holder(run: &Arc<Run>) {
     drop(tokio::task::spawn_blocking(move || run.keep_holding()));
 }
 
-/// Sends the runner a note of the new control, for the journal.
+/// Sends the runner of a live run a note of the new control, for the journal.
 fn note(run: &Run, user: &str, (holder, epoch): (Option<&str>, u64)) {
+    if !run.is_live() {
+        return;
+    }
     let (now_ms, number) = (clock::since_1970_ms(), run.next_note());
     let command = Command::Control { holder: holder.map(str::to_owned) };
     let id = format!("control-{now_ms}-{number}");
