@@ -113,7 +113,7 @@ pub(crate) fn script_ended(py: Python<'_>, path: PathId) {
     }
 }
 
-/// Whether there may be output to log, by one system call: this is called after every script.
+/// True if output may be pending. It takes one system call, because it follows every script.
 fn has_news(sources: &[Source]) -> bool {
     let ready = match sources {
         [one] => poll(&mut [one.polled()], Some(&AT_ONCE)),
@@ -193,7 +193,7 @@ struct Source {
     growth: Option<OwnedFd>,
     /// An unfinished line.
     rest: Vec<u8>,
-    /// Whether the last read left output.
+    /// True if the last read left output.
     is_behind: bool,
 }
 

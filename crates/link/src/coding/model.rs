@@ -1,6 +1,5 @@
 //! Probability of the next bit after the bytes before it. Six contexts count bits, a seventh input is the bit after the last
-//! occurrence of the same bytes, and adaptive weights mix them. The arithmetic uses integers only, so that both sides of a link
-//! compute the same numbers.
+//! occurrence of the same bytes, and adaptive weights mix them. Integer arithmetic gives both sides of a link the same numbers.
 
 #![expect(
     clippy::cast_possible_truncation,

@@ -215,7 +215,7 @@ pub(crate) enum Frame<'b> {
     },
     /// Events of a run at the station.
     Received(Received),
-    /// Requests of a station for values, with the answers.
+    /// Requests of a station for values, and their answers.
     Wish(WishFrame<'b>),
 }
 

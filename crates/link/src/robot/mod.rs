@@ -59,7 +59,7 @@ pub struct ReceivedCommand {
     pub epoch: u64,
     /// The last moment at which it may be carried out, in ms of this session.
     pub not_after_ms: u64,
-    /// Earliest time of effect on the same clock. 0 means at once.
+    /// Earliest time of effect on the same clock. 0 without one.
     pub not_before_ms: u64,
     /// It came too late, or was for an earlier start: it must not be carried out, and only its fate is asked for.
     pub is_late: bool,

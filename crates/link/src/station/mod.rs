@@ -267,7 +267,7 @@ impl StationSession {
         self.end.key_id()
     }
 
-    /// True if the robot seals with the same key as this side.
+    /// True if robot and station seal with one key.
     pub fn is_key_confirmed(&self) -> bool {
         self.end.heard_key() == Some(self.end.key_id())
     }

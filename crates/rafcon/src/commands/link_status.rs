@@ -117,7 +117,7 @@ fn up_link(health: &LinkHealth, now_ms: u64) -> String {
     format!("the robot heard what was sent {ago} ago; there and back takes {round_trip}{commands}")
 }
 
-/// What the pairing lets users of the station do.
+/// Rights of the users of this station, by the pairing.
 fn rights(rights: Option<LinkRights>) -> String {
     let may = match rights {
         None => return "rights of this station's users unknown".to_owned(),
