@@ -1,5 +1,6 @@
 //! Libraries as clients see them, each read once until a file changes. Knows roots and where a library lies below them.
 
+use super::library_documents::LibraryDocuments;
 use super::{confine, workspace};
 use crate::document_text::document_text;
 use crate::failure::reason;
@@ -10,7 +11,6 @@ use rafcon_protocol::api::{LibraryNode, LibraryNodeKind, LibraryRoot};
 use rafcon_storage::config::{self, Config};
 use rafcon_storage::libraries::{EntryKind, LibraryEntry};
 use rafcon_storage::{Libraries, LoadError, Root, load, roots};
-use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -18,7 +18,7 @@ use std::sync::Arc;
 #[derive(Debug, Default)]
 struct LoadedLibraries {
     libraries: Arc<Libraries>,
-    documents: Mutex<BTreeMap<PathBuf, Content>>,
+    documents: Mutex<LibraryDocuments>,
 }
 
 /// A library as clients get it.
@@ -91,14 +91,15 @@ impl LoadedLibraries {
     fn document(&self, path: &str) -> Result<Content, Failure> {
         let folder = self.folder(path)?;
         if let Some(document) = self.documents.lock().get(&folder) {
-            return Ok(document.clone());
+            return Ok(document);
         }
         let loaded = load(&folder, &self.libraries).map_err(|error| unloaded(path, &error))?;
         let text = document_text(&loaded.machine);
         let text = text.map_err(|error| unreadable(path, &error))?;
         let tag = format!("\"{}\"", &blake3::hash(&text).to_hex()[..32]);
         let content = Content { document: text.into(), tag };
-        Ok(self.documents.lock().entry(folder).or_insert(content).clone())
+        self.documents.lock().insert(folder, content.clone());
+        Ok(content)
     }
 
     /// A root's name may itself have several parts; the longest that fits counts.

@@ -3,6 +3,7 @@
 
 mod confine;
 mod library;
+mod library_documents;
 mod names;
 mod routes;
 mod tree;
