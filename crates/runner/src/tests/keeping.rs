@@ -209,8 +209,15 @@ fn what_memory_gave_up_is_read_from_the_journal() {
     let (mut first, runner) = fixture.begin(fixture.launch());
     first.until_text("+ROOT/C");
     let mut second = fixture.join(1, false);
+    // The run does not end before the second viewer has joined it.
+    let first_event = loop {
+        if let Some(ToViewer::Event { sequence, .. }) = second.next() {
+            break sequence;
+        }
+    };
     assert_eq!(first.command("stop", Command::Stop), "applied");
-    let numbers: Vec<u64> = told(&mut second).into_iter().map(|(number, _)| number).collect();
+    let rest = told(&mut second).into_iter().map(|(number, _)| number);
+    let numbers: Vec<u64> = std::iter::once(first_event).chain(rest).collect();
     runner.join().unwrap();
     let kept = journal(&fixture.run_folder(), false);
     let scoped = |event: &Event| matches!(event, Event::Scoped { .. });
