@@ -5,8 +5,8 @@
 #[error("a frame of the link is broken: {0}")]
 pub struct BrokenFrame(pub(crate) &'static str);
 
-/// Appends the number.
-pub(crate) fn write_number(mut number: u64, out: &mut Vec<u8>) {
+/// Appends the number as LEB128.
+pub fn write_number(mut number: u64, out: &mut Vec<u8>) {
     loop {
         let [bits, ..] = (number & 0x7f).to_le_bytes();
         number >>= 7;
@@ -28,29 +28,37 @@ pub(crate) fn write_bytes(bytes: &[u8], out: &mut Vec<u8>) {
     out.extend_from_slice(bytes);
 }
 
-/// Reads what was written, from the beginning.
+/// Reads numbers and bytes from the beginning of a slice. Each function fails if the rest is too short or malformed.
 #[derive(Debug)]
-pub(crate) struct FrameReader<'b> {
+pub struct FrameReader<'b> {
     rest: &'b [u8],
 }
 
 impl<'b> FrameReader<'b> {
-    pub(crate) fn new(bytes: &'b [u8]) -> Self {
+    /// A reader of all these bytes.
+    pub fn new(bytes: &'b [u8]) -> Self {
         Self { rest: bytes }
     }
 
-    /// The remaining bytes.
+    /// Number of bytes that were not read.
     pub(crate) fn left(&self) -> usize {
         self.rest.len()
     }
 
-    pub(crate) fn byte(&mut self) -> Result<u8, BrokenFrame> {
+    /// Takes what was not read.
+    pub fn rest(self) -> &'b [u8] {
+        self.rest
+    }
+
+    /// Reads one byte.
+    pub fn byte(&mut self) -> Result<u8, BrokenFrame> {
         let (byte, rest) = self.rest.split_first().ok_or(BrokenFrame("it ends too early"))?;
         self.rest = rest;
         Ok(*byte)
     }
 
-    pub(crate) fn number(&mut self) -> Result<u64, BrokenFrame> {
+    /// Reads an LEB128 number.
+    pub fn number(&mut self) -> Result<u64, BrokenFrame> {
         let mut number = 0_u64;
         for shift in (0..64).step_by(7) {
             let byte = self.byte()?;
@@ -70,14 +78,16 @@ impl<'b> FrameReader<'b> {
         u32::try_from(self.number()?).map_err(|_large| BrokenFrame("a number is too large"))
     }
 
-    pub(crate) fn fixed<const N: usize>(&mut self) -> Result<[u8; N], BrokenFrame> {
+    /// Reads this many bytes.
+    pub fn fixed<const N: usize>(&mut self) -> Result<[u8; N], BrokenFrame> {
         let (bytes, rest) =
             self.rest.split_first_chunk::<N>().ok_or(BrokenFrame("it ends too early"))?;
         self.rest = rest;
         Ok(*bytes)
     }
 
-    pub(crate) fn bytes(&mut self) -> Result<&'b [u8], BrokenFrame> {
+    /// Reads bytes that have their length before them.
+    pub fn bytes(&mut self) -> Result<&'b [u8], BrokenFrame> {
         let length = usize::try_from(self.number()?).unwrap_or(usize::MAX);
         let (bytes, rest) =
             self.rest.split_at_checked(length).ok_or(BrokenFrame("it ends too early"))?;

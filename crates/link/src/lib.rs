@@ -25,12 +25,12 @@ mod traffic;
 mod wish_tests;
 
 pub use assembly::LENGTH_MAX;
-pub use bytes::BrokenFrame;
+pub use bytes::{BrokenFrame, FrameReader, write_number};
 pub use deflate::{deflate, inflate};
 pub use endpoint::{Identity, Unusable};
 pub use frame::{
-    COMMAND_LENGTH_MAX, CommandId, CommandState, EventHash, Events, NoValue, StreamId, ValueId,
-    ValueName,
+    BriefId, COMMAND_LENGTH_MAX, CommandId, CommandState, EventHash, Events, NoValue, StreamId,
+    ValueId, ValueName,
 };
 pub use heard::ClockBounds;
 pub use profile::{CARRIER_OVERHEAD, Profile};

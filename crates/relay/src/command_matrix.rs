@@ -1,6 +1,7 @@
 //! Every command of the protocol over every profile and delay, with a direction that is dead during the exchange, in virtual time; and
 //! the table of commands in docs/link.md.
 
+use crate::ids;
 use crate::request_words;
 use crate::station::default_lifetime;
 use crate::words::StationRequest;
@@ -64,9 +65,11 @@ fn commands() -> Vec<(String, Command)> {
     all
 }
 
+/// Id of a command of the page or of `rafcon tell`.
+const ID: &str = "ana/0123456789ab";
+
 fn request(command: Command) -> StationRequest {
-    let (id, author) = ("ana/0123456789abcdef01-7".to_owned(), "ana".to_owned());
-    StationRequest::Command(id, author, Some(123_456), command)
+    StationRequest::Command(ID.to_owned(), "ana".to_owned(), Some(12_345), command)
 }
 
 /// The bytes of each command, which is read back from them.
@@ -74,7 +77,7 @@ fn bodies() -> Vec<(String, Vec<u8>)> {
     let body = |(name, command)| {
         let request = request(command);
         let body = request_words::write(EVENTS, &request);
-        assert_eq!(request_words::read(&body), Ok((EVENTS, request)), "{name}");
+        assert_eq!(request_words::read(ids::command(ID), &body), Ok((EVENTS, request)), "{name}");
         (name, body)
     };
     commands().into_iter().map(body).collect()

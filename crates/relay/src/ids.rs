@@ -1,6 +1,6 @@
 //! The numbers by which both sides name runs and commands: hashes, so that no one has to agree on them.
 
-use rafcon_link::{CommandId, StreamId, ValueId};
+use rafcon_link::{BriefId, CommandId, StreamId, ValueId};
 use rafcon_storage::journal::{ContentHash, Hash};
 
 /// Candidate numbers of a run: the robot takes the first unused one.
@@ -55,11 +55,50 @@ pub(crate) fn parcel(name: Hash) -> StreamId {
     StreamId::of_files(u32::from_be_bytes([a, b, c, d]))
 }
 
-/// The command of the envelope with this id.
-pub(crate) fn command(envelope: &str) -> CommandId {
-    let mut id = [0; 16];
-    id.copy_from_slice(&blake3::hash(envelope.as_bytes()).as_bytes()[..16]);
-    CommandId(id)
+/// The link's id of the command with this id. For `AUTHOR/` and 12 hexadecimal digits it has six bytes, from which [`own_id`] restores
+/// the digits; for any other id it is a hash.
+pub(crate) fn command(id: &str) -> CommandId {
+    let brief = || {
+        let (author, own_id) = id.rsplit_once('/')?;
+        let mut brief = brief_id(own_id)?;
+        mask(&mut brief, author);
+        CommandId::from_brief(brief)
+    };
+    brief().unwrap_or_else(|| {
+        let mut hash = [0; 16];
+        hash.copy_from_slice(&blake3::hash(id.as_bytes()).as_bytes()[..16]);
+        CommandId(hash)
+    })
+}
+
+/// The part of a command's id after `AUTHOR/`. `None` if it was hashed.
+pub(crate) fn own_id(command: CommandId, author: &str) -> Option<String> {
+    let mut brief = command.brief()?;
+    mask(&mut brief, author);
+    Some(brief.iter().map(|byte| format!("{byte:02x}")).collect())
+}
+
+/// Six bytes from 12 lower-case hexadecimal digits.
+fn brief_id(digits: &str) -> Option<BriefId> {
+    let (pairs, []) = digits.as_bytes().as_chunks() else { return None };
+    let pairs: &[[u8; 2]; 6] = pairs.try_into().ok()?;
+    let digit = |digit: u8| match digit {
+        b'0'..=b'9' => Some(digit - b'0'),
+        b'a'..=b'f' => Some(digit - b'a' + 10),
+        _ => None,
+    };
+    let mut brief = [0; 6];
+    for (byte, [high, low]) in brief.iter_mut().zip(pairs) {
+        *byte = digit(*high)? << 4 | digit(*low)?;
+    }
+    Some(brief)
+}
+
+/// Distinguishes equal ids of two authors. Applied twice, it restores the id.
+fn mask(brief: &mut BriefId, author: &str) {
+    for (byte, mask) in brief.iter_mut().zip(blake3::hash(author.as_bytes()).as_bytes()) {
+        *byte ^= mask;
+    }
 }
 
 /// By what a value with this hash is asked for.
@@ -67,4 +106,19 @@ pub(crate) fn value_id(hash: ContentHash) -> ValueId {
     let mut id = [0; 16];
     id.copy_from_slice(&hash.as_bytes()[..16]);
     ValueId(id)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{command, own_id};
+
+    #[test]
+    fn a_brief_id_has_the_digits_of_the_author() {
+        let id = command("ana/0123456789ab");
+        assert_eq!(own_id(id, "ana").as_deref(), Some("0123456789ab"));
+        assert_ne!(command("bo/0123456789ab"), id);
+        for hashed in ["ana/0123456789AB", "ana/0123456789a", "ana/0123456789abc", "0123456789ab"] {
+            assert_eq!(own_id(command(hashed), "ana"), None, "{hashed}");
+        }
+    }
 }

@@ -1,12 +1,7 @@
-/** Ids of requests: nobody else has them, and they say nothing. */
+/** Ids of requests. */
 
-/** Makes ids that begin alike and differ in a number. */
-export function newIds(): () => string {
-  const bytes = crypto.getRandomValues(new Uint8Array(9));
-  const prefix = [...bytes].map((byte) => byte.toString(16).padStart(2, "0")).join("");
-  let count = 0;
-  return () => {
-    count += 1;
-    return `${prefix}-${count}`;
-  };
+/** Makes unique ids of 12 hexadecimal digits, the length that takes the fewest bytes on a link to a robot. */
+export function newRequestId(): string {
+  const bytes = crypto.getRandomValues(new Uint8Array(6));
+  return [...bytes].map((byte) => byte.toString(16).padStart(2, "0")).join("");
 }

@@ -25,7 +25,7 @@ import { followSettings, withRecent } from "../store/page/settings.ts";
 import { type Clock, WALL_CLOCK } from "./clock.ts";
 import { connect } from "./connect.ts";
 import type { Address } from "./http.ts";
-import { newIds } from "./ids.ts";
+import { newRequestId } from "./ids.ts";
 import { LibraryCache } from "./library_cache.ts";
 import { OpenMachineSession, type OpenMachineSessionPorts } from "./machine_session.ts";
 import { tellPresence } from "./presence.ts";
@@ -69,7 +69,7 @@ export function startPage(options: PageOptions = {}): Page {
   const { projects, libraries } = followFiles(server, serverStatus, libraryCache);
   const settings = followSettings(stores.shared);
   const returnNews = gatherReturnNews(clock, tell);
-  const ports = { server, libraryCache, clock, newId: newIds(), tell, returnNews };
+  const ports = { server, libraryCache, clock, newId: newRequestId, tell, returnNews };
   const runs = followRuns(ports, serverStatus, (run) => shownRuns(machines.tabs.peek()).has(run));
   const machines = openMachines(ports, settings, runs);
   const isRestoring = followSession({ ...ports, ...stores, ...machines, runs, leaving });

@@ -8,6 +8,24 @@ use crate::seal::Generation;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct CommandId(pub [u8; 16]);
 
+/// The bytes of a short id.
+pub type BriefId = [u8; 6];
+
+impl CommandId {
+    /// A short id, which takes six bytes in a datagram. `None` for zeros, which number no command.
+    pub fn from_brief(brief: BriefId) -> Option<Self> {
+        let mut id = [0; 16];
+        id[..brief.len()].copy_from_slice(&brief);
+        (brief != BriefId::default()).then_some(Self(id))
+    }
+
+    /// The bytes of a short id. `None` if the id is longer.
+    pub fn brief(self) -> Option<BriefId> {
+        let (brief, rest) = self.0.split_first_chunk()?;
+        (*brief != BriefId::default() && rest.iter().all(|byte| *byte == 0)).then_some(*brief)
+    }
+}
+
 /// Maximum length of the body of a command in bytes.
 pub const COMMAND_LENGTH_MAX: u32 = 64 << 10;
 
@@ -15,6 +33,8 @@ pub(super) const PARTS_HERE: u8 = 8;
 pub(super) const COMMAND: u8 = 16;
 pub(super) const HEAD: u8 = 21;
 pub(super) const PART: u8 = 22;
+/// A whole command with a short id that is carried out at once.
+pub(super) const BRIEF: u8 = 23;
 
 /// A command as it travels.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -75,6 +95,14 @@ impl<'b> Command<'b> {
     pub(super) fn write(&self, out: &mut Vec<u8>) {
         let Self { id, terms, body } = self;
         let Terms { robot_start, not_after_ms, not_before_ms, epoch } = terms;
+        if let (Some(brief), 0, Body::Whole(bytes)) = (id.brief(), not_before_ms, body) {
+            out.push(BRIEF);
+            out.extend_from_slice(&brief);
+            for number in [u64::from(robot_start.0), *not_after_ms, *epoch] {
+                write_number(number, out);
+            }
+            return write_bytes(bytes, out);
+        }
         out.push(if matches!(body, Body::Whole(_)) { COMMAND } else { HEAD });
         out.extend_from_slice(&id.0);
         for number in [u64::from(robot_start.0), *not_after_ms, *not_before_ms, *epoch] {
@@ -84,6 +112,18 @@ impl<'b> Command<'b> {
             Body::Whole(bytes) => write_bytes(bytes, out),
             Body::Parts(length) => write_number(u64::from(*length), out),
         }
+    }
+
+    pub(super) fn read_brief(reader: &mut FrameReader<'b>) -> Result<Self, BrokenFrame> {
+        let id = CommandId::from_brief(reader.fixed()?);
+        let id = id.ok_or(BrokenFrame("an impossible id of a command"))?;
+        let terms = Terms {
+            robot_start: Generation(reader.small()?),
+            not_after_ms: reader.number()?,
+            not_before_ms: 0,
+            epoch: reader.number()?,
+        };
+        Ok(Self { id, terms, body: Body::Whole(reader.bytes()?) })
     }
 
     pub(super) fn read(kind: u8, reader: &mut FrameReader<'b>) -> Result<Self, BrokenFrame> {

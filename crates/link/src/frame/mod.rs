@@ -4,7 +4,7 @@ mod command;
 mod wishes;
 
 pub(crate) use command::{Body, Command, CommandPart, PartsHere, Terms};
-pub use command::{COMMAND_LENGTH_MAX, CommandId};
+pub use command::{BriefId, COMMAND_LENGTH_MAX, CommandId};
 pub(crate) use wishes::{Fetch, ValuePart, WatchPart, Watched, WishFrame};
 pub use wishes::{NoValue, ValueId, ValueName};
 
@@ -352,6 +352,7 @@ impl<'b> Frame<'b> {
                 held_ms: reader.number()?,
                 late_ms: reader.number()?,
             },
+            command::BRIEF => Self::Command(Command::read_brief(reader)?),
             RECEIVED => Self::Received(read_received(reader)?),
             kind => Self::Wish(WishFrame::read(kind, reader)?),
         })

@@ -45,7 +45,8 @@ fn not_empty(bytes: &[u8]) -> &[u8] {
 }
 
 fn command(bytes: &[u8]) -> impl Strategy<Value = Frame<'_>> {
-    let id = any::<[u8; 16]>().prop_map(CommandId);
+    let brief = any::<[u8; 6]>().prop_filter_map("zeros", CommandId::from_brief);
+    let id = prop_oneof![any::<[u8; 16]>().prop_map(CommandId), brief];
     let state = prop::sample::select(CommandState::ALL.to_vec());
     prop_oneof![
         (id.clone(), state).prop_map(move |(id, state)| Frame::CommandState {
@@ -56,6 +57,7 @@ fn command(bytes: &[u8]) -> impl Strategy<Value = Frame<'_>> {
         (id.clone(), any::<u32>(), any::<[u64; 3]>()).prop_map(
             move |(id, start, [not_after_ms, not_before_ms, epoch])| {
                 let robot_start = Generation(start);
+                let not_before_ms = if start % 2 == 0 { 0 } else { not_before_ms };
                 let terms = Terms { robot_start, not_after_ms, not_before_ms, epoch };
                 let parts = Body::Parts(1 + start % COMMAND_LENGTH_MAX);
                 let body = if epoch % 2 == 0 { Body::Whole(bytes) } else { parts };
@@ -326,4 +328,14 @@ fn a_report_has_the_newest_ranges_up_to_the_bound_and_one_with_more_is_broken() 
     payload[6] = 17;
     let mut frames = read_payload(&payload).expect("a time").1;
     assert_eq!(frames.next(), Some(Err(BrokenFrame("too many ranges"))));
+}
+
+#[test]
+fn a_brief_command_takes_24_bytes() {
+    let id = CommandId::from_brief(*b"123456").expect("an id");
+    let (robot_start, not_after_ms) = (Generation(127), 3 * 24 * 3_600_000);
+    let terms = Terms { robot_start, not_after_ms, not_before_ms: 0, epoch: 127 };
+    let mut out = Vec::new();
+    Frame::Command(Command { id, terms, body: Body::Whole(b"stop, ana.") }).write(&mut out);
+    assert_eq!(out.len(), 24);
 }

@@ -118,9 +118,22 @@ fn is_kept_later(error: &anyhow::Error) -> bool {
     matches!(fault, Some(Fault::Refused { refusal, .. }) if refusal.code == "no_such_machine")
 }
 
-/// What no one else's ids begin with.
+/// Unique prefix of ids.
 pub(super) fn unique(what: &str) -> Result<String> {
-    let mut bytes = [0; 8];
+    Ok(format!("{what}-{}", hex(random::<8>()?)))
+}
+
+/// Unique id of a command, of the length that takes the fewest bytes on a link.
+pub(super) fn command_id() -> Result<String> {
+    Ok(hex(random::<6>()?))
+}
+
+fn random<const N: usize>() -> Result<[u8; N]> {
+    let mut bytes = [0; N];
     getrandom(&mut bytes, GetRandomFlags::empty()).context("there is no randomness")?;
-    Ok(format!("{what}-{:016x}", u64::from_ne_bytes(bytes)))
+    Ok(bytes)
+}
+
+fn hex<const N: usize>(bytes: [u8; N]) -> String {
+    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
 }

@@ -29,7 +29,7 @@ pub(super) fn tell(raw: &cli::Tell, environment: &Environment) -> Result<ExitCod
     if let Some(server) = remote::server(&raw.remote, environment)? {
         remote::refuse_runs(&raw.runs, environment)?;
         let run = remote::run(&server, &raw.run)?.id;
-        let envelope = envelope(remote::unique("tell")?, &environment.user, command);
+        let envelope = envelope(remote::command_id()?, &environment.user, command);
         let waiting = Clock::start();
         let now = server.now(&run)?;
         let waited_ms = u64::try_from(waiting.now().as_millis()).unwrap_or(u64::MAX);
@@ -51,7 +51,8 @@ pub(super) fn tell(raw: &cli::Tell, environment: &Environment) -> Result<ExitCod
     let mut hello = String::new();
     runner.read_line(&mut hello)?;
     decode::<Hello>(&hello)?.check()?;
-    let id = format!("tell-{}-{}", std::process::id(), clock::salt(0));
+    // As a server would name it.
+    let id = format!("{}/{}", environment.user, remote::command_id()?);
     control.write_all(&encode(&ToRunner::Join(Join::default()))?)?;
     let told = envelope(id.clone(), &environment.user, command);
     let told = ToRunner::Command(timed(told, raw, clock::since_1970_ms()));

@@ -364,7 +364,10 @@ fn a_run_is_joined_stepped_and_followed_to_its_end() {
     assert_eq!((code, &*said), (Some(0), ""));
     assert_eq!(more.last(), lines.last());
     let history = server.call("history SERVER last --json").stdout;
-    let commanded: Vec<_> = history.lines().filter(|line| line.contains("tell-")).collect();
+    let commanded: Vec<_> = history
+        .lines()
+        .filter(|line| line.contains("\"commanded\"") && !line.contains("\"control-"))
+        .collect();
     assert_eq!(commanded.len(), 5, "{history}");
     let never = |line: &&&str| line.contains(r#""expiry":null"#);
     assert_eq!(commanded.iter().find(never), None);

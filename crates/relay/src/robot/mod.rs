@@ -307,7 +307,7 @@ impl RobotRelay<'_> {
 
     /// Carries out the request of a station's user, if the user has the right.
     fn command(&mut self, now: Duration, command: ReceivedCommand) {
-        let read = request_words::read(&command.body);
+        let read = request_words::read(command.id, &command.body);
         let mut command = command;
         let late_fate = match &read {
             _ if !self.make_ready(&read, command.is_late) => Some(None),
