@@ -133,6 +133,9 @@ impl RobotSession {
         self.bulk.set_rank(stream, rank);
     }
 
+        if let (Rank::Description, Some(stream)) = (rank, self.streams.get_mut(&stream)) {
+            stream.set_description();
+        }
     /// The station may have all of this stream from earlier starts: it is asked before anything is sent.
     pub fn ask_first(&mut self, stream: StreamId) {
         if let Some(stream) = self.streams.get_mut(&stream) {

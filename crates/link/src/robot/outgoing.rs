@@ -18,6 +18,10 @@ const OLD_SENDS: u8 = 4;
 const STATUS_BESIDE: u32 = 8;
 /// Number of lost events from which a snapshot arrives sooner than they do.
 const SNAPSHOT_LOST: u64 = 64;
+/// The beginning of a description, in parts: the station may have lost it and be unable to report that.
+const DESCRIPTION_PARTS: RangeInclusive<u64> = 1..=16;
+/// Without reports, the beginning of a description is sent once in this many report intervals.
+const DESCRIPTION_EVERY: u32 = 16;
 /// Retry interval for events that could not be read.
 const READ_AGAIN: Duration = Duration::from_secs(1);
 
@@ -49,6 +53,8 @@ pub(super) struct Outgoing {
     id: StreamId,
     head: u64,
     is_over: bool,
+    /// True if its beginning is repeated while the station cannot report that it has lost it.
+    is_description: bool,
     state: Vec<u8>,
     is_state_new: bool,
     /// Hash of the events up to a recent one.
@@ -108,6 +114,7 @@ impl Outgoing {
             id,
             head,
             is_over: false,
+            is_description: false,
             state: Vec::new(),
             is_state_new: false,
             chain: None,
@@ -131,6 +138,15 @@ impl Outgoing {
     /// The station may have all of it: it is asked before anything is sent.
     pub(super) fn ask_first(&mut self) {
         self.asks = Asks::Yes;
+    }
+
+    /// Datagrams have become shorter: events that do not fit into one are sent in parts, from the journal.
+    pub(super) fn datagrams_shortened(&mut self) {
+        self.tail = Tail::default();
+    }
+
+    pub(super) fn set_description(&mut self) {
+        self.is_description = true;
     }
 
     /// Until when the answer is waited for.
@@ -356,7 +372,7 @@ impl Outgoing {
         let is_repeated = is_heard && self.sent.iter().any(|sent| sent.repeats > 0);
         let is_lacking = is_repeated || self.large.is_some() || self.gap().is_some();
         let events = if is_lacking { self.read_again_at } else { Duration::MAX };
-        let round = if is_heard || self.sent.is_empty() { Duration::MAX } else { self.round_due };
+        let round = if self.has_rounds(is_heard) { self.round_due } else { Duration::MAX };
         let snapshot = self.snapshots.alone_at(is_heard, profile);
         let snapshot = if self.has_all() { Duration::MAX } else { snapshot };
         let bulk = round.max(self.read_again_at).min(events).max(self.waits_until(profile));
@@ -379,11 +395,9 @@ impl Outgoing {
         }
         self.coding.renew(self.id, self.head, source);
         while self.read_again_at <= now && self.write_large(turn, payload) {
-            let is_round_due = !is_heard && self.round_due <= now && !self.sent.is_empty();
+            let is_round_due = self.has_rounds(is_heard) && self.round_due <= now;
             if is_round_due && self.gap().is_none() {
-                self.sent.clear();
-                self.sent_set = RangeSet::default();
-                self.round_due = now + profile.report_every * 2;
+                self.begin_round(turn);
             }
             let repeated = || self.repeated().filter(|_| is_heard);
             // Files are never urgent.
@@ -397,6 +411,22 @@ impl Outgoing {
                 self.note_sent(SentEvents { at: now, range, repeats: repeats - 1, is_coded });
             }
         }
+    }
+
+    /// True if sent events are sent again, because the station cannot report.
+    fn has_rounds(&self, is_heard: bool) -> bool {
+        !is_heard && (self.is_description || !self.sent.is_empty())
+    }
+
+    fn begin_round(&mut self, turn: TransmitContext<'_>) {
+        self.sent.clear();
+        self.sent_set = RangeSet::default();
+        let mut intervals = 2;
+        if self.is_description {
+            self.received.remove(DESCRIPTION_PARTS);
+            intervals = DESCRIPTION_EVERY;
+        }
+        self.round_due = turn.now + turn.profile.report_every * intervals;
     }
 
     /// Writes the first of these events that fit. `None` if the datagram is full, or if they cannot be read now.

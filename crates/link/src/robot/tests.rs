@@ -48,6 +48,42 @@ fn after_a_start_the_present_state_comes_before_any_history() {
     assert_eq!(datagrams, 1);
 }
 
+/// The robot knows that the station has received the description; it cannot learn that the station has lost it.
+#[test]
+fn a_station_that_lost_a_description_has_it_again_without_an_up_link() {
+    let key = PairingKey::from_bytes([7; 32]);
+    let (key_id, start) = (KeyId(1), SenderStart::new(1, 0));
+    let identity = Identity { key_id, key: &key, robot: "scout", start, heard: None };
+    let mut robot = RobotSession::new(&identity, Profile::DELAY_2S);
+    let mut station = StationSession::new(&identity, Profile::DELAY_2S);
+    robot.begin(EVENTS, 1_000);
+    robot.begin(MACHINES, 3);
+    robot.set_rank(MACHINES, Rank::Description);
+    let mut now = Duration::ZERO;
+    let mut received = |robot: &mut RobotSession, station: &mut StationSession, ms: u64| {
+        let mut received = 0;
+        for _ in 0..ms {
+            now += Duration::from_millis(1);
+            while let Some(mut datagram) = robot.transmit(now, &mut LongHistory).expect("room") {
+                let show = |shown: FromRobot<'_>| {
+                    if let FromRobot::Events(events) = shown {
+                        received += u64::from(events.stream == MACHINES) * events.count;
+                    }
+                };
+                // A new station rejects datagrams with a short header.
+                let _rejected = station.receive(now, &mut datagram, show);
+            }
+        }
+        (received, now)
+    };
+    let (_, now) = received(&mut robot, &mut station, 1_000);
+    let mut report = station.transmit(now).expect("a number").expect("a report");
+    robot.receive(now, &mut report, |_| {}).expect("a report");
+    assert_eq!(robot.progress(MACHINES), Some((3, 0)));
+    let mut station = StationSession::new(&identity, Profile::DELAY_2S);
+    assert_eq!(received(&mut robot, &mut station, 20_000).0, 3);
+}
+
 const RUN: StreamId = StreamId(1);
 
 /// A robot whose run has no snapshot, and nothing to read again.

@@ -137,6 +137,7 @@ pub(crate) struct BadPath {
     known: Arc<Mutex<Known>>,
     ends: Arc<AtomicBool>,
     is_down_cut: Arc<AtomicBool>,
+    is_up_cut: Arc<AtomicBool>,
 }
 
 /// What passed a path.
@@ -154,8 +155,8 @@ impl BadPath {
         let both = || (near.try_clone().unwrap(), far.try_clone().unwrap());
         let (down, up) = ((both(), Arc::clone(&known)), (both(), Arc::clone(&known)));
         let (first, second) = (Arc::clone(&ends), Arc::clone(&ends));
-        let is_down_cut = Arc::new(AtomicBool::new(false));
-        let is_cut = Arc::clone(&is_down_cut);
+        let [is_down_cut, is_up_cut] = [(); 2].map(|()| Arc::new(AtomicBool::new(false)));
+        let (is_cut, is_back_cut) = (Arc::clone(&is_down_cut), Arc::clone(&is_up_cut));
         in_background(move || {
             let ((near, far), known) = down;
             carry(&near, &first, |from, datagram| {
@@ -173,12 +174,16 @@ impl BadPath {
             carry(&far, &second, |_, datagram| {
                 let mut known = known.lock().unwrap();
                 known.from_station.push(datagram.to_vec());
+                if is_back_cut.load(Ordering::Acquire) {
+                    return;
+                }
                 if let Some(robot) = known.robot {
                     near.send_to(datagram, robot).unwrap_or_default();
                 }
             });
         });
-        Self { address: near.local_addr().unwrap(), station, near, far, known, ends, is_down_cut }
+        let address = near.local_addr().unwrap();
+        Self { address, station, near, far, known, ends, is_down_cut, is_up_cut }
     }
 
     /// Sends all that passed so far once more to whom it was sent, as someone does who has recorded it; answers how much it is.
@@ -196,6 +201,11 @@ impl BadPath {
     /// Carries nothing from the robot while it is cut.
     fn cut_down(&self, is_cut: bool) {
         self.is_down_cut.store(is_cut, Ordering::Release);
+    }
+
+    /// Carries nothing from the station from now on.
+    pub(crate) fn cut_up(&self) {
+        self.is_up_cut.store(true, Ordering::Release);
     }
 
     /// Where the robot receives.

@@ -3,8 +3,8 @@
 
 use crate::harness::{Place, Run, ticks};
 use crate::station::{
-    history, in_background, machines, make_noise, pair, pair_with, robot, robot_with, station,
-    station_of, wait_at, wait_at_station, wait_for_control,
+    BadPath, history, in_background, machines, make_noise, pair, pair_with, robot, robot_with,
+    station, station_of, wait_at, wait_at_station, wait_for_control,
 };
 use expect_test::expect;
 use std::fs::OpenOptions;
@@ -311,4 +311,23 @@ fn a_key_is_renewed_over_the_link_whoever_dies_meanwhile() {
     drop(run.end());
     wait_at_station(&place, "Ticks  ended with");
     assert_eq!(history(&place, "ground-runs"), history(&place, "robot-runs"));
+}
+
+/// The robot knows what the station had, and cannot learn that it lost it.
+#[test]
+fn a_station_that_lost_its_runs_shows_a_run_of_the_robot_without_an_up_link() {
+    let place = Place::with(&ticks(1_000_000));
+    pair(&place, "scout");
+    let run = Run::start(&place, "--runs robot-runs");
+    wait_at(&place, "robot", "Ticks  running");
+    let (ground, address) = station(&place, "127.0.0.1:0");
+    let path = BadPath::to(address);
+    let _robot = robot(&place, path.address);
+    wait_at_station(&place, "Ticks  running");
+    drop(ground);
+    path.cut_up();
+    std::fs::remove_dir_all(place.path("ground-runs")).unwrap();
+    let (_ground, _) = station(&place, &address.to_string());
+    wait_at_station(&place, "Ticks  running");
+    drop(run);
 }
