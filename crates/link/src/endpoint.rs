@@ -3,7 +3,8 @@
 use crate::bytes::BrokenFrame;
 use crate::frame::{Frame, read_payload};
 use crate::heard::Heard;
-use crate::profile::Pacer;
+use crate::path_size::PathSize;
+use crate::profile::{Pacer, Profile};
 use crate::seal::{
     Direction, For, Generation, Horizon, KeyId, OVERHEAD, Opened, Opener, PairingKey, Rejected,
     SealError, Sealer, SenderStart,
@@ -42,6 +43,7 @@ pub enum Unusable {
 pub(crate) struct Endpoint {
     pub(crate) start: SenderStart,
     pub(crate) pacer: Pacer,
+    pub(crate) path: PathSize,
     pub(crate) heard: Heard,
     sealer: Sealer,
     opener: Opener,
@@ -77,17 +79,22 @@ pub(crate) struct Arrived<'d> {
 }
 
 impl Endpoint {
-    /// The side that sends in this direction, at this rate.
-    pub(crate) fn new(identity: &Identity<'_>, sends: Direction, bits_per_s: u64) -> Self {
+    /// The side that sends in this direction.
+    pub(crate) fn new(identity: &Identity<'_>, sends: Direction, profile: &Profile) -> Self {
         let Identity { key_id, key, robot, start, heard } = identity.clone();
         let receives = sends.back();
+        let (pacer, datagram_max) = match sends {
+            Direction::Down => (Pacer::measured(profile), profile.down_bytes_max),
+            Direction::Up => (Pacer::constant(profile.up_bits_per_s), profile.up_bytes_max),
+        };
         Self {
             key_id,
             heard_key: None,
             others: Vec::new(),
             way: (robot.to_owned(), sends),
             start,
-            pacer: Pacer::new(bits_per_s),
+            pacer,
+            path: PathSize::new(datagram_max),
             heard: Heard::default(),
             sealer: Sealer::new((key_id, key), robot, sends, start),
             opener: Opener::new((key_id, key), robot, receives, heard),
@@ -176,6 +183,7 @@ impl Endpoint {
             }
         }
         self.pacer.spend(now, datagram.len());
+        self.path.sent(now, datagram.len());
         Ok(datagram)
     }
 
@@ -204,7 +212,7 @@ impl Endpoint {
         });
         let frames = counted.collect();
         let silence = self.heard.before(now);
-        let is_new_start = self.heard.hear((generation, number), at_ms, now);
+        let is_new_start = self.heard.hear((generation, number), at_ms, length, now);
         if is_new_start {
             self.sealer.forget_confirmed();
         }

@@ -1,6 +1,8 @@
 //! Last datagrams from the other side, and the bounds of the clocks that follow from them.
 
 use crate::frame::Frame;
+use crate::path_size::LongestReceived;
+use crate::profile::CARRIER_OVERHEAD;
 use crate::seal::Generation;
 use std::time::Duration;
 
@@ -19,18 +21,25 @@ struct Newest {
     heard_at: Duration,
     /// By how much overtaken datagrams were late; forgotten slowly.
     late_ms: u64,
+    /// Bytes received from that start, with the headers of the carrier.
+    bytes: u64,
+    longest: LongestReceived,
 }
 
 impl Heard {
-    /// Records a datagram with its start, number and time. Returns whether it is the first of a new start.
+    /// Records a datagram of this length, with its start, number and time. Returns whether it is the first of a new start.
     pub(crate) fn hear(
         &mut self,
         (start, number): (Generation, u64),
         at_ms: u64,
+        length: usize,
         now: Duration,
     ) -> bool {
+        let bytes = (length + CARRIER_OVERHEAD) as u64;
         match &mut self.newest {
             Some(newest) if newest.start == start => {
+                newest.bytes += bytes;
+                newest.longest.add(now, length);
                 newest.number = newest.number.max(number);
                 if at_ms >= newest.at_ms {
                     newest.late_ms -= newest.late_ms / 64;
@@ -41,7 +50,11 @@ impl Heard {
                 false
             }
             _ => {
-                self.newest = Some(Newest { start, number, at_ms, heard_at: now, late_ms: 0 });
+                let mut longest = LongestReceived::default();
+                longest.add(now, length);
+                let (heard_at, late_ms) = (now, 0);
+                self.newest =
+                    Some(Newest { start, number, at_ms, heard_at, late_ms, bytes, longest });
                 true
             }
         }
@@ -50,6 +63,12 @@ impl Heard {
     /// Time since the last datagram of the other side.
     pub(crate) fn before(&self, now: Duration) -> Option<Duration> {
         self.newest.as_ref().map(|newest| now.saturating_sub(newest.heard_at))
+    }
+
+    /// Datagrams received from the present start of the other side.
+    pub(crate) fn arrived(&self) -> Option<Frame<'static>> {
+        let Newest { bytes, longest, .. } = self.newest.as_ref()?;
+        Some(Frame::Arrived { bytes: *bytes, longest: longest.get() as u64 })
     }
 
     pub(crate) fn frame(&self, now: Duration) -> Option<Frame<'static>> {

@@ -14,11 +14,13 @@ mod heard;
 mod hostile;
 #[cfg(test)]
 mod many_runs;
+mod path_size;
 mod profile;
 mod range_set;
 mod replay_window;
 mod robot;
 mod seal;
+mod send_rate;
 mod station;
 mod traffic;
 #[cfg(test)]

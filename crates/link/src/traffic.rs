@@ -42,7 +42,7 @@ impl Frame<'_> {
             Self::Calendar { .. } | Self::Heard { .. } => "clocks",
             Self::NewKey { .. } => "keys",
             Self::Command(_) | Self::CommandPart(_) => "commands",
-            Self::Received(_) => "reports",
+            Self::Arrived { .. } | Self::Received(_) => "reports",
             Self::Wish(wish) => wish.kind(),
         }
     }

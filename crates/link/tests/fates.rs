@@ -129,7 +129,8 @@ fn a_long_command_arrives_over_every_link_and_a_stop_does_not_wait_for_it() {
         world.go_on(one_way * 4 + profile.status_every * 8);
         let (script, stop) = (CommandId([1; 16]), CommandId([2; 16]));
         let (takes, began) = (world.station.transfer_time(20_000), world.now);
-        let valid = world.station.command_lifetime(began) + takes * 4;
+        // Of what is sent again, a third is lost again: each repetition takes a round trip.
+        let valid = world.station.command_lifetime(began) + takes * 4 + one_way * 8;
         let command =
             |id, length| NewCommand { id, valid, wait: None, epoch: 0, body: body_of(id, length) };
         let NotSent::TooSlow { .. } =
@@ -153,7 +154,8 @@ fn a_long_command_arrives_over_every_link_and_a_stop_does_not_wait_for_it() {
                 arrived = progress.arrived;
             }
         }
-        assert_eq!(world.fates.get(&script), Some(&CommandState::Done));
+        let at = format!("{} {one_way:?}", profile.name);
+        assert_eq!(world.fates.get(&script), Some(&CommandState::Done), "{at}");
         assert_eq!(world.carried_out.get(&script), Some(&1));
     }
 }

@@ -186,6 +186,9 @@ pub struct LinkReport {
     pub now_ms: u64,
     /// How the link is.
     pub health: LinkHealth,
+    /// Rate from the robot that the station's reports allow, in bytes per second. `None` at a station.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub send_bytes_per_s: Option<u64>,
     /// What was sent since the program began.
     pub sent: LinkTraffic,
     /// What was received since then.

@@ -90,6 +90,7 @@ impl LinkMeter {
             profile: self.profile.name.to_owned(),
             now_ms: clock::since_1970_ms(),
             health: LinkHealth { missing, ..health },
+            send_bytes_per_s: None,
             sent: traffic(sent),
             received: traffic(received),
             unusable: self.unusable,
@@ -97,6 +98,17 @@ impl LinkMeter {
             runs,
         }
     }
+}
+
+/// Problem of a path that drops long datagrams.
+pub(crate) fn shortened(datagrams: Option<usize>) -> Option<String> {
+    let of = |bytes| {
+        format!(
+            "the path drops long datagrams: this side sends at most {bytes} bytes in one, which costs more of the rate; raise the MTU of the \
+             path if you can"
+        )
+    };
+    datagrams.map(of)
 }
 
 /// Rate in bytes per second.

@@ -213,6 +213,13 @@ pub(crate) enum Frame<'b> {
         /// Delay of reordered datagrams, in ms.
         late_ms: u64,
     },
+    /// Received datagrams of the start that the report in this datagram names.
+    Arrived {
+        /// Their bytes, with the headers of the carrier.
+        bytes: u64,
+        /// The longest of them in the last 10 to 20 s, in bytes.
+        longest: u64,
+    },
     /// Events of a run at the station.
     Received(Received),
     /// Requests of a station for values, and their answers.
@@ -230,6 +237,7 @@ const NEW_KEY: u8 = 11;
 const CODED: u8 = 12;
 const HEARD: u8 = 17;
 const RECEIVED: u8 = 18;
+const ARRIVED: u8 = 24;
 /// Capacity of a report, in ranges.
 pub(crate) const RANGES_MAX: usize = 16;
 
@@ -291,6 +299,7 @@ impl<'b> Frame<'b> {
             Self::Heard { start, number, newest_ms, held_ms, late_ms } => {
                 numbers(HEARD, &[u64::from(start.0), *number, *newest_ms, *held_ms, *late_ms]);
             }
+            Self::Arrived { bytes, longest } => numbers(ARRIVED, &[*bytes, *longest]),
             Self::Received(received) => write_received(received, out),
             Self::Wish(wish) => wish.write(out),
         }
@@ -343,6 +352,7 @@ impl<'b> Frame<'b> {
             kind @ (command::COMMAND | command::HEAD) => {
                 Self::Command(Command::read(kind, reader)?)
             }
+            command::BRIEF => Self::Command(Command::read_brief(reader)?),
             command::PART => Self::CommandPart(CommandPart::read(reader)?),
             command::PARTS_HERE => Self::PartsHere(PartsHere::read(reader)?),
             HEARD => Self::Heard {
@@ -352,7 +362,7 @@ impl<'b> Frame<'b> {
                 held_ms: reader.number()?,
                 late_ms: reader.number()?,
             },
-            command::BRIEF => Self::Command(Command::read_brief(reader)?),
+            ARRIVED => Self::Arrived { bytes: reader.number()?, longest: reader.number()? },
             RECEIVED => Self::Received(read_received(reader)?),
             kind => Self::Wish(WishFrame::read(kind, reader)?),
         })

@@ -27,8 +27,10 @@ use crate::frame::{
     self, Body, CommandId, CommandState, EventHash, Fetch, Frame, Received, StreamId, Terms,
     WishFrame,
 };
+use crate::path_size::LENGTH_MIN;
 use crate::profile::Profile;
 use crate::seal::{Direction, For, Generation, Horizon, KeyId, OVERHEAD, PairingKey, SealError};
+use crate::send_rate::Arrivals;
 use crate::traffic::Traffic;
 use bulk::Bulk;
 use later::Later;
@@ -105,7 +107,7 @@ impl RobotSession {
     /// A session from now on. Times are those since its begin, by a clock that never goes back.
     pub fn new(identity: &Identity<'_>, profile: Profile) -> Self {
         Self {
-            end: Endpoint::new(identity, Direction::Down, profile.down_bits_per_s),
+            end: Endpoint::new(identity, Direction::Down, &profile),
             sent_at: None,
             report_age: None,
             streams: BTreeMap::new(),
@@ -131,11 +133,11 @@ impl RobotSession {
     /// When what the station lacks of this stream is sent, beside that of others.
     pub fn set_rank(&mut self, stream: StreamId, rank: Rank) {
         self.bulk.set_rank(stream, rank);
-    }
-
         if let (Rank::Description, Some(stream)) = (rank, self.streams.get_mut(&stream)) {
             stream.set_description();
         }
+    }
+
     /// The station may have all of this stream from earlier starts: it is asked before anything is sent.
     pub fn ask_first(&mut self, stream: StreamId) {
         if let Some(stream) = self.streams.get_mut(&stream) {
@@ -168,7 +170,7 @@ impl RobotSession {
     /// New events of a run, which are on the disk. Best one at a time: those that are together too long for one datagram do not go
     /// ahead of the older ones.
     pub fn append(&mut self, events: &frame::Events<'_>) {
-        let room = self.profile.down_bytes_max - OVERHEAD - URGENT_MAX;
+        let room = self.end.path.max() - OVERHEAD - URGENT_MAX;
         let stream = self.streams.entry(events.stream);
         stream.or_insert_with(|| Outgoing::new(events.stream, 0)).append(events, room);
     }
@@ -292,6 +294,16 @@ impl RobotSession {
         self.end.heard.before(now)
     }
 
+    /// Limit of datagrams in bytes, if the path drops some that are as long as the profile allows.
+    pub fn shortened_datagrams(&self) -> Option<usize> {
+        self.end.path.shortened()
+    }
+
+    /// Send rate in bits per second: at most that of the profile, less on a link that carries less by the station's reports.
+    pub fn send_rate(&self) -> u64 {
+        self.end.pacer.bits_per_s()
+    }
+
     /// Datagrams and bytes sent and received.
     pub fn traffic(&self) -> (&Traffic, &Traffic) {
         self.end.traffic()
@@ -310,19 +322,22 @@ impl RobotSession {
         datagram: &mut [u8],
         mut carry_out: impl FnMut(ReceivedCommand),
     ) -> Result<(), Unusable> {
-        let Arrived { frames, is_new_start, .. } = self.end.open(now, datagram)?;
+        let Arrived { frames, is_new_start, at_ms, .. } = self.end.open(now, datagram)?;
         if is_new_start {
             self.streams.values_mut().for_each(Outgoing::station_started);
         }
         let (mut echo, mut reports, mut fetches) = (None, Vec::new(), Vec::new());
+        let (mut newest, mut arrived) = (None, None);
         for frame in frames {
             match frame? {
-                Frame::Heard { start, number, newest_ms, late_ms, .. }
+                Frame::Heard { start, number, newest_ms, held_ms, late_ms }
                     if start == self.end.start.generation =>
                 {
                     self.end.confirm(number);
                     echo = Some((newest_ms, late_ms));
+                    newest = Some((newest_ms, at_ms.saturating_sub(held_ms)));
                 }
+                Frame::Arrived { bytes, longest } => arrived = Some((bytes, longest)),
                 Frame::Received(received) => reports.push(received),
                 Frame::Wish(wish) => self.take(wish, &mut fetches),
                 Frame::Command(frame::Command { id, terms, body }) => {
@@ -347,6 +362,15 @@ impl RobotSession {
             }
         }
         self.report(now, echo, reports);
+        if let (Some((newest_ms, arrived_ms)), Some((bytes, longest))) = (newest, arrived) {
+            let arrivals = Arrivals { bytes, at_ms, newest_ms, arrived_ms };
+            self.end.pacer.report(now, arrivals, self.report_age.unwrap_or_default());
+            let late_ms = echo.map_or(0, |(_, late_ms)| late_ms);
+            let longest = usize::try_from(longest).unwrap_or(usize::MAX);
+            if self.end.path.report(now, longest, newest_ms.saturating_sub(late_ms)) {
+                self.streams.values_mut().for_each(Outgoing::datagrams_shortened);
+            }
+        }
         for fetch in fetches {
             self.values.wanted(now, fetch, echo, &self.profile);
         }
@@ -424,6 +448,9 @@ impl RobotSession {
         source: &mut impl RunSource,
     ) -> Result<Option<Vec<u8>>, SealError> {
         let is_heard = self.is_heard(now);
+        if !is_heard && now >= self.profile.silence() {
+            self.end.pacer.unheard();
+        }
         let is_urgent = self.urgent_at(is_heard) <= now;
         // An urgent datagram may leave somewhat before its turn, so that it does not wait behind bulk.
         let may_send =
@@ -431,7 +458,7 @@ impl RobotSession {
         if !may_send {
             return Ok(None);
         }
-        let room = self.profile.down_bytes_max - self.end.overhead(is_heard);
+        let room = self.end.path.next_max(is_heard) - self.end.overhead(is_heard);
         let mut payload = Vec::with_capacity(room);
         write_number(now_ms(now), &mut payload);
         let empty = payload.len();
@@ -446,7 +473,10 @@ impl RobotSession {
         }
         if shows_status {
             let calendar = self.calendar_ms.map(|began_ms| Frame::Calendar { began_ms });
-            for frame in [self.end.heard.frame(now), calendar].into_iter().flatten() {
+            let arrived =
+                self.end.heard.arrived().filter(|_| self.profile.up_bytes_max > LENGTH_MIN);
+            let frames = [self.end.heard.frame(now), arrived, calendar];
+            for frame in frames.into_iter().flatten() {
                 // The rest is sent with the next status.
                 let length = payload.len();
                 frame.write(&mut payload);
@@ -514,7 +544,7 @@ impl RobotSession {
     /// Send time of two full datagrams.
     fn slack(&self) -> Duration {
         let bits = self.profile.down_bytes_max as u64 * 2 * 8;
-        Duration::from_nanos(bits * 1_000_000_000 / self.profile.down_bits_per_s)
+        Duration::from_nanos(bits * 1_000_000_000 / self.end.pacer.bits_per_s())
     }
 
     fn write_offer(&mut self, now: Duration, payload: &mut Vec<u8>) {

@@ -204,6 +204,13 @@ impl Commands {
         });
     }
 
+    /// Datagrams have become shorter: commands that do not fit into one any more are sent in parts.
+    pub(super) fn shorten(&mut self, whole_max: usize) {
+        for sent in self.sent.values_mut().filter(|sent| sent.body.len() > whole_max) {
+            sent.parts.get_or_insert_default();
+        }
+    }
+
     /// Takes the robot's answer. A command that it only has is asked for again: the fate may be lost on the way.
     pub(super) fn answered(
         &mut self,

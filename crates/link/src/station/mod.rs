@@ -131,6 +131,8 @@ pub struct StationSession {
     round_trip: Option<Duration>,
     /// Newest time of this session that the robot has received.
     reached_ms: Option<u64>,
+    /// Time up to which the robot has received all that will arrive, by the datagram that is being read.
+    echo_ms: Option<u64>,
     /// Start of the robot's session by its present calendar.
     calendar_ms: Option<u64>,
     /// The time of the datagram that was received last.
@@ -179,10 +181,11 @@ impl StationSession {
     /// A session from now on. Times are those since its begin, by a clock that never goes back.
     pub fn new(identity: &Identity<'_>, profile: Profile) -> Self {
         Self {
-            end: Endpoint::new(identity, Direction::Up, profile.up_bits_per_s),
+            end: Endpoint::new(identity, Direction::Up, &profile),
             clock: RobotClock::default(),
             round_trip: None,
             reached_ms: None,
+            echo_ms: None,
             calendar_ms: None,
             now: Duration::ZERO,
             streams: Streams::default(),
@@ -280,6 +283,11 @@ impl StationSession {
     /// Time since the last datagram of the robot.
     pub fn heard_before(&self, now: Duration) -> Option<Duration> {
         self.end.heard.before(now)
+    }
+
+    /// Limit of datagrams in bytes, if the path drops some that are as long as the profile allows.
+    pub fn shortened_datagrams(&self) -> Option<usize> {
+        self.end.path.shortened()
     }
 
     /// Round trip to the robot. Unknown without an up-link.
@@ -418,16 +426,25 @@ impl StationSession {
             Frame::PartsHere(ref here) => {
                 self.commands.parts_here(now, here, self.answer_time());
             }
-            Frame::Heard { start, number, newest_ms, held_ms, .. }
+            Frame::Heard { start, number, newest_ms, held_ms, late_ms }
                 if start == self.end.start.generation =>
             {
                 self.end.confirm(number);
+                self.echo_ms = Some(newest_ms.saturating_sub(late_ms));
                 let heard_at = at_ms.saturating_sub(held_ms);
                 self.clock.robot_heard(heard_at, newest_ms, now_ms(now));
                 let since = now_ms(now).saturating_sub(newest_ms).saturating_sub(held_ms);
                 self.round_trip = Some(Duration::from_millis(since));
                 self.reached_ms = self.reached_ms.max(Some(newest_ms));
                 self.expire_unheard(at_ms, Duration::from_millis(newest_ms), show);
+            }
+            Frame::Arrived { longest, .. } => {
+                let longest = usize::try_from(longest).unwrap_or(usize::MAX);
+                if let Some(echo_ms) = self.echo_ms.take()
+                    && self.end.path.report(now, longest, echo_ms)
+                {
+                    self.commands.shorten(self.command_bytes_max());
+                }
             }
             Frame::NewKey { id, ref key } if id != self.end.key_id() => {
                 show(FromRobot::NewKey { id, key: key.clone() });
@@ -686,7 +703,7 @@ impl StationSession {
 
     /// Length of a command that fits into one datagram, in bytes: longer ones are sent in parts.
     pub fn command_bytes_max(&self) -> usize {
-        self.profile.up_bytes_max - OVERHEAD - COMMAND_HEAD_MAX
+        self.end.path.max() - OVERHEAD - COMMAND_HEAD_MAX
     }
 
     /// Time that the parts of a command of this length need on the up-link, after those of the commands before, and half a round trip;
@@ -713,7 +730,7 @@ impl StationSession {
 
     /// Size of the longest datagram on the carrier, in bits.
     fn datagram_bits(&self) -> u64 {
-        (self.profile.up_bytes_max + CARRIER_OVERHEAD) as u64 * 8
+        (self.end.path.max() + CARRIER_OVERHEAD) as u64 * 8
     }
 
     /// Progress of a command that is sent in parts.
@@ -725,7 +742,7 @@ impl StationSession {
     pub fn transmit(&mut self, now: Duration) -> Result<Option<Vec<u8>>, SealError> {
         let before = self.end.heard.before(now);
         let is_heard = before.is_some_and(|before| before < self.profile.silence());
-        let room = self.profile.up_bytes_max - self.end.overhead(is_heard);
+        let room = self.end.path.max() - self.end.overhead(is_heard);
         let mut payload = Vec::new();
         write_number(now_ms(now), &mut payload);
         let empty = payload.len();
@@ -769,6 +786,9 @@ impl StationSession {
         let begun = payload.len();
         if let Some(heard) = self.end.heard.frame(now) {
             heard.write(payload);
+        }
+        if let Some(arrived) = self.end.heard.arrived() {
+            arrived.write(payload);
         }
         if payload.len() > room {
             // Commands need all of this datagram; the report is due again with the next one.

@@ -59,7 +59,9 @@ fn in_words(report: &LinkReport) -> String {
     let LinkHealth { down_bytes_per_s, up_bytes_per_s, .. } = health;
     let (down, up) = (size(*down_bytes_per_s), size(*up_bytes_per_s));
     let mut line = |words: String| text.extend(["  ", &words, "\n"]);
-    line(format!("from the robot {down}/s, to the robot {up}/s"));
+    let limit = report.send_bytes_per_s.map(|limit| format!(" of {}/s", size(limit)));
+    let limit = limit.unwrap_or_default();
+    line(format!("from the robot {down}/s{limit}, to the robot {up}/s"));
     if report.is_station {
         line(rights(health.rights));
         line(planned_contact(health, *now_ms));
@@ -251,6 +253,7 @@ mod tests {
             station: None,
             problems: Vec::new(),
             profile: "delay-2s".to_owned(),
+            send_bytes_per_s: None,
             now_ms: 10_000_000,
             health: LinkHealth {
                 robot: "scout".to_owned(),
@@ -307,6 +310,7 @@ mod tests {
         dark.unusable_because = None;
         let mut robot = report();
         (robot.is_station, robot.health.heard_ms) = (false, None);
+        robot.send_bytes_per_s = Some(7_600);
         let said: Vec<_> = [whole, dark, robot].iter().map(in_words).collect();
         expect![[r"
             scout: the robot was heard 0.3 s ago, profile delay-2s
@@ -335,7 +339,7 @@ mod tests {
               20261124-b  1 event, all that the robot had at the last contact
 
             scout: the station was never heard, profile delay-2s
-              from the robot 900 B/s, to the robot 31 B/s
+              from the robot 900 B/s of 7.6 KB/s, to the robot 31 B/s
               received 1.2 MB in 4,000 datagrams: events 800 KB, headers 415 KB, status 20.0 KB
               sent 90 B in 1 datagram: headers 90 B
               2 datagrams not usable, the last one because a datagram of 3 bytes is too short

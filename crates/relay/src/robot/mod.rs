@@ -18,7 +18,7 @@ use crate::clock::SessionClock;
 use crate::error::RelayError;
 use crate::ids;
 use crate::inbox::{Inbox, Input, Stopper};
-use crate::meter::{LinkMeter, millis};
+use crate::meter::{LinkMeter, millis, shortened};
 use crate::pairing::{Paired, Pairing};
 use crate::report::{REPORT_EVERY, Reporter};
 use crate::request_words;
@@ -242,7 +242,9 @@ impl RobotRelay<'_> {
             .as_ref()
             .map(|_| "a new key is offered, and the station does not use it yet");
         let waits = waits.into_iter().map(str::to_owned);
-        LinkReport { problems: waits.chain(runs.problems()).collect(), ..report }
+        let shortened = shortened(session.shortened_datagrams());
+        let problems = waits.chain(shortened).chain(runs.problems()).collect();
+        LinkReport { problems, send_bytes_per_s: Some(session.send_rate() / 8), ..report }
     }
 
     fn send(&mut self) -> Result<(), RelayError> {

@@ -25,7 +25,7 @@ use crate::desk::LinkRate;
 use crate::error::RelayError;
 use crate::ids;
 use crate::inbox::Input;
-use crate::meter::{LinkMeter, millis};
+use crate::meter::{LinkMeter, millis, shortened};
 use crate::pairing::{Paired, Pairing};
 use crate::request_words;
 use crate::requests::RequestDesk;
@@ -459,7 +459,9 @@ impl StationRobot {
             format!("not everything is kept: {} more runs are refused", self.refused_more)
         });
         let crowded = self.session.is_crowded(self.clock.now()).then(|| CROWDED.to_owned());
-        LinkReport { problems: problems.chain(more).chain(crowded).collect(), ..report }
+        let shortened = shortened(self.session.shortened_datagrams());
+        let problems = problems.chain(more).chain(crowded).chain(shortened).collect();
+        LinkReport { problems, ..report }
     }
 
     /// Stores the state of the link for the next start.

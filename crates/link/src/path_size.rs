@@ -1,0 +1,175 @@
+//! Length of datagrams that the path carries. Some paths drop longer ones without a word.
+
+use crate::robot::now_ms;
+use std::collections::VecDeque;
+use std::time::Duration;
+
+/// Lengths that are tried one after the other, in bytes.
+const LENGTHS: [usize; 6] = [1_200, 1_000, 800, 600, 500, LENGTH_MIN];
+/// Every path carries datagrams of this length.
+pub(crate) const LENGTH_MIN: usize = 400;
+/// A length is too long once this many datagrams of more than the longest received one were sent: so many are not lost by chance.
+const LOST: usize = 16;
+/// Interval of the notes of long datagrams.
+const NOTE_EVERY: u64 = 10;
+/// Capacity for these notes.
+const NOTES_MAX: usize = 1_024;
+/// One in this many datagrams is short while the peer sends no reports: perhaps no longer one arrives.
+const SHORT_TURN: u64 = 5;
+/// The peer reports the longest datagram of at least this time.
+pub(crate) const LONGEST_OVER: Duration = Duration::from_secs(10);
+/// Interval after which the length of the profile is tried again: routes change.
+const RETRY_EVERY: Duration = Duration::from_mins(10);
+
+/// Limit of the length of sent datagrams.
+#[derive(Debug)]
+pub(crate) struct PathSize {
+    profile_max: usize,
+    max: usize,
+    /// Times in ms and lengths of long datagrams.
+    sent: VecDeque<(u64, usize)>,
+    retry_at: Duration,
+    /// Datagrams that were sent without reports.
+    unheard: u64,
+}
+
+impl PathSize {
+    pub(crate) fn new(profile_max: usize) -> Self {
+        let (sent, retry_at) = (VecDeque::new(), Duration::MAX);
+        Self { profile_max, max: profile_max, sent, retry_at, unheard: 0 }
+    }
+
+    /// Limit of datagrams in bytes.
+    pub(crate) fn max(&self) -> usize {
+        self.max
+    }
+
+    /// Limit of the next datagram in bytes. `is_heard` if the peer sends reports.
+    pub(crate) fn next_max(&mut self, is_heard: bool) -> usize {
+        self.unheard = if is_heard { 0 } else { self.unheard + 1 };
+        let is_short = !is_heard && self.unheard.is_multiple_of(SHORT_TURN);
+        if is_short { self.max.min(LENGTH_MIN) } else { self.max }
+    }
+
+    /// The limit, if it is lower than that of the profile.
+    pub(crate) fn shortened(&self) -> Option<usize> {
+        (self.max < self.profile_max).then_some(self.max)
+    }
+
+    /// Counts a sent datagram.
+    pub(crate) fn sent(&mut self, now: Duration, length: usize) {
+        let at_ms = now_ms(now);
+        let is_due = self.sent.back().is_none_or(|(last_ms, _)| at_ms >= last_ms + NOTE_EVERY);
+        if length > LENGTH_MIN && is_due {
+            self.sent.push_back((at_ms, length));
+            if self.sent.len() > NOTES_MAX {
+                self.sent.pop_front();
+            }
+        }
+        if now >= self.retry_at {
+            (self.max, self.retry_at) = (self.profile_max, Duration::MAX);
+            self.sent.clear();
+        }
+    }
+
+    /// Applies a report: the longest datagram that the peer has received lately, and the time of the newest one that was not overtaken.
+    /// Returns whether the limit has become lower.
+    pub(crate) fn report(&mut self, now: Duration, longest: usize, newest_ms: u64) -> bool {
+        let oldest_ms = newest_ms.saturating_sub(now_ms(LONGEST_OVER));
+        let is_known = |(at_ms, _): &&(u64, usize)| (oldest_ms..=newest_ms).contains(at_ms);
+        let lost = self.sent.iter().filter(is_known).filter(|(_, length)| *length > longest);
+        let shortest = lost.clone().map(|(_, length)| *length).min().unwrap_or(usize::MAX);
+        if lost.count() < LOST {
+            return false;
+        }
+        let fits = |length: &usize| *length < shortest.min(self.max);
+        let Some(max) = LENGTHS.into_iter().find(fits) else { return false };
+        (self.max, self.retry_at) = (max, now + RETRY_EVERY);
+        self.sent.clear();
+        true
+    }
+}
+
+/// The longest of the datagrams that arrived lately.
+#[derive(Debug, Default)]
+pub(crate) struct LongestReceived {
+    present: usize,
+    before: usize,
+    until: Duration,
+}
+
+impl LongestReceived {
+    pub(crate) fn add(&mut self, now: Duration, length: usize) {
+        if now >= self.until {
+            let is_recent = now < self.until + LONGEST_OVER;
+            self.before = if is_recent { self.present } else { 0 };
+            (self.present, self.until) = (0, now + LONGEST_OVER);
+        }
+        self.present = self.present.max(length);
+    }
+
+    /// Length in bytes.
+    pub(crate) fn get(&self) -> usize {
+        self.present.max(self.before)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{LENGTHS, LOST, LongestReceived, NOTES_MAX, PathSize};
+    use std::time::Duration;
+
+    const fn ms(ms: u64) -> Duration {
+        Duration::from_millis(ms)
+    }
+
+    /// Limits that follow from reports of a path that drops what is longer than this.
+    fn limits(carries: usize) -> Vec<usize> {
+        let (mut path, mut received) = (PathSize::new(1_200), LongestReceived::default());
+        let mut limits = vec![path.max()];
+        for at in (0..60_000).step_by(10) {
+            for length in [path.max(), 90] {
+                path.sent(ms(at), length);
+                if length <= carries {
+                    received.add(ms(at), length);
+                }
+            }
+            if path.report(ms(at), received.get(), at) {
+                limits.push(path.max());
+            }
+        }
+        limits
+    }
+
+    #[test]
+    fn datagrams_become_shorter_until_the_path_carries_them() {
+        assert_eq!(limits(1_200), [1_200]);
+        assert_eq!(limits(650), [1_200, 1_000, 800, 600]);
+        assert_eq!(limits(400), LENGTHS);
+        // Shorter ones carry nothing.
+        assert_eq!(limits(300), LENGTHS);
+    }
+
+    #[test]
+    fn few_losses_shorten_nothing_and_later_the_whole_length_is_tried_again() {
+        let mut path = PathSize::new(1_200);
+        let lost = |path: &mut PathSize, count: usize| {
+            (0..count).for_each(|nth| path.sent(ms(nth as u64 * 10), 1_200));
+            path.report(ms(1_000), 600, 1_000)
+        };
+        assert!(!lost(&mut path, LOST - 1));
+        assert!(lost(&mut path, LOST));
+        assert_eq!(path.shortened(), Some(1_000));
+        path.sent(Duration::from_mins(11), 90);
+        assert_eq!(path.shortened(), None);
+    }
+
+    #[test]
+    fn notes_are_kept_up_to_the_bound() {
+        let mut path = PathSize::new(1_200);
+        (0..=NOTES_MAX as u64).for_each(|nth| path.sent(ms(nth * 10), 1_200));
+        assert_eq!((path.sent.len(), path.sent[0].0), (NOTES_MAX, 10));
+        // What was sent before the notes begin is unknown.
+        assert!(!path.report(ms(20_000), 600, 0));
+    }
+}

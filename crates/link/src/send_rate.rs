@@ -1,0 +1,300 @@
+//! Measured send rate: the delay that reports of the receiver show is kept short, so that new data does not wait in a queue of the link
+//! behind older data.
+
+use crate::robot::now_ms;
+use std::collections::VecDeque;
+use std::time::Duration;
+
+/// Queue of the link from which it is congested.
+const CONGESTED_MS: i64 = 300;
+/// Queue below which the link has room.
+const FREE_MS: i64 = 150;
+/// Time in which a queue of the link is to become empty.
+const DRAIN_MS: f64 = 3_000.0;
+/// Shortest interval over which the arrival rate is measured, in ms.
+const MEASURED_MS: u64 = 1_000;
+/// Share of the capacity that is used.
+const USED: f64 = 0.95;
+/// Growth of the rate at the first probe for more capacity after a congestion; each probe that finds room adds as much.
+const GROWTH: f64 = 0.08;
+/// Largest growth at a probe of the rate.
+const FASTEST_GROWTH: f64 = 0.25;
+/// The rate begins at this fraction of the configured one, and doubles at each report that shows no queue.
+const BEGIN: u64 = 4;
+/// Interval of these probes, unless a round trip takes longer.
+const PROBE_EVERY: Duration = Duration::from_secs(5);
+/// The rate is at least this fraction of the configured one.
+const FLOOR: u64 = 64;
+/// The shortest delay is that of the last one to two intervals of this length, because routes change and clocks drift.
+const DELAY_EVERY: Duration = Duration::from_mins(1);
+
+/// Share of the rate from which the sender counts as limited by it.
+const LIMITED: f64 = 0.8;
+/// A sender that is not limited congests the link if it is congested in this many measurements in a row: single datagrams are late.
+const CONGESTED_MEASURES: u32 = 3;
+/// Interval and number of the notes of what was sent: the round trip of any link but the slowest.
+const SENT_EVERY_MS: u64 = 100;
+const SENT_MAX: usize = 1_024;
+
+/// What a report shows of the datagrams that have arrived.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Arrivals {
+    /// Bytes that arrived from this start.
+    pub(crate) bytes: u64,
+    /// Time of the report by the receiver's clock in ms.
+    pub(crate) at_ms: u64,
+    /// Time of the newest datagram by this side's clock in ms.
+    pub(crate) newest_ms: u64,
+    /// Arrival of that datagram by the receiver's clock in ms.
+    pub(crate) arrived_ms: u64,
+}
+
+impl Arrivals {
+    /// Delay of the newest datagram plus the unknown difference of the clocks.
+    fn delay(self) -> i64 {
+        self.arrived_ms.cast_signed() - self.newest_ms.cast_signed()
+    }
+}
+
+/// Rate in bits per second that follows from reports. Without reports it stays as it is.
+#[derive(Debug)]
+pub(crate) struct SendRate {
+    configured: u64,
+    current: u64,
+    /// Between reports that are further apart, in ms, the link was cut.
+    cut_ms: u64,
+    /// Time of the last change of the rate.
+    changed: Duration,
+    /// True until the first congestion, or until the configured rate is reached.
+    is_beginning: bool,
+    /// Measured while the link was congested. `None` if the link carries the configured rate.
+    capacity: Option<f64>,
+    growth: f64,
+    last: Option<Arrivals>,
+    shortest: ShortestDelay,
+    congestion: Option<Congestion>,
+    /// Measurements in a row that show a queue.
+    congested: u32,
+    probe_at: Duration,
+    /// Sent bytes up to some times in ms.
+    sent: VecDeque<(u64, u64)>,
+    sent_bytes: u64,
+}
+
+/// A time during which the link has a queue.
+#[derive(Debug)]
+struct Congestion {
+    began: Duration,
+    /// Longest queue in ms.
+    queue: i64,
+    /// Highest arrival rate. A cut lowers the rate of some measurements.
+    arrived: f64,
+}
+
+impl SendRate {
+    /// A rate that begins low and grows with reports, which come at least in this interval.
+    pub(crate) fn measured(configured: u64, report_every: Duration) -> Self {
+        let (current, cut_ms) = ((configured / BEGIN).max(1), now_ms(report_every * 4));
+        Self { current, cut_ms, is_beginning: true, ..Self::constant(configured) }
+    }
+
+    /// The configured rate, until the first report.
+    pub(crate) fn constant(configured: u64) -> Self {
+        Self {
+            configured: configured.max(1),
+            current: configured.max(1),
+            cut_ms: 0,
+            changed: Duration::ZERO,
+            is_beginning: false,
+            capacity: None,
+            growth: GROWTH,
+            last: None,
+            shortest: ShortestDelay::default(),
+            congestion: None,
+            congested: 0,
+            probe_at: Duration::ZERO,
+            sent: VecDeque::new(),
+            sent_bytes: 0,
+        }
+    }
+
+    /// Counts a datagram with the headers of the carrier.
+    pub(crate) fn sent(&mut self, now: Duration, length: usize) {
+        let now_ms = now_ms(now);
+        self.sent_bytes += length as u64;
+        match self.sent.back_mut() {
+            Some((at_ms, bytes)) if now_ms < *at_ms + SENT_EVERY_MS => *bytes = self.sent_bytes,
+            _ => self.sent.push_back((now_ms, self.sent_bytes)),
+        }
+        if self.sent.len() > SENT_MAX {
+            self.sent.pop_front();
+        }
+    }
+
+    /// Rate at which was sent between two times in ms. 0 if that is not known any more.
+    fn sent_rate(&self, from_ms: u64, to_ms: u64) -> f64 {
+        let at = |ms: u64| {
+            let place = self.sent.partition_point(|(at_ms, _)| *at_ms <= ms);
+            self.sent.get(place.checked_sub(1)?).map(|(_, bytes)| *bytes)
+        };
+        let (Some(from), Some(to)) = (at(from_ms), at(to_ms)) else { return 0.0 };
+        (to - from) as f64 * 8_000.0 / to_ms.saturating_sub(from_ms).max(1) as f64
+    }
+
+    pub(crate) fn bits_per_s(&self) -> u64 {
+        self.current
+    }
+
+    /// No report has come for long: nothing is known of the link, so a rate that no report has confirmed yet does not grow by reports.
+    pub(crate) fn unheard(&mut self) {
+        if self.is_beginning {
+            (self.is_beginning, self.current) = (false, self.configured);
+        }
+    }
+
+    /// Applies a report. `round_trip` is the time until the next report shows the effect of a change.
+    pub(crate) fn report(&mut self, now: Duration, arrivals: Arrivals, round_trip: Duration) {
+        let Some(last) = self.last else {
+            self.last = Some(arrivals);
+            return;
+        };
+        let is_older = arrivals.newest_ms <= last.newest_ms || arrivals.bytes < last.bytes;
+        let passed = arrivals.at_ms.saturating_sub(last.at_ms);
+        if passed < MEASURED_MS || is_older && passed < self.cut_ms {
+            return;
+        }
+        self.last = Some(arrivals);
+        if is_older || passed > self.cut_ms {
+            return;
+        }
+        let bits = (arrivals.bytes - last.bytes) as f64 * 8.0;
+        let arrived = bits * 1_000.0 / passed as f64;
+        let queue = arrivals.delay() - self.shortest.add(now, arrivals.delay());
+        let sent = self.sent_rate(last.newest_ms, arrivals.newest_ms);
+        let is_limited = sent > self.current as f64 * LIMITED;
+        // The first queue grows fast.
+        let is_queue_long = queue > if self.is_beginning { FREE_MS } else { CONGESTED_MS };
+        self.congested = if is_queue_long { self.congested + 1 } else { 0 };
+        let is_known = self.congestion.is_some() || is_limited;
+        if is_queue_long && (is_known || self.congested >= CONGESTED_MEASURES) {
+            self.congest(now, queue, arrived, round_trip);
+        } else if queue >= FREE_MS {
+            // The queue becomes neither long nor short.
+        } else if self.is_beginning {
+            self.begin(now, arrivals.newest_ms);
+        } else {
+            self.free(now, arrived, round_trip);
+        }
+    }
+
+    /// Doubles the rate if the report shows its last change.
+    fn begin(&mut self, now: Duration, newest_ms: u64) {
+        if u128::from(newest_ms) >= self.changed.as_millis() {
+            (self.current, self.changed) = (self.bounded(self.current as f64 * 2.0), now);
+            self.is_beginning = self.current < self.configured;
+        }
+    }
+
+    fn congest(&mut self, now: Duration, queue: i64, arrived: f64, round_trip: Duration) {
+        (self.is_beginning, self.growth) = (false, GROWTH);
+        let began = Congestion { began: now, queue, arrived };
+        let congestion = self.congestion.get_or_insert(began);
+        congestion.queue = congestion.queue.max(queue);
+        congestion.arrived = congestion.arrived.max(arrived);
+        let drained = Duration::from_millis(congestion.queue.unsigned_abs()) * 2
+            + Duration::from_millis(DRAIN_MS as u64);
+        if now > congestion.began + round_trip + drained && queue * 5 > congestion.queue * 4 {
+            // No queue stays this long at a lower rate: the way has become longer.
+            self.shortest.restart();
+            self.congestion = None;
+            return self.set(None);
+        }
+        let capacity = congestion.arrived;
+        let used = (1.0 - queue as f64 / DRAIN_MS).clamp(0.25, 0.9);
+        self.probe_at = now + round_trip.max(PROBE_EVERY);
+        self.set(Some(capacity));
+        self.current = self.bounded(capacity * used);
+    }
+
+    fn free(&mut self, now: Duration, arrived: f64, round_trip: Duration) {
+        self.congestion = None;
+        let Some(capacity) = self.capacity else { return };
+        let is_used = arrived > self.current as f64 * 0.8;
+        if now < self.probe_at || !is_used {
+            return self.set(Some(capacity));
+        }
+        self.probe_at = now + round_trip.max(PROBE_EVERY);
+        self.set(Some(capacity.min(arrived / USED) * (1.0 + self.growth)));
+        self.growth = (self.growth + GROWTH).min(FASTEST_GROWTH);
+    }
+
+    fn set(&mut self, capacity: Option<f64>) {
+        self.capacity = capacity.filter(|capacity| capacity * USED < self.configured as f64);
+        let rate = self.capacity.map_or(self.configured as f64, |capacity| capacity * USED);
+        self.current = self.bounded(rate);
+    }
+
+    fn bounded(&self, rate: f64) -> u64 {
+        (rate as u64).clamp((self.configured / FLOOR).max(1), self.configured)
+    }
+}
+
+/// The shortest delay of the last minutes.
+#[derive(Debug, Default)]
+struct ShortestDelay {
+    /// That of the present interval, with its end, and that of the one before.
+    present: Option<(Duration, i64)>,
+    before: Option<i64>,
+}
+
+impl ShortestDelay {
+    /// Adds a delay, and returns the shortest one.
+    fn add(&mut self, now: Duration, delay: i64) -> i64 {
+        match &mut self.present {
+            Some((until, shortest)) if now < *until => *shortest = delay.min(*shortest),
+            present => {
+                self.before = present.map(|(_, shortest)| shortest);
+                *present = Some((now + DELAY_EVERY, delay));
+            }
+        }
+        let present = self.present.map(|(_, shortest)| shortest);
+        present.into_iter().chain(self.before).min().unwrap_or(delay)
+    }
+
+    fn restart(&mut self) {
+        *self = Self::default();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Arrivals, SENT_MAX, SendRate};
+    use std::time::Duration;
+
+    #[test]
+    fn what_was_sent_is_known_up_to_the_bound() {
+        let mut rate = SendRate::measured(256_000, Duration::from_secs(2));
+        for nth in 0..=SENT_MAX as u64 {
+            rate.sent(Duration::from_millis(nth * 100), 100);
+        }
+        assert_eq!((rate.sent.len(), rate.sent[0].0), (SENT_MAX, 100));
+        // Before that, it counts as nothing.
+        assert_eq!([rate.sent_rate(0, 1_000), rate.sent_rate(200, 1_200)], [0.0, 8_000.0]);
+    }
+
+    /// One event a second, of which some are late: the link has room, whatever arrives in a second.
+    #[test]
+    fn late_datagrams_of_an_idle_robot_are_no_congestion() {
+        let (mut rate, mut bytes) = (SendRate::measured(256_000, Duration::from_secs(2)), 0);
+        for second in 1..600_u64 {
+            let newest_ms = second * 1_000;
+            bytes += 150;
+            rate.sent(Duration::from_millis(newest_ms), 150);
+            let late = if second % 7 < 2 { 900 } else { 0 };
+            let arrived_ms = newest_ms + 2_000 + late;
+            let arrivals = Arrivals { bytes, at_ms: newest_ms + 3_000, newest_ms, arrived_ms };
+            rate.report(Duration::from_millis(newest_ms + 5_000), arrivals, Duration::from_secs(5));
+        }
+        assert_eq!(rate.bits_per_s(), 256_000);
+    }
+}

@@ -1,0 +1,246 @@
+//! A link that carries less than its profile says. Behind a modem with a long queue, new events do not wait for older ones; on a path that
+//! drops long datagrams, they become shorter.
+
+use rafcon_link::{
+    CommandId, EventBuffer, Events, FromRobot, Identity, KeyId, NewCommand, PairingKey, Profile,
+    RobotSession, RunSource, SenderStart, StationSession, StreamId,
+};
+use rafcon_testkit::disturbed_link::PROFILES;
+use rafcon_testkit::link_world::{Carrier, Conditions, Cut};
+use std::time::Duration;
+
+const RUN: StreamId = StreamId(1);
+/// Files that are sent beside the events.
+const FILES: StreamId = StreamId(2);
+/// Interval of events.
+const EVERY: Duration = Duration::from_millis(200);
+const ITEM: usize = 60;
+
+struct Journal;
+
+impl RunSource for Journal {
+    fn events(&mut self, _: StreamId, first: u64, last: u64, max: usize) -> Option<EventBuffer> {
+        let count = (last - first + 1).min((max / ITEM).max(1) as u64);
+        let items = (first..first + count).flat_map(item).collect();
+        Some(EventBuffer { first, count, t_before: 0, items })
+    }
+
+    fn snapshot(&mut self, _: StreamId) -> Option<(u64, Vec<u8>)> {
+        None
+    }
+}
+
+/// Bytes of an event that no coder shortens.
+fn item(event: u64) -> Vec<u8> {
+    let hash = |nth: u64| (event * 64 + nth).wrapping_mul(0x9e37_79b9_7f4a_7c15).to_be_bytes();
+    (0..8).flat_map(hash).take(ITEM).collect()
+}
+
+/// A robot whose run has an event each [`EVERY`], and its station.
+struct World {
+    now: Duration,
+    robot: RobotSession,
+    station: StationSession,
+    down: Carrier,
+    up: Carrier,
+    head: u64,
+    /// Delay of each event that arrived, with the time of the event.
+    delays: Vec<(Duration, Duration)>,
+    files: u64,
+    /// Longest datagram that passes.
+    carries: usize,
+    carried_out: Vec<CommandId>,
+}
+
+impl World {
+    fn new(profile: &Profile, down: Conditions, up: Conditions) -> Self {
+        let key = PairingKey::from_bytes([7; 32]);
+        let (key_id, start) = (KeyId(1), SenderStart::new(1, 0));
+        let identity = Identity { key_id, key: &key, robot: "scout", start, heard: None };
+        let mut robot = RobotSession::new(&identity, profile.clone());
+        robot.begin(RUN, 0);
+        Self {
+            now: Duration::ZERO,
+            robot,
+            station: StationSession::new(&identity, profile.clone()),
+            down: Carrier::new(down, 1),
+            up: Carrier::new(up, 2),
+            head: 0,
+            delays: Vec::new(),
+            files: 0,
+            carries: usize::MAX,
+            carried_out: Vec::new(),
+        }
+    }
+
+    fn go_on(&mut self, until: Duration) {
+        while self.now < until {
+            self.now += Duration::from_millis(1);
+            while EVERY * u32::try_from(self.head + 1).expect("few") <= self.now {
+                self.head += 1;
+                let items = item(self.head);
+                let events =
+                    Events { stream: RUN, first: self.head, count: 1, t_before: 0, items: &items };
+                self.robot.append(&events);
+            }
+            while let Some(datagram) = self.robot.transmit(self.now, &mut Journal).expect("room") {
+                if datagram.len() <= self.carries {
+                    self.down.send(self.now, datagram);
+                }
+            }
+            while let Some(datagram) = self.station.transmit(self.now).expect("room") {
+                if datagram.len() <= self.carries {
+                    self.up.send(self.now, datagram);
+                }
+            }
+            while let Some(mut datagram) = self.up.arrive(self.now) {
+                let all = &mut self.carried_out;
+                let _doubled =
+                    self.robot.receive(self.now, &mut datagram, |command| all.push(command.id));
+            }
+            while let Some(mut datagram) = self.down.arrive(self.now) {
+                let (now, delays, files) = (self.now, &mut self.delays, &mut self.files);
+                let show = |shown: FromRobot<'_>| match shown {
+                    FromRobot::Events(events) if events.stream == RUN => {
+                        for event in events.first..=events.last() {
+                            let at = EVERY * u32::try_from(event).expect("few");
+                            delays.push((at, now - at));
+                        }
+                    }
+                    FromRobot::Events(events) => *files += events.count,
+                    _ => {}
+                };
+                let _doubled = self.station.receive(self.now, &mut datagram, show);
+            }
+        }
+    }
+
+    /// The longest delay of the 99 % fastest events of this time, beyond that of the link. An event counts when it first arrived.
+    fn p99(&self, from: Duration, to: Duration) -> Duration {
+        let mut delays = std::collections::BTreeMap::new();
+        for (at, delay) in self.delays.iter().filter(|(at, _)| (from..to).contains(at)) {
+            delays.entry(*at).or_insert(*delay);
+        }
+        let mut delays: Vec<_> = delays.into_values().collect();
+        delays.sort();
+        delays[delays.len() * 99 / 100] - self.down.conditions().delay
+    }
+}
+
+fn secs(secs: u64) -> Duration {
+    Duration::from_secs(secs)
+}
+
+/// A modem of 64 and 9.6 kbit/s.
+fn modem() -> (Conditions, Conditions) {
+    let way = |bits_per_s| Conditions {
+        delay: Duration::from_millis(600),
+        bits_per_s,
+        lost: 1,
+        doubled: 0,
+        late: 0,
+        queue_max: secs(8),
+        ..Conditions::delay_2s(bits_per_s)
+    };
+    (way(64_000), way(9_600))
+}
+
+#[test]
+fn new_events_do_not_wait_in_a_slow_modem_behind_older_ones() {
+    let (down, up) = modem();
+    let mut world = World::new(&Profile::DELAY_2S, down, up);
+    // 240 kB in the background, which takes 30 s of the link.
+    world.robot.begin(FILES, 4_000);
+    world.robot.set_rank(FILES, rafcon_link::Rank::Needed);
+    world.go_on(secs(60));
+    // At first nobody knows what the modem carries.
+    let first = world.p99(secs(15), secs(60));
+    world.down.cut(secs(60), secs(120), Cut::Drops);
+    world.up.cut(secs(60), secs(120), Cut::Drops);
+    world.go_on(secs(180));
+    let second = world.p99(secs(125), secs(180));
+    assert!(first <= Duration::from_millis(600), "{first:?} beside files");
+    assert!(second <= Duration::from_millis(600), "{second:?} beside back-fill");
+    assert_eq!(world.files, 4_000);
+    assert_eq!(world.robot.progress(RUN).map(|(_, missing)| missing < 20), Some(true));
+}
+
+/// A link as its profile says, with this share of datagrams lost.
+fn usual(lost: usize) -> (Conditions, Conditions) {
+    let way = |bits_per_s| Conditions { lost, ..Conditions::delay_2s(bits_per_s) };
+    (way(256_000), way(32_000))
+}
+
+fn with_files(profile: &Profile, (down, up): (Conditions, Conditions), parts: u64) -> World {
+    let mut world = World::new(profile, down, up);
+    world.robot.begin(FILES, parts);
+    world.robot.set_rank(FILES, rafcon_link::Rank::Needed);
+    world
+}
+
+#[test]
+fn a_link_that_carries_its_rate_is_used_whole_whatever_it_loses() {
+    for lost in [0, 2, 30] {
+        let mut world = with_files(&Profile::DELAY_2S, usual(lost), 40_000);
+        world.go_on(secs(20));
+        assert_eq!(world.robot.send_rate(), 256_000, "{lost} % lost");
+    }
+    for profile in PROFILES {
+        let way = |bits_per_s| Conditions::delay_2s(bits_per_s);
+        let ways = (way(profile.down_bits_per_s), way(profile.up_bits_per_s));
+        let mut world = with_files(&profile, ways, 1);
+        world.go_on(profile.report_every * 30);
+        assert_eq!(world.robot.send_rate(), profile.down_bits_per_s, "{}", profile.name);
+    }
+}
+
+#[test]
+fn without_an_up_link_the_rate_is_that_of_the_profile() {
+    let mut world = with_files(&Profile::DELAY_2S, usual(2), 40_000);
+    world.up.begin_cut(Duration::ZERO, Cut::Drops);
+    world.go_on(Profile::DELAY_2S.silence() + secs(1));
+    assert_eq!(world.robot.send_rate(), 256_000);
+}
+
+#[test]
+fn a_link_that_carries_more_than_before_is_used_again() {
+    let (down, up) = modem();
+    let mut world = with_files(&Profile::DELAY_2S, (down.clone(), up), 1_000_000);
+    world.go_on(secs(60));
+    let slow = world.robot.send_rate();
+    assert!((40_000..80_000).contains(&slow), "{slow}");
+    world.down.set_conditions(Conditions { bits_per_s: 256_000, ..down });
+    world.go_on(secs(180));
+    assert_eq!(world.robot.send_rate(), 256_000);
+}
+
+/// What is later for good does not wait in a queue.
+#[test]
+fn a_longer_way_is_no_congestion() {
+    let (down, up) = usual(2);
+    let mut world = with_files(&Profile::DELAY_2S, (down.clone(), up), 1_000_000);
+    world.go_on(secs(60));
+    world.down.set_conditions(Conditions { delay: down.delay + secs(1), ..down });
+    world.go_on(secs(90));
+    assert_eq!(world.robot.send_rate(), 256_000);
+}
+
+#[test]
+fn datagrams_become_as_short_as_a_path_needs_that_drops_longer_ones() {
+    let way = Conditions { delay: Duration::from_millis(20), ..Conditions::delay_2s(10_000_000) };
+    let mut world = with_files(&Profile::LAN, (way.clone(), way), 4_000);
+    world.carries = 650;
+    world.go_on(secs(1));
+    // It does not fit into a datagram that passes, which is not known yet.
+    let id = CommandId([1; 16]);
+    let (valid, body) = (secs(60), vec![7; 1_000]);
+    let command = NewCommand { id, valid, wait: None, epoch: 0, body };
+    world.station.command(world.now, command).expect("a clock");
+    world.go_on(secs(60));
+    assert_eq!(world.robot.shortened_datagrams(), Some(600));
+    assert_eq!(world.station.shortened_datagrams(), Some(600));
+    assert_eq!(world.carried_out, [id]);
+    assert_eq!(world.files, 4_000);
+    let late = world.p99(secs(30), secs(60));
+    assert!(late <= Duration::from_millis(300), "{late:?}");
+}
