@@ -17,7 +17,7 @@ const NOTES_MAX: usize = 1_024;
 /// One in this many datagrams is short while the peer sends no reports: perhaps no longer one arrives.
 const SHORT_TURN: u64 = 5;
 /// The peer reports the longest datagram of at least this time.
-pub(crate) const LONGEST_OVER: Duration = Duration::from_secs(10);
+pub(crate) const RECENT: Duration = Duration::from_secs(10);
 /// Interval after which the length of the profile is tried again: routes change.
 const RETRY_EVERY: Duration = Duration::from_mins(10);
 
@@ -75,7 +75,7 @@ impl PathSize {
     /// Applies a report: the longest datagram that the peer has received lately, and the time of the newest one that was not overtaken.
     /// Returns whether the limit has become lower.
     pub(crate) fn report(&mut self, now: Duration, longest: usize, newest_ms: u64) -> bool {
-        let oldest_ms = newest_ms.saturating_sub(now_ms(LONGEST_OVER));
+        let oldest_ms = newest_ms.saturating_sub(now_ms(RECENT));
         let is_known = |(at_ms, _): &&(u64, usize)| (oldest_ms..=newest_ms).contains(at_ms);
         let lost = self.sent.iter().filter(is_known).filter(|(_, length)| *length > longest);
         let shortest = lost.clone().map(|(_, length)| *length).min().unwrap_or(usize::MAX);
@@ -101,9 +101,9 @@ pub(crate) struct LongestReceived {
 impl LongestReceived {
     pub(crate) fn add(&mut self, now: Duration, length: usize) {
         if now >= self.until {
-            let is_recent = now < self.until + LONGEST_OVER;
+            let is_recent = now < self.until + RECENT;
             self.before = if is_recent { self.present } else { 0 };
-            (self.present, self.until) = (0, now + LONGEST_OVER);
+            (self.present, self.until) = (0, now + RECENT);
         }
         self.present = self.present.max(length);
     }

@@ -329,5 +329,6 @@ fn a_station_that_lost_its_runs_shows_a_run_of_the_robot_without_an_up_link() {
     std::fs::remove_dir_all(place.path("ground-runs")).unwrap();
     let (_ground, _) = station(&place, &address.to_string());
     wait_at_station(&place, "Ticks  running");
-    drop(run);
+    assert_eq!(place.call("tell last stop --runs robot-runs").stdout, "applied\n");
+    drop(run.end());
 }

@@ -265,8 +265,12 @@ impl RobotRuns {
                 self.look_at_ended(&id, folder, was_live, session);
                 continue;
             }
-            if let Err(error) = self.find(&id, folder, session) {
-                (self.tell)(&format!("run {id} is not sent to the station: {error}"));
+            match self.find(&id, folder, session) {
+                // The runner has just locked the folder, and writes its files now.
+                Ok(()) | Err(JournalError::NoRun { .. }) => {}
+                Err(error) => {
+                    (self.tell)(&format!("run {id} is not sent to the station: {error}"));
+                }
             }
         }
     }

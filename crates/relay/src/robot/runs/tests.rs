@@ -84,3 +84,20 @@ fn new_events_are_sent_whether_they_go_ahead_or_are_too_many_for_that() {
         assert_eq!(robot.session.progress(events), Some((last, last)));
     }
 }
+
+#[test]
+fn a_run_whose_files_are_being_written_is_no_problem_and_is_sent_later() {
+    let mut robot = Robot::new();
+    let folder = robot.folder_of("run");
+    let _journal = begun(&folder, &about("run"), 1);
+    let file = folder.join("run.json");
+    let text = fs::read(&file).unwrap();
+    fs::remove_file(&file).unwrap();
+    let mut runs = robot.runs();
+    // A problem panics.
+    runs.look(&mut robot.session, true);
+    assert!(runs.all.is_empty());
+    fs::write(&file, text).unwrap();
+    runs.look(&mut robot.session, true);
+    assert!(runs.all.contains_key("run"));
+}
