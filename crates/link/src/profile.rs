@@ -122,8 +122,7 @@ impl Pacer {
 
     /// From the robot, at a rate that follows from reports.
     pub(crate) fn measured(profile: &Profile) -> Self {
-        let rate = SendRate::measured(profile.down_bits_per_s, profile.report_idle_every());
-        Self { rate, free_at: Duration::ZERO }
+        Self { rate: SendRate::measured(profile), free_at: Duration::ZERO }
     }
 
     /// Time at which the last datagram has left.

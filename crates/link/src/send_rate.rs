@@ -1,24 +1,28 @@
 //! Measured send rate: the delay that reports of the receiver show is kept short, so that new data does not wait in a queue of the link
 //! behind older data.
 
+use crate::profile::{CARRIER_OVERHEAD, Profile};
 use crate::robot::now_ms;
 use std::collections::VecDeque;
 use std::time::Duration;
 
-/// Queue of the link from which it is congested.
-const CONGESTED_MS: i64 = 300;
-/// Queue below which the link has room.
-const FREE_MS: i64 = 150;
-/// Time in which a queue of the link is to become empty.
-const DRAIN_MS: f64 = 3_000.0;
+/// Queue of the link from which it is congested, in ms, besides two long datagrams.
+const CONGESTED_MS: u64 = 300;
+/// Queue below which the link has room, in ms, besides a long datagram.
+const FREE_MS: u64 = 150;
+/// Time in which a queue of the link is to become empty, in ms.
+const DRAIN_MS: u64 = 3_000;
 /// Shortest interval over which the arrival rate is measured, in ms.
 const MEASURED_MS: u64 = 1_000;
-/// Share of the capacity that is used.
-const USED: f64 = 0.95;
-/// Growth of the rate at the first probe for more capacity after a congestion; each probe that finds room adds as much.
-const GROWTH: f64 = 0.08;
-/// Largest growth at a probe of the rate.
-const FASTEST_GROWTH: f64 = 0.25;
+/// Percentage of the capacity that is used.
+const USED: u64 = 95;
+/// Percentages of the capacity that are used while a queue becomes empty, at least and at most.
+const USED_LEAST: u64 = 25;
+const USED_MOST: u64 = 90;
+/// Growth of the rate in percent at the first probe for more capacity after a congestion; each probe that finds room adds as much.
+const GROWTH: u64 = 8;
+/// Largest growth at a probe of the rate, in percent.
+const FASTEST_GROWTH: u64 = 25;
 /// The rate begins at this fraction of the configured one, and doubles at each report that shows no queue.
 const BEGIN: u64 = 4;
 /// Interval of these probes, unless a round trip takes longer.
@@ -28,8 +32,8 @@ const FLOOR: u64 = 64;
 /// The shortest delay is that of the last one to two intervals of this length, because routes change and clocks drift.
 const DELAY_EVERY: Duration = Duration::from_mins(1);
 
-/// Share of the rate from which the sender counts as limited by it.
-const LIMITED: f64 = 0.8;
+/// Percentage of the rate from which the sender counts as limited by it.
+const LIMITED: u64 = 80;
 /// A sender that is not limited congests the link if it is congested in this many measurements in a row: single datagrams are late.
 const CONGESTED_MEASURES: u32 = 3;
 /// Interval and number of the notes of what was sent: the round trip of any link but the slowest.
@@ -63,13 +67,15 @@ pub(crate) struct SendRate {
     current: u64,
     /// Between reports that are further apart, in ms, the link was cut.
     cut_ms: u64,
+    /// Time that the longest datagram needs at the configured rate, in ms.
+    datagram_ms: u64,
     /// Time of the last change of the rate.
     changed: Duration,
     /// True until the first congestion, or until the configured rate is reached.
     is_beginning: bool,
     /// Measured while the link was congested. `None` if the link carries the configured rate.
-    capacity: Option<f64>,
-    growth: f64,
+    capacity: Option<u64>,
+    growth: u64,
     last: Option<Arrivals>,
     shortest: ShortestDelay,
     congestion: Option<Congestion>,
@@ -86,16 +92,23 @@ pub(crate) struct SendRate {
 struct Congestion {
     began: Duration,
     /// Longest queue in ms.
-    queue: i64,
+    queue_ms: u64,
     /// Highest arrival rate. A cut lowers the rate of some measurements.
-    arrived: f64,
+    arrived: u64,
 }
 
 impl SendRate {
-    /// A rate that begins low and grows with reports, which come at least in this interval.
-    pub(crate) fn measured(configured: u64, report_every: Duration) -> Self {
-        let (current, cut_ms) = ((configured / BEGIN).max(1), now_ms(report_every * 4));
-        Self { current, cut_ms, is_beginning: true, ..Self::constant(configured) }
+    /// The rate from a robot: it begins low and grows with reports.
+    pub(crate) fn measured(profile: &Profile) -> Self {
+        let configured = profile.down_bits_per_s;
+        let datagram_bits = (profile.down_bytes_max + CARRIER_OVERHEAD) as u64 * 8;
+        Self {
+            current: (configured / BEGIN).max(1),
+            cut_ms: now_ms(profile.report_idle_every() * 4),
+            datagram_ms: datagram_bits * 1_000 / configured.max(1),
+            is_beginning: true,
+            ..Self::constant(configured)
+        }
     }
 
     /// The configured rate, until the first report.
@@ -104,6 +117,7 @@ impl SendRate {
             configured: configured.max(1),
             current: configured.max(1),
             cut_ms: 0,
+            datagram_ms: 0,
             changed: Duration::ZERO,
             is_beginning: false,
             capacity: None,
@@ -132,13 +146,13 @@ impl SendRate {
     }
 
     /// Rate at which was sent between two times in ms. 0 if that is not known any more.
-    fn sent_rate(&self, from_ms: u64, to_ms: u64) -> f64 {
+    fn sent_rate(&self, from_ms: u64, to_ms: u64) -> u64 {
         let at = |ms: u64| {
             let place = self.sent.partition_point(|(at_ms, _)| *at_ms <= ms);
             self.sent.get(place.checked_sub(1)?).map(|(_, bytes)| *bytes)
         };
-        let (Some(from), Some(to)) = (at(from_ms), at(to_ms)) else { return 0.0 };
-        (to - from) as f64 * 8_000.0 / to_ms.saturating_sub(from_ms).max(1) as f64
+        let (Some(from), Some(to)) = (at(from_ms), at(to_ms)) else { return 0 };
+        rate(to - from, to_ms.saturating_sub(from_ms))
     }
 
     pub(crate) fn bits_per_s(&self) -> u64 {
@@ -167,18 +181,20 @@ impl SendRate {
         if is_older || passed > self.cut_ms {
             return;
         }
-        let bits = (arrivals.bytes - last.bytes) as f64 * 8.0;
-        let arrived = bits * 1_000.0 / passed as f64;
+        let arrived = rate(arrivals.bytes - last.bytes, passed);
         let queue = arrivals.delay() - self.shortest.add(now, arrivals.delay());
+        let queue_ms = u64::try_from(queue).unwrap_or_default();
         let sent = self.sent_rate(last.newest_ms, arrivals.newest_ms);
-        let is_limited = sent > self.current as f64 * LIMITED;
+        let is_limited = sent > percent(self.current, LIMITED);
         // The first queue grows fast.
-        let is_queue_long = queue > if self.is_beginning { FREE_MS } else { CONGESTED_MS };
+        let free_ms = FREE_MS + self.datagram_ms;
+        let congested_ms = CONGESTED_MS + self.datagram_ms * 2;
+        let is_queue_long = queue_ms > if self.is_beginning { free_ms } else { congested_ms };
         self.congested = if is_queue_long { self.congested + 1 } else { 0 };
         let is_known = self.congestion.is_some() || is_limited;
         if is_queue_long && (is_known || self.congested >= CONGESTED_MEASURES) {
-            self.congest(now, queue, arrived, round_trip);
-        } else if queue >= FREE_MS {
+            self.congest(now, queue_ms, arrived, round_trip);
+        } else if queue_ms >= free_ms {
             // The queue becomes neither long nor short.
         } else if self.is_beginning {
             self.begin(now, arrivals.newest_ms);
@@ -190,53 +206,63 @@ impl SendRate {
     /// Doubles the rate if the report shows its last change.
     fn begin(&mut self, now: Duration, newest_ms: u64) {
         if u128::from(newest_ms) >= self.changed.as_millis() {
-            (self.current, self.changed) = (self.bounded(self.current as f64 * 2.0), now);
+            (self.current, self.changed) = (self.bounded(self.current.saturating_mul(2)), now);
             self.is_beginning = self.current < self.configured;
         }
     }
 
-    fn congest(&mut self, now: Duration, queue: i64, arrived: f64, round_trip: Duration) {
+    fn congest(&mut self, now: Duration, queue_ms: u64, arrived: u64, round_trip: Duration) {
         (self.is_beginning, self.growth) = (false, GROWTH);
-        let began = Congestion { began: now, queue, arrived };
+        let began = Congestion { began: now, queue_ms, arrived };
         let congestion = self.congestion.get_or_insert(began);
-        congestion.queue = congestion.queue.max(queue);
+        congestion.queue_ms = congestion.queue_ms.max(queue_ms);
         congestion.arrived = congestion.arrived.max(arrived);
-        let drained = Duration::from_millis(congestion.queue.unsigned_abs()) * 2
-            + Duration::from_millis(DRAIN_MS as u64);
-        if now > congestion.began + round_trip + drained && queue * 5 > congestion.queue * 4 {
+        let drained = Duration::from_millis(congestion.queue_ms * 2 + DRAIN_MS);
+        let is_falling = queue_ms * 5 <= congestion.queue_ms * 4;
+        if now > congestion.began + round_trip + drained && !is_falling {
             // No queue stays this long at a lower rate: the way has become longer.
-            self.shortest.restart();
+            self.shortest = ShortestDelay::default();
             self.congestion = None;
             return self.set(None);
         }
         let capacity = congestion.arrived;
-        let used = (1.0 - queue as f64 / DRAIN_MS).clamp(0.25, 0.9);
+        let used = 100_u64.saturating_sub(queue_ms * 100 / DRAIN_MS).clamp(USED_LEAST, USED_MOST);
         self.probe_at = now + round_trip.max(PROBE_EVERY);
         self.set(Some(capacity));
-        self.current = self.bounded(capacity * used);
+        self.current = self.bounded(percent(capacity, used));
     }
 
-    fn free(&mut self, now: Duration, arrived: f64, round_trip: Duration) {
+    fn free(&mut self, now: Duration, arrived: u64, round_trip: Duration) {
         self.congestion = None;
         let Some(capacity) = self.capacity else { return };
-        let is_used = arrived > self.current as f64 * 0.8;
+        let is_used = arrived > percent(self.current, LIMITED);
         if now < self.probe_at || !is_used {
             return self.set(Some(capacity));
         }
         self.probe_at = now + round_trip.max(PROBE_EVERY);
-        self.set(Some(capacity.min(arrived / USED) * (1.0 + self.growth)));
+        let known = capacity.min(arrived.saturating_mul(100) / USED);
+        self.set(Some(percent(known, 100 + self.growth)));
         self.growth = (self.growth + GROWTH).min(FASTEST_GROWTH);
     }
 
-    fn set(&mut self, capacity: Option<f64>) {
-        self.capacity = capacity.filter(|capacity| capacity * USED < self.configured as f64);
-        let rate = self.capacity.map_or(self.configured as f64, |capacity| capacity * USED);
+    fn set(&mut self, capacity: Option<u64>) {
+        self.capacity = capacity.filter(|capacity| percent(*capacity, USED) < self.configured);
+        let rate = self.capacity.map_or(self.configured, |capacity| percent(capacity, USED));
         self.current = self.bounded(rate);
     }
 
-    fn bounded(&self, rate: f64) -> u64 {
-        (rate as u64).clamp((self.configured / FLOOR).max(1), self.configured)
+    fn bounded(&self, rate: u64) -> u64 {
+        rate.clamp((self.configured / FLOOR).max(1), self.configured)
     }
+}
+
+/// Bits per second.
+fn rate(bytes: u64, ms: u64) -> u64 {
+    bytes.saturating_mul(8_000) / ms.max(1)
+}
+
+fn percent(rate: u64, percentage: u64) -> u64 {
+    rate.saturating_mul(percentage) / 100
 }
 
 /// The shortest delay of the last minutes.
@@ -260,32 +286,29 @@ impl ShortestDelay {
         let present = self.present.map(|(_, shortest)| shortest);
         present.into_iter().chain(self.before).min().unwrap_or(delay)
     }
-
-    fn restart(&mut self) {
-        *self = Self::default();
-    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::{Arrivals, SENT_MAX, SendRate};
+    use crate::profile::Profile;
     use std::time::Duration;
 
     #[test]
     fn what_was_sent_is_known_up_to_the_bound() {
-        let mut rate = SendRate::measured(256_000, Duration::from_secs(2));
+        let mut rate = SendRate::measured(&Profile::DELAY_2S);
         for nth in 0..=SENT_MAX as u64 {
             rate.sent(Duration::from_millis(nth * 100), 100);
         }
         assert_eq!((rate.sent.len(), rate.sent[0].0), (SENT_MAX, 100));
         // Before that, it counts as nothing.
-        assert_eq!([rate.sent_rate(0, 1_000), rate.sent_rate(200, 1_200)], [0.0, 8_000.0]);
+        assert_eq!([rate.sent_rate(0, 1_000), rate.sent_rate(200, 1_200)], [0, 8_000]);
     }
 
     /// One event a second, of which some are late: the link has room, whatever arrives in a second.
     #[test]
     fn late_datagrams_of_an_idle_robot_are_no_congestion() {
-        let (mut rate, mut bytes) = (SendRate::measured(256_000, Duration::from_secs(2)), 0);
+        let (mut rate, mut bytes) = (SendRate::measured(&Profile::DELAY_2S), 0);
         for second in 1..600_u64 {
             let newest_ms = second * 1_000;
             bytes += 150;

@@ -99,20 +99,26 @@ impl World {
                     self.robot.receive(self.now, &mut datagram, |command| all.push(command.id));
             }
             while let Some(mut datagram) = self.down.arrive(self.now) {
-                let (now, delays, files) = (self.now, &mut self.delays, &mut self.files);
-                let show = |shown: FromRobot<'_>| match shown {
-                    FromRobot::Events(events) if events.stream == RUN => {
-                        for event in events.first..=events.last() {
-                            let at = EVERY * u32::try_from(event).expect("few");
-                            delays.push((at, now - at));
-                        }
-                    }
-                    FromRobot::Events(events) => *files += events.count,
-                    _ => {}
-                };
-                let _doubled = self.station.receive(self.now, &mut datagram, show);
+                self.receive(&mut datagram);
             }
         }
+    }
+
+    /// The station receives a datagram.
+    fn receive(&mut self, datagram: &mut [u8]) {
+        let (now, delays, files) = (self.now, &mut self.delays, &mut self.files);
+        let delay = |event| {
+            let at = EVERY * u32::try_from(event).expect("few");
+            (at, now.saturating_sub(at))
+        };
+        let show = |shown: FromRobot<'_>| match shown {
+            FromRobot::Events(events) if events.stream == RUN => {
+                delays.extend((events.first..=events.last()).map(delay));
+            }
+            FromRobot::Events(events) => *files += events.count,
+            _ => {}
+        };
+        let _doubled = self.station.receive(now, datagram, show);
     }
 
     /// The longest delay of the 99 % fastest events of this time, beyond that of the link. An event counts when it first arrived.
@@ -123,7 +129,7 @@ impl World {
         }
         let mut delays: Vec<_> = delays.into_values().collect();
         delays.sort();
-        delays[delays.len() * 99 / 100] - self.down.conditions().delay
+        delays[delays.len() * 99 / 100].saturating_sub(self.down.conditions().delay)
     }
 }
 

@@ -53,8 +53,7 @@ pub(super) struct Outgoing {
     id: StreamId,
     head: u64,
     is_over: bool,
-    /// True if its beginning is repeated while the station cannot report that it has lost it.
-    is_description: bool,
+    content: Content,
     state: Vec<u8>,
     is_state_new: bool,
     /// Hash of the events up to a recent one.
@@ -80,6 +79,14 @@ pub(super) struct Outgoing {
     coding: Coding,
     /// True if a report is requested before the first events.
     asks: Asks,
+}
+
+/// Content of a stream.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Content {
+    Events,
+    /// Its beginning is repeated while the station cannot report that it has lost it.
+    Description,
 }
 
 /// Progress of the newest hash to the station.
@@ -114,7 +121,7 @@ impl Outgoing {
             id,
             head,
             is_over: false,
-            is_description: false,
+            content: Content::Events,
             state: Vec::new(),
             is_state_new: false,
             chain: None,
@@ -146,7 +153,7 @@ impl Outgoing {
     }
 
     pub(super) fn set_description(&mut self) {
-        self.is_description = true;
+        self.content = Content::Description;
     }
 
     /// Until when the answer is waited for.
@@ -415,14 +422,14 @@ impl Outgoing {
 
     /// True if sent events are sent again, because the station cannot report.
     fn has_rounds(&self, is_heard: bool) -> bool {
-        !is_heard && (self.is_description || !self.sent.is_empty())
+        !is_heard && (self.content == Content::Description || !self.sent.is_empty())
     }
 
     fn begin_round(&mut self, turn: TransmitContext<'_>) {
         self.sent.clear();
         self.sent_set = RangeSet::default();
         let mut intervals = 2;
-        if self.is_description {
+        if self.content == Content::Description {
             self.received.remove(DESCRIPTION_PARTS);
             intervals = DESCRIPTION_EVERY;
         }

@@ -65,10 +65,11 @@ fn a_station_that_lost_a_description_has_it_again_without_an_up_link() {
         for _ in 0..ms {
             now += Duration::from_millis(1);
             while let Some(mut datagram) = robot.transmit(now, &mut LongHistory).expect("room") {
-                let show = |shown: FromRobot<'_>| {
-                    if let FromRobot::Events(events) = shown {
-                        received += u64::from(events.stream == MACHINES) * events.count;
+                let show = |shown: FromRobot<'_>| match shown {
+                    FromRobot::Events(events) if events.stream == MACHINES => {
+                        received += events.count;
                     }
+                    _ => {}
                 };
                 // A new station rejects datagrams with a short header.
                 let _rejected = station.receive(now, &mut datagram, show);
