@@ -75,7 +75,7 @@ pub(crate) fn command(id: &str) -> CommandId {
 pub(crate) fn own_id(command: CommandId, author: &str) -> Option<String> {
     let mut brief = command.brief()?;
     mask(&mut brief, author);
-    Some(brief.iter().map(|byte| format!("{byte:02x}")).collect())
+    Some(brief.iter().fold(String::new(), |digits, byte| digits + &format!("{byte:02x}")))
 }
 
 /// Six bytes from 12 lower-case hexadecimal digits.

@@ -135,5 +135,5 @@ fn random<const N: usize>() -> Result<[u8; N]> {
 }
 
 fn hex<const N: usize>(bytes: [u8; N]) -> String {
-    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
+    bytes.iter().fold(String::new(), |digits, byte| digits + &format!("{byte:02x}"))
 }

@@ -364,10 +364,8 @@ fn a_run_is_joined_stepped_and_followed_to_its_end() {
     assert_eq!((code, &*said), (Some(0), ""));
     assert_eq!(more.last(), lines.last());
     let history = server.call("history SERVER last --json").stdout;
-    let commanded: Vec<_> = history
-        .lines()
-        .filter(|line| line.contains("\"commanded\"") && !line.contains("\"control-"))
-        .collect();
+    let is_told = |line: &&str| line.contains("\"commanded\"") && !line.contains("control-");
+    let commanded: Vec<_> = history.lines().filter(is_told).collect();
     assert_eq!(commanded.len(), 5, "{history}");
     let never = |line: &&&str| line.contains(r#""expiry":null"#);
     assert_eq!(commanded.iter().find(never), None);
