@@ -10,6 +10,8 @@ use std::time::Duration;
 const CONGESTED_MS: u64 = 300;
 /// Queue below which the link has room, in ms, besides a long datagram.
 const FREE_MS: u64 = 150;
+/// A longer queue is counted as one of an hour, in ms.
+const LONGEST_QUEUE_MS: u64 = 3_600_000;
 /// Time in which a queue of the link is to become empty, in ms.
 const DRAIN_MS: u64 = 3_000;
 /// Shortest interval over which the arrival rate is measured, in ms.
@@ -56,7 +58,7 @@ pub(crate) struct Arrivals {
 impl Arrivals {
     /// Delay of the newest datagram plus the unknown difference of the clocks.
     fn delay(self) -> i64 {
-        self.arrived_ms.cast_signed() - self.newest_ms.cast_signed()
+        self.arrived_ms.cast_signed().saturating_sub(self.newest_ms.cast_signed())
     }
 }
 
@@ -182,8 +184,8 @@ impl SendRate {
             return;
         }
         let arrived = rate(arrivals.bytes - last.bytes, passed);
-        let queue = arrivals.delay() - self.shortest.add(now, arrivals.delay());
-        let queue_ms = u64::try_from(queue).unwrap_or_default();
+        let queue = arrivals.delay().saturating_sub(self.shortest.add(now, arrivals.delay()));
+        let queue_ms = u64::try_from(queue).unwrap_or_default().min(LONGEST_QUEUE_MS);
         let sent = self.sent_rate(last.newest_ms, arrivals.newest_ms);
         let is_limited = sent > percent(self.current, LIMITED);
         // The first queue grows fast.
@@ -292,7 +294,30 @@ impl ShortestDelay {
 mod tests {
     use super::{Arrivals, SENT_MAX, SendRate};
     use crate::profile::Profile;
+    use proptest::prelude::*;
     use std::time::Duration;
+
+    proptest! {
+        #[test]
+        fn whatever_is_reported_the_rate_stays_between_its_bounds(
+            reports in prop::collection::vec((any::<[u64; 4]>(), any::<bool>()), 1..40),
+        ) {
+            let mut rate = SendRate::measured(&Profile::DELAY_2S);
+            for (second, ([bytes, at_ms, newest_ms, arrived_ms], is_usual)) in (1..).zip(reports) {
+                let now = Duration::from_secs(second);
+                let (usual_ms, usual_bytes) = (second * 1_000, second * 9_000);
+                let arrivals = if is_usual {
+                    let (at_ms, arrived_ms) = (usual_ms, arrived_ms % 10_000);
+                    Arrivals { bytes: usual_bytes, at_ms, newest_ms: usual_ms, arrived_ms }
+                } else {
+                    Arrivals { bytes, at_ms, newest_ms, arrived_ms }
+                };
+                rate.sent(now, 9_000);
+                rate.report(now, arrivals, Duration::from_secs(4));
+                prop_assert!((4_000..=256_000).contains(&rate.bits_per_s()));
+            }
+        }
+    }
 
     #[test]
     fn what_was_sent_is_known_up_to_the_bound() {

@@ -24,6 +24,8 @@ class Output(unittest.TestCase):
         stage.enter(0)
         self.addCleanup(stage.leave)
         self.out = _capture.Writer("stdout", io.StringIO())
+        # Else the garbage collector closes it during a later test, which flushes the text of that test.
+        self.addCleanup(self.out.close)
 
     def lines(self):
         return [message for _path, _stream, _level, message in stage.native.sent]
@@ -145,6 +147,7 @@ class Errors(unittest.TestCase):
         before = (sys.stderr, sys.excepthook, threading.excepthook, sys.unraisablehook, traceback.print_exception)
         self.addCleanup(self.restore, *before)
         sys.stderr = _capture.Writer("stderr", io.StringIO())
+        self.addCleanup(sys.stderr.close)
         _printed_errors.install()
 
     @staticmethod
@@ -247,6 +250,7 @@ class Log(unittest.TestCase):
     def print_to_us(self):
         self.addCleanup(setattr, sys, "stderr", sys.stderr)
         sys.stderr = _capture.Writer("stderr", io.StringIO())
+        self.addCleanup(sys.stderr.close)
 
     def test_what_basic_config_prints_comes_once_and_with_its_level(self):
         self.print_to_us()
