@@ -10,8 +10,8 @@ use std::time::Duration;
 const CONGESTED_MS: u64 = 300;
 /// Queue below which the link has room, in ms, besides a long datagram.
 const FREE_MS: u64 = 150;
-/// A longer queue is counted as one of an hour, in ms.
-const LONGEST_QUEUE_MS: u64 = 3_600_000;
+/// A longer queue counts as one of an hour.
+const HOUR_MS: u64 = 3_600_000;
 /// Time in which a queue of the link is to become empty, in ms.
 const DRAIN_MS: u64 = 3_000;
 /// Shortest interval over which the arrival rate is measured, in ms.
@@ -19,8 +19,7 @@ const MEASURED_MS: u64 = 1_000;
 /// Percentage of the capacity that is used.
 const USED: u64 = 95;
 /// Percentages of the capacity that are used while a queue becomes empty, at least and at most.
-const USED_LEAST: u64 = 25;
-const USED_MOST: u64 = 90;
+const USED_DRAINING: (u64, u64) = (25, 90);
 /// Growth of the rate in percent at the first probe for more capacity after a congestion; each probe that finds room adds as much.
 const GROWTH: u64 = 8;
 /// Largest growth at a probe of the rate, in percent.
@@ -185,7 +184,7 @@ impl SendRate {
         }
         let arrived = rate(arrivals.bytes - last.bytes, passed);
         let queue = arrivals.delay().saturating_sub(self.shortest.add(now, arrivals.delay()));
-        let queue_ms = u64::try_from(queue).unwrap_or_default().min(LONGEST_QUEUE_MS);
+        let queue_ms = u64::try_from(queue).unwrap_or_default().min(HOUR_MS);
         let sent = self.sent_rate(last.newest_ms, arrivals.newest_ms);
         let is_limited = sent > percent(self.current, LIMITED);
         // The first queue grows fast.
@@ -228,7 +227,9 @@ impl SendRate {
             return self.set(None);
         }
         let capacity = congestion.arrived;
-        let used = 100_u64.saturating_sub(queue_ms * 100 / DRAIN_MS).clamp(USED_LEAST, USED_MOST);
+        let used = 100_u64
+            .saturating_sub(queue_ms * 100 / DRAIN_MS)
+            .clamp(USED_DRAINING.0, USED_DRAINING.1);
         self.probe_at = now + round_trip.max(PROBE_EVERY);
         self.set(Some(capacity));
         self.current = self.bounded(percent(capacity, used));
