@@ -83,9 +83,9 @@ impl Endpoint {
     pub(crate) fn new(identity: &Identity<'_>, sends: Direction, profile: &Profile) -> Self {
         let Identity { key_id, key, robot, start, heard } = identity.clone();
         let receives = sends.back();
-        let (pacer, datagram_max) = match sends {
-            Direction::Down => (Pacer::measured(profile), profile.down_bytes_max),
-            Direction::Up => (Pacer::constant(profile.up_bits_per_s), profile.up_bytes_max),
+        let (bits_per_s, datagram_max) = match sends {
+            Direction::Down => (profile.down_bits_per_s, profile.down_bytes_max),
+            Direction::Up => (profile.up_bits_per_s, profile.up_bytes_max),
         };
         Self {
             key_id,
@@ -93,7 +93,7 @@ impl Endpoint {
             others: Vec::new(),
             way: (robot.to_owned(), sends),
             start,
-            pacer,
+            pacer: Pacer::new(bits_per_s),
             path: PathSize::new(datagram_max),
             heard: Heard::default(),
             sealer: Sealer::new((key_id, key), robot, sends, start),

@@ -8,7 +8,7 @@ use std::time::Duration;
 const LENGTHS: [usize; 6] = [1_200, 1_000, 800, 600, 500, LENGTH_MIN];
 /// Every path carries datagrams of this length.
 pub(crate) const LENGTH_MIN: usize = 400;
-/// A length is too long once this many datagrams of more than the longest received one were sent: so many are not lost by chance.
+/// Lost datagrams that show that they were too long. Chance loses fewer in a row.
 const LOST: usize = 16;
 /// Interval of the notes of long datagrams.
 const NOTE_EVERY: u64 = 10;

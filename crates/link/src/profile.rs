@@ -1,6 +1,5 @@
 //! Properties of a link before it is measured, and the schedule of its datagrams.
 
-use crate::send_rate::{Arrivals, SendRate};
 use std::time::Duration;
 
 /// The properties of a link that its users set. Everything that depends on the delay is measured.
@@ -107,22 +106,16 @@ impl Profile {
 /// Datagrams cost their carrier this much besides, in bytes: the headers of IP and UDP.
 pub const CARRIER_OVERHEAD: usize = 28;
 
-/// Schedules datagrams at the send rate.
+/// Schedules datagrams at a rate in bits per second.
 #[derive(Debug)]
 pub(crate) struct Pacer {
-    rate: SendRate,
+    bits_per_s: u64,
     free_at: Duration,
 }
 
 impl Pacer {
-    /// At a constant rate.
-    pub(crate) fn constant(bits_per_s: u64) -> Self {
-        Self { rate: SendRate::constant(bits_per_s), free_at: Duration::ZERO }
-    }
-
-    /// From the robot, at a rate that follows from reports.
-    pub(crate) fn measured(profile: &Profile) -> Self {
-        Self { rate: SendRate::measured(profile), free_at: Duration::ZERO }
+    pub(crate) fn new(bits_per_s: u64) -> Self {
+        Self { bits_per_s: bits_per_s.max(1), free_at: Duration::ZERO }
     }
 
     /// Time at which the last datagram has left.
@@ -130,26 +123,15 @@ impl Pacer {
         self.free_at
     }
 
-    /// The present rate in bits per second.
-    pub(crate) fn bits_per_s(&self) -> u64 {
-        self.rate.bits_per_s()
+    /// Sets the rate of the following datagrams.
+    pub(crate) fn set_rate(&mut self, bits_per_s: u64) {
+        self.bits_per_s = bits_per_s.max(1);
     }
 
-    /// Applies a report of the receiver to the rate.
-    pub(crate) fn report(&mut self, now: Duration, arrivals: Arrivals, round_trip: Duration) {
-        self.rate.report(now, arrivals, round_trip);
-    }
-
-    /// No report has come for long.
-    pub(crate) fn unheard(&mut self) {
-        self.rate.unheard();
-    }
-
-    /// Counts a datagram.
+    /// Counts a sent datagram of this length.
     pub(crate) fn spend(&mut self, now: Duration, datagram: usize) {
-        self.rate.sent(now, datagram + CARRIER_OVERHEAD);
         let bits = (datagram + CARRIER_OVERHEAD) as u64 * 8;
-        let takes = Duration::from_nanos(bits.saturating_mul(1_000_000_000) / self.bits_per_s());
+        let takes = Duration::from_nanos(bits.saturating_mul(1_000_000_000) / self.bits_per_s);
         self.free_at = self.free_at.max(now).saturating_add(takes);
     }
 }

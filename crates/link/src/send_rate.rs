@@ -41,7 +41,7 @@ const CONGESTED_MEASURES: u32 = 3;
 const SENT_EVERY_MS: u64 = 100;
 const SENT_MAX: usize = 1_024;
 
-/// What a report shows of the datagrams that have arrived.
+/// Datagrams that have arrived, by a report.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Arrivals {
     /// Bytes that arrived from this start.
@@ -100,27 +100,16 @@ struct Congestion {
 
 impl SendRate {
     /// The rate from a robot: it begins low and grows with reports.
-    pub(crate) fn measured(profile: &Profile) -> Self {
-        let configured = profile.down_bits_per_s;
+    pub(crate) fn new(profile: &Profile) -> Self {
+        let configured = profile.down_bits_per_s.max(1);
         let datagram_bits = (profile.down_bytes_max + CARRIER_OVERHEAD) as u64 * 8;
         Self {
+            configured,
             current: (configured / BEGIN).max(1),
-            cut_ms: now_ms(profile.report_idle_every() * 4),
-            datagram_ms: datagram_bits * 1_000 / configured.max(1),
-            is_beginning: true,
-            ..Self::constant(configured)
-        }
-    }
-
-    /// The configured rate, until the first report.
-    pub(crate) fn constant(configured: u64) -> Self {
-        Self {
-            configured: configured.max(1),
-            current: configured.max(1),
-            cut_ms: 0,
-            datagram_ms: 0,
             changed: Duration::ZERO,
-            is_beginning: false,
+            cut_ms: now_ms(profile.report_idle_every() * 4),
+            datagram_ms: datagram_bits * 1_000 / configured,
+            is_beginning: true,
             capacity: None,
             growth: GROWTH,
             last: None,
@@ -303,7 +292,7 @@ mod tests {
         fn whatever_is_reported_the_rate_stays_between_its_bounds(
             reports in prop::collection::vec((any::<[u64; 4]>(), any::<bool>()), 1..40),
         ) {
-            let mut rate = SendRate::measured(&Profile::DELAY_2S);
+            let mut rate = SendRate::new(&Profile::DELAY_2S);
             for (second, ([bytes, at_ms, newest_ms, arrived_ms], is_usual)) in (1..).zip(reports) {
                 let now = Duration::from_secs(second);
                 let (usual_ms, usual_bytes) = (second * 1_000, second * 9_000);
@@ -322,7 +311,7 @@ mod tests {
 
     #[test]
     fn what_was_sent_is_known_up_to_the_bound() {
-        let mut rate = SendRate::measured(&Profile::DELAY_2S);
+        let mut rate = SendRate::new(&Profile::DELAY_2S);
         for nth in 0..=SENT_MAX as u64 {
             rate.sent(Duration::from_millis(nth * 100), 100);
         }
@@ -334,7 +323,7 @@ mod tests {
     /// One event a second, of which some are late: the link has room, whatever arrives in a second.
     #[test]
     fn late_datagrams_of_an_idle_robot_are_no_congestion() {
-        let (mut rate, mut bytes) = (SendRate::measured(&Profile::DELAY_2S), 0);
+        let (mut rate, mut bytes) = (SendRate::new(&Profile::DELAY_2S), 0);
         for second in 1..600_u64 {
             let newest_ms = second * 1_000;
             bytes += 150;

@@ -65,7 +65,7 @@ fn commands() -> Vec<(String, Command)> {
     all
 }
 
-/// Id of a command of the page or of `rafcon tell`.
+/// Command id in the form of the page and `rafcon tell`.
 const ID: &str = "ana/0123456789ab";
 
 fn request(command: Command) -> StationRequest {

@@ -75,22 +75,17 @@ pub(crate) fn command(id: &str) -> CommandId {
 pub(crate) fn own_id(command: CommandId, author: &str) -> Option<String> {
     let mut brief = command.brief()?;
     mask(&mut brief, author);
-    Some(brief.iter().fold(String::new(), |digits, byte| digits + &format!("{byte:02x}")))
+    let mut number = [0; 8];
+    number[2..].copy_from_slice(&brief);
+    Some(format!("{:012x}", u64::from_be_bytes(number)))
 }
 
 /// Six bytes from 12 lower-case hexadecimal digits.
 fn brief_id(digits: &str) -> Option<BriefId> {
-    let (pairs, []) = digits.as_bytes().as_chunks() else { return None };
-    let pairs: &[[u8; 2]; 6] = pairs.try_into().ok()?;
-    let digit = |digit: u8| match digit {
-        b'0'..=b'9' => Some(digit - b'0'),
-        b'a'..=b'f' => Some(digit - b'a' + 10),
-        _ => None,
-    };
-    let mut brief = [0; 6];
-    for (byte, [high, low]) in brief.iter_mut().zip(pairs) {
-        *byte = digit(*high)? << 4 | digit(*low)?;
-    }
+    let is_digit = |digit: u8| matches!(digit, b'0'..=b'9' | b'a'..=b'f');
+    let is_brief = digits.len() == 12 && digits.bytes().all(is_digit);
+    let number = u64::from_str_radix(digits, 16).ok().filter(|_| is_brief)?;
+    let [_, _, brief @ ..] = number.to_be_bytes();
     Some(brief)
 }
 

@@ -28,9 +28,9 @@ use crate::frame::{
     WishFrame,
 };
 use crate::path_size::LENGTH_MIN;
-use crate::profile::Profile;
+use crate::profile::{CARRIER_OVERHEAD, Profile};
 use crate::seal::{Direction, For, Generation, Horizon, KeyId, OVERHEAD, PairingKey, SealError};
-use crate::send_rate::Arrivals;
+use crate::send_rate::{Arrivals, SendRate};
 use crate::traffic::Traffic;
 use bulk::Bulk;
 use later::Later;
@@ -74,6 +74,7 @@ pub struct ReceivedCommand {
 pub struct RobotSession {
     profile: Profile,
     end: Endpoint,
+    rate: SendRate,
     sent_at: Option<Duration>,
     /// Smallest age of the newest time in a report at its arrival: a round trip plus the delay of the station.
     report_age: Option<Duration>,
@@ -108,6 +109,7 @@ impl RobotSession {
     pub fn new(identity: &Identity<'_>, profile: Profile) -> Self {
         Self {
             end: Endpoint::new(identity, Direction::Down, &profile),
+            rate: SendRate::new(&profile),
             sent_at: None,
             report_age: None,
             streams: BTreeMap::new(),
@@ -301,7 +303,7 @@ impl RobotSession {
 
     /// Send rate in bits per second: at most that of the profile, less on a link that carries less by the station's reports.
     pub fn send_rate(&self) -> u64 {
-        self.end.pacer.bits_per_s()
+        self.rate.bits_per_s()
     }
 
     /// Datagrams and bytes sent and received.
@@ -364,7 +366,7 @@ impl RobotSession {
         self.report(now, echo, reports);
         if let (Some((newest_ms, arrived_ms)), Some((bytes, longest))) = (newest, arrived) {
             let arrivals = Arrivals { bytes, at_ms, newest_ms, arrived_ms };
-            self.end.pacer.report(now, arrivals, self.report_age.unwrap_or_default());
+            self.rate.report(now, arrivals, self.report_age.unwrap_or_default());
             let late_ms = echo.map_or(0, |(_, late_ms)| late_ms);
             let longest = usize::try_from(longest).unwrap_or(usize::MAX);
             if self.end.path.report(now, longest, newest_ms.saturating_sub(late_ms)) {
@@ -449,7 +451,7 @@ impl RobotSession {
     ) -> Result<Option<Vec<u8>>, SealError> {
         let is_heard = self.is_heard(now);
         if !is_heard && now >= self.profile.silence() {
-            self.end.pacer.unheard();
+            self.rate.unheard();
         }
         let is_urgent = self.urgent_at(is_heard) <= now;
         // An urgent datagram may leave somewhat before its turn, so that it does not wait behind bulk.
@@ -506,7 +508,10 @@ impl RobotSession {
             (true, true) => For::Listener,
             (false, _) => For::Anyone,
         };
-        self.end.seal(now, whom, &payload).map(Some)
+        self.end.pacer.set_rate(self.rate.bits_per_s());
+        let datagram = self.end.seal(now, whom, &payload)?;
+        self.rate.sent(now, datagram.len() + CARRIER_OVERHEAD);
+        Ok(Some(datagram))
     }
 
     /// When something may be due next; earlier if anything is received or appended.
@@ -544,7 +549,7 @@ impl RobotSession {
     /// Send time of two full datagrams.
     fn slack(&self) -> Duration {
         let bits = self.profile.down_bytes_max as u64 * 2 * 8;
-        Duration::from_nanos(bits * 1_000_000_000 / self.end.pacer.bits_per_s())
+        Duration::from_nanos(bits * 1_000_000_000 / self.rate.bits_per_s())
     }
 
     fn write_offer(&mut self, now: Duration, payload: &mut Vec<u8>) {

@@ -87,7 +87,7 @@ impl Behind {
 
 impl WatchedValues {
     pub(super) fn new(profile: &Profile) -> Self {
-        let pacer = Pacer::constant(profile.down_bits_per_s / RATE_PART);
+        let pacer = Pacer::new(profile.down_bits_per_s / RATE_PART);
         Self { runs: BTreeMap::new(), pacer }
     }
 

@@ -120,20 +120,16 @@ fn is_kept_later(error: &anyhow::Error) -> bool {
 
 /// Unique prefix of ids.
 pub(super) fn unique(what: &str) -> Result<String> {
-    Ok(format!("{what}-{}", hex(random::<8>()?)))
+    Ok(format!("{what}-{:016x}", random()?))
 }
 
 /// Unique id of a command, of the length that takes the fewest bytes on a link.
 pub(super) fn command_id() -> Result<String> {
-    Ok(hex(random::<6>()?))
+    Ok(format!("{:012x}", random()? >> 16))
 }
 
-fn random<const N: usize>() -> Result<[u8; N]> {
-    let mut bytes = [0; N];
+fn random() -> Result<u64> {
+    let mut bytes = [0; 8];
     getrandom(&mut bytes, GetRandomFlags::empty()).context("there is no randomness")?;
-    Ok(bytes)
-}
-
-fn hex<const N: usize>(bytes: [u8; N]) -> String {
-    bytes.iter().fold(String::new(), |digits, byte| digits + &format!("{byte:02x}"))
+    Ok(u64::from_ne_bytes(bytes))
 }
