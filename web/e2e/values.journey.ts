@@ -8,6 +8,7 @@ import type { RunSummary } from "../src/model/generated/protocol.ts";
 import { measured } from "../src/panels/parts/duration.ts";
 import type { App } from "./support/app.ts";
 import { type Hands, journey } from "./support/journey.ts";
+import { machinePixels } from "./support/pixels.ts";
 import { binary } from "./support/places.ts";
 import { ended, perform, stopRun } from "./support/runs.ts";
 import { sensing } from "./support/values.ts";
@@ -208,7 +209,7 @@ journey(
     };
     const { x, y } = await app.port("SENSES", "scoped_variable", "count");
     const clip = { x: Math.round(x) - 60, y: Math.round(y) - 30, width: 120, height: 22 };
-    const chip = async () => (await app.sheet.screenshot({ clip })).toString("base64");
+    const chip = () => machinePixels(app, clip);
     await value(app, "Outputs", "count", "6").waitFor();
     const none = await chip();
     await inRun(app, "Inputs")

@@ -4,6 +4,7 @@ import { vi } from "vitest";
 import type { Box } from "../../src/model/geometry.ts";
 import type { App } from "./app.ts";
 import { PATIENCE } from "./patience.ts";
+import { machinePixels } from "./pixels.ts";
 
 /** So far inside and outside of its edge the ring of a state is looked for, in CSS pixels. */
 const NEAR = 3;
@@ -34,8 +35,7 @@ async function ringPart(app: App, path: string, tone: Tone): Promise<number | nu
     height: Math.round(box.height) + 2 * NEAR,
   };
   if (!isInSight(app, around)) return null;
-  const png = await app.sheet.screenshot({ clip: around });
-  return coloured(app, png, tone, around);
+  return coloured(app, await machinePixels(app, around), tone, around);
 }
 
 function isInSight(app: App, { x, y, width, height }: Box): boolean {
@@ -44,12 +44,13 @@ function isInSight(app: App, { x, y, width, height }: Box): boolean {
 }
 
 /** How much of the middle of the lower edge shows the colour, faded or not, within a few pixels of where the edge is. */
-async function coloured(app: App, png: Buffer, tone: Tone, { width }: Box): Promise<number> {
-  const [base64, name, near, columns] = [png.toString("base64"), `--${tone}`, NEAR, width];
+async function coloured(app: App, png: string, tone: Tone, { width }: Box): Promise<number> {
+  const [url, name, near, columns] = [png, `--${tone}`, NEAR, width];
   return app.sheet.evaluate(
     async (asked) => {
-      const bytes = Uint8Array.from(atob(asked.base64), (sign) => sign.charCodeAt(0));
-      const picture = await createImageBitmap(new Blob([bytes], { type: "image/png" }));
+      const picture = new Image();
+      picture.src = asked.url;
+      await picture.decode();
       const context = new OffscreenCanvas(picture.width, picture.height).getContext("2d");
       if (!context) throw new Error("there is no canvas to look at the picture with");
       context.drawImage(picture, 0, 0);
@@ -74,6 +75,6 @@ async function coloured(app: App, png: Buffer, tone: Tone, { width }: Box): Prom
       }
       return found / Math.max(1, until - from);
     },
-    { base64, name, near, columns },
+    { url, name, near, columns },
   );
 }

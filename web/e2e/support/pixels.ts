@@ -16,6 +16,22 @@ export async function boxShown(app: App, expected: Box): Promise<Box> {
   return { x: x + found.x, y: y + found.y, width: found.width, height: found.height };
 }
 
+/** A part of the picture of the machine, as text. What stands over it, such as messages, their shadows and pulses, is not in it. */
+export async function machinePixels(app: App, part: Box): Promise<string> {
+  return app.canvas.evaluate((root, { x, y, width, height }) => {
+    const picture = root.querySelector("canvas");
+    if (!picture) throw new Error("the machine has no picture");
+    const place = picture.getBoundingClientRect();
+    const scale = picture.width / place.width;
+    const copy = document.createElement("canvas");
+    [copy.width, copy.height] = [width * scale, height * scale];
+    const context = copy.getContext("2d");
+    if (!context) throw new Error("there is no canvas to copy the picture to");
+    context.drawImage(picture, (place.x - x) * scale, (place.y - y) * scale);
+    return copy.toDataURL();
+  }, part);
+}
+
 /** The first and last pixels of a picture that are unlike its left upper corner: the middle one of all rows, and of all columns. */
 async function edges(app: App, png: Buffer): Promise<Box> {
   return app.sheet.evaluate(async (base64) => {
