@@ -4,8 +4,9 @@
 import { writeFileSync } from "node:fs";
 import { join } from "node:path";
 import { parseArgs } from "node:util";
-import { Camp } from "./link/camp.ts";
+import { Camp, newMission } from "./link/camp.ts";
 import { farPageLive } from "./link/far.ts";
+import { overLinks } from "./link/links.ts";
 import { figures, printed } from "./link/measures.ts";
 import { beOperator } from "./link/operator.ts";
 import { Scenario } from "./link/scenario.ts";
@@ -22,6 +23,7 @@ async function main(): Promise<void> {
       minutes: { type: "string", default: "60" },
       stations: { type: "string", default: "3" },
       far: { type: "boolean", default: false },
+      links: { type: "string" },
       json: { type: "boolean", default: false },
     },
   });
@@ -31,9 +33,20 @@ async function main(): Promise<void> {
     printed([{ name: "page_live_far_s", value, unit: "s", bar: null }], values.json);
     return;
   }
+  if (values.links !== undefined) {
+    const found = await overLinks(values.links);
+    if (!printed(found, values.json)) process.exitCode = 1;
+    return;
+  }
   const minutes = Number(values.minutes);
   if (!(minutes >= 5)) throw new Error("--minutes: a number of at least 5");
-  const camp = await Camp.pitch(values.stations !== "1", RATE);
+  const camp = await Camp.pitch({
+    hasSeveral: values.stations !== "1",
+    profile: "delay-2s",
+    path: [],
+    machine: (folder) => newMission(folder, RATE),
+    inputs: { time_scale: 0 },
+  });
   try {
     const hour = await new Scenario(camp, { minutes }).play();
     writeFileSync(join(camp.folder, "hour.json"), JSON.stringify(hour));

@@ -31,6 +31,9 @@ pub(crate) struct SpacebotcampOptions {
     /// Only how long a page takes that is opened on the far side of a link of 64 kbit/s, through two real kernels; needs root.
     #[arg(long, requires = "real")]
     far: bool,
+    /// Only some minutes over each link of `web/bench/link/links.json`, or over those with these names, separated by commas.
+    #[arg(long, requires = "real", num_args = 0..=1, default_missing_value = "")]
+    links: Option<String>,
     /// Print each figure as a line of JSON.
     #[arg(long)]
     json: bool,
@@ -56,6 +59,9 @@ fn really(options: &SpacebotcampOptions) -> Result<()> {
     camp.env("RAFCON_LINK_PROXY", proxy).args(["--minutes", &options.minutes.to_string()]);
     camp.args(["--stations", &options.stations.to_string()]);
     camp.args(options.far.then_some("--far"));
+    if let Some(links) = &options.links {
+        camp.args(["--links", links]);
+    }
     process::run(camp.args(options.json.then_some("--json")))
 }
 

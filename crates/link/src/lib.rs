@@ -12,6 +12,7 @@ mod frame;
 mod heard;
 #[cfg(test)]
 mod hostile;
+mod loss_rate;
 #[cfg(test)]
 mod many_runs;
 mod path_size;

@@ -1,6 +1,7 @@
 //! Measured send rate: the delay that reports of the receiver show is kept short, so that new data does not wait in a queue of the link
 //! behind older data.
 
+use crate::loss_rate::LossRate;
 use crate::profile::{CARRIER_OVERHEAD, Profile};
 use crate::robot::now_ms;
 use std::collections::VecDeque;
@@ -86,6 +87,7 @@ pub(crate) struct SendRate {
     /// Sent bytes up to some times in ms.
     sent: VecDeque<(u64, u64)>,
     sent_bytes: u64,
+    loss: LossRate,
 }
 
 /// A time during which the link has a queue.
@@ -119,6 +121,7 @@ impl SendRate {
             probe_at: Duration::ZERO,
             sent: VecDeque::new(),
             sent_bytes: 0,
+            loss: LossRate::default(),
         }
     }
 
@@ -135,14 +138,18 @@ impl SendRate {
         }
     }
 
-    /// Rate at which was sent between two times in ms. 0 if that is not known any more.
-    fn sent_rate(&self, from_ms: u64, to_ms: u64) -> u64 {
+    /// Bytes that were sent between two times in ms. 0 if that is not known any more.
+    fn sent_between(&self, from_ms: u64, to_ms: u64) -> u64 {
         let at = |ms: u64| {
             let place = self.sent.partition_point(|(at_ms, _)| *at_ms <= ms);
             self.sent.get(place.checked_sub(1)?).map(|(_, bytes)| *bytes)
         };
-        let (Some(from), Some(to)) = (at(from_ms), at(to_ms)) else { return 0 };
-        rate(to - from, to_ms.saturating_sub(from_ms))
+        at(from_ms).zip(at(to_ms)).map_or(0, |(from, to)| to - from)
+    }
+
+    /// How often older data is sent so that nearly all of it arrives.
+    pub(crate) fn sends(&self) -> u8 {
+        self.loss.sends()
     }
 
     pub(crate) fn bits_per_s(&self) -> u64 {
@@ -171,10 +178,13 @@ impl SendRate {
         if is_older || passed > self.cut_ms {
             return;
         }
-        let arrived = rate(arrivals.bytes - last.bytes, passed);
+        let arrived_bytes = arrivals.bytes - last.bytes;
+        let arrived = rate(arrived_bytes, passed);
         let queue = arrivals.delay().saturating_sub(self.shortest.add(now, arrivals.delay()));
         let queue_ms = u64::try_from(queue).unwrap_or_default().min(HOUR_MS);
-        let sent = self.sent_rate(last.newest_ms, arrivals.newest_ms);
+        let sent_bytes = self.sent_between(last.newest_ms, arrivals.newest_ms);
+        self.loss.add(sent_bytes, arrived_bytes);
+        let sent = rate(sent_bytes, arrivals.newest_ms.saturating_sub(last.newest_ms));
         let is_limited = sent > percent(self.current, LIMITED);
         // The first queue grows fast.
         let free_ms = FREE_MS + self.datagram_ms;
@@ -317,7 +327,7 @@ mod tests {
         }
         assert_eq!((rate.sent.len(), rate.sent[0].0), (SENT_MAX, 100));
         // Before that, it counts as nothing.
-        assert_eq!([rate.sent_rate(0, 1_000), rate.sent_rate(200, 1_200)], [0, 8_000]);
+        assert_eq!([rate.sent_between(0, 1_000), rate.sent_between(200, 1_200)], [0, 1_000]);
     }
 
     /// One event a second, of which some are late: the link has room, whatever arrives in a second.

@@ -1,136 +1,24 @@
 //! A link that carries less than its profile says. Behind a modem with a long queue, new events do not wait for older ones; on a path that
 //! drops long datagrams, they become shorter.
 
-use rafcon_link::{
-    CommandId, EventBuffer, Events, FromRobot, Identity, KeyId, NewCommand, PairingKey, Profile,
-    RobotSession, RunSource, SenderStart, StationSession, StreamId,
-};
-use rafcon_testkit::disturbed_link::PROFILES;
-use rafcon_testkit::link_world::{Carrier, Conditions, Cut};
-use std::time::Duration;
+mod world;
 
-const RUN: StreamId = StreamId(1);
+use rafcon_link::{CommandId, NewCommand, Profile, StreamId};
+use rafcon_testkit::disturbed_link::PROFILES;
+use rafcon_testkit::link_world::{Conditions, Cut};
+use std::time::Duration;
+use world::{RUN, World};
+
 /// Files that are sent beside the events.
 const FILES: StreamId = StreamId(2);
 /// Interval of events.
 const EVERY: Duration = Duration::from_millis(200);
 const ITEM: usize = 60;
 
-struct Journal;
-
-impl RunSource for Journal {
-    fn events(&mut self, _: StreamId, first: u64, last: u64, max: usize) -> Option<EventBuffer> {
-        let count = (last - first + 1).min((max / ITEM).max(1) as u64);
-        let items = (first..first + count).flat_map(item).collect();
-        Some(EventBuffer { first, count, t_before: 0, items })
-    }
-
-    fn snapshot(&mut self, _: StreamId) -> Option<(u64, Vec<u8>)> {
-        None
-    }
-}
-
 /// Bytes of an event that no coder shortens.
 fn item(event: u64) -> Vec<u8> {
     let hash = |nth: u64| (event * 64 + nth).wrapping_mul(0x9e37_79b9_7f4a_7c15).to_be_bytes();
     (0..8).flat_map(hash).take(ITEM).collect()
-}
-
-/// A robot whose run has an event each [`EVERY`], and its station.
-struct World {
-    now: Duration,
-    robot: RobotSession,
-    station: StationSession,
-    down: Carrier,
-    up: Carrier,
-    head: u64,
-    /// Delay of each event that arrived, with the time of the event.
-    delays: Vec<(Duration, Duration)>,
-    files: u64,
-    /// Longest datagram that passes.
-    carries: usize,
-    carried_out: Vec<CommandId>,
-}
-
-impl World {
-    fn new(profile: &Profile, down: Conditions, up: Conditions) -> Self {
-        let key = PairingKey::from_bytes([7; 32]);
-        let (key_id, start) = (KeyId(1), SenderStart::new(1, 0));
-        let identity = Identity { key_id, key: &key, robot: "scout", start, heard: None };
-        let mut robot = RobotSession::new(&identity, profile.clone());
-        robot.begin(RUN, 0);
-        Self {
-            now: Duration::ZERO,
-            robot,
-            station: StationSession::new(&identity, profile.clone()),
-            down: Carrier::new(down, 1),
-            up: Carrier::new(up, 2),
-            head: 0,
-            delays: Vec::new(),
-            files: 0,
-            carries: usize::MAX,
-            carried_out: Vec::new(),
-        }
-    }
-
-    fn go_on(&mut self, until: Duration) {
-        while self.now < until {
-            self.now += Duration::from_millis(1);
-            while EVERY * u32::try_from(self.head + 1).expect("few") <= self.now {
-                self.head += 1;
-                let items = item(self.head);
-                let events =
-                    Events { stream: RUN, first: self.head, count: 1, t_before: 0, items: &items };
-                self.robot.append(&events);
-            }
-            while let Some(datagram) = self.robot.transmit(self.now, &mut Journal).expect("room") {
-                if datagram.len() <= self.carries {
-                    self.down.send(self.now, datagram);
-                }
-            }
-            while let Some(datagram) = self.station.transmit(self.now).expect("room") {
-                if datagram.len() <= self.carries {
-                    self.up.send(self.now, datagram);
-                }
-            }
-            while let Some(mut datagram) = self.up.arrive(self.now) {
-                let all = &mut self.carried_out;
-                let _doubled =
-                    self.robot.receive(self.now, &mut datagram, |command| all.push(command.id));
-            }
-            while let Some(mut datagram) = self.down.arrive(self.now) {
-                self.receive(&mut datagram);
-            }
-        }
-    }
-
-    /// The station receives a datagram.
-    fn receive(&mut self, datagram: &mut [u8]) {
-        let (now, delays, files) = (self.now, &mut self.delays, &mut self.files);
-        let delay = |event| {
-            let at = EVERY * u32::try_from(event).expect("few");
-            (at, now.saturating_sub(at))
-        };
-        let show = |shown: FromRobot<'_>| match shown {
-            FromRobot::Events(events) if events.stream == RUN => {
-                delays.extend((events.first..=events.last()).map(delay));
-            }
-            FromRobot::Events(events) => *files += events.count,
-            _ => {}
-        };
-        let _doubled = self.station.receive(now, datagram, show);
-    }
-
-    /// The longest delay of the 99 % fastest events of this time, beyond that of the link. An event counts when it first arrived.
-    fn p99(&self, from: Duration, to: Duration) -> Duration {
-        let mut delays = std::collections::BTreeMap::new();
-        for (at, delay) in self.delays.iter().filter(|(at, _)| (from..to).contains(at)) {
-            delays.entry(*at).or_insert(*delay);
-        }
-        let mut delays: Vec<_> = delays.into_values().collect();
-        delays.sort();
-        delays[delays.len() * 99 / 100].saturating_sub(self.down.conditions().delay)
-    }
 }
 
 fn secs(secs: u64) -> Duration {
@@ -154,7 +42,7 @@ fn modem() -> (Conditions, Conditions) {
 #[test]
 fn new_events_do_not_wait_in_a_slow_modem_behind_older_ones() {
     let (down, up) = modem();
-    let mut world = World::new(&Profile::DELAY_2S, down, up);
+    let mut world = World::new(&Profile::DELAY_2S, (down, up), EVERY, item);
     // 240 kB in the background, which takes 30 s of the link.
     world.robot.begin(FILES, 4_000);
     world.robot.set_rank(FILES, rafcon_link::Rank::Needed);
@@ -177,8 +65,8 @@ fn usual(lost: usize) -> (Conditions, Conditions) {
     (way(256_000), way(32_000))
 }
 
-fn with_files(profile: &Profile, (down, up): (Conditions, Conditions), parts: u64) -> World {
-    let mut world = World::new(profile, down, up);
+fn with_files(profile: &Profile, ways: (Conditions, Conditions), parts: u64) -> World {
+    let mut world = World::new(profile, ways, EVERY, item);
     world.robot.begin(FILES, parts);
     world.robot.set_rank(FILES, rafcon_link::Rank::Needed);
     world

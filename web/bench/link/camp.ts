@@ -15,9 +15,22 @@ import { Host } from "./host.ts";
 import type { Kept } from "./measures.ts";
 import { Operator } from "./operator.ts";
 
-const STATES = "800";
 /** The stations of a robot with several; the last one comes late. */
 const NAMES = ["near", "far", "late"] as const;
+
+/** What is built up. */
+export interface Plan {
+  /** Whether there are three stations, of which one is not there yet, or one. */
+  readonly hasSeveral: boolean;
+  /** The profile of the link on both sides. */
+  readonly profile: string;
+  /** What the bad network is from the beginning, as words of its command line. */
+  readonly path: readonly string[];
+  /** Makes the machine that runs, in a folder that is not there yet. */
+  readonly machine: (folder: string) => void;
+  /** The inputs of the run. */
+  readonly inputs: Readonly<Record<string, unknown>>;
+}
 
 /** A station, and the way to it. */
 export interface Ground {
@@ -35,19 +48,19 @@ export class Camp {
     [this.folder, this.robot, this.grounds, this.run] = [folder, robot, grounds, run];
   }
 
-  /** Builds it up, with three stations, of which one is not there yet, or with one; so many events happen in a second. */
-  static async pitch(hasSeveral: boolean, rate: number): Promise<Camp> {
+  /** Builds it up, and begins the run. */
+  static async pitch({ hasSeveral, profile, path, machine, inputs }: Plan): Promise<Camp> {
     const folder = mkdtempSync(join(tmpdir(), "rafcon-camp-"));
     const missions = join(folder, "missions");
-    newMission(join(missions, "mission"), rate);
+    machine(join(missions, "mission"));
     const grounds: Ground[] = [];
     for (const name of hasSeveral ? NAMES : NAMES.slice(0, 1)) {
-      grounds.push(await ground(folder, name));
+      grounds.push(await ground(folder, name, profile, path));
     }
     const links = grounds.flatMap(({ host, link }) => {
       return ["--station", hasSeveral ? `${host.name}=${link.address}` : link.address];
     });
-    const words = ["serve", missions, ...links, "--link", "delay-2s"];
+    const words = ["serve", missions, ...links, "--link", profile];
     const robot = new Host("robot", join(folder, "robot"), words);
     for (const { host } of grounds) {
       const line = robot.say(["pair", "scout", ...(hasSeveral ? ["--station", host.name] : [])]);
@@ -56,11 +69,10 @@ export class Camp {
     for (const { host } of grounds.slice(0, 2)) await host.begin();
     await robot.begin();
     const [project] = await robot.ask<{ id: string }[]>("GET", "/projects");
-    const machine = { project: project?.id, path: "mission" };
     const { id } = await robot.ask<{ id: string }>("POST", "/runs", {
       id: "camp",
-      machine,
-      inputs: { time_scale: 0 },
+      machine: { project: project?.id, path: "mission" },
+      inputs,
     });
     return new Camp(folder, robot, grounds, id);
   }
@@ -128,19 +140,24 @@ export class Camp {
   }
 }
 
-/** A mission without an end, in which so many states change in a second. */
-export function newMission(folder: string, rate: number): void {
-  const words = ["new", "--template", "mission", "--states", STATES, folder];
+/** A mission of so many states without an end, in which so many of them change in a second. */
+export function newMission(folder: string, rate: number, states = 800): void {
+  const words = ["new", "--template", "mission", "--states", String(states), folder];
   const made = spawnSync(binary(), words);
   if (made.status !== 0) throw new Error(`no mission was made: ${made.stderr}`);
   makeEndless(folder, rate);
 }
 
-async function ground(folder: string, name: string): Promise<Ground> {
+async function ground(
+  folder: string,
+  name: string,
+  profile: string,
+  path: readonly string[],
+): Promise<Ground> {
   const address = `127.0.0.1:${await freePort()}`;
-  const words = ["station", "--listen", address, "--link", "delay-2s"];
+  const words = ["station", "--listen", address, "--link", profile];
   const host = new Host(name, join(folder, name), words);
-  return { host, link: await BadLink.to(address) };
+  return { host, link: await BadLink.to(address, path) };
 }
 
 async function freePort(): Promise<number> {

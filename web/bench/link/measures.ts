@@ -120,8 +120,22 @@ export function figures(hour: Hour): readonly Figure[] {
   ];
 }
 
+/** When each event happened, and when an operator was shown it: by its sequence, in ms. */
+export interface Followed {
+  readonly happened: readonly number[];
+  readonly seen: readonly number[];
+}
+
+/** What an operator was shown of a run. */
+export function shown(robot: Pick<Hour, "robotJournal" | "observer">, notes: Notes): Followed {
+  return { happened: times(robot), seen: firstSeen(notes, robot.robotJournal.length) };
+}
+
 /** When each event happened, by its sequence. The observer beside the robot was told of some at once: that gives the begin. */
-function times({ robotJournal, observer }: Hour): readonly number[] {
+function times({
+  robotJournal,
+  observer,
+}: Pick<Hour, "robotJournal" | "observer">): readonly number[] {
   const told = new Map(observer.events);
   const begin = robotJournal.reduce((least, { sequence, t_ns }) => {
     const at = told.get(sequence);
@@ -150,7 +164,7 @@ function firstSeen(
   return seen;
 }
 
-function within(happened: readonly number[], spans: readonly Span[]): readonly number[] {
+export function within(happened: readonly number[], spans: readonly Span[]): readonly number[] {
   const found: number[] = [];
   happened.forEach((at, sequence) => {
     if (spans.some(({ from, to }) => at >= from && at < to)) found.push(sequence);
@@ -168,7 +182,7 @@ function liveAfter(
 }
 
 /** The last event that had happened by then. */
-function headAt(happened: readonly number[], time: number): number {
+export function headAt(happened: readonly number[], time: number): number {
   return happened.reduce((last, at, sequence) => (at <= time ? sequence : last), 0);
 }
 

@@ -467,7 +467,13 @@ impl RobotSession {
         self.write_states(now, room, &mut payload);
         self.incomplete.write(now, self.profile.repeat_after, room, &mut payload);
         self.write_offer(now, &mut payload);
-        let turn = TransmitContext { now, profile: &self.profile, is_heard, room };
+        let turn = TransmitContext {
+            now,
+            profile: &self.profile,
+            is_heard,
+            room,
+            sends: self.rate.sends(),
+        };
         let was_silent = self.alive_at() <= now;
         let mut shows_status = was_silent;
         for stream in self.streams.values_mut() {

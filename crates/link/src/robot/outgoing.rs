@@ -12,8 +12,6 @@ use std::collections::VecDeque;
 use std::ops::RangeInclusive;
 use std::time::Duration;
 
-/// Number of times that older events are sent while the rate allows it, to repair losses without a round trip.
-const OLD_SENDS: u8 = 4;
 /// The status is sent this often beside events, from which the station knows the head, in status intervals.
 const STATUS_BESIDE: u32 = 8;
 /// Number of lost events from which a snapshot arrives sooner than they do.
@@ -45,6 +43,8 @@ pub(super) struct TransmitContext<'p> {
     pub(super) is_heard: bool,
     /// The longest payload.
     pub(super) room: usize,
+    /// Number of times that older events are sent while the rate allows it, to repair losses without a round trip.
+    pub(super) sends: u8,
 }
 
 /// A run on its way to the station.
@@ -300,7 +300,7 @@ impl Outgoing {
         source: &mut impl RunSource,
         payload: &mut Vec<u8>,
     ) -> bool {
-        let TransmitContext { now, profile, is_heard, room } = turn;
+        let TransmitContext { now, profile, is_heard, room, .. } = turn;
         if self.urgent_at(profile, is_heard) > now {
             return false;
         }
@@ -408,7 +408,7 @@ impl Outgoing {
             }
             let repeated = || self.repeated().filter(|_| is_heard);
             // Files are never urgent.
-            let sends = if self.id.is_files() { 1 } else { OLD_SENDS };
+            let sends = if self.id.is_files() { 1 } else { turn.sends };
             let gap = self.gap().map(|gap| (gap, sends));
             let Some((range, repeats)) = gap.or_else(repeated) else { return };
             let Some(written) = self.write_old(turn, &range, source, payload) else { return };

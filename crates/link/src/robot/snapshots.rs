@@ -109,7 +109,7 @@ impl Snapshots {
         source: &mut impl RunSource,
         payload: &mut Vec<u8>,
     ) {
-        let TransmitContext { now, profile, is_heard, room } = turn;
+        let TransmitContext { now, profile, is_heard, room, .. } = turn;
         let is_alone = payload.len() <= EMPTY_MAX;
         let due_at = if is_alone { Self::alone_at } else { Self::due_at };
         if due_at(self, is_heard, profile) > now {
@@ -167,7 +167,7 @@ impl Snapshots {
         turn: TransmitContext<'_>,
         payload: &mut Vec<u8>,
     ) {
-        let TransmitContext { now, profile, is_heard, room } = turn;
+        let TransmitContext { now, profile, is_heard, room, .. } = turn;
         let Some(Parts { sequence, plain, deflated, sent, rounds }) = &mut self.parts else {
             return;
         };

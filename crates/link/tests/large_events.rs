@@ -1,0 +1,43 @@
+//! Events with large values: what they cost, and that newer events do not wait for them.
+
+mod world;
+
+use rafcon_link::Profile;
+use rafcon_testkit::link_world::Conditions;
+use std::fmt::Write as _;
+use std::time::Duration;
+use world::World;
+
+/// Events in a round of the machine: the value is in one of them.
+const ROUND: u64 = 4;
+/// Readings of a scan.
+const READINGS: u64 = 250;
+
+/// A scan of 1.8 kB as text, each like the one before, then three short events.
+fn scan_or_short(event: u64) -> Vec<u8> {
+    let round = event / ROUND;
+    if !event.is_multiple_of(ROUND) {
+        return format!("\u{2}entered {} at {round}", event % ROUND).into_bytes();
+    }
+    let mut text = format!(r#"{{"frame":"laser","stamp":{round},"ranges":["#);
+    for reading in 0..READINGS {
+        let noise = (round * READINGS + reading).wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 58;
+        write!(text, "{}.{:03},", 2 + reading / 100, reading % 100 * 9 + noise).unwrap_or_default();
+    }
+    text.into_bytes()
+}
+
+#[test]
+fn a_value_of_two_kilobytes_in_each_round_costs_its_coded_length_twice() {
+    let way = Conditions::delay_2s;
+    let every = Duration::from_millis(100);
+    let ways = (way(256_000), way(32_000));
+    let mut world = World::new(&Profile::DELAY_2S, ways, every, scan_or_short);
+    world.go_on(Duration::from_secs(30));
+    let (bytes, head) = (world.down.bytes, world.head);
+    world.go_on(Duration::from_secs(90));
+    let per_event = (world.down.bytes - bytes) / (world.head - head);
+    let late = world.p99(Duration::from_secs(30), Duration::from_secs(80));
+    assert!(per_event <= 300, "{per_event} bytes");
+    assert!(late <= Duration::from_millis(300), "{late:?}");
+}

@@ -1,0 +1,145 @@
+//! A robot with one run over a disturbed link, and its station, in virtual time.
+
+use rafcon_link::{
+    CommandId, EventBuffer, Events, FromRobot, Identity, KeyId, PairingKey, Profile, RobotSession,
+    RunSource, SenderStart, StationSession, StreamId,
+};
+use rafcon_testkit::link_world::{Carrier, Conditions};
+use std::collections::BTreeMap;
+use std::time::Duration;
+
+/// The run.
+pub(crate) const RUN: StreamId = StreamId(1);
+
+/// Bytes of the event with this number.
+pub(crate) type Item = fn(u64) -> Vec<u8>;
+
+struct Journal {
+    item: Item,
+}
+
+impl RunSource for Journal {
+    fn events(&mut self, _: StreamId, first: u64, last: u64, max: usize) -> Option<EventBuffer> {
+        let (mut items, mut count) = ((self.item)(first), 1);
+        while first + count <= last {
+            let next = (self.item)(first + count);
+            if items.len() + next.len() > max {
+                break;
+            }
+            (items, count) = ([items, next].concat(), count + 1);
+        }
+        Some(EventBuffer { first, count, t_before: 0, items })
+    }
+
+    fn snapshot(&mut self, _: StreamId) -> Option<(u64, Vec<u8>)> {
+        None
+    }
+}
+
+/// A robot whose run has an event each `every`, and its station.
+pub(crate) struct World {
+    item: Item,
+    every: Duration,
+    pub(crate) now: Duration,
+    pub(crate) robot: RobotSession,
+    pub(crate) station: StationSession,
+    pub(crate) down: Carrier,
+    pub(crate) up: Carrier,
+    pub(crate) head: u64,
+    /// Delay of each event that arrived, with the time of the event.
+    pub(crate) delays: Vec<(Duration, Duration)>,
+    pub(crate) files: u64,
+    /// Longest datagram that passes.
+    pub(crate) carries: usize,
+    pub(crate) carried_out: Vec<CommandId>,
+}
+
+impl World {
+    pub(crate) fn new(
+        profile: &Profile,
+        (down, up): (Conditions, Conditions),
+        every: Duration,
+        item: Item,
+    ) -> Self {
+        let key = PairingKey::from_bytes([7; 32]);
+        let (key_id, start) = (KeyId(1), SenderStart::new(1, 0));
+        let identity = Identity { key_id, key: &key, robot: "scout", start, heard: None };
+        let mut robot = RobotSession::new(&identity, profile.clone());
+        robot.begin(RUN, 0);
+        Self {
+            item,
+            every,
+            now: Duration::ZERO,
+            robot,
+            station: StationSession::new(&identity, profile.clone()),
+            down: Carrier::new(down, 1),
+            up: Carrier::new(up, 2),
+            head: 0,
+            delays: Vec::new(),
+            files: 0,
+            carries: usize::MAX,
+            carried_out: Vec::new(),
+        }
+    }
+
+    /// Lets time pass.
+    pub(crate) fn go_on(&mut self, until: Duration) {
+        let mut journal = Journal { item: self.item };
+        while self.now < until {
+            self.now += Duration::from_millis(1);
+            while self.every * u32::try_from(self.head + 1).expect("few") <= self.now {
+                self.head += 1;
+                let items = (self.item)(self.head);
+                let events =
+                    Events { stream: RUN, first: self.head, count: 1, t_before: 0, items: &items };
+                self.robot.append(&events);
+            }
+            while let Some(datagram) = self.robot.transmit(self.now, &mut journal).expect("room") {
+                if datagram.len() <= self.carries {
+                    self.down.send(self.now, datagram);
+                }
+            }
+            while let Some(datagram) = self.station.transmit(self.now).expect("room") {
+                if datagram.len() <= self.carries {
+                    self.up.send(self.now, datagram);
+                }
+            }
+            while let Some(mut datagram) = self.up.arrive(self.now) {
+                let all = &mut self.carried_out;
+                let _doubled =
+                    self.robot.receive(self.now, &mut datagram, |command| all.push(command.id));
+            }
+            while let Some(mut datagram) = self.down.arrive(self.now) {
+                self.receive(&mut datagram);
+            }
+        }
+    }
+
+    /// The station receives a datagram.
+    fn receive(&mut self, datagram: &mut [u8]) {
+        let (now, every, delays, files) = (self.now, self.every, &mut self.delays, &mut self.files);
+        let delay = |event| {
+            let at = every * u32::try_from(event).expect("few");
+            (at, now.saturating_sub(at))
+        };
+        let show = |shown: FromRobot<'_>| match shown {
+            FromRobot::Events(events) if events.stream == RUN => {
+                delays.extend((events.first..=events.last()).map(delay));
+            }
+            FromRobot::Events(events) => *files += events.count,
+            _ => {}
+        };
+        let _doubled = self.station.receive(now, datagram, show);
+    }
+
+    /// The longest delay of the 99 % fastest events of this time, beyond that of the link. An event counts when it first arrived.
+    pub(crate) fn p99(&self, from: Duration, to: Duration) -> Duration {
+        let mut delays = BTreeMap::new();
+        for (at, delay) in self.delays.iter().filter(|(at, _)| (from..to).contains(at)) {
+            delays.entry(*at).or_insert(*delay);
+        }
+        let mut delays: Vec<_> = delays.into_values().collect();
+        delays.sort();
+        delays[delays.len() * 99 / 100].saturating_sub(self.down.conditions().delay)
+    }
+}
