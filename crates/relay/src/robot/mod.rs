@@ -41,6 +41,8 @@ use watches::{RobotWatches, age_max};
 
 /// Interval at which the state of the link is stored.
 const KEEP_EVERY: Duration = Duration::from_secs(10);
+/// Interval of the steps with ended runs.
+const STEP_EVERY: Duration = Duration::from_millis(100);
 
 /// Datagrams sent before the robot receives again, so that commands arrive at a computer slower than its link, too.
 const SENDS_AT_ONCE: usize = 32;
@@ -102,20 +104,17 @@ pub fn relay_robot(settings: &RobotSettings, stopper: &Stopper) -> Result<(), Re
         station_start,
         early: EarlyCommands::default(),
     };
-    let (mut look_at, mut keep_at) = (Duration::ZERO, KEEP_EVERY);
+    let (mut look_at, mut go_on_at, mut keep_at) = (Duration::ZERO, Duration::ZERO, KEEP_EVERY);
     while !stopper.is_stopped() {
         let now = relay.clock.now();
         if now >= look_at {
             look_at = now + REPORT_EVERY;
-            let is_heard = relay.session.is_heard(now);
-            relay.look(is_heard);
-            relay.give_early();
-            relay.session.set_calendar(now, clock::since_1970_ms());
-            relay.tell_control();
-            let heard = relay.session.heard_before(now).map(|ago| now.saturating_sub(ago));
-            relay.runs.tell_ground(now, heard);
-            relay.renew_key();
+            relay.look(now);
             reporter.set(vec![relay.report(now)]);
+            go_on_at = relay.next_step(now);
+        } else if now >= go_on_at {
+            relay.go_on(now);
+            go_on_at = relay.next_step(now);
         }
         if now >= keep_at {
             keep_at = now + KEEP_EVERY;
@@ -125,7 +124,7 @@ pub fn relay_robot(settings: &RobotSettings, stopper: &Stopper) -> Result<(), Re
         relay.carry_out_due();
         relay.look_at_watched(now);
         relay.send()?;
-        let next = relay.session.next_transmit(now).min(look_at).min(keep_at);
+        let next = relay.session.next_transmit(now).min(look_at).min(go_on_at).min(keep_at);
         let mut time = next.saturating_sub(relay.clock.now());
         for _ in 0..INPUTS_AT_ONCE {
             match inbox.wait(time) {
@@ -210,8 +209,20 @@ impl RobotRelay<'_> {
         }
     }
 
+    /// Scans the runs, and exchanges with runners and station what changes slowly.
+    fn look(&mut self, now: Duration) {
+        self.look_at_runs(now);
+        self.give_early();
+        self.session.set_calendar(now, clock::since_1970_ms());
+        self.tell_control();
+        let heard = self.session.heard_before(now).map(|ago| now.saturating_sub(ago));
+        self.runs.tell_ground(now, heard);
+        self.renew_key();
+    }
+
     /// Scans the runs, and releases those that are whole at the station.
-    fn look(&mut self, is_heard: bool) {
+    fn look_at_runs(&mut self, now: Duration) {
+        let is_heard = self.session.is_heard(now);
         let start = self.session.station_start();
         if self.station_start != start {
             if self.station_start.is_some() {
@@ -220,9 +231,25 @@ impl RobotRelay<'_> {
             self.station_start = start;
         }
         self.runs.look(&mut self.session, is_heard);
+        self.let_go();
+    }
+
+    /// Continues with the runs that have ended.
+    fn go_on(&mut self, now: Duration) {
+        let is_heard = self.session.is_heard(now);
+        self.runs.go_on(&mut self.session, is_heard);
+        self.let_go();
+    }
+
+    fn let_go(&mut self) {
         for stream in self.runs.let_go(&mut self.session) {
             self.watches.forget(stream);
         }
+    }
+
+    /// Time of the next step with ended runs.
+    fn next_step(&self, now: Duration) -> Duration {
+        if self.runs.is_busy() { now + STEP_EVERY } else { Duration::MAX }
     }
 
     /// Tells who holds control of the runs that continue.

@@ -1,6 +1,7 @@
 //! The runs of a robot: which there are, what of them is sent, and from where.
 
 mod run;
+mod source;
 
 use super::follow::{Followed, FromRun};
 use super::numbers::RunNumbers;
@@ -11,13 +12,9 @@ use crate::about::about_parts;
 use crate::clock::SessionClock;
 use crate::ids;
 use crate::inbox::Input;
-use crate::meter::millis;
 use crate::requests::Answered;
-use crate::snapshot_words;
 use crate::words::{ReportedRunState, RunFate};
-use rafcon_link::{
-    EventBuffer, EventHash, Events, LENGTH_MAX, Rank, RobotSession, RunSource, StreamId, ValueName,
-};
+use rafcon_link::{EventHash, Events, LENGTH_MAX, Rank, RobotSession, StreamId};
 use rafcon_protocol::api::Control;
 use rafcon_protocol::{Answer, Envelope, LinkRun, Snapshot};
 use rafcon_storage::journal::{
@@ -44,8 +41,10 @@ const WHOLE_MAX: usize = 8;
 
 /// Bytes of events hashed in one step.
 const HASH_BYTES: usize = 256 << 10;
-/// Number of ended runs whose events are hashed at a time.
-const HASHED_AT_ONCE: usize = 4;
+/// Number of ended runs whose events are hashed in one step.
+const HASHED_AT_ONCE: usize = 16;
+/// Limit of open journals of ended runs. Each takes some 300 KB of memory.
+const OPEN_MAX: usize = 32;
 
 /// Limit of runs of earlier starts that are scanned again.
 const LISTED_MAX: usize = 256;
@@ -61,6 +60,10 @@ pub(super) struct RobotRuns {
     clock: SessionClock,
     all: BTreeMap<String, RobotRun>,
     streams: BTreeMap<StreamId, String>,
+    /// Ended runs whose journals were opened, the oldest first.
+    opened: VecDeque<String>,
+    /// The list on the disk is older than the runs.
+    is_list_old: bool,
     numbers: RunNumbers,
     /// Newest runs that are whole at the station.
     whole: VecDeque<LinkRun>,
@@ -92,6 +95,8 @@ impl RobotRuns {
             clock,
             all,
             streams,
+            opened: VecDeque::new(),
+            is_list_old: false,
             numbers,
             whole: VecDeque::new(),
             older: Vec::new(),
@@ -115,7 +120,8 @@ impl RobotRuns {
         session: &mut RobotSession,
     ) {
         // A later read may succeed, and the events have the data, too.
-        let Some(source) = self.run(stream).and_then(RobotRun::open) else { return };
+        let Some(id) = self.streams.get(&stream).cloned() else { return };
+        let Some(source) = self.open(&id) else { return };
         drop(watches.look(stream, source.reader(), session));
     }
 
@@ -190,10 +196,21 @@ impl RobotRuns {
                 self.seen.insert(id);
             }
         }
-        if !streams.is_empty() {
-            self.keep_list();
-        }
+        self.is_list_old |= !streams.is_empty();
+        self.keep_list();
         streams
+    }
+
+    /// True if ended runs wait for the next step of [`RobotRuns::go_on`].
+    pub(super) fn is_busy(&self) -> bool {
+        let is_ended = |run: &RobotRun| matches!(run.fate, RunFate::Finished | RunFate::Removed);
+        !self.older.is_empty() || self.all.values().any(is_ended)
+    }
+
+    /// Continues with ended runs, in steps short enough for the loop.
+    pub(super) fn go_on(&mut self, session: &mut RobotSession, is_heard: bool) {
+        self.look_at_older(session, is_heard);
+        self.hash(session);
     }
 
     /// Lists a whole run in reports, in the place of the oldest if there are many.
@@ -216,8 +233,7 @@ impl RobotRuns {
             run.let_go(session, &mut self.parcels);
             run.rest();
         }
-        self.look_at_older(session, is_heard);
-        self.hash(session);
+        self.go_on(session, is_heard);
         let folders = run_folders(&self.folder).unwrap_or_default();
         let there: BTreeSet<_> = folders.iter().filter_map(|folder| folder.file_name()).collect();
         self.seen.retain(|id| there.contains(OsStr::new(id)));
@@ -262,15 +278,19 @@ impl RobotRuns {
         }
     }
 
-    /// Continues the hashes of all runs, in steps short enough for the loop.
+    /// Continues the hashes of all runs, those that run first.
     fn hash(&mut self, session: &mut RobotSession) {
-        let (mut left, mut ended_left) = (HASH_BYTES, HASHED_AT_ONCE);
-        let (live, ended): (Vec<_>, Vec<_>) =
-            self.all.iter_mut().partition(|(_, run)| run.runner.is_some());
-        for (_, run) in live.into_iter().chain(ended) {
-            if run.is_hashed() || run.open().is_none() {
+        let due = |is_live: bool| {
+            let runs = self.all.iter().filter(move |(_, run)| run.runner.is_some() == is_live);
+            runs.filter(|(_, run)| !run.is_hashed()).map(|(id, _)| id.clone())
+        };
+        let due: Vec<_> = due(true).chain(due(false).take(HASHED_AT_ONCE)).collect();
+        let mut left = HASH_BYTES;
+        for id in due {
+            if self.open(&id).is_none() {
                 continue;
             }
+            let Some(run) = self.all.get_mut(&id) else { continue };
             let (Some(chain), Some(source)) = (&mut run.chain, &mut run.source) else { continue };
             // An incomplete journal has no hash.
             let Ok(hashed) = chain.advance(source.reader(), run.head, left) else {
@@ -282,9 +302,30 @@ impl RobotRuns {
                 let (last, hash) = (chain.last(), chain.hash());
                 session.set_chain(run.events, EventHash { last, hash });
             }
-            ended_left -= usize::from(run.runner.is_none());
-            if left == 0 || ended_left == 0 {
+            if left == 0 {
                 break;
+            }
+        }
+    }
+
+    /// The journal of a run. Of ended runs, those that were opened last stay open.
+    fn open(&mut self, id: &str) -> Option<&mut EventSource> {
+        let run = self.all.get(id)?;
+        if run.source.is_none() && run.runner.is_none() {
+            self.note_opened(id);
+        }
+        self.all.get_mut(id)?.open()
+    }
+
+    fn note_opened(&mut self, id: &str) {
+        self.opened.retain(|opened| opened != id);
+        self.opened.push_back(id.to_owned());
+        while self.opened.len() > OPEN_MAX
+            && let Some(oldest) = self.opened.pop_front()
+        {
+            let ended = self.all.get_mut(&oldest).filter(|run| run.runner.is_none());
+            if let Some(ended) = ended {
+                ended.source = None;
             }
         }
     }
@@ -346,11 +387,15 @@ impl RobotRuns {
             chain: Some(Chain::default()),
         };
         self.all.insert(id.to_owned(), run);
-        self.keep_list();
+        self.is_list_old = true;
         Ok(true)
     }
 
-    fn keep_list(&self) {
+    /// Writes the list if it has changed.
+    fn keep_list(&mut self) {
+        if !std::mem::take(&mut self.is_list_old) {
+            return;
+        }
         let sent = self.all.iter().filter(|(_, run)| !run.is_older);
         let list: String = sent.flat_map(|(id, _)| [id, "\n"]).collect();
         if let Err(error) = fs::write(&self.list, list) {
@@ -363,8 +408,8 @@ impl RobotRuns {
 
     /// Sends what is new in the journal of a run.
     pub(super) fn happened(&mut self, id: &str, session: &mut RobotSession) {
+        let Some(Ok(last)) = self.open(id).map(|source| source.last()) else { return };
         let Some(run) = self.all.get_mut(id) else { return };
-        let Some(Ok(last)) = run.open().map(|source| source.last()) else { return };
         if last > run.head + AHEAD_MAX {
             session.advance(run.events, last);
             run.head = last;
@@ -404,7 +449,10 @@ impl RobotRuns {
         run.runner = None;
         // Files beside the database of a crashed runner are included.
         match run.source() {
-            Ok(source) => run.source = Some(source),
+            Ok(source) => {
+                run.source = Some(source);
+                self.note_opened(id);
+            }
             Err(error) => (self.tell)(&format!("the journal of run {id} cannot be read: {error}")),
         }
         self.happened(id, session);
@@ -502,53 +550,6 @@ impl RobotRuns {
 
     fn run(&mut self, stream: StreamId) -> Option<&mut RobotRun> {
         self.all.get_mut(self.streams.get(&stream)?)
-    }
-}
-
-impl RunSource for RobotRuns {
-    fn events(
-        &mut self,
-        stream: StreamId,
-        first: u64,
-        last: u64,
-        bytes_max: usize,
-    ) -> Option<EventBuffer> {
-        if stream.is_files() {
-            let items = self.parcels.part(stream, first)?;
-            return Some(EventBuffer { first, count: 1, t_before: 0, items });
-        }
-        let run = self.run(stream)?;
-        if ids::is_about(stream) {
-            let part = run.about.get(usize::try_from(first - 1).ok()?)?;
-            return Some(EventBuffer { first, count: 1, t_before: 0, items: part.clone() });
-        }
-        let read = run.open()?.read(first, last, bytes_max).ok()??;
-        let EventItems { first, count, t_before, bytes: items } = read;
-        if items.len() > LENGTH_MAX as usize {
-            run.too_long = Some((first, items.len()));
-            return None;
-        }
-        Some(EventBuffer { first, count, t_before, items })
-    }
-
-    fn snapshot(&mut self, stream: StreamId) -> Option<(u64, Vec<u8>)> {
-        let now = self.clock.now();
-        let run = self.run(stream).filter(|_| !ids::is_about(stream))?;
-        let (snapshot, told) = run.snapshot.as_ref()?;
-        // The runner sends changes only, so that the elapsed time is added.
-        let since_ms =
-            if run.fate == RunFate::Live { millis(now.saturating_sub(*told)) } else { 0 };
-        Some((snapshot.sequence, snapshot_words::write(snapshot, since_ms)?))
-    }
-
-    fn value_length(&mut self, value: &ValueName) -> Option<u64> {
-        let folder = self.folder_of(value.stream)?;
-        self.values.length(&folder, value)
-    }
-
-    fn value_bytes(&mut self, value: &ValueName, offset: u64, bytes_max: usize) -> Option<Vec<u8>> {
-        let folder = self.folder_of(value.stream)?;
-        self.values.bytes(&folder, value, (offset, bytes_max))
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::short_journal::{append, begun, ended};
-use rafcon_link::{Identity, KeyId, PairingKey, Profile, SenderStart};
+use rafcon_link::{Identity, KeyId, PairingKey, Profile, RunSource as _, SenderStart};
 use std::sync::mpsc;
 
 /// Runs of a robot on disk, and the session that sends them.
@@ -100,4 +100,41 @@ fn a_run_whose_files_are_being_written_is_no_problem_and_is_sent_later() {
     fs::write(&file, text).unwrap();
     runs.look(&mut robot.session, true);
     assert!(runs.all.contains_key("run"));
+}
+
+#[test]
+fn of_many_ended_runs_only_some_journals_are_open() {
+    let mut robot = Robot::new();
+    let count = OPEN_MAX + HASHED_AT_ONCE;
+    for nth in 0..count {
+        let id = format!("run-{nth:04}");
+        ended(&robot.folder_of(&id), &about(&id), 1);
+    }
+    let mut runs = robot.runs();
+    runs.look(&mut robot.session, true);
+    let open = |runs: &RobotRuns| runs.all.values().filter(|run| run.source.is_some()).count();
+    assert_eq!((runs.all.len(), open(&runs)), (count, OPEN_MAX));
+    // Those that were closed are opened again when their events are sent.
+    let streams: Vec<_> = runs.all.values().map(|run| run.events).collect();
+    for stream in streams {
+        assert_eq!(runs.events(stream, 1, 2, 1_000).map(|events| events.count), Some(2));
+        assert!(open(&runs) <= OPEN_MAX);
+    }
+}
+
+#[test]
+fn all_runs_that_ended_at_once_are_hashed_in_steps() {
+    let mut robot = Robot::new();
+    for nth in 0..=HASHED_AT_ONCE {
+        let id = format!("run-{nth:04}");
+        ended(&robot.folder_of(&id), &about(&id), 1);
+    }
+    let mut runs = robot.runs();
+    runs.look(&mut robot.session, true);
+    let hashed = |runs: &RobotRuns| runs.all.values().filter(|run| run.is_hashed()).count();
+    assert_eq!((hashed(&runs), runs.is_busy()), (0, true));
+    runs.go_on(&mut robot.session, true);
+    assert_eq!(hashed(&runs), HASHED_AT_ONCE);
+    runs.go_on(&mut robot.session, true);
+    assert_eq!(hashed(&runs), HASHED_AT_ONCE + 1);
 }
