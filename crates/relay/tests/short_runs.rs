@@ -23,7 +23,7 @@ use std::thread::{self, JoinHandle};
 const RUNS: usize = 100;
 /// Runs before the robot deletes old ones and the test counts: of a test with few runs and of one with many.
 const BATCH: usize = 20;
-const LARGE_BATCH: usize = 1_000;
+const LARGE_BATCH: usize = 250;
 /// Runs between two restarts of both sides.
 const RESTARTS: usize = 8_000;
 /// The events of a run.
@@ -230,7 +230,6 @@ fn every_short_run_arrives_and_costs_nothing_once_it_is_closed() {
         .map_or(RUNS, |runs| runs.to_str().unwrap().parse().unwrap());
     let folder = tempfile::tempdir().unwrap();
     let mut world = World::new(folder.path());
-    // A batch takes seconds, whatever its size.
     let batch_size = (runs / 100).clamp(BATCH, LARGE_BATCH);
     let (mut missing, mut open, mut largest) = (0_u32, 0_u32, 0_u32);
     let (robot_runs, ground_runs) = (world.path("robot-runs"), world.path("ground-runs"));
