@@ -36,6 +36,7 @@ mod station;
 mod station_contacts;
 mod station_lists;
 mod station_machines;
+mod station_restarts;
 mod station_starts;
 mod station_trouble;
 mod station_values;

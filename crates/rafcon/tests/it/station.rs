@@ -293,7 +293,7 @@ fn a_station_has_the_run_of_its_robot_although_the_path_is_bad_and_both_servers_
     let run = Run::start(&place, "--runs robot-runs");
     wait_at_station(&place, "Ticks  running");
     drop(ground);
-    wait_at_station(&place, "Ticks  crashed");
+    wait_at_station(&place, ", not received by a station now");
     let resumed = place.call("resume last --runs ground-runs");
     expect!["error: this is the replica of a run of robot `scout`: resume it there, or name the server of this station with `--server`"]
         .assert_eq(resumed.stderr.lines().last().unwrap());

@@ -16,7 +16,7 @@ use crate::pairing::Paired;
 use crate::start::Start;
 use rafcon_link::{Horizon, KeyId, StreamId};
 use rafcon_protocol::LinkHealth;
-use rafcon_storage::journal::folder::{DIVERGED_FILE, check_run_id, replace_file};
+use rafcon_storage::journal::folder::{CRASHED_FILE, DIVERGED_FILE, check_run_id, replace_file};
 use rafcon_storage::journal::{
     About, EventItems, Full, JournalError, Pack, ReplicaError, RunState, Summary, run_folders,
 };
@@ -221,7 +221,12 @@ impl KeptRuns {
             return found(last, RestoredState::Whole);
         }
         let mut run = KeptRun { about: Some(about), taken, ..KeptRun::default() };
-        if may_open && let Ok(open) = run.open(&self.place, events) {
+        // The robot reports again whether its runner has ended.
+        let has_crashed = summary.state == RunState::Crashed;
+        if may_open
+            && !has_crashed
+            && let Ok(open) = run.open(&self.place, events)
+        {
             let last = run.replica.as_ref().map_or(last, |it| it.next() - 1);
             self.all.insert(events, run);
             return found(last, RestoredState::Open(open));
@@ -442,6 +447,7 @@ impl KeptRun {
         let replica = ReplicaRun::open(&place.runs, &about, link, give)?;
         let open = OpenRun { id: about.id, safe: replica.next() - 1, shared: replica.shared() };
         self.replica = Some(replica);
+        drop(self.folder(place).map(|folder| fs::remove_file(folder.join(CRASHED_FILE))));
         Ok(open)
     }
 
@@ -570,6 +576,12 @@ impl KeptRun {
                 if let Some(replica) = self.replica.take() {
                     self.closed = Some(replica.next() - 1);
                     self.is_whole = matches!(work, Work::Close);
+                    if !self.is_whole
+                        && let Some(folder) = self.folder(place)
+                    {
+                        // Without the file, the run is shown as not heard.
+                        drop(replace_file(&folder.join(CRASHED_FILE), &[]));
+                    }
                     // While somebody reads it, a journal cannot be closed for long.
                     self.checking.rest();
                     replica.close();

@@ -44,7 +44,9 @@ fn is_open(summary: &RunSummary, request: Option<&RunRequest>, folder: &Path) ->
 
 /// A run that keeps what it is.
 fn kept(folder: &Path, projects: &Projects, request: Option<&RunRequest>) -> RunSummary {
-    let Summary { id, name, started_ms, state, length_ms, events, bytes, .. } = Summary::of(folder);
+    let Summary { id, name, started_ms, state, length_ms, events, bytes, received_ms, .. } =
+        Summary::of(folder);
+    let unheard_since_ms = received_ms.filter(|_| state == RunState::NotReceived);
     let about = About::read(folder).unwrap_or_default();
     let machine = request.and_then(|request| request.machine().cloned());
     RunSummary {
@@ -59,7 +61,7 @@ fn kept(folder: &Path, projects: &Projects, request: Option<&RunRequest>) -> Run
         bytes,
         keeping: about.keeping,
         waits: None,
-        unheard_since_ms: None,
+        unheard_since_ms,
         robot: about.robot,
     }
 }
@@ -90,7 +92,7 @@ fn asked_for(folder: &Path, request: &RunRequest) -> RunSummary {
 
 fn phase(state: RunState) -> RunPhase {
     match state {
-        RunState::Live { process: _ } => RunPhase::Live,
+        RunState::Live { process: _ } | RunState::NotReceived => RunPhase::Live,
         RunState::Finished { outcome, states_run } => RunPhase::Finished { outcome, states_run },
         RunState::Crashed => RunPhase::Crashed,
         RunState::Diverged { reason } => RunPhase::Diverged { reason },

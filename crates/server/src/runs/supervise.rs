@@ -75,9 +75,17 @@ pub(super) async fn follow_ours(
 pub(super) async fn look_again(server: &Arc<ServerState>, run: &Run) {
     if let Some(run) = Box::pin(look(server, run.folder().to_path_buf())).await
         && run.summary().phase == RunPhase::Live
+        && look_for_writer(&run).await
     {
         follow(server, &run);
     }
+}
+
+/// Whether a process writes the run: a replica that no station receives may continue far away.
+async fn look_for_writer(run: &Run) -> bool {
+    let folder = run.folder().to_path_buf();
+    let writer = tokio::task::spawn_blocking(move || writer_of(&folder)).await;
+    matches!(writer, Ok(Ok(Some(_))))
 }
 
 /// The runners of one run, one after the other.
@@ -119,7 +127,7 @@ impl RunSupervisor {
                 follow.await.is_ok()
             };
             pause = if linked { RECONNECT_MIN } else { (pause * 2).min(RECONNECT_MAX) };
-            if !self.look_for_writer().await {
+            if !look_for_writer(&self.run).await {
                 return;
             }
             tokio::time::sleep(pause).await;
@@ -161,7 +169,7 @@ impl RunSupervisor {
                         true
                     }
                     // Someone else has taken it up meanwhile: a server before this one, or the command line.
-                    Err(_late) if self.look_for_writer().await => true,
+                    Err(_late) if look_for_writer(&self.run).await => true,
                     // It died before it had taken the run up: one more death.
                     Err(error) if error.is_death() => true,
                     Err(error) => {
@@ -179,13 +187,6 @@ impl RunSupervisor {
     async fn leave_for_decision(&self, summary: &RunSummary, request: RunRequest) -> bool {
         resume::leave_alone(&self.server, &self.run, request).await;
         self.end(summary)
-    }
-
-    /// Whether a process writes the run.
-    async fn look_for_writer(&self) -> bool {
-        let folder = self.run.folder().to_path_buf();
-        let writer = tokio::task::spawn_blocking(move || writer_of(&folder)).await;
-        matches!(writer, Ok(Ok(Some(_))))
     }
 
     async fn exit(&self) -> Option<Exit> {

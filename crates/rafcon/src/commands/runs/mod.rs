@@ -77,6 +77,9 @@ fn line(run: &Summary, width: usize) -> TextLine {
     match &run.state {
         // The process of a replica is its station's.
         RunState::Live { process: _ } if run.robot.is_some() => replica(line, run),
+        RunState::NotReceived => {
+            replica(line, run).and(Style::Bad, ", not received by a station now")
+        }
         RunState::Live { process } => line
             .and(Style::Good, "running")
             .and(Style::Dim, format!(" in process {process}{facts}")),

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::pairing::Pairing;
-use crate::short_journal::ended;
+use crate::short_journal::{begun, ended};
 use crate::start::Start;
 use std::sync::mpsc;
 
@@ -65,4 +65,26 @@ fn of_many_refused_runs_the_late_work_of_the_newest_is_dropped() {
     // The forgotten one is unknown: its work waits.
     kept.add(stream(0), part());
     assert_eq!(kept.all.keys().copied().collect::<Vec<_>>(), [stream(0)]);
+}
+
+#[test]
+fn a_replica_is_crashed_only_if_the_robot_said_so_also_after_a_restart() {
+    let folder = tempfile::tempdir().unwrap();
+    let (id, robot) = ("run-1".to_owned(), Some("scout".to_owned()));
+    let about = About { id: id.clone(), robot, ..About::default() };
+    let run = folder.path().join("runs").join(&id);
+    let stream = ids::events_of(&id);
+    begun(&run, &about, 2).close().unwrap();
+    // No station receives it, and its present state is unknown.
+    assert_eq!(Summary::of(&run).state, RunState::NotReceived);
+    let mut kept = kept_runs(folder.path());
+    assert_eq!(kept.restore().iter().filter(|run| run.is_open()).count(), 1);
+    assert!(matches!(Summary::of(&run).state, RunState::Live { .. }));
+    kept.add(stream, Work::Leave { is_final: false });
+    kept.go_on(true);
+    assert_eq!(Summary::of(&run).state, RunState::Crashed);
+    drop(kept);
+    let mut kept = kept_runs(folder.path());
+    assert_eq!(kept.restore().iter().filter(|run| run.is_open()).count(), 0);
+    assert_eq!(Summary::of(&run).state, RunState::Crashed);
 }

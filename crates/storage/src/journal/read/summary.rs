@@ -3,7 +3,7 @@
 use super::Reader;
 use super::end::end_in;
 use crate::journal::folder::{
-    ABOUT_FILE, About, DATABASE_FILE, DIVERGED_FILE, GONE, JournalError, writer_of,
+    ABOUT_FILE, About, CRASHED_FILE, DATABASE_FILE, DIVERGED_FILE, GONE, JournalError, writer_of,
 };
 use rafcon_protocol::{Event, Outcome};
 use serde::Serialize;
@@ -58,6 +58,8 @@ pub enum RunState {
     },
     /// Its runner died: the run can be resumed.
     Crashed,
+    /// It is a replica of a run that had not ended when its newest event arrived, and no station receives it now.
+    NotReceived,
     /// It is a replica, and the run at its robot has another history: it takes nothing more.
     Diverged {
         /// Why, and the way out.
@@ -124,6 +126,10 @@ impl Summary {
             if !self.folder.join(DATABASE_FILE).exists() {
                 return Ok(());
             }
+        }
+        // Only the robot knows that its runner has ended.
+        if process.is_none() && self.robot.is_some() && !self.folder.join(CRASHED_FILE).exists() {
+            self.state = RunState::NotReceived;
         }
         let reader = Reader::open(&self.folder)?;
         let end = reader.tail()?;
