@@ -1,4 +1,4 @@
-//! What is to be known about a run besides its events, as a stream of short parts: how it was started, then its machines, which travel
+//! The description of a run as a stream of short parts: how it was started, then its machines, which travel
 //! in parcels of their own unless they are very large.
 
 use rafcon_protocol::Beginning;

@@ -141,7 +141,7 @@ pub fn relay_robot(settings: &RobotSettings, stopper: &Stopper) -> Result<(), Re
     Ok(())
 }
 
-/// Transport to the station. Its answers arrive in the inbox.
+/// Opens the transport to the station, which delivers into the inbox.
 fn carrier(
     settings: &RobotSettings,
     inbox: &Inbox<FromRun>,

@@ -579,7 +579,7 @@ impl KeptRun {
                     if !self.is_whole
                         && let Some(folder) = self.folder(place)
                     {
-                        // Without the file, the run is shown as not heard.
+                        // If this fails, the run is shown as unheard.
                         drop(replace_file(&folder.join(CRASHED_FILE), &[]));
                     }
                     // While somebody reads it, a journal cannot be closed for long.

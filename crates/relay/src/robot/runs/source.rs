@@ -1,4 +1,4 @@
-//! What the session reads of the runs: events, descriptions, files, snapshots and large values.
+//! Reads runs for the session: events, descriptions, files, snapshots and large values.
 
 use super::RobotRuns;
 use crate::ids;
