@@ -181,7 +181,9 @@ impl RobotRelay<'_> {
     /// Stores the state of the link for the next start.
     fn keep_heard(&self, start: &mut Start) {
         if let Err(error) = start.keep_heard(self.session.key_id(), self.session.horizon()) {
-            (self.settings.tell)(&format!("the last packet numbers of the station cannot be stored: {error}"));
+            (self.settings.tell)(&format!(
+                "the last packet numbers of the station cannot be stored: {error}"
+            ));
         }
     }
 
