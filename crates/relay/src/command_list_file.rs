@@ -8,7 +8,7 @@ use rafcon_storage::journal::{JournalError, folder::replace_file, make_folder};
 use rustix::rand::{GetRandomFlags, getrandom};
 use serde::{Deserialize, Serialize};
 use std::fmt::Write as _;
-use std::fs;
+use std::fs::{self, File};
 use std::io;
 use std::path::{Path, PathBuf};
 
@@ -41,6 +41,17 @@ pub enum CommandListFileError {
     /// The disk refuses to write it.
     #[error("the commands are not stored, the list before counts: {0}")]
     NotWritten(#[from] JournalError),
+    /// The disk refuses the lock that keeps other programs from changing the list.
+    #[error("the commands are not stored, because {} cannot be locked: {source}", path.display())]
+    NotLocked {
+        /// Path of the lock.
+        path: PathBuf,
+        /// Error of the disk.
+        source: io::Error,
+    },
+    /// Another user or program has set or released a list since.
+    #[error("the list was changed since it was read: nothing was stored; read it again")]
+    Changed,
     /// The system gives no random numbers.
     #[error("the commands are not stored: the system gives no random numbers: {0}")]
     NoRandom(rustix::io::Errno),
@@ -89,8 +100,19 @@ impl CommandListFile {
         Ok(list)
     }
 
-    /// Replaces the list atomically by one that is not released and has another revision.
-    pub fn set(&self, commands: Vec<ListedCommand>) -> Result<StoredList, CommandListFileError> {
+    /// Replaces the list atomically by one that is not released and has another revision. With a `revision`, only a list of this
+    /// revision is replaced.
+    pub fn set(
+        &self,
+        commands: Vec<ListedCommand>,
+        revision: Option<&str>,
+    ) -> Result<StoredList, CommandListFileError> {
+        let _lock = self.lock()?;
+        if let Some(revision) = revision
+            && self.read()?.revision() != revision
+        {
+            return Err(CommandListFileError::Changed);
+        }
         let mut random = [0; 8];
         getrandom(&mut random, GetRandomFlags::empty()).map_err(CommandListFileError::NoRandom)?;
         let list = StoredList { salt: hex(&random), commands, released: None };
@@ -98,10 +120,30 @@ impl CommandListFile {
         Ok(list)
     }
 
-    pub(crate) fn write(&self, list: &StoredList) -> Result<(), JournalError> {
+    /// Replaces exactly this list.
+    pub(crate) fn replace(
+        &self,
+        before: &StoredList,
+        list: &StoredList,
+    ) -> Result<(), CommandListFileError> {
+        let _lock = self.lock()?;
+        if self.read()? != *before {
+            return Err(CommandListFileError::Changed);
+        }
+        Ok(self.write(list)?)
+    }
+
+    /// Waits until no other program changes the list. The lock ends with the returned file.
+    fn lock(&self) -> Result<File, CommandListFileError> {
+        let path = self.0.with_extension("lock");
         if let Some(folder) = self.0.parent() {
             make_folder(folder)?;
         }
+        let lock = File::create(&path).and_then(|file| file.lock().map(|()| file));
+        lock.map_err(|source| CommandListFileError::NotLocked { path, source })
+    }
+
+    fn write(&self, list: &StoredList) -> Result<(), JournalError> {
         let mut text = serde_json::to_string_pretty(list).unwrap_or_default();
         text.push('\n');
         replace_file(&self.0, text.as_bytes())
@@ -213,6 +255,7 @@ mod tests {
     use super::*;
     use rafcon_protocol::Command;
     use std::os::unix::fs::PermissionsExt as _;
+    use std::thread;
 
     fn commands() -> Vec<ListedCommand> {
         let run = "r".to_owned();
@@ -224,22 +267,50 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let file = CommandListFile::in_folder(&folder.path().join("scout"));
         assert_eq!(file.read().unwrap(), StoredList::default());
-        let first = file.set(commands()).unwrap();
+        let first = file.set(commands(), None).unwrap();
         assert_eq!(file.read().unwrap(), first);
         let mode = folder.path().join("scout/commands.json").metadata().unwrap().permissions();
         assert_eq!(mode.mode() & 0o777, 0o600);
-        let second = file.set(commands()).unwrap();
+        let second = file.set(commands(), None).unwrap();
         assert_ne!(first.revision(), second.revision());
         assert_ne!(first.ids(), second.ids());
         let released = second.released("ana", 7, vec![ListTimes::default()]);
         assert_eq!((released.ids(), released.revision()), (second.ids(), second.revision()));
     }
 
+    /// Two programs hold files of their own.
+    #[test]
+    fn of_two_changes_of_one_revision_one_is_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = CommandListFile::in_folder(folder.path());
+        let before = file.set(commands(), None).unwrap();
+        let revision = before.revision();
+        let change = || {
+            let file = CommandListFile::in_folder(folder.path());
+            (0..50).filter(|_| file.set(Vec::new(), Some(&revision)).is_ok()).count()
+        };
+        let mark = || {
+            let marked = before.released("ana", 7, vec![ListTimes::default()]);
+            let file = CommandListFile::in_folder(folder.path());
+            (0..50).filter(|_| file.replace(&before, &marked).is_ok()).count()
+        };
+        let (changed, marked) = thread::scope(|scope| {
+            let (changed, marked) = (scope.spawn(change), scope.spawn(mark));
+            (changed.join().unwrap(), marked.join().unwrap())
+        });
+        // A release does not change the revision: after it, the list can be set, not before it and released.
+        assert!(matches!((changed, marked), (1, 0 | 1)), "{changed} {marked}");
+        assert!(!file.read().unwrap().is_released());
+        let late = file.set(Vec::new(), Some(&revision)).unwrap_err();
+        assert!(matches!(late, CommandListFileError::Changed), "{late}");
+    }
+
     #[test]
     fn a_list_that_was_changed_after_its_release_is_no_list() {
         let folder = tempfile::tempdir().unwrap();
         let file = CommandListFile::in_folder(folder.path());
-        let list = file.set(commands()).unwrap().released("ana", 7, vec![ListTimes::default()]);
+        let list =
+            file.set(commands(), None).unwrap().released("ana", 7, vec![ListTimes::default()]);
         file.write(&list).unwrap();
         assert_eq!(file.read().unwrap(), list);
         let path = folder.path().join("commands.json");

@@ -6,7 +6,6 @@ use crate::command_list_file::{CommandListFile, CommandListFileError, LineReport
 use parking_lot::Mutex;
 use rafcon_protocol::api::{LineRequest, ListRequest, Right};
 use rafcon_protocol::{Command, CommandList, ListTimes, ListedCommand};
-use rafcon_storage::journal::JournalError;
 use rafcon_supervisor::clock;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -95,12 +94,12 @@ pub enum CommandListError {
     Faults(Box<CommandList>),
     /// The mark of the release cannot be written.
     #[error("nothing was sent, because the release cannot be stored: {0}")]
-    NotMarked(JournalError),
+    NotMarked(CommandListFileError),
     /// Nothing was sent, and the mark of the release cannot be removed.
     #[error(
         "nothing was sent, and the list stays marked as released because the disk refuses the change ({0}): set the list again"
     )]
-    StaysMarked(JournalError),
+    StaysMarked(CommandListFileError),
 }
 
 impl CommandListDesk {
@@ -116,15 +115,16 @@ impl CommandListDesk {
         Ok(list.with(reports))
     }
 
-    /// Replaces the list of a robot.
+    /// Replaces the list of a robot. With a `revision`, only a list of this revision is replaced.
     pub fn set(
         &self,
         robot: &str,
         commands: Vec<ListedCommand>,
+        revision: Option<&str>,
     ) -> Result<CommandList, CommandListError> {
         let file = self.file(robot)?;
         let changes = self.shared.changes.lock();
-        file.set(commands)?;
+        file.set(commands, revision)?;
         drop(changes);
         self.list(robot)
     }
@@ -165,7 +165,11 @@ impl CommandListDesk {
             && !matches!(why, CommandListError::Lost)
         {
             // Nothing was sent, so the mark goes.
-            file.write(&list).map_err(CommandListError::StaysMarked)?;
+            match file.replace(&marked, &list) {
+                // Another program has set a list that is not marked.
+                Ok(()) | Err(CommandListFileError::Changed) => {}
+                Err(error) => return Err(CommandListError::StaysMarked(error)),
+            }
         }
         sent
     }
@@ -249,7 +253,10 @@ fn mark(
 ) -> Result<StoredList, CommandListError> {
     let times: Vec<ListTimes> = reports.iter().map(|report| report.times).collect();
     let marked = list.released(user, clock::since_1970_ms(), times);
-    file.write(&marked).map_err(CommandListError::NotMarked)?;
+    file.replace(list, &marked).map_err(|error| match error {
+        CommandListFileError::Changed => CommandListError::Stale,
+        error => CommandListError::NotMarked(error),
+    })?;
     Ok(marked)
 }
 

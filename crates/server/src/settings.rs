@@ -105,11 +105,13 @@ pub trait Robots: fmt::Debug + Send + Sync {
     /// The command list of a robot, with the state of each command; blocks until the station answers.
     fn command_list(&self, robot: &str) -> Result<CommandList, CommandListFault>;
 
-    /// Replaces the command list of a robot; blocks until it is on the disk and the station answers.
+    /// Replaces the command list of a robot, with a `revision` only that of this revision; blocks until it is on the disk and the station
+    /// answers.
     fn set_command_list(
         &self,
         robot: &str,
         commands: Vec<ListedCommand>,
+        revision: Option<&str>,
     ) -> Result<CommandList, CommandListFault>;
 
     /// Releases the command list of a robot, all of it or nothing; blocks until the commands are queued.

@@ -63,6 +63,16 @@ pub enum StartOf {
     Again(String, bool),
 }
 
+/// Which command list of a robot is replaced.
+#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::IntoParams))]
+#[cfg_attr(feature = "schema", into_params(parameter_in = Query))]
+pub struct ListChange {
+    /// Only the list of this revision. Without it, any.
+    #[serde(default)]
+    pub revision: Option<String>,
+}
+
 /// A release of the command list of a robot, between a station's server and its link.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ListRequest {

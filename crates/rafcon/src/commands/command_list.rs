@@ -44,7 +44,7 @@ pub(super) fn command_list(raw: &cli::CommandList, environment: &Environment) ->
         let folder = folder_of_robot(&state, &raw.robot)?;
         let file = CommandListFile::in_folder(&folder);
         if let Some(commands) = wanted {
-            file.set(commands)?;
+            file.set(commands, None)?;
         }
         let plan = ContactFile::in_folder(&folder).read()?;
         (file.read()?.without_link(&plan, since_1970_ms()), false)

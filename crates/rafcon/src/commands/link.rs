@@ -13,9 +13,9 @@ use rafcon_protocol::api::{
 };
 use rafcon_protocol::{Command, CommandList, ContactPlan, ListedCommand};
 use rafcon_relay::{
-    Answered, Authority, CommandListDesk, CommandListError, ContactDesk, ContactsNotSet, Paired,
-    Pairing, PairingList, PairingRights, Projects, RequestDesk, RobotSettings, StationSettings,
-    Stopper, ValueCost, ValueDesk, relay_robot, relay_station,
+    Answered, Authority, CommandListDesk, CommandListError, CommandListFileError, ContactDesk,
+    ContactsNotSet, Paired, Pairing, PairingList, PairingRights, Projects, RequestDesk,
+    RobotSettings, StationSettings, Stopper, ValueCost, ValueDesk, relay_robot, relay_station,
 };
 use rafcon_server::{CommandListFault, ContactsFault, NotTaken, Robots, RunAuthority, Settings};
 use std::fs::{self, OpenOptions};
@@ -208,7 +208,9 @@ fn list_fault(why: CommandListError) -> CommandListFault {
     let words = why.to_string();
     match why {
         CommandListError::NotReceived => CommandListFault::NotReceived(words),
-        CommandListError::Stale => CommandListFault::Changed(words),
+        CommandListError::Stale | CommandListError::File(CommandListFileError::Changed) => {
+            CommandListFault::Changed(words)
+        }
         CommandListError::Empty | CommandListError::Faults(_) => CommandListFault::Faulty(words),
         CommandListError::File(_)
         | CommandListError::Busy
@@ -273,8 +275,9 @@ impl Robots for StationDesk {
         &self,
         robot: &str,
         commands: Vec<ListedCommand>,
+        revision: Option<&str>,
     ) -> Result<CommandList, CommandListFault> {
-        self.lists.set(robot, commands).map_err(list_fault)
+        self.lists.set(robot, commands, revision).map_err(list_fault)
     }
 
     fn release_command_list(

@@ -62,7 +62,8 @@ fn request(revision: &str) -> ListRequest {
 fn a_release_is_on_the_disk_with_its_times_before_anything_is_sent() {
     let folder = tempfile::tempdir().unwrap();
     let desk = desk(folder.path());
-    let list = with_station(&desk, 1, |_, it| good(it), || desk.set("scout", pauses(2)).unwrap());
+    let list =
+        with_station(&desk, 1, |_, it| good(it), || desk.set("scout", pauses(2), None).unwrap());
     let file = CommandListFile::in_folder(folder.path());
     let answer = |_, question: &ListQuestion| {
         let on_disk = file.read().unwrap();
@@ -89,7 +90,8 @@ fn a_release_is_on_the_disk_with_its_times_before_anything_is_sent() {
 fn a_list_with_a_fault_is_not_released_and_keeps_no_mark() {
     let folder = tempfile::tempdir().unwrap();
     let desk = desk(folder.path());
-    let list = with_station(&desk, 1, |_, it| good(it), || desk.set("scout", pauses(2)).unwrap());
+    let list =
+        with_station(&desk, 1, |_, it| good(it), || desk.set("scout", pauses(2), None).unwrap());
     // The fault is there before the mark, or comes between the mark and the send.
     for faulty in [0, 1] {
         let answer = |nth, question: &ListQuestion| match nth {
@@ -117,12 +119,12 @@ fn a_list_with_a_fault_is_not_released_and_keeps_no_mark() {
 fn another_list_than_the_reviewed_one_is_not_released() {
     let folder = tempfile::tempdir().unwrap();
     let desk = desk(folder.path());
-    let set = || desk.set("scout", pauses(1)).unwrap().revision;
+    let set = || desk.set("scout", pauses(1), None).unwrap().revision;
     let [before, now] = [(); 2].map(|()| with_station(&desk, 1, |_, it| good(it), set));
     let refused = |revision: &str| desk.release("scout", &request(revision)).unwrap_err();
     assert!(matches!(refused(&before), CommandListError::Stale));
     assert!(matches!(desk.list("mule"), Err(CommandListError::NotReceived)));
-    with_station(&desk, 1, |_, it| good(it), || desk.set("scout", Vec::new()).unwrap());
+    with_station(&desk, 1, |_, it| good(it), || desk.set("scout", Vec::new(), None).unwrap());
     assert!(matches!(refused(&now), CommandListError::Stale));
     let empty = CommandListFile::in_folder(folder.path()).read().unwrap().revision();
     assert!(matches!(refused(&empty), CommandListError::Empty));
@@ -132,7 +134,7 @@ fn another_list_than_the_reviewed_one_is_not_released() {
 fn so_many_questions_wait_for_the_station() {
     let folder = tempfile::tempdir().unwrap();
     let desk = desk(folder.path());
-    let list = CommandListFile::in_folder(folder.path()).set(pauses(LISTED_MAX)).unwrap();
+    let list = CommandListFile::in_folder(folder.path()).set(pauses(LISTED_MAX), None).unwrap();
     let mut robots = desk.shared.robots.lock();
     let robot = robots.get_mut("scout").unwrap();
     let question = |number| ListQuestion {

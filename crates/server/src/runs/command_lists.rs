@@ -2,13 +2,13 @@
 //! link lie with the station.
 
 use crate::access::{Who, of_command};
-use crate::extract::{Body, Path};
+use crate::extract::{Body, Path, Query};
 use crate::gate::blocking;
 use crate::settings::{CommandListFault, Robots};
 use crate::{Failure, ServerState};
 use axum::Json;
 use axum::extract::State;
-use rafcon_protocol::api::{LineRequest, ListRequest, Refusal, Right, RunPhase};
+use rafcon_protocol::api::{LineRequest, ListChange, ListRequest, Refusal, Right, RunPhase};
 use rafcon_protocol::{Answer, CommandList, ListFate, ListLine, ListedCommand, ReleaseList};
 use rafcon_supervisor::clock;
 use serde_json::Value;
@@ -46,14 +46,15 @@ async fn command_list(
 
 /// Replaces the command list of a robot.
 ///
-/// The new list is not released and has another revision. A text that is no list is refused and changes nothing; a list in which commands
+/// The new list is not released and has another revision. With `revision`, only the list of this revision is replaced. A text that is no list is refused and changes nothing; a list in which commands
 /// have faults is stored, and cannot be released.
 #[utoipa::path(put, path = "/api/v1/robots/{robot}/commands", tag = "runs", request_body = Vec<ListedCommand>,
-    params(("robot" = String, Path, description = "The robot's name at this station")),
+    params(("robot" = String, Path, description = "The robot's name at this station"), ListChange),
     responses(
         (status = 200, description = "The list, as it is stored", body = CommandList),
         (status = 400, description = "It is no list of commands; the message names the line", body = Refusal),
         (status = 404, description = "This server receives no such robot", body = Refusal),
+        (status = 409, description = "The list has another revision; nothing was changed", body = Refusal),
         (status = 413, description = "The request is too large", body = Refusal),
         (status = 503, description = "The list cannot be stored, or the station does not answer", body = Refusal),
     )
@@ -62,11 +63,14 @@ async fn set_command_list(
     State(server): State<Arc<ServerState>>,
     who: Who,
     Path(robot): Path<String>,
+    Query(ListChange { revision }): Query<ListChange>,
     Body(commands): Body<Value>,
 ) -> Result<Json<CommandList>, Failure> {
     let commands = ListedCommand::list_of_json(&commands)
         .map_err(|why| Failure::bad("bad_command_list", why.to_string()))?;
-    let set = move |robots: &dyn Robots, robot: &str| robots.set_command_list(robot, commands);
+    let set = move |robots: &dyn Robots, robot: &str| {
+        robots.set_command_list(robot, commands, revision.as_deref())
+    };
     let list = ask(&server, &robot, set).await?;
     let about = format!("of {robot}, revision {}: {}", list.revision, list.lines.len());
     server.audit().note(&who.user, "command_list_set", &about);

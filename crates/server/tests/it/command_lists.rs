@@ -43,6 +43,12 @@ fn operators_set_and_release_a_list_and_viewers_read_it() {
             "409 command_list_changed: robot scout: the list was changed since it was reviewed: nothing was sent; review it again"
         ],
     );
+    // Somebody else has set it meanwhile.
+    let path = "/api/v1/robots/scout/commands?revision=1";
+    check(
+        &server.call(Some(Role::Operator), "PUT", path, Some(&json!([]))),
+        &expect!["409 command_list_changed: robot scout: it was changed"],
+    );
     assert!(call(&server, Role::Viewer, "GET", None).json()["released"].is_null());
     let released = release(&server, Role::Operator, "2");
     assert_eq!(released.status, 200);

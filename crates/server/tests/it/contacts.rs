@@ -74,8 +74,12 @@ impl Robots for OneRobot {
         &self,
         robot: &str,
         commands: Vec<ListedCommand>,
+        revision: Option<&str>,
     ) -> Result<CommandList, CommandListFault> {
-        self.command_list(robot)?;
+        let list = self.command_list(robot)?;
+        if revision.is_some_and(|revision| revision != list.revision) {
+            return Err(CommandListFault::Changed("it was changed".to_owned()));
+        }
         if self.is_disk_full {
             return Err(CommandListFault::Unavailable("the disk is full".to_owned()));
         }

@@ -97,7 +97,7 @@ test("a line is removed, and the rest is set again", async () => {
   );
   await press("Remove line 1");
   expect(requests.at(-1)).toBe(
-    `PUT /robots/scout/commands ${JSON.stringify([{ run: "other", command: { type: "stop" } }])}`,
+    `PUT /robots/scout/commands?revision=7 ${JSON.stringify([{ run: "other", command: { type: "stop" } }])}`,
   );
   expect(said(place)).toEqual([
     "Command list: not released",

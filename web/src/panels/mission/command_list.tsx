@@ -50,7 +50,7 @@ export function CommandListPart({ watch, robot, now_ms }: CommandListProps) {
     const left = lines.filter((_, other) => other !== index);
     return ask(
       "PUT",
-      "",
+      `?revision=${encodeURIComponent(revision)}`,
       left.map((line) => line.listed),
     );
   };

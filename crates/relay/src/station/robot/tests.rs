@@ -127,11 +127,11 @@ fn a_list_is_not_sent_before_the_robot_is_heard_and_each_line_says_so() {
     let list = std::thread::scope(|scope| {
         let list = vec![pause("here"), pause("gone")];
         let set = std::thread::Builder::new().spawn_scoped(scope, || {
-            let before = desk.set("scout", list).unwrap();
+            let before = desk.set("scout", list, None).unwrap();
             let revision = before.revision.clone();
             let request = ListRequest { revision, user: "ana".to_owned(), lines: Vec::new() };
             let refused = desk.release("scout", &request).unwrap_err();
-            (before, refused.to_string(), desk.set("scout", vec![control]).unwrap())
+            (before, refused.to_string(), desk.set("scout", vec![control], None).unwrap())
         });
         let set = set.unwrap();
         while !set.is_finished() {
