@@ -251,7 +251,8 @@ impl RobotRelay<'_> {
 
     /// Time of the next step with ended runs.
     fn next_step(&self, now: Duration) -> Duration {
-        if self.runs.is_busy() { now + STEP_EVERY } else { Duration::MAX }
+        let is_busy = self.runs.is_busy(self.session.is_heard(now));
+        if is_busy { now + STEP_EVERY } else { Duration::MAX }
     }
 
     /// Tells who holds control of the runs that continue.

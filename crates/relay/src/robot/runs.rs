@@ -201,10 +201,13 @@ impl RobotRuns {
         streams
     }
 
-    /// True if ended runs wait for the next step of [`RobotRuns::go_on`].
-    pub(super) fn is_busy(&self) -> bool {
-        let is_ended = |run: &RobotRun| matches!(run.fate, RunFate::Finished | RunFate::Removed);
-        !self.older.is_empty() || self.all.values().any(is_ended)
+    /// True if the next step of [`RobotRuns::go_on`] may change something. Most of it waits for reports of the station.
+    pub(super) fn is_busy(&self, is_heard: bool) -> bool {
+        let mut ended = self.all.values().filter(|run| run.runner.is_none());
+        let is_over = |run: &RobotRun| matches!(run.fate, RunFate::Finished | RunFate::Removed);
+        let is_due = |run: &RobotRun| !run.is_hashed() && !run.is_unreadable;
+        let waits = |run: &RobotRun| is_due(run) || is_heard && is_over(run);
+        is_heard && !self.older.is_empty() || ended.any(waits)
     }
 
     /// Continues with ended runs, in steps short enough for the loop.
@@ -284,9 +287,10 @@ impl RobotRuns {
             let runs = self.all.iter().filter(move |(_, run)| run.runner.is_some() == is_live);
             runs.filter(|(_, run)| !run.is_hashed()).map(|(id, _)| id.clone())
         };
-        let due: Vec<_> = due(true).chain(due(false).take(HASHED_AT_ONCE)).collect();
-        let mut left = HASH_BYTES;
+        let due: Vec<_> = due(true).chain(due(false)).collect();
+        let (mut left, mut ended_left) = (HASH_BYTES, HASHED_AT_ONCE);
         for id in due {
+            // A journal that cannot be read now holds up no other.
             if self.open(&id).is_none() {
                 continue;
             }
@@ -302,7 +306,8 @@ impl RobotRuns {
                 let (last, hash) = (chain.last(), chain.hash());
                 session.set_chain(run.events, EventHash { last, hash });
             }
-            if left == 0 {
+            ended_left -= usize::from(run.runner.is_none());
+            if left == 0 || ended_left == 0 {
                 break;
             }
         }
@@ -377,6 +382,7 @@ impl RobotRuns {
             named: Vec::new(),
             source: None,
             was_read: false,
+            is_unreadable: false,
             is_older: false,
             head,
             runner,

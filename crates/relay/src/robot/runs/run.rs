@@ -31,6 +31,8 @@ pub(super) struct RobotRun {
     /// Its journal, while it is read.
     pub(super) source: Option<EventSource>,
     pub(super) was_read: bool,
+    /// The journal could not be opened at the last attempt.
+    pub(super) is_unreadable: bool,
     pub(super) head: u64,
     pub(super) runner: Option<Followed>,
     /// Last snapshot of its runner, with the time.
@@ -87,6 +89,7 @@ impl RobotRun {
         self.was_read = true;
         if self.source.is_none() {
             self.source = self.source().ok();
+            self.is_unreadable = self.source.is_none();
         }
         self.source.as_mut()
     }

@@ -132,9 +132,31 @@ fn all_runs_that_ended_at_once_are_hashed_in_steps() {
     let mut runs = robot.runs();
     runs.look(&mut robot.session, true);
     let hashed = |runs: &RobotRuns| runs.all.values().filter(|run| run.is_hashed()).count();
-    assert_eq!((hashed(&runs), runs.is_busy()), (0, true));
+    assert_eq!((hashed(&runs), runs.is_busy(false)), (0, true));
     runs.go_on(&mut robot.session, true);
     assert_eq!(hashed(&runs), HASHED_AT_ONCE);
     runs.go_on(&mut robot.session, true);
     assert_eq!(hashed(&runs), HASHED_AT_ONCE + 1);
+    // The rest waits for reports of the station.
+    assert_eq!([false, true].map(|is_heard| runs.is_busy(is_heard)), [false, true]);
+}
+
+#[test]
+fn journals_that_cannot_be_read_hold_up_no_other() {
+    let mut robot = Robot::new();
+    let ids: Vec<_> = (0..=HASHED_AT_ONCE).map(|nth| format!("run-{nth:04}")).collect();
+    for id in &ids {
+        ended(&robot.folder_of(id), &about(id), 1);
+    }
+    let mut runs = robot.runs();
+    runs.look(&mut robot.session, true);
+    let (readable, damaged) = ids.split_last().unwrap();
+    for id in damaged {
+        runs.all.get_mut(id).unwrap().source = None;
+        fs::remove_file(robot.folder_of(id).join("journal.db")).unwrap();
+    }
+    runs.go_on(&mut robot.session, true);
+    assert!(runs.all[readable].is_hashed());
+    // They are tried again with the next scan, not at each step.
+    assert!(!runs.is_busy(false));
 }
