@@ -2,10 +2,12 @@
 //! station reports is the one in the robot's journal, and every fate is known in the end.
 
 use proptest::prelude::*;
+use proptest::test_runner::TestRunner;
 use rafcon_link::{CommandId, CommandState, NewCommand, NotSent};
 use rafcon_testkit::disturbed_link::{
     DELAYS_MS, Disturbance, DisturbedLink, LinkSetup, PROFILES, links,
 };
+use std::cell::Cell;
 use std::time::Duration;
 
 /// A command: when it is given, in percent, how long it is valid, in round trips, and its length.
@@ -160,17 +162,29 @@ fn a_long_command_arrives_over_every_link_and_a_stop_does_not_wait_for_it() {
     }
 }
 
-proptest! {
-    #![proptest_config(ProptestConfig { cases: 64, ..ProptestConfig::default() })]
-
-    #[test]
-    fn the_station_and_the_journal_of_the_robot_agree_about_every_command(
-        delay in prop::sample::select(DELAYS_MS.to_vec()),
-        profile in prop::sample::select(PROFILES.to_vec()),
-        disturbances in disturbances(),
-        commands in prop::collection::vec(given(), 1..8),
-    ) {
+/// `RAFCON_TEST_LINKS` sets how many links are tried, each with up to seven commands.
+#[test]
+#[expect(clippy::disallowed_methods, reason = "the long form of the test is asked for")]
+fn the_station_and_the_journal_of_the_robot_agree_about_every_command() {
+    let links =
+        std::env::var("RAFCON_TEST_LINKS").map_or(64, |links| links.parse().expect("a number"));
+    let commands = Cell::new(0);
+    let strategy = (
+        prop::sample::select(DELAYS_MS.to_vec()),
+        prop::sample::select(PROFILES.to_vec()),
+        disturbances(),
+        prop::collection::vec(given(), 1..8),
+    );
+    let config =
+        ProptestConfig { cases: links, source_file: Some(file!()), ..ProptestConfig::default() };
+    let tried = TestRunner::new(config).run(&strategy, |(delay, profile, disturbances, given)| {
         let one_way = Duration::from_millis(delay);
-        check(&LinkSetup { profile, one_way, disturbances }, &commands);
+        check(&LinkSetup { profile, one_way, disturbances }, &given);
+        commands.set(commands.get() + given.len());
+        Ok(())
+    });
+    if let Err(wrong) = tried {
+        panic!("{wrong}");
     }
+    println!(r#"{{"name":"commands_wrong_fate","value":0,"unit":"","of":{}}}"#, commands.get());
 }
